@@ -1,4 +1,4 @@
-"""Parameters of a snake robot, its ground and its gait, as every module of this folder takes them."""
+"""Parameters of a snake robot, its ground and its gait, as all modules of this folder take them."""
 
 from __future__ import annotations
 

@@ -1,0 +1,133 @@
+"""Derive the three-link snake and find the paper's errata by exact evaluation of its equations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from . import explicit, printed
+from . import symbolic as sy
+from .params import Gait, Params
+
+WRONG = {"28", "29", "30", "33", "45", "47", "50 row 4"}
+
+
+@pytest.fixture(scope="module")
+def states() -> list[dict[sp.Expr, sp.Rational]]:
+    """Return two exact random states: a wrong equation would hold at both only by a miracle."""
+    return [sy.with_true_accelerations(sy.rational_state(seed)) for seed in (1, 2)]
+
+
+def disagreeing(equations: printed.Residuals, states: list) -> set[str]:
+    return {
+        number
+        for number, residuals in equations.items()
+        if any(sy.evaluate(one, values) != 0 for one in residuals for values in states)
+    }
+
+
+def test_newton_euler_agrees_with_lagrange(states: list) -> None:
+    for residual in sy.newton_euler_equations():
+        assert [sy.evaluate(residual, values) for values in states] == [0, 0]
+
+
+def test_dense_model_agrees_with_lagrange(states: list) -> None:
+    """Hold explicit.py to the symbolic derivation where friction is an ordinary viscous one."""
+    for values in states:
+        drag = {sy.C_t[i]: values[sy.C_t[0]] for i in range(3)}
+        drag |= {sy.C_n[i]: values[sy.C_n[0]] for i in range(3)}
+        state = {key: value for key, value in values.items() if key not in sy.qdd} | drag
+        for i in range(3):
+            force = [sy.evaluate(part, state) for part in sy.dissipative_friction(i)]
+            state |= dict(zip(sy.f[i], force, strict=True))
+        truth = sy.with_true_accelerations(state)
+        q = [state[sy.q[0]], state[sy.q[1]]]
+        q += [sp.atan2(state[sp.sin(angle)], state[sp.cos(angle)]) for angle in sy.theta]
+        keys = (sy.m, sy.ell, sy.I_c, sy.C_t[0], sy.C_n[0])
+        p = Params(3, *(float(state[key]) for key in keys))
+        qdot, torque = (np.array([float(state[s]) for s in part]) for part in (sy.qd, sy.T))
+        motion = explicit.torque_driven(p, np.array(q, float), qdot, torque)
+        # double precision against exact rationals; the condition number of the system is < 1e4
+        assert motion.qddot == pytest.approx([float(truth[s]) for s in sy.qdd], rel=1e-10)
+
+
+def test_exactly_the_listed_equations_are_wrong(states: list) -> None:
+    equations = printed.as_printed()
+    assert len(equations) == 49 + 5
+    assert disagreeing(equations, states) == WRONG
+
+
+def test_the_corrected_equations_hold(states: list) -> None:
+    assert disagreeing(printed.corrected(), states) == set()
+
+
+def test_printed_friction_drives_the_snake(states: list) -> None:
+    """As printed, the ground would feed power in: F . v = +C v**2."""
+    for i in range(3):
+        velocity = sy.VELOCITIES[i]
+        power = [sy.evaluate(sy.dissipative_friction(i).dot(velocity), v) for v in states]
+        assert max(power) < 0
+
+
+def test_each_error_term_by_term() -> None:
+    """Name the wrong term: the difference printed - right is exactly the listed one."""
+    wrong, right = printed.as_printed(), printed.corrected()
+
+    def difference(number: str, index: int = 0) -> sp.Expr:
+        return sp.expand(wrong[number][index] - right[number][index])
+
+    speed = sy.VELOCITIES[0].dot(sy.tangent(0))
+    assert sp.expand(difference("28") + 2 * sy.C_t[0] * speed) == 0
+    normal = sy.VELOCITIES[1].dot(sy.normal(1))
+    assert sp.expand(difference("29", 1) + 2 * sy.C_n[1] * normal) == 0
+    row = 3 * sy.m * sy.ell**2 * (sy.qd[2] ** 2 - sy.qd[3] ** 2)
+    row *= sp.sin(sy.theta[0] - sy.theta[1])
+    assert sp.expand(difference("50 row 4") - row) == 0
+    for number, i in (("45", 2), ("47", 3)):
+        shown = printed.Q[i] - wrong[number][1]
+        assert sp.simplify(printed.Q[i] - sy.ell * shown) == 0
+
+
+def test_spring_and_damper_of_equations_51_to_56() -> None:
+    """The joint force is minus the gradient of the spring's energy and the damper's loss."""
+    places = sp.Matrix(sp.symbols("x1 y1 x2 y2"))
+    speeds = sp.Matrix(sp.symbols("xd1 yd1 xd2 yd2"))
+    left = places[:2, :] + sy.ell * sy.tangent(0)  # Eqs. 54, 56
+    right = places[2:, :] - sy.ell * sy.tangent(1)  # Eqs. 53, 55
+    gap, variables = right - left, [*places, *sy.theta[:2]]
+    rates = [*speeds, *sy.theta_d[:2]]
+    gap_rate = gap.jacobian(variables) * sp.Matrix(rates)
+    force = sy.k * gap + sy.c * gap_rate  # Eqs. 51-52, on link 1
+    energy, loss = sy.k * gap.dot(gap) / 2, sy.c * gap_rate.dot(gap_rate) / 2
+    for axis in range(2):
+        on_tail = -energy.diff(places[axis]) - loss.diff(speeds[axis])
+        assert sp.simplify(on_tail - force[axis]) == 0
+    turning = -energy.diff(sy.theta[0]) - loss.diff(sy.theta_d[0])
+    assert sp.simplify(turning - sy.ell * sy.normal(0).dot(force)) == 0
+
+
+def test_equation_57_is_a_joint_angle() -> None:
+    """Turning the whole snake must not change the command: theta_i changes, phi_i does not."""
+    turn = sp.Symbol("turn")
+    turned = {angle: angle + turn for angle in sy.theta}
+    as_link_angle = sy.theta[0]
+    as_joint_angle = sy.theta[1] - sy.theta[0]
+    assert as_link_angle.subs(turned, simultaneous=True) - as_link_angle != 0
+    assert as_joint_angle.subs(turned, simultaneous=True) - as_joint_angle == 0
+    phi, phi_dot, phi_ddot = Gait(0.5, 1.2, 3.0).angles(0.7, 5)
+    assert phi[2] == pytest.approx(0.5 * np.sin(3.0 * 0.7 + 2 * 1.2), rel=1e-15)
+    step = 1e-5  # central differences: truncation and rounding both below 1e-8
+    ahead, behind = (Gait(0.5, 1.2, 3.0).angles(0.7 + h, 5) for h in (step, -step))
+    assert phi_dot == pytest.approx((ahead[0] - behind[0]) / (2 * step), abs=1e-8)
+    assert phi_ddot == pytest.approx((ahead[1] - behind[1]) / (2 * step), abs=1e-8)
+
+
+def test_equation_58_weighs_the_whole_snake() -> None:
+    """Only with all six links do Eqs. 58-59 put the first reading near the paper's 2 degrees."""
+
+    def slope_deg(mass_kg: float, speed_m_s: float) -> float:
+        return np.degrees(np.arcsin((0.084 * speed_m_s + 0.14) / (mass_kg * 9.81)))
+
+    assert 1.7 < slope_deg(6 * 0.0756, 0.0) < 2.0 < slope_deg(6 * 0.0756, 1.0) < 3.0
+    assert slope_deg(0.0756, 0.0) > 10.0
