@@ -100,6 +100,7 @@ def evaluate(
     p: Params,
     q: Array,
     qdot: Array,
+    *,
     torque: Array,
     phi_ddot: Array,
     driven: Array,
@@ -136,7 +137,9 @@ def torque_driven(
 ) -> Motion:
     """Return the motion under given joint torques T_i (n-1,), N m; q, qdot (n+2,)."""
     none = np.zeros(p.links - 1)
-    return evaluate(p, q, qdot, np.asarray(torque), none, none.astype(bool), signs)
+    limp = none.astype(bool)
+    torque = np.asarray(torque)
+    return evaluate(p, q, qdot, torque=torque, phi_ddot=none, driven=limp, signs=signs)
 
 
 def angle_driven(
@@ -153,7 +156,8 @@ def angle_driven(
     """
     phi, phi_dot, phi_ddot = (np.asarray(part) for part in joints)
     q, qdot = whole_state(pose, phi), whole_state(rates, phi_dot)
-    return evaluate(p, q, qdot, np.zeros_like(phi), phi_ddot, np.ones(len(phi), bool), signs)
+    torque, driven = np.zeros_like(phi), np.ones(len(phi), bool)
+    return evaluate(p, q, qdot, torque=torque, phi_ddot=phi_ddot, driven=driven, signs=signs)
 
 
 def whole_state(link1: Array, joints: Array) -> Array:

@@ -41,7 +41,8 @@ def test_energy_and_momentum_balance(n: int, drive: str) -> None:
     driven = {"torque": np.zeros(n - 1, bool), "angle": np.ones(n - 1, bool)}.get(
         drive, rng.random(n - 1) < 0.5
     )
-    motion = explicit.evaluate(p, q, qdot, *rng.normal(size=(2, n - 1)), driven)
+    torque, phi_ddot = rng.normal(size=(2, n - 1))
+    motion = explicit.evaluate(p, q, qdot, torque=torque, phi_ddot=phi_ddot, driven=driven)
     residual, scale = explicit.power_balance(p, qdot, motion)
     # the dense solve of 3n + 3(n-1) unknowns loses a few digits as n grows
     assert abs(residual) < 1e-12 * n * scale
