@@ -1,0 +1,260 @@
+"""Run firmware on a simulated AVR board in simulated time and read its pins, lines and memory."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from avr.toolchain import MCUS, build_simulator
+
+F_CPU_HZ = 16_000_000
+RAM_END = {"atmega328p": 0x8FF, "atmega2560": 0x21FF}
+PAINT = b"\xc5"  # what simboard fills the RAM with
+STATES = ("running", "power cut", "crashed")
+CAUSES = ("power-on", "external", "brown-out")
+TORN = ("old", "erased", "new")
+EDGE = np.dtype([("cycle", "u8"), ("pin", "u4"), ("level", "u4")])
+SENT = np.dtype([("cycle", "u8"), ("value", "u4"), ("unused", "u4")])
+
+
+class Counts(ctypes.Structure):
+    """What the simulated board has counted; the fields are explained in simboard.h."""
+
+    _fields_ = [
+        (name, ctypes.c_uint32)
+        for name in (
+            "resets",
+            "wire_bytes",
+            "overrun_bytes",
+            "eeprom_writes",
+            "eeprom_ignored",
+        )
+    ]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line the board sent: the cycles at which its first and last byte went to the UART."""
+
+    cycle: int
+    end_cycle: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Pulses:
+    """The pulses of one pin: rising edges in cycles (N,) and widths in microseconds (N,)."""
+
+    rise_cycle: np.ndarray
+    width_us: np.ndarray
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    lib = ctypes.CDLL(str(build_simulator() / "libsimboard.so"))
+    board, u8, u32, u64 = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_uint32, ctypes.c_uint64
+    size = ctypes.c_size_t
+    for name, result, *arguments in (
+        ("board_open", board, u8, u8, u32),
+        ("board_close", None, board),
+        ("board_run", ctypes.c_int, board, u64),
+        ("board_cycle", u64, board),
+        ("board_reset", None, board, ctypes.c_int),
+        ("board_hang", None, board),
+        ("board_counts", Counts, board),
+        ("board_watch", ctypes.c_int, board, ctypes.c_char, ctypes.c_int),
+        ("board_take_edges", size, board, ctypes.c_void_p, size),
+        ("board_take_sent", size, board, ctypes.c_void_p, size),
+        ("board_wire", None, board, u64, u32, u8, size),
+        ("board_baud", ctypes.c_double, board),
+        ("board_read_ram", None, board, ctypes.c_uint16, u8, size),
+        ("board_write_ram", None, board, ctypes.c_uint16, u8, size),
+        ("board_eeprom_size", size, board),
+        ("board_read_eeprom", None, board, u8),
+        ("board_write_eeprom", None, board, u8),
+        ("board_cut_power", None, board, u32, ctypes.c_int),
+    ):
+        function = getattr(lib, name)
+        function.restype, function.argtypes = result, arguments
+    return lib
+
+
+@cache
+def symbols(elf: Path) -> dict[str, int]:
+    """Map the names of the ELF's RAM variables to their addresses in data memory."""
+    listing = subprocess.run(["avr-nm", str(elf)], text=True, capture_output=True, check=True)
+    found = {}
+    for row in listing.stdout.splitlines():
+        address, kind, name = row.rsplit(" ", 2)
+        if kind in "bBdD":
+            found[name] = int(address, 16) & 0xFFFF
+    return found
+
+
+class Board:
+    """A simulated board running one ELF; simulated time stands still between calls."""
+
+    def __init__(self, elf: Path, board: str = "uno", pins: str = "", baud: int = 57600):
+        self.elf, self.mcu, self.baud = elf, MCUS[board], baud
+        self._lib = _library()
+        self._board = self._lib.board_open(str(elf).encode(), self.mcu.encode(), F_CPU_HZ)
+        if not self._board:
+            raise RuntimeError(f"cannot run {elf} on {self.mcu}")
+        for i in range(0, len(pins), 2):
+            if self._lib.board_watch(self._board, pins[i].encode(), int(pins[i + 1])) < 0:
+                raise ValueError(f"no pin {pins[i : i + 2]} on {self.mcu}")
+        self._edges: list[np.ndarray] = []
+        self._partial: list[tuple[int, int]] = []
+        self.lines: list[Line] = []
+        self.state = STATES[0]
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the simulator."""
+        if self._board:
+            self._lib.board_close(self._board)
+            self._board = None
+
+    @property
+    def cycle(self) -> int:
+        """CPU cycles since power-on."""
+        return self._lib.board_cycle(self._board)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since power-on."""
+        return self.cycle / F_CPU_HZ
+
+    @property
+    def counts(self) -> Counts:
+        """What the simulated hardware has counted so far."""
+        return self._lib.board_counts(self._board)
+
+    @property
+    def actual_baud(self) -> float:
+        """Bits per second to which the program has set its UART."""
+        return self._lib.board_baud(self._board)
+
+    def run(self, seconds: float) -> str:
+        """Let simulated time pass; return the state (running, power cut, crashed)."""
+        until = self.cycle + round(seconds * F_CPU_HZ)
+        self.state = STATES[self._lib.board_run(self._board, until)]
+        self._collect()
+        return self.state
+
+    def run_until(self, wanted: str, timeout_s: float, step_s: float = 0.002) -> Line:
+        """Run until a new line starts with `wanted`; return it, or raise AssertionError."""
+        seen, end = len(self.lines), self.time_s + timeout_s
+        while self.time_s < end:
+            state = self.run(step_s)
+            for line in self.lines[seen:]:
+                if line.text.startswith(wanted):
+                    return line
+            seen = len(self.lines)
+            assert state == "running", f"board is in state {state!r} while waiting for {wanted!r}"
+        last = "\n".join(line.text for line in self.lines[-10:])
+        raise AssertionError(f"no line {wanted!r} within {timeout_s} s; the last ones:\n{last}")
+
+    def send(self, data: bytes, delay_s: float = 0.0) -> None:
+        """Put bytes on the wire at its true pace, behind those already queued."""
+        at = self.cycle + round(delay_s * F_CPU_HZ)
+        self._lib.board_wire(self._board, at, self.baud, data, len(data))
+
+    def reset(self, cause: str = "external") -> None:
+        """Reset the processor; RAM and EEPROM keep their content."""
+        self._lib.board_reset(self._board, CAUSES.index(cause))
+
+    def hang(self) -> None:
+        """Make the main program loop for ever at its present instruction, until a reset."""
+        self._lib.board_hang(self._board)
+
+    def read_ram(self, symbol: str, size: int) -> bytes:
+        """Read a variable of the running program."""
+        out = ctypes.create_string_buffer(size)
+        self._lib.board_read_ram(self._board, self._address(symbol), out, size)
+        return out.raw
+
+    def write_ram(self, symbol: str, value: bytes) -> None:
+        """Overwrite a variable of the running program."""
+        self._lib.board_write_ram(self._board, self._address(symbol), value, len(value))
+
+    @property
+    def static_ram(self) -> int:
+        """Bytes of RAM that the program's variables take."""
+        return symbols(self.elf)["_end"] - symbols(self.elf)["__data_start"]
+
+    @property
+    def stack_free(self) -> int:
+        """Bytes between the variables and the deepest that the stack has been since power-on."""
+        end = symbols(self.elf)["_end"]
+        ram = ctypes.create_string_buffer(RAM_END[self.mcu] + 1 - end)
+        self._lib.board_read_ram(self._board, end, ram, len(ram))
+        return len(ram.raw) - len(ram.raw.lstrip(PAINT))
+
+    def _address(self, symbol: str) -> int:
+        known = symbols(self.elf)
+        if symbol not in known:
+            raise KeyError(f"{self.elf.name} has no RAM variable {symbol!r}")
+        return known[symbol]
+
+    @property
+    def eeprom(self) -> bytes:
+        """The content of the EEPROM; assign to replace all of it."""
+        out = ctypes.create_string_buffer(self._lib.board_eeprom_size(self._board))
+        self._lib.board_read_eeprom(self._board, out)
+        return out.raw
+
+    @eeprom.setter
+    def eeprom(self, content: bytes) -> None:
+        size = self._lib.board_eeprom_size(self._board)
+        if len(content) != size:
+            raise ValueError(f"EEPROM content has {len(content)} bytes, the chip has {size}")
+        self._lib.board_write_eeprom(self._board, content)
+
+    def cut_power(self, nth_write: int, torn: str = "erased") -> None:
+        """Stop at the n-th EEPROM byte write from now, leaving that byte old, erased or new."""
+        self._lib.board_cut_power(self._board, nth_write, TORN.index(torn))
+
+    @property
+    def edges(self) -> np.ndarray:
+        """Every edge of the watched pins so far: (cycle, pin, level)."""
+        self._edges = [np.concatenate([np.empty(0, EDGE), *self._edges])]
+        return self._edges[0]
+
+    def pulses(self, pin: int) -> Pulses:
+        """Return the complete pulses of one watched pin, numbered from 0."""
+        mine = self.edges[self.edges["pin"] == pin]
+        mine = mine[np.argmax(mine["level"] == 1) :]
+        cycle = mine["cycle"].astype(np.int64)
+        n = len(mine) // 2
+        rise, fall = cycle[0 : 2 * n : 2], cycle[1 : 2 * n : 2]
+        return Pulses(rise, (fall - rise) * (1e6 / F_CPU_HZ))
+
+    def _take(self, take: ctypes._CFuncPtr, dtype: np.dtype) -> np.ndarray:
+        parts = []
+        while True:
+            part = np.empty(65536, dtype)
+            n = take(self._board, part.ctypes.data, len(part))
+            parts.append(part[:n])
+            if n < len(part):
+                return np.concatenate(parts)
+
+    def _collect(self) -> None:
+        edges = self._take(self._lib.board_take_edges, EDGE)
+        if len(edges):
+            self._edges.append(edges)
+        for cycle, value, _ in self._take(self._lib.board_take_sent, SENT).tolist():
+            self._partial.append((cycle, value))
+            if value == ord("\n"):
+                text = bytes(v for _, v in self._partial).decode("ascii", "replace")
+                self.lines.append(Line(self._partial[0][0], cycle, text.rstrip("\r\n")))
+                self._partial = []

@@ -1,0 +1,34 @@
+"""Pytest fixtures for everything that runs on a simulated board; loaded by tests/conftest.py."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+from avr.live import LiveBoard
+from avr.toolchain import ToolchainError, build_firmware, require
+
+
+@pytest.fixture(scope="session")
+def firmware_elf() -> Callable[[str], Path]:
+    """Return a function from board name to the ELF built by `pio run -e BOARD`.
+
+    Without a toolchain the test is skipped with the reason; where CI=true it fails instead.
+    """
+    try:
+        require()
+    except ToolchainError as error:
+        if os.environ.get("CI") == "true":
+            pytest.fail(str(error))
+        pytest.skip(str(error))
+    return cache(build_firmware)
+
+
+@pytest.fixture
+def simulated_board(firmware_elf: Callable[[str], Path]) -> Iterator[LiveBoard]:
+    """Give an Uno in real time behind a pseudo-terminal: `.port` is the path to open."""
+    with LiveBoard(firmware_elf("uno")) as board:
+        yield board

@@ -1,0 +1,66 @@
+// An Arduino board in libsimavr: its serial wire, pins, EEPROM, resets and stack, all stamped in
+// CPU cycles.
+//
+// What simavr leaves out and this adds: bytes at true wire pace that overrun the receiver as they
+// do on silicon, EEPROM writes that take their 3.4 ms and can be cut by a power loss, a program
+// that hangs.
+#pragma once
+#include <stddef.h>
+#include <stdint.h>
+
+struct board;
+
+enum board_state { BOARD_RUNNING, BOARD_POWER_CUT, BOARD_CRASHED };
+enum reset_cause { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT };
+// What a byte of EEPROM holds when the power went while it was being written.
+enum torn_byte { TORN_OLD, TORN_ERASED, TORN_NEW };
+
+struct edge {
+    uint64_t cycle;
+    uint32_t pin;  // the number board_watch returned
+    uint32_t level;
+};
+
+struct sent_byte {
+    uint64_t cycle;  // when the program handed the byte to the UART
+    uint32_t value;
+    uint32_t unused;
+};
+
+struct board_counts {
+    uint32_t resets;         // of any cause, the power-on not counted
+    uint32_t wire_bytes;     // that reached the receiver
+    uint32_t overrun_bytes;  // lost because three were waiting unread
+    uint32_t eeprom_writes;  // bytes whose writing began
+    uint32_t
+        eeprom_ignored;  // writes begun while the last one was still going on: silicon drops them
+};
+
+struct board* board_open(const char* elf, const char* mcu, uint32_t frequency_hz);
+void board_close(struct board* b);
+
+enum board_state board_run(struct board* b, uint64_t until_cycle);
+uint64_t board_cycle(const struct board* b);
+void board_reset(struct board* b, enum reset_cause cause);
+void board_hang(
+    struct board* b);  // the program loops for ever, interrupts still served, until a reset
+struct board_counts board_counts(const struct board* b);
+
+int board_watch(struct board* b, char port,
+                int bit);  // returns the pin's number, -1 if there is none
+size_t board_take_edges(struct board* b, struct edge* out, size_t room);
+size_t board_take_sent(struct board* b, struct sent_byte* out, size_t room);
+
+// Queue bytes on the wire to the board: the first starts at the given cycle or when the wire is
+// free.
+void board_wire(struct board* b, uint64_t at_cycle, uint32_t baud, const uint8_t* bytes, size_t n);
+double board_baud(const struct board* b);  // as the program has set its UART
+
+void board_read_ram(const struct board* b, uint16_t address, uint8_t* out, size_t n);
+void board_write_ram(struct board* b, uint16_t address, const uint8_t* bytes, size_t n);
+size_t board_eeprom_size(const struct board* b);
+void board_read_eeprom(const struct board* b, uint8_t* out);
+void board_write_eeprom(struct board* b, const uint8_t* bytes);
+// Cut the power while EEPROM byte number `nth` (from 1, counted from now; 0 never) is being
+// written.
+void board_cut_power(struct board* b, uint32_t nth, enum torn_byte torn);

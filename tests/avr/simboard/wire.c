@@ -1,0 +1,83 @@
+// The serial wire: bytes reach the receiver at the host's pace and overrun it as on silicon.
+#include "inside.h"
+
+DEFINE_FIFO(uint16_t, uart_fifo);
+
+enum { BITS_PER_BYTE = 10, UNREAD_ON_SILICON = 3 };  // two in the FIFO, one in the shift register
+
+// simavr counts 11 bits a byte; 8N1 has 10. Set it right each time the UART is about to use it.
+static void true_pace(struct board* b) {
+    avr_uart_t* u = b->wire.uart;
+    u->cycles_per_byte =
+        (avr_cycle_count_t)(BITS_PER_BYTE * (double)b->avr->frequency / board_baud(b));
+}
+
+double board_baud(const struct board* b) {
+    const avr_uart_t* u = b->wire.uart;
+    const unsigned ubrr = b->avr->data[u->ubrrl.reg] | (b->avr->data[u->ubrrh.reg] & 0xfu) << 8;
+    return (double)b->avr->frequency / (avr_regbit_get(b->avr, u->u2x) ? 8 : 16) / (ubrr + 1);
+}
+
+static void on_sent(avr_irq_t* irq, uint32_t value, void* param) {
+    (void)irq;
+    struct board* b = param;
+    struct sent_byte s = {b->avr->cycle, value & 0xff, 0};
+    growing_push(&b->sent, &s);
+    true_pace(b);
+}
+
+static avr_cycle_count_t wire_tick(avr_t* avr, avr_cycle_count_t when, void* param) {
+    (void)avr;
+    (void)when;
+    struct board* b = param;
+    struct wire* w = &b->wire;
+    const struct wire_byte* queue = w->queue.items;
+    true_pace(b);
+    const unsigned unread = uart_fifo_get_read_size(&w->uart->input);
+    if (unread < UNREAD_ON_SILICON) {
+        avr_raise_irq(w->input, queue[w->next].value);
+        b->counts.wire_bytes++;
+    } else {
+        b->counts.overrun_bytes++;
+    }
+    if (++w->next < w->queue.n) return queue[w->next].cycle;
+    w->next = w->queue.n = 0;
+    return 0;
+}
+
+static void start_ticking(struct board* b) {
+    const struct wire* w = &b->wire;
+    if (w->next == w->queue.n || avr_cycle_timer_status(b->avr, wire_tick, b)) return;
+    const uint64_t due = ((struct wire_byte*)w->queue.items)[w->next].cycle;
+    const uint64_t delay = due > b->avr->cycle ? due - b->avr->cycle : 1;
+    avr_cycle_timer_register(b->avr, delay, wire_tick, b);
+}
+
+void board_wire(struct board* b, uint64_t at, uint32_t baud, const uint8_t* bytes, size_t n) {
+    struct wire* w = &b->wire;
+    const double byte_cycles = BITS_PER_BYTE * (double)b->avr->frequency / baud;
+    uint64_t start = at > b->avr->cycle ? at : b->avr->cycle;
+    if (start < w->free_cycle) start = w->free_cycle;
+    for (size_t i = 0; i < n; i++) {
+        struct wire_byte byte = {start + (uint64_t)((double)i * byte_cycles), bytes[i]};
+        growing_push(&w->queue, &byte);
+    }
+    w->free_cycle = start + (uint64_t)((double)n * byte_cycles);
+    start_ticking(b);
+}
+
+void wire_after_reset(struct board* b) {
+    start_ticking(b);  // the host goes on sending; the reset cancelled every cycle timer
+}
+
+void wire_attach(struct board* b) {
+    avr_t* avr = b->avr;
+    b->wire.queue.item_size = sizeof(struct wire_byte);
+    b->sent.item_size = sizeof(struct sent_byte);
+    b->wire.uart = (avr_uart_t*)find_module(avr, "uart", '0');
+    b->wire.input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
+    uint32_t flags = 0;  // neither echo on stdout nor sleeping while the program polls
+    avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
+    avr_irq_t* output = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT);
+    avr_irq_register_notify(output, on_sent, b);
+}

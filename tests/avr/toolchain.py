@@ -1,0 +1,230 @@
+"""Build the firmware with PlatformIO where its registry is out of reach; say what is missing."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+BUILD = ROOT / "build" / "avr"
+ARDUINO = Path(os.environ.get("ARDUINO_AVR", "/usr/share/arduino/hardware/arduino/avr"))
+MCUS = {"uno": "atmega328p", "nano": "atmega328p", "mega": "atmega2560"}
+# The genuine library (LGPL), an earlier release with the same interface as the registry's 1.2.
+SERVO_PACKAGE = "arduino-servo==0.1"
+SERVO_SHA256 = "a9e67d8004fa85ec6ae87a2b019b774b80265c7a978d32602721d2254ac3b251"
+SERVO_VERSION = "1.2.1"  # what platformio.ini asks for; PlatformIO compares it
+
+
+class ToolchainError(RuntimeError):
+    """A tool is missing or a build failed; the message says which and what to do."""
+
+
+def missing() -> list[str]:
+    """Name what this machine lacks for building and simulating the firmware."""
+    lacks = [f"{tool} (not on PATH)" for tool in ("cc", "avr-g++") if not shutil.which(tool)]
+    for path in (ARDUINO / "cores", Path("/usr/include/simavr/sim_avr.h")):
+        if not path.exists():
+            lacks.append(str(path))
+    lacks += [f"Python package {m}" for m in ("platformio", "SCons", "unearth") if not find_spec(m)]
+    return lacks
+
+
+def require() -> None:
+    """Raise ToolchainError, naming the cure, unless everything is there."""
+    lacks = missing()
+    if lacks:
+        packages = " ".join((HERE / "packages.txt").read_text().split())
+        raise ToolchainError(
+            f"no AVR toolchain: missing {', '.join(lacks)}. On Debian: apt-get install {packages}; "
+            "and in the Python environment: pip install platformio scons unearth"
+        )
+
+
+def run(command: list[str], env: dict[str, str] | None = None) -> str:
+    """Run a command in the project's root and return its output, or raise ToolchainError."""
+    done = subprocess.run(
+        command,
+        check=False,
+        cwd=ROOT,
+        env=env,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
+    if done.returncode:
+        raise ToolchainError(f"{' '.join(command)} exited {done.returncode}:\n{done.stdout}")
+    return done.stdout
+
+
+@contextmanager
+def locked() -> Iterator[None]:
+    """Let one process at a time prepare or build."""
+    BUILD.mkdir(parents=True, exist_ok=True)
+    with open(BUILD / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def mark_installed(folder: Path, kind: str, owner: str, name: str, version: str) -> None:
+    """Write the .piopm record by which PlatformIO knows an installed package."""
+    spec = {"owner": owner, "id": None, "name": name, "requirements": None, "uri": None}
+    record = {"type": kind, "name": name, "version": version, "spec": spec}
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / ".piopm").write_text(json.dumps(record))
+
+
+def install_tool(core: Path, name: str, version: str, **manifest: str) -> Path:
+    """Make one package folder of the core dir and return it."""
+    folder = core / "packages" / name
+    mark_installed(folder, "tool", "platformio", name, version)
+    about = {"name": name, "version": version, **manifest}
+    (folder / "package.json").write_text(json.dumps(about))
+    return folder
+
+
+def prepare_core() -> Path:
+    """Fill the PlatformIO core dir with the stand-ins, once, and return it."""
+    core = BUILD / "core"
+    stamp = core / "stamp"
+    state = fingerprint()
+    if stamp.exists() and stamp.read_text() == state:
+        return core
+    shutil.rmtree(core, ignore_errors=True)
+    shutil.copytree(HERE / "pio-offline" / "platforms", core / "platforms")
+    mark_installed(core / "platforms" / "atmelavr", "platform", "platformio", "atmelavr", "5.2.0")
+    mark_installed(core / "platforms" / "native", "platform", "platformio", "native", "1.2.1")
+    framework = install_tool(core, "framework-arduino-avr", "5.3.0")
+    for part in ("cores", "variants", "libraries", "boards.txt"):
+        (framework / part).symlink_to(ARDUINO / part)
+    install_tool(core, "tool-avrdude", "1.60300.0")
+    scons = install_tool(core, "tool-scons", core_version("tool-scons"))
+    (scons / "scons.py").write_text("import SCons.Script\nSCons.Script.main()\n")
+    cppcheck = shutil.which("cppcheck")
+    if cppcheck:
+        tool = install_tool(core, "tool-cppcheck", core_version("tool-cppcheck"))
+        (tool / "cppcheck").symlink_to(cppcheck)
+    stamp.write_text(state)
+    return core
+
+
+def core_version(tool: str) -> str:
+    """Return the version PlatformIO asks for, from its own requirement (e.g. ~4.41101.0)."""
+    from platformio.dependencies import get_core_dependencies
+
+    return get_core_dependencies()[tool].lstrip("~^")
+
+
+def fingerprint() -> str:
+    """Digest what the core dir is made from."""
+    from platformio import __version__
+
+    digest = hashlib.sha256(f"{__version__} {ARDUINO} {shutil.which('cppcheck')}".encode())
+    for path in sorted(p for p in (HERE / "pio-offline").rglob("*") if p.is_file()):
+        digest.update(path.read_bytes())
+    digest.update(Path(__file__).read_bytes())
+    return digest.hexdigest()
+
+
+def fetch_servo(libdeps: Path) -> None:
+    """Put the genuine Servo library where PlatformIO looks for it; it is never committed."""
+    servo = libdeps / "Servo"
+    if (servo / ".piopm").exists():
+        return
+    archive = BUILD / "arduino-servo-0.1.zip"
+    if not archive.exists():
+        index = os.environ.get("PIP_INDEX_URL")
+        chosen = ["--index-url", index] if index else []
+        run([sys.executable, "-m", "unearth", *chosen, SERVO_PACKAGE, "-d", str(BUILD)])
+    found = hashlib.sha256(archive.read_bytes()).hexdigest()
+    if found != SERVO_SHA256:
+        archive.unlink()
+        raise ToolchainError(f"{SERVO_PACKAGE}: SHA-256 is {found}, expected {SERVO_SHA256}")
+    (servo / "src").mkdir(parents=True, exist_ok=True)
+    with zipfile.ZipFile(archive) as zipped:
+        for name in zipped.namelist():
+            if name.endswith(("/Servo.h", "/Servo.cpp")):
+                (servo / "src" / Path(name).name).write_bytes(zipped.read(name))
+    about = f"name=Servo\nversion={SERVO_VERSION}\narchitectures=avr\n"
+    (servo / "library.properties").write_text(about)
+    mark_installed(servo, "library", "arduino-libraries", "Servo", SERVO_VERSION)
+
+
+def environment() -> dict[str, str]:
+    """Return the environment in which `pio` uses the stand-ins and a workspace of its own."""
+    return {
+        **os.environ,
+        "PLATFORMIO_CORE_DIR": str(BUILD / "core"),
+        "PLATFORMIO_WORKSPACE_DIR": str(BUILD / "pio"),
+        "PLATFORMIO_SETTING_ENABLE_TELEMETRY": "no",
+        "PLATFORMIO_SETTING_CHECK_PLATFORMIO_INTERVAL": "365",
+    }
+
+
+def pio(*arguments: str) -> str:
+    """Run PlatformIO on the project with the stand-ins and return what it printed."""
+    require()
+    with locked():
+        prepare_core()
+        for board in MCUS:
+            fetch_servo(BUILD / "pio" / "libdeps" / board)
+        return run([sys.executable, "-m", "platformio", *arguments], environment())
+
+
+def build_firmware(board: str) -> Path:
+    """Build `pio run -e BOARD` and return the path of the ELF."""
+    if board not in MCUS:
+        raise ToolchainError(f"unknown board {board!r}: choose one of {', '.join(MCUS)}")
+    pio("run", "-e", board)
+    return BUILD / "pio" / "build" / board / "firmware.elf"
+
+
+def build_simulator() -> Path:
+    """Compile the simulated board and return its directory: libsimboard.so and simboard."""
+    require()
+    sources = sorted((HERE / "simboard").glob("*.[ch]"))
+    digest = hashlib.sha256(b"".join(p.read_bytes() for p in sources)).hexdigest()
+    with locked():
+        stamp = BUILD / "simboard.sha256"
+        if stamp.exists() and stamp.read_text() == digest:
+            return BUILD
+        flags = ["-std=gnu11", "-O2", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+        library = [str(p) for p in sources if p.suffix == ".c" and p.name != "main.c"]
+        libs = ["-lsimavr", "-lelf", "-lutil"]
+        shared = ["-shared", "-fPIC", "-o", str(BUILD / "libsimboard.so")]
+        run(["cc", *flags, *shared, *library, *libs])
+        main = str(HERE / "simboard" / "main.c")
+        run(["cc", *flags, "-o", str(BUILD / "simboard"), main, *library, *libs])
+        stamp.write_text(digest)
+    return BUILD
+
+
+def main() -> int:
+    """Build the board named on the command line (or run `pio ...`) and print the ELF's path."""
+    arguments = sys.argv[1:]
+    try:
+        if arguments[:1] == ["pio"]:
+            print(pio(*arguments[1:]))
+        elif len(arguments) == 1:
+            print(build_firmware(arguments[0]))
+        else:
+            print(f"usage: toolchain.py {'|'.join(MCUS)} or toolchain.py pio ARGUMENTS...")
+            return 2
+    except ToolchainError as error:
+        print(error, file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

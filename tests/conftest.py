@@ -1,0 +1,3 @@
+"""What all tests share: the fixtures of the simulated board."""
+
+pytest_plugins = ["avr.fixtures"]
