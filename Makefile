@@ -9,6 +9,7 @@ demo: $(VENV)/built
 	$(VENV)/bin/serpenoid demo --out demo-out
 
 test: $(VENV)/built $(VENV)/dev
+	@sh .ci/need $$(cat tests/avr/packages.txt) || echo "without these the AVR tests are skipped"
 	$(VENV)/bin/python -m pytest
 
 build: $(VENV)/built

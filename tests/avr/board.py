@@ -14,6 +14,8 @@ from avr.toolchain import MCUS, build_simulator
 F_CPU_HZ = 16_000_000
 RAM_END = {"atmega328p": 0x8FF, "atmega2560": 0x21FF}
 PAINT = b"\xc5"  # what simboard fills the RAM with
+# Digital pins 3, 5, 6, 9 and 10 as port and bit, in the order of the joints.
+SERVO_PINS = {"uno": "D3D5D6B1B2", "nano": "D3D5D6B1B2", "mega": "E5E3H3H6B4"}
 STATES = ("running", "power cut", "crashed")
 CAUSES = ("power-on", "external", "brown-out")
 TORN = ("old", "erased", "new")
@@ -98,7 +100,7 @@ def symbols(elf: Path) -> dict[str, int]:
 class Board:
     """A simulated board running one ELF; simulated time stands still between calls."""
 
-    def __init__(self, elf: Path, board: str = "uno", pins: str = "", baud: int = 57600):
+    def __init__(self, elf: Path, board: str = "uno", pins: str = "", baud: int = 250_000):
         self.elf, self.mcu, self.baud = elf, MCUS[board], baud
         self._lib = _library()
         self._board = self._lib.board_open(str(elf).encode(), self.mcu.encode(), F_CPU_HZ)
@@ -108,7 +110,8 @@ class Board:
             if self._lib.board_watch(self._board, pins[i].encode(), int(pins[i + 1])) < 0:
                 raise ValueError(f"no pin {pins[i : i + 2]} on {self.mcu}")
         self._edges: list[np.ndarray] = []
-        self._partial: list[tuple[int, int]] = []
+        self.sent: list[tuple[int, int]] = []  # (cycle, byte), all that the board sent
+        self._line_start = 0
         self.lines: list[Line] = []
         self.state = STATES[0]
 
@@ -177,15 +180,9 @@ class Board:
         """Make the main program loop for ever at its present instruction, until a reset."""
         self._lib.board_hang(self._board)
 
-    def read_ram(self, symbol: str, size: int) -> bytes:
-        """Read a variable of the running program."""
-        out = ctypes.create_string_buffer(size)
-        self._lib.board_read_ram(self._board, self._address(symbol), out, size)
-        return out.raw
-
     def write_ram(self, symbol: str, value: bytes) -> None:
         """Overwrite a variable of the running program."""
-        self._lib.board_write_ram(self._board, self._address(symbol), value, len(value))
+        self.write_at(self._address(symbol), value)
 
     @property
     def static_ram(self) -> int:
@@ -195,10 +192,19 @@ class Board:
     @property
     def stack_free(self) -> int:
         """Bytes between the variables and the deepest that the stack has been since power-on."""
-        end = symbols(self.elf)["_end"]
-        ram = ctypes.create_string_buffer(RAM_END[self.mcu] + 1 - end)
-        self._lib.board_read_ram(self._board, end, ram, len(ram))
-        return len(ram.raw) - len(ram.raw.lstrip(PAINT))
+        above = self.ram[symbols(self.elf)["_end"] :]
+        return len(above) - len(above.lstrip(PAINT))
+
+    @property
+    def ram(self) -> bytes:
+        """All data memory: registers, variables, stack; a variable's address is its index."""
+        out = ctypes.create_string_buffer(RAM_END[self.mcu] + 1)
+        self._lib.board_read_ram(self._board, 0, out, len(out))
+        return out.raw
+
+    def write_at(self, address: int, value: bytes) -> None:
+        """Overwrite data memory."""
+        self._lib.board_write_ram(self._board, address, value, len(value))
 
     def _address(self, symbol: str) -> int:
         known = symbols(self.elf)
@@ -253,8 +259,9 @@ class Board:
         if len(edges):
             self._edges.append(edges)
         for cycle, value, _ in self._take(self._lib.board_take_sent, SENT).tolist():
-            self._partial.append((cycle, value))
+            self.sent.append((cycle, value))
             if value == ord("\n"):
-                text = bytes(v for _, v in self._partial).decode("ascii", "replace")
-                self.lines.append(Line(self._partial[0][0], cycle, text.rstrip("\r\n")))
-                self._partial = []
+                line = self.sent[self._line_start :]
+                text = bytes(v for _, v in line).decode("ascii", "replace").rstrip("\r\n")
+                self.lines.append(Line(line[0][0], cycle, text))
+                self._line_start = len(self.sent)

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from avr.board import SERVO_PINS, Board
 from avr.live import LiveBoard
 from avr.toolchain import ToolchainError, build_firmware, require
 
@@ -32,3 +33,19 @@ def simulated_board(firmware_elf: Callable[[str], Path]) -> Iterator[LiveBoard]:
     """Give an Uno in real time behind a pseudo-terminal: `.port` is the path to open."""
     with LiveBoard(firmware_elf("uno")) as board:
         yield board
+
+
+@pytest.fixture
+def start(firmware_elf: Callable[[str], Path]) -> Iterator[Callable[..., Board]]:
+    """Return a function that powers a simulated board: start("uno", eeprom=None)."""
+    boards: list[Board] = []
+
+    def power_on(board: str = "uno", eeprom: bytes | None = None) -> Board:
+        boards.append(Board(firmware_elf(board), board, SERVO_PINS[board]))
+        if eeprom is not None:
+            boards[-1].eeprom = eeprom
+        return boards[-1]
+
+    yield power_on
+    for board in boards:
+        board.close()

@@ -28,7 +28,7 @@ class LiveBoard:
         boot_s: float = 0.0,
         eeprom: Path | None = None,
         reset_on_open: bool = True,
-        baud: int = 57600,
+        baud: int = 250_000,
     ):
         self._folder = tempfile.TemporaryDirectory(prefix="serpenoid-board-")
         self.port = str(Path(self._folder.name) / "tty")

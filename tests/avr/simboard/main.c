@@ -63,7 +63,7 @@ static int parse(int argc, char** argv, struct options* o) {
                                           {"pins", 1, 0, 'n'},   {"no-reset-on-open", 0, 0, 'k'},
                                           {0, 0, 0, 0}};
     *o = (struct options){
-        .mcu = "atmega328p", .pins = "", .speed = 1, .frequency_hz = 16000000, .baud = 57600};
+        .mcu = "atmega328p", .pins = "", .speed = 1, .frequency_hz = 16000000, .baud = 250000};
     for (int c; (c = getopt_long(argc, argv, "", names, NULL)) != -1;) {
         if (c == 'm')
             o->mcu = optarg;
