@@ -3,6 +3,9 @@
 
 namespace nb = nanobind;
 
+void bind_firmware(nb::module_& parent);
+
 NB_MODULE(_core, m) {
     m.doc() = "Compiled core of serpenoid; use the package's own functions instead.";
+    bind_firmware(m);
 }

@@ -25,6 +25,9 @@ SERVO_PACKAGE = "arduino-servo==0.1"
 SERVO_SHA256 = "a9e67d8004fa85ec6ae87a2b019b774b80265c7a978d32602721d2254ac3b251"
 SERVO_VERSION = "1.2.1"  # what platformio.ini asks for; PlatformIO compares it
 
+DOCTEST = Path("/usr/include/doctest/doctest.h")
+DOCTEST_VERSION = "2.4.11"  # what platformio.ini asks for
+
 
 class ToolchainError(RuntimeError):
     """A tool is missing or a build failed; the message says which and what to do."""
@@ -160,6 +163,17 @@ def fetch_servo(libdeps: Path) -> None:
     mark_installed(servo, "library", "arduino-libraries", "Servo", SERVO_VERSION)
 
 
+def lend_doctest(libdeps: Path) -> None:
+    """Put the distribution's doctest header where PlatformIO looks for the native tests' own."""
+    folder = libdeps / "doctest"
+    if (folder / ".piopm").exists() or not DOCTEST.exists():
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(DOCTEST, folder)
+    (folder / "library.properties").write_text(f"name=doctest\nversion={DOCTEST_VERSION}\n")
+    mark_installed(folder, "library", "doctest", "doctest", DOCTEST_VERSION)
+
+
 def environment() -> dict[str, str]:
     """Return the environment in which `pio` uses the stand-ins and a workspace of its own."""
     return {
@@ -178,6 +192,7 @@ def pio(*arguments: str) -> str:
         prepare_core()
         for board in MCUS:
             fetch_servo(BUILD / "pio" / "libdeps" / board)
+        lend_doctest(BUILD / "pio" / "libdeps" / "native")
         return run([sys.executable, "-m", "platformio", *arguments], environment())
 
 

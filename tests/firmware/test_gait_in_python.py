@@ -1,0 +1,61 @@
+"""The firmware's gait as compiled into the package, held to the same golden tables as in C++."""
+
+from __future__ import annotations
+
+import binascii
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from serpenoid._core import firmware
+
+GOLDEN = Path(__file__).resolve().parents[1] / "golden"
+
+
+def golden(name: str) -> list[list[str]]:
+    with (GOLDEN / name).open(newline="") as file:
+        return list(csv.reader(file))[1:]
+
+
+def test_the_settled_gait_is_the_formula() -> None:
+    """The bound is derived in test_gait.cpp: sine 0.0063°, three roundings of 0.0018°."""
+    frames, joints = 4000, 5
+    for alpha_deg, beta_deg, omega in ((90, 75, 5.0), (30, 80, 1.7987), (70, -20, 20.0)):
+        alpha, beta = np.radians([alpha_deg, beta_deg])
+        got = firmware.gait_setpoints_rad(alpha, beta, omega, frames=frames, joints=joints)
+        time_s = firmware.FRAME_S * np.arange(frames)[:, None]
+        truth = alpha * np.sin(omega * time_s + beta * np.arange(joints))
+        assert np.degrees(np.abs(got - truth).max()) < 0.0116
+
+
+def test_a_day_later_the_phase_is_the_golden_one() -> None:
+    """One frame of 90° amplitude at each golden count: 1.3e-3° of phase, 0.0116° of setpoint."""
+    quarter = np.pi / 2
+    for omega, frames, phase in golden("phase.csv"):
+        sine, cosine = (
+            firmware.gait_setpoints_rad(
+                quarter, quarter, float(omega), first_frame=int(frames), joints=2
+            )[0]
+            / quarter
+        )
+        angle = 2 * np.pi * int(phase) / 2**32
+        assert sine == pytest.approx(np.sin(angle), abs=2e-4)
+        assert cosine == pytest.approx(np.cos(angle), abs=2e-4)
+
+
+@given(st.binary(max_size=300))
+def test_crc_is_the_standard_librarys(data: bytes) -> None:
+    assert firmware.crc16(data) == binascii.crc_hqx(data, 0xFFFF)
+
+
+@pytest.mark.parametrize(
+    "bad", [{"alpha_rad": 1.6}, {"beta_rad": 3.2}, {"omega_rad_s": -1.0}, {"omega_rad_s": np.nan}]
+)
+def test_values_the_board_cannot_hold_are_refused(bad: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match=r"at (most|least)"):
+        firmware.gait_setpoints_rad(
+            **{"alpha_rad": 0.5, "beta_rad": 1.0, "omega_rad_s": 5.0, **bad}
+        )
