@@ -1,0 +1,63 @@
+// Dense linear algebra for the few small systems of the solvers: LU with partial pivoting.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace serpenoid {
+
+// Overwrite b (n rows of `columns`, row major) with the solution of A x = b; A is destroyed.
+// Returns false when A is singular to working precision. Sizes are fixed, so that loops unroll.
+template <int n, int columns>
+bool solve_dense(double* A, double* b) {
+    for (int k = 0; k < n; ++k) {
+        int pivot = k;
+        for (int i = k + 1; i < n; ++i)
+            if (std::fabs(A[i * n + k]) > std::fabs(A[pivot * n + k])) pivot = i;
+        if (!(std::fabs(A[pivot * n + k]) > 0)) return false;
+        if (pivot != k) {
+            for (int j = k; j < n; ++j) std::swap(A[k * n + j], A[pivot * n + j]);
+            for (int j = 0; j < columns; ++j) std::swap(b[k * columns + j], b[pivot * columns + j]);
+        }
+        const double inverse = 1.0 / A[k * n + k];
+        for (int i = k + 1; i < n; ++i) {
+            const double f = A[i * n + k] * inverse;
+            if (f == 0) continue;
+            for (int j = k + 1; j < n; ++j) A[i * n + j] -= f * A[k * n + j];
+            for (int j = 0; j < columns; ++j) b[i * columns + j] -= f * b[k * columns + j];
+        }
+    }
+    for (int k = n - 1; k >= 0; --k) {
+        const double inverse = 1.0 / A[k * n + k];
+        for (int j = 0; j < columns; ++j) {
+            double sum = b[k * columns + j];
+            for (int i = k + 1; i < n; ++i) sum -= A[k * n + i] * b[i * columns + j];
+            b[k * columns + j] = sum * inverse;
+        }
+    }
+    return true;
+}
+
+using Vec3 = std::array<double, 3>;
+using Mat3 = std::array<double, 9>;  // row major
+
+inline Mat3 identity3() { return {1, 0, 0, 0, 1, 0, 0, 0, 1}; }
+
+inline Mat3 multiply(const Mat3& a, const Mat3& b) {
+    Mat3 c{};
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k)
+            for (int j = 0; j < 3; ++j) c[3 * i + j] += a[3 * i + k] * b[3 * k + j];
+    return c;
+}
+
+inline Vec3 multiply(const Mat3& a, const Vec3& x) {
+    Vec3 y{};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) y[i] += a[3 * i + j] * x[j];
+    return y;
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,28 @@
+// The three things every model is made of, in SI units and radians; Python has checked the ranges.
+#pragma once
+
+namespace serpenoid {
+
+// A chain of n equal rigid links, counted from the tail.
+struct Robot {
+    int n;         // links, 2 or more
+    double m;      // mass of a link, kg
+    double l;      // HALF the length of a link, m (the paper's l)
+    double I;      // inertia of a link about its centre, kg m^2
+};
+
+// Friction at the centre of one link, along it (t) and across it (n); Eqs. 28, 29, 59, 62.
+struct Ground {
+    double ct, cn;    // viscous, N s/m
+    double ft0, fn0;  // dry, N
+    bool dry() const { return ft0 > 0 || fn0 > 0; }
+};
+
+// Joint angles phi_i = offset + alpha sin(omega t + (i - 1) beta), i = 1..n-1; Eq. 57.
+struct Gait {
+    double alpha, beta;  // rad
+    double omega;        // rad/s
+    double offset;       // rad
+};
+
+}  // namespace serpenoid
