@@ -17,6 +17,13 @@ const char kName[] = "uno";
 // interrupts (2, 3), of SPI and of the LED. Servo takes timer 1 (Uno, Nano) or 5 (Mega).
 const uint8_t kServoPins[5] = {5, 6, 7, 8, 9};  // joint 1, at the tail, to joint 5
 
+// How much longer than asked the servo library's pulses are: it allows for the 328P's digitalWrite.
+#if defined(__AVR_ATmega2560__)
+const uint8_t kPulseExcessUs = 2;
+#else
+const uint8_t kPulseExcessUs = 0;
+#endif
+
 // Exact at 16 MHz; see PROTOCOL.md.
 const uint32_t kBaud = 250000;
 

@@ -4,6 +4,7 @@
 
 #include "board.h"
 #include "motion.h"
+#include "polled_output.h"
 #include "pulse.h"
 #include "telemetry.h"
 
@@ -15,6 +16,7 @@ const firmware::Trim kTrim = {1500, 573 * 32, 1, -25736, 25736};
 Servo servos[firmware::kJoints];
 firmware::Motion motion;
 firmware::Frame frame;
+firmware::PolledOutput output;
 uint32_t due_us;
 
 void start_gait() {
@@ -36,7 +38,7 @@ void move_servos() {
     for (uint8_t i = 0; i < firmware::kJoints; ++i) {
         frame.setpoint_q14[i] = motion.setpoints_q14()[i];
         frame.pulse_us[i] = firmware::pulse_us(kTrim, frame.setpoint_q14[i]);
-        servos[i].writeMicroseconds(frame.pulse_us[i]);
+        servos[i].writeMicroseconds(frame.pulse_us[i] - board::kPulseExcessUs);
     }
     frame.phase = motion.phase();
 }
@@ -45,13 +47,14 @@ void report() {
     static firmware::Text line;
     line.clear();
     firmware::write_telemetry(line, frame);
-    Serial.write(reinterpret_cast<const uint8_t*>(line.data()), line.length());
+    output.write(line.data(), line.length());
 }
 
 }  // namespace
 
 void setup() {
     Serial.begin(board::kBaud);
+    Serial.write('\n');  // ends whatever a boot loader has left on the line
     for (uint8_t i = 0; i < firmware::kJoints; ++i) servos[i].attach(board::kServoPins[i]);
     frame.state = kGaitState;
     start_gait();
@@ -59,6 +62,7 @@ void setup() {
 }
 
 void loop() {
+    output.poll();
     const uint32_t now_us = micros();
     if (static_cast<int32_t>(now_us - due_us) < 0) return;
     frame.start_us = now_us;
