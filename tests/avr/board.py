@@ -14,8 +14,8 @@ from avr.toolchain import MCUS, build_simulator
 F_CPU_HZ = 16_000_000
 RAM_END = {"atmega328p": 0x8FF, "atmega2560": 0x21FF}
 PAINT = b"\xc5"  # what simboard fills the RAM with
-# Digital pins 3, 5, 6, 9 and 10 as port and bit, in the order of the joints.
-SERVO_PINS = {"uno": "D3D5D6B1B2", "nano": "D3D5D6B1B2", "mega": "E5E3H3H6B4"}
+# Digital pins 5 to 9 (firmware/include/board.h) as port and bit, in the order of the joints.
+SERVO_PINS = {"uno": "D5D6D7B0B1", "nano": "D5D6D7B0B1", "mega": "E3H3H4H5H6"}
 STATES = ("running", "power cut", "crashed")
 CAUSES = ("power-on", "external", "brown-out")
 TORN = ("old", "erased", "new")

@@ -1,0 +1,122 @@
+"""Speak the robot's protocol (firmware/PROTOCOL.md) with a simulated board, in simulated time."""
+
+from __future__ import annotations
+
+from binascii import crc_hqx
+from dataclasses import dataclass
+
+import numpy as np
+from avr.board import Board, Line
+
+JOINTS = 5
+
+
+def crc(body: bytes) -> int:
+    """Return CRC-16/IBM-3740 of the bytes."""
+    return crc_hqx(body, 0xFFFF)
+
+
+def seal(body: str) -> bytes:
+    """Return the line as it goes over the wire: body, CRC, line end."""
+    return f"{body} *{crc(body.encode()):04X}\n".encode()
+
+
+def unseal(text: str) -> str:
+    """Return the body of a line from the board; AssertionError unless its CRC is right."""
+    body, star, digits = text.rpartition(" *")
+    assert star, f"no CRC on {text!r}"
+    assert digits == f"{crc(body.encode()):04X}", f"wrong CRC on {text!r}"
+    return body
+
+
+def fields(body: str) -> dict[str, str]:
+    """Split `word name=value ...` into its named values."""
+    return dict(word.split("=", 1) for word in body.split() if "=" in word)
+
+
+@dataclass(frozen=True)
+class Telemetry:
+    """Telemetry lines as arrays: frame (N,), time and widths in microseconds, angles in radians."""
+
+    cycle: np.ndarray
+    frame: np.ndarray
+    time_us: np.ndarray
+    phase_rad: np.ndarray
+    angle_rad: np.ndarray
+    pulse_us: np.ndarray
+    exec_us: np.ndarray
+    late_us: np.ndarray
+    state: list[str]
+
+
+def telemetry(lines: list[Line]) -> Telemetry:
+    """Parse the telemetry among the lines, every CRC checked."""
+    found = [(line.cycle, unseal(line.text)) for line in lines if line.text.startswith("t:")]
+    rows = [fields(body) for _, body in found]
+    labels = [dict(w.split(":", 1) for w in body.split() if ":" in w) for _, body in found]
+    angle = [[float(row[f"j{j + 1}"]) for j in range(JOINTS)] for row in labels]
+    pulse = [[int(p) for p in row["p"].split(",")] for row in rows]
+    return Telemetry(
+        cycle=np.array([cycle for cycle, _ in found]),
+        frame=np.array([int(row["t"]) for row in labels]),
+        time_us=np.array([int(row["us"]) for row in rows]),
+        phase_rad=np.radians([float(row["ph"]) for row in rows]),
+        angle_rad=np.radians(np.array(angle).reshape(-1, JOINTS)),
+        pulse_us=np.array(pulse).reshape(-1, JOINTS),
+        exec_us=np.array([int(row["ex"]) for row in rows]),
+        late_us=np.array([int(row["la"]) for row in rows]),
+        state=[row["st"] for row in rows],
+    )
+
+
+class Dialogue:
+    """A host's end of one session: numbers its lines, awaits each verdict, checks every CRC."""
+
+    def __init__(self, board: Board, last_number: int = 0):
+        self.board = board
+        self.number = last_number
+        self.greeting = unseal(board.run_until("hello:", 3.0).text)
+
+    def hello(self) -> None:
+        """Open the session."""
+        assert self.ask("hello").startswith("ok:")
+
+    def send(self, command: str) -> int:
+        """Send one command and return its number, without awaiting the verdict."""
+        self.number = (self.number + 1) % 65536
+        self.board.send(seal(f"#{self.number} {command}"))
+        return self.number
+
+    def ask(self, command: str, timeout_s: float = 0.5) -> str:
+        """Send a command and return the verdict, e.g. `ok: #3`."""
+        return self.ask_data(command, timeout_s)[1]
+
+    def ask_data(self, command: str, timeout_s: float = 0.5) -> tuple[list[str], str]:
+        """Send a command; return its data lines (telemetry left out) and its verdict."""
+        seen = len(self.board.lines)
+        number = self.send(command)
+        end = self.board.time_s + timeout_s
+        while self.board.time_s < end:
+            state = self.board.run(0.002)
+            said = [unseal(line.text) for line in self.board.lines[seen:]]
+            verdicts = [
+                b for b in said if b.split()[:2] in (["ok:", f"#{number}"], ["err:", f"#{number}"])
+            ]
+            if verdicts:
+                return [b for b in said if b[:2] != "t:" and b not in verdicts], verdicts[0]
+            assert state == "running", f"the board is in state {state!r} after {command!r}"
+        raise AssertionError(f"no verdict on {command!r} within {timeout_s} s; heard {said[-10:]}")
+
+    def keep_alive(self, seconds: float, every_s: float = 0.5) -> None:
+        """Let time pass, pinging so that the board does not take silence for an absent host."""
+        end = self.board.time_s + seconds
+        while end - self.board.time_s > 1e-6:
+            self.ask("ping")
+            self.board.run(max(0.0, min(every_s, end - self.board.time_s)))
+
+    def counters(self) -> dict[str, int]:
+        """Return the board's own counters."""
+        data, verdict = self.ask_data("status")
+        assert verdict.startswith("ok:"), verdict
+        line = next(body for body in data if body.startswith("counters:"))
+        return {name: int(value) for name, value in fields(line).items()}

@@ -1,0 +1,77 @@
+"""The firmware's pulses, measured on the pins of a simulated board, against the gait formula."""
+
+import math
+
+import numpy as np
+import pytest
+from avr.dialogue import telemetry
+from avr.truth import FRAME_US, Wave, line_errors_us, pulse_errors_us
+
+pytestmark = pytest.mark.avr
+
+ALPHA_DEG, BETA_DEG, OMEGA_RAD_S = 30.0, 80.0, 5.0
+RAMP_S = 4.0  # 80 degrees of lag at 60 degrees/s, 5 rad/s at 5 rad/s^2, with a margin
+# A pulse is a whole number of microseconds (0.5 us of rounding) ended by an interrupt that can be
+# delayed by another one: standard deviation 0.4 to 0.7 us, rare extremes to 8 us.
+P99_US, EXTREME_US = 3.0, 10.0
+
+
+def observe(board, seconds: float):
+    """Return the telemetry of so many seconds of the gait that the firmware starts with."""
+    board.run(RAMP_S)
+    first = len(board.lines)
+    board.run(seconds)
+    return telemetry(board.lines[first:])
+
+
+def wave_of(
+    seen, alpha_deg=ALPHA_DEG, beta_deg=BETA_DEG, omega_rad_s=OMEGA_RAD_S, steering_deg=0.0
+):
+    """Pin the formula to the phase of the first line; all later frames follow from omega alone."""
+    return Wave(
+        math.radians(alpha_deg),
+        math.radians(beta_deg),
+        omega_rad_s,
+        int(seen.frame[0]),
+        float(seen.phase_rad[0]),
+        math.radians(steering_deg),
+    )
+
+
+@pytest.mark.parametrize("name", ["uno", "nano", "mega"])
+def test_pulses_and_lines_follow_the_formula_for_ten_seconds(start, name):
+    board = start(name)
+    seen = observe(board, 10.0)
+    assert len(seen.frame) >= 495, "telemetry lines are missing"
+    errors = pulse_errors_us(board, seen, wave_of(seen))
+    assert len(errors) >= 5 * 490, "pulses are missing"
+    assert np.percentile(np.abs(errors), 99) <= P99_US
+    assert np.max(np.abs(errors)) <= EXTREME_US
+    assert abs(np.mean(errors)) <= 1.0  # rounding is unbiased; interrupts only lengthen
+    lines = line_errors_us(board, seen)
+    assert np.percentile(np.abs(lines), 99) <= P99_US
+    assert np.max(np.abs(lines)) <= EXTREME_US
+
+
+def test_the_check_sees_a_gait_that_is_slightly_off(start):
+    """The tolerance has teeth: a degree, or half a percent of the rate, is seen."""
+    board = start()
+    seen = observe(board, 4.0)
+    for wrong in (
+        wave_of(seen, alpha_deg=31.0),
+        wave_of(seen, beta_deg=81.0),
+        wave_of(seen, omega_rad_s=OMEGA_RAD_S * 1.005),
+        wave_of(seen, steering_deg=0.5),
+    ):
+        assert np.percentile(np.abs(pulse_errors_us(board, seen, wrong)), 99) > P99_US
+
+
+def test_every_frame_has_its_line_and_its_time(start):
+    board = start()
+    seen = observe(board, 5.0)
+    assert np.all(np.diff(seen.frame) == 1)
+    assert np.all(np.abs(np.diff(seen.time_us - seen.late_us) - FRAME_US) <= 8)  # 4 us clock
+    phase = np.unwrap(seen.phase_rad)
+    rate = np.polyfit((seen.frame - seen.frame[0]) * FRAME_US * 1e-6, phase, 1)[0]
+    # The line's 0.001 degree over 5 s leaves 1e-6 rad/s; the claim is 1 ppm of the rate.
+    assert rate == pytest.approx(OMEGA_RAD_S, abs=6e-6)

@@ -1,0 +1,90 @@
+"""What the pulses of a gait must be: the formula, and which frame's setpoint each pulse carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from avr.board import F_CPU_HZ, Board, Pulses
+from avr.dialogue import JOINTS, Telemetry
+
+FRAME_US = 20_000
+CENTRE_US, SCALE_US_RAD = 1500.0, 573.0  # the trims a board has before anybody sets them
+# micros() starts when the Arduino core starts timer 0, after the C start-up code: well under 0.2 ms
+# after power-on, the zero of the cycle stamps.
+CLOCK_OFFSET_US = 200.0
+
+
+@dataclass(frozen=True)
+class Wave:
+    """A settled gait: amplitude, lag, steering in radians, rate in rad/s, phase at frame 0."""
+
+    alpha_rad: float
+    beta_rad: float
+    omega_rad_s: float
+    frame: int
+    phase_rad: float
+    steering_rad: float = 0.0
+
+    def pulse_us(self, frame: np.ndarray, joint: int) -> np.ndarray:
+        """Return the exact pulse width of a joint (0 is the tail) at whole frame numbers."""
+        since = (frame - self.frame).astype(float) * FRAME_US * 1e-6
+        phase = self.phase_rad + self.omega_rad_s * since + joint * self.beta_rad
+        angle = self.steering_rad + self.alpha_rad * np.sin(phase)
+        return CENTRE_US + SCALE_US_RAD * angle
+
+
+def frame_grid(seen: Telemetry) -> tuple[float, float]:
+    """Return when frame 0 was due, and for how long after its due time a frame's write may come.
+
+    Both in microseconds of the cycle stamps. The board's clock counts in steps of 4 us.
+    """
+    due_us = seen.time_us - seen.late_us - seen.frame.astype(np.int64) * FRAME_US
+    spread = int(np.max(due_us) - np.min(due_us))
+    assert spread <= 8, f"frames are not a 20 ms grid: their due times scatter by {spread} us"
+    window_us = float(np.max(seen.late_us + seen.exec_us)) + CLOCK_OFFSET_US
+    return float(np.min(due_us)), window_us
+
+
+def carried(pulses: Pulses, seen: Telemetry) -> tuple[np.ndarray, np.ndarray]:
+    """Return the frame number each pulse carries (N,), and whether it may be the one before (N,).
+
+    The servo library reads a setpoint when it raises the pin, on its own 20003.4 us frame. So
+    a pulse carries the setpoint written last before its rise. Within the few hundred microseconds
+    between a frame's due time and its last possible write, that is this frame's or the one before.
+    """
+    zero_us, window_us = frame_grid(seen)
+    since_us = pulses.rise_cycle * (1e6 / F_CPU_HZ) - zero_us
+    frame = np.floor(since_us / FRAME_US).astype(np.int64)
+    return frame, since_us - frame * FRAME_US < window_us
+
+
+def pulse_errors_us(board: Board, seen: Telemetry, wave: Wave) -> np.ndarray:
+    """Return measured minus exact width of every pulse of all joints while telemetry was seen."""
+    errors = []
+    for joint in range(JOINTS):
+        pulses = between(board.pulses(joint), seen)
+        frame, early = carried(pulses, seen)
+        error = pulses.width_us - wave.pulse_us(frame, joint)
+        before = pulses.width_us - wave.pulse_us(frame - 1, joint)
+        errors.append(np.where(early & (np.abs(before) < np.abs(error)), before, error))
+    return np.concatenate(errors)
+
+
+def line_errors_us(board: Board, seen: Telemetry) -> np.ndarray:
+    """Return measured width minus the width that the telemetry line of its frame announced."""
+    errors = []
+    rows = {int(f): i for i, f in enumerate(seen.frame)}
+    for joint in range(JOINTS):
+        pulses = between(board.pulses(joint), seen)
+        for width, frame, early in zip(pulses.width_us, *carried(pulses, seen), strict=True):
+            said = [rows[f] for f in (frame, frame - 1)[: 1 + early] if f in rows]
+            if said:
+                errors.append(min((width - seen.pulse_us[i, joint] for i in said), key=abs))
+    return np.array(errors)
+
+
+def between(pulses: Pulses, seen: Telemetry) -> Pulses:
+    """Keep the pulses that rose while telemetry was seen, but for its first and last frame."""
+    inside = (pulses.rise_cycle > seen.cycle[1]) & (pulses.rise_cycle < seen.cycle[-1])
+    return Pulses(pulses.rise_cycle[inside], pulses.width_us[inside])
