@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from . import _core
 from .errors import BadInput, check_number
 
 MAX_LINKS = 100_000
@@ -107,3 +108,14 @@ class Gait:
     def period_s(self) -> float:
         """Return 2 pi / omega."""
         return 2 * math.pi / self.omega_rad_s
+
+
+def core_model(robot: Robot, ground: Ground, gait: Gait) -> _core.Model:
+    """Hand the three to the compiled core (which counts length by halves, as the paper does)."""
+    inertia = robot.link_inertia_kg_m2
+    assert inertia is not None  # set in Robot.__post_init__
+    return _core.Model(
+        robot.links, robot.link_mass_kg, robot.link_length_m / 2, inertia,
+        ground.ct, ground.cn, ground.ft0, ground.fn0,
+        gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad,
+    )  # fmt: skip

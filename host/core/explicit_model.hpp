@@ -1,0 +1,23 @@
+// The exact (explicit) model for any number of links, O(n), driven by joint angles or by torques.
+#pragma once
+
+#include "chain.hpp"
+
+namespace serpenoid {
+
+// Both take a chain whose angles, rates, positions, velocities, directions and friction are filled,
+// and fill its accelerations; joints gets what holds it together.
+
+// Joint angles imposed: `bend[j]` = phi_j'' for j = 0..n-2. Torques are recovered.
+// With a_i = a_1 + theta_1'' z x r_i + b_i (r_i = c_i - c_1; b_i all that is known beforehand) the
+// sums of force and of moment about c_1 are three equations for x'', y'', theta_1''.
+void explicit_angle(const Robot& robot, const double* bend, Chain& chain, Joints& joints);
+
+// Joint torques imposed: joints.T is input, joints.F is found. Equal accelerations of both sides
+// of each joint give a symmetric positive definite block-tridiagonal system (2 x 2 blocks):
+//     (2F_i - F_{i-1} - F_{i+1})/m + (l^2/I)[N_i (F_{i-1} + F_i) + N_{i+1} (F_i + F_{i+1})]
+//   = (f_{i+1} - f_i)/m - (l/I)(n_i tau_i + n_{i+1} tau_{i+1}) + l(t_i w_i^2 + t_{i+1} w_{i+1}^2),
+// N = n n^T, tau_i = T_i - T_{i-1}.
+void explicit_torque(const Robot& robot, Chain& chain, Joints& joints);
+
+}  // namespace serpenoid
