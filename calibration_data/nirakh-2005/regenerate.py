@@ -1,0 +1,62 @@
+"""Write readings.csv anew from the two lines that the 2005 paper published (its points are lost).
+
+Run `python calibration_data/nirakh-2005/regenerate.py` to see the rows, with `> readings.csv` to
+keep them. Straight, Eq. 58 with the line of Eq. 59 gives the belt speed at which the snake holds
+its station; bent, Eq. 60 with the lines of Eqs. 59 and 62. The inclines and the top speed are those
+of session.toml.
+"""
+
+import csv
+import io
+import math
+from itertools import count
+from pathlib import Path
+
+from serpenoid.session import COLUMNS, Setup, load_setup
+
+CT_N_S_M, FT0_N = 0.084, 0.14  # Eq. 59, whole snake
+CN_N_S_M, FN0_N = 1.2, 0.27  # Eq. 62, whole snake
+
+
+def belt_speed_m_s(weight_n: float, incline_rad: float, lambda_rad: float) -> float:
+    """Solve F_t cos(lambda) + F_n sin(lambda) = m g sin(gamma), Eqs. 58 and 60, for the speed.
+
+    With v_t = v cos(lambda) and v_n = v sin(lambda); negative where the static friction holds.
+    """
+    c, s = math.cos(lambda_rad), math.sin(lambda_rad)
+    dry_n = FT0_N * c + FN0_N * s
+    return (weight_n * math.sin(incline_rad) - dry_n) / (CT_N_S_M * c**2 + CN_N_S_M * s**2)
+
+
+def rows(setup: Setup) -> list[list[object]]:
+    """Return one row a station, inclines rising until the belt would pass its top speed."""
+    found: list[list[object]] = []
+    how = setup.procedure
+    for lambda_rad in how.lambda_rad:
+        law = "Eqs. 59 and 62 through Eq. 60" if lambda_rad else "Eq. 59 through Eq. 58"
+        for step in count():
+            incline_deg = math.degrees(how.incline_start_rad + step * how.incline_step_rad)
+            # The incline as it is written down is the one that the speed must belong to.
+            incline_deg = round(incline_deg, 3)
+            speed_m_s = belt_speed_m_s(setup.weight_n, math.radians(incline_deg), lambda_rad)
+            if speed_m_s > how.belt_speed_max_m_s:
+                break
+            if speed_m_s <= 0.0:
+                continue  # the wheels stick: there is no speed to read yet
+            lambda_deg = round(math.degrees(lambda_rad), 3)
+            station = [lambda_deg, incline_deg, f"{speed_m_s:.6f}", "0.0"]
+            found.append([len(found) + 1, "", *station, "kept", f"regenerated from {law}"])
+    return found
+
+
+def text() -> str:
+    """Return the whole of readings.csv."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(rows(load_setup(Path(__file__).parent)))
+    return out.getvalue()
+
+
+if __name__ == "__main__":
+    print(text(), end="")

@@ -1,0 +1,129 @@
+"""Read files that people type: whatever is unknown, missing or out of range names file and line."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .errors import BadInput, check_number
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+_UNIT = re.compile(r"_(deg|rad|percent|pct|m_s|mm_s|cm_s|km_h|kmh|kph|mph|ft_s|kg|g|m|mm|cm|utc)$")
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table of a TOML file, which names file and line in whatever it finds wrong."""
+
+    values: Mapping[str, Any]
+    path: Path
+    text: str
+
+    @classmethod
+    def load(cls, path: Path) -> Table:
+        """Read a whole file as its top table; raises BadInput."""
+        text = read_text(path)
+        try:
+            return cls(tomllib.loads(text), path, text)
+        except tomllib.TOMLDecodeError as error:
+            raise BadInput(f"{path}: not TOML: {error}") from error
+
+    def where(self, key: str) -> str:
+        """Return file and line of a key or of a table's heading."""
+        found = re.search(rf"^\s*\[?\s*{re.escape(key)}\s*[=\]]", self.text, re.MULTILINE)
+        return (
+            f"{self.path}:{self.text.count(chr(10), 0, found.end()) + 1}"
+            if found
+            else str(self.path)
+        )
+
+    def only(self, *names: str) -> None:
+        """Raise BadInput unless there are these keys, all of them and no other."""
+        unknown = next((key for key in self.values if key not in names), "")
+        check_names(self.values, names, self.where(unknown), "key")
+
+    def table(self, name: str) -> Table:
+        """Return the table of that name inside this one."""
+        if not isinstance(self.values[name], dict):
+            raise BadInput(f"{self.where(name)}: {name} must be a table, [{name}]")
+        return Table(self.values[name], self.path, self.text)
+
+    def string(self, name: str) -> str:
+        """Return a string that says something."""
+        value = self.values[name]
+        if not isinstance(value, str) or not value.strip():
+            raise BadInput(f"{self.where(name)}: {name} is {value!r}; it must be text in quotes")
+        return value.strip()
+
+    def whole(self, name: str) -> int:
+        """Return a whole number of 1 or more."""
+        value = self.values.get(name)
+        if not isinstance(value, int) or isinstance(value, bool) or value < 1:
+            raise BadInput(
+                f"{self.where(name)}: {name} is {value!r}; it must be a whole number from 1"
+            )
+        return value
+
+    def number(self, name: str, *limits: float, open_low: bool = False) -> float:
+        """Return a finite number between the limits."""
+        with located(self.where(name)):
+            return check_number(name, self.values[name], *limits, open_low=open_low)
+
+    def numbers(self, name: str, *limits: float) -> tuple[float, ...]:
+        """Return a list of one or more finite numbers between the limits."""
+        values = self.values[name]
+        with located(self.where(name)):
+            if not isinstance(values, list) or not values:
+                raise BadInput(f"{name} is {values!r}; it must be a list of numbers")
+            return tuple(check_number(name, value, *limits) for value in values)
+
+
+def read_text(path: Path) -> str:
+    """Return a UTF-8 file's text, or raise BadInput saying why it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise BadInput(f"{path}: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise BadInput(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from error
+
+
+@contextmanager
+def located(where: str) -> Iterator[None]:
+    """Put file and line before the text of any BadInput raised inside."""
+    try:
+        yield
+    except BadInput as error:
+        raise BadInput(f"{where}: {error}") from error
+
+
+def check_names(found: Iterable[str], known: tuple[str, ...], where: str, what: str) -> None:
+    """Raise BadInput unless the names found are the known ones, each once, in any order."""
+    names = list(found)
+    for name in names:
+        if name not in known:
+            raise BadInput(f"{where}: unknown {what} {name!r}; {_hint(name, known)}")
+        if names.count(name) > 1:
+            raise BadInput(f"{where}: {what} {name!r} stands there twice")
+    missing = [name for name in known if name not in names]
+    if missing:
+        raise BadInput(f"{where}: no {what} {', '.join(missing)}; all of these must be there")
+
+
+def _hint(name: str, known: tuple[str, ...]) -> str:
+    """Tell other units of a known quantity from a slip of the pen."""
+    same = [k for k in known if _UNIT.sub("", k) == _UNIT.sub("", name)]
+    if same:
+        return f"the quantity is kept as {same[0]!r}, in those units alone; convert it"
+    close = difflib.get_close_matches(name, known, n=1)
+    return f"did you mean {close[0]!r}?" if close else f"known are {', '.join(known)}"
