@@ -29,14 +29,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import BadInput, NotConverged, check_choice
-from .friction_result import LEVEL, NAMES, UNITS, Estimate, Floats, FrictionFit, notes_on
+from .friction_result import (
+    DOUBTFUL,
+    LEVEL,
+    NAMES,
+    UNITS,
+    Estimate,
+    Floats,
+    FrictionFit,
+    notes_on,
+)
 from .model import Ground
 from .session import Session
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
 
 METHODS = ("joint", "naive")
 
@@ -99,6 +112,11 @@ class _Data:
             speed_sigma_m_s=given.belt_speed_sigma_m_s,
             lambda_sigma_rad=given.lambda_sigma_rad,
         )
+
+    def without(self, index: int) -> _Data:
+        """Return all readings but one."""
+        names = ("lambda_rad", "incline_rad", "slip_m_s", "bent")
+        return replace(self, **{name: np.delete(getattr(self, name), index) for name in names})
 
 
 @dataclass(frozen=True)
@@ -181,25 +199,39 @@ def _naive(session: Session, data: _Data) -> FrictionFit:
     freedom = np.array([np.sum(~data.bent), np.sum(data.bent)] * 2) - 2
     widths = stdtrit(freedom, 0.5 + LEVEL / 2) * np.sqrt(np.diag(covariance))
     residuals = _residuals(np.concatenate([values, [0.0, 0.0]]), data)
-    return _result(session, _Raw("naive", values, covariance, widths, residuals, {}))
+    return _result(session, data, _Raw("naive", values, covariance, widths, residuals, {}))
 
 
-def _joint(session: Session, data: _Data) -> FrictionFit:
+def _minimum(session: Session, data: _Data) -> OptimizeResult:
+    """Return SciPy's account of the least sum of squares, half of chi2."""
     from scipy.optimize import least_squares
-    from scipy.special import ndtri
 
     # The bounds are the physics. A naive value below 0 starts from its mirror image, inside.
     start = np.concatenate([np.abs(_two_lines(data)[0]), [0.0, 0.0]])
     low = np.array([0.0] * 4 + [-np.inf] * 2)
     found = least_squares(
-        _residuals, start, _jacobian, (low, np.inf), x_scale="jac", args=(data,),
-        xtol=1e-12, ftol=1e-12, gtol=1e-12,
-    )  # fmt: skip
+        _residuals,
+        start,
+        jac=_jacobian,  # pyright: ignore[reportArgumentType]  # SciPy takes functions too
+        bounds=(low, np.inf),
+        x_scale="jac",
+        args=(data,),
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-12,
+    )
     if not found.success:
         raise NotConverged(
             f"{session.where}: the joint fit stopped with {found.message!r} at chi2 = "
             f"{2 * found.cost:.3g}; look for a misread value, or compare with method='naive'"
         )
+    return found
+
+
+def _joint(session: Session, data: _Data) -> FrictionFit:
+    from scipy.special import ndtri
+
+    found = _minimum(session, data)
     jacobian = _jacobian(found.x, data)
     covariance = np.linalg.inv(jacobian.T @ jacobian)
     sigmas = np.sqrt(np.diag(covariance))
@@ -214,7 +246,7 @@ def _joint(session: Session, data: _Data) -> FrictionFit:
         residuals=found.fun,
         nuisances={"lambda_offset_rad": offset, "incline_zero_rad": zero},
     )
-    return _result(session, raw)
+    return _result(session, data, raw)
 
 
 def _residuals(x: Floats, data: _Data) -> Floats:
@@ -252,7 +284,7 @@ def _jacobian(x: Floats, data: _Data) -> Floats:
     return np.vstack([-np.column_stack(columns) / spread[:, None], np.eye(2, 6, 4)])
 
 
-def _result(session: Session, raw: _Raw) -> FrictionFit:
+def _result(session: Session, data: _Data, raw: _Raw) -> FrictionFit:
     if raw.values.min() < 0.0:
         name = NAMES[int(raw.values.argmin())]
         raise BadInput(
@@ -277,4 +309,23 @@ def _result(session: Session, raw: _Raw) -> FrictionFit:
         residuals=tuple(raw.residuals[: len(session.kept)].tolist()),
         notes=(),
     )
-    return replace(fit, notes=notes_on(fit, session))
+    return replace(fit, notes=(*notes_on(fit, session), *_suspicion(session, data, fit)))
+
+
+def _suspicion(session: Session, data: _Data, fit: FrictionFit) -> list[str]:
+    """Name the reading without which a bad chi2 is least.
+
+    Residuals would mislead, for a line follows its outlier. A part is left with three readings at
+    least, or any line would pass.
+    """
+    if fit.p_value is None or fit.p_value > DOUBTFUL:
+        return []
+    enough = [k for k in range(len(data.bent)) if np.sum(data.bent == data.bent[k]) > 3]
+    left = {k: 2 * _minimum(session, data.without(k)).cost for k in enough}
+    if not left:
+        return []
+    worst = min(left, key=left.__getitem__)
+    return [
+        f"Without reading {session.kept[worst].number} chi2 would be {left[worst]:.1f}: "
+        "look at that one first."
+    ]

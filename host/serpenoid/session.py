@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
@@ -241,7 +242,7 @@ def _reading(header: list[str], cells: list[str]) -> Reading:
             "power cut may be deleted, and decimals take a point, not a comma"
         )
     row = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-    if not row["reading"].isdecimal() or int(row["reading"]) < 1:
+    if not re.fullmatch("[1-9][0-9]{0,8}", row["reading"]):
         raise BadInput(f"reading is {row['reading']!r}; it must be a whole number from 1")
     return Reading(
         number=int(row["reading"]),

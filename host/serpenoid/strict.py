@@ -16,7 +16,7 @@ from .errors import BadInput, check_number
 if sys.version_info >= (3, 11):
     import tomllib
 else:
-    import tomli as tomllib
+    import tomli as tomllib  # pyright: ignore[reportMissingImports]
 
 _UNIT = re.compile(r"_(deg|rad|percent|pct|m_s|mm_s|cm_s|km_h|kmh|kph|mph|ft_s|kg|g|m|mm|cm|utc)$")
 
