@@ -1,10 +1,30 @@
 """Predict, drive and calibrate a wheeled snake robot; see the README for a first run."""
 
-from .dynamics import Acceleration, AngleDrive, LinkState, TorqueDrive, acceleration
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from .errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
-from .model import Gait, Ground, Robot
-from .optimize import LeastPower, least_power_gait
-from .steady import Steady, Sweep, steady_gait, sweep
+
+if TYPE_CHECKING:
+    from .dynamics import Acceleration, AngleDrive, LinkState, TorqueDrive, acceleration
+    from .model import Gait, Ground, Robot
+    from .optimize import LeastPower, least_power_gait
+    from .scene import Scene, TorqueTable
+    from .simulation import Run, simulate
+    from .steady import Steady, Sweep, steady_gait, sweep
+
+# Where the rest is, imported at first use: the command line answers --help without NumPy.
+_HOMES = {
+    "dynamics": ("Acceleration", "AngleDrive", "LinkState", "TorqueDrive", "acceleration"),
+    "model": ("Gait", "Ground", "Robot"),
+    "optimize": ("LeastPower", "least_power_gait"),
+    "scene": ("Scene", "TorqueTable"),
+    "simulation": ("Run", "simulate"),
+    "steady": ("Steady", "Sweep", "steady_gait", "sweep"),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "Acceleration",
@@ -17,13 +37,31 @@ __all__ = [
     "LinkState",
     "NotConverged",
     "Robot",
+    "Run",
+    "Scene",
     "SerpenoidError",
     "Steady",
     "StepTooLarge",
     "Sweep",
     "TorqueDrive",
+    "TorqueTable",
     "acceleration",
     "least_power_gait",
+    "simulate",
     "steady_gait",
     "sweep",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its module when it is first asked for."""
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(f".{_HOME_OF[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """List the public names, imported or not."""
+    return sorted(__all__)

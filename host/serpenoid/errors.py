@@ -26,7 +26,12 @@ class Diverged(SerpenoidError, ArithmeticError):
 
 
 def check_number(
-    name: str, value: object, low: float = -math.inf, high: float = math.inf, *, open_low: bool = False
+    name: str,
+    value: object,
+    low: float = -math.inf,
+    high: float = math.inf,
+    *,
+    open_low: bool = False,
 ) -> float:
     """Return value as a float, or raise BadInput naming it and the range it must be in."""
     limits = f"{'more than' if open_low else 'at least'} {low:g}" if low > -math.inf else ""
