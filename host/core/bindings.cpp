@@ -16,8 +16,9 @@
 #include "steady_viscous.hpp"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 using namespace serpenoid;
+
+void bind_firmware(nb::module_& m);  // bindings_firmware.cpp
 
 namespace {
 
@@ -174,4 +175,5 @@ NB_MODULE(_core, m) {
     m.def("evaluate", &evaluate_links);
     m.def("run", &run, nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg());
+    bind_firmware(m);
 }

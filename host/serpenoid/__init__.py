@@ -9,18 +9,24 @@ from .errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLar
 
 if TYPE_CHECKING:
     from .dynamics import Acceleration, AngleDrive, LinkState, TorqueDrive, acceleration
+    from .friction import fit_friction
+    from .friction_result import FrictionFit
     from .model import Gait, Ground, Robot
     from .optimize import LeastPower, least_power_gait
     from .scene import Scene, TorqueTable
+    from .session import Session, load_session
     from .simulation import Run, simulate
     from .steady import Steady, Sweep, steady_gait, sweep
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
     "dynamics": ("Acceleration", "AngleDrive", "LinkState", "TorqueDrive", "acceleration"),
+    "friction": ("fit_friction",),
+    "friction_result": ("FrictionFit",),
     "model": ("Gait", "Ground", "Robot"),
     "optimize": ("LeastPower", "least_power_gait"),
     "scene": ("Scene", "TorqueTable"),
+    "session": ("Session", "load_session"),
     "simulation": ("Run", "simulate"),
     "steady": ("Steady", "Sweep", "steady_gait", "sweep"),
 }
@@ -31,6 +37,7 @@ __all__ = [
     "AngleDrive",
     "BadInput",
     "Diverged",
+    "FrictionFit",
     "Gait",
     "Ground",
     "LeastPower",
@@ -40,13 +47,16 @@ __all__ = [
     "Run",
     "Scene",
     "SerpenoidError",
+    "Session",
     "Steady",
     "StepTooLarge",
     "Sweep",
     "TorqueDrive",
     "TorqueTable",
     "acceleration",
+    "fit_friction",
     "least_power_gait",
+    "load_session",
     "simulate",
     "steady_gait",
     "sweep",

@@ -45,7 +45,7 @@ class TorqueTable:
     def __call__(self, t_s: float) -> NDArray[np.float64]:
         """Return the torques at a time, (n-1,)."""
         k = int(np.searchsorted(self.t_s, t_s))
-        if k == 0 or k == self.t_s.size:
+        if k in (0, self.t_s.size):
             return self.torque_nm[min(k, self.t_s.size - 1)].copy()
         f = (t_s - self.t_s[k - 1]) / (self.t_s[k] - self.t_s[k - 1])
         return (1 - f) * self.torque_nm[k - 1] + f * self.torque_nm[k]
@@ -56,8 +56,8 @@ class Scene:
     """Describe one run of the simulator.
 
     formulation: "explicit" (pinned joints) or "implicit" (Eqs. 51-56 with joint_stiffness_n_m k and
-    joint_damping_n_s_m c). drive: "angle" (the gait's joint angles are imposed) or "torque" (`torque`
-    is a TorqueTable, an (n-1,) list of constants, or a function of time returning (n-1,), N m).
+    joint_damping_n_s_m c). drive: "angle" (the gait's joint angles are imposed) or "torque"
+    (`torque` is a TorqueTable, an (n-1,) list of constants, or a function of time returning (n-1,), N m).
     method: "rk4" with step dt_s, or "nonsmooth" (dry friction as the set-valued law: adaptive steps
     for the explicit, shrinking steps of dt_s for the implicit formulation). start: "link1_at_rest"
     (x = y = theta_1 = 0 and their rates; the paper's), "zero_momentum", "steady" (from the periodic
