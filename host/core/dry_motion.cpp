@@ -31,7 +31,9 @@ double DryMotion::rate(double L, double tau) {
     return (L - omega_ * shape_.K) / shape_.J;
 }
 
-// H and the kinks of one step of h seconds; b holds only the friction's part.
+// H and the kinks of one step of h seconds; b holds only the friction's part. Wheels of a straight
+// chain have one and the same kink, where an active-set method could cycle: each kink is moved by
+// its own 1e-11 or less of the speed scale, always the same, which leaves no two alike.
 void DryMotion::assemble(double h) {
     const double nm = robot_.n * robot_.m;
     H_ = {nm, 0, 0, 0, nm, 0, 0, 0, shape_.J};
@@ -44,7 +46,9 @@ void DryMotion::assemble(double h) {
             for (int j = 0; j < 3; ++j) H_[3 * i + j] += hc * g[i] * g[j];
             b_[i] -= hc * e * g[i];
         }
-        if (dry > 0) kinks_.push_back({g, e, h * dry});
+        if (dry == 0) return;
+        const double apart = std::fmod(0.6180339887 * static_cast<double>(kinks_.size() + 1), 1.0);
+        kinks_.push_back({g, e + 1e-11 * speed_scale_ * apart, h * dry});
     };
     for (const LinkShape& link : shape_.link) {
         wheel(link.t, ground_.ct, ground_.ft0);
@@ -231,7 +235,7 @@ void DryMotion::control(const Step& step, double H, bool accepted) {
 
 // A very short convex step: finds the mode that follows. Doubles when modes end at once.
 bool DryMotion::kick(DryState& state, double& tau, double tau_end) {
-    kick_ = std::min({std::max(4 * kick_, shortest_kick_), 1e-3, tau_end - tau});
+    kick_ = std::min({std::max(4 * kick_, shortest_kick_), 10 * longest_kick_, tau_end - tau});
     double w = rate(state.v[DryState::L], tau);
     if (!euler(state, tau, kick_, false, state, w)) {
         convex_.forget();
@@ -248,8 +252,9 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
     // long enough for dry friction to take a whole miss of the event back, at both bounds
     const double least = std::min(ground_.ft0 > 0 ? ground_.ft0 : ground_.fn0,
                                   ground_.fn0 > 0 ? ground_.fn0 : ground_.ft0);
+    longest_kick_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-7, 1e-4);  // it errs by its square
     shortest_kick_ =
-        std::clamp(20 * speed_eps_ * robot_.n * robot_.m * omega_ / least, 1e-7, 1e-4);
+        std::clamp(20 * speed_eps_ * robot_.n * robot_.m * omega_ / least, 1e-7, longest_kick_);
     convex_.forget();
     kick_ = 0;
     if (!kick(state, tau, tau_end)) return false;
@@ -259,7 +264,7 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
         if (steps > kMostSteps || !(step_ > 1e-14)) return false;
         margins(state, tau, start);
         double H = std::min(step_, tau_end - tau);
-        if (tau_end - tau - H < 1e-3 * H) H = tau_end - tau;
+        if (tau_end - tau - H < 1e-12) H = tau_end - tau;
         if (!extrapolate(state, tau, H, tolerance, step)) {
             if (!kick(state, tau, tau_end)) return false;
             continue;

@@ -79,7 +79,7 @@ class DryMotion {
     Vec3 b_{};
     std::vector<Kink> kinks_;
     long systems_ = 0;
-    double step_ = 0.1, kick_ = 0, shortest_kick_ = 0, speed_eps_ = 0, stick_eps_ = 0;
+    double step_ = 0.1, kick_ = 0, shortest_kick_ = 0, longest_kick_ = 0, speed_eps_ = 0, stick_eps_ = 0;
     int order_ = 4;
 };
 

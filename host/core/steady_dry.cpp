@@ -64,37 +64,45 @@ class FixedPoint {
   public:
     explicit FixedPoint(HalfCycle& map) : map_(map), z_(map.rest()) {}
 
+    // Follow the motion until a cycle changes it little, or for so many cycles.
     bool wander(int cycles, double tolerance) {
-        for (int i = 0; i < cycles; ++i)
-            if (!map_.apply(z_, tolerance, z_)) return false;
-        evaluations += cycles;
+        constexpr double kNear = 0.02;
+        for (int i = 0; i < cycles; ++i) {
+            Vec3 image, change;
+            if (!map_.apply(z_, tolerance, image)) return false;
+            ++evaluations;
+            for (int k = 0; k < 3; ++k) change[k] = image[k] - z_[k];
+            z_ = image;
+            if (size(change) < kNear) break;
+        }
         return true;
     }
 
-    // False when the steps fail or the residual stalls above `goal`.
+    // Newton's method until the next step would be below `goal`. False when the steps fail or the
+    // residual stalls. A step that does not bring the residual down is halved.
     bool solve(double tolerance, double goal) {
-        bool fresh = false;
         if (!measured_ && !measure(tolerance)) return false;
-        double last = 1e300;
+        Vec3 r, step;
+        if (!residual(z_, tolerance, r)) return false;
         for (int i = 0; i < 30; ++i) {
-            Vec3 image, r, step;
-            if (!map_.apply(z_, tolerance, image)) return false;
-            ++evaluations;
-            for (int k = 0; k < 3; ++k) r[k] = image[k] - z_[k];
-            if (i > 0) broyden(r);
             if (!newton(r, step)) return false;
-            residual = size(step);
-            if (residual <= goal) return true;
-            if (residual > 0.5 * last && !fresh) {  // Broyden has lost the way: measure again
-                if (!measure(tolerance)) return false;
-                fresh = true;
-                if (!newton(r, step)) return false;
-            } else {
-                fresh = false;
+            last_step = size(step);
+            if (last_step <= goal) return true;
+            Vec3 next, trial;
+            double part = 1;
+            for (; part > 0.05; part /= 2) {
+                for (int k = 0; k < 3; ++k) next[k] = z_[k] + part * step[k];
+                if (!residual(next, tolerance, trial)) return false;
+                if (size(trial) < size(r)) break;
             }
-            last = residual;
-            for (int k = 0; k < 3; ++k) z_[k] += step[k];
-            step_ = step, r_ = r;
+            if (part <= 0.05) {  // the derivative has lost the way
+                if (!measure(tolerance)) return false;
+                if (++lost_ > 6) return false;
+                continue;
+            }
+            for (int k = 0; k < 3; ++k) step[k] *= part;
+            broyden(step, r, trial);
+            z_ = next, r = trial;
         }
         return false;
     }
@@ -102,7 +110,7 @@ class FixedPoint {
     const Mat3& derivative() const { return M_; }
     const Vec3& point() const { return z_; }
     int evaluations = 0;
-    double residual = 0;
+    double last_step = 0;  // of Newton's method, as a fraction of the speed scale
 
   private:
     bool measure(double tolerance) {
@@ -119,18 +127,23 @@ class FixedPoint {
         return measured_ = true;
     }
 
-    // The last step should have removed the residual: what is left is (M_true - M) step.
-    void broyden(const Vec3& r) {
-        Vec3 change;
-        const Vec3 predicted = multiply(M_, step_);
+    bool residual(const Vec3& z, double tolerance, Vec3& r) {
+        Vec3 image;
+        if (!map_.apply(z, tolerance, image)) return false;
+        ++evaluations;
+        for (int k = 0; k < 3; ++k) r[k] = image[k] - z[k];
+        return true;
+    }
+
+    // After a step the residual went from r to r_new: M then maps the step to r_new - r + step.
+    void broyden(const Vec3& step, const Vec3& r, const Vec3& r_new) {
+        const Vec3 predicted = multiply(M_, step);
         double norm = 0;
-        for (int i = 0; i < 3; ++i) {
-            change[i] = r[i] - r_[i] + step_[i] - predicted[i];
-            norm += step_[i] * step_[i];
-        }
+        for (const double v : step) norm += v * v;
         if (norm == 0) return;
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) M_[3 * i + j] += change[i] * step_[j] / norm;
+            for (int j = 0; j < 3; ++j)
+                M_[3 * i + j] += (r_new[i] - r[i] + step[i] - predicted[i]) * step[j] / norm;
     }
 
     bool newton(const Vec3& r, Vec3& step) const {
@@ -141,9 +154,10 @@ class FixedPoint {
     }
 
     HalfCycle& map_;
-    Vec3 z_, step_{}, r_{};
+    Vec3 z_;
     Mat3 M_{};
     bool measured_ = false;
+    int lost_ = 0;
 };
 
 void report(HalfCycle& map, const FixedPoint& fixed, const Gait& gait, SteadyState& out) {
@@ -176,13 +190,12 @@ SteadyState steady_dry(const Robot& robot, const Ground& ground, const Gait& gai
     HalfCycle map(robot, ground, gait);
     FixedPoint fixed(map);
     SteadyState out, coarse;
-    const double floor = 1e-12 * gait.omega * robot.l * robot.n;
-    if (!fixed.wander(8, 1e-3)) return out;
+    const double floor = options.rtol * 1e-6 * gait.omega * 2 * robot.l * robot.n;
+    if (!fixed.wander(200, 1e-3)) return out;
     bool first = true;
-    for (double tolerance = 1e-4; tolerance > 1e-14; tolerance *= 0.03) {
-        if (!fixed.solve(tolerance, std::max(3 * tolerance, 1e-12))) {
-            if (!fixed.wander(20, tolerance) || !fixed.solve(tolerance, 10 * tolerance)) return out;
-        }
+    double change = 0, before = 0;
+    for (double tolerance = 1e-4; tolerance > 1e-11; tolerance *= 0.03) {
+        if (!fixed.solve(tolerance, std::max(3 * tolerance, 1e-12))) return out;
         report(map, fixed, gait, out);
         if (options.powers) {
             const double work = map.positive_work(fixed.point(), tolerance);
@@ -190,7 +203,10 @@ SteadyState steady_dry(const Robot& robot, const Ground& ground, const Gait& gai
             out.positive_power = work * gait.omega / map.span();
             out.abs_power = 2 * out.positive_power - out.power;
         }
-        out.speed_error = std::fabs(out.speed - coarse.speed);
+        // the last change, and what a lucky one would hide: part of the one before, Newton's rest
+        change = std::fabs(out.speed - coarse.speed);
+        out.speed_error = change + 0.1 * before + fixed.last_step * map.scale()[0];
+        before = first ? 0 : change;
         out.power_error = std::max(std::fabs(out.power - coarse.power),
                                    std::fabs(out.positive_power - coarse.positive_power));
         out.converged = !first && out.speed_error <= options.rtol * out.speed + floor &&

@@ -23,8 +23,9 @@ class Steady:
 
     speed_m_s: |displacement over a period| / period, along the mean direction of travel.
     power_w: net mean of P = -sum T_i phi_i'; abs_power_w, positive_power_w: means of sum |P_i| and
-    sum max(P_i, 0). turn_rad_per_cycle: change of heading a period. error_estimate: of the speed,
-    relative; power_error_w: of the powers. direction_rad: direction of travel counted from the
+    sum max(P_i, 0). turn_rad_per_cycle: change of heading a period; a gait that turns has the speed
+    of the period that begins at phase 0. error_estimate: of the speed, relative (where the speed is
+    next to nothing: to a millionth of body length times omega); power_error_w: of the powers. direction_rad: direction of travel counted from the
     heading of link 1 at phase 0. body_velocity: (Vx, Vy, theta_1') at phase 0, velocity of the
     centre of mass along and across link 1, m/s, m/s, rad/s. monodromy: derivative (3, 3) of
     (Vx, Vy, angular momentum) after a period by the same before it.
@@ -93,8 +94,9 @@ class Sweep:
     converged: NDArray[np.bool_]
 
 
-def _relative(error: float, value: float) -> float:
-    return error / value if value > 0 else error
+def _relative(error: float, speed: float, robot: Robot, gait: Gait) -> float:
+    """Return error over speed, or over a millionth of body length x rate where there is no speed."""
+    return error / max(speed, 1e-6 * gait.omega_rad_s * robot.links * robot.link_length_m)
 
 
 def _refuse_frictionless(ground: Ground) -> None:
@@ -112,14 +114,14 @@ def steady_gait(
 
     Newton's method on the period map, with half a period where mirror symmetry allows it; viscous
     ground by Gauss collocation, dry ground as the set-valued law with exact sticking. rtol: wanted
-    relative accuracy of speed and powers, 1e-12 to 0.1 (dry ground: powers to 10 rtol).
+    relative accuracy of speed and powers, 0.1 to 1e-12 (dry ground: to 1e-7, powers to 10 rtol).
     powers=False leaves abs_power_w and positive_power_w out (0) and is faster. Raises BadInput, and
     NotConverged with the accuracy that was reached.
     """
-    check_number("rtol", rtol, 1e-12, 0.1)
+    check_number("rtol", rtol, 1e-7 if ground.dry else 1e-12, 0.1)
     _refuse_frictionless(ground)
     s = _core.steady(core_model(robot, ground, gait), rtol, powers, MAX_ELEMENTS)
-    error = _relative(s.speed_error, s.speed)
+    error = _relative(s.speed_error, s.speed, robot, gait)
     if not s.converged:
         raise NotConverged(
             f"no periodic state found to rtol {rtol:g} for {gait} on {ground}: the speed changed "
@@ -156,7 +158,7 @@ def sweep(
     reached (the value then is the best that was found). progress is called with the number of
     gaits done since its last call. Raises BadInput.
     """
-    check_number("rtol", rtol, 1e-12, 0.1)
+    check_number("rtol", rtol, 1e-7 if ground.dry else 1e-12, 0.1)
     _refuse_frictionless(ground)
     a, b = _axis("alpha_rad", alpha_rad), _axis("beta_rad", beta_rad)
     w = _axis("omega_rad_s", omega_rad_s)
