@@ -190,7 +190,7 @@ SteadyState steady_dry(const Robot& robot, const Ground& ground, const Gait& gai
     HalfCycle map(robot, ground, gait);
     FixedPoint fixed(map);
     SteadyState out, coarse;
-    const double floor = options.rtol * 1e-6 * gait.omega * 2 * robot.l * robot.n;
+    const double floor = options.rtol * 1e-4 * gait.omega * 2 * robot.l * robot.n;
     if (!fixed.wander(200, 1e-3)) return out;
     bool first = true;
     double change = 0, before = 0;
@@ -205,7 +205,7 @@ SteadyState steady_dry(const Robot& robot, const Ground& ground, const Gait& gai
         }
         // the last change, and what a lucky one would hide: part of the one before, Newton's rest
         change = std::fabs(out.speed - coarse.speed);
-        out.speed_error = change + 0.1 * before + fixed.last_step * map.scale()[0];
+        out.speed_error = change + 0.03 * before + fixed.last_step * map.scale()[0];
         before = first ? 0 : change;
         out.power_error = std::max(std::fabs(out.power - coarse.power),
                                    std::fabs(out.positive_power - coarse.positive_power));

@@ -275,7 +275,7 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
         if (options.powers)
             result.power_error = std::max(result.power_error, std::fabs(result.positive_power - coarse.positive_power) / 15);
         const double speed_floor =
-            std::max(options.rtol * 1e-6, 1e-13) * omega * 2 * robot_.l * robot_.n;
+            std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
         result.converged = !first && result.speed_error <= options.rtol * result.speed + speed_floor &&
                            result.power_error <= options.rtol * std::max(result.power, result.positive_power) + 1e-300;
         if (result.converged) break;

@@ -25,7 +25,7 @@ class Steady:
     power_w: net mean of P = -sum T_i phi_i'; abs_power_w, positive_power_w: means of sum |P_i| and
     sum max(P_i, 0). turn_rad_per_cycle: change of heading a period; a gait that turns has the speed
     of the period that begins at phase 0. error_estimate: of the speed, relative (where the speed is
-    next to nothing: to a millionth of body length times omega); power_error_w: of the powers. direction_rad: direction of travel counted from the
+    next to nothing: to 1e-4 of body length times omega); power_error_w: of the powers. direction_rad: direction of travel counted from the
     heading of link 1 at phase 0. body_velocity: (Vx, Vy, theta_1') at phase 0, velocity of the
     centre of mass along and across link 1, m/s, m/s, rad/s. monodromy: derivative (3, 3) of
     (Vx, Vy, angular momentum) after a period by the same before it.
@@ -95,8 +95,8 @@ class Sweep:
 
 
 def _relative(error: float, speed: float, robot: Robot, gait: Gait) -> float:
-    """Return error over speed, or over a millionth of body length x rate where there is no speed."""
-    return error / max(speed, 1e-6 * gait.omega_rad_s * robot.links * robot.link_length_m)
+    """Return error over speed, or over 1e-4 of body length x rate where there is no speed."""
+    return error / max(speed, 1e-4 * gait.omega_rad_s * robot.links * robot.link_length_m)
 
 
 def _refuse_frictionless(ground: Ground) -> None:

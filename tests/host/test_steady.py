@@ -99,7 +99,7 @@ def test_dry_friction_fades_into_viscous() -> None:
 def test_a_run_in_time_settles_to_it(ground: sn.Ground) -> None:
     """From another start the motion converges to the periodic state, as fast as the multipliers say."""
     gait = gait_deg(60, 75, 6)
-    s = sn.steady_gait(OF_2005, ground, gait, rtol=1e-8)
+    s = sn.steady_gait(OF_2005, ground, gait, rtol=1e-7)
     cycles = math.ceil(12 * s.settling_time_s / gait.period_s) + 2
     run = sn.simulate(
         sn.Scene(
