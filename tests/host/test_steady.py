@@ -45,11 +45,11 @@ def test_error_estimates_are_not_below_the_errors(ground: sn.Ground, alpha: floa
     for beta in (25, 55, 85):
         for omega in (1.0, 7.0):
             gait = gait_deg(alpha, beta, omega)
-            truth = sn.steady_gait(PAPER, ground, gait, rtol=1e-7)
+            truth = sn.steady_gait(PAPER, ground, gait, rtol=3e-7)
             for rtol in (1e-2, 1e-4, 3e-6):
                 s = sn.steady_gait(PAPER, ground, gait, rtol=rtol)
                 error = abs(s.speed_m_s / truth.speed_m_s - 1)
-                assert error <= s.error_estimate + 1e-7
+                assert error <= s.error_estimate + 3e-7
                 assert s.error_estimate <= rtol
                 watts = abs(s.positive_power_w - truth.positive_power_w)
                 assert watts <= 10 * rtol * truth.positive_power_w
