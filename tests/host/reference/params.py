@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +61,7 @@ class Gait:
 
 def gait_deg(alpha: float, beta: float, omega: float, offset: float = 0.0) -> Gait:
     """Return the gait of an amplitude, phase lag and offset in degrees, omega in rad/s."""
-    return Gait(np.radians(alpha), np.radians(beta), omega, np.radians(offset))
+    return Gait(radians(alpha), radians(beta), omega, radians(offset))
 
 
 def robot_2005(links: int = 6) -> Params:
