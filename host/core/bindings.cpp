@@ -29,7 +29,8 @@ using Array = nb::ndarray<nb::numpy, double>;
 Array to_numpy(std::vector<double>&& values, std::initializer_list<std::size_t> shape) {
     auto owner = std::make_unique<std::vector<double>>(std::move(values));
     double* data = owner->data();
-    nb::capsule free(owner.release(), [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+    nb::capsule free(owner.release(),
+                     [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
     return Array(data, shape, free);
 }
 
@@ -66,7 +67,8 @@ Array steady_row(const Model& m, Vector omegas, double rtol, bool powers, int ma
     return to_numpy(std::move(out), {5, count});
 }
 
-RunRequest request(const Model& m, bool implicit, bool torque, double k, double c, double smoothing) {
+RunRequest request(const Model& m, bool implicit, bool torque, double k, double c,
+                   double smoothing) {
     RunRequest q;
     q.robot = m.robot, q.ground = m.ground, q.gait = m.gait;
     q.formulation = implicit ? Formulation::implicit : Formulation::explicit_;
@@ -146,14 +148,12 @@ Array three(const Vec3& v) { return to_numpy({v.begin(), v.end()}, {3}); }
 NB_MODULE(_core, m) {
     m.doc() = "Compiled core of serpenoid; use the package's own functions instead.";
     nb::class_<Model>(m, "Model")
-        .def("__init__",
-             [](Model* self, int n, double mass, double half_length, double inertia, double ct,
-                double cn, double ft0, double fn0, double alpha, double beta, double omega,
-                double offset) {
-                 new (self) Model{{n, mass, half_length, inertia},
-                                  {ct, cn, ft0, fn0},
-                                  {alpha, beta, omega, offset}};
-             });
+        .def("__init__", [](Model* self, int n, double mass, double half_length, double inertia,
+                            double ct, double cn, double ft0, double fn0, double alpha, double beta,
+                            double omega, double offset) {
+            new (self) Model{
+                {n, mass, half_length, inertia}, {ct, cn, ft0, fn0}, {alpha, beta, omega, offset}};
+        });
     nb::class_<SteadyState>(m, "SteadyState")
         .def_ro("speed", &SteadyState::speed)
         .def_ro("power", &SteadyState::power)
@@ -166,10 +166,14 @@ NB_MODULE(_core, m) {
         .def_ro("elements", &SteadyState::elements)
         .def_ro("iterations", &SteadyState::iterations)
         .def_ro("converged", &SteadyState::converged)
-        .def_prop_ro("start", [](const SteadyState& s) { return three(s.start); }, nb::rv_policy::move)
-        .def_prop_ro("monodromy", [](const SteadyState& s) {
-            return to_numpy({s.monodromy.begin(), s.monodromy.end()}, {3, 3});
-        }, nb::rv_policy::move);
+        .def_prop_ro(
+            "start", [](const SteadyState& s) { return three(s.start); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "monodromy",
+            [](const SteadyState& s) {
+                return to_numpy({s.monodromy.begin(), s.monodromy.end()}, {3, 3});
+            },
+            nb::rv_policy::move);
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.def("steady_row", &steady_row);
     m.def("evaluate", &evaluate_links);

@@ -27,7 +27,8 @@ struct BodyMotion {
 template <class Friction, class Each>
 void joint_powers(const Robot& r, const Shape& s, double omega, const BodyMotion& b,
                   Friction friction, Each each) {
-    const double w = b.u[2], wdot = b.udot[2], ww = w * w, cross = 2 * w * omega, oo = omega * omega;
+    const double w = b.u[2], wdot = b.udot[2], ww = w * w, cross = 2 * w * omega,
+                 oo = omega * omega;
     const double Ax = b.udot[0] - w * b.u[1], Ay = b.udot[1] + w * b.u[0];
     JointSums sums;
     for (int i = 0; i + 1 < r.n; ++i) {

@@ -11,7 +11,18 @@ namespace serpenoid {
 // Arrays over the links, SI units; accelerations are results, forces are those of the ground.
 struct Chain {
     explicit Chain(int n)
-        : x(n), y(n), theta(n), vx(n), vy(n), omega(n), ax(n), ay(n), alpha(n), fx(n), fy(n), c(n),
+        : x(n),
+          y(n),
+          theta(n),
+          vx(n),
+          vy(n),
+          omega(n),
+          ax(n),
+          ay(n),
+          alpha(n),
+          fx(n),
+          fy(n),
+          c(n),
           s(n) {}
     int n() const { return static_cast<int>(x.size()); }
 

@@ -75,8 +75,9 @@ int Convex3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& 
         const double t = std::max(0.0, -k.at(w_) / rate);
         if (t < 1) breaks_.push_back({t, 2 * k.mu * std::fabs(rate), static_cast<int>(c)});
     }
-    std::sort(breaks_.begin(), breaks_.end(),
-              [](const Break& a, const Break& b) { return a.t < b.t || (a.t == b.t && a.kink < b.kink); });
+    std::sort(breaks_.begin(), breaks_.end(), [](const Break& a, const Break& b) {
+        return a.t < b.t || (a.t == b.t && a.kink < b.kink);
+    });
     double slope0 = -curvature, t = 1;  // slope at t is slope0 + t curvature, zero at t = 1
     int stop = -1;
     for (const Break& k : breaks_) {

@@ -99,8 +99,7 @@ bool DryMotion::add_positive(const DryState& from, double tau, double H, double 
             if (!extrapolate(from, tau, part, tolerance, step)) return false;
             joint_power(step.to, tau + part, &power[0][j], s);
         }
-        for (const auto& p : power)
-            *positive_ += H / pieces / omega_ * mean_positive_part<s>(p);
+        for (const auto& p : power) *positive_ += H / pieces / omega_ * mean_positive_part<s>(p);
     }
     return true;
 }
@@ -134,7 +133,8 @@ bool DryMotion::euler(const DryState& from, double tau, double h_phase, bool fix
     b_[1] += nm * (c * from.v[DryState::Vy] - s * from.v[DryState::Vx]);
     b_[2] += from.v[DryState::L] - omega_ * shape_.K;
     ++systems_;
-    if (!(fixed ? convex_.solve_fixed(H_, b_, kinks_) : convex_.solve(H_, b_, kinks_))) return false;
+    if (!(fixed ? convex_.solve_fixed(H_, b_, kinks_) : convex_.solve(H_, b_, kinks_)))
+        return false;
     const Vec3& u = convex_.minimum();
     w = u[2];
     const double heading = from.v[DryState::theta] + h * w;
@@ -179,13 +179,23 @@ void DryMotion::margins(const DryState& s, double tau, std::vector<double>& marg
         margin[convex_.held_kink(a)] = (1 - std::fabs(s.v[DryState::stick + a])) / stick_eps_;
 }
 
-// Fraction of the step at which the first mode ends, by linear interpolation; 1 when none does.
-double DryMotion::event_before(const std::vector<double>& start,
-                               const std::vector<double>& end) const {
+// Fraction of the step at which the first mode ends: by the line through both ends, or, for a dip
+// between them, by the parabola through the early point as well. 1 when none ends.
+double DryMotion::event_before(const std::vector<double>& start, const Step& step) const {
     double first = 1;
-    for (std::size_t c = 0; c < end.size(); ++c)
-        if (end[c] < -2)
-            first = start[c] <= 0 ? 0 : std::min(first, (start[c] + 1) / (start[c] - end[c]));
+    const double x = 1.0 / step.rows;
+    for (std::size_t c = 0; c < start.size(); ++c) {
+        const double m0 = start[c], m1 = step.early[c], m2 = step.margin[c];
+        if (m2 < -2) {
+            first = m0 <= 0 ? 0 : std::min(first, (m0 + 1) / (m0 - m2));
+            continue;
+        }
+        const double bend = ((m1 - m0) / x - (m2 - m0)) / (x - 1), slope = m2 - m0 - bend;
+        const double lowest = m0 - slope * slope / (4 * bend);
+        if (m0 > 0 && bend > 0 && slope < 0 && slope > -2 * bend && lowest < -2)
+            first = std::min(
+                first, (-slope - std::sqrt(slope * slope - 4 * bend * (m0 + 1))) / (2 * bend));
+    }
     return first;
 }
 
@@ -193,13 +203,16 @@ double DryMotion::event_before(const std::vector<double>& start,
 bool DryMotion::extrapolate(const DryState& from, double tau, double H, double tolerance,
                             Step& step) {
     std::array<DryState, kMaxOrder + 1> row;
+    DryState early;
     const double w0 = rate(from.v[DryState::L], tau);
     const int most = std::min(order_ + 1, kMaxOrder);
     for (int j = 1; j <= most; ++j) {
         DryState now = from;
         double w = w0;
-        for (int i = 0; i < j; ++i)
+        for (int i = 0; i < j; ++i) {
             if (!euler(now, tau + i * H / j, H / j, true, now, w)) return false;
+            if (i == 0) early = now;
+        }
         DryState lower = row[1];
         row[1] = now;
         for (int k = 1; k < j; ++k) {
@@ -215,6 +228,7 @@ bool DryMotion::extrapolate(const DryState& from, double tau, double H, double t
         if (!(step.error[j] < 1e30)) return false;
         if (step.error[j] <= 1) break;
     }
+    margins(early, tau + H / step.rows, step.early);
     margins(step.to, tau + H, step.margin);
     return true;
 }
@@ -230,7 +244,7 @@ void DryMotion::control(const Step& step, double H, bool accepted) {
     }
     if (accepted && order == step.rows) ++order;
     order_ = std::clamp(order, 3, kMaxOrder - 1);
-    step_ = accepted ? std::min(best_step, 0.8) : std::min(best_step, 0.5 * H);
+    step_ = accepted ? std::min(best_step, 0.4) : std::min(best_step, 0.5 * H);
 }
 
 // A very short convex step: finds the mode that follows. Doubles when modes end at once.
@@ -269,7 +283,7 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
             if (!kick(state, tau, tau_end)) return false;
             continue;
         }
-        const double at = event_before(start, step.margin);
+        const double at = event_before(start, step);
         if (at == 0) {
             if (!kick(state, tau, tau_end)) return false;
             continue;

@@ -1,4 +1,5 @@
-// Motion of the chain on dry ground with imposed joint angles: friction as the set-valued law it is.
+// Motion of the chain on dry ground with imposed joint angles: friction as the set-valued law it
+// is.
 //
 // One implicit Euler step from tau_k over h seconds is a convex problem in u = (V, w), the body
 // frame of shape.hpp (convex3.hpp solves it exactly, sticking wheels included):
@@ -37,8 +38,8 @@ class DryMotion {
     // scale omega l alpha. Returns false when the steps run out.
     bool advance(DryState& state, double tau, double tau_end, double tolerance);
 
-    // The same, and add the time integral of sum P_i^+ to `positive`, J: joint powers at Gauss points
-    // within every smooth step.
+    // The same, and add the time integral of sum P_i^+ to `positive`, J: joint powers at Gauss
+    // points within every smooth step.
     bool advance_with_power(DryState& state, double tau, double tau_end, double tolerance,
                             double& positive);
 
@@ -53,10 +54,12 @@ class DryMotion {
     struct Step {
         DryState to;
         std::vector<double> margin;  // of every kink at the end: below -2 its mode has ended
+        std::vector<double> early;   // and at the fraction 1/rows of the step
         std::array<double, kMaxOrder + 1> error{};
         int rows = 0;
     };
-    bool euler(const DryState& from, double tau, double h_phase, bool fixed, DryState& to, double& w);
+    bool euler(const DryState& from, double tau, double h_phase, bool fixed, DryState& to,
+               double& w);
     void assemble(double h);
     void joint_power(const DryState& state, double tau, double* power, int stride);
     bool add_positive(const DryState& from, double tau, double H, double tolerance);
@@ -64,7 +67,7 @@ class DryMotion {
     double error_norm(const DryState& a, const DryState& b) const;
     bool extrapolate(const DryState& from, double tau, double H, double tolerance, Step& step);
     void margins(const DryState& s, double tau, std::vector<double>& margin);
-    double event_before(const std::vector<double>& start, const std::vector<double>& end) const;
+    double event_before(const std::vector<double>& start, const Step& step) const;
     void control(const Step& step, double H, bool accepted);
     bool kick(DryState& state, double& tau, double tau_end);
 
@@ -79,7 +82,8 @@ class DryMotion {
     Vec3 b_{};
     std::vector<Kink> kinks_;
     long systems_ = 0;
-    double step_ = 0.1, kick_ = 0, shortest_kick_ = 0, longest_kick_ = 0, speed_eps_ = 0, stick_eps_ = 0;
+    double step_ = 0.1, kick_ = 0, shortest_kick_ = 0, longest_kick_ = 0, speed_eps_ = 0,
+           stick_eps_ = 0;
     int order_ = 4;
 };
 

@@ -57,8 +57,10 @@ void explicit_torque(const Robot& robot, Chain& k, Joints& joints) {
         const double ti = torque(i) * l / robot.I, tj = torque(i + 1) * l / robot.I;
         const double wi = l * k.omega[i] * k.omega[i], wj = l * k.omega[i + 1] * k.omega[i + 1];
         double rhs[6] = {0, 0, 0, 0, 0, 0};  // rows of (block, r)
-        rhs[2] = (k.fx[i + 1] - k.fx[i]) * im + k.s[i] * ti + k.s[i + 1] * tj + k.c[i] * wi + k.c[i + 1] * wj;
-        rhs[5] = (k.fy[i + 1] - k.fy[i]) * im - k.c[i] * ti - k.c[i + 1] * tj + k.s[i] * wi + k.s[i + 1] * wj;
+        rhs[2] = (k.fx[i + 1] - k.fx[i]) * im + k.s[i] * ti + k.s[i + 1] * tj + k.c[i] * wi +
+                 k.c[i + 1] * wj;
+        rhs[5] = (k.fy[i + 1] - k.fy[i]) * im - k.c[i] * ti - k.c[i + 1] * tj + k.s[i] * wi +
+                 k.s[i + 1] * wj;
         if (i + 2 < n) rhs[0] = b.xx - im, rhs[1] = b.xy, rhs[3] = b.xy, rhs[4] = b.yy - im;
         if (i > 0) {  // eliminate the joint before: its block is a - 1/m
             const double* U = &upper[4 * (i - 1)];
@@ -66,7 +68,8 @@ void explicit_torque(const Robot& robot, Chain& k, Joints& joints) {
             for (int r = 0; r < 2; ++r) {
                 for (int c = 0; c < 2; ++c)
                     D[2 * r + c] -= lower[2 * r] * U[c] + lower[2 * r + 1] * U[2 + c];
-                rhs[3 * r + 2] -= lower[2 * r] * joints.Fx[i - 1] + lower[2 * r + 1] * joints.Fy[i - 1];
+                rhs[3 * r + 2] -=
+                    lower[2 * r] * joints.Fx[i - 1] + lower[2 * r + 1] * joints.Fy[i - 1];
             }
         }
         solve_dense<2, 3>(D, rhs);

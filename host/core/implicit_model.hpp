@@ -15,12 +15,15 @@ struct JointSpring {
 };
 
 // Forces of all joints from the gaps between the links.
-inline void spring_forces(const Robot& r, const JointSpring& spring, const Chain& k, Joints& joints) {
+inline void spring_forces(const Robot& r, const JointSpring& spring, const Chain& k,
+                          Joints& joints) {
     for (int i = 0; i + 1 < k.n(); ++i) {
         const double gx = k.x[i + 1] - k.x[i] - r.l * (k.c[i + 1] + k.c[i]);
         const double gy = k.y[i + 1] - k.y[i] - r.l * (k.s[i + 1] + k.s[i]);
-        const double ux = k.vx[i + 1] - k.vx[i] + r.l * (k.omega[i + 1] * k.s[i + 1] + k.omega[i] * k.s[i]);
-        const double uy = k.vy[i + 1] - k.vy[i] - r.l * (k.omega[i + 1] * k.c[i + 1] + k.omega[i] * k.c[i]);
+        const double ux =
+            k.vx[i + 1] - k.vx[i] + r.l * (k.omega[i + 1] * k.s[i + 1] + k.omega[i] * k.s[i]);
+        const double uy =
+            k.vy[i + 1] - k.vy[i] - r.l * (k.omega[i + 1] * k.c[i + 1] + k.omega[i] * k.c[i]);
         joints.Fx[i] = spring.k * gx + spring.c * ux;
         joints.Fy[i] = spring.k * gy + spring.c * uy;
     }

@@ -5,10 +5,10 @@ namespace serpenoid {
 
 // A chain of n equal rigid links, counted from the tail.
 struct Robot {
-    int n;         // links, 2 or more
-    double m;      // mass of a link, kg
-    double l;      // HALF the length of a link, m (the paper's l)
-    double I;      // inertia of a link about its centre, kg m^2
+    int n;     // links, 2 or more
+    double m;  // mass of a link, kg
+    double l;  // HALF the length of a link, m (the paper's l)
+    double I;  // inertia of a link about its centre, kg m^2
 };
 
 // Friction at the centre of one link, along it (t) and across it (n); Eqs. 28, 29, 59, 62.

@@ -1,4 +1,5 @@
-// The shape of the chain at one phase of the gait: everything about it that the motion does not change.
+// The shape of the chain at one phase of the gait: everything about it that the motion does not
+// change.
 //
 // Body frame: origin at the centre of mass of the whole chain, x axis along link 1. Its velocity is
 // u = (Vx, Vy, w): velocity of the centre of mass in body axes, and w = theta_1'. With rho_i the
@@ -29,11 +30,11 @@ struct Row {
 };
 
 struct LinkShape {
-    Row t, n;              // (t.x, t.y) is the tangent, (n.x, n.y) the normal
-    double rx, ry;         // rho, m
-    double rx1, ry1;       // rho', m/rad
-    double s1;             // sigma'
-    double rx2, ry2, s2;   // second derivatives, filled only when asked for
+    Row t, n;             // (t.x, t.y) is the tangent, (n.x, n.y) the normal
+    double rx, ry;        // rho, m
+    double rx1, ry1;      // rho', m/rad
+    double s1;            // sigma'
+    double rx2, ry2, s2;  // second derivatives, filled only when asked for
 };
 
 struct Shape {
@@ -42,7 +43,8 @@ struct Shape {
     double J1, K1;  // their derivatives by tau, filled with the second derivatives
 
     // Fill for one phase. `second` adds what accelerations need and friction does not.
-    void set(const Robot& robot, const GaitTable& gait, double sin_tau, double cos_tau, bool second);
+    void set(const Robot& robot, const GaitTable& gait, double sin_tau, double cos_tau,
+             bool second);
 
   private:
     void chain(double l, const GaitTable& gait, double sin_tau, double cos_tau);

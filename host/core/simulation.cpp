@@ -17,8 +17,7 @@ Chain start_chain(const RunRequest& q) {
     const int n = q.robot.n;
     Chain c(n);
     std::vector<double>* part[6] = {&c.x, &c.y, &c.theta, &c.vx, &c.vy, &c.omega};
-    for (int p = 0; p < 6; ++p)
-        std::copy_n(q.start.begin() + p * n, n, part[p]->begin());
+    for (int p = 0; p < 6; ++p) std::copy_n(q.start.begin() + p * n, n, part[p]->begin());
     return c;
 }
 
@@ -75,14 +74,17 @@ RunResult run_rk4(const RunRequest& q) {
     System<Law> system(q);
     Rk4 rk4(system.dim());
     const auto rate = [&](double t, const double* y, double* dy) { system.rate(t, y, dy); };
-    return run(q, system, [&](double t, double dt, std::vector<double>& y) { rk4.step(rate, t, dt, y); });
+    return run(q, system,
+               [&](double t, double dt, std::vector<double>& y) { rk4.step(rate, t, dt, y); });
 }
 
 template <class Law>
 RunResult run_law(const RunRequest& q) {
     if (q.formulation == Formulation::explicit_)
-        return q.drive == Drive::angle ? run_rk4<ExplicitAngle, Law>(q) : run_rk4<ExplicitTorque, Law>(q);
-    return q.drive == Drive::angle ? run_rk4<ImplicitAngle, Law>(q) : run_rk4<ImplicitTorque, Law>(q);
+        return q.drive == Drive::angle ? run_rk4<ExplicitAngle, Law>(q)
+                                       : run_rk4<ExplicitTorque, Law>(q);
+    return q.drive == Drive::angle ? run_rk4<ImplicitAngle, Law>(q)
+                                   : run_rk4<ImplicitTorque, Law>(q);
 }
 
 RunResult run_prox(const RunRequest& q) {
@@ -125,7 +127,10 @@ RunResult run_dry(const RunRequest& q) {
         const double uy = v[DryState::Vy] + turn * tail->rx + w * tail->ry1;
         const double now[6] = {cx + v[DryState::x] + c * tail->rx - s * tail->ry,
                                cy + v[DryState::y] + s * tail->rx + c * tail->ry,
-                               v[DryState::theta], c * ux - s * uy, s * ux + c * uy, turn};
+                               v[DryState::theta],
+                               c * ux - s * uy,
+                               s * ux + c * uy,
+                               turn};
         system.fill(t, now);
         record(out, t, system.chain, nullptr);
     };
@@ -160,7 +165,8 @@ void evaluate(const RunRequest& q, const double* bend, Chain& chain, Joints& joi
     const bool angle = q.drive == Drive::angle;
     if (q.formulation == Formulation::explicit_) {
         chain.follow(q.robot.l);
-        angle ? explicit_angle(q.robot, bend, chain, joints) : explicit_torque(q.robot, chain, joints);
+        angle ? explicit_angle(q.robot, bend, chain, joints)
+              : explicit_torque(q.robot, chain, joints);
     } else {
         angle ? implicit_angle(q.robot, q.spring, bend, chain, joints)
               : implicit_torque(q.robot, q.spring, chain, joints);

@@ -29,7 +29,7 @@ struct RunRequest {
     TorqueFunction torque;
     double dt = 1e-3;
     long steps = 0;
-    long every = 1;          // record each of so many steps
+    long every = 1;  // record each of so many steps
     bool record_joints = false;
     std::vector<double> start;  // x, y, theta, vx, vy, omega: n values each
 };
@@ -43,8 +43,9 @@ struct RunResult {
 
 RunResult simulate(const RunRequest& request);
 
-// One evaluation: fills accelerations, friction and joints of a chain whose angles, rates, positions
-// and velocities are given; `bend` is phi'' (angle drive), joints.T the torques (torque drive).
+// One evaluation: fills accelerations, friction and joints of a chain whose angles, rates,
+// positions and velocities are given; `bend` is phi'' (angle drive), joints.T the torques (torque
+// drive).
 void evaluate(const RunRequest& request, const double* bend, Chain& chain, Joints& joints);
 
 }  // namespace serpenoid

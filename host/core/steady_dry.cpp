@@ -44,7 +44,9 @@ class HalfCycle {
         return motion_.advance_with_power(state, 0, span_, tolerance, work) ? work : -1;
     }
 
-    Vec3 rest() const { return {start_[0] / scale_[0], start_[1] / scale_[1], start_[2] / scale_[2]}; }
+    Vec3 rest() const {
+        return {start_[0] / scale_[0], start_[1] / scale_[1], start_[2] / scale_[2]};
+    }
     const DryState& end() const { return end_; }
     const Vec3& scale() const { return scale_; }
     double rate(double L) { return motion_.rate(L, 0); }
@@ -59,7 +61,8 @@ class HalfCycle {
 
 double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2])}); }
 
-// Solves image(z) = z; keeps z and the measured derivative M of the image from one level to the next.
+// Solves image(z) = z; keeps z and the measured derivative M of the image from one level to the
+// next.
 class FixedPoint {
   public:
     explicit FixedPoint(HalfCycle& map) : map_(map), z_(map.rest()) {}
@@ -209,8 +212,9 @@ SteadyState steady_dry(const Robot& robot, const Ground& ground, const Gait& gai
         before = first ? 0 : change;
         out.power_error = std::max(std::fabs(out.power - coarse.power),
                                    std::fabs(out.positive_power - coarse.positive_power));
-        out.converged = !first && out.speed_error <= options.rtol * out.speed + floor &&
-                        out.power_error <= 10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
+        out.converged =
+            !first && out.speed_error <= options.rtol * out.speed + floor &&
+            out.power_error <= 10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
         if (out.converged) break;
         coarse = out, first = false;
     }

@@ -55,9 +55,9 @@ Vec3 SteadyViscous::derivative(const Node& k, const Vec3& y, double omega, Mat3&
     const double gx = -(k.D[0] * y[0] + k.D[1] * y[1] + k.D[2] * w + omega * k.d[0]);
     const double gy = -(k.D[1] * y[0] + k.D[3] * y[1] + k.D[4] * w + omega * k.d[1]);
     const double gw = -(k.D[2] * y[0] + k.D[4] * y[1] + k.D[5] * w + omega * k.d[2]);
-    A = {-k.D[0] * inm,         -k.D[1] * inm + w * io, (-k.D[2] * inm + y[1] * io) * iJ,
+    A = {-k.D[0] * inm,          -k.D[1] * inm + w * io, (-k.D[2] * inm + y[1] * io) * iJ,
          -k.D[1] * inm - w * io, -k.D[3] * inm,          (-k.D[4] * inm - y[0] * io) * iJ,
-         -k.D[2] * io,          -k.D[4] * io,           -k.D[5] * io * iJ};
+         -k.D[2] * io,           -k.D[4] * io,           -k.D[5] * io * iJ};
     return {gx * inm + w * y[1] * io, gy * inm - w * y[0] * io, gw * io};
 }
 
@@ -149,8 +149,8 @@ double SteadyViscous::newton_step(const Mesh& m, double omega, Mat3& half) {
     double change = 0, size = 0;
     const auto note = [&](const Vec3& delta, const Vec3& value, const Node& k) {
         const double arm = std::sqrt(k.J / (robot_.n * robot_.m)) / k.J;  // L -> a speed, m/s
-        change = std::max({change, std::fabs(delta[0]), std::fabs(delta[1]),
-                           arm * std::fabs(delta[2])});
+        change =
+            std::max({change, std::fabs(delta[0]), std::fabs(delta[1]), arm * std::fabs(delta[2])});
         size = std::max({size, std::fabs(value[0]), std::fabs(value[1]),
                          arm * std::max(std::fabs(value[2]), omega * std::fabs(k.K))});
     };
@@ -217,7 +217,8 @@ void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) cons
     double span = 2 * M_PI / omega;
     out.turn = theta;
     if (mirrored_) {  // the second half is the mirror image, seen from the heading then
-        const double c = std::cos(theta), n = std::sin(theta), mx = c * x + n * y, my = n * x - c * y;
+        const double c = std::cos(theta), n = std::sin(theta), mx = c * x + n * y,
+                     my = n * x - c * y;
         x += mx, y += my, out.turn = 0;
         energy *= 2;
     }
@@ -273,11 +274,14 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
         result.speed_error = std::fabs(result.speed - coarse.speed) / 63;
         result.power_error = std::fabs(result.power - coarse.power) / 63;
         if (options.powers)
-            result.power_error = std::max(result.power_error, std::fabs(result.positive_power - coarse.positive_power) / 15);
+            result.power_error = std::max(
+                result.power_error, std::fabs(result.positive_power - coarse.positive_power) / 3);
         const double speed_floor =
             std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
-        result.converged = !first && result.speed_error <= options.rtol * result.speed + speed_floor &&
-                           result.power_error <= options.rtol * std::max(result.power, result.positive_power) + 1e-300;
+        result.converged =
+            !first && result.speed_error <= options.rtol * result.speed + speed_floor &&
+            result.power_error <=
+                options.rtol * std::max(result.power, result.positive_power) + 1e-300;
         if (result.converged) break;
         coarse = result;
     }

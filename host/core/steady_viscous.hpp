@@ -32,8 +32,8 @@ class SteadyViscous {
     using Rule = Gauss<kStages>;
 
     struct Node {
-        double D[6];        // xx xy xw yy yw ww
-        double d[3], dd;    // D_ue, D_ee: dissipation = u.D u + 2 omega d.u + omega^2 dd
+        double D[6];      // xx xy xw yy yw ww
+        double d[3], dd;  // D_ue, D_ee: dissipation = u.D u + 2 omega d.u + omega^2 dd
         double J, K;
         Shape shape;
     };

@@ -198,3 +198,35 @@ def test_bad_input_is_named(make, said: str) -> None:
     with pytest.raises(sn.BadInput) as error:
         make()
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize("row", rows("periodic_viscous.csv"), ids=lambda r: r["links"])
+def test_viscous_reference_table(row: dict[str, str]) -> None:
+    """Shooting on the full period in velocities, and adaptive quadrature of |P|: other code."""
+    v = {name: float(text) for name, text in row.items()}
+    robot = sn.Robot(int(v["links"]), v["mass_kg"], 2 * v["half_length_m"], v["inertia_kg_m2"])
+    gait = sn.Gait(v["alpha_rad"], v["beta_rad"], v["omega_rad_s"], v["offset_rad"])
+    s = sn.steady_gait(robot, sn.Ground(v["ct"], v["cn"]), gait, rtol=1e-9)
+    size = gait.omega_rad_s * robot.link_length_m * robot.links
+    # the table's own accuracy is some 1e-12 of the scale of the motion
+    assert s.speed_m_s == pytest.approx(v["speed_m_s"], rel=1e-9, abs=1e-12 * size)
+    assert s.turn_rad_per_cycle == pytest.approx(v["turn_rad_per_cycle"], rel=1e-9, abs=1e-10)
+    assert s.power_w == pytest.approx(v["power_w"], rel=1e-9)
+    assert s.abs_power_w == pytest.approx(v["abs_power_w"], rel=3e-9)
+    assert s.positive_power_w == pytest.approx(v["positive_power_w"], rel=3e-9)
+    slowest = abs(complex(v["multiplier1_re"], v["multiplier1_im"]))
+    assert abs(s.floquet_multipliers[0]) == pytest.approx(slowest, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("row", rows("periodic_bingham.csv"), ids=lambda r: r["links"])
+def test_dry_reference_table(row: dict[str, str]) -> None:
+    """Event-driven integration of the modes, found by its own quadratic programme: other code."""
+    v = {name: float(text) for name, text in row.items()}
+    robot = sn.Robot(int(v["links"]), v["mass_kg"], 2 * v["half_length_m"], v["inertia_kg_m2"])
+    gait = sn.Gait(v["alpha_rad"], v["beta_rad"], v["omega_rad_s"])
+    s = sn.steady_gait(robot, sn.Ground(v["ct"], v["cn"], v["ft0"], v["fn0"]), gait, rtol=1e-6)
+    scale = 1e-4 * gait.omega_rad_s * robot.link_length_m * robot.links
+    error = max(1e-6, s.error_estimate) * max(v["speed_m_s"], scale)
+    assert abs(s.speed_m_s - v["speed_m_s"]) <= error
+    assert s.power_w == pytest.approx(v["power_w"], rel=1e-5)
+    assert s.abs_power_w == pytest.approx(v["abs_power_w"], rel=3e-5)

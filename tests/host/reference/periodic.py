@@ -189,8 +189,10 @@ class Fourier:
         """Return the places where the sign changes, seen on a grid and bisected to rounding."""
         grid = np.linspace(0.0, 1.0, cells + 1)
         value = self(grid)
-        seen = np.flatnonzero(value[:-1] * value[1:] < 0)
-        low, high, sign = grid[seen], grid[seen + 1], np.sign(value[seen])
+        value[-1] = value[0]
+        above = value > 0  # a sample may be zero itself: half-open signs miss no change
+        seen = np.flatnonzero(above[:-1] != above[1:])
+        low, high, sign = grid[seen], grid[seen + 1], np.where(above[seen], 1.0, -1.0)
         for _ in range(45):
             middle = (low + high) / 2
             before = self(middle) * sign > 0
