@@ -14,6 +14,7 @@ class PolledOutput {
 
     // How many bytes write() would take now.
     uint8_t room() const { return static_cast<uint8_t>(tail_ - head_ - 1); }
+    bool empty() const { return head_ == tail_; }
     // Queues the whole text, or nothing if there is no room for all of it.
     bool write(const char* text, uint8_t length);
     // Gives the UART its next byte if it wants one. To be called as often as possible.

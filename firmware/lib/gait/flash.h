@@ -3,11 +3,16 @@
 
 #include <stdint.h>
 
+// The link-time optimiser would inline what is called once, and keep all of it in one stack frame.
+#define OWN_FRAME __attribute__((noinline))
+
 #ifdef __AVR__
 #include <avr/pgmspace.h>
 #define FLASH PROGMEM
+#define FLASH_TEXT(text) PSTR(text)
 #else
 #define FLASH
+#define FLASH_TEXT(text) text
 #endif
 
 namespace firmware {

@@ -35,6 +35,14 @@ Motion::Motion()
       turning_(false),
       limited_(false) {}
 
+void Motion::limit(const MotionLimits& limits) {
+    limits_ = limits;
+    for (uint8_t i = 0; i < kJoints; ++i) {
+        if (setpoint_q14_[i] < limits.low_q14[i]) setpoint_q14_[i] = limits.low_q14[i];
+        if (setpoint_q14_[i] > limits.high_q14[i]) setpoint_q14_[i] = limits.high_q14[i];
+    }
+}
+
 void Motion::gait(const Gait& gait) {
     alpha_target_q30_ = q30_from_udeg(gait.alpha_udeg);
     beta_target_q31_turn_ = q31_turn_from_udeg(gait.beta_udeg);

@@ -25,7 +25,9 @@ class Motion {
   public:
     Motion();
 
-    void limit(const MotionLimits& limits) { limits_ = limits; }
+    // New ramps and limits. A setpoint outside is moved inside at once: cut joint limits only while
+    // the servos are detached.
+    void limit(const MotionLimits& limits);
 
     // Ramp to this gait. From rest the rate and the lag are taken at once: the amplitude is still
     // 0.

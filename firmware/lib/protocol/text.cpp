@@ -56,6 +56,13 @@ Text& Text::put_fixed(int32_t value, uint8_t decimals) {
     return *this;
 }
 
+Text& Text::put_micro(int32_t value_u) {
+    put_fixed(value_u, 6);
+    while (text_[length_ - 1] == '0') --length_;
+    if (text_[length_ - 1] == '.') --length_;
+    return *this;
+}
+
 Text& Text::put_hex16(uint16_t value) {
     for (int8_t shift = 12; shift >= 0; shift = static_cast<int8_t>(shift - 4)) {
         const uint8_t nibble = static_cast<uint8_t>((value >> shift) & 0xF);

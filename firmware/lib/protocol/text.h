@@ -22,6 +22,8 @@ class Text {
     Text& put_unsigned(uint32_t value);
     // value · 10^-decimals, with exactly that many decimals (0 to 6).
     Text& put_fixed(int32_t value, uint8_t decimals);
+    // Millionths, without the zeros at the end: 1500000 is `1.5`.
+    Text& put_micro(int32_t value_u);
     Text& put_hex16(uint16_t value);
     // ` *CRC` over all that is there, and the line end.
     Text& finish();

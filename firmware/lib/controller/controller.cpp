@@ -1,0 +1,163 @@
+// Time: frames on their grid, what moves in them, telemetry, silence.
+#include "controller.h"
+
+#include "boot_counter.h"
+#include "flash.h"
+
+namespace firmware {
+
+const char kVersion[] FLASH = "0.1.0";
+
+namespace {
+
+const char kStateNames[][7] FLASH = {"idle", "pose", "gait", "hold", "safing", "safe"};
+const char kResetNames[][9] FLASH = {"power", "brownout", "external", "watchdog", "unknown"};
+const char kFoundNames[][8] FLASH = {"ok", "new", "older", "damaged"};
+const char kWhySilence[] FLASH = "silence";
+const char kWhyArrived[] FLASH = "arrived";
+
+const int16_t kCentreStepUs = 4;  // per frame, when a centre has been changed
+
+}  // namespace
+
+const char* state_name(State state) { return kStateNames[static_cast<uint8_t>(state)]; }
+const char* reset_name(Reset reset) { return kResetNames[static_cast<uint8_t>(reset)]; }
+const char* found_name(Found found) { return kFoundNames[static_cast<uint8_t>(found)]; }
+
+Controller::Controller(Hardware& hardware)
+    : hardware_(hardware),
+      store_(hardware),
+      settings_(),
+      trim_(),
+      gait_(),
+      frame_(),
+      counters_(),
+      start_(),
+      due_us_(0),
+      last_byte_us_(0),
+      silent_frames_(0),
+      telemetry_wait_(0),
+      boot_id_(0),
+      last_number_(0),
+      state_(State::Idle),
+      found_(Found::New),
+      tag_(),
+      save_tag_(),
+      last_error_(Error::None),
+      waiting_(LineReader::kNothing),
+      report_(Report::None),
+      report_row_(0),
+      session_(false) {}
+
+void Controller::begin(const Start& start) {
+    start_ = start;
+    boot_id_ = count_boot(hardware_);
+    settings_ = default_settings();
+    found_ = store_.load(settings_);
+    configure();
+    frame_.number = start.first_frame - 1;
+    frame_.state = state_name(state_);
+    due_us_ = hardware_.micros();
+    greet();
+}
+
+void Controller::poll() {
+    const uint32_t now_us = hardware_.micros();
+    const uint32_t late_us = now_us - due_us_;
+    if (static_cast<int32_t>(late_us) >= 0) frame(now_us, late_us);
+    receive(now_us);
+    watch_pause(now_us);
+    accept_waiting();
+    next_report_line();
+    finish_save();
+    const uint32_t pass_us = hardware_.micros() - now_us;
+    if (pass_us > counters_.pass_us) counters_.pass_us = pass_us;
+}
+
+uint32_t Controller::spare_us() {
+    if (report_ != Report::None || waiting_ != LineReader::kNothing) return 0;
+    const uint32_t left_us = due_us_ - hardware_.micros();
+    return static_cast<int32_t>(left_us) > 0 ? left_us : 0;
+}
+
+void Controller::frame(uint32_t now_us, uint32_t late_us) {
+    uint16_t frames = 1;
+    for (; late_us >= kFrameUs * static_cast<uint32_t>(frames) && frames < 1000; ++frames) {
+    }
+    if (late_us > counters_.late_us) counters_.late_us = late_us;
+    count(counters_.overruns, static_cast<uint16_t>(frames - 1));
+    due_us_ += frames * static_cast<uint32_t>(kFrameUs);
+    frame_.number += frames;
+    frame_.start_us = now_us;
+    frame_.late_us = late_us;
+    watch_silence(frames);
+    move(frames);
+    frame_.run_us = hardware_.micros() - now_us;
+    send_telemetry(frames);
+}
+
+void Controller::move(uint16_t frames) {
+    if (state_ == State::Idle) return;
+    motion_.advance(frames);
+    if (motion_.limited()) count(counters_.limited);
+    send_pulses();
+    if (state_ == State::Safing && motion_.arrived()) become(State::Safe, kWhyArrived);
+}
+
+void Controller::send_pulses() {
+    frame_.phase = motion_.phase();
+    for (uint8_t i = 0; i < kJoints; ++i) {
+        const int16_t centre_us = static_cast<int16_t>(settings_.trim_u[i][kCentre] / 1000000);
+        const int16_t gap_us = static_cast<int16_t>(centre_us - trim_[i].centre_us);
+        const int16_t step_us = gap_us > kCentreStepUs    ? kCentreStepUs
+                                : gap_us < -kCentreStepUs ? static_cast<int16_t>(-kCentreStepUs)
+                                                          : gap_us;
+        trim_[i].centre_us = static_cast<int16_t>(trim_[i].centre_us + step_us);
+        frame_.setpoint_q14[i] = motion_.setpoints_q14()[i];
+        frame_.pulse_us[i] = pulse_us(trim_[i], frame_.setpoint_q14[i]);
+        hardware_.pulse(i, frame_.pulse_us[i]);
+    }
+}
+
+bool Controller::moving() const {
+    const bool may_move = state_ == State::Gait || state_ == State::Pose || state_ == State::Safing;
+    return may_move && !motion_.arrived();
+}
+
+void Controller::watch_silence(uint16_t frames) {
+    const uint32_t limit = static_cast<uint32_t>(settings_.value_u[kSilence]) / kFrameUs;
+    if (silent_frames_ < 0xFFFF0000UL) silent_frames_ += frames;
+    if (limit == 0 || silent_frames_ < limit) return;
+    if (!moving() || state_ == State::Safing) return;
+    const int32_t straight_q30[kJoints] = {};
+    motion_.pose(straight_q30);
+    become(State::Safing, kWhySilence);
+}
+
+void Controller::become(State state, const char* why) {
+    if (state == state_) return;
+    state_ = state;
+    frame_.state = state_name(state);
+    line_.clear();
+    line_.put_flash(FLASH_TEXT("state: "))
+        .put_flash(frame_.state)
+        .put_flash(FLASH_TEXT(" why="))
+        .put_flash(why)
+        .finish();
+    send();
+}
+
+void Controller::send_telemetry(uint16_t frames) {
+    const uint16_t every = static_cast<uint16_t>(settings_.value_u[kEvery] / 1000000);
+    if (every == 0) return;
+    if (telemetry_wait_ > frames) {
+        telemetry_wait_ = static_cast<uint16_t>(telemetry_wait_ - frames);
+        return;
+    }
+    telemetry_wait_ = every;
+    line_.clear();
+    write_telemetry(line_, frame_);
+    send();
+}
+
+}  // namespace firmware

@@ -1,0 +1,150 @@
+// The state machine between the wire and the servos: sessions, commands, frames, silence,
+// telemetry.
+#pragma once
+
+#include "command.h"
+#include "fields.h"
+#include "flash.h"
+#include "hardware.h"
+#include "line_reader.h"
+#include "motion.h"
+#include "settings.h"
+#include "store.h"
+#include "telemetry.h"
+#include "text.h"
+
+namespace firmware {
+
+extern const char kVersion[];  // of the firmware, in flash
+const uint8_t kProtocol = 1;
+
+enum class State : uint8_t { Idle, Pose, Gait, Hold, Safing, Safe };
+enum class Reset : uint8_t { Power, Brownout, External, Watchdog, Unknown };
+
+// What only the board knows about this start.
+struct Start {
+    const char* board;  // name, in RAM
+    Reset reset;
+    uint32_t first_frame;  // 0 on a board; elsewhere, to try the rollover
+};
+
+// 16-bit counters that stay at their end.
+struct Counters {
+    uint16_t good, crc, nocrc, garbled, overlong, sequence, lost, repeated, dropped, overruns,
+        limited;
+    uint32_t late_us, pass_us;  // the worst so far
+};
+
+inline void count(uint16_t& counter, uint16_t more = 1) {
+    counter = counter > 65535U - more ? 65535 : static_cast<uint16_t>(counter + more);
+}
+
+class Controller {
+  public:
+    explicit Controller(Hardware& hardware);
+
+    // Once, after reset.
+    OWN_FRAME void begin(const Start& start);
+    // As often as possible; runs a frame when one is due, then handles some input.
+    OWN_FRAME void poll();
+
+    // Time until the next frame; 0 while there is something to do before it.
+    uint32_t spare_us();
+
+    State state() const { return state_; }
+    const Counters& counters() const { return counters_; }
+    const Settings& settings() const { return settings_; }
+    uint32_t frame_number() const { return frame_.number; }
+    uint16_t boot_id() const { return boot_id_; }
+    bool session() const { return session_; }
+    const Motion& motion() const { return motion_; }
+
+  private:
+    // A line is taken up only if all that it may bring forth at once fits the output buffer.
+    static const uint8_t kRoom = 220;
+
+    // Whom a verdict answers: a number, a typed line, the stop key, a damaged line.
+    struct Tag {
+        char kind;  // '#', '-', '!', '?'
+        uint16_t number;
+    };
+    enum class Report : uint8_t { None, Status, Help, Set, Trim };
+
+    // controller.cpp: time
+    OWN_FRAME void frame(uint32_t now_us, uint32_t late_us);
+    OWN_FRAME void move(uint16_t frames);
+    void send_pulses();
+    void watch_silence(uint16_t frames);
+    OWN_FRAME void send_telemetry(uint16_t frames);
+    void become(State state, const char* why);
+    bool moving() const;
+
+    // obey.cpp: commands
+    OWN_FRAME Refusal obey(const Command& command);
+    OWN_FRAME Refusal start_gait(const Command& command);
+    OWN_FRAME Refusal start_pose(const Command& command);
+    Refusal change_setting(const Command& command);
+    OWN_FRAME Refusal change_trim(const Command& command);
+    Refusal begin_save();
+    OWN_FRAME Refusal reload(bool from_eeprom);
+    Refusal within_joint_limits(uint8_t joint, int32_t angle_udeg) const;
+    Refusal within_pulses(uint8_t joint) const;
+    void stop(const char* why);
+    void go_idle();
+    void drive(State state);
+    OWN_FRAME void configure();
+
+    // dialogue.cpp: lines
+    void receive(uint32_t now_us);
+    void watch_pause(uint32_t now_us);
+    void accept_waiting();
+    OWN_FRAME void accept_line();
+    OWN_FRAME void accept_body(const Envelope& envelope);
+    bool in_order(const Envelope& envelope);
+    void refuse_damaged(Error error, uint16_t& counter);
+    OWN_FRAME void verdict(const Tag& tag, const Refusal& refusal, bool again = false);
+    void finish_save();
+    bool send();
+
+    // report.cpp: data lines
+    void greet();
+    OWN_FRAME void next_report_line();
+    uint8_t report_rows() const;
+    void put_report_line(uint8_t row);
+    OWN_FRAME void put_status();
+    OWN_FRAME void put_counters();
+    void put_timing();
+    void put_field(const Field& field, int32_t value_u);
+    OWN_FRAME void put_servo(uint8_t joint);
+
+    Hardware& hardware_;
+    Store store_;
+    Settings settings_;
+    Motion motion_;
+    Trim trim_[kJoints];
+    Gait gait_;
+    Frame frame_;
+    Counters counters_;
+    Start start_;
+    LineReader reader_;
+    Text line_;
+    uint32_t due_us_, last_byte_us_;
+    uint32_t silent_frames_;
+    uint16_t telemetry_wait_;
+    uint16_t boot_id_, last_number_;
+    State state_;
+    Found found_;
+    Tag tag_, save_tag_;  // of the last line, of the line that asked for the save under way
+    Error last_error_;    // verdict on last_number_
+    LineReader::Event waiting_;
+    Report report_;
+    uint8_t report_row_;
+    bool session_;
+};
+
+// Names as on the wire, in flash.
+const char* state_name(State state);
+const char* reset_name(Reset reset);
+const char* found_name(Found found);
+
+}  // namespace firmware

@@ -1,0 +1,191 @@
+// Commands: what each one does, and when it may not.
+#include "controller.h"
+#include "flash.h"
+
+namespace firmware {
+namespace {
+
+const char kWhyCommand[] FLASH = "command";
+
+}  // namespace
+
+Refusal Controller::obey(const Command& command) {
+    switch (command.verb) {
+        case Verb::Hello:
+            greet();
+            return Refusal();
+        case Verb::Bye:
+            session_ = false;
+            return Refusal();
+        case Verb::Ping:
+            return Refusal();
+        case Verb::Help:
+            report_ = Report::Help;
+            return Refusal();
+        case Verb::Status:
+            report_ = Report::Status;
+            return Refusal();
+        case Verb::Gait:
+            return start_gait(command);
+        case Verb::Pose:
+            return start_pose(command);
+        case Verb::Stop:
+            stop(kWhyCommand);
+            return Refusal();
+        case Verb::Idle:
+            go_idle();
+            return Refusal();
+        case Verb::Set:
+            return change_setting(command);
+        case Verb::Trim:
+            return change_trim(command);
+        case Verb::Save:
+            return begin_save();
+        case Verb::Load:
+        case Verb::Defaults:
+            return reload(command.verb == Verb::Load);
+    }
+    return Refusal(Error::Command);
+}
+
+Refusal Controller::within_joint_limits(uint8_t joint, int32_t angle_udeg) const {
+    const int32_t low = settings_.trim_u[joint][kLow], high = settings_.trim_u[joint][kHigh];
+    if (angle_udeg >= low && angle_udeg <= high) return Refusal();
+    const char name[] = {'j', static_cast<char>('1' + joint), '\0'};
+    return Refusal(Error::Range, name, angle_udeg, low, high);
+}
+
+Refusal Controller::start_gait(const Command& command) {
+    if (store_.saving()) return Refusal(Error::Saving);
+    const int32_t* u = command.value_u;
+    for (uint8_t i = 0; i < kJoints; ++i) {
+        Refusal refusal = within_joint_limits(i, u[kOffset] + u[kAlpha]);
+        if (refusal.none()) refusal = within_joint_limits(i, u[kOffset] - u[kAlpha]);
+        if (!refusal.none()) return refusal;
+    }
+    // alpha · omega in deg/s · 1e-6, from thousandths so that 32 bits hold it.
+    const uint32_t speed_u =
+        static_cast<uint32_t>(u[kAlpha] / 1000) * static_cast<uint32_t>(u[kOmega] / 1000);
+    const int32_t most_u = settings_.value_u[kServoSpeed];
+    if (speed_u > static_cast<uint32_t>(most_u)) {
+        const int32_t shown_u =
+            speed_u > 2147483647UL ? 2147483647L : static_cast<int32_t>(speed_u);
+        return Refusal(Error::Speed, "value", shown_u, 0, most_u);
+    }
+    gait_ = Gait{u[kAlpha], u[kBeta], u[kOmega], u[kOffset]};
+    motion_.gait(gait_);
+    drive(State::Gait);
+    return Refusal();
+}
+
+Refusal Controller::start_pose(const Command& command) {
+    if (store_.saving()) return Refusal(Error::Saving);
+    int32_t target_q30[kJoints];
+    for (uint8_t i = 0; i < kJoints; ++i) {
+        const Refusal refusal = within_joint_limits(i, command.value_u[i]);
+        if (!refusal.none()) return refusal;
+        target_q30[i] = q30_from_udeg(command.value_u[i]);
+    }
+    motion_.pose(target_q30);
+    drive(State::Pose);
+    return Refusal();
+}
+
+// Enter a state in which the servos are driven; from idle, attach them where the setpoints are.
+void Controller::drive(State state) {
+    if (state_ == State::Idle) {
+        int16_t first_us[kJoints];
+        for (uint8_t i = 0; i < kJoints; ++i) {
+            trim_[i] = trim_of(settings_, i);
+            first_us[i] = pulse_us(trim_[i], motion_.setpoints_q14()[i]);
+        }
+        hardware_.attach(first_us);
+    }
+    become(state, kWhyCommand);
+}
+
+void Controller::stop(const char* why) {
+    if (state_ == State::Idle) return;
+    motion_.freeze();
+    become(State::Hold, why);
+}
+
+void Controller::go_idle() {
+    motion_.freeze();
+    hardware_.detach();
+    for (int16_t& pulse : frame_.pulse_us) pulse = 0;
+    become(State::Idle, kWhyCommand);
+}
+
+Refusal Controller::change_setting(const Command& command) {
+    if (command.lists) {
+        report_ = Report::Set;
+        return Refusal();
+    }
+    if (store_.saving()) return Refusal(Error::Saving);
+    settings_.value_u[command.field] = command.value_u[0];
+    if (command.field == kEvery) telemetry_wait_ = 0;
+    configure();
+    return Refusal();
+}
+
+Refusal Controller::change_trim(const Command& command) {
+    if (command.lists) {
+        report_ = Report::Trim;
+        return Refusal();
+    }
+    if (store_.saving()) return Refusal(Error::Saving);
+    if (moving()) return Refusal(Error::Motion);
+    if (command.field != kCentre && state_ != State::Idle) return Refusal(Error::Attached);
+    int32_t& value_u = settings_.trim_u[command.joint][command.field];
+    const int32_t before_u = value_u;
+    value_u = command.value_u[0];
+    const Refusal refusal = within_pulses(command.joint);
+    if (!refusal.none()) {
+        value_u = before_u;
+        return refusal;
+    }
+    configure();
+    return Refusal();
+}
+
+// Whether both ends of a joint's range can be reached by a pulse.
+Refusal Controller::within_pulses(uint8_t joint) const {
+    for (uint8_t f = kLow; f <= kHigh; ++f) {
+        const int32_t pulse = pulse_at(settings_, joint, static_cast<TrimField>(f));
+        if (pulse >= kLeastPulseUs && pulse <= kMostPulseUs) continue;
+        return Refusal(Error::Range, "pulse_ms", pulse * 1000, kLeastPulseUs * 1000L,
+                       kMostPulseUs * 1000L);
+    }
+    return Refusal();
+}
+
+void Controller::configure() {
+    motion_.limit(limits_of(settings_));
+    if (state_ != State::Idle) return;
+    motion_.freeze();
+    for (uint8_t i = 0; i < kJoints; ++i) trim_[i] = trim_of(settings_, i);
+}
+
+Refusal Controller::begin_save() {
+    if (store_.saving()) return Refusal(Error::Saving);
+    if (moving()) return Refusal(Error::Motion);
+    store_.save(settings_);
+    return Refusal();
+}
+
+Refusal Controller::reload(bool from_eeprom) {
+    if (store_.saving()) return Refusal(Error::Saving);
+    if (state_ != State::Idle) return Refusal(Error::Attached);
+    if (from_eeprom) {
+        const Found found = store_.load(settings_);
+        if (found != Found::Ok && found != Found::Older) return Refusal(Error::Empty);
+    } else {
+        settings_ = default_settings();
+    }
+    telemetry_wait_ = 0;
+    configure();
+    return Refusal();
+}
+
+}  // namespace firmware

@@ -1,0 +1,133 @@
+// Data lines: greeting, status, counters, help, settings, trims; one a pass, when there is room.
+#include "controller.h"
+#include "flash.h"
+
+namespace firmware {
+namespace {
+
+struct CounterName {
+    char name[10];
+    uint16_t Counters::* member;
+};
+
+const CounterName kCounterNames[] FLASH = {
+    {"good", &Counters::good},         {"crc", &Counters::crc},
+    {"nocrc", &Counters::nocrc},       {"garbled", &Counters::garbled},
+    {"overlong", &Counters::overlong}, {"sequence", &Counters::sequence},
+    {"lost", &Counters::lost},         {"repeated", &Counters::repeated},
+    {"dropped", &Counters::dropped},
+};
+
+}  // namespace
+
+void Controller::greet() {
+    line_.clear();
+    line_.put_flash(FLASH_TEXT("hello: serpenoid fw=")).put_flash(kVersion);
+    line_.put_flash(FLASH_TEXT(" protocol="))
+        .put_unsigned(kProtocol)
+        .put_flash(FLASH_TEXT(" board="))
+        .put(start_.board);
+    line_.put_flash(FLASH_TEXT(" boot=")).put_unsigned(boot_id_);
+    line_.put_flash(FLASH_TEXT(" reset=")).put_flash(reset_name(start_.reset));
+    line_.put_flash(FLASH_TEXT(" settings=")).put_flash(found_name(found_)).finish();
+    send();
+}
+
+uint8_t Controller::report_rows() const {
+    switch (report_) {
+        case Report::Status:
+            return 3;
+        case Report::Help:
+            return kVerbs;
+        case Report::Set:
+            return kSettingCount;
+        case Report::Trim:
+            return kJoints;
+        default:
+            return 0;
+    }
+}
+
+void Controller::next_report_line() {
+    if (report_ == Report::None || hardware_.room() < kRoom) return;
+    if (report_row_ == report_rows()) {
+        report_ = Report::None;
+        report_row_ = 0;
+        return verdict(tag_, Refusal());
+    }
+    line_.clear();
+    put_report_line(report_row_++);
+    line_.finish();
+    send();
+}
+
+void Controller::put_report_line(uint8_t row) {
+    switch (report_) {
+        case Report::Status:
+            return row == 0 ? put_status() : row == 1 ? put_counters() : put_timing();
+        case Report::Help:
+            line_.put_flash(FLASH_TEXT("help: ")).put_flash(verb_help(row));
+            return;
+        case Report::Set:
+            return put_field(setting_field(row), settings_.value_u[row]);
+        case Report::Trim:
+            return put_servo(row);
+        default:
+            return;
+    }
+}
+
+void Controller::put_status() {
+    line_.put_flash(FLASH_TEXT("status: state=")).put_flash(state_name(state_));
+    line_.put_flash(FLASH_TEXT(" moving=")).put_unsigned(moving() ? 1 : 0);
+    line_.put_flash(FLASH_TEXT(" session=")).put_unsigned(session_ ? 1 : 0);
+    const int32_t values_u[kGaitFieldCount] = {gait_.alpha_udeg, gait_.beta_udeg,
+                                               gait_.omega_urad_s, gait_.offset_udeg};
+    for (uint8_t i = 0; i < kGaitFieldCount; ++i) {
+        line_.put(' ').put(gait_field(i).name).put('=').put_micro(values_u[i]);
+    }
+    line_.put_flash(FLASH_TEXT(" boot=")).put_unsigned(boot_id_);
+    line_.put_flash(FLASH_TEXT(" frame=")).put_unsigned(frame_.number);
+}
+
+void Controller::put_counters() {
+    line_.put_flash(FLASH_TEXT("counters:"));
+    for (const CounterName& entry : kCounterNames) {
+        CounterName row;
+        uint8_t* const bytes = reinterpret_cast<uint8_t*>(&row);
+        for (uint8_t i = 0; i < sizeof row; ++i) {
+            bytes[i] = flash_u8(reinterpret_cast<const uint8_t*>(&entry) + i);
+        }
+        line_.put(' ').put(row.name).put('=').put_unsigned(counters_.*row.member);
+    }
+    line_.put_flash(FLASH_TEXT(" rxfull=")).put_unsigned(hardware_.receive_overflows());
+}
+
+void Controller::put_timing() {
+    line_.put_flash(FLASH_TEXT("timing: overruns=")).put_unsigned(counters_.overruns);
+    line_.put_flash(FLASH_TEXT(" limited=")).put_unsigned(counters_.limited);
+    line_.put_flash(FLASH_TEXT(" late_us=")).put_unsigned(counters_.late_us);
+    line_.put_flash(FLASH_TEXT(" frame_us=")).put_unsigned(counters_.pass_us);
+    line_.put_flash(FLASH_TEXT(" stack=")).put_unsigned(hardware_.unused_ram());
+}
+
+void Controller::put_field(const Field& field, int32_t value_u) {
+    line_.put_flash(FLASH_TEXT("set: "))
+        .put(field.name)
+        .put_flash(FLASH_TEXT(" value="))
+        .put_micro(value_u);
+    line_.put_flash(FLASH_TEXT(" low="))
+        .put_micro(field.low_u)
+        .put_flash(FLASH_TEXT(" high="))
+        .put_micro(field.high_u);
+    line_.put_flash(FLASH_TEXT(" unit=")).put(field.unit);
+}
+
+void Controller::put_servo(uint8_t joint) {
+    line_.put_flash(FLASH_TEXT("trim: #")).put_unsigned(joint + 1U);
+    for (uint8_t f = 0; f < kTrimFieldCount; ++f) {
+        line_.put(' ').put(trim_field(f).name).put('=').put_micro(settings_.trim_u[joint][f]);
+    }
+}
+
+}  // namespace firmware

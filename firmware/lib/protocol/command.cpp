@@ -1,0 +1,249 @@
+// Words are looked up in tables in flash; nothing is copied and nothing is changed in the line.
+#include "command.h"
+
+#include <string.h>
+
+#include "crc16.h"
+#include "fields.h"
+#include "flash.h"
+
+namespace firmware {
+namespace {
+
+struct Word {
+    const char* text;
+    uint8_t length;
+
+    bool is_flash(const char* other) const {
+        for (uint8_t i = 0; i < length; ++i) {
+            if (flash_char(other + i) != text[i]) return false;
+        }
+        return flash_char(other + length) == '\0';
+    }
+    bool is(const char* other) const {
+        return strlen(other) == length && memcmp(other, text, length) == 0;
+    }
+};
+
+const uint8_t kMostWords = 7;  // `pose` with five angles, and one too many
+
+struct Words {
+    Word word[kMostWords];
+    uint8_t count;
+};
+
+Words split(const char* text, uint8_t length) {
+    Words words;
+    words.count = 0;
+    for (uint8_t i = 0; i < length && words.count < kMostWords;) {
+        while (i < length && text[i] == ' ') ++i;
+        const uint8_t start = i;
+        while (i < length && text[i] != ' ') ++i;
+        if (i > start) {
+            words.word[words.count++] = Word{text + start, static_cast<uint8_t>(i - start)};
+        }
+    }
+    return words;
+}
+
+struct VerbText {
+    char word[9];
+    uint8_t fewest, most;  // fields
+    char help[68];
+};
+
+const VerbText kVerbTexts[kVerbs] FLASH = {
+    {"hello", 0, 0, "hello - greet; with number and CRC, open a session"},
+    {"bye", 0, 0, "bye - close the session"},
+    {"ping", 0, 0, "ping - the host is alive"},
+    {"help", 0, 0, "help - this list"},
+    {"status", 0, 0, "status - state, parameters, counters"},
+    {"gait", 3, 4, "gait ALPHA BETA OMEGA [OFFSET] - deg, deg, rad/s, deg"},
+    {"pose", 1, 5, "pose straight | pose bent DEG | pose J1 J2 J3 J4 J5 - deg"},
+    {"stop", 0, 0, "stop - freeze and hold; the single key ! does the same"},
+    {"idle", 0, 0, "idle - stop and let the servos go limp"},
+    {"set", 0, 2, "set - list settings; set NAME VALUE - change one"},
+    {"trim", 0, 3, "trim - list servos; trim J FIELD VALUE - change one"},
+    {"save", 0, 0, "save - settings and trims to EEPROM"},
+    {"load", 0, 0, "load - settings and trims from EEPROM"},
+    {"defaults", 0, 0, "defaults - settings and trims as built"},
+};
+
+const char kStraight[] FLASH = "straight";
+const char kBent[] FLASH = "bent";
+const char kOff[] FLASH = "off";
+
+int8_t hex_digit(char c) {
+    if (c >= '0' && c <= '9') return static_cast<int8_t>(c - '0');
+    if (c >= 'A' && c <= 'F') return static_cast<int8_t>(c - 'A' + 10);
+    return -1;
+}
+
+// `*XXXX` behind a space at the end of the line: its value, or -1 if there is none.
+int32_t trailing_crc(const char* line, uint8_t length) {
+    if (length < 6 || line[length - 6] != ' ' || line[length - 5] != '*') return -1;
+    int32_t value = 0;
+    for (uint8_t i = 4; i > 0; --i) {
+        const int8_t digit = hex_digit(line[length - i]);
+        if (digit < 0) return -1;
+        value = value * 16 + digit;
+    }
+    return value;
+}
+
+// `[-]digits[.digits]` in millionths; false if it is anything else or does not fit.
+bool read_micro(const Word& word, int32_t& value_u) {
+    const bool negative = word.length > 0 && word.text[0] == '-';
+    uint32_t whole = 0, micro = 0, weight = 100000;
+    uint8_t i = negative ? 1 : 0;
+    bool any = false;
+    for (; i < word.length && word.text[i] >= '0' && word.text[i] <= '9'; ++i, any = true) {
+        whole = whole * 10 + static_cast<uint32_t>(word.text[i] - '0');
+        if (whole > 2147) return false;
+    }
+    if (!any) return false;
+    if (i < word.length && word.text[i] == '.') {
+        any = false;
+        for (++i; i < word.length && word.text[i] >= '0' && word.text[i] <= '9'; ++i, any = true) {
+            if (weight == 0) return false;
+            micro += static_cast<uint32_t>(word.text[i] - '0') * weight;
+            weight /= 10;
+        }
+        if (!any) return false;
+    }
+    const uint32_t size = whole * 1000000 + micro;
+    if (i != word.length || size > 2147483647UL) return false;
+    value_u = negative ? -static_cast<int32_t>(size) : static_cast<int32_t>(size);
+    return true;
+}
+
+Refusal read_field(const Word& word, const Field& field, int32_t& value_u) {
+    if (!read_micro(word, value_u)) return Refusal(Error::Number);
+    if (field.whole && value_u % 1000000 != 0) return Refusal(Error::Number);
+    if (in_range(field, value_u)) return Refusal();
+    return Refusal(Error::Range, field.name, value_u, field.low_u, field.high_u);
+}
+
+Refusal parse_gait(const Words& words, Command& command) {
+    command.value_u[kOffset] = 0;
+    for (uint8_t i = 1; i < words.count; ++i) {
+        const uint8_t field = static_cast<uint8_t>(i - 1);
+        const Refusal refusal =
+            read_field(words.word[i], gait_field(field), command.value_u[field]);
+        if (!refusal.none()) return refusal;
+    }
+    return Refusal();
+}
+
+Refusal parse_pose(const Words& words, Command& command) {
+    const uint8_t fields = static_cast<uint8_t>(words.count - 1);
+    if (fields == 1 && words.word[1].is_flash(kStraight)) {
+        for (int32_t& angle : command.value_u) angle = 0;
+        return Refusal();
+    }
+    const bool bent = fields == 2 && words.word[1].is_flash(kBent);
+    if (!bent && fields != kJoints) return Refusal(Error::Arguments);
+    for (uint8_t i = 0; i < kJoints; ++i) {
+        const Word& word = words.word[bent ? 2 : i + 1];
+        const Refusal refusal = read_field(word, joint_angle_field(), command.value_u[i]);
+        if (!refusal.none()) return refusal;
+        if (bent && i % 2 == 1) command.value_u[i] = -command.value_u[i];
+    }
+    return Refusal();
+}
+
+Refusal parse_set(const Words& words, Command& command) {
+    command.lists = words.count == 1;
+    if (command.lists) return Refusal();
+    if (words.count != 3) return Refusal(Error::Arguments);
+    for (uint8_t i = 0; i < kSettingCount; ++i) {
+        const Field field = setting_field(i);
+        if (!words.word[1].is(field.name)) continue;
+        command.field = i;
+        command.value_u[0] = 0;
+        if (i == kSilence && words.word[2].is_flash(kOff)) return Refusal();
+        return read_field(words.word[2], field, command.value_u[0]);
+    }
+    return Refusal(Error::Name);
+}
+
+Refusal parse_trim(const Words& words, Command& command) {
+    command.lists = words.count == 1;
+    if (command.lists) return Refusal();
+    if (words.count != 4) return Refusal(Error::Arguments);
+    int32_t joint_u;
+    if (!read_micro(words.word[1], joint_u)) return Refusal(Error::Number);
+    if (joint_u < 1000000 || joint_u > kJoints * 1000000L || joint_u % 1000000 != 0) {
+        return Refusal(Error::Name);
+    }
+    command.joint = static_cast<uint8_t>(joint_u / 1000000 - 1);
+    for (uint8_t i = 0; i < kTrimFieldCount; ++i) {
+        const Field field = trim_field(i);
+        if (!words.word[2].is(field.name)) continue;
+        command.field = i;
+        return read_field(words.word[3], field, command.value_u[0]);
+    }
+    return Refusal(Error::Name);
+}
+
+}  // namespace
+
+Refusal::Refusal(Error e, const char* name, int32_t value, int32_t low, int32_t high)
+    : error(e), field(), value_u(value), low_u(low), high_u(high) {
+    strncpy(field, name, sizeof field - 1);
+}
+
+bool is_bare_stop(const char* line, uint8_t length) {
+    return (length == 1 && line[0] == '!') || (length == 4 && memcmp(line, "stop", 4) == 0);
+}
+
+Error check_line(const char* line, uint8_t length, Envelope& envelope) {
+    const int32_t crc = trailing_crc(line, length);
+    envelope = Envelope{line, length, crc >= 0, false, 0};
+    if (envelope.has_crc) {
+        envelope.length = static_cast<uint8_t>(length - 6);
+        if (crc16(line, envelope.length) != static_cast<uint16_t>(crc)) return Error::Crc;
+    }
+    if (envelope.length == 0 || line[0] != '#') return Error::None;
+    uint32_t number = 0;
+    uint8_t i = 1;
+    for (; i < envelope.length && i <= 5 && line[i] >= '0' && line[i] <= '9'; ++i) {
+        number = number * 10 + static_cast<uint32_t>(line[i] - '0');
+    }
+    if (i == 1 || number > 65535 || i == envelope.length || line[i] != ' ') return Error::Sequence;
+    envelope.has_number = true;
+    envelope.number = static_cast<uint16_t>(number);
+    envelope.body = line + i + 1;
+    envelope.length = static_cast<uint8_t>(envelope.length - i - 1);
+    return Error::None;
+}
+
+Refusal parse_command(const char* body, uint8_t length, Command& command) {
+    const Words words = split(body, length);
+    if (words.count == 0) return Refusal(Error::Command);
+    uint8_t verb = 0;
+    while (verb < kVerbs && !words.word[0].is_flash(kVerbTexts[verb].word)) ++verb;
+    if (verb == kVerbs) return Refusal(Error::Command);
+    const uint8_t fields = static_cast<uint8_t>(words.count - 1);
+    if (fields < flash_u8(&kVerbTexts[verb].fewest) || fields > flash_u8(&kVerbTexts[verb].most)) {
+        return Refusal(Error::Arguments);
+    }
+    command = Command();
+    command.verb = static_cast<Verb>(verb);
+    switch (command.verb) {
+        case Verb::Gait:
+            return parse_gait(words, command);
+        case Verb::Pose:
+            return parse_pose(words, command);
+        case Verb::Set:
+            return parse_set(words, command);
+        case Verb::Trim:
+            return parse_trim(words, command);
+        default:
+            return Refusal();
+    }
+}
+
+const char* verb_help(uint8_t verb) { return kVerbTexts[verb].help; }
+
+}  // namespace firmware

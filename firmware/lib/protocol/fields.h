@@ -1,0 +1,37 @@
+// Every number that a command may carry: name, unit, limits, default, in millionths of the unit.
+#pragma once
+
+#include <stdint.h>
+
+namespace firmware {
+
+struct Field {
+    char name[12];
+    char unit[8];
+    int32_t low_u, high_u, default_u;
+    bool whole;  // no decimals
+};
+
+// The order of each enum is the order of its table.
+enum Setting : uint8_t {
+    kAngleRamp,
+    kRateRamp,
+    kPoseSpeed,
+    kServoSpeed,
+    kSilence,
+    kEvery,
+    kSettingCount
+};
+enum TrimField : uint8_t { kCentre, kScale, kDir, kLow, kHigh, kTrimFieldCount };
+enum GaitField : uint8_t { kAlpha, kBeta, kOmega, kOffset, kGaitFieldCount };
+
+// Copies out of flash.
+Field setting_field(uint8_t index);
+Field trim_field(uint8_t index);
+Field gait_field(uint8_t index);
+Field joint_angle_field();
+
+// Whether a value is inside the limits of its field; `silence` also takes 0.
+bool in_range(const Field& field, int32_t value_u);
+
+}  // namespace firmware

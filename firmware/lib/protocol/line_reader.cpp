@@ -1,0 +1,29 @@
+// A line that is too long or has a foreign byte is read to its end and reported once, there.
+#include "line_reader.h"
+
+namespace firmware {
+
+void LineReader::clear() {
+    length_ = 0;
+    last_ = 0;
+    fault_ = kNothing;
+}
+
+LineReader::Event LineReader::push(uint8_t byte) {
+    if (byte == '\n' || byte == '\r') {
+        last_ = 0;
+        if (fault_ != kNothing) return fault_;
+        return length_ > 0 ? kLine : kNothing;
+    }
+    last_ = byte;
+    if (byte < 0x20 || byte > 0x7E) {
+        fault_ = kGarbled;
+    } else if (length_ == kCapacity) {
+        if (fault_ == kNothing) fault_ = kOverlong;
+    } else {
+        line_[length_++] = static_cast<char>(byte);
+    }
+    return kNothing;
+}
+
+}  // namespace firmware
