@@ -16,6 +16,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "convex3.hpp"
@@ -47,6 +48,7 @@ class DryMotion {
     double momentum(double w, double tau);  // L of a given turning rate
     double rate(double L, double tau);      // and back
     long systems() const { return systems_; }
+    void limit(long systems) { most_systems_ = systems; }  // of all calls together
 
   private:
     static constexpr int kMaxOrder = 8;
@@ -81,7 +83,7 @@ class DryMotion {
     Mat3 H_{};
     Vec3 b_{};
     std::vector<Kink> kinks_;
-    long systems_ = 0;
+    long systems_ = 0, most_systems_ = std::numeric_limits<long>::max();
     double step_ = 0.1, kick_ = 0, shortest_kick_ = 0, longest_kick_ = 0, speed_eps_ = 0,
            stick_eps_ = 0;
     int order_ = 4;
