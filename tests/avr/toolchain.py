@@ -47,7 +47,8 @@ def require() -> None:
     """Raise ToolchainError, naming the cure, unless everything is there."""
     lacks = missing()
     if lacks:
-        packages = " ".join((HERE / "packages.txt").read_text().split())
+        needs = (HERE / "packages.txt").read_text().split()
+        packages = " ".join(need.partition("=")[2] for need in needs)
         raise ToolchainError(
             f"no AVR toolchain: missing {', '.join(lacks)}. On Debian: apt-get install {packages}; "
             "and in the Python environment: pip install platformio scons unearth"
