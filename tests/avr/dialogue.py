@@ -118,5 +118,5 @@ class Dialogue:
         """Return the board's own counters."""
         data, verdict = self.ask_data("status")
         assert verdict.startswith("ok:"), verdict
-        line = next(body for body in data if body.startswith("counters:"))
-        return {name: int(value) for name, value in fields(line).items()}
+        found = fields(" ".join(body for body in data if body.startswith(("counters:", "timing:"))))
+        return {name: int(value) for name, value in found.items()}

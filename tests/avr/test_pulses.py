@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from avr.dialogue import telemetry
+from avr.dialogue import Dialogue, telemetry
 from avr.truth import FRAME_US, Wave, line_errors_us, pulse_errors_us
 
 pytestmark = pytest.mark.avr
@@ -16,12 +16,19 @@ RAMP_S = 4.0  # 80 degrees of lag at 60 degrees/s, 5 rad/s at 5 rad/s^2, with a 
 P99_US, EXTREME_US = 3.0, 10.0
 
 
-def observe(board, seconds: float):
-    """Return the telemetry of so many seconds of the gait that the firmware starts with."""
-    board.run(RAMP_S)
-    first = len(board.lines)
-    board.run(seconds)
-    return telemetry(board.lines[first:])
+def settled_gait(board, last_number: int = 0) -> Dialogue:
+    talk = Dialogue(board, last_number)
+    talk.hello()
+    assert talk.ask(f"gait {ALPHA_DEG} {BETA_DEG} {OMEGA_RAD_S}").startswith("ok:")
+    talk.keep_alive(RAMP_S)
+    return talk
+
+
+def observe(talk: Dialogue, seconds: float):
+    """Return the telemetry of the next seconds; the host pings meanwhile."""
+    first = len(talk.board.lines)
+    talk.keep_alive(seconds)
+    return telemetry(talk.board.lines[first:])
 
 
 def wave_of(
@@ -40,38 +47,39 @@ def wave_of(
 
 @pytest.mark.parametrize("name", ["uno", "nano", "mega"])
 def test_pulses_and_lines_follow_the_formula_for_ten_seconds(start, name):
-    board = start(name)
-    seen = observe(board, 10.0)
+    talk = settled_gait(start(name))
+    seen = observe(talk, 10.0)
     assert len(seen.frame) >= 495, "telemetry lines are missing"
-    errors = pulse_errors_us(board, seen, wave_of(seen))
+    errors = pulse_errors_us(talk.board, seen, wave_of(seen))
     assert len(errors) >= 5 * 490, "pulses are missing"
     assert np.percentile(np.abs(errors), 99) <= P99_US
     assert np.max(np.abs(errors)) <= EXTREME_US
     assert abs(np.mean(errors)) <= 1.0  # rounding is unbiased; interrupts only lengthen
-    lines = line_errors_us(board, seen)
+    lines = line_errors_us(talk.board, seen)
     assert np.percentile(np.abs(lines), 99) <= P99_US
     assert np.max(np.abs(lines)) <= EXTREME_US
 
 
 def test_the_check_sees_a_gait_that_is_slightly_off(start):
     """The tolerance has teeth: a degree, or half a percent of the rate, is seen."""
-    board = start()
-    seen = observe(board, 4.0)
+    talk = settled_gait(start())
+    seen = observe(talk, 4.0)
     for wrong in (
         wave_of(seen, alpha_deg=31.0),
         wave_of(seen, beta_deg=81.0),
         wave_of(seen, omega_rad_s=OMEGA_RAD_S * 1.005),
         wave_of(seen, steering_deg=0.5),
     ):
-        assert np.percentile(np.abs(pulse_errors_us(board, seen, wrong)), 99) > P99_US
+        assert np.percentile(np.abs(pulse_errors_us(talk.board, seen, wrong)), 99) > P99_US
 
 
 def test_every_frame_has_its_line_and_its_time(start):
-    board = start()
-    seen = observe(board, 5.0)
+    talk = settled_gait(start())
+    seen = observe(talk, 5.0)
     assert np.all(np.diff(seen.frame) == 1)
     assert np.all(np.abs(np.diff(seen.time_us - seen.late_us) - FRAME_US) <= 8)  # 4 us clock
     phase = np.unwrap(seen.phase_rad)
     rate = np.polyfit((seen.frame - seen.frame[0]) * FRAME_US * 1e-6, phase, 1)[0]
     # The line's 0.001 degree over 5 s leaves 1e-6 rad/s; the claim is 1 ppm of the rate.
     assert rate == pytest.approx(OMEGA_RAD_S, abs=6e-6)
+    assert talk.counters()["overruns"] == 0

@@ -10,9 +10,7 @@ from avr.dialogue import JOINTS, Telemetry
 
 FRAME_US = 20_000
 CENTRE_US, SCALE_US_RAD = 1500.0, 573.0  # the trims a board has before anybody sets them
-# micros() starts when the Arduino core starts timer 0, after the C start-up code: well under 0.2 ms
-# after power-on, the zero of the cycle stamps.
-CLOCK_OFFSET_US = 200.0
+CLOCK_SLACK_US = 20.0  # micros() counts in steps of 4 us, and its zero is measured to 10 us
 
 
 @dataclass(frozen=True)
@@ -34,26 +32,29 @@ class Wave:
         return CENTRE_US + SCALE_US_RAD * angle
 
 
-def frame_grid(seen: Telemetry) -> tuple[float, float]:
+def frame_grid(seen: Telemetry, offset_us: float) -> tuple[float, float]:
     """Return when frame 0 was due, and for how long after its due time a frame's write may come.
 
-    Both in microseconds of the cycle stamps. The board's clock counts in steps of 4 us.
+    Both in microseconds of the cycle stamps; offset_us is where micros() was 0 on that scale. As
+    micros() runs over, the start of a frame is the last such moment before its line went out.
     """
-    due_us = seen.time_us - seen.late_us - seen.frame.astype(np.int64) * FRAME_US
-    spread = int(np.max(due_us) - np.min(due_us))
-    assert spread <= 8, f"frames are not a 20 ms grid: their due times scatter by {spread} us"
-    window_us = float(np.max(seen.late_us + seen.exec_us)) + CLOCK_OFFSET_US
-    return float(np.min(due_us)), window_us
+    sent_us = seen.cycle * (1e6 / F_CPU_HZ)
+    start_us = sent_us - np.mod(sent_us - seen.time_us - offset_us, 2.0**32)
+    due_us = start_us - seen.late_us - seen.frame.astype(np.int64) * FRAME_US
+    spread = float(np.max(due_us) - np.min(due_us))
+    assert spread <= 8.1, f"frames are not a 20 ms grid: their due times scatter by {spread} us"
+    window_us = float(np.max(seen.late_us + seen.exec_us)) + CLOCK_SLACK_US
+    return float(np.min(due_us)) - CLOCK_SLACK_US / 2, window_us
 
 
-def carried(pulses: Pulses, seen: Telemetry) -> tuple[np.ndarray, np.ndarray]:
+def carried(pulses: Pulses, seen: Telemetry, offset_us: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the frame number each pulse carries (N,), and whether it may be the one before (N,).
 
     The servo library reads a setpoint when it raises the pin, on its own 20003.4 us frame. So
     a pulse carries the setpoint written last before its rise. Within the few hundred microseconds
     between a frame's due time and its last possible write, that is this frame's or the one before.
     """
-    zero_us, window_us = frame_grid(seen)
+    zero_us, window_us = frame_grid(seen, offset_us)
     since_us = pulses.rise_cycle * (1e6 / F_CPU_HZ) - zero_us
     frame = np.floor(since_us / FRAME_US).astype(np.int64)
     return frame, since_us - frame * FRAME_US < window_us
@@ -61,10 +62,10 @@ def carried(pulses: Pulses, seen: Telemetry) -> tuple[np.ndarray, np.ndarray]:
 
 def pulse_errors_us(board: Board, seen: Telemetry, wave: Wave) -> np.ndarray:
     """Return measured minus exact width of every pulse of all joints while telemetry was seen."""
-    errors = []
+    errors, offset_us = [], board.clock_offset_us()
     for joint in range(JOINTS):
         pulses = between(board.pulses(joint), seen)
-        frame, early = carried(pulses, seen)
+        frame, early = carried(pulses, seen, offset_us)
         error = pulses.width_us - wave.pulse_us(frame, joint)
         before = pulses.width_us - wave.pulse_us(frame - 1, joint)
         errors.append(np.where(early & (np.abs(before) < np.abs(error)), before, error))
@@ -73,11 +74,13 @@ def pulse_errors_us(board: Board, seen: Telemetry, wave: Wave) -> np.ndarray:
 
 def line_errors_us(board: Board, seen: Telemetry) -> np.ndarray:
     """Return measured width minus the width that the telemetry line of its frame announced."""
-    errors = []
+    errors, offset_us = [], board.clock_offset_us()
     rows = {int(f): i for i, f in enumerate(seen.frame)}
     for joint in range(JOINTS):
         pulses = between(board.pulses(joint), seen)
-        for width, frame, early in zip(pulses.width_us, *carried(pulses, seen), strict=True):
+        for width, frame, early in zip(
+            pulses.width_us, *carried(pulses, seen, offset_us), strict=True
+        ):
             said = [rows[f] for f in (frame, frame - 1)[: 1 + early] if f in rows]
             if said:
                 errors.append(min((width - seen.pulse_us[i, joint] for i in said), key=abs))
