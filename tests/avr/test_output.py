@@ -1,0 +1,59 @@
+"""What the board sends: telemetry is dropped and counted, never waited for."""
+
+import numpy as np
+import pytest
+from avr.dialogue import Dialogue, seal, telemetry
+from avr.test_pulses import EXTREME_US, P99_US, observe, settled_gait, wave_of
+from avr.truth import pulse_errors_us
+
+pytestmark = pytest.mark.avr
+
+
+def test_a_flood_costs_telemetry_but_no_motion(start):
+    """Two seconds of damaged lines without a pause: each asks for an answer longer than itself."""
+    talk = settled_gait(start())
+    board = talk.board
+    assert talk.ask("set silence 10").startswith("ok:")
+    before = talk.counters()
+    first = len(board.lines)
+    damaged = b"#1 ping *0000\n"
+    board.send(damaged * int(2.0 * board.baud / 10 / len(damaged)))
+    board.run(2.2)  # 0.1 s of pause makes the board forget a line whose end was lost
+    board.run_until("t:", 0.1)
+    seen = telemetry(board.lines[first:])
+    after = talk.counters()
+    missing = seen.frame[-1] - seen.frame[0] + 1 - len(seen.frame)
+    assert 10 < missing <= after["dropped"] - before["dropped"] <= missing + 2
+    assert after["rxfull"] > before["rxfull"], "lost input must be counted too"
+    assert after["overruns"] == before["overruns"] == 0
+    # A receive interrupt every 40 us delays an edge in eight, by no more than it lasts.
+    errors = np.abs(pulse_errors_us(board, seen, wave_of(seen)))
+    assert np.percentile(errors, 80) <= P99_US
+    assert np.max(errors) <= EXTREME_US
+
+
+def test_telemetry_can_be_thinned_out_and_off(start):
+    talk = settled_gait(start())
+    assert talk.ask("set every 7").startswith("ok:")
+    assert set(np.diff(observe(talk, 2.0).frame)) == {7}
+    assert talk.ask("set every 0").startswith("ok:")
+    talk.board.run(0.05)
+    assert len(observe(talk, 1.0).frame) == 0
+
+
+def test_an_unfinished_line_is_counted_and_forgotten(start):
+    talk = Dialogue(start())
+    talk.hello()
+    before = talk.counters()
+    talk.board.send(seal("#9 gait 30 80 5")[:-3])
+    talk.board.run(0.3)
+    assert talk.ask("ping").startswith("ok:")
+    after = talk.counters()
+    assert after["garbled"] == before["garbled"] + 1
+    assert len(talk.board.edges) == 0
+
+
+def test_the_rate_on_the_wire_is_the_one_promised(start):
+    board = start()
+    board.run(0.5)
+    assert board.actual_baud == board.baud == 250_000

@@ -1,0 +1,130 @@
+"""The robot stays safe on a simulated board: boot, stop, silence, reset, hang."""
+
+import numpy as np
+import pytest
+from avr.board import F_CPU_HZ
+from avr.dialogue import JOINTS, Dialogue, fields, seal, telemetry, unseal
+
+pytestmark = pytest.mark.avr
+
+FRAME_S = 0.02
+CENTRE_US = 1500.0
+JITTER_US = 10.0  # the rare extreme of a pulse whose interrupt was delayed
+
+
+def widths(board, since_s, until_s=np.inf):
+    """Return the widths of all pulses that rose in a stretch of time, one array a joint."""
+    found = []
+    for joint in range(JOINTS):
+        pulses = board.pulses(joint)
+        rise_s = pulses.rise_cycle / F_CPU_HZ
+        found.append(pulses.width_us[(rise_s >= since_s) & (rise_s < until_s)])
+    return found
+
+
+def crawling(board) -> Dialogue:
+    talk = Dialogue(board)
+    talk.hello()
+    assert talk.ask("gait 30 80 5").startswith("ok:")
+    talk.keep_alive(3.0)
+    return talk
+
+
+def test_no_pulse_before_the_first_motion_command(start):
+    board = start()
+    talk = Dialogue(board)
+    talk.hello()
+    for command in ("ping", "status", "help", "set", "trim", "set silence 5", "stop", "idle"):
+        assert talk.ask(command).startswith("ok:"), command
+    talk.keep_alive(1.0)
+    assert len(board.edges) == 0
+    assert talk.ask("pose straight").startswith("ok:")
+    board.run(0.2)
+    for width in widths(board, 0.0):
+        assert len(width) >= 8
+        np.testing.assert_allclose(width, CENTRE_US, atol=JITTER_US)
+
+
+@pytest.mark.parametrize("key", [seal("#7 stop"), b"stop\n", b"!\n", b"!", b"\xfe#9 ga\n!\n"])
+def test_stop_freezes_the_robot_within_two_frames(start, key):
+    """At most one frame until the board obeys, one until the servo library takes the setpoint."""
+    board = start()
+    talk = crawling(board)
+    key = seal(f"#{talk.number + 1} stop") if b"#7" in key else key
+    stopped_s = board.time_s
+    board.send(key)
+    board.run(0.5)
+    for joint, width in enumerate(widths(board, stopped_s + 0.02 + 2 * FRAME_S + 0.005)):
+        assert len(width) >= 18, f"joint {joint + 1} must hold, not go limp"
+        assert np.ptp(width) <= JITTER_US
+    moved = [np.ptp(width) for width in widths(board, stopped_s - 0.5, stopped_s)]
+    assert min(moved) > 50, "the robot was not moving before"
+    assert telemetry(board.lines[-20:]).state[-1] == "hold"
+
+
+def test_idle_ends_the_pulses(start):
+    board = start()
+    talk = crawling(board)
+    assert talk.ask("idle").startswith("ok:")
+    limp_s = board.time_s
+    board.run(0.5)
+    assert all(len(width) == 0 for width in widths(board, limp_s + 2 * FRAME_S))
+
+
+def test_silence_leads_gently_to_the_straight_pose(start):
+    board = start()
+    crawling(board)
+    silent_s = board.time_s
+    board.run(8.0)
+    words = [unseal(line.text) for line in board.lines if line.text.startswith("state:")]
+    assert any(word.startswith("state: safing why=silence") for word in words)
+    assert words[-1].startswith("state: safe ")
+    moving = widths(board, silent_s, silent_s + 1.8)
+    assert min(np.ptp(width) for width in moving) > 300, "the gait goes on until the 2 s are over"
+    for width in widths(board, silent_s + 7.5):
+        np.testing.assert_allclose(width, CENTRE_US, atol=JITTER_US)
+    for width in widths(board, silent_s):
+        # 500 degrees/s is 100 us a frame; the gait itself moves 150 degrees/s.
+        assert np.max(np.abs(np.diff(width))) <= 100 + JITTER_US
+
+
+def test_silence_off_lets_an_untethered_robot_run(start):
+    board = start()
+    talk = crawling(board)
+    assert talk.ask("set silence 0").startswith("ok:")
+    board.run(5.0)
+    assert min(np.ptp(width) for width in widths(board, board.time_s - 2.0)) > 300
+
+
+@pytest.mark.parametrize(("cause", "word"), [("external", "external"), ("brown-out", "brownout")])
+def test_reset_in_mid_motion_is_told_and_leaves_the_servos_limp(start, cause, word):
+    board = start()
+    talk = crawling(board)
+    before = fields(talk.greeting)
+    board.reset(cause)
+    reset_s = board.time_s
+    again = Dialogue(board)
+    after = fields(again.greeting)
+    assert after["reset"] == word
+    assert int(after["boot"]) == int(before["boot"]) + 1
+    again.hello()
+    again.keep_alive(1.0)
+    assert all(len(width) == 0 for width in widths(board, reset_s + 0.001))
+    assert telemetry(board.lines[-20:]).state[-1] == "idle"
+
+
+def test_watchdog_ends_a_hang(start):
+    """250 ms of watchdog; the servo interrupts run on meanwhile and hold the last setpoints."""
+    board = start()
+    talk = crawling(board)
+    boot = int(fields(talk.greeting)["boot"])
+    board.hang()
+    hung_s = board.time_s
+    after = Dialogue(board)
+    assert fields(after.greeting)["reset"] == "watchdog"
+    assert int(fields(after.greeting)["boot"]) == boot + 1
+    assert board.time_s - hung_s < 0.4
+    assert board.counts.resets == 1
+    back_s = board.time_s
+    board.run(1.0)
+    assert all(len(width) == 0 for width in widths(board, back_s))
