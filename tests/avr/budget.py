@@ -1,0 +1,117 @@
+"""Measure what the firmware costs on each chip, against what it may cost; print the table."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # so that it runs as a script too
+
+import numpy as np
+from avr.board import SERVO_PINS, Board
+from avr.dialogue import Dialogue, telemetry
+from avr.toolchain import ToolchainError, build_firmware
+from avr.truth import Wave, pulse_errors_us
+
+BOARDS = ("uno", "mega")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the budget: a measured value, its bound, and whether the bound is a floor."""
+
+    what: str
+    unit: str
+    value: float
+    bound: float
+    floor: bool = False
+
+    @property
+    def kept(self) -> bool:
+        """Whether the value is within its bound."""
+        return self.value >= self.bound if self.floor else self.value <= self.bound
+
+
+def flash_bytes(elf: Path) -> int:
+    """Return the program memory that the ELF takes: code and initial values."""
+    listing = subprocess.run(
+        ["avr-size", "-A", "-d", str(elf)], text=True, capture_output=True, check=True
+    )
+    rows = [line.split() for line in listing.stdout.splitlines()]
+    return sum(int(row[1]) for row in rows if row[:1] in ([".text"], [".data"]))
+
+
+def busy_board(elf: Path, name: str, seconds: float) -> tuple[Dialogue, int]:
+    """Run a gait with a line a frame and a command every 10 ms; return the first line seen."""
+    talk = Dialogue(Board(elf, name, SERVO_PINS[name]))
+    talk.hello()
+    for command in ("gait 30 80 5", "ping", "help", "set", "trim", "status"):
+        verdict = talk.ask(command, 1.0)
+        assert verdict.startswith("ok:"), verdict
+    talk.keep_alive(4.0)
+    first = len(talk.board.lines)
+    for i in range(int(seconds / 0.01)):
+        talk.send("status" if i % 10 == 0 else "ping")
+        talk.board.run(0.01)
+    return talk, first
+
+
+def measure(name: str, seconds: float = 10.0) -> list[Row]:
+    """Measure one board's budget, rows in the order of the table."""
+    elf = build_firmware(name)
+    talk, first = busy_board(elf, name, seconds)
+    with talk.board as board:
+        seen = telemetry(board.lines[first:])
+        lag = np.radians([30.0, 80.0])
+        wave = Wave(*lag, 5.0, int(seen.frame[0]), float(seen.phase_rad[0]))
+        errors = pulse_errors_us(board, seen, wave)
+        counters = talk.counters()
+        return [
+            Row("flash", "bytes", flash_bytes(elf), 28_000),
+            Row("static RAM", "bytes", board.static_ram, 1_600),
+            Row("RAM never touched by the stack", "bytes", board.stack_free, 250, floor=True),
+            Row("setpoints to pulses, mean", "µs", float(np.mean(seen.exec_us)), 800),
+            Row("setpoints to pulses, worst", "µs", float(np.max(seen.exec_us)), 1_000),
+            Row("whole frame, worst", "µs", counters["frame_us"], 5_000),
+            Row("lateness of a frame, worst", "µs", counters["late_us"], 2_000),
+            Row("frames missed", "", counters["overruns"], 0),
+            Row("received bytes lost", "", board.counts.overrun_bytes + counters["rxfull"], 0),
+            Row("pulse error, mean", "µs", abs(float(np.mean(errors))), 1.0),
+            Row("pulse error, s.d.", "µs", float(np.std(errors)), 1.0),
+            Row("pulse error, 99 % within", "µs", float(np.percentile(abs(errors), 99)), 3.0),
+            Row("pulse error, extreme", "µs", float(np.max(abs(errors))), 10.0),
+        ]
+
+
+def table(columns: dict[str, list[Row]]) -> str:
+    """Lay the rows of all boards out as a Markdown table."""
+    lines = [
+        "| item | budget | " + " | ".join(columns) + " |",
+        "|---|---|" + "---|" * len(columns),
+    ]
+    for rows in zip(*columns.values(), strict=True):
+        sign = "≥" if rows[0].floor else "≤"
+        values = (f"{r.value:.6g}" if r.value == int(r.value) else f"{r.value:.2f}" for r in rows)
+        bound = f"{sign} {rows[0].bound:g} {rows[0].unit}".rstrip()
+        lines.append(f"| {rows[0].what} | {bound} | " + " | ".join(values) + " |")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    """Print the table; exit 1 when a bound is broken."""
+    try:
+        columns = {name: measure(name) for name in BOARDS}
+    except ToolchainError as error:
+        print(error, file=sys.stderr)
+        return 1
+    print(table(columns))
+    broken = [f"{name}: {r.what}" for name, rows in columns.items() for r in rows if not r.kept]
+    if broken:
+        print(f"over budget: {', '.join(broken)}", file=sys.stderr)
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
