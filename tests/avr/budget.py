@@ -71,7 +71,7 @@ def measure(name: str, seconds: float = 10.0) -> list[Row]:
         return [
             Row("flash", "bytes", flash_bytes(elf), 28_000),
             Row("static RAM", "bytes", board.static_ram, 1_600),
-            Row("RAM never touched by the stack", "bytes", board.stack_free, 250, floor=True),
+            Row("RAM never touched by the stack", "bytes", board.stack_free, 200, floor=True),
             Row("setpoints to pulses, mean", "µs", float(np.mean(seen.exec_us)), 800),
             Row("setpoints to pulses, worst", "µs", float(np.max(seen.exec_us)), 1_000),
             Row("whole frame, worst", "µs", counters["frame_us"], 5_000),
