@@ -10,7 +10,7 @@ namespace firmware {
 
 class PolledOutput {
   public:
-    PolledOutput() : head_(0), tail_(0) {}
+    PolledOutput() : queue_(), head_(0), tail_(0) {}
 
     // How many bytes write() would take now.
     uint8_t room() const { return static_cast<uint8_t>(tail_ - head_ - 1); }

@@ -8,7 +8,8 @@
 static uint8_t boots __attribute__((section(".noinit")));
 
 static void say(uint8_t byte) {
-    while (!(UCSR0A & 1 << UDRE0)) {}
+    while (!(UCSR0A & 1 << UDRE0)) {
+    }
     UDR0 = byte;
 }
 

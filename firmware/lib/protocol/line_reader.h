@@ -10,7 +10,7 @@ class LineReader {
     static const uint8_t kCapacity = 80;
     enum Event : uint8_t { kNothing, kLine, kOverlong, kGarbled };
 
-    LineReader() : length_(0), last_(0), fault_(kNothing) {}
+    LineReader() : line_(), length_(0), last_(0), fault_(kNothing) {}
 
     // One byte more. Anything but kNothing ends a line: read it, then clear().
     Event push(uint8_t byte);

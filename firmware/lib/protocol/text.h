@@ -9,7 +9,7 @@ class Text {
   public:
     static const uint8_t kCapacity = 200;
 
-    Text() : length_(0) {}
+    Text() : text_(), length_(0) {}
 
     const char* data() const { return text_; }
     uint8_t length() const { return length_; }

@@ -15,7 +15,8 @@ enum class Found : uint8_t { Ok, New, Older, Damaged };
 
 class Store {
   public:
-    explicit Store(Eeprom& eeprom) : eeprom_(eeprom), settings_(0), slot_(0), position_(0) {}
+    explicit Store(Eeprom& eeprom)
+        : eeprom_(eeprom), settings_(0), slot_(0), position_(0), serial_(0), crc_(0) {}
 
     // The newest whole copy; settings are left alone unless Ok or Older is returned.
     Found load(Settings& settings);

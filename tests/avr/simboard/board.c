@@ -118,9 +118,7 @@ void board_reset(struct board* b, enum reset_cause cause) {
     after_reset(b);
 }
 
-struct board_counts board_counts(const struct board* b) {
-    return b->counts;
-}
+struct board_counts board_counts(const struct board* b) { return b->counts; }
 
 static void on_pin(avr_irq_t* irq, uint32_t value, void* param) {
     (void)irq;
