@@ -37,7 +37,7 @@ class NodePolynomial {
   private:
     // Column j: coefficients of the j-th Lagrange polynomial, by multiplying its factors out.
     static const std::array<double, s * s>& power_basis() {
-        static const std::array<double, s* s> matrix = [] {
+        static const std::array<double, s * s> matrix = [] {
             const Gauss<s>& rule = Gauss<s>::get();
             std::array<double, s * s> M{};
             for (int j = 0; j < s; ++j) {

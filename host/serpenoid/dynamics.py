@@ -32,7 +32,7 @@ def finite_vector(name: str, values: ArrayLike, size: int) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class LinkState:
-    """Hold where every link is and how it moves: six arrays (n,), ground frame, links from the tail.
+    """Hold where every link is and how it moves: six arrays (n,), ground frame, from the tail.
 
     x_m, y_m: centres; theta_rad: absolute angles; vx_m_s, vy_m_s, omega_rad_s: their rates.
     """
@@ -58,7 +58,8 @@ class LinkState:
     def joined(cls, robot: Robot, q: ArrayLike, qdot: ArrayLike) -> LinkState:
         """Place all links from q = (x, y, theta_1..theta_n) of Eqs. 10-21 and its rates.
 
-        x, y are the centre of link 1 (the tail); the joints are closed, as the explicit model wants.
+        x, y are the centre of link 1 (the tail); the joints are closed, as the explicit model
+        wants.
         """
         n = robot.links
         p, v = finite_vector("q", q, n + 2), finite_vector("qdot", qdot, n + 2)

@@ -46,6 +46,12 @@ class Robot:
         inertia = check_number("link_inertia_kg_m2", inertia, 0.0, open_low=True)
         object.__setattr__(self, "link_inertia_kg_m2", inertia)
 
+    @property
+    def inertia_kg_m2(self) -> float:
+        """Return the moment of inertia I_c of one link, given or not."""
+        assert self.link_inertia_kg_m2 is not None  # set above
+        return self.link_inertia_kg_m2
+
 
 @dataclass(frozen=True, slots=True)
 class Ground:
@@ -112,10 +118,8 @@ class Gait:
 
 def core_model(robot: Robot, ground: Ground, gait: Gait) -> _core.Model:
     """Hand the three to the compiled core (which counts length by halves, as the paper does)."""
-    inertia = robot.link_inertia_kg_m2
-    assert inertia is not None  # set in Robot.__post_init__
     return _core.Model(
-        robot.links, robot.link_mass_kg, robot.link_length_m / 2, inertia,
+        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
         ground.ct, ground.cn, ground.ft0, ground.fn0,
         gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad,
     )  # fmt: skip

@@ -57,7 +57,7 @@ class Scene:
 
     formulation: "explicit" (pinned joints) or "implicit" (Eqs. 51-56 with joint_stiffness_n_m k and
     joint_damping_n_s_m c). drive: "angle" (the gait's joint angles are imposed) or "torque"
-    (`torque` is a TorqueTable, an (n-1,) list of constants, or a function of time returning (n-1,), N m).
+    (`torque`, N m, is a TorqueTable, an (n-1,) list of constants, or a function of time).
     method: "rk4" with step dt_s, or "nonsmooth" (dry friction as the set-valued law: adaptive steps
     for the explicit, shrinking steps of dt_s for the implicit formulation). start: "link1_at_rest"
     (x = y = theta_1 = 0 and their rates; the paper's), "zero_momentum", "steady" (from the periodic

@@ -60,7 +60,7 @@ def _zero_momentum(scene: Scene) -> LinkState:
     """Return the start in which neither the centre of mass moves nor the whole chain turns."""
     robot = scene.robot
     at_rest = LinkState.in_gait(robot, scene.gait, 0.0, [0, 0, 0], [0, 0, 0])
-    m, inertia = robot.link_mass_kg, robot.link_inertia_kg_m2
+    m, inertia = robot.link_mass_kg, robot.inertia_kg_m2
     x, y = at_rest.x_m - at_rest.x_m.mean(), at_rest.y_m - at_rest.y_m.mean()
     vx, vy = at_rest.vx_m_s - at_rest.vx_m_s.mean(), at_rest.vy_m_s - at_rest.vy_m_s.mean()
     momentum = m * (x @ vy - y @ vx) + inertia * at_rest.omega_rad_s.sum()

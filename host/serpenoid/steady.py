@@ -21,14 +21,14 @@ MAX_ELEMENTS = 1024
 class Steady:
     """Hold the periodic state of a gait (explicit model), after all memory of the start is gone.
 
-    speed_m_s: |displacement over a period| / period, along the mean direction of travel.
-    power_w: net mean of P = -sum T_i phi_i'; abs_power_w, positive_power_w: means of sum |P_i| and
-    sum max(P_i, 0). turn_rad_per_cycle: change of heading a period; a gait that turns has the speed
-    of the period that begins at phase 0. error_estimate: of the speed, relative (where the speed is
-    next to nothing: to 1e-4 of body length times omega); power_error_w: of the powers. direction_rad: direction of travel counted from the
-    heading of link 1 at phase 0. body_velocity: (Vx, Vy, theta_1') at phase 0, velocity of the
-    centre of mass along and across link 1, m/s, m/s, rad/s. monodromy: derivative (3, 3) of
-    (Vx, Vy, angular momentum) after a period by the same before it.
+    speed_m_s: |displacement over a period| / period, along the mean direction of travel (a gait
+    that turns: over the period that begins at phase 0). power_w: net mean of P = -sum T_i phi_i';
+    abs_power_w, positive_power_w: means of sum |P_i| and sum max(P_i, 0). turn_rad_per_cycle:
+    change of heading a period. error_estimate: of the speed, relative (where the speed is next to
+    nothing: to 1e-4 of body length times omega); power_error_w: of the powers. direction_rad:
+    direction of travel counted from the heading of link 1 at phase 0. body_velocity: (Vx, Vy,
+    theta_1') at phase 0, velocity of the centre of mass along and across link 1, m/s, m/s, rad/s.
+    monodromy: derivative (3, 3) of (Vx, Vy, angular momentum) after a period by those before it.
     """
 
     robot: Robot

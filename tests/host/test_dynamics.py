@@ -1,13 +1,12 @@
-"""Single evaluations of the compiled models against the dense reference, and their energy balance."""
+"""Single evaluations of the compiled models: the dense reference, and their energy balance."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+import serpenoid as sn
 from reference import explicit as dense
 from reference.params import Params
-
-import serpenoid as sn
 
 K_N_M, C_N_S_M = 730.0, 2.3
 COMBINATIONS = [(f, d) for f in ("explicit", "implicit") for d in ("torque", "angle")]

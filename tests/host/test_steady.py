@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import serpenoid as sn
 
 PAPER = sn.Robot(6, 1.0, 0.12)
@@ -97,7 +96,7 @@ def test_dry_friction_fades_into_viscous() -> None:
 
 @pytest.mark.parametrize("ground", [VISCOUS, BINGHAM], ids=["viscous", "dry"])
 def test_a_run_in_time_settles_to_it(ground: sn.Ground) -> None:
-    """From another start the motion converges to the periodic state, as fast as the multipliers say."""
+    """From another start the motion converges to it, as fast as the multipliers say."""
     gait = gait_deg(60, 75, 6)
     s = sn.steady_gait(OF_2005, ground, gait, rtol=1e-7)
     cycles = math.ceil(12 * s.settling_time_s / gait.period_s) + 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
@@ -75,7 +76,7 @@ def steady(p: Params, gait: Gait, rtol: float = 1e-10, u0: Array | None = None) 
     net, total, loss = np.sum([piece_work(system, piece) for piece in pieces], 0) / gait.period_s
     offset = bf.shape_at(p, gait, 0.0).place[0].mean(0)
     turn = np.array([[np.cos(end[3]), -np.sin(end[3])], [np.sin(end[3]), np.cos(end[3])]])
-    changes = sum((a.mode != b.mode).any() for a, b in zip(pieces, pieces[1:], strict=False))
+    changes = sum((a.mode != b.mode).any() for a, b in pairwise(pieces))
     stuck = sum((piece.mode == 0).mean() * (piece.end_s - piece.start_s) for piece in pieces)
     return PeriodicBingham(
         u0=u,
@@ -128,7 +129,7 @@ def split_work(system: System, piece: Piece, joint: int) -> float:
             cuts.append(brentq(power, grid[k], grid[k + 1], xtol=1e-15, rtol=1e-13))
     cuts.append(piece.end_s)
     total = 0.0
-    for a, b in zip(cuts, cuts[1:], strict=False):
+    for a, b in pairwise(cuts):
         inside = [power((a + b) / 2 + (b - a) / 2 * node) for node in NODES]
         total += abs((b - a) / 2 * WEIGHTS @ inside)
     return total

@@ -16,11 +16,11 @@ from . import bingham_periodic, bingham_stepping
 from .params import Gait, Params, gait_deg, robot_2005
 
 FILE = Path(__file__).with_name("periodic_bingham.csv")
-INPUTS = "links mass_kg half_length_m inertia_kg_m2 ct cn ft0 fn0".split()
-INPUTS += "alpha_rad beta_rad omega_rad_s".split()
-RESULTS = "speed_m_s power_w abs_power_w positive_power_w dissipation_w".split()
-RESULTS += "u0_x_m_s u0_y_m_s u0_spin_rad_s events stuck_fraction".split()
-RESULTS += "accuracy other_method other_accuracy".split()
+INPUTS = ["links", "mass_kg", "half_length_m", "inertia_kg_m2", "ct", "cn", "ft0", "fn0"]
+INPUTS += ["alpha_rad", "beta_rad", "omega_rad_s"]
+RESULTS = ["speed_m_s", "power_w", "abs_power_w", "positive_power_w", "dissipation_w"]
+RESULTS += ["u0_x_m_s", "u0_y_m_s", "u0_spin_rad_s", "events", "stuck_fraction"]
+RESULTS += ["accuracy", "other_method", "other_accuracy"]
 
 
 def cases() -> list[tuple[Params, Gait]]:

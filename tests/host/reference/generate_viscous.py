@@ -17,11 +17,11 @@ from . import periodic
 from .params import Gait, Params, gait_deg, robot_2005
 
 FILE = Path(__file__).with_name("periodic_viscous.csv")
-INPUTS = "links mass_kg half_length_m inertia_kg_m2 ct cn".split()
-INPUTS += "alpha_rad beta_rad omega_rad_s offset_rad".split()
-RESULTS = "speed_m_s speed_link1_m_s mean_speed_m_s".split()
-RESULTS += "turn_rad_per_cycle power_w abs_power_w positive_power_w".split()
-RESULTS += "u0_x_m_s u0_y_m_s u0_spin_rad_s".split()
+INPUTS = ["links", "mass_kg", "half_length_m", "inertia_kg_m2", "ct", "cn"]
+INPUTS += ["alpha_rad", "beta_rad", "omega_rad_s", "offset_rad"]
+RESULTS = ["speed_m_s", "speed_link1_m_s", "mean_speed_m_s"]
+RESULTS += ["turn_rad_per_cycle", "power_w", "abs_power_w", "positive_power_w"]
+RESULTS += ["u0_x_m_s", "u0_y_m_s", "u0_spin_rad_s"]
 RESULTS += [f"multiplier{i}_{part}" for i in (1, 2, 3) for part in ("re", "im")]
 RESULTS += ["speed_check_m_s", "fourier_tail"]
 

@@ -62,7 +62,7 @@ def test_half_a_period_later_is_the_mirror_image(six_links: periodic.Periodic) -
 
 def test_multipliers_are_the_decay_of_a_disturbance(six_links: periodic.Periodic) -> None:
     u0, decay = six_links.u0, abs(six_links.multipliers[0])
-    disturbed = [periodic.march(Params(6), GAIT, u0 + [0, 0, 1e-4], 1)[-1, :3]]
+    disturbed = [periodic.march(Params(6), GAIT, np.add(u0, [0, 0, 1e-4]), 1)[-1, :3]]
     disturbed.append(periodic.march(Params(6), GAIT, disturbed[0], 1)[-1, :3])
     first, second = (np.abs(u - u0).max() for u in disturbed)
     # the second multiplier is 2e4 times smaller; the disturbance's own square is 1e-4 of it
