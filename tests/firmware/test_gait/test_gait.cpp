@@ -45,7 +45,7 @@ TEST_CASE("sine is within 7e-5 of the true one over the whole turn") {
 TEST_CASE("sine is odd and symmetric to the bit") {
     std::mt19937 random(7);
     for (int k = 0; k < 100000; ++k) {
-        const uint32_t p = random();
+        const uint32_t p = static_cast<uint32_t>(random());
         CHECK(sine_q15(p) == -sine_q15(0U - p));
         CHECK(sine_q15(p) == sine_q15(0x80000000U - p));
     }
@@ -73,7 +73,7 @@ TEST_CASE("an amplitude of 90 degrees stays within the limit at a million random
     std::mt19937 random(2005);
     double worst = 0;
     for (int k = 0; k < 1000000; ++k) {
-        const uint32_t phase = random();
+        const uint32_t phase = static_cast<uint32_t>(random());
         const double truth = 90.0 * std::sin(2 * kPi * phase / kTurn);
         worst = std::max(worst, std::fabs(setpoint_deg(90.0, 0.0, 0.0, phase, 0) - truth));
     }

@@ -1,0 +1,84 @@
+// libFuzzer target: any bytes to a whole board, at wire pace with pauses, and what must hold
+// always.
+//
+// A byte of 0x80 or more is a pause of so many milliseconds less 0x80, or one bare good line that
+// is sealed here, so that the fuzzer need not guess CRCs.
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "controller.h"
+#include "text.h"
+#include "virtual_board.hpp"
+
+using namespace firmware;
+
+namespace {
+
+void require(bool holds) {
+    if (!holds) std::abort();
+}
+
+struct Watch {
+    VirtualBoard board;
+    int16_t before_q14[kJoints] = {};
+
+    // Advance, and hold every frame against joint limits, pulse limits and the speed limit.
+    void run(uint32_t ms) {
+        for (uint32_t k = 0; k < ms; ++k) {
+            const State state = board.controller().state();
+            board.run(1000);
+            require(board.attached() == (board.controller().state() != State::Idle));
+            for (uint8_t i = 0; i < kJoints; ++i) check_joint(i, state);
+        }
+    }
+    void check_joint(uint8_t i, State before) {
+        const Settings& settings = board.controller().settings();
+        const int16_t q14 = board.controller().motion().setpoints_q14()[i];
+        const Trim trim = trim_of(settings, i);
+        require(q14 >= trim.low_q14 && q14 <= trim.high_q14);
+        const int32_t step = std::abs(static_cast<int32_t>(q14) - before_q14[i]);
+        if (before != State::Idle) require(step <= 5720);  // 1000 deg/s, the fastest setting
+        before_q14[i] = q14;
+        if (board.attached()) {
+            require(board.servo_us(i) >= kLeastPulseUs && board.servo_us(i) <= kMostPulseUs);
+        }
+    }
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+    if (size > 2000) return 0;
+    Watch watch;
+    watch.board.boot(Reset::Power);
+    std::string line;
+    uint16_t number = 0;
+    for (size_t i = 0; i < size; ++i) {
+        const char byte = static_cast<char>(data[i]);
+        line += byte;
+        if (data[i] == 0x01) {  // seal what has come since the last line as a good numbered line
+            line.erase(line.size() - 1);
+            Text text;
+            text.put('#').put_unsigned(++number).put(' ');
+            for (char c : line) {
+                if (c >= 0x20 && c < 0x7F && text.length() < 70) text.put(c);
+            }
+            text.finish();
+            watch.board.put(std::string("\n") + std::string(text.data(), text.length()));
+            line.clear();
+            watch.run(10);
+        } else if (data[i] >= 0x80) {
+            watch.run(data[i] - 0x80u);
+        } else {
+            watch.board.put(std::string(1, byte));
+            if (byte == '\n') line.clear();
+        }
+    }
+    watch.run(40);
+    watch.board.put("\n!\n");  // a stop always works
+    watch.run(120);
+    const State state = watch.board.controller().state();
+    require(state == State::Hold || state == State::Idle);
+    return 0;
+}

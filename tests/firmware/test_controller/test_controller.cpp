@@ -1,0 +1,365 @@
+// The whole controller on a simulated board: dialogue, motion, silence, stops, rollovers, saves.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "controller.h"
+#include "crc16.h"
+#include "doctest_main.h"
+#include "text.h"
+#include "virtual_board.hpp"
+
+using namespace firmware;
+
+namespace {
+
+std::string sealed(const std::string& body) {
+    Text text;
+    text.put(body.c_str()).finish();
+    return std::string(text.data(), text.length());
+}
+
+// A board and the host's end of its wire.
+struct Bench {
+    VirtualBoard board;
+    std::vector<std::string> lines;  // all but telemetry, CRC checked and taken off
+    std::vector<std::string> frames;
+    std::string rest;
+    int number = 0;
+
+    explicit Bench(uint64_t start_us = 0, uint32_t first_frame = 0) : board(start_us) {
+        board.boot(Reset::Power, first_frame);
+        run(0.1);
+    }
+    void run(double seconds) {
+        board.run(static_cast<uint64_t>(seconds * 1e6));
+        rest += board.take();
+        for (size_t end; (end = rest.find('\n')) != std::string::npos; rest.erase(0, end + 1)) {
+            const std::string line = rest.substr(0, end);
+            const std::string body = line.substr(0, line.size() - 6);
+            REQUIRE(line + "\n" == sealed(body));
+            (body.compare(0, 2, "t:") == 0 ? frames : lines).push_back(body);
+        }
+    }
+    // The last verdict or event after these bytes.
+    std::string raw(const std::string& bytes, double seconds = 0.05) {
+        const size_t before = lines.size();
+        board.put(bytes);
+        run(seconds);
+        return lines.size() > before ? lines.back() : "";
+    }
+    std::string type(const std::string& body, double seconds = 0.05) {
+        return raw(body + "\n", seconds);
+    }
+    std::string ask(const std::string& body, double seconds = 0.05) {
+        return raw(sealed("#" + std::to_string(++number) + " " + body), seconds);
+    }
+    State state() const { return board.controller().state(); }
+    const Counters& counters() const { return board.controller().counters(); }
+    double angle_deg(uint8_t joint) const {
+        return board.controller().motion().setpoints_q14()[joint] / 16384.0 * 180 /
+               3.14159265358979;
+    }
+    bool starts(const std::string& line, const std::string& with) const {
+        return line.compare(0, with.size(), with) == 0;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("boot: a greeting, telemetry, and no pulse until told to move") {
+    Bench b;
+    CHECK(b.lines.at(0) ==
+          "hello: serpenoid fw=0.1.0 protocol=1 board=virtual boot=0 reset=power settings=new");
+    CHECK(b.frames.size() >= 4);
+    b.run(5);
+    CHECK_FALSE(b.board.attached());
+    CHECK(b.type("stop") == "ok: #-");
+    CHECK_FALSE(b.board.attached());
+    CHECK(b.type("gait 30 80 5") == "ok: #-");
+    CHECK(b.board.attached());
+}
+
+TEST_CASE("the first pulses are the centres and no joint ever jumps") {
+    Bench b;
+    b.type("set silence off");
+    const char* script[] = {"pose bent 30",        "gait 30 80 5",   "gait 60 -90 2 10",
+                            "pose 10 20 30 40 50", "gait 20 180 12", "stop",
+                            "gait 45 75 6",        "pose straight",  "idle"};
+    double before[kJoints] = {};
+    for (const char* command : script) {
+        CHECK(b.type(command) == "ok: #-");
+        for (int k = 0; k < 150; ++k) {
+            b.run(0.02);
+            for (uint8_t i = 0; i < kJoints; ++i) {
+                CHECK(std::fabs(b.angle_deg(i) - before[i]) <
+                      10.01 * 4);  // 500 deg/s, 4 frames at first
+                before[i] = b.angle_deg(i);
+            }
+        }
+    }
+}
+
+TEST_CASE("a running gait is the formula at the phase that its line gives") {
+    Bench b;
+    b.type("set silence off");
+    b.type("gait 60 75 5 5");
+    b.run(4);
+    b.frames.clear();
+    b.run(5);
+    CHECK(b.frames.size() >= 249);
+    for (const std::string& line : b.frames) {
+        const double phase = std::stod(line.substr(line.find(" ph=") + 4));
+        for (int i = 0; i < 5; ++i) {
+            const size_t at = line.find(" j" + std::to_string(i + 1) + ":");
+            const double truth = 5 + 60 * std::sin((phase + 75.0 * i) * 3.14159265358979 / 180);
+            // 0.0116 fixed point, 0.005 two decimals, 0.0005 deg of phase at 60 deg.
+            CHECK(std::fabs(std::stod(line.substr(at + 4)) - truth) < 0.018);
+        }
+    }
+}
+
+TEST_CASE("amplitude and rate ramp linearly, each frame at most its step") {
+    Bench b;
+    b.type("set silence off");
+    b.type("set angle_ramp 30");
+    b.type("gait 30 0 6");
+    double peak = 0;
+    for (int k = 0; k < 25; ++k) {  // half a second: at most 15 degrees
+        b.run(0.02);
+        peak = std::max(peak, std::fabs(b.angle_deg(0)));
+    }
+    CHECK(peak < 16.5);
+    b.run(2);
+    for (int k = 0; k < 100; ++k) {
+        b.run(0.02);
+        peak = std::max(peak, std::fabs(b.angle_deg(0)));
+    }
+    CHECK(peak > 29.5);
+}
+
+TEST_CASE("silence stops what moves, leaves what holds, and can be off") {
+    Bench b;
+    b.type("gait 30 80 5", 1.9);
+    CHECK(b.state() == State::Gait);
+    b.run(0.3);
+    CHECK(b.state() == State::Safing);
+    b.run(3);
+    CHECK(b.state() == State::Safe);
+    for (uint8_t i = 0; i < kJoints; ++i) CHECK(b.angle_deg(i) == 0);
+    b.type("pose bent 20", 5);
+    CHECK(b.state() == State::Pose);
+    CHECK(std::fabs(b.angle_deg(1) + 20) < 0.01);
+    b.type("set silence off");
+    b.type("gait 30 80 5", 60);
+    CHECK(b.state() == State::Gait);
+}
+
+TEST_CASE("noise is no sign of life, a good line is") {
+    Bench b;
+    b.ask("hello");
+    b.ask("gait 30 80 5");
+    for (int k = 0; k < 50; ++k) b.ask("ping", 0.1);
+    CHECK(b.state() == State::Gait);
+    for (int k = 0; k < 30; ++k) b.raw("#9 noise *0000\n", 0.1);
+    CHECK(b.state() == State::Safe);
+}
+
+TEST_CASE("the stop key needs no line end, whatever came before it") {
+    for (const char* before :
+         {"", "x", "#12 gait 3", "\x01\x02\xFF",
+          "an overlong line with no end in sight, an overlong line with no end "
+          "in sight, an overlong line"}) {
+        for (const bool session : {false, true}) {
+            Bench b;
+            if (session) b.ask("hello");
+            session ? b.ask("gait 30 80 5", 0.5) : b.type("gait 30 80 5", 0.5);
+            const std::string verdict = b.raw(std::string(before) + "!", 0.06);
+            CHECK(b.state() == State::Hold);
+            CHECK(verdict == "ok: #!");
+            const double held = b.angle_deg(2);
+            b.run(5);
+            CHECK(b.angle_deg(2) == held);
+            CHECK(b.state() == State::Hold);
+        }
+    }
+}
+
+TEST_CASE("a stop key inside a line is text") {
+    Bench b;
+    b.type("gait 30 80 5", 0.2);
+    b.type("p!ng");
+    CHECK(b.state() == State::Gait);
+}
+
+TEST_CASE("a bare stop is obeyed inside a session, anything else bare is not") {
+    Bench b;
+    b.ask("hello");
+    b.ask("gait 30 80 5", 0.2);
+    CHECK(b.starts(b.type("idle"), "err: #? nocrc"));
+    CHECK(b.starts(b.raw(sealed("idle")), "err: #? sequence"));
+    CHECK(b.state() == State::Gait);
+    CHECK(b.type("stop") == "ok: #-");
+    CHECK(b.state() == State::Hold);
+}
+
+TEST_CASE("a stop does not wait for a report") {
+    Bench b;
+    b.type("gait 30 80 5", 0.3);
+    b.board.put("help\n");
+    b.run(0.005);
+    b.board.put("!\n");
+    b.run(0.005);
+    CHECK(b.state() == State::Hold);
+}
+
+TEST_CASE("sequence numbers: lost, repeated, late, over the wrap") {
+    Bench b;
+    b.number = 65530;
+    CHECK(b.ask("hello") == "ok: #65531");
+    b.number += 2;
+    CHECK(b.ask("ping") == "ok: #65534");
+    CHECK(b.counters().lost == 2);
+    const std::string gait = sealed("#65535 gait 30 80 5");
+    CHECK(b.raw(gait) == "ok: #65535");
+    CHECK(b.raw("!", 0.06) == "ok: #!");
+    CHECK(b.raw(gait) == "ok: #65535 again");  // a late copy does not undo the stop
+    CHECK(b.state() == State::Hold);
+    CHECK(b.raw(sealed("#0 ping")) == "ok: #0");
+    CHECK(b.starts(b.raw(gait), "err: #65535 sequence"));
+    CHECK(b.state() == State::Hold);
+    CHECK(b.counters().repeated == 2);
+    CHECK(b.starts(b.raw(sealed("#1 gait 99 1 1")), "err: #1 range alpha=99 low=0 high=90"));
+    CHECK(b.starts(b.raw(sealed("#1 gait 99 1 1")), "err: #1 range again"));
+}
+
+TEST_CASE("refusals change nothing and say why") {
+    Bench b;
+    CHECK(b.starts(b.type("gait 90 80 20"), "err: #- speed value=1800 high=500 - "));
+    CHECK(b.starts(b.type("gait 60 80 5 40"), "err: #- range j1=100 low=-90 high=90 - "));
+    CHECK(b.state() == State::Idle);
+    CHECK(b.type("trim 2 high 30") == "ok: #-");
+    CHECK(b.starts(b.type("gait 40 80 5"), "err: #- range j2=40 low=-90 high=30 - "));
+    CHECK(b.starts(b.type("pose bent -31"), "err: #- range j2=31 low=-90 high=30 - "));
+    CHECK(b.starts(b.type("trim 1 centre 2000"), "err: #- range pulse_ms=2.9 low=0.5 high=2.5 - "));
+    CHECK(b.starts(b.type("load"), "err: #- empty - "));
+    b.type("gait 30 80 5");
+    CHECK(b.starts(b.type("save"), "err: #- motion - "));
+    CHECK(b.starts(b.type("trim 1 centre 1510"), "err: #- motion - "));
+    b.type("stop");
+    CHECK(b.starts(b.type("trim 1 dir -1"), "err: #- attached - "));
+    CHECK(b.starts(b.type("defaults"), "err: #- attached - "));
+    CHECK(b.type("trim 1 centre 1510") == "ok: #-");
+}
+
+TEST_CASE("a new centre is approached slowly") {
+    Bench b;
+    b.type("pose straight", 1);
+    b.type("trim 4 centre 1590");
+    int before = b.board.servo_us(3);
+    for (int k = 0; k < 100; ++k) {
+        b.run(0.02);
+        CHECK(std::abs(b.board.servo_us(3) - before) <= 8);
+        before = b.board.servo_us(3);
+    }
+    CHECK(before == 1590);
+}
+
+TEST_CASE("a save is answered when it has been read back, and survives a reset") {
+    Bench b;
+    b.type("trim 3 centre 1523");
+    b.type("set pose_speed 33.25");
+    CHECK(b.type("save", 0.01) == "");
+    CHECK(b.starts(b.type("pose straight", 0.01), "err: #- saving"));
+    b.run(1);
+    CHECK(b.lines.back() == "ok: #-");
+    b.board.boot(Reset::Watchdog);
+    b.run(0.1);
+    CHECK(b.lines.back() ==
+          "hello: serpenoid fw=0.1.0 protocol=1 board=virtual boot=1 reset=watchdog settings=ok");
+    CHECK(b.board.controller().settings().trim_u[2][kCentre] == 1523000000);
+    CHECK(b.board.controller().settings().value_u[kPoseSpeed] == 33250000);
+}
+
+TEST_CASE("clock and frame number run over without a hitch") {
+    Bench b((1ULL << 32) - 2000000, 0xFFFFFFFFu - 100);
+    b.type("set silence off");
+    b.type("gait 30 80 5", 1);
+    b.frames.clear();
+    b.run(3);
+    uint32_t last = static_cast<uint32_t>(std::stoul(b.frames.at(0).substr(2)));
+    for (size_t k = 1; k < b.frames.size(); ++k) {
+        const uint32_t now = static_cast<uint32_t>(std::stoul(b.frames[k].substr(2)));
+        CHECK(now == static_cast<uint32_t>(last + 1));
+        last = now;
+    }
+    CHECK(last < 200);
+    CHECK(b.counters().overruns == 0);
+    CHECK(b.counters().late_us < 100);
+}
+
+TEST_CASE("missed frames are counted and the phase keeps to the clock") {
+    Bench b, steady;
+    for (Bench* bench : {&b, &steady}) {
+        bench->type("set silence off");
+        bench->type("gait 30 80 5", 2);
+    }
+    b.board.stall(205000);
+    steady.run(0.205);
+    b.run(1);
+    steady.run(1);
+    CHECK(b.counters().overruns >= 9);  // 10.25 frames, less what was left of the running one
+    CHECK(b.counters().overruns <= 10);
+    CHECK(b.board.controller().frame_number() == steady.board.controller().frame_number());
+    CHECK(b.board.controller().motion().phase() == steady.board.controller().motion().phase());
+}
+
+TEST_CASE("telemetry is thinned, and output that does not fit is dropped, not waited for") {
+    Bench b;
+    b.type("set every 10");
+    b.frames.clear();
+    b.run(2);
+    CHECK(b.frames.size() == 10);
+    b.type("set every 0");
+    b.frames.clear();
+    b.run(1);
+    CHECK(b.frames.empty());
+}
+
+TEST_CASE("garbled, overlong and unfinished lines are told and counted") {
+    Bench b;
+    CHECK(b.starts(b.raw("st\x02op\n"), "err: #? garbled"));
+    CHECK(b.starts(b.raw(std::string(81, 'a') + "\n"), "err: #? overlong"));
+    CHECK(b.starts(b.raw("ping *0000\n"), "err: #? crc"));
+    b.ask("hello");
+    CHECK(b.starts(b.raw("#2 pi", 0.2), "err: #? garbled"));
+    CHECK(b.ask("ping") == "ok: #2");
+    CHECK(b.counters().garbled == 2);
+    CHECK(b.counters().overlong == 1);
+    CHECK(b.counters().crc == 1);
+}
+
+TEST_CASE("data lines come before their verdict") {
+    Bench b;
+    for (const char* word : {"status", "set", "trim", "help"}) {
+        b.lines.clear();
+        CHECK(b.type(word, 0.5) == "ok: #-");
+        CHECK(b.lines.size() >= 4);
+        CHECK(b.starts(b.lines.at(0), std::string(word) + ": "));
+        for (const std::string& line : b.lines) {  // nothing that a plotter would draw
+            const size_t colon = line.find(':');
+            CHECK(line.find(':', colon + 1) == std::string::npos);
+            CHECK(line.at(colon + 1) == ' ');
+        }
+    }
+}
+
+TEST_CASE("an idle robot is limp and comes back where it was") {
+    Bench b;
+    b.type("pose bent 20", 2);
+    CHECK(b.type("idle") == "ok: #-");
+    CHECK_FALSE(b.board.attached());
+    b.run(1);
+    b.type("pose bent 20", 0.02);
+    CHECK(b.board.servo_us(0) == 1700);
+}

@@ -1,0 +1,31 @@
+"""The firmware under warnings, cppcheck and clang-tidy; its parser and controller under fuzzing."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run(*command: str) -> None:
+    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr[-4000:]
+
+
+@pytest.mark.avr
+@pytest.mark.skipif(
+    not all(shutil.which(t) for t in ("avr-g++", "cppcheck", "clang-tidy")),
+    reason="needs avr-g++, cppcheck and clang-tidy",
+)
+def test_no_warning_from_our_files() -> None:
+    run("firmware/check")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("clang++"), reason="needs clang++ with libFuzzer")
+def test_a_bounded_run_of_both_fuzzers_finds_nothing(tmp_path: Path) -> None:
+    run("tests/firmware/fuzz/run", "5", str(tmp_path))
