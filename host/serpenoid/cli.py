@@ -1,0 +1,280 @@
+"""The command line: degrees and plain words outside, SI and radians inside."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .errors import BadInput, SerpenoidError
+
+if TYPE_CHECKING:
+    from .model import Gait, Ground, Robot
+
+# Per link: mass kg, full length m, then friction ct, cn (N s/m), ft0, fn0 (N).
+PRESETS = {
+    "paper": (1.0, 0.12, 0.1, 10.0, 0.0, 0.0),
+    "2005": (0.0756, 0.076, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6),
+}
+AS_JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON.")
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="serpenoid")
+def cli() -> None:
+    """Predict, calibrate and drive a wheeled snake robot.
+
+    Try `serpenoid demo` first: it needs no robot.
+    """
+
+
+def robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that fix robot and ground."""
+    options = [
+        click.option("--robot", "preset", type=click.Choice(list(PRESETS)), default="2005",
+                     show_default=True, help="Robot and ground to start from."),
+        click.option("--links", type=int, default=6, show_default=True, help="Number of links."),
+        click.option("--mass-kg", type=float, help="Mass of a link."),
+        click.option("--length-m", type=float, help="Length of a link, joint to joint."),
+        click.option("--ct", type=float, help="Viscous friction along a link, N s/m."),
+        click.option("--cn", type=float, help="Viscous friction across a link, N s/m."),
+        click.option("--ft0", type=float, help="Dry friction along a link, N."),
+        click.option("--fn0", type=float, help="Dry friction across a link, N."),
+    ]  # fmt: skip
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def gait_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that fix a gait."""
+    options = [
+        click.option("--alpha-deg", type=float, required=True, help="Amplitude of the joints."),
+        click.option("--beta-deg", type=float, required=True, help="Phase lag joint to joint."),
+        click.option("--omega-rad-s", type=float, help="Angular rate; or give --frequency-hz."),
+        click.option("--frequency-hz", type=float, help="Gait frequency."),
+        click.option("--offset-deg", type=float, default=0.0, help="Bend of every joint: steers."),
+    ]  # fmt: skip
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def make_robot(given: dict[str, Any]) -> tuple[Robot, Ground]:
+    """Take robot and ground from the preset and what overrides it."""
+    from .model import Ground, Robot
+
+    names = ("mass_kg", "length_m", "ct", "cn", "ft0", "fn0")
+    base = dict(zip(names, PRESETS[given.pop("preset")], strict=True))
+    links = given.pop("links")
+    for name in names:
+        value = given.pop(name)
+        base[name] = base[name] if value is None else value
+    return (
+        Robot(links, base["mass_kg"], base["length_m"]),
+        Ground(base["ct"], base["cn"], base["ft0"], base["fn0"]),
+    )
+
+
+def make_gait(given: dict[str, Any]) -> Gait:
+    """Take a gait from degrees and either rate or frequency."""
+    from .model import Gait
+
+    omega, frequency = given.pop("omega_rad_s"), given.pop("frequency_hz")
+    if (omega is None) == (frequency is None):
+        raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
+    alpha, beta, offset = (math.radians(given.pop(f"{n}_deg")) for n in ("alpha", "beta", "offset"))
+    return Gait(alpha, beta, omega if omega is not None else 2 * math.pi * frequency, offset)
+
+
+def describe(gait: Gait) -> dict[str, float]:
+    """Return a gait as it is typed."""
+    return {
+        "alpha_deg": math.degrees(gait.alpha_rad),
+        "beta_deg": math.degrees(gait.beta_rad),
+        "omega_rad_s": gait.omega_rad_s,
+        "offset_deg": math.degrees(gait.offset_rad),
+    }
+
+
+def show_json(values: dict[str, Any]) -> None:
+    """Print strict JSON; what is not finite becomes null."""
+    from .report import finite
+
+    click.echo(json.dumps(finite(values), indent=2, allow_nan=False))
+
+
+@cli.command()
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path("demo-out"),
+              show_default=True, help="Folder for figures and figures' numbers.")  # fmt: skip
+def demo(out: Path) -> None:
+    """Go from the 2005 treadmill to a predicted speed: fit, predict, draw."""
+    from .demo import run_demo
+
+    run_demo(out)
+
+
+@cli.command()
+@robot_options
+@gait_options
+@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
+@AS_JSON
+def steady(as_json: bool, rtol: float, **given: Any) -> None:
+    """Solve for the periodic state of one gait: speed, powers, settling time."""
+    from . import report
+    from .steady import steady_gait
+
+    robot, ground = make_robot(given)
+    gait = make_gait(given)
+    s = steady_gait(robot, ground, gait, rtol=rtol)
+    show_json({"gait": describe(gait)} | s.to_dict()) if as_json else report.steady(s)
+
+
+def _span(text: str, name: str) -> list[float]:
+    """Read FIRST:LAST:STEP, or one number."""
+    try:
+        numbers = [float(part) for part in text.split(":")]
+        if not all(math.isfinite(v) for v in numbers) or len(numbers) not in (1, 3):
+            raise ValueError
+        if len(numbers) == 1:
+            return numbers
+        first, last, step = numbers
+        if not (step > 0 and last >= first and (last - first) / step < 1e5):
+            raise ValueError
+    except ValueError:
+        raise click.BadParameter(f"{text!r} is not FIRST:LAST:STEP", param_hint=name) from None
+    return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
+
+
+@cli.command()
+@robot_options
+@click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True,
+              help="CSV file to write.")  # fmt: skip
+def sweep(out: Path, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: Any) -> None:
+    """Solve every gait of a grid (the paper's 4500 unless told) into a CSV file."""
+    from . import report
+    from .steady import sweep as run_sweep
+
+    robot, ground = make_robot(given)
+    alpha, beta = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
+    omega = _span(omega_rad_s, "--omega-rad-s")
+    with report.progress(len(alpha) * len(beta) * len(omega), "gaits") as advance:
+        found = run_sweep(
+            robot, ground, alpha_rad=[math.radians(a) for a in alpha],
+            beta_rad=[math.radians(b) for b in beta], omega_rad_s=omega, progress=advance,
+        )  # fmt: skip
+    report.write_sweep(found, out)
+
+
+@cli.command()
+@robot_options
+@click.option("--speed-m-s", type=float, required=True, help="Wanted speed.")
+@click.option("--cost", type=click.Choice(["power", "abs_power", "positive_power"]),
+              default="power", show_default=True, help="Mean power to make least.")  # fmt: skip
+@AS_JSON
+def optimize(as_json: bool, speed_m_s: float, cost: str, **given: Any) -> None:
+    """Find the gait that costs least power at a speed."""
+    from . import report
+    from .optimize import least_power_gait
+
+    robot, ground = make_robot(given)
+    best = least_power_gait(robot, ground, speed_m_s=speed_m_s, cost=cost)
+    if as_json:
+        show_json({"gait": describe(best.gait), "cost": cost} | best.steady.to_dict())
+    else:
+        report.steady(best.steady)
+
+
+@cli.command()
+@robot_options
+@gait_options
+@click.option("--formulation", type=click.Choice(["explicit", "implicit"]), default="explicit",
+              show_default=True, help="Exact model, or the paper's springs.")  # fmt: skip
+@click.option("--stiffness-n-m", type=float, default=1000.0, show_default=True, help="Implicit: k.")
+@click.option("--damping-n-s-m", type=float, default=1.0, show_default=True, help="Implicit: c.")
+@click.option("--method", type=click.Choice(["rk4", "nonsmooth"]), default=None,
+              help="nonsmooth on dry ground, else rk4, unless given.")  # fmt: skip
+@click.option("--dt-s", type=float, default=1e-3, show_default=True, help="Time step.")
+@click.option(
+    "--duration-s", type=float, default=10.0, show_default=True, help="Length of the run."
+)
+@click.option("--start", type=click.Choice(["link1_at_rest", "zero_momentum", "steady"]),
+              default="link1_at_rest", show_default=True, help="State at time 0.")  # fmt: skip
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="CSV of all links.")
+@AS_JSON
+def simulate(as_json: bool, out: Path | None, **given: Any) -> None:
+    """Follow one gait in time."""
+    from . import report
+    from .scene import Scene
+    from .simulation import simulate as run_scene
+
+    robot, ground = make_robot(given)
+    gait = make_gait(given)
+    method = given["method"] or ("nonsmooth" if ground.dry else "rk4")
+    run = run_scene(
+        Scene(
+            robot, ground, gait, formulation=given["formulation"], method=method,
+            joint_stiffness_n_m=given["stiffness_n_m"], joint_damping_n_s_m=given["damping_n_s_m"],
+            dt_s=given["dt_s"], duration_s=given["duration_s"], start=given["start"],
+        )
+    )  # fmt: skip
+    if out is not None:
+        report.write_run(run, out)
+    summary = report.run_summary(run)
+    show_json({"gait": describe(gait)} | summary) if as_json else report.run(run, summary)
+
+
+@cli.command()
+@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--method", type=click.Choice(["joint", "naive"]), default="joint",
+              show_default=True, help="Honest intervals, or the paper's two lines.")  # fmt: skip
+@click.option("--plot", "figure", type=click.Path(dir_okay=False, path_type=Path),
+              help="Draw the lines and readings into this PNG.")  # fmt: skip
+@AS_JSON
+def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
+    """Fit friction to the treadmill readings of a session folder (Eqs. 58-62)."""
+    from . import report
+    from .friction import fit_friction
+    from .session import load_session
+
+    try:
+        loaded = load_session(session)
+        found = fit_friction(loaded, method=method)
+    except BadInput as error:  # the file's fault, not the arguments'
+        raise SerpenoidError(str(error)) from error
+    if figure is not None:
+        from .plot import friction_lines
+
+        friction_lines(loaded, found, figure)
+    show_json(found.to_dict()) if as_json else report.fit(found)
+
+
+def main() -> None:
+    """Run the command line: exit 0 done, 1 the work failed, 2 bad arguments, 130 interrupted."""
+    try:
+        status = cli.main(standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        status = error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("stopped", err=True)
+        status = 130
+    except SerpenoidError as error:
+        click.echo(f"serpenoid: {error}", err=True)
+        status = 2 if isinstance(error, BadInput) else 1
+    except OSError as error:
+        click.echo(f"serpenoid: {error}", err=True)
+        status = 1
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,145 @@
+"""From a friction fit to predicted speeds (Fig. 17) by both formulations, with their errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .friction_result import NAMES, FrictionFit
+from .model import Gait, Ground, Robot
+from .scene import Scene
+from .simulation import Run, simulate
+from .steady import Steady, steady_gait
+
+STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
+_STEP_S, _AVERAGED, _SETTLED_S = 1e-4, 5, 6.0
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedPoint:
+    """Hold the speeds predicted for one rate.
+
+    explicit_m_s: periodic state of the exact model; sigma_m_s: its standard deviation from the
+    friction fit; explicit_error_m_s: its numerical error. implicit_m_s: mean of the implicit model
+    over its last whole periods; implicit_spread_m_s: half the range of the single periods.
+    """
+
+    frequency_hz: float
+    explicit_m_s: float
+    explicit_error_m_s: float
+    sigma_m_s: float
+    implicit_m_s: float
+    implicit_spread_m_s: float
+    settling_time_s: float
+
+    def to_dict(self) -> dict[str, float]:
+        """Return the figures by name."""
+        return {name: getattr(self, name) for name in self.__slots__}
+
+
+def mean_speeds(run: Run, samples_per_period: int) -> Array:
+    """Return |displacement of the centre of mass| / period over each whole period of a run, m/s."""
+    x, y = (v[::samples_per_period].mean(axis=1) for v in (run.x_m, run.y_m))
+    return np.hypot(np.diff(x), np.diff(y)) / run.scene.gait.period_s
+
+
+def implicit_speed(robot: Robot, ground: Ground, gait: Gait) -> tuple[float, float]:
+    """Return speed and half its range over the last periods, implicit model of the paper, m/s.
+
+    k = 1000 N/m, c = 1 N s/m; dry friction exact (method "nonsmooth"), about 0.1 ms a step; started
+    from the exact model's periodic state, followed for 6 s or 20 periods, the last 5 averaged.
+    """
+    period = gait.period_s
+    steps = math.ceil(period / _STEP_S)
+    cycles = max(20, math.ceil(_SETTLED_S / period))
+    run = simulate(
+        Scene(
+            robot, ground, gait, formulation="implicit", joint_stiffness_n_m=STIFFNESS_N_M,
+            joint_damping_n_s_m=DAMPING_N_S_M, method="nonsmooth", dt_s=period / steps,
+            duration_s=cycles * period, record_every=steps, start="steady",
+        )
+    )  # fmt: skip
+    last = mean_speeds(run, 1)[-_AVERAGED:]
+    return float(last.mean()), float(np.ptp(last) / 2)
+
+
+def _gradient(robot: Robot, fit: FrictionFit, gait: Gait) -> Array:
+    """Return d(speed)/d(whole-body ct, cn, ft0, fn0) by differences of a quarter sigma."""
+    slopes = []
+    for name in NAMES:
+        value, sigma = fit.parameters[name]
+        step = min(0.25 * sigma, 0.25 * value) or 1e-3
+        speeds = []
+        for moved in (value + step, value - step):
+            ground = Ground.whole_body(robot.links, **fit.whole_body | {name: moved})
+            s = steady_gait(robot, ground, gait, rtol=1e-5, powers=False)
+            speeds.append(s.speed_m_s)
+        slopes.append((speeds[0] - speeds[1]) / (2 * step))
+    return np.array(slopes)
+
+
+def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
+    """Predict the speed of one gait on fitted ground, with what the fit leaves uncertain."""
+    s = steady_gait(robot, fit.ground, gait, powers=False)
+    slope = _gradient(robot, fit, gait)
+    implicit, spread = implicit_speed(robot, fit.ground, gait)
+    return SpeedPoint(
+        frequency_hz=gait.omega_rad_s / (2 * math.pi),
+        explicit_m_s=s.speed_m_s,
+        explicit_error_m_s=s.error_estimate * s.speed_m_s,
+        sigma_m_s=float(math.sqrt(slope @ fit.covariance @ slope)),
+        implicit_m_s=implicit,
+        implicit_spread_m_s=spread,
+        settling_time_s=s.settling_time_s,
+    )
+
+
+def predict_all(
+    robot: Robot,
+    fit: FrictionFit,
+    gaits: Sequence[Gait],
+    *,
+    progress: Callable[[int], None] | None = None,
+) -> list[SpeedPoint]:
+    """Predict every gait of a list; progress is called with 1 after each."""
+    points = []
+    for gait in gaits:
+        points.append(predict(robot, fit, gait))
+        if progress is not None:
+            progress(1)
+    return points
+
+
+def one_cycle(robot: Robot, ground: Ground, gait: Gait, cycles: int = 3) -> tuple[Steady, Run]:
+    """Return the periodic state and a run of it over some cycles, for pictures of the path."""
+    s = steady_gait(robot, ground, gait)
+    run = simulate(
+        Scene(
+            robot, ground, gait, start="steady", dt_s=gait.period_s / 600, record_every=5,
+            method="nonsmooth" if ground.dry else "rk4", duration_s=cycles * gait.period_s,
+        )
+    )  # fmt: skip
+    return s, run
+
+
+def as_json(fit: FrictionFit, points: Sequence[SpeedPoint], path: Steady) -> dict[str, Any]:
+    """Return everything the demo found as plain values."""
+    return {
+        "fit": fit.to_dict(),
+        "implicit": {
+            "joint_stiffness_n_m": STIFFNESS_N_M,
+            "joint_damping_n_s_m": DAMPING_N_S_M,
+            "method": "nonsmooth",
+            "step_s": _STEP_S,
+            "periods_averaged": _AVERAGED,
+        },
+        "speed_against_frequency": [p.to_dict() for p in points],
+        "path_gait": path.to_dict(),
+    }
