@@ -241,7 +241,7 @@ TEST_CASE("the longest telemetry line fits, and is as long as PROTOCOL.md says")
     Text text;
     write_telemetry(text, frame);
     CHECK(text.data()[text.length() - 1] == '\n');
-    CHECK(text.length() <= 176);
+    CHECK(text.length() == 156);
 }
 
 TEST_CASE("errors have distinct words and numbers, and no text that a plotter would draw") {
