@@ -62,12 +62,12 @@ def test_every_piece_obeys_the_law_of_friction() -> None:
 def test_without_thresholds_it_is_the_viscous_state() -> None:
     p, gait = Params(3, 1.0, 0.06, None, 0.1, 10.0), gait_deg(30, 90, 3)
     smooth = periodic.steady(p, gait)
-    found = bingham_periodic.steady(p, gait, 1e-10, smooth.u0)
+    found = bingham_periodic.steady(p, gait, 1e-9, smooth.u0)
     assert found.speed_m_s == pytest.approx(smooth.speed_m_s, rel=1e-8)
     assert found.abs_power_w == pytest.approx(smooth.abs_power_w, rel=1e-8)
 
 
-@pytest.mark.parametrize("index", [1, 4, 9, 26])
+@pytest.mark.parametrize("index", [4, 26])
 def test_second_method_agrees(index: int) -> None:
     """Implicit Euler with convex steps knows nothing of events and travels as far in a cycle."""
     p, gait, row = ROWS[index]
@@ -107,7 +107,7 @@ def test_table_is_broad_and_says_how_good_it_is() -> None:
         assert row["other_method"] < max(20 * row["other_accuracy"], 1e-6)
 
 
-@pytest.mark.parametrize("index", [1, 9, 19])
+@pytest.mark.parametrize("index", [9, 19])
 def test_rows_of_the_table(index: int) -> None:
     p, gait, row = ROWS[index]
     found = bingham_periodic.steady(p, gait, 1e-9, start_of(row))
