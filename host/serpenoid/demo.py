@@ -54,7 +54,7 @@ def run_demo(out: Path) -> None:
 
 def _speed_table(points: list[SpeedPoint]) -> None:
     rows = [
-        [f"{p.frequency_hz:.1f}", f"{p.explicit_m_s:.4f}", f"± {1.96 * p.sigma_m_s:.4f}",
+        [f"{p.frequency_hz:.1f}", f"{p.explicit_m_s:.4f}", f"{p.low_m_s:.3f} to {p.high_m_s:.3f}",
          f"{p.implicit_m_s:.4f}", f"{100 * (p.implicit_m_s / p.explicit_m_s - 1):+.1f} %"]
         for p in points
     ]  # fmt: skip
@@ -69,10 +69,11 @@ def _summary(fit: FrictionFit, points: list[SpeedPoint], files: list[Path]) -> N
     cn = fit.parameters["cn"]
     lines = [
         f"At {at.frequency_hz:g} Hz the robot should crawl at {at.explicit_m_s:.3f} m/s, "
-        f"± {1.96 * at.sigma_m_s:.3f} from what the readings leave open.",
+        f"and between {at.low_m_s:.3f} and {at.high_m_s:.3f} for 95 % of the frictions that "
+        "the readings allow.",
         f"They leave most open near {doubt.frequency_hz:g} Hz "
-        f"(± {196 * doubt.sigma_m_s / doubt.explicit_m_s:.0f} %). The normal friction is the weak "
-        f"spot: cn is known to {100 * cn.sigma / cn.value:.0f} % from a bend of 7.5 deg.",
+        f"(1 sigma: {100 * doubt.sigma_m_s / doubt.explicit_m_s:.0f} %). The normal friction "
+        f"is the weak spot: cn is known to {100 * cn.sigma / cn.value:.0f} % from a bend of 7.5 deg.",
         f"The numerical error of the exact model is below "
         f"{max(p.explicit_error_m_s for p in points):.0e} m/s; wheels stick exactly, no smoothing.",
         f"The paper's implicit model (k = 1000 N/m) is off by up to "

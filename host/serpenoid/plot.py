@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -47,7 +47,7 @@ def figure(width_in: float, height_in: float, columns: int = 1) -> Iterator[tupl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(cast(Any, _STYLE)):
         made = Figure(figsize=(width_in, height_in))
         FigureCanvasAgg(made)
         yield made, made.subplots(1, columns)
@@ -95,10 +95,10 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
     """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
     f = np.array([p.frequency_hz for p in points])
     exact = np.array([p.explicit_m_s for p in points])
-    sigma = np.array([p.sigma_m_s for p in points])
+    low, high = (np.array([getattr(p, n) for p in points]) for n in ("low_m_s", "high_m_s"))
     implicit = np.array([p.implicit_m_s for p in points])
     with figure(7.2, 4.4) as (fig, ax):
-        ax.fill_between(f, exact - 1.96 * sigma, exact + 1.96 * sigma, color=BLUE, alpha=0.16, lw=0,
+        ax.fill_between(f, low, high, color=BLUE, alpha=0.16, lw=0,
                         label="95 % from the friction fit")  # fmt: skip
         ax.plot(f, exact, color=BLUE, label="exact model (explicit)")
         ax.plot(f, implicit, "o", mfc="white", color=ORANGE, ms=6, mew=1.6,
@@ -152,7 +152,10 @@ def _paths(ax: Axes, run: Run) -> None:
         ("centre of mass", centre, "black", 2.0),
     ):
         ax.plot(x, y, color=colour, lw=width)
-        ax.annotate(f" {name}", (x[-1], y[-1]), color=colour, va="center", annotation_clip=False)
+        ax.annotate(
+            name, (x[-1], y[-1]), xytext=(5, 0), textcoords="offset points", color=colour,
+            va="center", bbox={"fc": "white", "ec": "none", "pad": 1},
+        )  # fmt: skip
     ax.set_ylabel("y (m)")
     ax.set_aspect(3)
 

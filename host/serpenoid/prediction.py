@@ -18,6 +18,7 @@ from .steady import Steady, steady_gait
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 _STEP_S, _AVERAGED, _SETTLED_S = 1e-4, 5, 6.0
+SAMPLES = 32
 
 Array = NDArray[np.float64]
 
@@ -26,8 +27,9 @@ Array = NDArray[np.float64]
 class SpeedPoint:
     """Hold the speeds predicted for one rate.
 
-    explicit_m_s: periodic state of the exact model; sigma_m_s: its standard deviation from the
-    friction fit; explicit_error_m_s: its numerical error. implicit_m_s: mean of the implicit model
+    explicit_m_s: periodic state of the exact model, explicit_error_m_s: its numerical error;
+    sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval that the friction fit leaves
+    it, by 32 samples. implicit_m_s: mean of the implicit model
     over its last whole periods; implicit_spread_m_s: half the range of the single periods.
     """
 
@@ -35,6 +37,8 @@ class SpeedPoint:
     explicit_m_s: float
     explicit_error_m_s: float
     sigma_m_s: float
+    low_m_s: float
+    high_m_s: float
     implicit_m_s: float
     implicit_spread_m_s: float
     settling_time_s: float
@@ -70,31 +74,45 @@ def implicit_speed(robot: Robot, ground: Ground, gait: Gait) -> tuple[float, flo
     return float(last.mean()), float(np.ptp(last) / 2)
 
 
-def _gradient(robot: Robot, fit: FrictionFit, gait: Gait) -> Array:
-    """Return d(speed)/d(whole-body ct, cn, ft0, fn0) by differences of a quarter sigma."""
-    slopes = []
-    for name in NAMES:
-        value, sigma = fit.parameters[name]
-        step = min(0.25 * sigma, 0.25 * value) or 1e-3
-        speeds = []
-        for moved in (value + step, value - step):
-            ground = Ground.whole_body(robot.links, **fit.whole_body | {name: moved})
-            s = steady_gait(robot, ground, gait, rtol=1e-5, powers=False)
-            speeds.append(s.speed_m_s)
-        slopes.append((speeds[0] - speeds[1]) / (2 * step))
-    return np.array(slopes)
+def friction_samples(fit: FrictionFit, count: int = SAMPLES) -> Array:
+    """Draw (count, 4) whole-body frictions from a fit's normal distribution, always the same ones.
+
+    Scrambled Sobol points, seeded; a value that would fall below 0, where friction cannot be, is 0.
+    """
+    from scipy.stats import norm, qmc
+
+    sobol = qmc.Sobol(len(NAMES), seed=2005)  # pyright: ignore[reportCallIssue] (older SciPy)
+    points = norm.ppf(sobol.random(count))
+    scale = np.linalg.cholesky(fit.covariance)
+    centre = np.array([fit.parameters[name].value for name in NAMES])
+    return np.maximum(centre + points @ scale.T, 0.0)
+
+
+def _speeds(robot: Robot, samples: Array, gait: Gait) -> Array:
+    """Return the exact model's speed for each sampled friction, m/s."""
+    grounds = (Ground.whole_body(robot.links, **dict(zip(NAMES, s, strict=True))) for s in samples)
+    return np.array(
+        [steady_gait(robot, g, gait, rtol=1e-3, powers=False).speed_m_s for g in grounds]
+    )
 
 
 def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
-    """Predict the speed of one gait on fitted ground, with what the fit leaves uncertain."""
+    """Predict the speed of one gait on fitted ground, with what the fit leaves uncertain.
+
+    The uncertainty is that of sampled frictions, not of a tangent: where wheels stick, the speed
+    hangs on friction only once it is weak enough for them to slip.
+    """
     s = steady_gait(robot, fit.ground, gait, powers=False)
-    slope = _gradient(robot, fit, gait)
+    sampled = _speeds(robot, friction_samples(fit), gait)
+    low, high = np.quantile(sampled, [0.025, 0.975])
     implicit, spread = implicit_speed(robot, fit.ground, gait)
     return SpeedPoint(
         frequency_hz=gait.omega_rad_s / (2 * math.pi),
         explicit_m_s=s.speed_m_s,
         explicit_error_m_s=s.error_estimate * s.speed_m_s,
-        sigma_m_s=float(math.sqrt(slope @ fit.covariance @ slope)),
+        sigma_m_s=float(sampled.std()),
+        low_m_s=float(low),
+        high_m_s=float(high),
         implicit_m_s=implicit,
         implicit_spread_m_s=spread,
         settling_time_s=s.settling_time_s,

@@ -1,0 +1,13 @@
+"""Fit friction to a treadmill session and carry its uncertainty to a speed."""
+
+from pathlib import Path
+
+import serpenoid as sn
+
+folder = Path(__file__).resolve().parents[2] / "calibration_data" / "nirakh-2005"
+session = sn.load_session(folder)
+fit = sn.fit_friction(session)
+for row in fit.rows():
+    print(f"{row.name}: {row.value:.4g} {row.unit} ({row.low:.3g} to {row.high:.3g})")
+s = sn.steady_gait(session.setup.robot, fit.ground, sn.Gait(1.22, 1.31, 5.0))
+print(f"predicted speed: {s.speed_m_s:.4f} m/s")

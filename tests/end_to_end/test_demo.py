@@ -1,0 +1,47 @@
+"""The README's first command: everything it writes is there and says what it should."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+
+def test_demo(tmp_path) -> None:
+    out = tmp_path / "demo"
+    done = subprocess.run(
+        [sys.executable, "-m", "serpenoid.cli", "demo", "--out", str(out)],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    for name in ("friction.png", "speed.png", "path.png"):
+        assert (out / name).read_bytes()[:4] == b"\x89PNG"
+        assert name in done.stdout.replace("\n", "")
+    found = json.loads((out / "demo.json").read_text())
+    values = {n: p["value"] for n, p in found["fit"]["parameters"].items()}
+    assert values == pytest.approx({"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}, rel=1e-5)
+    points = found["speed_against_frequency"]
+    assert len(points) == 20
+    for point in points:
+        assert point["explicit_error_m_s"] < 1e-6
+        # a spring of k = 1000 N/m under this light robot: a few per cent
+        assert point["implicit_m_s"] == pytest.approx(point["explicit_m_s"], rel=0.03)
+        assert point["implicit_spread_m_s"] < 1e-3 * point["implicit_m_s"]
+    # with the normal friction known to 35 and 13 %, nothing is known to better than half a per cent
+    relative = [p["sigma_m_s"] / p["explicit_m_s"] for p in points]
+    assert 0.005 < min(relative) < max(relative) < 0.3
+    assert all(p["low_m_s"] < p["explicit_m_s"] < p["high_m_s"] for p in points)
+    assert found["path_gait"]["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
+
+
+def test_demo_into_a_file_is_refused(tmp_path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    done = subprocess.run(
+        [sys.executable, "-m", "serpenoid.cli", "demo", "--out", str(blocked)],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr

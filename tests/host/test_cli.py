@@ -1,0 +1,110 @@
+"""The command line as a user meets it: answers, refusals, exit status, no traceback."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+
+import pytest
+import serpenoid as sn
+
+GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+
+
+def serpenoid(*args: str) -> subprocess.CompletedProcess[str]:
+    """Run the command in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "serpenoid.cli", *args], capture_output=True, text=True, check=False
+    )
+
+
+def answer(*args: str) -> dict:
+    done = serpenoid(*args, "--json")
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_steady() -> None:
+    got = answer("steady", *GAIT)
+    assert got["speed_m_s"] == pytest.approx(0.133205, rel=2e-4)
+    assert got["error_estimate"] < 1e-6
+    assert serpenoid("steady", *GAIT).stdout.count("m/s") >= 1
+
+
+def test_the_papers_robot_by_name() -> None:
+    got = answer("steady", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80",
+                 "--omega-rad-s", "5")  # fmt: skip
+    assert got["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
+
+
+def test_frequency_is_rate() -> None:
+    rate = answer("steady", *GAIT)
+    same = answer("steady", *GAIT[:4], "--frequency-hz", str(5 / (2 * math.pi)))
+    assert same["speed_m_s"] == pytest.approx(rate["speed_m_s"], rel=1e-6)
+
+
+def test_simulate_settles_to_steady() -> None:
+    got = answer("simulate", *GAIT, "--duration-s", "12")
+    assert got["speed_over_last_period_m_s"] == pytest.approx(0.133205, rel=1e-3)
+    assert got["method"] == "nonsmooth"
+
+
+def test_fit_and_its_figure(tmp_path) -> None:
+    got = answer("fit", "calibration_data/nirakh-2005", "--plot", str(tmp_path / "f.png"))
+    values = [got["parameters"][name]["value"] for name in ("ct", "ft0", "cn", "fn0")]
+    assert values == pytest.approx([0.084, 0.14, 1.2, 0.27], rel=1e-5)
+    assert (tmp_path / "f.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_optimize() -> None:
+    got = answer("optimize", "--robot", "paper", "--speed-m-s", "0.1")
+    assert got["power_w"] == pytest.approx(7.63769e-3, rel=1e-5)
+
+
+def test_sweep_writes_every_gait(tmp_path) -> None:
+    out = tmp_path / "sweep.csv"
+    done = serpenoid("sweep", "--robot", "paper", "--alpha-deg", "30:40:10", "--beta-deg", "80",
+                     "--omega-rad-s", "1:3:1", "--out", str(out))  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert len(out.read_text().splitlines()) == 1 + 2 * 3
+
+
+@pytest.mark.parametrize(
+    ("args", "status", "said"),
+    [
+        (["steady", *GAIT, "--links", "1"], 2, "links is 1"),
+        (["steady", *GAIT, "--mass-kg", "0"], 2, "link_mass_kg is 0.0"),
+        (["steady", *GAIT, "--cn", "-1"], 2, "cn is -1.0"),
+        (["steady", *GAIT[:4], "--omega-rad-s", "nan"], 2, "omega_rad_s is nan"),
+        (["steady", *GAIT[:4], "--omega-rad-s", "0"], 2, "omega_rad_s is 0.0"),
+        (["steady", *GAIT[:4]], 2, "give one of --omega-rad-s and --frequency-hz"),
+        (["steady", *GAIT, "--alhpa-deg", "3"], 2, "No such option"),
+        (["steady", *GAIT, "--ct", "0", "--cn", "0", "--ft0", "0", "--fn0", "0"], 2, "no friction"),
+        (["sweep", "--alpha-deg", "1:2", "--out", "x.csv"], 2, "FIRST:LAST:STEP"),
+        (["fit", "no-such-folder"], 1, "no-such-folder"),
+        (["nonsense"], 2, "No such command"),
+    ],
+)
+def test_refusals(args: list[str], status: int, said: str) -> None:
+    done = serpenoid(*args)
+    assert done.returncode == status
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_help_imports_neither_numpy_nor_matplotlib() -> None:
+    code = (
+        "import sys, serpenoid.cli; "
+        "print([m for m in ('numpy', 'scipy', 'matplotlib', 'rich') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_every_public_name_is_there() -> None:
+    for name in sn.__all__:
+        assert getattr(sn, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'stedy_gait'"):
+        _ = sn.stedy_gait
