@@ -52,7 +52,7 @@ Controller::Controller(Hardware& hardware)
 void Controller::begin(const Start& start) {
     start_ = start;
     boot_id_ = count_boot(hardware_);
-    settings_ = default_settings();
+    set_defaults(settings_);
     found_ = store_.load(settings_);
     configure();
     frame_.number = start.first_frame - 1;

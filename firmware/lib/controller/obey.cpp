@@ -181,7 +181,7 @@ Refusal Controller::reload(bool from_eeprom) {
         const Found found = store_.load(settings_);
         if (found != Found::Ok && found != Found::Older) return Refusal(Error::Empty);
     } else {
-        settings_ = default_settings();
+        set_defaults(settings_);
     }
     telemetry_wait_ = 0;
     configure();

@@ -3,14 +3,12 @@
 
 namespace firmware {
 
-Settings default_settings() {
-    Settings settings;
+void set_defaults(Settings& settings) {
     for (uint8_t i = 0; i < kSettingCount; ++i) settings.value_u[i] = setting_field(i).default_u;
     for (uint8_t f = 0; f < kTrimFieldCount; ++f) {
         const int32_t value_u = trim_field(f).default_u;
         for (uint8_t i = 0; i < kJoints; ++i) settings.trim_u[i][f] = value_u;
     }
-    return settings;
 }
 
 Trim trim_of(const Settings& settings, uint8_t joint) {

@@ -16,7 +16,8 @@ struct Settings {
     int32_t trim_u[kJoints][kTrimFieldCount];
 };
 
-Settings default_settings();
+// In place: a copy would be the largest thing on the stack.
+void set_defaults(Settings& settings);
 
 // One servo's trim in the units of the per-frame code.
 Trim trim_of(const Settings& settings, uint8_t joint);

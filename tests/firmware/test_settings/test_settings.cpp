@@ -14,6 +14,12 @@ using namespace firmware;
 
 namespace {
 
+Settings default_settings() {
+    Settings settings;
+    set_defaults(settings);
+    return settings;
+}
+
 // An EEPROM whose power can fail: in the write where it does, the byte may be torn.
 struct Memory : Eeprom {
     std::vector<uint8_t> bytes = std::vector<uint8_t>(1024, 0xFF);
