@@ -72,8 +72,8 @@ def _summary(fit: FrictionFit, points: list[SpeedPoint], files: list[Path]) -> N
         f"and between {at.low_m_s:.3f} and {at.high_m_s:.3f} for 95 % of the frictions that "
         "the readings allow.",
         f"They leave most open near {doubt.frequency_hz:g} Hz "
-        f"(1 sigma: {100 * doubt.sigma_m_s / doubt.explicit_m_s:.0f} %). The normal friction "
-        f"is the weak spot: cn is known to {100 * cn.sigma / cn.value:.0f} % from a bend of 7.5 deg.",
+        f"(1 sigma: {100 * doubt.sigma_m_s / doubt.explicit_m_s:.0f} %). The normal friction is "
+        f"the weak spot: cn is known to {100 * cn.sigma / cn.value:.0f} % from a 7.5 deg bend.",
         f"The numerical error of the exact model is below "
         f"{max(p.explicit_error_m_s for p in points):.0e} m/s; wheels stick exactly, no smoothing.",
         f"The paper's implicit model (k = 1000 N/m) is off by up to "
