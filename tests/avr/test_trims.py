@@ -55,7 +55,8 @@ def test_a_new_centre_is_approached_slowly(start):
     obeyed(talk, "trim 2 centre 1600")
     talk.board.run(1.0)
     width = talk.board.pulses(1).width_us
-    assert width[-1] == pytest.approx(1600, abs=JITTER_US)
+    # the middle of the last ten: one alone may be late by an interrupt
+    assert np.median(width[-10:]) == pytest.approx(1600, abs=JITTER_US)
     assert np.max(np.abs(np.diff(width))) <= 4 + 10  # 4 us a frame, and the rare late interrupt
 
 
