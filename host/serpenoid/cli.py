@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -15,6 +17,8 @@ from .errors import BadInput, SerpenoidError
 
 if TYPE_CHECKING:
     from .model import Gait, Ground, Robot
+
+T = TypeVar("T")
 
 # Per link: mass kg, full length m, then friction ct, cn (N s/m), ft0, fn0 (N).
 PRESETS = {
@@ -109,6 +113,25 @@ def show_json(values: dict[str, Any]) -> None:
     click.echo(json.dumps(finite(values), indent=2, allow_nan=False))
 
 
+def interruptible(work: Callable[[], T]) -> T:
+    """Return work(), run in a thread: Python hears Ctrl-C only while it is not in the core."""
+    done: list[T] = []
+    failed: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            done.append(work())
+        except BaseException as error:
+            failed.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join()
+    if failed:
+        raise failed[0]
+    return done[0]
+
+
 @cli.command()
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path("demo-out"),
               show_default=True, help="Folder for figures and figures' numbers.")  # fmt: skip
@@ -131,7 +154,7 @@ def steady(as_json: bool, rtol: float, **given: Any) -> None:
 
     robot, ground = make_robot(given)
     gait = make_gait(given)
-    s = steady_gait(robot, ground, gait, rtol=rtol)
+    s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
     show_json({"gait": describe(gait)} | s.to_dict()) if as_json else report.steady(s)
 
 
@@ -156,13 +179,17 @@ def _span(text: str, name: str) -> list[float]:
 @click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), required=True,
-              help="CSV file to write.")  # fmt: skip
-def sweep(out: Path, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: Any) -> None:
-    """Solve every gait of a grid (the paper's 4500 unless told) into a CSV file."""
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="CSV file to write.")
+@AS_JSON
+def sweep(
+    as_json: bool, out: Path | None, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: Any
+) -> None:
+    """Solve every gait of a grid (the paper's 4500 unless told), into a CSV file or as JSON."""
     from . import report
     from .steady import sweep as run_sweep
 
+    if out is None and not as_json:
+        raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
     robot, ground = make_robot(given)
     alpha, beta = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
     omega = _span(omega_rad_s, "--omega-rad-s")
@@ -171,7 +198,10 @@ def sweep(out: Path, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: A
             robot, ground, alpha_rad=[math.radians(a) for a in alpha],
             beta_rad=[math.radians(b) for b in beta], omega_rad_s=omega, progress=advance,
         )  # fmt: skip
-    report.write_sweep(found, out)
+    if out is not None:
+        report.write_sweep(found, out)
+    if as_json:
+        show_json(report.sweep_values(found))
 
 
 @cli.command()
@@ -208,6 +238,7 @@ def optimize(as_json: bool, speed_m_s: float, cost: str, **given: Any) -> None:
 )
 @click.option("--start", type=click.Choice(["link1_at_rest", "zero_momentum", "steady"]),
               default="link1_at_rest", show_default=True, help="State at time 0.")  # fmt: skip
+@click.option("--record-every", type=int, default=1, show_default=True, help="Steps a record.")
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="CSV of all links.")
 @AS_JSON
 def simulate(as_json: bool, out: Path | None, **given: Any) -> None:
@@ -219,13 +250,13 @@ def simulate(as_json: bool, out: Path | None, **given: Any) -> None:
     robot, ground = make_robot(given)
     gait = make_gait(given)
     method = given["method"] or ("nonsmooth" if ground.dry else "rk4")
-    run = run_scene(
-        Scene(
-            robot, ground, gait, formulation=given["formulation"], method=method,
-            joint_stiffness_n_m=given["stiffness_n_m"], joint_damping_n_s_m=given["damping_n_s_m"],
-            dt_s=given["dt_s"], duration_s=given["duration_s"], start=given["start"],
-        )
+    scene = Scene(
+        robot, ground, gait, formulation=given["formulation"], method=method,
+        joint_stiffness_n_m=given["stiffness_n_m"], joint_damping_n_s_m=given["damping_n_s_m"],
+        dt_s=given["dt_s"], duration_s=given["duration_s"], start=given["start"],
+        record_every=given["record_every"],
     )  # fmt: skip
+    run = interruptible(lambda: run_scene(scene))
     if out is not None:
         report.write_run(run, out)
     summary = report.run_summary(run)
@@ -266,12 +297,18 @@ def main() -> None:
         status = error.exit_code
     except (click.Abort, KeyboardInterrupt):
         click.echo("stopped", err=True)
+        if threading.active_count() > 1:  # the core's loop cannot be ended, only left behind
+            sys.stdout.flush()
+            os._exit(130)
         status = 130
     except SerpenoidError as error:
         click.echo(f"serpenoid: {error}", err=True)
         status = 2 if isinstance(error, BadInput) else 1
     except OSError as error:
         click.echo(f"serpenoid: {error}", err=True)
+        status = 1
+    except MemoryError:
+        click.echo("serpenoid: out of memory; run shorter, or record less often", err=True)
         status = 1
     sys.exit(status if isinstance(status, int) else 0)
 

@@ -76,7 +76,7 @@ def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "
         for ax, (part, title, axis, slope, rest, colour) in zip(axes, parts, strict=True):
             v, force = points[part]
             _line(ax, fit, slope, rest, 1.08 * float(v.max()), colour)
-            ax.plot(v, force, "o", color="black", ms=4.5, label="readings")
+            ax.plot(v, force, "o", color="black", ms=4.5, label=f"readings, {session.setup.kind}")
             law = (
                 f"$F_{axis} = {fit.parameters[slope].value:.3g}\\,v_{axis} "
                 f"+ {fit.parameters[rest].value:.3g}$ N"
@@ -93,20 +93,26 @@ def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "
 
 def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
     """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
-    f = np.array([p.frequency_hz for p in points])
-    exact = np.array([p.explicit_m_s for p in points])
-    low, high = (np.array([getattr(p, n) for p in points]) for n in ("low_m_s", "high_m_s"))
-    implicit = np.array([p.implicit_m_s for p in points])
-    with figure(7.2, 4.4) as (fig, ax):
-        ax.fill_between(f, low, high, color=BLUE, alpha=0.16, lw=0,
-                        label="95 % from the friction fit")  # fmt: skip
-        ax.plot(f, exact, color=BLUE, label="exact model (explicit)")
-        ax.plot(f, implicit, "o", mfc="white", color=ORANGE, ms=6, mew=1.6,
-                label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m")  # fmt: skip
-        ax.set(title=title, xlabel="gait frequency (Hz)", ylabel="speed (m/s)")
-        ax.set_xlim(left=0)
-        ax.set_ylim(bottom=0)
-        ax.legend(loc="upper left")
+    f, exact, low, high, implicit = (
+        np.array([getattr(p, name) for p in points])
+        for name in ("frequency_hz", "explicit_m_s", "low_m_s", "high_m_s", "implicit_m_s")
+    )
+    with figure(7.2, 5.4) as (fig, _unused):
+        fig.clear()
+        top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+        top.fill_between(f, low, high, color=BLUE, alpha=0.16, lw=0,
+                         label="95 % of the frictions that the fit allows")  # fmt: skip
+        top.plot(f, exact, color=BLUE, label="exact model (explicit)")
+        top.plot(f, implicit, "o", mfc="white", color=ORANGE, ms=6, mew=1.6,
+                 label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m")  # fmt: skip
+        top.set(title=title, ylabel="speed (m/s)")
+        top.set_ylim(bottom=0)
+        top.legend(loc="upper left")
+        bottom.axhline(0, color=BLUE)
+        bottom.plot(f, 100 * (implicit / exact - 1), "o-", mfc="white", color=ORANGE, ms=5, lw=1)
+        bottom.set(xlabel="gait frequency (Hz)", ylabel="implicit less\nexact (%)")
+        bottom.set_xlim(left=0)
+        fig.align_ylabels()
         fig.savefig(path)
 
 
@@ -146,17 +152,20 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
 
 def _paths(ax: Axes, run: Run) -> None:
     centre = (run.x_m.mean(axis=1), run.y_m.mean(axis=1))
-    for name, (x, y), colour, width in (
-        ("tail", (run.x_m[:, 0], run.y_m[:, 0]), ORANGE, 1.4),
-        ("head", (run.x_m[:, -1], run.y_m[:, -1]), BLUE, 1.4),
-        ("centre of mass", centre, "black", 2.0),
+    for name, (x, y), colour, width, end, shift, side in (
+        ("tail", (run.x_m[:, 0], run.y_m[:, 0]), ORANGE, 1.4, 0, (-6, 0), "right"),
+        ("head", (run.x_m[:, -1], run.y_m[:, -1]), BLUE, 1.4, -1, (6, 0), "left"),
+        ("centre of mass", centre, "black", 2.0, -1, (0, 36), "center"),
     ):
         ax.plot(x, y, color=colour, lw=width)
+        line = {"arrowstyle": "-", "color": colour, "lw": 0.7} if side == "center" else None
         ax.annotate(
-            name, (x[-1], y[-1]), xytext=(5, 0), textcoords="offset points", color=colour,
-            va="center", bbox={"fc": "white", "ec": "none", "pad": 1},
+            name, (x[end], y[end]), xytext=shift, textcoords="offset points", color=colour,
+            va="center", ha=side, arrowprops=line,
         )  # fmt: skip
-    ax.set_ylabel("y (m)")
+    ax.set(xlabel="x (m)", ylabel="y (m)")
+    ax.margins(x=0.07)
+    ax.set_ylim(1.2 * float(run.y_m.min()), 2.2 * float(run.y_m.max()))
     ax.set_aspect(3)
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .steady import Steady, Sweep
 
 console = Console(width=100) if not Console().is_terminal else Console()
+notices = Console(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
 
 
 def finite(values: Any) -> Any:
@@ -90,19 +91,18 @@ def fit(found: FrictionFit) -> None:
 
 def run_summary(run: Run) -> dict[str, Any]:
     """Return what a run in time came to."""
-    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    t, x, y = run.t_s, run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     scene = run.scene
     period = scene.gait.period_s
-    last = int(np.searchsorted(run.t_s, run.t_s[-1] - period * (1 + 1e-9)))
-    whole = run.t_s[-1] >= period
-    speed = np.hypot(x[-1] - x[last], y[-1] - y[last]) / (run.t_s[-1] - run.t_s[last])
+    whole = t[-1] >= period
+    dx, dy = (v[-1] - np.interp(t[-1] - period, t, v) for v in (x, y))
     return {
         "formulation": scene.formulation,
         "method": scene.method,
         "dt_s": scene.dt_s,
         "duration_s": float(run.t_s[-1]),
         "displacement_m": float(np.hypot(x[-1] - x[0], y[-1] - y[0])),
-        "speed_over_last_period_m_s": float(speed) if whole else None,
+        "speed_over_last_period_m_s": float(np.hypot(dx, dy) / period) if whole else None,
         "end": {
             "x_m": run.x_m[-1].tolist(),
             "y_m": run.y_m[-1].tolist(),
@@ -132,7 +132,7 @@ def write_run(found: Run, path: Path) -> None:
     columns = np.stack([found.x_m, found.y_m, found.theta_rad], axis=2)
     rows = np.column_stack([found.t_s, columns.reshape(found.t_s.size, -1)])
     _write_csv(path, header, rows.tolist())
-    console.print(f"wrote {path}")
+    notices.print(f"wrote {path}")
 
 
 def write_sweep(found: Sweep, path: Path) -> None:
@@ -147,7 +147,16 @@ def write_sweep(found: Sweep, path: Path) -> None:
     ]  # fmt: skip
     _write_csv(path, header, rows)
     missed = int((~found.converged).sum())
-    console.print(f"wrote {len(rows)} gaits to {path}; {missed} did not converge")
+    notices.print(f"wrote {len(rows)} gaits to {path}; {missed} did not converge")
+
+
+def sweep_values(found: Sweep) -> dict[str, Any]:
+    """Return a sweep as plain lists, indexed [alpha, beta, omega], angles in degrees."""
+    names = ("omega_rad_s", "speed_m_s", "power_w", "abs_power_w", "positive_power_w", "converged")
+    return {
+        "alpha_deg": np.degrees(found.alpha_rad).tolist(),
+        "beta_deg": np.degrees(found.beta_rad).tolist(),
+    } | {name: getattr(found, name).tolist() for name in names}
 
 
 def _write_csv(path: Path, header: list[str], rows: list[list[Any]]) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
+import signal
 import subprocess
 import sys
 
@@ -71,6 +73,44 @@ def test_sweep_writes_every_gait(tmp_path) -> None:
     assert len(out.read_text().splitlines()) == 1 + 2 * 3
 
 
+def test_sweep_answers_with_json() -> None:
+    got = answer("sweep", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80",
+                 "--omega-rad-s", "5:10:5")  # fmt: skip
+    assert got["alpha_deg"] == pytest.approx([30.0])
+    assert got["speed_m_s"][0][0][0] == pytest.approx(0.292060796024, rel=1e-6)
+    assert got["converged"] == [[[True, True]]]
+
+
+def test_json_stays_json_when_a_file_is_written_too(tmp_path) -> None:
+    out = tmp_path / "run.csv"
+    got = answer("simulate", *GAIT, "--duration-s", "1", "--record-every", "100",
+                 "--out", str(out))  # fmt: skip
+    assert got["speed_over_last_period_m_s"] is None  # a period is 1.26 s
+    lines = out.read_text().splitlines()
+    assert len(lines) == 1 + 11
+    assert len(lines[0].split(",")) == 1 + 3 * 6
+
+
+def test_a_run_of_no_length_says_so() -> None:
+    assert answer("simulate", *GAIT, "--duration-s", "0")["displacement_m"] == 0.0
+
+
+def test_ctrl_c_stops_a_long_run_at_once() -> None:
+    args = ["simulate", *GAIT, "--robot", "paper", "--duration-s", "1e7", "--record-every", "1000"]
+    run = subprocess.Popen(
+        [sys.executable, "-c", "print('up', flush=True); import serpenoid.cli as c; c.main()",
+         *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert run.stdout is not None
+    assert run.stdout.readline() == "up\n"
+    with pytest.raises(subprocess.TimeoutExpired):
+        run.wait(1.5)  # by now it is in the core, where it would stay for hours
+    run.send_signal(signal.SIGINT)
+    _, said = run.communicate(timeout=10)
+    assert run.returncode == 130
+    assert said.strip() == "stopped"
+
+
 @pytest.mark.parametrize(
     ("args", "status", "said"),
     [
@@ -83,6 +123,11 @@ def test_sweep_writes_every_gait(tmp_path) -> None:
         (["steady", *GAIT, "--alhpa-deg", "3"], 2, "No such option"),
         (["steady", *GAIT, "--ct", "0", "--cn", "0", "--ft0", "0", "--fn0", "0"], 2, "no friction"),
         (["sweep", "--alpha-deg", "1:2", "--out", "x.csv"], 2, "FIRST:LAST:STEP"),
+        (["sweep"], 2, "give --out"),
+        (["simulate", *GAIT, "--record-every", "0"], 2, "record_every is 0"),
+        (["simulate", *GAIT, "--dt-s", "-1"], 2, "dt_s is -1.0"),
+        (["steady", *GAIT[:2], "--beta-deg", "inf", "--omega-rad-s", "5"], 2, "beta_rad is inf"),
+        (["optimize", "--speed-m-s", "0"], 2, "speed_m_s is 0.0"),
         (["fit", "no-such-folder"], 1, "no-such-folder"),
         (["nonsense"], 2, "No such command"),
     ],
@@ -91,6 +136,18 @@ def test_refusals(args: list[str], status: int, said: str) -> None:
     done = serpenoid(*args)
     assert done.returncode == status
     assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_spoilt_reading_is_the_files_fault(tmp_path) -> None:
+    folder = tmp_path / "session"
+    shutil.copytree("calibration_data/nirakh-2005", folder)
+    readings = folder / "readings.csv"
+    readings.write_text(readings.read_text().replace("0.181468", "nan"))
+    done = serpenoid("fit", str(folder))
+    assert done.returncode == 1
+    assert "readings.csv:2" in done.stderr
+    assert "nan" in done.stderr
     assert "Traceback" not in done.stderr
 
 
