@@ -174,6 +174,7 @@ def as_json(fit: FrictionFit, points: Sequence[SpeedPoint], path: Steady) -> dic
             "joint_stiffness_n_m": STIFFNESS_N_M,
             "joint_damping_n_s_m": DAMPING_N_S_M,
             "method": "nonsmooth",
+            "start": "steady",
             "longest_step_s": _LONGEST_STEP_S,
             "least_steps_per_period": _LEAST_STEPS,
             "periods_averaged": _AVERAGED,

@@ -101,12 +101,15 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         [sys.executable, "-c", "print('up', flush=True); import serpenoid.cli as c; c.main()",
          *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    assert run.stdout is not None
-    assert run.stdout.readline() == "up\n"
-    with pytest.raises(subprocess.TimeoutExpired):
-        run.wait(1.5)  # by now it is in the core, where it would stay for hours
-    run.send_signal(signal.SIGINT)
-    _, said = run.communicate(timeout=10)
+    try:
+        assert run.stdout is not None
+        assert run.stdout.readline() == "up\n"
+        with pytest.raises(subprocess.TimeoutExpired):
+            run.wait(1.5)  # by now it is in the core, where it would stay for hours
+        run.send_signal(signal.SIGINT)
+        _, said = run.communicate(timeout=10)
+    finally:
+        run.kill()
     assert run.returncode == 130
     assert said.strip() == "stopped"
 
