@@ -13,6 +13,7 @@ from .dynamics import LinkState, finite_vector
 from .errors import Diverged
 from .model import core_model
 from .scene import Scene
+from .stability import check_step
 from .steady import steady_gait
 
 Array = NDArray[np.float64]
@@ -65,7 +66,7 @@ def _zero_momentum(scene: Scene) -> LinkState:
     vx, vy = at_rest.vx_m_s - at_rest.vx_m_s.mean(), at_rest.vy_m_s - at_rest.vy_m_s.mean()
     momentum = m * (x @ vy - y @ vx) + inertia * at_rest.omega_rad_s.sum()
     turn = -momentum / (robot.links * inertia + m * (x @ x + y @ y))
-    shift_x, shift_y = -at_rest.vx_m_s.mean() + turn * y[0], -at_rest.vy_m_s.mean() - turn * x[0]
+    shift_x, shift_y = -at_rest.vx_m_s.mean() - turn * y[0], -at_rest.vy_m_s.mean() + turn * x[0]
     return LinkState.in_gait(robot, scene.gait, 0.0, [0, 0, 0], [shift_x, shift_y, turn])
 
 
@@ -131,8 +132,10 @@ def start_state(scene: Scene) -> LinkState:
 def simulate(scene: Scene) -> Run:
     """Run a scene and return what it recorded.
 
-    Raises Diverged when the state leaves the finite numbers, naming the time, and BadInput.
+    Raises StepTooLarge, before anything runs, when dt_s is outside the method's stability region,
+    Diverged when the state leaves the finite numbers, naming the time, and BadInput.
     """
+    check_step(scene)
     out = _core.run(
         core_model(scene.robot, scene.ground, scene.gait), scene.formulation == "implicit",
         _torque_function(scene), scene.method == "nonsmooth", scene.joint_stiffness_n_m,

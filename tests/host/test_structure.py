@@ -6,7 +6,7 @@ import ast
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[2] / "host" / "serpenoid"
-SIMULATOR = {"model", "dynamics", "scene", "simulation", "steady", "optimize"}
+SIMULATOR = {"model", "dynamics", "scene", "stability", "simulation", "steady", "optimize"}
 NOT_FOR_THE_SIMULATOR = {"robot", "session", "friction", "plot", "report", "cli", "demo"}
 
 
