@@ -214,13 +214,18 @@ def optimize(as_json: bool, speed_m_s: float, cost: str, **given: Any) -> None:
     """Find the gait that costs least power at a speed."""
     from . import report
     from .optimize import least_power_gait
+    from .steady import steady_gait
 
     robot, ground = make_robot(given)
-    best = least_power_gait(robot, ground, speed_m_s=speed_m_s, cost=cost)
+    with report.busy("searching (up to a minute on dry ground)"):
+        best = interruptible(
+            lambda: least_power_gait(robot, ground, speed_m_s=speed_m_s, cost=cost)
+        )
+        s = steady_gait(robot, ground, best.gait)  # the search may leave out the other powers
     if as_json:
-        show_json({"gait": describe(best.gait), "cost": cost} | best.steady.to_dict())
+        show_json({"gait": describe(best.gait), "cost": cost} | s.to_dict())
     else:
-        report.steady(best.steady)
+        report.steady(s)
 
 
 @cli.command()

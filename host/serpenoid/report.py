@@ -45,6 +45,13 @@ def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
         yield lambda done: bar.advance(task, done)
 
 
+@contextmanager
+def busy(what: str) -> Iterator[None]:
+    """Show on standard error, where that is a terminal, that work of unknown length goes on."""
+    with Console(stderr=True).status(what):
+        yield
+
+
 def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     """Print a table; the first column is text, the others numbers."""
     made = Table(title=title, title_justify="left", title_style="bold", header_style="")
