@@ -118,6 +118,15 @@ def run_summary(run: Run) -> dict[str, Any]:
     }
 
 
+def springs_error(soft: dict[str, Any], exact: dict[str, Any]) -> dict[str, Any]:
+    """Return what the implicit model's springs change, against the exact model's same run."""
+    name = "speed_over_last_period_m_s"
+    if exact[name] is None:
+        return {f"exact_model_{name}": None, "springs_error": None}
+    error = soft[name] / exact[name] - 1 if exact[name] > 0 else math.inf
+    return {f"exact_model_{name}": exact[name], "springs_error": error}
+
+
 def run(found: Run, summary: dict[str, Any]) -> None:
     """Print what a run in time came to."""
     speed = summary["speed_over_last_period_m_s"]
@@ -129,6 +138,13 @@ def run(found: Run, summary: dict[str, Any]) -> None:
     scene = found.scene
     title = f"{scene.formulation} model, {scene.method}, {scene.dt_s:g} s, {found.t_s[-1]:g} s long"
     table(title, ["run", "value"], rows)
+    if summary.get("springs_error") is not None:
+        console.print(
+            f"The exact model gives {summary['exact_model_speed_over_last_period_m_s']:.6g} m/s: "
+            f"the joints' springs (k = {scene.joint_stiffness_n_m:g} N/m) change the speed by "
+            f"{100 * summary['springs_error']:+.2g} %. Stiffer ones change it less, as 1/k.",
+            highlight=False,
+        )
 
 
 def write_run(found: Run, path: Path) -> None:

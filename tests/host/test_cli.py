@@ -53,6 +53,15 @@ def test_simulate_settles_to_steady() -> None:
     assert got["method"] == "nonsmooth"
 
 
+def test_the_springs_error_is_told() -> None:
+    gait = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "10"]
+    got = answer("simulate", "--robot", "paper", *gait, "--formulation", "implicit",
+                 "--duration-s", "60")  # fmt: skip
+    # 8.04 % in the periodic state; 60 s leave some ringing of the slowest spring mode
+    assert got["springs_error"] == pytest.approx(0.0804, abs=0.004)
+    assert got["exact_model_speed_over_last_period_m_s"] == pytest.approx(0.569927, rel=1e-4)
+
+
 def test_fit_and_its_figure(tmp_path) -> None:
     got = answer("fit", "calibration_data/nirakh-2005", "--plot", str(tmp_path / "f.png"))
     values = [got["parameters"][name]["value"] for name in ("ct", "ft0", "cn", "fn0")]
