@@ -86,55 +86,77 @@ void SteadyViscous::guess(const Mesh& m, double omega) {
     now_.stage = std::move(next), now_.elements = m.elements, now_.omega = omega;
 }
 
+// Linearise one element about its stages, begun at y, and eliminate them. On return y is the end.
+bool SteadyViscous::eliminate(const Mesh& m, int e, double omega, Vec3& y, Element& out) const {
+    constexpr int s = kStages, N = 3 * s;
+    const Rule& rule = Rule::get();
+    const Vec3* Y = &now_.stage[e * s];
+    std::array<Mat3, s> jacobian;
+    std::array<Vec3, s> f;
+    std::array<double, N * N> A;
+    for (int j = 0; j < s; ++j) f[j] = derivative(m.nodes[e * s + j], Y[j], omega, jacobian[j]);
+    for (int j = 0; j < s; ++j)
+        for (int i = 0; i < 3; ++i) {
+            double* row = &A[(3 * j + i) * N];
+            double residual = y[i] - Y[j][i];
+            for (int k = 0; k < s; ++k) {
+                const double ha = m.h * rule.a[j * s + k];
+                residual += ha * f[k][i];
+                for (int c = 0; c < 3; ++c) row[3 * k + c] = -ha * jacobian[k][3 * i + c];
+            }
+            row[3 * j + i] += 1;
+            double* r = &out.stages[(3 * j + i) * 4];
+            r[0] = i == 0, r[1] = i == 1, r[2] = i == 2, r[3] = residual;
+        }
+    if (!solve_dense<N, 4>(A.data(), out.stages.data())) return false;
+    out.transfer = identity3(), out.correction = {};
+    for (int k = 0; k < s; ++k)
+        for (int i = 0; i < 3; ++i) {
+            y[i] += m.h * rule.b[k] * f[k][i];
+            for (int c = 0; c < 3; ++c) {
+                const double g = m.h * rule.b[k] * jacobian[k][3 * i + c];
+                const double* r = &out.stages[(3 * k + c) * 4];
+                for (int t = 0; t < 3; ++t) out.transfer[3 * i + t] += g * r[t];
+                out.correction[i] += g * r[3];
+            }
+        }
+    return true;
+}
+
+// Add what an element's start moves by, and its own correction, to its stages. Returns the largest
+// change and the largest value, both as speeds, m/s.
+std::pair<double, double> SteadyViscous::update(const Mesh& m, int e, double omega,
+                                                const Element& element, const Vec3& d) {
+    double change = 0, size = 0;
+    for (int j = 0; j < kStages; ++j) {
+        Vec3 delta, &Y = now_.stage[e * kStages + j];
+        for (int i = 0; i < 3; ++i) {
+            const double* r = &element.stages[(3 * j + i) * 4];
+            delta[i] = r[0] * d[0] + r[1] * d[1] + r[2] * d[2] + r[3];
+            Y[i] += delta[i];
+        }
+        const Node& k = m.nodes[e * kStages + j];
+        const double arm = std::sqrt(k.J / (robot_.n * robot_.m)) / k.J;  // L -> a speed, m/s
+        change =
+            std::max({change, std::fabs(delta[0]), std::fabs(delta[1]), arm * std::fabs(delta[2])});
+        size = std::max({size, std::fabs(Y[0]), std::fabs(Y[1]),
+                         arm * std::max(std::fabs(Y[2]), omega * std::fabs(k.K))});
+    }
+    return {change, size};
+}
+
 // One Newton step on all stages and the start. Returns the largest change, relative to the largest
 // speed; sets `half` to the transfer matrix of the whole mesh. NaN when a system is singular.
 double SteadyViscous::newton_step(const Mesh& m, double omega, Mat3& half) {
-    constexpr int s = kStages, N = 3 * s;
-    const Rule& rule = Rule::get();
-    // of each element: d(stages)/d(start of element) and the correction for a fixed start
-    std::vector<std::array<double, N * 4>> columns(m.elements);
-    std::vector<Mat3> jacobian(s);
-    std::vector<Vec3> f(s);
-    std::vector<Vec3> begin(m.elements);
-    std::array<double, N * N> A;
-    Mat3 P = identity3();  // d(y at the element's start)/d(start)
+    std::vector<Element> elements(m.elements);
+    Mat3 P = identity3();  // d(end)/d(start) of the mesh so far, and what it misses the end by
     Vec3 q{}, y = now_.start;
-    std::vector<std::pair<Mat3, Vec3>> before(m.elements);
     for (int e = 0; e < m.elements; ++e) {
-        const Node* nodes = &m.nodes[e * s];
-        const Vec3* Y = &now_.stage[e * s];
-        for (int j = 0; j < s; ++j) f[j] = derivative(nodes[j], Y[j], omega, jacobian[j]);
-        auto& rhs = columns[e];
-        for (int j = 0; j < s; ++j)
-            for (int i = 0; i < 3; ++i) {
-                double* row = &A[(3 * j + i) * N];
-                double residual = y[i] - Y[j][i];
-                for (int k = 0; k < s; ++k) {
-                    const double ha = m.h * rule.a[j * s + k];
-                    residual += ha * f[k][i];
-                    for (int c = 0; c < 3; ++c) row[3 * k + c] = -ha * jacobian[k][3 * i + c];
-                }
-                row[3 * j + i] += 1;
-                double* r = &rhs[(3 * j + i) * 4];
-                r[0] = i == 0, r[1] = i == 1, r[2] = i == 2, r[3] = residual;
-            }
-        if (!solve_dense<N, 4>(A.data(), rhs.data())) return NAN;
-        before[e] = {P, q};
-        Mat3 M = identity3();
-        Vec3 v = y, correction{};
-        for (int k = 0; k < s; ++k)
-            for (int i = 0; i < 3; ++i) {
-                v[i] += m.h * rule.b[k] * f[k][i];
-                for (int c = 0; c < 3; ++c) {
-                    const double g = m.h * rule.b[k] * jacobian[k][3 * i + c];
-                    for (int t = 0; t < 3; ++t) M[3 * i + t] += g * rhs[(3 * k + c) * 4 + t];
-                    correction[i] += g * rhs[(3 * k + c) * 4 + 3];
-                }
-            }
-        q = multiply(M, q);
-        for (int i = 0; i < 3; ++i) q[i] += correction[i];
-        P = multiply(M, P);
-        y = v;
+        Element& element = elements[e];
+        if (!eliminate(m, e, omega, y, element)) return NAN;
+        q = multiply(element.transfer, q);
+        for (int i = 0; i < 3; ++i) q[i] += element.correction[i];
+        P = multiply(element.transfer, P);
     }
     // closing: S (start + d) = y + P d + q  (S = 1 without the mirror)
     Mat3 C;
@@ -146,28 +168,14 @@ double SteadyViscous::newton_step(const Mesh& m, double omega, Mat3& half) {
     }
     half = P;
     if (!solve_dense<3, 1>(C.data(), d.data())) return NAN;
-    double change = 0, size = 0;
-    const auto note = [&](const Vec3& delta, const Vec3& value, const Node& k) {
-        const double arm = std::sqrt(k.J / (robot_.n * robot_.m)) / k.J;  // L -> a speed, m/s
-        change =
-            std::max({change, std::fabs(delta[0]), std::fabs(delta[1]), arm * std::fabs(delta[2])});
-        size = std::max({size, std::fabs(value[0]), std::fabs(value[1]),
-                         arm * std::max(std::fabs(value[2]), omega * std::fabs(k.K))});
-    };
-    for (int e = 0; e < m.elements; ++e) {
-        Vec3 de = multiply(before[e].first, d);
-        for (int i = 0; i < 3; ++i) de[i] += before[e].second[i];
-        for (int j = 0; j < s; ++j) {
-            Vec3 delta, &Y = now_.stage[e * s + j];
-            for (int i = 0; i < 3; ++i) {
-                const double* r = &columns[e][(3 * j + i) * 4];
-                delta[i] = r[0] * de[0] + r[1] * de[1] + r[2] * de[2] + r[3];
-                Y[i] += delta[i];
-            }
-            note(delta, Y, m.nodes[e * s + j]);
-        }
-    }
     for (int i = 0; i < 3; ++i) now_.start[i] += d[i];
+    double change = 0, size = 0;
+    for (int e = 0; e < m.elements; ++e) {
+        const auto [moved, value] = update(m, e, omega, elements[e], d);
+        change = std::max(change, moved), size = std::max(size, value);
+        d = multiply(elements[e].transfer, d);
+        for (int i = 0; i < 3; ++i) d[i] += elements[e].correction[i];
+    }
     return size > 0 ? change / size : 0;
 }
 

@@ -10,7 +10,9 @@
 // stages element by element, and the product of the transfer matrices is the monodromy matrix.
 #pragma once
 
+#include <array>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "gauss.hpp"
@@ -49,10 +51,21 @@ class SteadyViscous {
         std::vector<Vec3> stage;
     };
 
+    // A linearised element: its stages as functions of its start (three columns, then what they
+    // are off by, a row a component), and the same of its end.
+    struct Element {
+        std::array<double, 3 * kStages * 4> stages;
+        Mat3 transfer;
+        Vec3 correction;
+    };
+
     const Mesh& mesh(int elements);
     Node node(double tau) const;
     void guess(const Mesh& mesh, double omega);
     bool newton(const Mesh& mesh, double omega, SteadyState& result);
+    bool eliminate(const Mesh& mesh, int e, double omega, Vec3& y, Element& out) const;
+    std::pair<double, double> update(const Mesh& mesh, int e, double omega, const Element& element,
+                                     const Vec3& d);
     double newton_step(const Mesh& mesh, double omega, Mat3& half);
     Vec3 derivative(const Node& node, const Vec3& y, double omega, Mat3& jacobian) const;
     void averages(const Mesh& mesh, double omega, SteadyState& result) const;

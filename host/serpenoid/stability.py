@@ -125,6 +125,6 @@ def check_step(scene: Scene) -> None:
     )
     raise StepTooLarge(
         f"dt_s is {scene.dt_s:g}; method {scene.method} is stable up to {limit:.3g} s for this "
-        f"robot and ground{springs}. A longer step may look sound and be wrong by metres: take dt_s "
+        f"robot and ground{springs}. A longer step may look sound and be metres off: take dt_s "
         f"{0.5 * limit:.1g} or less, or formulation 'explicit', which has no springs"
     )
