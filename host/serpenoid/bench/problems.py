@@ -1,0 +1,121 @@
+"""The scenes of the benchmark, and the one number by which all solutions are judged."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dynamics import LinkState
+from ..model import Gait, Ground, Robot
+from ..scene import Scene
+from ..simulation import start_state
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Name a scene of the benchmark: what is solved, for how long, from which start."""
+
+    name: str
+    title: str
+    robot: Robot
+    ground: Ground
+    gait: Gait
+    duration_s: float
+    stiffness_n_m: float = 0.0  # 0: the explicit formulation
+    damping_n_s_m: float = 0.0
+
+    @property
+    def implicit(self) -> bool:
+        """Tell which formulation is solved."""
+        return self.stiffness_n_m > 0
+
+    def scene(self, **changes: object) -> Scene:
+        """Return the scene from the common start; the fields given replace the problem's own."""
+        fields = {
+            "formulation": "implicit" if self.implicit else "explicit",
+            "duration_s": self.duration_s,
+            **changes,
+        }
+        if self.implicit:
+            fields.setdefault("joint_stiffness_n_m", self.stiffness_n_m)
+            fields.setdefault("joint_damping_n_s_m", self.damping_n_s_m)
+        return Scene(self.robot, self.ground, self.gait, **fields)  # type: ignore[arg-type]
+
+    @cached_property
+    def start(self) -> LinkState:
+        """Return the state from which every contender starts (consistent: no ringing)."""
+        method = "nonsmooth" if self.ground.dry else "rk4"
+        return start_state(self.scene(method=method))
+
+    @property
+    def first(self) -> Array:
+        """Return the start as the peers' state vector (numba_equations)."""
+        s = self.start
+        if self.implicit:
+            tail = [s.theta_rad[0], s.omega_rad_s[0]]
+            return np.concatenate([s.x_m, s.y_m, s.vx_m_s, s.vy_m_s, tail])
+        rows = (s.x_m, s.y_m, s.theta_rad, s.vx_m_s, s.vy_m_s, s.omega_rad_s)
+        return np.array([row[0] for row in rows])
+
+    def vector(self, state: LinkState) -> Array:
+        """Return a link state as the peers' state vector."""
+        if self.implicit:
+            tail = [state.theta_rad[0], state.omega_rad_s[0]]
+            return np.concatenate([state.x_m, state.y_m, state.vx_m_s, state.vy_m_s, tail])
+        rows = (state.x_m, state.y_m, state.theta_rad, state.vx_m_s, state.vy_m_s)
+        return np.array([*(row[0] for row in rows), state.omega_rad_s[0]])
+
+    @property
+    def scale(self) -> Array:
+        """Return what counts as 1 in each entry: body length, radian, and these times omega."""
+        body, w = self.robot.links * self.robot.link_length_m, self.gait.omega_rad_s
+        if not self.implicit:
+            return np.array([body, body, 1, body * w, body * w, w])
+        n = self.robot.links
+        return np.concatenate([np.full(2 * n, body), np.full(2 * n, body * w), [1, w]])
+
+    def error(self, end: Array, exact: Array) -> float:
+        """Return the largest scaled difference of two end states."""
+        return float(np.max(np.abs(end - exact) / self.scale))
+
+
+def _gait(alpha_deg: float, beta_deg: float, omega_rad_s: float) -> Gait:
+    return Gait(math.radians(alpha_deg), math.radians(beta_deg), omega_rad_s)
+
+
+PAPER_GROUND = Ground(ct=0.1, cn=10.0)
+ROBOT_2005 = Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+GROUND_2005 = Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+
+
+def _paper(links: int) -> Robot:
+    return Robot(links=links, link_mass_kg=1.0, link_length_m=0.12)
+
+
+def problems() -> tuple[Problem, ...]:
+    """Return every problem, in the order of the figure."""
+    three, six = _gait(30, 90, 3), _gait(30, 80, 5)
+    fifty = Gait(math.radians(30), 4 * math.pi / 49, 5.0)  # two waves along the body
+    return (
+        Problem("paper3", "3 links, exact model", _paper(3), PAPER_GROUND, three, 10.0),
+        Problem("paper3_k1e3", "3 links, springs k = 1e3, c = 1", _paper(3), PAPER_GROUND, three,
+                10.0, 1e3, 1.0),
+        Problem("paper6", "6 links, exact model", _paper(6), PAPER_GROUND, six, 10.0),
+        Problem("paper6_k1e3", "6 links, springs k = 1e3, c = 1", _paper(6), PAPER_GROUND, six,
+                10.0, 1e3, 1.0),
+        Problem("robot2005", "2005 robot, Bingham friction, exact model", ROBOT_2005, GROUND_2005,
+                _gait(70, 75, 5), 5.0),
+        Problem("stiff_k1e7_c1", "6 links, stiff: k = 1e7, c = 1", _paper(6), PAPER_GROUND, six,
+                1.0, 1e7, 1.0),
+        Problem("stiff_k1e7_c1e3", "6 links, stiff: k = 1e7, c = 1e3", _paper(6), PAPER_GROUND,
+                six, 1.0, 1e7, 1e3),
+        Problem("n50", "50 links, exact model", _paper(50), PAPER_GROUND, fifty, 5.0),
+        Problem("n50_k1e5", "50 links, springs k = 1e5, c = 10", _paper(50), PAPER_GROUND, fifty,
+                1.0, 1e5, 10.0),
+    )  # fmt: skip
