@@ -1,4 +1,4 @@
-"""Error against run time on the viscous scenes: this package beside SciPy and hand-written Numba."""
+"""Error against run time on the viscous scenes: this package beside SciPy and Numba kernels."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import csv
 import statistics
 import time
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -70,7 +71,8 @@ def reference(problem: Problem) -> Array:
 def measure(problem: Problem, rounds: int) -> list[dict[str, object]]:
     """Time every contender in interleaved rounds; failures are rows with their reason."""
     exact, rows, alive = reference(problem), [], []
-    for name, setting, work in [*_own(problem), *_peers(problem)]:
+    peers = _peers(problem) if find_spec("numba") else ()
+    for name, setting, work in [*_own(problem), *peers]:
         row: dict[str, object] = dict(zip(COLUMNS, (problem.name, name, setting, "", "", ""),
                                           strict=True))  # fmt: skip
         rows.append(row)
