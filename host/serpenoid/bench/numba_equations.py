@@ -16,7 +16,8 @@ from scipy.integrate._ivp import dop853_coefficients as dop853
 from .problems import Array, Problem
 
 _JIT = {"cache": True, "error_model": "numpy", "nogil": True}
-N, M, L, INERTIA, CT, CN, FT0, FN0, WIDTH, ALPHA, OMEGA, OFFSET, K, C, HEAD = range(15)  # indices in `parameters`
+# places in `parameters`
+N, M, L, INERTIA, CT, CN, FT0, FN0, WIDTH, ALPHA, OMEGA, OFFSET, K, C, HEAD = range(15)
 
 
 def parameters(problem: Problem, width_m_s: float = 0.0) -> Array:
@@ -42,7 +43,7 @@ def _sign(v, width):
 @njit(**_JIT)
 def explicit_rate(t, y, p, dy):
     """Fill dy of the exact model: three unknowns by sums over the links."""
-    n, m, l, inertia, w = int(p[N]), p[M], p[L], p[INERTIA], p[OMEGA]
+    n, m, half, inertia, w = int(p[N]), p[M], p[L], p[INERTIA], p[OMEGA]
     dry = p[FT0] > 0 or p[FN0] > 0
     st, ct = math.sin(w * t), math.cos(w * t)
     th, om, turn, vx, vy = y[2], y[5], 0.0, y[3], y[4]
@@ -57,12 +58,12 @@ def explicit_rate(t, y, p, dy):
             om += w * cosine
             turn -= w * w * sine
             c, s = math.cos(th), math.sin(th)
-            rx += l * (c0 + c)
-            ry += l * (s0 + s)
-            vx -= l * (om0 * s0 + om * s)
-            vy += l * (om0 * c0 + om * c)
-            bx -= l * (turn0 * s0 + om0 * om0 * c0 + turn * s + om * om * c)
-            by += l * (turn0 * c0 - om0 * om0 * s0 + turn * c - om * om * s)
+            rx += half * (c0 + c)
+            ry += half * (s0 + s)
+            vx -= half * (om0 * s0 + om * s)
+            vy += half * (om0 * c0 + om * c)
+            bx -= half * (turn0 * s0 + om0 * om0 * c0 + turn * s + om * om * c)
+            by += half * (turn0 * c0 - om0 * om0 * s0 + turn * c - om * om * s)
         vt, vn = c * vx + s * vy, c * vy - s * vx
         ft, fn = -p[CT] * vt, -p[CN] * vn
         if dry:
@@ -88,7 +89,7 @@ def explicit_rate(t, y, p, dy):
 @njit(**_JIT)
 def implicit_rate(t, y, p, dy):
     """Fill dy of the model with springs and dampers in the joints (Eqs. 51-56)."""
-    n, m, l, inertia, w = int(p[N]), p[M], p[L], p[INERTIA], p[OMEGA]
+    n, m, half, inertia, w = int(p[N]), p[M], p[L], p[INERTIA], p[OMEGA]
     dry = p[FT0] > 0 or p[FN0] > 0
     st, ct = math.sin(w * t), math.cos(w * t)
     th, om, turn = y[4 * n], y[4 * n + 1], 0.0
@@ -109,11 +110,12 @@ def implicit_rate(t, y, p, dy):
             fn -= p[FN0] * _sign(vn, p[WIDTH])
         ax, ay = (ft * c - fn * s) / m, (ft * s + fn * c) / m
         if i > 0:
-            gap_x, gap_y = y[i] - y[i - 1] - l * (c + c0), y[n + i] - y[n + i - 1] - l * (s + s0)
-            rate_x = vx - y[2 * n + i - 1] + l * (om * s + om0 * s0)
-            rate_y = vy - y[3 * n + i - 1] - l * (om * c + om0 * c0)
+            gap_x = y[i] - y[i - 1] - half * (c + c0)
+            gap_y = y[n + i] - y[n + i - 1] - half * (s + s0)
+            rate_x = vx - y[2 * n + i - 1] + half * (om * s + om0 * s0)
+            rate_y = vy - y[3 * n + i - 1] - half * (om * c + om0 * c0)
             fx, fy = p[K] * gap_x + p[C] * rate_x, p[K] * gap_y + p[C] * rate_y
-            couple += l * (fy * (c + c0) - fx * (s + s0))
+            couple += half * (fy * (c + c0) - fx * (s + s0))
             dy[2 * n + i - 1] += fx / m
             dy[3 * n + i - 1] += fy / m
             ax -= fx / m
