@@ -112,11 +112,12 @@ TorqueFunction torque_of(nb::object f, int n) {
 }
 
 nb::dict run(const Model& m, bool implicit, nb::object torque, bool nonsmooth, double k, double c,
-             double smoothing, double dt, long steps, long every, bool record_joints,
-             Vector start) {
+             double smoothing, double dt, double duration, long steps, long every,
+             bool record_joints, Vector start) {
     RunRequest q = request(m, implicit, !torque.is_none(), k, c, smoothing);
     q.method = nonsmooth ? Method::nonsmooth : Method::rk4;
-    q.dt = dt, q.steps = steps, q.every = every, q.record_joints = record_joints;
+    q.dt = dt, q.duration = duration, q.steps = steps, q.every = every,
+    q.record_joints = record_joints;
     q.start.assign(start.data(), start.data() + start.shape(0));
     if (!torque.is_none()) q.torque = torque_of(torque, m.robot.n);
     RunResult r;
@@ -178,6 +179,6 @@ NB_MODULE(_core, m) {
     m.def("steady_row", &steady_row);
     m.def("evaluate", &evaluate_links);
     m.def("run", &run, nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg(),
-          nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg());
+          nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg());
     bind_firmware(m);
 }

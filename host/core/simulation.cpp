@@ -57,8 +57,9 @@ RunResult run(const RunRequest& q, System& system, Advance advance) {
     };
     note(0);
     for (long i = 0; i < q.steps; ++i) {
-        advance(static_cast<double>(i) * q.dt, q.dt, y);
-        const double t = static_cast<double>(i + 1) * q.dt;
+        const double from = static_cast<double>(i) * q.dt;
+        const double t = i + 1 == q.steps ? q.duration : from + q.dt;
+        advance(from, t - from, y);
         const bool due = (i + 1) % q.every == 0 || i + 1 == q.steps;
         if ((due || i % 64 == 0) && !finite(y)) {
             out.failed_at = t;
@@ -137,7 +138,8 @@ RunResult run_dry(const RunRequest& q) {
     note(0);
     for (long i = 0; i < q.steps; i += q.every) {
         const long to = std::min(i + q.every, q.steps);
-        const double t0 = static_cast<double>(i) * q.dt, t1 = static_cast<double>(to) * q.dt;
+        const double t0 = static_cast<double>(i) * q.dt;
+        const double t1 = to == q.steps ? q.duration : static_cast<double>(to) * q.dt;
         if (!motion.advance(state, w * t0, w * t1, kTolerance)) {
             out.failed_at = t0;
             break;

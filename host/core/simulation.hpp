@@ -28,6 +28,7 @@ struct RunRequest {
     double smoothing = 0;  // m/s; above 0 the dry friction is smoothed, by name
     TorqueFunction torque;
     double dt = 1e-3;
+    double duration = 0;  // s; the last step is shorter where dt does not divide it
     long steps = 0;
     long every = 1;  // record each of so many steps
     bool record_joints = false;

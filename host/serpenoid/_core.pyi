@@ -40,6 +40,6 @@ def evaluate(
 ) -> dict[str, Array]: ...  # fmt: skip
 def run(
     model: Model, implicit: bool, torque: Callable[[float], Array] | None, nonsmooth: bool,
-    k: float, c: float, smoothing: float, dt: float, steps: int, every: int,
+    k: float, c: float, smoothing: float, dt: float, duration: float, steps: int, every: int,
     record_joints: bool, start: Array, /,
 ) -> dict[str, Any]: ...  # fmt: skip

@@ -139,7 +139,7 @@ def simulate(scene: Scene) -> Run:
     out = _core.run(
         core_model(scene.robot, scene.ground, scene.gait), scene.formulation == "implicit",
         _torque_function(scene), scene.method == "nonsmooth", scene.joint_stiffness_n_m,
-        scene.joint_damping_n_s_m, scene.smoothing_m_s, scene.dt_s, scene.steps,
+        scene.joint_damping_n_s_m, scene.smoothing_m_s, scene.dt_s, scene.duration_s, scene.steps,
         scene.record_every, "joints" in scene.record, start_state(scene).packed(),
     )  # fmt: skip
     if out["failed_at"] >= 0:

@@ -37,6 +37,17 @@ def test_rk4_has_order_four(formulation: str) -> None:
     assert orders == pytest.approx(4, abs=0.15)
 
 
+@pytest.mark.parametrize("method", ["rk4", "nonsmooth"])
+def test_a_run_ends_when_it_should(method: str) -> None:
+    """3 ms do not divide 0.1 s: the last step is shorter, and the end is that of a fine run."""
+    ground = VISCOUS if method == "rk4" else sn.Ground(0.1, 10.0, 0.01, 0.02)
+    common = {"method": method, "duration_s": 0.1, "record_every": 1000}
+    rough = sn.simulate(sn.Scene(THREE, ground, THREE_GAIT, dt_s=3e-3, **common))
+    fine = sn.simulate(sn.Scene(THREE, ground, THREE_GAIT, dt_s=1e-4, **common))
+    assert rough.t_s[-1] == fine.t_s[-1] == 0.1
+    assert rough.theta_rad[-1] == pytest.approx(fine.theta_rad[-1], abs=1e-8)
+
+
 def test_the_springs_error_falls_as_one_over_k() -> None:
     exact = sn.simulate(sn.Scene(THREE, VISCOUS, THREE_GAIT, duration_s=2.0))
     errors = []
@@ -169,7 +180,7 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
         out = _core.run(
             core_model(robot, scene.ground, still), True,
             (lambda _t: np.zeros(n - 1)) if drive == "torque" else None, False, 1e4, c, 0.0,
-            factor * limit, steps, steps, False, start.packed(),
+            factor * limit, factor * limit * steps, steps, steps, False, start.packed(),
         )  # fmt: skip
         last = np.abs(np.diff(out["x_m"][-1]) - robot.link_length_m).max()
         grown.append(last if out["failed_at"] < 0 else math.inf)
