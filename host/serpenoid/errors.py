@@ -25,6 +25,14 @@ class Diverged(SerpenoidError, ArithmeticError):
     """A run left the finite numbers; names the time, the cause and a step that works."""
 
 
+class RobotError(SerpenoidError):
+    """Something between the host and the board went wrong."""
+
+
+class DamagedLine(RobotError):
+    """A line from the board cannot be trusted; it is to be counted, never used."""
+
+
 def check_number(
     name: str,
     value: object,

@@ -1,0 +1,99 @@
+"""The host's reading of the wire, held to PROTOCOL.md's examples and the firmware's table."""
+
+import contextlib
+import math
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, seed
+from hypothesis import strategies as st
+from serpenoid.errors import BadInput, DamagedLine
+from serpenoid.robot import protocol
+from serpenoid.robot.error_table import ERRORS
+
+ROOT = Path(__file__).parents[3]
+FRAME = (
+    "t:1234 j1:10.00 j2:-3.25 j3:0.00 j4:7.50 j5:-10.00 us=24680124 ph=123.456"
+    " p=1600,1467,1500,1575,1400 ex=412 la=8 st=gait"
+)
+BODIES = [
+    FRAME,
+    "hello: serpenoid fw=0.1.0 protocol=1 board=uno boot=37 reset=power settings=ok",
+    "ok: #12",
+    "err: #12 range alpha=95 low=0 high=90 - CAUSE; CURE",
+]
+
+
+def sealed(body: str) -> bytes:
+    return f"{body} *{protocol.crc(body):04X}\n".encode()
+
+
+def test_crc_and_command_of_the_contract():
+    assert protocol.crc("123456789") == 0x29B1
+    assert protocol.seal("stop", 7) == b"#7 stop *1021\n"
+    assert protocol.seal("gait 30 80 5", 12) == b"#12 gait 30 80 5 *3C03\n"
+
+
+def test_table_is_the_firmwares():
+    header = (ROOT / "firmware/lib/protocol/error_codes.h").read_text().replace("\\\n", "")
+    row = r'X\(\w+, (\d+), "(\w+)",\s*"([^"]*)",\s*"([^"]*)"\)'
+    assert {w: (int(n), c, u) for n, w, c, u in re.findall(row, header)} == ERRORS
+    assert len(ERRORS) == 16
+
+
+def test_telemetry_in_si():
+    frame = protocol.parse(sealed(FRAME))
+    assert (frame.frame, frame.board_us, frame.exec_us, frame.late_us) == (1234, 24680124, 412, 8)
+    assert frame.setpoint_rad[1] == math.radians(-3.25)
+    assert frame.phase_rad == math.radians(123.456)
+    assert frame.pulse_us == (1600, 1467, 1500, 1575, 1400)
+    assert frame.state == "gait"
+
+
+def test_hello_and_verdicts():
+    hello = protocol.parse(sealed(BODIES[1]))
+    assert hello == protocol.Hello("0.1.0", 1, "uno", 37, "power", "ok")
+    assert protocol.parse(sealed("ok: #12 again")).again
+    refused = protocol.parse(sealed("err: #12 range again - the cause"))
+    assert (refused.error, refused.again, refused.number) == ("range", True, 12)
+    assert protocol.parse(sealed("ok: #!")).number is None
+    assert protocol.parse(sealed("state: gait why=command")) == protocol.Data(
+        "state", "gait why=command"
+    )
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_every_cut_and_every_flipped_bit_is_noticed(body):
+    line = sealed(body)[:-1]
+    for length in range(len(line)):
+        with pytest.raises(DamagedLine):
+            protocol.parse(line[:length])
+    for bit in range(8 * len(line)):
+        damaged = bytearray(line)
+        damaged[bit // 8] ^= 1 << bit % 8
+        with pytest.raises(DamagedLine):
+            protocol.parse(bytes(damaged))
+
+
+@seed(4)
+@given(st.binary(max_size=200))
+def test_noise_is_refused_by_name_or_understood(noise):
+    with contextlib.suppress(DamagedLine):
+        protocol.parse(noise)
+
+
+@seed(5)
+@given(st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=40))
+def test_well_sealed_nonsense_never_raises_anything_else(text):
+    for word in ("t:", "ok:", "err:", "hello:", "trim:", ""):
+        with contextlib.suppress(DamagedLine):
+            protocol.parse(sealed(word + text))
+
+
+@pytest.mark.parametrize(
+    ("command", "number"), [("stop", -1), ("stop", 65536), ("", 1), ("a\n", 1), ("x" * 80, 1)]
+)
+def test_bad_commands_never_reach_the_wire(command, number):
+    with pytest.raises(BadInput):
+        protocol.seal(command, number)
