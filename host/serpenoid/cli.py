@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from .bench.commands import BENCH_GROUP
 from .errors import BadInput, SerpenoidError
 
 if TYPE_CHECKING:
@@ -296,6 +297,9 @@ def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
 
         friction_lines(loaded, found, figure)
     show_json(found.to_dict()) if as_json else report.fit(found)
+
+
+cli.add_command(BENCH_GROUP)
 
 
 def main() -> None:

@@ -102,7 +102,7 @@ def run(out: Path, names: tuple[str, ...] = (), rounds: int = 5) -> list[dict[st
     rows = [row for problem in chosen for row in measure(problem, rounds)]
     out.mkdir(parents=True, exist_ok=True)
     with (out / "accuracy.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
+        writer: csv.DictWriter[str] = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
         writer.writerows(rows)
     return rows

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+from numba import njit  # pyright: ignore[reportMissingImports] (an optional extra)
 from scipy.integrate._ivp import dop853_coefficients as dop853
 
 from .problems import Array, Problem
