@@ -19,6 +19,7 @@ STARTS = ("link1_at_rest", "zero_momentum", "steady")
 GAPS = ("slow_manifold", "zero")
 RECORDS = ("joints",)
 MAX_STEPS = 10**10
+MAX_RECORDED_BYTES = 4_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +109,14 @@ class Scene:
             raise BadInput(
                 f"duration_s {self.duration_s:g} at dt_s {self.dt_s:g} is more than "
                 f"{MAX_STEPS:.0e} steps; take a larger step or a shorter run"
+            )
+        values = 6 + (3 if "joints" in self.record else 0)
+        size = 8 * values * self.robot.links * (self.steps / every + 2)
+        if size > MAX_RECORDED_BYTES:
+            raise BadInput(
+                f"recording would take {size / 1e9:.3g} GB, more than "
+                f"{MAX_RECORDED_BYTES / 1e9:g} GB; take record_every "
+                f"{math.ceil(every * size / MAX_RECORDED_BYTES)} or more"
             )
 
     def _check_drive(self) -> None:

@@ -194,6 +194,7 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
         ({"dt_s": 0.0}, "dt_s is 0.0"),
         ({"duration_s": math.inf}, "duration_s is inf"),
         ({"dt_s": 1e-12, "duration_s": 1e3}, "more than"),
+        ({"dt_s": 1e-6, "duration_s": 1e3}, "recording would take 144 GB"),
         ({"formulation": "both"}, "formulation is 'both'"),
         ({"drive": "torque"}, "give torque with drive"),
         ({"method": "euler"}, "method is 'euler'"),
