@@ -14,12 +14,28 @@ from .errors import BadInput, check_choice, check_number
 from .model import Gait, Ground, Robot
 
 DRIVES = ("angle", "torque")
-METHODS = ("rk4", "nonsmooth")
+LAWS = ("viscous", "smoothed", "dry")
 STARTS = ("link1_at_rest", "zero_momentum", "steady")
 GAPS = ("slow_manifold", "zero")
 RECORDS = ("joints",)
 MAX_STEPS = 10**10
 MAX_RECORDED_BYTES = 4_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class MethodKind:
+    """Say which scenes a method in time runs; `adaptive`: where it takes steps of its own."""
+
+    formulations: tuple[str, ...] = FORMULATIONS
+    adaptive: tuple[str, ...] = ()  # formulations; in the others steps of dt_s
+    drives: tuple[str, ...] = DRIVES
+    laws: tuple[str, ...] = LAWS
+
+
+METHODS = {
+    "rk4": MethodKind(),
+    "nonsmooth": MethodKind(adaptive=("explicit",), drives=("angle",), laws=("viscous", "dry")),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +104,7 @@ class Scene:
     def __post_init__(self) -> None:
         check_choice("formulation", self.formulation, FORMULATIONS)
         check_choice("drive", self.drive, DRIVES)
-        check_choice("method", self.method, METHODS)
+        check_choice("method", self.method, tuple(METHODS))
         check_choice("gap", self.gap, GAPS)
         for name in self.record:
             check_choice("record", name, RECORDS)
@@ -125,14 +141,21 @@ class Scene:
                 f"drive is {self.drive!r} and torque is {self.torque!r}; give torque with drive "
                 "'torque' and only then"
             )
-        if self.method == "nonsmooth" and self.drive == "torque":
-            raise BadInput("method 'nonsmooth' runs with drive 'angle'; take method 'rk4'")
-        if self.method == "nonsmooth" and self.smoothing_m_s > 0:
-            raise BadInput("method 'nonsmooth' smooths nothing; leave smoothing_m_s at 0")
+        self._check_method()
         joints = self.robot.links - 1
         if isinstance(self.torque, TorqueTable) and self.torque.torque_nm.shape[1] != joints:
             columns = self.torque.torque_nm.shape[1]
             raise BadInput(f"the torque table has {columns} columns; the robot has {joints} joints")
+
+    def _check_method(self) -> None:
+        for name in ("formulation", "drive", "law"):
+            value, runs = getattr(self, name), f"{name}s"
+            if value not in getattr(METHODS[self.method], runs):
+                others = [repr(m) for m, kind in METHODS.items() if value in getattr(kind, runs)]
+                raise BadInput(
+                    f"method {self.method!r} does not run with {name} {value!r}; take method "
+                    f"{' or '.join(others)}"
+                )
 
     def _check_start(self) -> None:
         if not isinstance(self.start, LinkState):
@@ -141,6 +164,13 @@ class Scene:
             raise BadInput(f"start has {self.start.links} links, the robot has {self.robot.links}")
         if self.start == "steady" and self.drive != "angle":
             raise BadInput("start 'steady' needs drive 'angle'; give a LinkState instead")
+
+    @property
+    def law(self) -> str:
+        """Return which friction law the ground makes of the links' speeds, one of LAWS."""
+        if self.smoothing_m_s > 0:
+            return "smoothed"
+        return "dry" if self.ground.dry else "viscous"
 
     @property
     def steps(self) -> int:

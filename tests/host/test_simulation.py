@@ -197,6 +197,8 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
         ({"dt_s": 1e-6, "duration_s": 1e3}, "recording would take 144 GB"),
         ({"formulation": "both"}, "formulation is 'both'"),
         ({"drive": "torque"}, "give torque with drive"),
+        ({"drive": "torque", "torque": [0.0] * 2, "method": "nonsmooth"}, "take method 'rk4'"),
+        ({"smoothing_m_s": 1e-3, "method": "nonsmooth"}, "law 'smoothed'"),
         ({"method": "euler"}, "method is 'euler'"),
         ({"record": ("energy",)}, "record is 'energy'"),
         ({"record_every": 0}, "record_every is 0"),
