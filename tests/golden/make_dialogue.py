@@ -1,0 +1,202 @@
+"""Write dialogue.txt: one conversation of host and board, byte for byte, as PROTOCOL.md has it.
+
+The answers are written by hand here; only numbers, CRCs and the texts of errors are filled in.
+`say` is a person's line, `ask N` a host's, `raw` bytes without a line end; what follows an answer's
+colon is what PROTOCOL.md promises. In dialogue.txt: `>` bytes to the board, `<` a line from it,
+`~` seconds that pass; \\n, \\xHH are single bytes.
+"""
+
+from __future__ import annotations
+
+import re
+from binascii import crc_hqx
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+PAGE = (HERE.parents[1] / "firmware" / "PROTOCOL.md").read_text()
+ERRORS = {
+    word: f"{cause}; {cure}"
+    for word, cause, cure in re.findall(r"^\| `(\w+)` \| \d+ \| (.*?) \| (.*?) \|$", PAGE, re.M)
+}
+HELLO = "hello: serpenoid fw=0.1.0 protocol=1 board=virtual boot=0 reset=power settings=new"
+
+SCRIPT = f"""
+# The board starts.
+{HELLO}
+
+# A person types: neither number nor CRC.
+say ping
+ok: #-
+say hello
+{HELLO}
+ok: #-
+say load
+err: #- empty
+say pose bent 95
+err: #- range j1=95 low=-90 high=90
+
+# A host opens a session; from now on every line needs both.
+ask 100 hello
+{HELLO}
+ok: #100
+say ping
+err: #? nocrc
+seal idle
+err: #? sequence
+say #101 ping *0000
+err: #? crc
+ask 101 ping
+ok: #101
+
+# A repeated line, two lost ones, a late one.
+ask 101 ping
+ok: #101 again
+ask 104 ping
+ok: #104
+ask 90 ping
+err: #90 sequence
+
+# Damage.
+say #105 p\\x02ng
+err: #? garbled
+say #105 {"a" * 76}
+err: #? overlong
+raw #105 pi
+wait 0.2
+err: #? garbled
+
+# Whole lines that cannot be obeyed.
+ask 105 dance
+err: #105 command
+ask 106 gait 30
+err: #106 arguments
+ask 107 gait 30 80 fast
+err: #107 number
+ask 108 set colour 3
+err: #108 name
+ask 109 gait 95 0 1
+err: #109 range alpha=95 low=0 high=90
+ask 109 gait 95 0 1
+err: #109 range again
+ask 110 gait 60 80 5 40
+err: #110 range j1=100 low=-90 high=90
+ask 111 gait 90 80 20
+err: #111 speed value=1800 high=500
+
+# Settings and trims; a save, in which nothing may start.
+ask 112 set silence 1.5
+ok: #112
+ask 113 set
+set: angle_ramp value=60 low=1 high=360 unit=deg/s
+set: rate_ramp value=5 low=0.1 high=100 unit=rad/s2
+set: pose_speed value=45 low=1 high=360 unit=deg/s
+set: servo_speed value=500 low=10 high=1000 unit=deg/s
+set: silence value=1.5 low=0.1 high=600 unit=s
+set: every value=1 low=0 high=1000 unit=frames
+ok: #113
+ask 114 trim 3 centre 1512
+ok: #114
+ask 115 trim
+trim: #1 centre=1500 scale=573 dir=1 low=-90 high=90
+trim: #2 centre=1500 scale=573 dir=1 low=-90 high=90
+trim: #3 centre=1512 scale=573 dir=1 low=-90 high=90
+trim: #4 centre=1500 scale=573 dir=1 low=-90 high=90
+trim: #5 centre=1500 scale=573 dir=1 low=-90 high=90
+ok: #115
+ask 116 save
+ask 117 gait 30 80 5
+err: #117 saving
+ok: #116
+
+# Motion.
+ask 118 pose bent 20
+state: pose why=command
+ok: #118
+ask 119 save
+err: #119 motion
+wait 2
+ask 120 trim 1 dir -1
+err: #120 attached
+t:400 j1:20.00 j2:-20.00 j3:20.00 j4:-20.00 j5:20.00 us=8000000 ph=0.000\
+ p=1700,1300,1712,1300,1700 ex=0 la=0 st=pose
+ask 121 gait 30 80 5
+state: gait why=command
+ok: #121
+raw !
+wait 0.05
+state: hold why=key
+ok: #!
+ask 121 gait 30 80 5
+ok: #121 again
+ask 122 gait 30.5 -80.25 0.5 -5
+state: gait why=command
+ok: #122
+say stop
+state: hold why=command
+ok: #-
+ask 123 pose 1 -2 3.5 0 10
+state: pose why=command
+ok: #123
+ask 124 idle
+state: idle why=command
+ok: #124
+ask 125 load
+ok: #125
+ask 126 defaults
+ok: #126
+
+# The host falls silent.
+ask 127 gait 30 80 5
+state: gait why=command
+ok: #127
+state: safing why=silence
+state: safe why=arrived
+ask 128 pose straight
+state: pose why=command
+ok: #128
+ask 129 stop
+state: hold why=command
+ok: #129
+
+# The count of all that, and good-bye.
+ask 130 status
+counters: good=35 crc=1 nocrc=1 garbled=2 overlong=1 sequence=1 lost=2 repeated=4 dropped=0 rxfull=0
+ok: #130
+ask 131 bye
+ok: #131
+say ping
+ok: #-
+"""
+
+
+def sealed(body: str) -> str:
+    """Return the body with its CRC."""
+    return f"{body} *{crc_hqx(body.encode(), 0xFFFF):04X}"
+
+
+def answer(body: str) -> str:
+    """Return a line of the board; an error gets its cause and cure from PROTOCOL.md's table."""
+    if body.startswith("err: "):
+        body += f" - {ERRORS[body.split()[2]]}"
+    return sealed(body)
+
+
+def step(line: str) -> str:
+    """Return the line of dialogue.txt for one line of the script."""
+    word, _, rest = line.partition(" ")
+    if word in ("", "#"):
+        return line
+    written = {
+        "say": lambda: f"> {rest}\\n",
+        "seal": lambda: f"> {sealed(rest)}\\n",
+        "ask": lambda: f"> {sealed('#' + rest)}\\n",
+        "raw": lambda: f"> {rest}",
+        "wait": lambda: f"~ {rest}",
+    }
+    return written[word]() if word in written else f"< {answer(line)}"
+
+
+if __name__ == "__main__":
+    rule = "# `>` to the board, `<` from it, `~` seconds; \\n, \\xHH bytes. By make_dialogue.py."
+    lines = [rule, *map(step, SCRIPT.splitlines())]
+    (HERE / "dialogue.txt").write_text("\n".join(lines) + "\n")

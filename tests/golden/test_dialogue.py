@@ -1,0 +1,94 @@
+"""One conversation: the board in the package, the real ELF and the host's reading agree on it."""
+
+from __future__ import annotations
+
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from golden import dialogue
+from serpenoid._core import firmware
+from serpenoid.robot import protocol
+from serpenoid.robot.error_table import ERRORS
+
+
+def test_the_file_is_what_its_script_writes(tmp_path: Path) -> None:
+    script = tmp_path / "tests" / "golden" / "make_dialogue.py"
+    script.parent.mkdir(parents=True)
+    script.write_text(dialogue.PATH.with_name("make_dialogue.py").read_text())
+    page = dialogue.PATH.parents[2] / "firmware" / "PROTOCOL.md"
+    (tmp_path / "firmware").mkdir()
+    (tmp_path / "firmware" / "PROTOCOL.md").write_text(page.read_text())
+    subprocess.run([sys.executable, script], check=True)
+    assert script.with_name("dialogue.txt").read_text() == dialogue.PATH.read_text()
+
+
+def test_the_controller_says_it_byte_for_byte() -> None:
+    board = firmware.Board()
+    board.boot()
+    said = dialogue.play(board.write, board.run, board.read, timed=True)
+    assert said == sum(mark == "<" for mark, _ in dialogue.steps())
+
+
+@pytest.mark.avr
+def test_the_elf_says_it_byte_for_byte(start) -> None:
+    board = start("uno")
+    taken = 0
+
+    def take() -> bytes:
+        nonlocal taken
+        new, taken = board.lines[taken:], len(board.lines)
+        return "".join(f"{line.text}\n" for line in new).encode()
+
+    def as_uno(line: bytes) -> bytes:
+        body = line.rpartition(b" *")[0].replace(b"board=virtual", b"board=uno")
+        return body + f" *{protocol.crc(body.decode()):04X}".encode()
+
+    said = dialogue.play(board.send, board.run, take, timed=False, renamed=as_uno)
+    assert said == sum(mark == "<" and text[:2] != b"t:" for mark, text in dialogue.steps())
+
+
+def test_the_host_seals_the_same_bytes() -> None:
+    numbered = re.compile(rb"#(\d+) (.*) \*(?!0000)[0-9A-F]{4}\n")
+    lines = [found for mark, text in dialogue.steps() if (found := numbered.fullmatch(text))]
+    assert len(lines) > 30
+    for found in lines:
+        assert protocol.seal(found[2].decode(), int(found[1])) == found[0]
+
+
+def spoken(message: protocol.Message) -> str:
+    """Return the line of the board that a message was read from."""
+    match message:
+        case protocol.Hello():
+            return (
+                f"hello: serpenoid fw={message.firmware} protocol={message.protocol} board="
+                f"{message.board} boot={message.boot} reset={message.reset} "
+                f"settings={message.settings}"
+            )
+        case protocol.Verdict():
+            head = "ok" if message.accepted else "err"
+            words = [f"{head}: #{message.mark}", message.error, "again" * message.again]
+            return " ".join(word for word in [*words, message.detail] if word)
+        case protocol.Telemetry():
+            joints = enumerate(map(math.degrees, message.setpoint_rad), 1)
+            return (
+                f"t:{message.frame} {' '.join(f'j{j}:{angle:.2f}' for j, angle in joints)} "
+                f"us={message.board_us} ph={math.degrees(message.phase_rad):.3f} "
+                f"p={','.join(map(str, message.pulse_us))} ex={message.exec_us} "
+                f"la={message.late_us} st={message.state}"
+            )
+        case protocol.Data():
+            return f"{message.word}: {message.text}"
+
+
+def test_the_host_understands_every_word() -> None:
+    heard = [protocol.parse(text) for mark, text in dialogue.steps() if mark == "<"]
+    lines = [protocol.unseal(text) for mark, text in dialogue.steps() if mark == "<"]
+    assert [spoken(message) for message in heard] == lines
+    verdicts = [message for message in heard if isinstance(message, protocol.Verdict)]
+    assert {type(message) for message in heard} == set(protocol.Message.__args__)
+    # An EEPROM that does not keep what is written is not to be had on a simulated board.
+    assert {v.error for v in verdicts if v.error} == set(ERRORS) - {"eeprom"}
