@@ -1,3 +1,9 @@
-"""What all tests share: the fixtures of the simulated board."""
+"""What all tests share: the boards, simulated and real."""
 
-pytest_plugins = ["avr.fixtures"]
+import pytest
+
+pytest_plugins = ["avr.fixtures", "robot.boards"]
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--port", help="also test on the robot at this port; it will move")

@@ -33,6 +33,53 @@ class DamagedLine(RobotError):
     """A line from the board cannot be trusted; it is to be counted, never used."""
 
 
+class PortMissing(RobotError):
+    """There is no such port, it is no serial port, or the board on it cannot be picked out."""
+
+
+class PortBusy(RobotError):
+    """The port is there, but another program has it or this user may not open it."""
+
+
+class NoAnswer(RobotError):
+    """The port opened, but no board with this firmware greeted in time."""
+
+
+class ProtocolMismatch(RobotError):
+    """The board speaks another version of the protocol; it must be flashed."""
+
+
+class RobotLost(RobotError):
+    """The wire to the board broke while it was in use: unplugged, hung, or silent."""
+
+
+class RobotReset(RobotError):
+    """The board started again in mid-run: it forgot its motion and stands idle."""
+
+
+class RobotClosed(RobotError):
+    """The robot was used outside its `with` block."""
+
+
+class RobotUnattended(RobotError):
+    """The motion was ended because the program gave no sign of life for too long."""
+
+
+class RecordingFailed(RobotError):
+    """The recording cannot go on or cannot be read; what was written before is whole."""
+
+
+class CommandRefused(RobotError):
+    """The board answered a command with `err:`; nothing changed on it.
+
+    word: which error of firmware/PROTOCOL.md's table, such as "range" or "motion".
+    """
+
+    def __init__(self, message: str, word: str):
+        super().__init__(message)
+        self.word = word
+
+
 def check_number(
     name: str,
     value: object,

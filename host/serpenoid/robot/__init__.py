@@ -1,1 +1,5 @@
 """The host's end of the wire to the board; see firmware/PROTOCOL.md."""
+
+from .robot import Robot
+
+__all__ = ["Robot"]

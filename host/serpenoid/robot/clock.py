@@ -1,0 +1,123 @@
+"""How fast the board's clock runs against the host's, from frames that arrive late by chance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+FRAME_US = 20_000
+TOLERANCE_PPM = 5000.0  # of a Uno's ceramic resonator, before anything is measured
+BLOCK_S = 0.25
+MOST_BLOCKS = 64
+FEWEST_BLOCKS = 6
+STEP_US = 4.0  # of the board's micros()
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How much faster than the host's the board's clock runs, in parts per million, and its s.d.
+
+    span_s: host seconds from which it was found. Until there are enough, it is what the data
+    sheet says of the resonator: 0 +- 5000 ppm. The host's own clock is good to some 50 ppm
+    alone and to a few when it follows a time server; that is not in sd_ppm.
+    """
+
+    ppm: float
+    sd_ppm: float
+    span_s: float
+
+    def true_rate(self, rate: float) -> tuple[float, float]:
+        """Return what a rate per second of the board is per second of the host, and its s.d."""
+        return rate * (1 + self.ppm * 1e-6), abs(rate) * self.sd_ppm * 1e-6
+
+
+@dataclass(frozen=True)
+class _Arrival:
+    board_s: float
+    host_s: float
+
+
+class BoardClock:
+    """Follow the board's clock through its frames, in bounded memory.
+
+    A frame arrives at host = t0 + board / rate + delay, where the delay (wire, USB, a busy host)
+    has a sharp lower edge and a long tail. So of each block of time only the frame with the
+    least delay counts, and a straight line through those gives the rate; the scatter about it
+    gives the s.d. When there are 64 blocks, neighbours are merged and blocks become twice as
+    long. Which frame of a block is picked rests on the rate found so far; a wrong rate costs
+    some precision only, as every frame obeys the equation above.
+    """
+
+    def __init__(self) -> None:
+        self._blocks: list[_Arrival] = []
+        self._block_s = BLOCK_S
+        self._best: _Arrival | None = None
+        self._block_end_s = -math.inf
+        self._frame = self._us = 0
+        self._board_us: int | None = None
+
+    def unwrap(self, frame: int, board_us: int) -> int:
+        """Return the board's time in us since 0, however often its 32 bits wrapped.
+
+        frame counts 20 ms each on the same clock, so any gap is bridged; a frame's lateness is
+        far below half the 71.6 minutes of a wrap.
+        """
+        if self._board_us is None:
+            self._board_us = board_us
+        else:
+            expected = (frame - self._frame) * FRAME_US
+            rest = (board_us - self._us - expected + 2**31) % 2**32 - 2**31
+            self._board_us += expected + rest
+        self._frame, self._us = frame, board_us
+        return self._board_us
+
+    def add(self, host_s: float, frame: int, board_us: int) -> None:
+        """Take in a frame that arrived at host_s on the host's clock."""
+        now = _Arrival(self.unwrap(frame, board_us) * 1e-6, host_s)
+        if host_s >= self._block_end_s:
+            self._close_block()
+            self._block_end_s = host_s + self._block_s
+        if self._best is None or self._delay(now) < self._delay(self._best):
+            self._best = now
+
+    def drift(self) -> Drift:
+        """Return the drift found so far."""
+        blocks = self._blocks
+        if len(blocks) < FEWEST_BLOCKS:
+            return Drift(0.0, TOLERANCE_PPM, 0.0)
+        slope, sd = _line(blocks)
+        span_s = blocks[-1].host_s - blocks[0].host_s
+        return Drift((1 / slope - 1) * 1e6, sd * 1e6, span_s)
+
+    def _delay(self, a: _Arrival) -> float:
+        return a.host_s - a.board_s / (1 + self.drift_ratio)
+
+    @property
+    def drift_ratio(self) -> float:
+        """Return the drift as a plain ratio, 0 until measured."""
+        return self.drift().ppm * 1e-6
+
+    def _close_block(self) -> None:
+        if self._best is not None:
+            self._blocks.append(self._best)
+        self._best = None
+        if len(self._blocks) == MOST_BLOCKS:
+            pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
+            self._blocks = [min(pair, key=self._delay) for pair in pairs]
+            self._block_s *= 2
+
+
+def _line(arrivals: list[_Arrival]) -> tuple[float, float]:
+    """Fit host against board by least squares: slope, and its s.d. from the scatter.
+
+    The scatter is taken as no smaller than a step of micros(), evenly spread.
+    """
+    n = len(arrivals)
+    mean_b = sum(a.board_s for a in arrivals) / n
+    mean_h = sum(a.host_s for a in arrivals) / n
+    x = [a.board_s - mean_b for a in arrivals]
+    y = [a.host_s - mean_h for a in arrivals]
+    xx = sum(v * v for v in x)
+    slope = sum(v * w for v, w in zip(x, y, strict=True)) / xx
+    scatter = sum((w - slope * v) ** 2 for v, w in zip(x, y, strict=True)) / (n - 2)
+    return slope, math.sqrt(max(scatter, (STEP_US * 1e-6) ** 2 / 12) / xx)

@@ -1,0 +1,114 @@
+"""Name who or what keeps a serial port from being opened, as far as Linux tells, and the cure."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+PROC = Path("/proc")
+USB = Path("/sys/bus/usb/devices")
+BRLTTY = (
+    "brltty, the driver for Braille displays, takes boards with a CH340 for one of them: "
+    "remove it with `sudo apt remove brltty` unless you need it, then plug the board in again"
+)
+MODEM_MANAGER = (
+    "ModemManager asks every new port whether it is a modem: wait half a minute, or end it "
+    "with `sudo systemctl stop ModemManager`"
+)
+
+
+@dataclass(frozen=True)
+class Holder:
+    """A program that has the port open."""
+
+    pid: int
+    name: str
+
+
+def who_holds(port: str) -> list[Holder]:
+    """List the programs that have a port open; of other users' programs only root sees that."""
+    try:
+        device = os.stat(port)
+    except OSError:
+        return []
+    if not device.st_rdev:
+        return []
+    return [
+        Holder(pid, _name(pid)) for pid in _pids() if any(n == device.st_rdev for n in _open(pid))
+    ]
+
+
+def running(name: str) -> bool:
+    """Tell whether a program of that name runs here."""
+    return any(_name(pid) == name for pid in _pids())
+
+
+def why_held(port: str, holders: list[Holder]) -> str:
+    """Say who has the port and how to get it back."""
+    if not holders:
+        suspects = [cure for name, cure in _CURES.items() if running(name)]
+        advice = suspects[0] if suspects else "close serial monitors, plotters and other scripts"
+        return f"{port} is taken by a program that this user may not see; {advice}"
+    who = ", ".join(f"{h.name} (process {h.pid})" for h in holders)
+    cures = [_CURES[h.name] for h in holders if h.name in _CURES]
+    if holders[0].pid == os.getpid():
+        cures = ["this very program has it open: leave its other `with Robot` first"]
+    return f"{port} is in use by {who}; {cures[0] if cures else 'close it there first'}"
+
+
+def why_forbidden(port: str) -> str:
+    """Say which group may open the port and how to join it."""
+    group = "dialout"
+    with suppress(ImportError, OSError, KeyError):
+        import grp
+
+        group = grp.getgrgid(os.stat(port).st_gid).gr_name
+    return (
+        f"this user may not open {port}, which belongs to the group {group}: "
+        f"`sudo usermod -aG {group} $USER`, then log out and in again"
+    )
+
+
+def why_no_port() -> str:
+    """Say why a board that is plugged in may have no port."""
+    if running("brltty"):
+        return BRLTTY[0].upper() + BRLTTY[1:]
+    if _ch340_plugged_in():
+        return (
+            "A CH340 is plugged in but has no port: its driver ch341 is missing, or brltty took it"
+        )
+    return "Plug the board in (with a cable that carries data), or name its port"
+
+
+_CURES = {"brltty": BRLTTY, "ModemManager": MODEM_MANAGER}
+
+
+def _pids() -> list[int]:
+    with suppress(OSError):
+        return sorted(int(p) for p in os.listdir(PROC) if p.isdigit())
+    return []
+
+
+def _name(pid: int) -> str:
+    with suppress(OSError):
+        return (PROC / str(pid) / "comm").read_text().strip()
+    return "a program"
+
+
+def _open(pid: int) -> list[int]:
+    folder, found = PROC / str(pid) / "fd", []
+    with suppress(OSError):
+        for fd in os.listdir(folder):
+            with suppress(OSError):
+                found.append(os.stat(folder / fd).st_rdev)
+    return found
+
+
+def _ch340_plugged_in() -> bool:
+    for vendor in USB.glob("*/idVendor"):
+        with suppress(OSError):
+            if vendor.read_text().strip() == "1a86":
+                return True
+    return False

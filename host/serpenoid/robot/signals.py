@@ -1,0 +1,60 @@
+"""Ctrl-C, SIGTERM and SIGHUP while a robot is in use: it is stopped before anything else."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable
+from types import FrameType
+
+_WATCHED = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
+
+
+class SignalGuard:
+    """Call `stop` at once on a signal, then let it do what it did before.
+
+    SIGTERM and SIGHUP, which would kill, raise SystemExit instead, so that `with` blocks are
+    left in order. A signal that is ignored stays ignored. While `held` is set, signals are kept
+    for restore(), so that an impatient second Ctrl-C cannot cut the stopping short. Outside the
+    main thread Python allows no handlers, and this does nothing.
+    """
+
+    def __init__(self, stop: Callable[[], None]):
+        self._stop = stop
+        self._before: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
+        self._kept: int | None = None
+        self.held = False
+
+    def install(self) -> None:
+        """Take over the signals."""
+        if threading.current_thread() is not threading.main_thread():
+            return
+        for number in _WATCHED:
+            before = signal.getsignal(number)
+            if before in (signal.SIG_IGN, None):  # None: not Python's to give back
+                continue
+            self._before[number] = before
+            signal.signal(number, self._on_signal)
+
+    def restore(self) -> None:
+        """Give the signals back, and send the one that was kept."""
+        for number, before in self._before.items():
+            signal.signal(number, before)
+        self._before.clear()
+        if self._kept is not None:
+            kept, self._kept = self._kept, None
+            os.kill(os.getpid(), kept)
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self._stop()
+        if self.held:
+            self._kept = number
+            return
+        before = self._before.get(number)
+        if callable(before):
+            before(number, frame)
+        else:
+            raise SystemExit(128 + number)
