@@ -314,7 +314,7 @@ TEST_CASE("missed frames are counted and the phase keeps to the clock") {
     CHECK(b.board.controller().motion().phase() == steady.board.controller().motion().phase());
 }
 
-TEST_CASE("telemetry is thinned, and output that does not fit is dropped, not waited for") {
+TEST_CASE("telemetry is thinned") {
     Bench b;
     b.type("set every 10");
     b.frames.clear();
@@ -324,6 +324,33 @@ TEST_CASE("telemetry is thinned, and output that does not fit is dropped, not wa
     b.frames.clear();
     b.run(1);
     CHECK(b.frames.empty());
+}
+
+TEST_CASE("output that does not fit is dropped whole and counted; motion does not wait for it") {
+    Bench b, quiet;
+    for (Bench* bench : {&b, &quiet}) {
+        bench->type("set silence off");
+        bench->type("gait 30 80 5", 1);
+        bench->frames.clear();
+    }
+    const uint32_t first = b.board.controller().frame_number();
+    std::string damaged;
+    for (int k = 0; k < 10; ++k) damaged += "ping *0000\n";
+    for (int k = 0; k < 20; ++k) b.raw(damaged, 0.05);  // its long verdicts keep the buffer full
+    quiet.run(1);
+    b.run(0.1);
+    quiet.run(0.1);
+    const uint32_t passed = b.board.controller().frame_number() - first;
+    CHECK(b.counters().dropped > 0);
+    CHECK(b.frames.size() + b.counters().dropped == passed);
+    CHECK(quiet.counters().dropped == 0);
+    CHECK(quiet.frames.size() == passed);
+    CHECK(b.counters().overruns == 0);
+    for (uint8_t i = 0; i < kJoints; ++i) CHECK(b.angle_deg(i) == quiet.angle_deg(i));
+    b.lines.clear();
+    b.type("status", 0.1);
+    CHECK(b.lines.at(1).find(" dropped=" + std::to_string(b.counters().dropped)) !=
+          std::string::npos);
 }
 
 TEST_CASE("garbled, overlong and unfinished lines are told and counted") {
