@@ -52,6 +52,7 @@ class BoardClock:
         self._blocks: list[_Arrival] = []
         self._block_s = BLOCK_S
         self._best: _Arrival | None = None
+        self._rate = 1.0  # board seconds in one of the host's, as far as known
         self._block_end_s = -math.inf
         self._frame = self._us = 0
         self._board_us: int | None = None
@@ -90,17 +91,13 @@ class BoardClock:
         return Drift((1 / slope - 1) * 1e6, sd * 1e6, span_s)
 
     def _delay(self, a: _Arrival) -> float:
-        return a.host_s - a.board_s / (1 + self.drift_ratio)
-
-    @property
-    def drift_ratio(self) -> float:
-        """Return the drift as a plain ratio, 0 until measured."""
-        return self.drift().ppm * 1e-6
+        return a.host_s - a.board_s / self._rate
 
     def _close_block(self) -> None:
         if self._best is not None:
             self._blocks.append(self._best)
         self._best = None
+        self._rate = 1 + self.drift().ppm * 1e-6
         if len(self._blocks) == MOST_BLOCKS:
             pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
             self._blocks = [min(pair, key=self._delay) for pair in pairs]

@@ -22,8 +22,9 @@ from ..errors import (
     check_number,
 )
 from .clock import Drift
-from .dialogue import Answer, Dialogue, Losses
+from .dialogue import Answer, Dialogue, Farewell
 from .error_table import ERRORS
+from .inbox import Losses
 from .link import BAUD, open_link
 from .protocol import PROTOCOL, Data, Hello, Telemetry, Verdict
 from .record import Recorder
@@ -93,14 +94,14 @@ class Robot:
     @property
     def hello(self) -> Hello:
         """Return the board's greeting: firmware, board, boot id, cause of its last reset."""
-        hello = self._dialogue.hello
+        hello = self._dialogue.inbox.hello
         assert hello is not None  # or opening had failed
         return hello
 
     @property
     def clock(self) -> Drift:
         """Return how fast the board's clock runs against the host's, so far, with its s.d."""
-        return self._dialogue.clock.drift()
+        return self._dialogue.inbox.clock.drift()
 
     @property
     def losses(self) -> Losses:
@@ -110,7 +111,7 @@ class Robot:
     @property
     def latest(self) -> Telemetry | None:
         """Return the last frame that came, None before the first."""
-        return self._dialogue.latest
+        return self._dialogue.inbox.latest
 
     def true_rate_rad_s(self, omega_rad_s: float) -> tuple[float, float]:
         """Return the rate in host seconds of a gait commanded at omega, and its s.d."""
@@ -122,7 +123,7 @@ class Robot:
         Sent again, under the same number, until the verdict comes; raises RobotLost if none
         does, BadInput if the board could not read such a line. A refusal is a verdict too.
         """
-        answer = self._dialogue.command(text)
+        answer = self._command(text)
         return answer.verdict, answer.data
 
     def gait(self, gait: Gait) -> None:
@@ -159,13 +160,12 @@ class Robot:
     def settings(self) -> dict[str, float]:
         """Return the board's settings by name, in the units of PROTOCOL.md."""
         found = self._asked("set", settings_of)
-        self._dialogue.every = int(found["every"])
+        self._dialogue.inbox.every = int(found["every"])
         return found
 
     def set(self, name: str, value: float) -> None:
         """Change a setting, in the unit of PROTOCOL.md; save() makes it outlive the power."""
         self._obeyed(f"set {_word(name)} {_digits(value)}")
-        self.settings()
 
     def trims(self) -> tuple[Trim, ...]:
         """Return the five servos' trims, tail first."""
@@ -182,12 +182,10 @@ class Robot:
     def load(self) -> None:
         """Take settings and trims from the board's EEPROM; it must be idle."""
         self._obeyed("load")
-        self.settings()
 
     def defaults(self) -> None:
         """Take settings and trims from the firmware; the EEPROM stays. It must be idle."""
         self._obeyed("defaults")
-        self.settings()
 
     def status(self) -> Status:
         """Return the board's state and counters."""
@@ -217,16 +215,21 @@ class Robot:
         return self._talk
 
     def _obeyed(self, text: str) -> None:
-        _accept(text, self._dialogue.command(text))
+        _accept(text, self._command(text))
+
+    def _command(self, text: str) -> Answer:
+        answer = self._dialogue.command(text)
+        if self._dialogue.inbox.every is None:  # this command may have changed it
+            self.settings()
+        return answer
 
     def _asked(self, text: str, read: Callable[[list[Data]], T]) -> T:
         """Ask until every line of the answer came whole; verdicts are repeated, data are not."""
-        for attempt in range(ATTEMPTS):
+        for _ in range(ATTEMPTS):
             answer = self._dialogue.command(text)
             _accept(text, answer)
-            if answer.complete or attempt == ATTEMPTS - 1:
-                with suppress(DamagedLine):
-                    return read(answer.data)
+            with suppress(DamagedLine):
+                return read(answer.data)
         raise DamagedLine(f"{ATTEMPTS} answers to {text!r} came damaged; check cable and ground")
 
     def _halt(self) -> None:
@@ -251,7 +254,7 @@ class Robot:
         """Wait for the greeting, which most boards give when opened, and ask for it."""
         link = talk.link
         end_s = link.now_s() + self._timeout_s
-        talk.wait(lambda: talk.heard, min(end_s, link.now_s() + BOOT_S))
+        talk.wait(lambda: _heard(talk), link.now_s() + min(BOOT_S, self._timeout_s / 2))
         while link.now_s() < end_s:
             _check_protocol(talk, port)
             if talk.open_session(min(ASK_S, end_s - link.now_s())):
@@ -261,16 +264,16 @@ class Robot:
 
     def _leave(self, error: BaseException | None) -> None:
         self._signals.held = True
-        talk, stopped = self._talk, True
+        talk, farewell = self._talk, None
         try:
             if talk is not None:
-                stopped = talk.leave()
+                farewell = talk.leave()
                 talk.link.close()
             self._end_recording(error)
         finally:
             self._signals.restore()
-        if talk is not None:
-            _tell(talk, stopped, error)
+        if talk is not None and farewell is not None:
+            _tell(talk, farewell, error)
 
     def _end_recording(self, error: BaseException | None) -> None:
         why = error or (self._talk.failure if self._talk else None)
@@ -280,11 +283,11 @@ class Robot:
                 self._recorder.close("closed" if why is None else text)
 
 
-def _tell(talk: Dialogue, stopped: bool, error: BaseException | None) -> None:
+def _tell(talk: Dialogue, farewell: Farewell, error: BaseException | None) -> None:
     """Raise what went wrong unseen, unless another error is on its way already."""
-    if error is None and (unseen := talk.unseen()):
-        raise unseen
-    if not stopped and (error is None or error is not talk.failure):
+    if error is None and farewell.unseen:
+        raise farewell.unseen
+    if not farewell.stopped and error is not talk.failure:
         warnings.warn(
             f"the board on {talk.link.name} did not confirm the stop: it stops by itself within "
             "its silence time, if that is not off; otherwise cut its power",
@@ -293,9 +296,14 @@ def _tell(talk: Dialogue, stopped: bool, error: BaseException | None) -> None:
         )
 
 
+def _heard(talk: Dialogue) -> bool:
+    return talk.inbox.heard or b"hello: " in talk.inbox.foreign
+
+
 def _check_protocol(talk: Dialogue, port: str) -> None:
-    found = talk.hello.protocol if talk.hello else None
-    if found is None and (said := re.search(rb"hello: serpenoid.* protocol=(\d+)", talk.foreign)):
+    hello, foreign = talk.inbox.hello, talk.inbox.foreign
+    found = hello.protocol if hello else None
+    if not hello and (said := re.search(rb"hello: serpenoid.* protocol=(\d+)", foreign)):
         found = int(said[1])
     if found is not None and found != PROTOCOL:
         raise ProtocolMismatch(
@@ -306,12 +314,12 @@ def _check_protocol(talk: Dialogue, port: str) -> None:
 
 def _no_answer(talk: Dialogue, port: str, timeout_s: float) -> NoAnswer:
     flash = FLASH.format(port=port)
-    if talk.heard:
+    if talk.inbox.heard:
         what = "lines came, but no greeting for ours: another program may write to it too"
-    elif talk.foreign:
+    elif talk.inbox.foreign:
         what = (
-            f"what came is not of this firmware at {BAUD} baud, such as {talk.foreign[:40]!r}; "
-            f"if this is the robot, flash it: {flash}"
+            f"what came is not of this firmware at {BAUD} baud, such as "
+            f"{talk.inbox.foreign[:40]!r}; if this is the robot, flash it: {flash}"
         )
     else:
         what = f"nothing came; is this the robot's port, and is it flashed? {flash}"

@@ -18,7 +18,9 @@ def test_a_run_from_opening_to_stop(any_port):
         assert robot.settings()["silence"] == 2.0
         robot.gait(GAIT)
         frames = list(robot.frames(1.0))
-        assert len(frames) == pytest.approx(50, abs=5)
+        assert 25 <= len(frames) <= 75  # a loaded machine lets a simulated board lag and catch up
+        numbers = [f.frame for f in frames]
+        assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
         assert {f.state for f in frames} == {"gait"}
         with pytest.raises(CommandRefused, match="low=0 high=90") as refused:
             robot.gait(Gait(2.0, 0.0, 1.0))

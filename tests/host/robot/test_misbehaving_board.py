@@ -1,0 +1,245 @@
+"""A board that is silent, old, torn, late, twice or gone: every run ends well or by name."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import random
+import re
+import time
+
+import pytest
+from robot.fake_board import FakeBoard, honest, sealed
+from serpenoid import Gait
+from serpenoid.errors import (
+    NoAnswer,
+    ProtocolMismatch,
+    RobotError,
+    RobotLost,
+    RobotReset,
+)
+from serpenoid.robot import Robot, dialogue
+
+GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
+
+
+def nothing(_: bytes) -> bytes:
+    return b""
+
+
+def without(*words: str):
+    """Return a tamper that loses the lines which start with one of the words."""
+    return lambda line: b"" if line.startswith(tuple(w.encode() for w in words)) else line
+
+
+def test_a_silent_board():
+    with (
+        FakeBoard(nothing) as fake,
+        pytest.raises(NoAnswer, match=r"nothing came.*flash"),
+        Robot(fake.port, timeout_s=0.4),
+    ):
+        pass
+    assert b"#0 hello" in fake.received
+
+
+def test_a_wrong_baud_rate():
+    noise = random.Random(1)
+    with (
+        FakeBoard(lambda line: noise.randbytes(len(line))) as fake,
+        pytest.raises(NoAnswer, match="not of this firmware at 250000 baud"),
+        Robot(fake.port, timeout_s=0.4),
+    ):
+        pass
+
+
+@pytest.mark.parametrize(
+    "greeting",
+    [
+        sealed("hello: serpenoid fw=0.0.9 protocol=0 board=uno boot=3 reset=power settings=ok"),
+        sealed("hello: serpenoid fw=9.0.0 protocol=0 name=snake"),
+        b"hello: serpenoid fw=0.0.1 protocol=0\n",
+    ],
+)
+def test_another_protocol_is_refused_with_both_numbers_and_the_cure(greeting):
+    with (
+        FakeBoard(lambda line: greeting if line.startswith(b"hello") else b"") as fake,
+        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 1.*serpenoid flash --port"),
+        Robot(fake.port, timeout_s=1.0),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("tamper", [honest, without("hello:")], ids=["greets", "greeting lost"])
+def test_a_reset_in_mid_run_ends_it_and_keeps_the_recording(tmp_path, tamper):
+    record = tmp_path / "run.txt"
+    with (
+        FakeBoard() as fake,
+        pytest.raises(RobotReset, match=r"boot 1, now 2.*brownout|went back"),
+        Robot(fake.port, record=record) as robot,
+    ):
+        robot.gait(GAIT)
+        for number, _ in enumerate(robot.frames(5.0)):
+            if number == 20:
+                fake.to_host = tamper
+                fake.reset("brownout")
+    text = record.read_text()
+    assert text.count(" < t:") > 20
+    assert "# end: RobotReset" in text
+
+
+def test_a_late_second_greeting_of_the_same_start_is_no_reset():
+    with FakeBoard(lambda line: line * 2 if line.startswith(b"hello") else line) as fake:
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            list(robot.frames(0.2))
+
+
+@pytest.mark.parametrize(
+    "tamper",
+    [
+        without("ok:", "err:"),
+        lambda line: sealed("ok: #999") if line.startswith(b"ok:") else line,
+        lambda line: sealed("err: #? crc") if line.startswith(b"ok:") else line,
+    ],
+    ids=["none", "for another number", "always damaged"],
+)
+def test_a_verdict_that_never_comes(tamper, monkeypatch):
+    monkeypatch.setattr(dialogue, "PATIENCE_S", 0.5)
+    with FakeBoard() as fake:
+        with pytest.raises(RobotLost, match="no verdict for 'pose straight'"):
+            with Robot(fake.port) as robot:
+                robot.gait(GAIT)
+                fake.to_host = tamper
+                robot.straight()
+        assert fake.await_state("hold")
+        assert 3 <= fake.received.count(b"pose straight") < 50
+
+
+def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
+    seen: set[bytes] = set()
+
+    def lose_the_first(line: bytes) -> bytes:
+        first = line not in seen and line.startswith(b"#") and not line.startswith(b"#0 ")
+        seen.add(line)
+        return b"" if first else line
+
+    with FakeBoard(to_board=lose_the_first) as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        robot.trims()
+        counters = fake.board.counters
+        assert (counters["lost"], counters["repeated"], robot.losses.resent) == (0, 0, 3)
+
+
+def test_a_lost_verdict_is_repeated_and_its_command_obeyed_once():
+    lost = itertools.cycle([True, False])
+
+    def lose_every_other(line: bytes) -> bytes:
+        return b"" if line.startswith(b"ok: #") and next(lost) else line
+
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        fake.to_host = lose_every_other
+        robot.gait(GAIT)
+        fake.to_host = honest
+        assert fake.board.counters["repeated"] == 1
+
+
+def test_data_lines_that_come_damaged_are_asked_for_again():
+    spoil = itertools.chain([True] * 3, itertools.repeat(False))
+
+    def spoil_three(line: bytes) -> bytes:
+        hit = line.startswith(b"trim:") and next(spoil)
+        return line.replace(b"scale", b"scald") if hit else line
+
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        fake.to_host = spoil_three
+        assert [t.joint for t in robot.trims()] == [1, 2, 3, 4, 5]
+        assert robot.losses.damaged_lines == 3
+
+
+def test_half_and_doubled_frames_are_counted_and_never_used():
+    which = itertools.count()
+
+    def spoil(line: bytes) -> bytes:
+        if not line.startswith(b"t:"):
+            return line
+        kind = next(which) % 10
+        return {3: line[: len(line) // 2] + b"\n", 5: line * 2, 7: b""}.get(kind, line)
+
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        fake.to_host = spoil
+        frames = list(robot.frames(1.0))
+        fake.to_host = honest
+        time.sleep(0.1)
+        losses = robot.losses
+    numbers = [f.frame for f in frames]
+    assert numbers == sorted(set(numbers))
+    spoiled = next(which) // 10
+    assert losses.damaged_lines == pytest.approx(spoiled, abs=1)
+    assert losses.repeated_frames == pytest.approx(spoiled, abs=1)
+    assert losses.missed_frames == pytest.approx(2 * spoiled, abs=2)
+
+
+@pytest.mark.parametrize("flood", [b"x" * 4000, sealed("ok: #!") * 200, b"\n" * 4000])
+def test_a_flood_drowns_nothing(flood):
+    def pour(line: bytes) -> bytes:
+        return line + flood if line.startswith(b"t:") else line
+
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        fake.to_host = pour
+        robot.gait(GAIT)
+        assert fake.state == "gait"
+        time.sleep(0.3)
+        robot.stop()
+        assert fake.state == "hold"
+
+
+@pytest.mark.parametrize(
+    "moment", ["hello:", "hello", "set", "gait", "frames", "pose", "status", "save", "bye"]
+)
+def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment):
+    def watch(line: bytes) -> bytes:
+        if re.match(rf"(#\d+ )?{moment}\W".encode(), line):
+            fake.unplug()
+            return b""
+        return line
+
+    def run() -> None:
+        with Robot(fake.port, timeout_s=2.0) as robot:
+            robot.gait(GAIT)
+            for _ in robot.frames(0.1):
+                if moment == "frames":
+                    fake.unplug()
+            robot.pose([0.0, 0.1, 0.0, 0.1, 0.0])
+            robot.status()
+            robot.stop()
+            robot.save()
+
+    begun_s = time.monotonic()
+    with FakeBoard() as fake:
+        fake.to_board = watch
+        fake.to_host = watch if moment == "hello:" else honest
+        if moment == "bye":  # the stop was confirmed: nothing is amiss
+            run()
+        else:
+            with pytest.raises(RobotLost, match=r"went away.*cable"):
+                run()
+    assert time.monotonic() - begun_s < 5.0
+
+
+def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
+    with FakeBoard() as fake, pytest.warns(RuntimeWarning, match="did not confirm the stop"):
+        with pytest.raises(ZeroDivisionError):
+            with Robot(fake.port) as robot:
+                robot.gait(GAIT)
+                fake.unplug()
+                time.sleep(0.1)
+                raise ZeroDivisionError
+
+
+def test_a_loss_that_no_call_met_is_told_on_leaving():
+    with FakeBoard() as fake, pytest.raises(RobotError, match="went away"):
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            fake.unplug()
+            time.sleep(0.2)
