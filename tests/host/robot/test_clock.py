@@ -1,0 +1,56 @@
+"""The board's clock from late frames: true drift within its s.d., wraps and gaps undone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from serpenoid.robot.clock import TOLERANCE_PPM, BoardClock
+
+
+def arrivals(rng: np.random.Generator, ppm: float, duration_s: float):
+    """Yield (host_s, frame, us): frames on time, lines late by wire, USB and a busy host."""
+    frames = np.arange(int(duration_s / 0.02))
+    delay_s = 0.005 + rng.exponential(0.001, frames.size) + rng.uniform(0, 0.004, frames.size)
+    busy = rng.random(frames.size) < 0.05
+    delay_s += busy * rng.exponential(0.05, frames.size)
+    host_s = 1e5 + np.maximum.accumulate(frames * 0.02 / (1 + ppm * 1e-6) + delay_s)
+    late_us = 4 * rng.integers(0, 3, frames.size)
+    yield from zip(host_s, frames, (frames * 20_000 + late_us) % 2**32, strict=True)
+
+
+def followed(seed: int, ppm: float, duration_s: float):
+    clock = BoardClock()
+    for host_s, frame, us in arrivals(np.random.default_rng(seed), ppm, duration_s):
+        clock.add(float(host_s), int(frame), int(us))
+    return clock.drift()
+
+
+@pytest.mark.parametrize("duration_s", [4.0, 60.0])
+def test_true_drift_lies_within_its_stated_deviation(duration_s):
+    ppms = np.random.default_rng(0).uniform(-5000, 5000, 60)
+    found = [followed(seed, ppm, duration_s) for seed, ppm in enumerate(ppms)]
+    pulls = np.array([(d.ppm - ppm) / d.sd_ppm for d, ppm in zip(found, ppms, strict=True)])
+    # Of 60 normal pulls, 95 % lie within 2; fewer than 50 happen by chance once in 10^4.
+    assert np.sum(np.abs(pulls) < 2) >= 50
+    assert 0.5 < np.sqrt(np.mean(pulls**2)) < 1.6
+
+
+def test_ten_minutes_find_a_resonators_drift_to_a_few_ppm():
+    drift = followed(1, 3000.0, 600.0)
+    assert drift.ppm == pytest.approx(3000.0, abs=5 * drift.sd_ppm)
+    assert drift.sd_ppm < 3.0
+    assert drift.span_s == pytest.approx(600.0, rel=0.05)
+    rate, sd = drift.true_rate(5.0)
+    assert rate == pytest.approx(5.0 * 1.003, abs=5 * sd)
+
+
+def test_before_there_is_enough_it_is_the_data_sheets():
+    drift = followed(1, 3000.0, 1.0)
+    assert (drift.ppm, drift.sd_ppm) == (0.0, TOLERANCE_PPM)
+
+
+def test_wraps_and_gaps_longer_than_a_wrap_are_undone():
+    clock, start_us = BoardClock(), 2**32 - 50_000
+    for frame in [0, 1, 2, 3, 4, 400_000, 400_001, 2_000_000]:  # two hours, then nine
+        board_us = frame * 20_000 + 8
+        assert clock.unwrap(frame, (start_us + board_us) % 2**32) == start_us + board_us

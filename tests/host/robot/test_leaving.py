@@ -1,0 +1,133 @@
+"""However a run is left - exception, Ctrl-C, TERM, HUP, kill, neglect - the robot stops."""
+
+from __future__ import annotations
+
+import math
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from robot.fake_board import FakeBoard
+from serpenoid import Gait
+from serpenoid.errors import RobotUnattended
+from serpenoid.robot import Robot
+
+GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
+DRIVER = """
+import math, sys, time
+from serpenoid import Gait
+from serpenoid.robot import Robot
+with Robot(sys.argv[1]) as robot:
+    print("open", flush=True)
+    robot.gait(Gait(math.radians(30), math.radians(80), 5.0))
+    while True:
+        robot.straight()
+        robot.gait(Gait(math.radians(30), math.radians(80), 5.0))
+        time.sleep(0.02)
+"""
+
+
+def drive(port: str, program: str = DRIVER) -> subprocess.Popen[str]:
+    child = subprocess.Popen(
+        [sys.executable, "-c", program, port],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert child.stdout is not None
+    assert child.stdout.readline() == "open\n", child.stderr and child.stderr.read()
+    return child
+
+
+def test_an_exception_stops_the_robot_and_is_passed_on(any_port):
+    with pytest.raises(ZeroDivisionError), Robot(any_port) as robot:
+        robot.gait(GAIT)
+        assert next(robot.frames(1.0)).state == "gait"
+        talk = robot._dialogue
+        raise ZeroDivisionError
+    assert talk.inbox.pending.text == "bye"
+    assert talk.inbox.pending.verdict.accepted
+
+
+def test_a_stop_is_confirmed_before_bye():
+    with FakeBoard() as fake:
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+        assert fake.state == "hold"
+        assert not fake.board.session
+        tail = [line.split(b" *")[0].split(b" ")[-1] for line in fake.received.split(b"\n")]
+        assert [w for w in tail if w][-3:] == [b"!", b"stop", b"bye"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("case", range(2))
+def test_a_signal_at_any_moment_stops_the_robot(number, case):
+    moment = random.Random(f"{number}{case}")
+    with FakeBoard() as fake:
+        child = drive(fake.port)
+        time.sleep(moment.uniform(0.0, 0.4))
+        child.send_signal(number)
+        if case:  # an impatient second one must not cut the stopping short
+            time.sleep(moment.uniform(0.0, 0.01))
+            child.send_signal(number)
+        _, said = child.communicate(timeout=10)
+        assert fake.state in ("hold", "idle"), said
+        assert fake.received.count(b"\n!\n") >= 1
+        assert not fake.board.session or case
+    assert child.returncode in ((130, -2) if number == signal.SIGINT else (128 + number, -number))
+
+
+def test_handlers_are_given_back():
+    before = [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    with Robot("virtual:fast"):
+        assert signal.getsignal(signal.SIGTERM) != before[1]
+    assert [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)] == before
+
+
+def test_ctrl_c_that_the_program_catches_has_stopped_the_robot_before():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(1.0)
+        except KeyboardInterrupt:
+            assert fake.await_state("hold")
+
+
+def test_a_killed_program_leaves_the_robot_to_its_silence_timer():
+    program = DRIVER.replace("robot.gait", "robot.set('silence', 0.3); robot.gait", 1)
+    with FakeBoard() as fake:
+        child = drive(fake.port, program)
+        time.sleep(0.3)
+        child.kill()
+        child.communicate(timeout=10)
+        assert fake.await_state("safing", 2.0) or fake.state == "safe"
+
+
+def test_a_sleeping_program_keeps_its_robot_going_and_a_lost_one_does_not():
+    with FakeBoard() as fake, Robot(fake.port, unattended_s=1.5) as robot:
+        robot.set("silence", 0.6)
+        robot.gait(GAIT)
+        time.sleep(1.2)
+        assert fake.state == "gait"
+        robot.latest  # noqa: B018  # looking is not calling
+        assert fake.await_state("hold", 1.5)
+        with pytest.raises(RobotUnattended, match=r"1\.5 s.*was stopped.*unattended_s"):
+            robot.straight()
+        robot.straight()
+        assert fake.await_state("pose")
+
+
+def test_a_process_that_was_suspended_is_told_that_the_board_went_safe():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.set("silence", 0.2)
+        robot.gait(GAIT)
+        with robot._dialogue._talking:  # nobody can speak, as if the whole process slept
+            assert fake.await_state("safing", 2.0)
+        time.sleep(0.1)
+        with pytest.raises(RobotUnattended, match="safe pose"):
+            robot.status()

@@ -1,0 +1,145 @@
+"""Opening a port: taken by one program only, and when it cannot be had, who and what to do."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from robot.fake_board import FakeBoard
+from serial.tools import list_ports
+from serpenoid.errors import NoAnswer, PortBusy, PortMissing, RobotClosed
+from serpenoid.robot import Robot, culprit, link
+
+PACKAGE = Path(link.__file__).parent
+OPENING = "import sys; from serpenoid.robot import Robot\nwith Robot(sys.argv[1]): pass"
+
+
+def usb(device: str, vendor: int | None, description: str = "a port") -> SimpleNamespace:
+    return SimpleNamespace(device=device, description=description, vid=vendor, pid=0x43)
+
+
+@pytest.fixture
+def plugged_in(monkeypatch):
+    def plug(*ports: SimpleNamespace) -> None:
+        monkeypatch.setattr(list_ports, "comports", lambda: list(ports))
+
+    return plug
+
+
+@pytest.fixture
+def processes(monkeypatch, tmp_path):
+    """Replace /proc by one in which the programs named run and hold the files given."""
+    monkeypatch.setattr(culprit, "PROC", tmp_path)
+
+    def run(**holding: str) -> None:
+        for pid, (name, held) in enumerate(holding.items(), 100):
+            (tmp_path / str(pid) / "fd").mkdir(parents=True)
+            (tmp_path / str(pid) / "comm").write_text(name + "\n")
+            if held:
+                (tmp_path / str(pid) / "fd" / "3").symlink_to(held)
+
+    return run
+
+
+def test_two_programs_cannot_have_one_port_and_the_first_does_not_notice():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        boot = robot.hello.boot
+        with pytest.raises(PortBusy, match="this very program"), Robot(fake.port):
+            pass
+        other = subprocess.run(
+            [sys.executable, "-c", OPENING, fake.port],
+            capture_output=True, text=True, timeout=20, check=False,
+        )  # fmt: skip
+        assert f"PortBusy: {fake.port} is in use by " in other.stderr
+        assert f"(process {os.getpid()})" in other.stderr
+        assert robot.status().boot == boot
+
+
+def test_a_lock_is_respected_even_where_its_holder_cannot_be_seen(processes):
+    processes()
+    with FakeBoard() as fake, Robot(fake.port):
+        with pytest.raises(PortBusy, match=r"may not see; close serial monitors"):
+            link.SerialLink(fake.port)
+
+
+@pytest.mark.parametrize(
+    ("name", "cure"), [("brltty", "apt remove brltty"), ("ModemManager", "systemctl stop")]
+)
+def test_the_usual_culprits_are_named_with_their_cure(processes, name, cure):
+    with FakeBoard() as fake:
+        processes(**{name: fake.port})
+        with pytest.raises(PortBusy, match=rf"in use by {name} \(process 100\); .*{cure}"):
+            link.SerialLink(fake.port)
+
+
+def test_a_port_that_is_forbidden_names_the_group(tmp_path):
+    port = tmp_path / "tty"
+    port.touch()
+    error = link._refused(str(port), PermissionError(13, "Permission denied"))
+    assert isinstance(error, PortBusy)
+    assert f"usermod -aG {port.group()} " in str(error)
+
+
+def test_a_port_that_is_not_there_or_is_no_port(tmp_path, plugged_in):
+    plugged_in(usb("/dev/ttyACM3", 0x2341))
+    with pytest.raises(PortMissing, match=r"no port /dev/none; serial ports here: /dev/ttyACM3"):
+        link.open_link("/dev/none")
+    (tmp_path / "file").touch()
+    with pytest.raises(PortMissing, match="cannot be used as a serial port"):
+        link.open_link(str(tmp_path / "file"))
+
+
+@pytest.mark.parametrize("vendor", [0x2341, 0x2A03, 0x1A86, 0x0403])
+def test_the_one_board_is_found_by_its_usb_id(plugged_in, vendor):
+    plugged_in(usb("/dev/ttyS0", None), usb("/dev/ttyUSB7", vendor), usb("/dev/ttyUSB1", 0x1234))
+    assert link.find_port() == "/dev/ttyUSB7"
+
+
+def test_several_boards_or_none_are_listed(plugged_in, processes):
+    plugged_in(usb("/dev/ttyACM0", 0x2341, "Uno"), usb("/dev/ttyUSB0", 0x1A86, "Nano"))
+    with pytest.raises(PortMissing, match=r"2 ports.*ttyACM0 \(Arduino, Uno\).*ttyUSB0"):
+        link.find_port()
+    plugged_in(usb("/dev/ttyS0", None))
+    processes(brltty="")
+    with pytest.raises(PortMissing, match=r"here: /dev/ttyS0\. Brltty.*plug the board in again"):
+        link.find_port()
+
+
+def test_the_port_is_given_back_when_opening_fails():
+    with FakeBoard(lambda _: b"") as fake:
+        for _ in range(2):
+            with pytest.raises(NoAnswer, match="no greeting"), Robot(fake.port, timeout_s=0.2):
+                pass
+
+
+def test_a_robot_is_used_inside_its_block_only_and_once():
+    robot = Robot("virtual:fast")
+    with pytest.raises(RobotClosed, match="with Robot"):
+        robot.straight()
+    with robot:
+        robot.straight()
+    for use in (robot.straight, robot.__enter__):
+        with pytest.raises(RobotClosed):
+            use()
+
+
+def test_only_the_link_imports_pyserial_and_only_when_used():
+    for path in PACKAGE.glob("*.py"):
+        found = {
+            alias.name.split(".")[0]
+            for node in ast.walk(ast.parse(path.read_text()))
+            if isinstance(node, ast.Import)
+            for alias in node.names
+        } | {
+            node.module.split(".")[0]
+            for node in ast.walk(ast.parse(path.read_text()))
+            if isinstance(node, ast.ImportFrom) and node.module and not node.level
+        }
+        assert "serial" not in found or path.name == "link.py"
+    heavy = "import sys, serpenoid.robot; print({'serial', 'numpy'} & set(sys.modules))"
+    assert subprocess.check_output([sys.executable, "-c", heavy], text=True) == "set()\n"
