@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import sys
@@ -15,9 +14,11 @@ import click
 
 from .bench.commands import BENCH_GROUP
 from .errors import BadInput, SerpenoidError
+from .options import AS_JSON, describe, gait_options, make_gait, show_json
+from .robot.commands import COMMANDS as ROBOT_COMMANDS
 
 if TYPE_CHECKING:
-    from .model import Gait, Ground, Robot
+    from .model import Ground, Robot
 
 T = TypeVar("T")
 
@@ -26,7 +27,6 @@ PRESETS = {
     "paper": (1.0, 0.12, 0.1, 10.0, 0.0, 0.0),
     "2005": (0.0756, 0.076, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6),
 }
-AS_JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON.")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -56,20 +56,6 @@ def robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-def gait_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that fix a gait."""
-    options = [
-        click.option("--alpha-deg", type=float, required=True, help="Amplitude of the joints."),
-        click.option("--beta-deg", type=float, required=True, help="Phase lag joint to joint."),
-        click.option("--omega-rad-s", type=float, help="Angular rate; or give --frequency-hz."),
-        click.option("--frequency-hz", type=float, help="Gait frequency."),
-        click.option("--offset-deg", type=float, default=0.0, help="Bend of every joint: steers."),
-    ]  # fmt: skip
-    for option in reversed(options):
-        command = option(command)
-    return command
-
-
 def make_robot(given: dict[str, Any]) -> tuple[Robot, Ground]:
     """Take robot and ground from the preset and what overrides it."""
     from .model import Ground, Robot
@@ -84,34 +70,6 @@ def make_robot(given: dict[str, Any]) -> tuple[Robot, Ground]:
         Robot(links, base["mass_kg"], base["length_m"]),
         Ground(base["ct"], base["cn"], base["ft0"], base["fn0"]),
     )
-
-
-def make_gait(given: dict[str, Any]) -> Gait:
-    """Take a gait from degrees and either rate or frequency."""
-    from .model import Gait
-
-    omega, frequency = given.pop("omega_rad_s"), given.pop("frequency_hz")
-    if (omega is None) == (frequency is None):
-        raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
-    alpha, beta, offset = (math.radians(given.pop(f"{n}_deg")) for n in ("alpha", "beta", "offset"))
-    return Gait(alpha, beta, omega if omega is not None else 2 * math.pi * frequency, offset)
-
-
-def describe(gait: Gait) -> dict[str, float]:
-    """Return a gait as it is typed."""
-    return {
-        "alpha_deg": math.degrees(gait.alpha_rad),
-        "beta_deg": math.degrees(gait.beta_rad),
-        "omega_rad_s": gait.omega_rad_s,
-        "offset_deg": math.degrees(gait.offset_rad),
-    }
-
-
-def show_json(values: dict[str, Any]) -> None:
-    """Print strict JSON; what is not finite becomes null."""
-    from .report import finite
-
-    click.echo(json.dumps(finite(values), indent=2, allow_nan=False))
 
 
 def interruptible(work: Callable[[], T]) -> T:
@@ -300,6 +258,8 @@ def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
 
 
 cli.add_command(BENCH_GROUP)
+for robot_command in ROBOT_COMMANDS:
+    cli.add_command(robot_command)
 
 
 def main() -> None:

@@ -12,6 +12,7 @@ from . import _core, plot, report
 from .friction import fit_friction
 from .friction_result import FrictionFit
 from .model import Gait, Ground, Robot
+from .options import finite
 from .prediction import SpeedPoint, as_json, one_cycle, predict_all
 from .session import load_session
 
@@ -47,7 +48,7 @@ def run_demo(out: Path) -> None:
         points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}° (Fig. 17)", files[1]
     )
     plot.path_and_poses(run, "α = 30°, β = 80°, ω = 5 rad/s", files[2])
-    text = json.dumps(report.finite(as_json(fit, points, state)), indent=2, allow_nan=False)
+    text = json.dumps(finite(as_json(fit, points, state)), indent=2, allow_nan=False)
     files[3].write_text(text + "\n")
     _summary(fit, points, files)
 

@@ -23,17 +23,6 @@ console = Console(width=100) if not Console().is_terminal else Console()
 notices = Console(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
 
 
-def finite(values: Any) -> Any:
-    """Return plain values with everything that is not finite as None, for strict JSON."""
-    if isinstance(values, dict):
-        return {key: finite(value) for key, value in values.items()}
-    if isinstance(values, (list, tuple)):
-        return [finite(value) for value in values]
-    if isinstance(values, float) and not math.isfinite(values):
-        return None
-    return values
-
-
 @contextmanager
 def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
     """Show a bar on standard error; gives a function that takes the number just done."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
+from serpenoid.cli import main
 
 BOARDS = ["virtual", pytest.param("simulated", marks=pytest.mark.avr), "hardware"]
 
@@ -24,3 +27,20 @@ def hardware_port(request: pytest.FixtureRequest) -> str:
     if not port:
         pytest.skip("needs a real robot; name its port with --port=/dev/...")
     return port
+
+
+@pytest.fixture
+def serpenoid(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str, str]]:
+    """Return the command line in this process: (exit status, standard output, standard error)."""
+
+    def run(*args: str) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["serpenoid", *args])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as left:
+            main()
+        said = capsys.readouterr()
+        return int(left.value.code or 0), said.out, said.err
+
+    return run

@@ -1,0 +1,61 @@
+"""The serial ports of this computer: which may be the robot, and who has them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+from ..errors import PortBusy
+from . import culprit
+from .link import serial_ports
+
+
+@dataclass(frozen=True)
+class PortState:
+    """One port: its USB ids (0 if it is not USB), the maker of a likely board's chip, its users."""
+
+    device: str
+    description: str
+    vendor_id: int
+    product_id: int
+    chip: str
+    allowed: bool
+    held_by: tuple[culprit.Holder, ...]
+
+    @property
+    def usb(self) -> str:
+        """Return the USB id as `lsusb` writes it, or nothing."""
+        return f"{self.vendor_id:04x}:{self.product_id:04x}" if self.vendor_id else ""
+
+    def to_dict(self) -> dict[str, object]:
+        """Return plain values."""
+        return {
+            "device": self.device,
+            "description": self.description,
+            "usb": self.usb or None,
+            "likely_board": bool(self.chip),
+            "chip": self.chip or None,
+            "allowed": self.allowed,
+            "held_by": [{"pid": h.pid, "name": h.name} for h in self.held_by],
+        }
+
+
+def port_states() -> list[PortState]:
+    """List the serial ports, by name."""
+    return [
+        PortState(p.device, p.description, p.vendor_id or 0, p.product_id or 0, p.chip,
+                  allowed(p.device), tuple(culprit.who_holds(p.device)))
+        for p in serial_ports()
+    ]  # fmt: skip
+
+
+def allowed(device: str) -> bool:
+    """Tell whether this user may open a port."""
+    return os.access(device, os.R_OK | os.W_OK)
+
+
+def check_free(device: str) -> None:
+    """Raise PortBusy, naming who, if another program has the port."""
+    holders = culprit.who_holds(device)
+    if holders:
+        raise PortBusy(culprit.why_held(device, holders))

@@ -1,0 +1,191 @@
+"""What `ports` and `doctor` say of ports, boards and wires in every state."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+from robot.pty_board import PtyBoard
+from serpenoid.robot import doctor, ports
+
+FAST = {"listen_s": 0.3, "timeout_s": 1.0}
+
+
+@pytest.fixture
+def plugged(monkeypatch: pytest.MonkeyPatch):
+    """Return a function that makes pyserial list these (device, vendor id, product id)."""
+
+    def plug(*rows: tuple[str, int | None, int | None]) -> None:
+        found = [SimpleNamespace(device=d, description="x", vid=v, pid=p) for d, v, p in rows]
+        monkeypatch.setattr("serial.tools.list_ports.comports", lambda: found)
+
+    return plug
+
+
+def marks(port: str | None) -> dict[str, str]:
+    return {f.name: f.mark for f in doctor.examine(port, **FAST)}
+
+
+def fix_of(name: str, port: str | None) -> str:
+    found = {f.name: f for f in doctor.examine(port, **FAST)}
+    assert found[name].mark == "fix"
+    return found[name].fix
+
+
+def test_ports_lists_ids_boards_and_users(plugged, serpenoid, tmp_path):
+    with PtyBoard() as board, open(board.port, "rb"):
+        plugged((board.port, 0x2341, 0x43), ("/dev/ttyS0", None, None))
+        status, said, _ = serpenoid("ports", "--json")
+        assert status == 0
+        mine, other = json.loads(said)["ports"]
+        assert (mine["usb"], mine["chip"], mine["likely_board"]) == ("2341:0043", "Arduino", True)
+        assert mine["held_by"][0]["pid"] == os.getpid()
+        assert (other["usb"], other["likely_board"], other["held_by"]) == (None, False, [])
+        assert "likely a board (Arduino)" in serpenoid("ports")[1]
+    plugged()
+    assert serpenoid("ports") == (0, "", serpenoid("ports")[2])
+    assert "no board found" in serpenoid("ports")[2]
+
+
+@pytest.mark.parametrize("port", ["virtual", "virtual:fast"])
+def test_nothing_is_wrong_with_the_virtual_board(serpenoid, port):
+    status, said, _ = serpenoid("doctor", "--port", port, "--listen-s", "2", "--json")
+    answer = json.loads(said)
+    assert (status, answer["well"]) == (0, True)
+    names = [f["name"] for f in answer["findings"]]
+    assert names == ["pyserial", "port", "greeting", "protocol", "settings", "counters", "timing",
+                     "clock", "platformio"]  # fmt: skip
+
+
+@pytest.mark.avr
+def test_a_board_on_a_port_is_well_and_never_moves(simulated_board, serpenoid):
+    status, said, _ = serpenoid("doctor", "--port", simulated_board.port, "--listen-s", "2")
+    assert status == 0, said
+    assert "none has" in said
+    assert "uno, boot" in said
+
+
+def test_the_robot_is_not_moved_by_a_doctor():
+    with PtyBoard() as board:
+        assert "fix" not in marks(board.port).values()
+        assert board.board.state == "idle"
+        assert board.board.setpoints_rad == [0.0] * 5
+
+
+def test_no_port_no_board_and_two_boards(plugged):
+    plugged()
+    assert "none at all" in fix_of("port", None)
+    assert "serial ports here: none" in fix_of("port", "/dev/no-such-port")
+    plugged(("/dev/ttyA", 0x2341, 0x43), ("/dev/ttyB", 0x1A86, 0x7523))
+    assert "name one of them" in fix_of("port", None)
+
+
+def test_a_port_that_may_not_be_opened(monkeypatch):
+    monkeypatch.setattr(doctor, "allowed", lambda _: False)
+    with PtyBoard() as board:
+        assert "usermod -aG" in fix_of("permission", board.port)
+        assert "greeting" not in marks(board.port)
+
+
+def test_a_port_in_use_names_who(tmp_path):
+    hold = "import sys; f = open(sys.argv[1], 'rb'); print('up', flush=True); sys.stdin.read()"
+    with PtyBoard() as board:
+        other = subprocess.Popen(
+            [sys.executable, "-c", hold, board.port],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        assert other.stdout is not None
+        other.stdout.readline()
+        assert f"process {other.pid}" in fix_of("other programs", board.port)
+        assert not board.received
+        other.communicate()
+
+
+def test_a_service_that_meddles_is_a_note(monkeypatch):
+    monkeypatch.setattr(doctor.culprit, "running", lambda name: name == "ModemManager")
+    with PtyBoard() as board:
+        found = {f.name: f for f in doctor.examine(board.port, **FAST)}
+        assert found["ModemManager"].mark == "note"
+        assert "systemctl stop ModemManager" in found["ModemManager"].fix
+        assert "brltty" not in found
+
+
+def test_a_silent_board():
+    with PtyBoard(silent=True) as board:
+        assert "is it flashed" in fix_of("greeting", board.port)
+
+
+def test_another_protocol():
+    def older(said: bytes) -> bytes:
+        return said.replace(b"protocol=1", b"protocol=7")
+
+    with PtyBoard(older) as board:
+        fix = fix_of("protocol", board.port)
+        assert "protocol 7" in fix
+        assert "serpenoid flash" in fix
+
+
+def test_a_bad_cable():
+    def noisy(said: bytes) -> bytes:
+        return re.sub(rb"t:(\d*[05]) j1", rb"t:\1 j!", said)
+
+    with PtyBoard(noisy) as board:
+        assert "cable" in fix_of("counters", board.port)
+
+
+def test_settings_damaged_and_a_brown_out():
+    bridge = PtyBoard()
+    bridge.board.write(b"save\n")
+    bridge.board.run(1.0)
+    saved = bytearray(bridge.board.eeprom)
+    saved[100] ^= 1  # in the one copy that there is
+    bridge.board.eeprom = bytes(saved)
+    bridge.board.boot("brownout")
+    with bridge:
+        found = {f.name: f for f in doctor.examine(bridge.port, **FAST)}
+    assert found["settings"].mark == found["last reset"].mark == "fix"
+    assert "supply" in found["last reset"].fix
+
+
+def test_silence_off_is_told():
+    bridge = PtyBoard()
+    bridge.board.write(b"set silence off\n")
+    bridge.board.run(0.1)
+    with bridge:
+        assert marks(bridge.port)["silence"] == "note"
+
+
+def test_what_the_counters_and_the_timing_mean():
+    good = dict.fromkeys(doctor.Status.__dataclass_fields__, 0)
+    quiet = doctor.Losses()
+    assert doctor._counters(doctor.Status(**good), quiet, 9).mark == "ok"
+    assert doctor._counters(doctor.Status(**good), quiet, 0).mark == "fix"
+    assert "rxfull 3" in doctor._counters(doctor.Status(**good | {"rxfull": 3}), quiet, 9).found
+    assert doctor._timing(doctor.Status(**good)).mark == "ok"
+    for late in ({"overruns": 1}, {"late_us": doctor.LATE_US + 1}):
+        assert doctor._timing(doctor.Status(**good | late)).mark == "fix"
+
+
+def test_without_pyserial(monkeypatch):
+    real = doctor.find_spec
+    monkeypatch.setattr(doctor, "find_spec", lambda name: None if name == "serial" else real(name))
+    found = list(doctor.examine("virtual", **FAST))
+    assert (found[0].name, found[0].mark, found[0].fix) == (
+        "pyserial", "fix", "pip install pyserial",
+    )  # fmt: skip
+    assert [f.name for f in found] == ["pyserial", "platformio"]
+
+
+def test_listing_is_by_name_and_says_what_is_allowed(plugged, monkeypatch):
+    monkeypatch.setattr(ports, "allowed", lambda device: device != "/dev/ttyB")
+    plugged(("/dev/ttyB", 0x403, 0x6001), ("/dev/ttyA", None, None))
+    found = ports.port_states()
+    assert [(p.device, p.chip, p.allowed) for p in found] == [
+        ("/dev/ttyA", "", True), ("/dev/ttyB", "FTDI", False),
+    ]  # fmt: skip
