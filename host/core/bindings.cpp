@@ -19,6 +19,7 @@ namespace nb = nanobind;
 using namespace serpenoid;
 
 void bind_firmware(nb::module_& m);  // bindings_firmware.cpp
+void bind_lanes(nb::module_& m);     // bindings_lanes.cpp
 
 namespace {
 
@@ -181,4 +182,5 @@ NB_MODULE(_core, m) {
     m.def("run", &run, nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg());
     bind_firmware(m);
+    bind_lanes(m);
 }

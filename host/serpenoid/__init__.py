@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from .dynamics import Acceleration, AngleDrive, LinkState, TorqueDrive, acceleration
     from .friction import fit_friction
     from .friction_result import FrictionFit
+    from .gaits import GaitRuns, simulate_gaits
     from .model import Gait, Ground, Robot
     from .optimize import LeastPower, least_power_gait
     from .scene import Scene, TorqueTable
@@ -23,6 +24,7 @@ _HOMES = {
     "dynamics": ("Acceleration", "AngleDrive", "LinkState", "TorqueDrive", "acceleration"),
     "friction": ("fit_friction",),
     "friction_result": ("FrictionFit",),
+    "gaits": ("GaitRuns", "simulate_gaits"),
     "model": ("Gait", "Ground", "Robot"),
     "optimize": ("LeastPower", "least_power_gait"),
     "scene": ("Scene", "TorqueTable"),
@@ -39,6 +41,7 @@ __all__ = [
     "Diverged",
     "FrictionFit",
     "Gait",
+    "GaitRuns",
     "Ground",
     "LeastPower",
     "LinkState",
@@ -58,6 +61,7 @@ __all__ = [
     "least_power_gait",
     "load_session",
     "simulate",
+    "simulate_gaits",
     "steady_gait",
     "sweep",
 ]
