@@ -69,12 +69,16 @@ def test_another_protocol_is_refused_with_both_numbers_and_the_cure(greeting):
         pass
 
 
-@pytest.mark.parametrize("tamper", [honest, without("hello:")], ids=["greets", "greeting lost"])
-def test_a_reset_in_mid_run_ends_it_and_keeps_the_recording(tmp_path, tamper):
+@pytest.mark.parametrize(
+    ("tamper", "found"),
+    [(honest, r"boot 1, now 2; cause: brownout"), (without("hello:"), "frames went back from")],
+    ids=["greets", "greeting lost"],
+)
+def test_a_reset_in_mid_run_ends_it_and_keeps_the_recording(tmp_path, tamper, found):
     record = tmp_path / "run.txt"
     with (
         FakeBoard() as fake,
-        pytest.raises(RobotReset, match=r"boot 1, now 2.*brownout|went back"),
+        pytest.raises(RobotReset, match=found),
         Robot(fake.port, record=record) as robot,
     ):
         robot.gait(GAIT)
@@ -178,6 +182,14 @@ def test_half_and_doubled_frames_are_counted_and_never_used():
     assert losses.damaged_lines == pytest.approx(spoiled, abs=1)
     assert losses.repeated_frames == pytest.approx(spoiled, abs=1)
     assert losses.missed_frames == pytest.approx(2 * spoiled, abs=2)
+
+
+def test_a_line_without_end_does_not_fill_the_memory():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        fake.to_host = lambda _: b"x" * 1000
+        time.sleep(0.3)
+        assert robot.losses.damaged_lines >= 2
+        fake.to_host = honest
 
 
 @pytest.mark.parametrize("flood", [b"x" * 4000, sealed("ok: #!") * 200, b"\n" * 4000])

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from robot.test_leaving import drive
 from serpenoid import Gait
 from serpenoid.errors import BadInput, RecordingFailed
 from serpenoid.robot import Robot
-from serpenoid.robot.record import load_stream
+from serpenoid.robot.record import Recorder, load_stream
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
@@ -26,7 +25,7 @@ def recorded(tmp_path_factory):
     path = tmp_path_factory.mktemp("recorded") / "run.txt"
     with Robot("virtual:fast", record=path) as robot:
         robot.gait(GAIT)
-        frames = list(robot.frames(3.0))
+        frames = list(robot.frames(1.0))
     return path, frames
 
 
@@ -104,7 +103,8 @@ signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 with Robot(sys.argv[1], record=Path(sys.argv[2])) as robot:
     resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))
     robot.gait(Gait(math.radians(30), math.radians(80), 5.0))
-    time.sleep({sleep_s})
+    print("open", flush=True)
+    sys.stdin.read()
     robot.straight()
 """
 
@@ -112,15 +112,20 @@ with Robot(sys.argv[1], record=Path(sys.argv[2])) as robot:
 def test_a_disk_that_fills_up_stops_the_robot_and_keeps_the_data(tmp_path):
     path = tmp_path / "run.txt"
     with FakeBoard() as fake:
-        done = subprocess.run(
-            [sys.executable, "-c", FILLING.format(sleep_s=1.5), fake.port, str(path)],
-            capture_output=True, text=True, timeout=20, check=False,
-        )  # fmt: skip
-        assert done.returncode == 1
-        assert "RecordingFailed: recording to" in done.stderr
-        assert fake.await_state("hold")
+        child = drive(fake.port, FILLING.replace("sys.argv[2]", repr(str(path))))
+        assert fake.await_state("hold", 5.0)
+        said = child.communicate("", timeout=10)[1]
+        assert child.returncode == 1
+        assert "RecordingFailed: recording to" in said
         assert b"pose straight" not in fake.received
     assert len(load_stream(path).frame) > 30
+
+
+def test_a_row_that_was_written_in_part_ends_the_recording(tmp_path):
+    recorder = Recorder(tmp_path / "run.txt", 0.0)
+    recorder._file = SimpleNamespace(write=lambda row: len(row) - 1)
+    with pytest.raises(RecordingFailed, match="part of a line"):
+        recorder.line(0.0, "<", b"t:1")
 
 
 def test_a_killed_program_loses_at_most_the_last_line(tmp_path):
