@@ -1,0 +1,143 @@
+"""The command `drive`: what it tells, what it records, and how it is left."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import re
+import signal
+import subprocess
+import sys
+from binascii import crc_hqx
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from robot.pty_board import PtyBoard
+from serpenoid import Gait
+from serpenoid.robot import live
+from serpenoid.robot.drive import Drive
+from serpenoid.robot.record import load_stream
+
+GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
+
+
+def test_a_run_on_every_board(any_port, serpenoid, tmp_path):
+    file = tmp_path / "run.wire"
+    args = ["--port", any_port, "--duration-s", "2", "--record", str(file), "--json"]
+    status, said, _ = serpenoid("drive", *GAIT, *args)
+    assert status == 0
+    found = json.loads(said)
+    assert found["gait"]["beta_deg"] == pytest.approx(80)
+    assert found["frames"] == pytest.approx(100, abs=10)
+    assert found["missed_frames"] == found["damaged_lines"] == 0
+    away = abs(found["frequency_hz"] - 5 / (2 * math.pi))
+    assert away < 5 * found["frequency_sd_hz"] < 0.05  # a Uno's resonator is up to 0.5 % off
+    stream = load_stream(file)
+    assert stream.end == "closed"
+    assert stream.sent[-1][1].split()[1] == "bye"
+    assert len(stream.frame) >= found["frames"]
+
+
+def test_the_boards_own_clock_gives_the_gaits_own_frequency(serpenoid):
+    args = ["--port", "virtual:fast", "--duration-s", "60", "--json"]
+    found = json.loads(serpenoid("drive", *GAIT, *args)[1])
+    assert found["frames"] == 3000
+    assert found["duration_s"] == pytest.approx(59.98)
+    assert found["frequency_hz"] == pytest.approx(5 / (2 * math.pi), rel=1e-8)
+
+
+def test_plain_lines_where_there_is_no_terminal(serpenoid):
+    status, said, _ = serpenoid("drive", *GAIT, "--port", "virtual:fast", "--duration-s", "3")
+    lines = [line for line in said.splitlines() if " deg  late " in line]
+    assert (status, len(lines)) == (0, 3)
+    assert re.match(r" +1\.0 s  gait  ", lines[1])
+    assert "true gait frequency" in said
+
+
+def test_a_live_table_where_there_is_one(monkeypatch):
+    screen = io.StringIO()
+    terminal = Console(force_terminal=True, file=screen, width=80)
+    monkeypatch.setattr(live, "Console", lambda: terminal)
+    run = Drive(Gait(0.5, 1.0, 5.0), "virtual:fast", None)
+    with live.view() as watch:
+        run.run(1.0, watch)
+    shown = screen.getvalue()
+    assert shown.count("setpoint, deg") >= 10
+    assert "true frequency" in shown
+    assert run.last is not None
+    assert f"{run.robot.losses.missed_frames}" in shown
+
+
+@pytest.mark.parametrize(("duration", "status"), [([], 0), (["--duration-s", "60"], 130)])
+def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
+    with PtyBoard() as bridge:
+        run = subprocess.Popen(
+            [sys.executable, "-m", "serpenoid.cli", "drive", *GAIT, *duration,
+             "--port", bridge.port], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        assert run.stdout is not None
+        assert "gait" in run.stdout.readline()
+        run.send_signal(signal.SIGINT)
+        said, errors = run.communicate(timeout=20)
+        assert run.returncode == status, errors
+        assert bridge.board.state == "hold"
+        assert b"\n!\n" in bridge.received
+    assert "true gait frequency" in said
+    assert "Traceback" not in errors
+
+
+def test_a_reset_in_mid_run_has_a_summary_and_an_error(serpenoid, tmp_path):
+    body = b"hello: serpenoid fw=0.1.0 protocol=1 board=uno boot=9 reset=brownout settings=ok"
+    hello = body + b" *%04X\n" % crc_hqx(body, 0xFFFF)
+    told = []
+
+    def with_a_reset(said: bytes) -> bytes:
+        if not told and re.search(rb"st=gait \*....\n$", said) and bridge.board.frame > 100:
+            told.append(1)
+            return said + hello
+        return said
+
+    with PtyBoard(with_a_reset) as bridge:
+        file = tmp_path / "run.wire"
+        status, said, errors = serpenoid(
+            "drive", *GAIT, "--port", bridge.port, "--record", str(file)
+        )
+    assert status == 1
+    assert "true gait frequency" in said
+    assert "brownout" in errors
+    assert len(load_stream(file).frame) > 10
+
+
+def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable(serpenoid):
+    bridge = PtyBoard()
+    bridge.board.write(b"set every 0\nset silence off\n")
+    bridge.board.run(0.1)
+    with bridge:
+        args = ["--port", bridge.port, "--duration-s", "0.5", "--json"]
+        assert json.loads(serpenoid("drive", *GAIT, *args)[1])["frames"] > 10
+    assert b" set silence 2 *" in bridge.received
+
+
+@pytest.mark.parametrize(
+    ("args", "status", "said"),
+    [
+        ([*GAIT[:4], "--omega-rad-s", "50"], 1, "range"),
+        (["--alpha-deg", "90", *GAIT[2:4], "--omega-rad-s", "20"], 1, "servo_speed"),
+        (GAIT[:4], 2, "give one of --omega-rad-s"),
+        ([*GAIT, "--duration-s", "0"], 2, "duration-s"),
+        ([*GAIT, "--record", __file__], 2, "another name"),
+        ([*GAIT, "--record", "/no-such-folder/x"], 1, "/no-such-folder"),
+    ],
+)
+def test_refusals(serpenoid, args, status, said):
+    found = serpenoid("drive", *args, "--port", "virtual:fast")
+    assert found[0] == status
+    assert said in found[2]
+
+
+def test_without_a_board(serpenoid, tmp_path: Path):
+    status, _, errors = serpenoid("drive", *GAIT, "--port", str(tmp_path / "nothing"))
+    assert status == 1
+    assert "there is no port" in errors
