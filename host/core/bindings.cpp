@@ -5,12 +5,14 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/complex.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "ledger.hpp"
 #include "simulation.hpp"
 #include "steady_dry.hpp"
 #include "steady_viscous.hpp"
@@ -68,27 +70,14 @@ Array steady_row(const Model& m, Vector omegas, double rtol, bool powers, int ma
     return to_numpy(std::move(out), {5, count});
 }
 
-RunRequest request(const Model& m, bool implicit, bool torque, double k, double c,
-                   double smoothing) {
-    RunRequest q;
-    q.robot = m.robot, q.ground = m.ground, q.gait = m.gait;
-    q.formulation = implicit ? Formulation::implicit : Formulation::explicit_;
-    q.drive = torque ? Drive::torque : Drive::angle;
-    q.spring = {k, c};
-    q.smoothing = smoothing;
-    return q;
-}
-
-nb::dict evaluate_links(const Model& m, bool implicit, bool torque, double k, double c,
-                        double smoothing, Vector links, Vector drive) {
-    const RunRequest q = request(m, implicit, torque, k, c, smoothing);
-    const std::size_t n = m.robot.n;
-    Chain chain(m.robot.n);
-    Joints joints(m.robot.n);
+nb::dict evaluate_links(const RunRequest& q, Vector links, Vector drive) {
+    const std::size_t n = q.robot.n;
+    Chain chain(q.robot.n);
+    Joints joints(q.robot.n);
     std::vector<double>* part[6] = {&chain.x,  &chain.y,  &chain.theta,
                                     &chain.vx, &chain.vy, &chain.omega};
     for (int p = 0; p < 6; ++p) std::copy_n(links.data() + p * n, n, part[p]->begin());
-    if (torque) std::copy_n(drive.data(), n - 1, joints.T.begin());
+    if (q.drive == Drive::torque) std::copy_n(drive.data(), n - 1, joints.T.begin());
     evaluate(q, drive.data(), chain, joints);
     nb::dict out;
     out["ax"] = to_numpy(std::move(chain.ax), {n});
@@ -102,8 +91,8 @@ nb::dict evaluate_links(const Model& m, bool implicit, bool torque, double k, do
     return out;
 }
 
-TorqueFunction torque_of(nb::object f, int n) {
-    return [f, n](double t, double* to) {
+void set_torque_function(RunRequest& q, nb::callable f) {
+    q.torque = [f, n = q.robot.n](double t, double* to) {
         nb::gil_scoped_acquire acquire;
         const Vector values = nb::cast<Vector>(f(t));
         if (values.shape(0) != static_cast<std::size_t>(n - 1))
@@ -112,35 +101,84 @@ TorqueFunction torque_of(nb::object f, int n) {
     };
 }
 
-nb::dict run(const Model& m, bool implicit, nb::object torque, bool nonsmooth, double k, double c,
-             double smoothing, double dt, double duration, long steps, long every,
-             bool record_joints, Vector start) {
-    RunRequest q = request(m, implicit, !torque.is_none(), k, c, smoothing);
-    q.method = nonsmooth ? Method::nonsmooth : Method::rk4;
-    q.dt = dt, q.duration = duration, q.steps = steps, q.every = every,
-    q.record_joints = record_joints;
+// Let Ctrl-C through, and tell how far the run is.
+bool go_on(const nb::object& progress, double t) {
+    nb::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!progress.is_none()) progress(t);
+    return true;
+}
+
+nb::dict run(RunRequest& q, Vector start, nb::object progress) {
     q.start.assign(start.data(), start.data() + start.shape(0));
-    if (!torque.is_none()) q.torque = torque_of(torque, m.robot.n);
+    q.go_on = [&](double t) { return go_on(progress, t); };
     RunResult r;
     {
         nb::gil_scoped_release release;
         r = simulate(q);
     }
-    const std::size_t T = r.t.size(), n = m.robot.n;
+    const std::size_t T = r.t.size(), n = q.robot.n;
     nb::dict out;
-    out["failed_at"] = r.failed_at;
+    const auto rows = [&](const char* name, std::vector<double>& values, std::size_t columns) {
+        const std::size_t count = values.empty() ? 0 : T;
+        out[name] = to_numpy(std::move(values), {count, columns});
+    };
+    rows("x_m", r.x, n), rows("y_m", r.y, n), rows("theta_rad", r.theta, n);
+    rows("vx_m_s", r.vx, n), rows("vy_m_s", r.vy, n), rows("omega_rad_s", r.omega, n);
+    rows("joint_force_x_n", r.joint_fx, n - 1), rows("joint_force_y_n", r.joint_fy, n - 1);
+    rows("joint_torque_nm", r.joint_torque, n - 1);
+    rows("friction_x_n", r.friction_x, n), rows("friction_y_n", r.friction_y, n);
+    rows("energy_j", r.energy, EnergyLedger::kColumns);
     out["t_s"] = to_numpy(std::move(r.t), {T});
-    out["x_m"] = to_numpy(std::move(r.x), {T, n});
-    out["y_m"] = to_numpy(std::move(r.y), {T, n});
-    out["theta_rad"] = to_numpy(std::move(r.theta), {T, n});
-    out["vx_m_s"] = to_numpy(std::move(r.vx), {T, n});
-    out["vy_m_s"] = to_numpy(std::move(r.vy), {T, n});
-    out["omega_rad_s"] = to_numpy(std::move(r.omega), {T, n});
-    const std::size_t J = r.joint_fx.empty() ? 0 : T;
-    out["joint_fx_n"] = to_numpy(std::move(r.joint_fx), {J, n - 1});
-    out["joint_fy_n"] = to_numpy(std::move(r.joint_fy), {J, n - 1});
-    out["joint_torque_nm"] = to_numpy(std::move(r.joint_torque), {J, n - 1});
+    out["failed_at"] = r.failed_at, out["why"] = r.why;
+    out["steps"] = r.steps, out["error"] = r.error;
     return out;
+}
+
+void bind_run(nb::module_& m) {
+    nb::enum_<Formulation>(m, "Formulation")
+        .value("explicit", Formulation::explicit_)
+        .value("implicit", Formulation::implicit);
+    nb::enum_<Drive>(m, "Drive")
+        .value("angle", Drive::angle)
+        .value("torque", Drive::torque)
+        .value("servo", Drive::servo);
+    nb::enum_<Fault>(m, "Fault")
+        .value("none", Fault::none)
+        .value("limp", Fault::limp)
+        .value("locked", Fault::locked);
+    nb::class_<RunRequest>(m, "RunRequest")
+        .def("__init__",
+             [](RunRequest* self, const Model& model) {
+                 new (self) RunRequest;
+                 self->robot = model.robot, self->ground = model.ground, self->gait = model.gait;
+             })
+        .def_rw("formulation", &RunRequest::formulation)
+        .def_rw("drive", &RunRequest::drive)
+        .def_rw("faults", &RunRequest::faults)
+        .def_rw("locked_rad", &RunRequest::locked_rad)
+        .def_rw("smoothing_m_s", &RunRequest::smoothing)
+        .def_rw("method", &RunRequest::method)
+        .def_rw("dt_s", &RunRequest::dt)
+        .def_rw("tolerance", &RunRequest::tolerance)
+        .def_rw("duration_s", &RunRequest::duration)
+        .def_rw("steps", &RunRequest::steps)
+        .def_rw("most_steps", &RunRequest::most_steps)
+        .def_rw("every", &RunRequest::every)
+        .def_rw("record_joints", &RunRequest::record_joints)
+        .def_rw("record_friction", &RunRequest::record_friction)
+        .def_rw("record_energy", &RunRequest::record_energy)
+        .def("set_spring", [](RunRequest& q, double k, double c) { q.spring = {k, c}; })
+        .def("set_slope", [](RunRequest& q, double gx, double gy) { q.slope = {gx, gy}; })
+        .def("set_servo",
+             [](RunRequest& q, double stiffness, double damping, double torque, double speed,
+                double dead_band) { q.servo = {stiffness, damping, torque, speed, dead_band}; })
+        .def("set_torque_function", &set_torque_function)
+        .def("set_torque_table", [](RunRequest& q, std::vector<double> t, std::vector<double> T) {
+            q.table = {std::move(t), std::move(T)};
+        });
+    m.def("run", &run, nb::arg(), nb::arg(), nb::arg().none());
+    m.def("evaluate", &evaluate_links);
 }
 
 Array three(const Vec3& v) { return to_numpy({v.begin(), v.end()}, {3}); }
@@ -178,9 +216,7 @@ NB_MODULE(_core, m) {
             nb::rv_policy::move);
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.def("steady_row", &steady_row);
-    m.def("evaluate", &evaluate_links);
-    m.def("run", &run, nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg(),
-          nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg());
+    bind_run(m);
     bind_firmware(m);
     bind_lanes(m);
 }

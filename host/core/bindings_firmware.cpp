@@ -11,7 +11,7 @@
 #include "crc16.h"
 #include "error_codes.h"
 #include "fields.h"
-#include "gait.h"
+#include "firmware_gait.hpp"
 #include "virtual_board.hpp"
 
 namespace nb = nanobind;
@@ -21,41 +21,26 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Radians (or rad/s) to the wire's millionths of degrees (or of rad/s).
-int32_t millionths(double value, double limit, const char* name) {
-    if (!(std::fabs(value) <= limit)) {
-        throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
-                                    "; the firmware takes a magnitude of at most " +
-                                    std::to_string(limit));
-    }
-    return static_cast<int32_t>(std::llround(value * 1e6));
-}
-
-int32_t udeg(double angle_rad, double limit_deg, const char* name) {
-    return millionths(angle_rad * 180.0 / kPi, limit_deg, name);
+void check(const char* name, double value, double limit) {
+    if (std::fabs(value) <= limit) return;
+    throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
+                                "; the firmware takes a magnitude of at most " +
+                                std::to_string(limit));
 }
 
 using Angles = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
 
 Angles gait_setpoints_rad(double alpha_rad, double beta_rad, double omega_rad_s, double offset_rad,
                           int64_t first_frame, size_t frames, size_t joints) {
-    using namespace firmware;
     if (joints > 255) throw std::invalid_argument("the firmware's gait takes at most 255 joints");
     if (!(omega_rad_s >= 0)) throw std::invalid_argument("omega_rad_s must be at least 0");
-    const int16_t alpha = q14_from_q30(q30_from_udeg(udeg(alpha_rad, 90, "alpha in degrees")));
-    const int16_t offset = q14_from_q30(q30_from_udeg(udeg(offset_rad, 90, "offset in degrees")));
-    const int32_t beta = q31_turn_from_udeg(udeg(beta_rad, 180, "beta in degrees"));
-    const uint64_t step = phase_step(millionths(omega_rad_s, 50, "omega_rad_s"));
+    check("alpha_rad", alpha_rad, kPi / 2), check("offset_rad", offset_rad, kPi / 2);
+    check("beta_rad", beta_rad, kPi), check("omega_rad_s", omega_rad_s, 50);
+    const serpenoid::FirmwareGait gait({alpha_rad, beta_rad, omega_rad_s, offset_rad});
     double* const angles = new double[frames * joints + 1];
     nb::capsule owner(angles, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-    uint64_t phase = step * static_cast<uint64_t>(first_frame);
-    for (size_t k = 0; k < frames; ++k, phase += step) {
-        for (size_t i = 0; i < joints; ++i) {
-            const int16_t swing = gait_angle(alpha, beta, static_cast<uint32_t>(phase >> 32),
-                                             static_cast<uint8_t>(i));
-            angles[k * joints + i] = (offset + swing) / 16384.0;
-        }
-    }
+    for (size_t k = 0; k < frames; ++k)
+        gait.setpoints(static_cast<uint64_t>(first_frame) + k, angles + k * joints, joints);
     return Angles(angles, {frames, joints}, owner);
 }
 

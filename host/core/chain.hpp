@@ -1,4 +1,4 @@
-// Where every link is and what acts on it, in the ground's frame: shared by both formulations.
+// Where every link is and what acts on it, in the frame of the ground: shared by all models.
 #pragma once
 
 #include <cmath>
@@ -37,17 +37,6 @@ struct Chain {
             y[i + 1] = y[i] + l * (s[i] + s[i + 1]);
             vx[i + 1] = vx[i] - l * (omega[i] * s[i] + omega[i + 1] * s[i + 1]);
             vy[i + 1] = vy[i] + l * (omega[i] * c[i] + omega[i + 1] * c[i + 1]);
-        }
-    }
-
-    // Friction force on every link (Eqs. 28-33).
-    template <class Law>
-    void friction(const Law& law) {
-        for (int i = 0; i < n(); ++i) {
-            const double ft = law.along(c[i] * vx[i] + s[i] * vy[i]);
-            const double fn = law.across(-s[i] * vx[i] + c[i] * vy[i]);
-            fx[i] = ft * c[i] - fn * s[i];
-            fy[i] = ft * s[i] + fn * c[i];
         }
     }
 

@@ -38,6 +38,20 @@ void explicit_angle(const Robot& robot, const double* bend, Chain& k, Joints& jo
     }
 }
 
+// Accelerations of the links from the forces and torques of all joints (Eqs. 1-9).
+static void accelerate(const Robot& r, Chain& k, const Joints& joints) {
+    double px = 0, py = 0, pT = 0;  // of the joint before
+    for (int i = 0; i < k.n(); ++i) {
+        const bool head = i + 1 == k.n();
+        const double qx = head ? 0 : joints.Fx[i], qy = head ? 0 : joints.Fy[i];
+        const double qT = head ? 0 : joints.T[i];
+        k.ax[i] = (k.fx[i] + qx - px) / r.m;
+        k.ay[i] = (k.fy[i] + qy - py) / r.m;
+        k.alpha[i] = (qT - pT + r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy))) / r.I;
+        px = qx, py = qy, pT = qT;
+    }
+}
+
 void explicit_torque(const Robot& robot, Chain& k, Joints& joints) {
     const int n = k.n();
     const double im = 1 / robot.m, l = robot.l, ll = l * l / robot.I;
@@ -82,13 +96,78 @@ void explicit_torque(const Robot& robot, Chain& k, Joints& joints) {
         joints.Fx[i] -= U[0] * joints.Fx[i + 1] + U[1] * joints.Fy[i + 1];
         joints.Fy[i] -= U[2] * joints.Fx[i + 1] + U[3] * joints.Fy[i + 1];
     }
-    for (int i = 0; i < n; ++i) {
-        const double px = i > 0 ? joints.Fx[i - 1] : 0, py = i > 0 ? joints.Fy[i - 1] : 0;
-        const double qx = i + 1 < n ? joints.Fx[i] : 0, qy = i + 1 < n ? joints.Fy[i] : 0;
-        k.ax[i] = (k.fx[i] + qx - px) * im;
-        k.ay[i] = (k.fy[i] + qy - py) * im;
-        k.alpha[i] = (torque(i) + l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy))) / robot.I;
+    accelerate(robot, k, joints);
+}
+
+namespace {
+
+// The three rows of joint i, each over (F_x, F_y, T) of joints i - 1, i, i + 1, and the right side.
+struct JointRows {
+    double before[9], here[9], after[9], right[3];
+};
+
+JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double known) {
+    const double im = 1 / r.m, lI = r.l / r.I, ll = r.l * lI, iI = 1 / r.I;
+    const double a[2] = {-k.s[i], k.c[i]}, b[2] = {-k.s[i + 1], k.c[i + 1]};  // n_i, n_{i+1}
+    const double wi = r.l * k.omega[i] * k.omega[i];
+    const double wj = r.l * k.omega[i + 1] * k.omega[i + 1];
+    JointRows rows{};
+    for (int p = 0; p < 2; ++p) {
+        for (int q = 0; q < 2; ++q) {
+            const double one = p == q ? im : 0;
+            rows.before[3 * p + q] = ll * a[p] * a[q] - one;
+            rows.here[3 * p + q] = ll * (a[p] * a[q] + b[p] * b[q]) + 2 * one;
+            rows.after[3 * p + q] = ll * b[p] * b[q] - one;
+        }
+        rows.before[3 * p + 2] = -lI * a[p];
+        rows.here[3 * p + 2] = lI * (a[p] - b[p]);
+        rows.after[3 * p + 2] = lI * b[p];
     }
+    rows.right[0] = (k.fx[i + 1] - k.fx[i]) * im + k.c[i] * wi + k.c[i + 1] * wj;
+    rows.right[1] = (k.fy[i + 1] - k.fy[i]) * im + k.s[i] * wi + k.s[i + 1] * wj;
+    rows.right[2] = imposed ? -known : known;
+    if (!imposed) return rows.here[8] = 1, rows;
+    for (int q = 0; q < 2; ++q) {
+        rows.before[6 + q] = lI * a[q];
+        rows.here[6 + q] = lI * (a[q] - b[q]);
+        rows.after[6 + q] = -lI * b[q];
+    }
+    rows.before[8] = rows.after[8] = -iI, rows.here[8] = 2 * iI;
+    return rows;
+}
+
+}  // namespace
+
+void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* bend,
+                    Chain& k, Joints& joints) {
+    const int last = k.n() - 2;
+    std::vector<double> upper(9 * (last + 1));
+    std::vector<Vec3> found(last + 1);
+    for (int i = 0; i <= last; ++i) {
+        JointRows rows = joint_rows(robot, k, i, imposed[i], imposed[i] ? bend[i] : joints.T[i]);
+        double rhs[12];  // (block to the next joint, right side)
+        for (int p = 0; p < 3; ++p) {
+            for (int q = 0; q < 3; ++q) rhs[4 * p + q] = i < last ? rows.after[3 * p + q] : 0;
+            rhs[4 * p + 3] = rows.right[p];
+            for (int j = 0; j < 3 && i > 0; ++j) {  // eliminate the joint before
+                const double f = rows.before[3 * p + j];
+                for (int q = 0; q < 3; ++q)
+                    rows.here[3 * p + q] -= f * upper[9 * (i - 1) + 3 * j + q];
+                rhs[4 * p + 3] -= f * found[i - 1][j];
+            }
+        }
+        solve_dense<3, 4>(rows.here, rhs);
+        for (int p = 0; p < 3; ++p) {
+            for (int q = 0; q < 3; ++q) upper[9 * i + 3 * p + q] = rhs[4 * p + q];
+            found[i][p] = rhs[4 * p + 3];
+        }
+    }
+    for (int i = last; i >= 0; --i) {
+        for (int p = 0; p < 3 && i < last; ++p)
+            for (int q = 0; q < 3; ++q) found[i][p] -= upper[9 * i + 3 * p + q] * found[i + 1][q];
+        joints.Fx[i] = found[i][0], joints.Fy[i] = found[i][1], joints.T[i] = found[i][2];
+    }
+    accelerate(robot, k, joints);
 }
 
 }  // namespace serpenoid

@@ -20,4 +20,12 @@ void explicit_angle(const Robot& robot, const double* bend, Chain& chain, Joints
 // N = n n^T, tau_i = T_i - T_{i-1}.
 void explicit_torque(const Robot& robot, Chain& chain, Joints& joints);
 
+// Some joints imposed (imposed[j]: bend[j] = phi_j'' is input, its torque is found), the others
+// free (joints.T[j] is input). The equations above with the torques among the unknowns, three a
+// joint, and as a third row for an imposed one the difference of both links' angular equations:
+//     (2T_i - T_{i-1} - T_{i+1})/I + (l/I)[n_i . (F_{i-1} + F_i) - n_{i+1} . (F_i + F_{i+1})]
+//   = -phi_i''.
+void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* bend,
+                    Chain& chain, Joints& joints);
+
 }  // namespace serpenoid

@@ -6,6 +6,8 @@
 // angles imposed:   n I theta_1'' = sum l n_i . (F_i + F_{i-1}) - I sum s_i''.
 #pragma once
 
+#include <vector>
+
 #include "chain.hpp"
 
 namespace serpenoid {
@@ -14,18 +16,48 @@ struct JointSpring {
     double k, c;  // N/m, N s/m
 };
 
+// Delta_i and its rate.
+struct Gap {
+    double x, y, vx, vy;
+};
+
+inline Gap gap(const Chain& k, double l, int i) {
+    return {k.x[i + 1] - k.x[i] - l * (k.c[i + 1] + k.c[i]),
+            k.y[i + 1] - k.y[i] - l * (k.s[i + 1] + k.s[i]),
+            k.vx[i + 1] - k.vx[i] + l * (k.omega[i + 1] * k.s[i + 1] + k.omega[i] * k.s[i]),
+            k.vy[i + 1] - k.vy[i] - l * (k.omega[i + 1] * k.c[i + 1] + k.omega[i] * k.c[i])};
+}
+
+// The dampers act on the rates of the gaps as they are ...
+struct LiveDamper {
+    explicit LiveDamper(int) {}
+    double x(const Gap& g, int) const { return g.vx; }
+    double y(const Gap& g, int) const { return g.vy; }
+    void latch(const Chain&, double) {}
+};
+
+// ... or, in the paper's scheme, on those of the last latch.
+struct HeldDamper {
+    explicit HeldDamper(int links) : vx(links - 1), vy(links - 1) {}
+    double x(const Gap&, int i) const { return vx[i]; }
+    double y(const Gap&, int i) const { return vy[i]; }
+    void latch(const Chain& k, double l) {
+        for (int i = 0; i + 1 < k.n(); ++i) {
+            const Gap g = gap(k, l, i);
+            vx[i] = g.vx, vy[i] = g.vy;
+        }
+    }
+    std::vector<double> vx, vy;
+};
+
 // Forces of all joints from the gaps between the links.
-inline void spring_forces(const Robot& r, const JointSpring& spring, const Chain& k,
-                          Joints& joints) {
+template <class Damper>
+void spring_forces(const Robot& r, const JointSpring& spring, const Damper& damper, const Chain& k,
+                   Joints& joints) {
     for (int i = 0; i + 1 < k.n(); ++i) {
-        const double gx = k.x[i + 1] - k.x[i] - r.l * (k.c[i + 1] + k.c[i]);
-        const double gy = k.y[i + 1] - k.y[i] - r.l * (k.s[i + 1] + k.s[i]);
-        const double ux =
-            k.vx[i + 1] - k.vx[i] + r.l * (k.omega[i + 1] * k.s[i + 1] + k.omega[i] * k.s[i]);
-        const double uy =
-            k.vy[i + 1] - k.vy[i] - r.l * (k.omega[i + 1] * k.c[i + 1] + k.omega[i] * k.c[i]);
-        joints.Fx[i] = spring.k * gx + spring.c * ux;
-        joints.Fy[i] = spring.k * gy + spring.c * uy;
+        const Gap g = gap(k, r.l, i);
+        joints.Fx[i] = spring.k * g.x + spring.c * damper.x(g, i);
+        joints.Fy[i] = spring.k * g.y + spring.c * damper.y(g, i);
     }
 }
 
@@ -38,11 +70,10 @@ inline double link_balance(const Robot& r, Chain& k, const Joints& joints, int i
     return r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy));
 }
 
+// The three below take a chain and the joint forces, and fill its accelerations.
 // Angles imposed: bend[j] = phi_j''. Torques follow from the angular equation of each link.
-inline void implicit_angle(const Robot& r, const JointSpring& spring, const double* bend, Chain& k,
-                           Joints& joints) {
+inline void implicit_angle(const Robot& r, const double* bend, Chain& k, Joints& joints) {
     const int n = k.n();
-    spring_forces(r, spring, k, joints);
     double turn = 0, turns = 0, couples = 0;
     for (int i = 0; i < n; ++i) {
         if (i > 0) turn += bend[i - 1];
@@ -62,11 +93,35 @@ inline void implicit_angle(const Robot& r, const JointSpring& spring, const doub
     }
 }
 
-inline void implicit_torque(const Robot& r, const JointSpring& spring, Chain& k, Joints& joints) {
-    spring_forces(r, spring, k, joints);
+// Torques imposed: joints.T is input.
+inline void implicit_torque(const Robot& r, Chain& k, Joints& joints) {
     for (int i = 0; i < k.n(); ++i) {
         const double T = (i + 1 < k.n() ? joints.T[i] : 0.0) - (i > 0 ? joints.T[i - 1] : 0.0);
         k.alpha[i] = (T + link_balance(r, k, joints, i)) / r.I;
+    }
+}
+
+// Some joints imposed, the others free, as explicit_mixed; the imposed torques solve
+//     (2T_i - T_{i-1} - T_{i+1})/I = (couple_{i+1} - couple_i)/I - phi_i''.
+inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed, const double* bend,
+                           std::vector<double>& scratch, Chain& k, Joints& joints) {
+    const int n = k.n();
+    for (int i = 0; i < n; ++i) k.alpha[i] = link_balance(r, k, joints, i);  // couples, for now
+    double ratio = 0;  // what the elimination left beside the diagonal of the row before
+    for (int i = 0; i + 1 < n; ++i) {
+        if (!imposed[i]) {
+            scratch[i] = ratio = 0;
+            continue;
+        }
+        const double right = k.alpha[i + 1] - k.alpha[i] - r.I * bend[i];
+        const double diagonal = 2 - ratio;
+        joints.T[i] = (right + (i > 0 ? joints.T[i - 1] : 0)) / diagonal;
+        scratch[i] = ratio = 1 / diagonal;
+    }
+    for (int i = n - 3; i >= 0; --i) joints.T[i] += scratch[i] * joints.T[i + 1];
+    for (int i = 0; i < n; ++i) {
+        const double T = (i + 1 < n ? joints.T[i] : 0.0) - (i > 0 ? joints.T[i - 1] : 0.0);
+        k.alpha[i] = (T + k.alpha[i]) / r.I;
     }
 }
 

@@ -16,6 +16,13 @@ struct Ground {
     double ct, cn;    // viscous, N s/m
     double ft0, fn0;  // dry, N
     bool dry() const { return ft0 > 0 || fn0 > 0; }
+    bool viscous() const { return ct > 0 || cn > 0; }
+};
+
+// Acceleration of gravity along the plane of the ground, m/s^2, ground frame; 0 on the level.
+struct Slope {
+    double gx = 0, gy = 0;
+    bool tilted() const { return gx != 0 || gy != 0; }
 };
 
 // Joint angles phi_i = offset + alpha sin(omega t + (i - 1) beta), i = 1..n-1; Eq. 57.

@@ -1,16 +1,16 @@
-// Runs in time: picks the system and the method once, then steps and records.
+// Runs in time: composes system and method once, then steps and records.
 #include "simulation.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
-#include "dry_motion.hpp"
-#include "implicit_prox.hpp"
-#include "rk4.hpp"
-#include "systems.hpp"
+#include "compose.hpp"
+#include "explicit_model.hpp"
+#include "ground_force.hpp"
+#include "ledger.hpp"
 
 namespace serpenoid {
-
 namespace {
 
 Chain start_chain(const RunRequest& q) {
@@ -25,153 +25,154 @@ void append(std::vector<double>& to, const std::vector<double>& row) {
     to.insert(to.end(), row.begin(), row.end());
 }
 
-void record(RunResult& out, double t, const Chain& c, const Joints* joints) {
-    out.t.push_back(t);
-    append(out.x, c.x), append(out.y, c.y), append(out.theta, c.theta);
-    append(out.vx, c.vx), append(out.vy, c.vy), append(out.omega, c.omega);
-    if (!joints) return;
-    append(out.joint_fx, joints->Fx), append(out.joint_fy, joints->Fy);
-    append(out.joint_torque, joints->T);
-}
-
-bool finite(const std::vector<double>& y) {
+bool finite(const double* y, int dim) {
     double sum = 0;
-    for (const double v : y) sum += v * 0;
+    for (int i = 0; i < dim; ++i) sum += y[i] * 0;
     return sum == 0;
 }
 
-// Step a system and record it; `advance(t, dt, y)` is the method.
-template <class System, class Advance>
-RunResult run(const RunRequest& q, System& system, Advance advance) {
-    RunResult out;
-    std::vector<double> y(system.dim()), rate(system.dim());
-    system.set(start_chain(q), y.data());
-    const auto note = [&](double t) {
-        if (q.record_joints) {
-            system.rate(t, y.data(), rate.data());
-            record(out, t, system.chain, &system.joints);
-        } else {
-            system.fill(t, y.data());
-            record(out, t, system.chain, nullptr);
+// Writes down a state: what it costs is paid at recorded times only.
+class Recorder {
+  public:
+    Recorder(const RunRequest& q, System& system, const EnergyLedger* ledger)
+        : q_(q), system_(system), ledger_(ledger), rate_(system.dim()) {}
+
+    void note(double t, const double* y, RunResult& out) {
+        const bool forces = q_.record_joints || q_.record_friction;
+        forces ? system_.rate(t, y, rate_.data()) : system_.fill(t, y);
+        const Chain& c = system_.chain;
+        out.t.push_back(t);
+        append(out.x, c.x), append(out.y, c.y), append(out.theta, c.theta);
+        append(out.vx, c.vx), append(out.vy, c.vy), append(out.omega, c.omega);
+        if (q_.record_joints) joints(out);
+        if (q_.record_friction) friction(out);
+        if (ledger_) {
+            double row[EnergyLedger::kColumns];
+            ledger_->row(y, row);
+            out.energy.insert(out.energy.end(), row, row + EnergyLedger::kColumns);
         }
-    };
-    note(0);
-    for (long i = 0; i < q.steps; ++i) {
-        const double from = static_cast<double>(i) * q.dt;
-        const double t = i + 1 == q.steps ? q.duration : from + q.dt;
-        advance(from, t - from, y);
-        const bool due = (i + 1) % q.every == 0 || i + 1 == q.steps;
-        if ((due || i % 64 == 0) && !finite(y)) {
-            out.failed_at = t;
-            break;
-        }
-        if (due) note(t);
     }
-    return out;
-}
 
-template <template <class> class System, class Law>
-RunResult run_rk4(const RunRequest& q) {
-    System<Law> system(q);
-    Rk4 rk4(system.dim());
-    const auto rate = [&](double t, const double* y, double* dy) { system.rate(t, y, dy); };
-    return run(q, system,
-               [&](double t, double dt, std::vector<double>& y) { rk4.step(rate, t, dt, y); });
-}
-
-template <class Law>
-RunResult run_law(const RunRequest& q) {
-    if (q.formulation == Formulation::explicit_)
-        return q.drive == Drive::angle ? run_rk4<ExplicitAngle, Law>(q)
-                                       : run_rk4<ExplicitTorque, Law>(q);
-    return q.drive == Drive::angle ? run_rk4<ImplicitAngle, Law>(q)
-                                   : run_rk4<ImplicitTorque, Law>(q);
-}
-
-RunResult run_prox(const RunRequest& q) {
-    ImplicitProx prox(q);
-    return run(q, prox.system,
-               [&](double t, double dt, std::vector<double>& y) { prox.step(t, dt, y); });
-}
-
-// Explicit model on dry ground: from one recorded time to the next by adaptive steps.
-RunResult run_dry(const RunRequest& q) {
-    constexpr double kTolerance = 1e-7;
-    const double w = q.gait.omega;
-    ExplicitAngle<Dry> system(q);
-    std::vector<double> y(6);
-    system.set(start_chain(q), y.data());
-    DryMotion motion(q.robot, q.ground, q.gait);
-    Shape shape;
-    RunResult out;
-    double cx = 0, cy = 0;
-    // the body frame of shape.hpp from link 1 and back
-    const auto shape_at = [&](double t) {
-        shape.set(q.robot, system.gait, std::sin(w * t), std::cos(w * t), false);
-    };
-    shape_at(0);
-    const LinkShape* tail = &shape.link[0];
-    double c = std::cos(y[2]), s = std::sin(y[2]);
-    DryState state{};
-    state.v[DryState::Vx] = c * y[3] + s * y[4] + y[5] * tail->ry - w * tail->rx1;
-    state.v[DryState::Vy] = -s * y[3] + c * y[4] - y[5] * tail->rx - w * tail->ry1;
-    state.v[DryState::L] = shape.J * y[5] + w * shape.K;
-    state.v[DryState::theta] = y[2];
-    cx = y[0] - (c * tail->rx - s * tail->ry), cy = y[1] - (s * tail->rx + c * tail->ry);
-    const auto note = [&](double t) {
-        shape_at(t);
-        tail = &shape.link[0];
-        const auto& v = state.v;
-        c = std::cos(v[DryState::theta]), s = std::sin(v[DryState::theta]);
-        const double turn = (v[DryState::L] - w * shape.K) / shape.J;
-        const double ux = v[DryState::Vx] - turn * tail->ry + w * tail->rx1;
-        const double uy = v[DryState::Vy] + turn * tail->rx + w * tail->ry1;
-        const double now[6] = {cx + v[DryState::x] + c * tail->rx - s * tail->ry,
-                               cy + v[DryState::y] + s * tail->rx + c * tail->ry,
-                               v[DryState::theta],
-                               c * ux - s * uy,
-                               s * ux + c * uy,
-                               turn};
-        system.fill(t, now);
-        record(out, t, system.chain, nullptr);
-    };
-    note(0);
-    for (long i = 0; i < q.steps; i += q.every) {
-        const long to = std::min(i + q.every, q.steps);
-        const double t0 = static_cast<double>(i) * q.dt;
-        const double t1 = to == q.steps ? q.duration : static_cast<double>(to) * q.dt;
-        if (!motion.advance(state, w * t0, w * t1, kTolerance)) {
-            out.failed_at = t0;
-            break;
-        }
-        note(t1);
+  private:
+    void joints(RunResult& out) const {
+        append(out.joint_fx, system_.joints.Fx), append(out.joint_fy, system_.joints.Fy);
+        append(out.joint_torque, system_.joints.T);
     }
-    return out;
-}
+    void friction(RunResult& out) const {
+        for (int i = 0; i < q_.robot.n; ++i) {
+            out.friction_x.push_back(system_.chain.fx[i] - q_.robot.m * q_.slope.gx);
+            out.friction_y.push_back(system_.chain.fy[i] - q_.robot.m * q_.slope.gy);
+        }
+    }
+    const RunRequest& q_;
+    System& system_;
+    const EnergyLedger* ledger_;
+    std::vector<double> rate_;
+};
+
+// Steps from one jump to the next and notes the times of the grid.
+class Run {
+  public:
+    Run(const RunRequest& q, System& system, Method& method, Recorder& recorder)
+        : q_(q), system_(system), method_(method), recorder_(recorder), y_(system.dim()) {}
+
+    RunResult go() {
+        system_.set(start_chain(q_), y_.data());
+        recorder_.note(0, y_.data(), out_);
+        double t = 0;
+        while (t < q_.duration && out_.why.empty() && out_.failed_at < 0) {
+            const double stop = std::min(system_.next_jump(t), q_.duration);
+            system_.enter(t);
+            method_.restart(t, y_.data());
+            smooth_part(stop);
+            t = stop;
+        }
+        return std::move(out_);
+    }
+
+  private:
+    void smooth_part(double stop) {
+        for (bool more = true; more;) {
+            // without dense output the steps must end on what is recorded
+            const double limit = method_.has_dense() ? stop : std::min(stop, recorded(next_));
+            const StepOutcome step = method_.step(limit);
+            const double t = method_.time();
+            more = t < stop;
+            if (!step.ok) return give_up(t, step.why);
+            if (const double e = method_.local_error(); e == e) out_.error += e;
+            if (++out_.steps % 64 == 1 && !checked(t)) return;
+            if (recorded(next_) <= t && !note_until(t)) return;
+        }
+        std::copy_n(method_.state(), y_.size(), y_.begin());
+    }
+
+    // The k-th recorded time: the end comes last.
+    double recorded(long k) const {
+        const long step = k * q_.every;
+        return step >= q_.steps ? q_.duration : static_cast<double>(step) * q_.dt;
+    }
+    bool note_until(double t) {
+        if (!checked(t)) return false;
+        for (; !done_ && recorded(next_) <= t; ++next_) {
+            const double at = recorded(next_);
+            if (at == t)
+                std::copy_n(method_.state(), y_.size(), y_.begin());
+            else
+                method_.dense(at, y_.data());
+            recorder_.note(at, y_.data(), out_);
+            done_ = at >= q_.duration;
+        }
+        return true;
+    }
+    bool checked(double t) {
+        if (!finite(method_.state(), system_.dim())) return out_.failed_at = t, false;
+        if (q_.go_on && out_.steps % 1024 == 1 && !q_.go_on(t))
+            return give_up(t, "it was interrupted"), false;
+        if (out_.steps > q_.most_steps) return give_up(t, "it took too many steps"), false;
+        return true;
+    }
+    void give_up(double t, const char* why) { out_.failed_at = t, out_.why = why; }
+
+    const RunRequest& q_;
+    System& system_;
+    Method& method_;
+    Recorder& recorder_;
+    std::vector<double> y_;
+    RunResult out_;
+    long next_ = 1;
+    bool done_ = false;
+};
 
 }  // namespace
 
 RunResult simulate(const RunRequest& q) {
-    if (q.method == Method::nonsmooth)
-        return q.formulation == Formulation::implicit ? run_prox(q) : run_dry(q);
-    if (!q.ground.dry()) return run_law<Viscous>(q);
-    return q.smoothing > 0 ? run_law<Smoothed>(q) : run_law<Dry>(q);
+    std::unique_ptr<System> system = compose(q);
+    const EnergyLedger* ledger = nullptr;
+    if (q.record_energy) {
+        auto with = std::make_unique<EnergyLedger>(std::move(system), q);
+        ledger = with.get();
+        system = std::move(with);
+    }
+    const std::unique_ptr<Method> method = make_method(q, *system);
+    Recorder recorder(q, *system, ledger);
+    return Run(q, *system, *method, recorder).go();
 }
 
 void evaluate(const RunRequest& q, const double* bend, Chain& chain, Joints& joints) {
     chain.directions();
     if (q.smoothing > 0)
-        chain.friction(Smoothed(q.ground, q.smoothing));
+        GroundForce<Smoothed, Flat>(q.ground, q.smoothing, {}, 0)(chain);
     else
-        chain.friction(Dry(q.ground));
+        GroundForce<Bingham, Flat>(q.ground, 0, {}, 0)(chain);
     const bool angle = q.drive == Drive::angle;
     if (q.formulation == Formulation::explicit_) {
         chain.follow(q.robot.l);
         angle ? explicit_angle(q.robot, bend, chain, joints)
               : explicit_torque(q.robot, chain, joints);
     } else {
-        angle ? implicit_angle(q.robot, q.spring, bend, chain, joints)
-              : implicit_torque(q.robot, q.spring, chain, joints);
+        spring_forces(q.robot, q.spring, LiveDamper(q.robot.n), chain, joints);
+        angle ? implicit_angle(q.robot, bend, chain, joints)
+              : implicit_torque(q.robot, chain, joints);
     }
 }
 

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 from .errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
 
 if TYPE_CHECKING:
+    from .drives import Servo, TorqueTable
     from .dynamics import Acceleration, AngleDrive, LinkState, TorqueDrive, acceleration
     from .friction import fit_friction
     from .friction_result import FrictionFit
     from .gaits import GaitRuns, simulate_gaits
     from .model import Gait, Ground, Robot
     from .optimize import LeastPower, least_power_gait
-    from .scene import Scene, TorqueTable
+    from .scene import Scene
     from .session import Session, load_session
     from .simulation import Run, simulate
     from .steady import Steady, Sweep, steady_gait, sweep
@@ -27,7 +28,8 @@ _HOMES = {
     "gaits": ("GaitRuns", "simulate_gaits"),
     "model": ("Gait", "Ground", "Robot"),
     "optimize": ("LeastPower", "least_power_gait"),
-    "scene": ("Scene", "TorqueTable"),
+    "drives": ("Servo", "TorqueTable"),
+    "scene": ("Scene",),
     "session": ("Session", "load_session"),
     "simulation": ("Run", "simulate"),
     "steady": ("Steady", "Sweep", "steady_gait", "sweep"),
@@ -50,6 +52,7 @@ __all__ = [
     "Run",
     "Scene",
     "SerpenoidError",
+    "Servo",
     "Session",
     "Steady",
     "StepTooLarge",

@@ -34,15 +34,50 @@ def steady(model: Model, rtol: float, powers: bool, max_elements: int, /) -> Ste
 def steady_row(
     model: Model, omegas: Array, rtol: float, powers: bool, max_elements: int, /
 ) -> Array: ...
-def evaluate(
-    model: Model, implicit: bool, torque: bool, k: float, c: float, smoothing: float,
-    links: Array, drive: Array, /,
-) -> dict[str, Array]: ...  # fmt: skip
+
+class Formulation:
+    explicit: Formulation
+    implicit: Formulation
+
+class Drive:
+    angle: Drive
+    torque: Drive
+    servo: Drive
+
+class Fault:
+    none: Fault
+    limp: Fault
+    locked: Fault
+
+class RunRequest:
+    def __init__(self, model: Model, /) -> None: ...
+    formulation: Formulation
+    drive: Drive
+    faults: list[Fault]
+    locked_rad: list[float]
+    smoothing_m_s: float
+    method: str
+    dt_s: float
+    tolerance: float
+    duration_s: float
+    steps: int
+    most_steps: int
+    every: int
+    record_joints: bool
+    record_friction: bool
+    record_energy: bool
+    def set_spring(self, k: float, c: float, /) -> None: ...
+    def set_slope(self, gx: float, gy: float, /) -> None: ...
+    def set_servo(
+        self, stiffness: float, damping: float, torque: float, speed: float, dead_band: float, /
+    ) -> None: ...
+    def set_torque_function(self, f: Callable[[float], Array], /) -> None: ...
+    def set_torque_table(self, t_s: list[float], torque_nm: list[float], /) -> None: ...
+
+def evaluate(request: RunRequest, links: Array, drive: Array, /) -> dict[str, Array]: ...
 def run(
-    model: Model, implicit: bool, torque: Callable[[float], Array] | None, nonsmooth: bool,
-    k: float, c: float, smoothing: float, dt: float, duration: float, steps: int, every: int,
-    record_joints: bool, start: Array, /,
-) -> dict[str, Any]: ...  # fmt: skip
+    request: RunRequest, start: Array, progress: Callable[[float], object] | None, /
+) -> dict[str, Any]: ...
 
 class firmware:  # a submodule; the checker takes its names from here
     class Board:

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .errors import BadInput, check_choice, check_number
+from .methods import FORMULATIONS
 from .model import Gait, Ground, Robot, core_model
 
 Array = NDArray[np.float64]
-FORMULATIONS = ("explicit", "implicit")
 
 
 def finite_vector(name: str, values: ArrayLike, size: int) -> Array:
@@ -162,12 +162,16 @@ def acceleration(
         raise BadInput(f"state has {state.links} links, the robot has {robot.links}")
     torque = isinstance(drive, TorqueDrive)
     name, values = ("torque_nm", drive.torque_nm) if torque else ("bend_rad_s2", drive.bend_rad_s2)
-    out: dict[str, Any] = _core.evaluate(
-        core_model(robot, ground, Gait(0.0, 0.0, 1.0)), formulation == "implicit", torque,
+    request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
+    request.formulation = getattr(_core.Formulation, formulation)
+    request.drive = _core.Drive.torque if torque else _core.Drive.angle
+    request.set_spring(
         check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0),
         check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0),
-        check_number("smoothing_m_s", smoothing_m_s, 0.0),
-        state.packed(), finite_vector(name, values, robot.links - 1),
-    )  # fmt: skip
+    )
+    request.smoothing_m_s = check_number("smoothing_m_s", smoothing_m_s, 0.0)
+    out: dict[str, Any] = _core.evaluate(
+        request, state.packed(), finite_vector(name, values, robot.links - 1)
+    )
     names = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
     return Acceleration(*(out[n] for n in names))

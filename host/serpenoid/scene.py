@@ -3,85 +3,55 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .dynamics import FORMULATIONS, LinkState
+from .drives import Servo, TorqueTable
+from .dynamics import LinkState
 from .errors import BadInput, check_choice, check_number
+from .methods import DRIVES, FORMULATIONS, METHODS
 from .model import Gait, Ground, Robot
 
-DRIVES = ("angle", "torque")
-LAWS = ("viscous", "smoothed", "dry")
 STARTS = ("link1_at_rest", "zero_momentum", "steady")
 GAPS = ("slow_manifold", "zero")
-RECORDS = ("joints",)
-MAX_STEPS = 10**10
+RECORDS = ("joints", "friction", "energy")
+MAX_LINK_STEPS = 10**11
 MAX_RECORDED_BYTES = 4_000_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class MethodKind:
-    """Say which scenes a method in time runs; `adaptive`: where it takes steps of its own."""
-
-    formulations: tuple[str, ...] = FORMULATIONS
-    adaptive: tuple[str, ...] = ()  # formulations; in the others steps of dt_s
-    drives: tuple[str, ...] = DRIVES
-    laws: tuple[str, ...] = LAWS
-
-
-METHODS = {
-    "rk4": MethodKind(),
-    "nonsmooth": MethodKind(adaptive=("explicit",), drives=("angle",), laws=("viscous", "dry")),
-}
-
-
-@dataclass(frozen=True, slots=True)
-class TorqueTable:
-    """Hold joint torques by time: t_s (K,) rising, torque_nm (K, n-1), linear in between.
-
-    Before the first time and after the last the first and last rows hold.
-    """
-
-    t_s: NDArray[np.float64]
-    torque_nm: NDArray[np.float64]
-
-    def __post_init__(self) -> None:
-        t, T = np.asarray(self.t_s, dtype=float), np.asarray(self.torque_nm, dtype=float)
-        if t.ndim != 1 or T.ndim != 2 or t.size == 0 or T.shape[0] != t.size:
-            raise BadInput(
-                f"a torque table needs t_s (K,) and torque_nm (K, n-1); got {t.shape}, {T.shape}"
-            )
-        if not (np.isfinite(t).all() and np.isfinite(T).all() and (np.diff(t) > 0).all()):
-            raise BadInput("a torque table needs finite torques at finite, rising times")
-        object.__setattr__(self, "t_s", t)
-        object.__setattr__(self, "torque_nm", T)
-
-    def __call__(self, t_s: float) -> NDArray[np.float64]:
-        """Return the torques at a time, (n-1,)."""
-        k = int(np.searchsorted(self.t_s, t_s))
-        if k in (0, self.t_s.size):
-            return self.torque_nm[min(k, self.t_s.size - 1)].copy()
-        f = (t_s - self.t_s[k - 1]) / (self.t_s[k] - self.t_s[k - 1])
-        return (1 - f) * self.torque_nm[k - 1] + f * self.torque_nm[k]
+DEFAULT_ROWS = 20_000
+_FIRMWARE_LIMITS = {"alpha_rad": math.pi / 2, "beta_rad": math.pi, "offset_rad": math.pi / 2,
+                    "omega_rad_s": 50.0}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Describe one run of the simulator.
+    """Describe one run of the simulator. SI units, radians. Raises BadInput.
 
     formulation: "explicit" (pinned joints) or "implicit" (Eqs. 51-56 with joint_stiffness_n_m k and
-    joint_damping_n_s_m c). drive: "angle" (the gait's joint angles are imposed) or "torque"
-    (`torque`, N m, is a TorqueTable, an (n-1,) list of constants, or a function of time).
-    method: "rk4" with step dt_s, or "nonsmooth" (dry friction as the set-valued law: adaptive steps
-    for the explicit, shrinking steps of dt_s for the implicit formulation). start: "link1_at_rest"
-    (x = y = theta_1 = 0 and their rates; the paper's), "zero_momentum", "steady" (from the periodic
-    state) or a LinkState. gap: what the implicit formulation starts from, "slow_manifold" (springs
-    already carry the joint forces, no ringing) or "zero". smoothing_m_s: above 0 dry friction is
-    smoothed by that width, for study. record: "joints" adds forces and torques of the joints;
-    record_every: keep each of so many steps. SI units, radians. Raises BadInput.
+    joint_damping_n_s_m c).
+
+    drive: "angle" (the gait's joint angles are imposed), "torque" (`torque`, N m, is a TorqueTable,
+    an (n-1,) list of constants, or a function of time) or "servo" (a Servo follows the gait as the
+    firmware sends it). Joints count from 1 at the tail: `limp` lists those without torque, `locked`
+    maps others to the angle at which they stay.
+
+    incline_rad: slope of the ground, which rises towards incline_direction_rad of the ground's
+    frame (0: along x). Friction stays as given: measure it on the slope.
+
+    method: one of methods.METHODS. Methods with fixed steps take dt_s; adaptive ones keep each
+    step's error below `tolerance` (body lengths, radians, and those times omega), and dt_s is only
+    the grid of the recorded times.
+
+    start: "link1_at_rest" (x = y = theta_1 = 0 and their rates; the paper's), "zero_momentum",
+    "steady" (from the periodic state) or a LinkState. gap: what the implicit formulation starts
+    from, "slow_manifold" (springs already carry the joint forces, no ringing) or "zero".
+    smoothing_m_s: above 0 dry friction is smoothed by that width, for study.
+
+    record: "joints" adds forces and torques of the joints, "friction" the force of the ground on
+    each link, "energy" a ledger (kinetic energy, work, heat) that is integrated with the motion.
+    record_every: keep each of so many dt_s; unless given every one, thinned to 20 000 rows.
     """
 
     robot: Robot
@@ -92,60 +62,100 @@ class Scene:
     joint_damping_n_s_m: float = 1.0
     drive: str = "angle"
     torque: TorqueTable | Callable[[float], ArrayLike] | ArrayLike | None = None
+    servo: Servo | None = None
+    limp: tuple[int, ...] = ()
+    locked: Mapping[int, float] = field(default_factory=dict)
+    incline_rad: float = 0.0
+    incline_direction_rad: float = 0.0
     method: str = "rk4"
     dt_s: float = 1e-3
+    tolerance: float = 1e-7
     duration_s: float = 10.0
     start: str | LinkState = "link1_at_rest"
     gap: str = "slow_manifold"
     smoothing_m_s: float = 0.0
-    record: tuple[str, ...] = field(default=())
-    record_every: int = 1
+    record: tuple[str, ...] = ()
+    record_every: int | None = None
 
     def __post_init__(self) -> None:
         check_choice("formulation", self.formulation, FORMULATIONS)
         check_choice("drive", self.drive, DRIVES)
         check_choice("method", self.method, tuple(METHODS))
         check_choice("gap", self.gap, GAPS)
+        if isinstance(self.record, str):
+            raise BadInput(f"record is {self.record!r}; give a tuple, ({self.record!r},)")
         for name in self.record:
             check_choice("record", name, RECORDS)
         check_number("joint_stiffness_n_m", self.joint_stiffness_n_m, 0.0)
         check_number("joint_damping_n_s_m", self.joint_damping_n_s_m, 0.0)
         check_number("smoothing_m_s", self.smoothing_m_s, 0.0)
+        check_number("incline_rad", self.incline_rad, 0.0, math.pi / 2)
+        check_number("incline_direction_rad", self.incline_direction_rad, -2 * math.pi, 2 * math.pi)
         check_number("dt_s", self.dt_s, 0.0, open_low=True)
+        check_number("tolerance", self.tolerance, 1e-13, 0.1)
         check_number("duration_s", self.duration_s, 0.0)
         self._check_counts()
         self._check_drive()
+        self._check_faults()
+        self._check_method()
         self._check_start()
 
     def _check_counts(self) -> None:
-        every = self.record_every
-        if isinstance(every, bool) or not isinstance(every, int) or every < 1:
+        every, links = self.record_every, self.robot.links
+        if every is not None and (isinstance(every, bool) or not isinstance(every, int)):
             raise BadInput(f"record_every is {every!r}; it must be a whole number, 1 or more")
-        if self.duration_s / self.dt_s > MAX_STEPS:
+        if every is not None and every < 1:
+            raise BadInput(f"record_every is {every!r}; it must be a whole number, 1 or more")
+        if self.duration_s / self.dt_s * links > MAX_LINK_STEPS:
             raise BadInput(
                 f"duration_s {self.duration_s:g} at dt_s {self.dt_s:g} is more than "
-                f"{MAX_STEPS:.0e} steps; take a larger step or a shorter run"
+                f"{MAX_LINK_STEPS / links:.2g} steps of {links} links; take a larger step or a "
+                "shorter run"
             )
-        values = 6 + (3 if "joints" in self.record else 0)
-        size = 8 * values * self.robot.links * (self.steps / every + 2)
+        values = 6 + 3 * ("joints" in self.record) + 2 * ("friction" in self.record)
+        size = 8 * values * links * (self.steps / self.every + 2)
         if size > MAX_RECORDED_BYTES:
             raise BadInput(
                 f"recording would take {size / 1e9:.3g} GB, more than "
                 f"{MAX_RECORDED_BYTES / 1e9:g} GB; take record_every "
-                f"{math.ceil(every * size / MAX_RECORDED_BYTES)} or more"
+                f"{math.ceil(self.every * size / MAX_RECORDED_BYTES)} or more"
             )
 
     def _check_drive(self) -> None:
-        if (self.drive == "torque") != (self.torque is not None):
-            raise BadInput(
-                f"drive is {self.drive!r} and torque is {self.torque!r}; give torque with drive "
-                "'torque' and only then"
-            )
-        self._check_method()
+        for drive, given in (("torque", self.torque), ("servo", self.servo)):
+            if (self.drive == drive) != (given is not None):
+                raise BadInput(
+                    f"drive is {self.drive!r} and {drive} is {given!r}; give {drive} with drive "
+                    f"{drive!r} and only then"
+                )
         joints = self.robot.links - 1
         if isinstance(self.torque, TorqueTable) and self.torque.torque_nm.shape[1] != joints:
             columns = self.torque.torque_nm.shape[1]
             raise BadInput(f"the torque table has {columns} columns; the robot has {joints} joints")
+        if self.drive != "servo":
+            return
+        if joints > 255:
+            raise BadInput(f"robot has {joints} joints; the firmware's gait serves at most 255")
+        for name, most in _FIRMWARE_LIMITS.items():
+            check_number(f"with drive 'servo', gait.{name}", getattr(self.gait, name), -most, most)
+
+    def _check_faults(self) -> None:
+        joints = self.robot.links - 1
+        for name in ("limp", "locked"):
+            for joint in getattr(self, name):
+                if isinstance(joint, bool) or not isinstance(joint, int) or not 0 < joint <= joints:
+                    raise BadInput(
+                        f"{name} names joint {joint!r}; joints are whole numbers from 1 (at the "
+                        f"tail) to {joints}"
+                    )
+        both = set(self.limp) & set(self.locked)
+        if both:
+            raise BadInput(f"joint {min(both)} is both limp and locked; choose one")
+        locked = {
+            j: check_number(f"locked[{j}]", a, -math.pi, math.pi) for j, a in self.locked.items()
+        }
+        object.__setattr__(self, "limp", tuple(sorted(set(self.limp))))
+        object.__setattr__(self, "locked", MappingProxyType(locked))
 
     def _check_method(self) -> None:
         for name in ("formulation", "drive", "law"):
@@ -156,14 +166,34 @@ class Scene:
                     f"method {self.method!r} does not run with {name} {value!r}; take method "
                     f"{' or '.join(others)}"
                 )
+        if "energy" in self.record and self.method == "nonsmooth":
+            raise BadInput(
+                "method 'nonsmooth' keeps no energy ledger; leave 'energy' out of record"
+            )
+        if self.formulation not in METHODS[self.method].plain:
+            return
+        extras = {
+            f"drive {self.drive!r}": self.drive != "angle",
+            "an incline": self.incline_rad > 0,
+            "limp or locked joints": bool(self.limp or self.locked),
+            f"record {self.record!r}": bool(self.record),
+        }
+        for what, there in extras.items():
+            if there:
+                raise BadInput(
+                    f"method {self.method!r} in formulation {self.formulation!r} does not run "
+                    f"with {what}; take method 'rk4', or formulation 'implicit'"
+                )
 
     def _check_start(self) -> None:
         if not isinstance(self.start, LinkState):
             check_choice("start", self.start, STARTS)
         elif self.start.links != self.robot.links:
             raise BadInput(f"start has {self.start.links} links, the robot has {self.robot.links}")
-        if self.start == "steady" and self.drive != "angle":
-            raise BadInput("start 'steady' needs drive 'angle'; give a LinkState instead")
+        if self.start == "steady" and (self.drive != "angle" or self.limp or self.locked):
+            raise BadInput(
+                "start 'steady' needs drive 'angle' and sound joints; give a LinkState instead"
+            )
 
     @property
     def law(self) -> str:
@@ -176,3 +206,13 @@ class Scene:
     def steps(self) -> int:
         """Return the number of steps of dt_s that cover duration_s."""
         return math.ceil(self.duration_s / self.dt_s - 1e-9)
+
+    @property
+    def every(self) -> int:
+        """Return the number of dt_s between recorded times."""
+        return self.record_every or max(1, math.ceil(self.steps / DEFAULT_ROWS))
+
+    @property
+    def adaptive(self) -> bool:
+        """Tell whether the method picks its own steps."""
+        return self.formulation in METHODS[self.method].adaptive

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid import stability
+from serpenoid import _core, stability
+from serpenoid.simulation import core_request
 
 THREE, SIX, VISCOUS = sn.Robot(3, 1.0, 0.12), sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 THREE_GAIT = sn.Gait(math.radians(30), math.radians(90), 3.0)
@@ -165,7 +167,7 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
         robot, sn.Ground(0, 0), still, formulation="implicit", joint_stiffness_n_m=1e4,
         joint_damping_n_s_m=c, drive=drive, torque=[0.0] * (n - 1) if drive == "torque" else None,
     )  # fmt: skip
-    stable = stability._test(scene)
+    stable = stability.stability_test(scene)
     assert stable is not None
     limit = stability.largest_step_s(stable, 1.0)
     closed = sn.LinkState.joined(robot, np.zeros(n + 2), np.zeros(n + 2)).packed()
@@ -174,14 +176,9 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
     grown = []
     for factor in (0.98, 1.1):
         steps = 3000
-        from serpenoid import _core
-        from serpenoid.model import core_model
-
-        out = _core.run(
-            core_model(robot, scene.ground, still), True,
-            (lambda _t: np.zeros(n - 1)) if drive == "torque" else None, False, 1e4, c, 0.0,
-            factor * limit, factor * limit * steps, steps, steps, False, start.packed(),
-        )  # fmt: skip
+        dt = factor * limit
+        longer = replace(scene, dt_s=dt, duration_s=dt * steps, record_every=steps)
+        out = _core.run(core_request(longer), start.packed(), None)  # without the refusal
         last = np.abs(np.diff(out["x_m"][-1]) - robot.link_length_m).max()
         grown.append(last if out["failed_at"] < 0 else math.inf)
     assert grown[0] < 1e-6
@@ -194,13 +191,14 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
         ({"dt_s": 0.0}, "dt_s is 0.0"),
         ({"duration_s": math.inf}, "duration_s is inf"),
         ({"dt_s": 1e-12, "duration_s": 1e3}, "more than"),
-        ({"dt_s": 1e-6, "duration_s": 1e3}, "recording would take 144 GB"),
+        ({"dt_s": 1e-6, "duration_s": 1e3, "record_every": 1}, "recording would take 144 GB"),
         ({"formulation": "both"}, "formulation is 'both'"),
         ({"drive": "torque"}, "give torque with drive"),
         ({"drive": "torque", "torque": [0.0] * 2, "method": "nonsmooth"}, "take method 'rk4'"),
         ({"smoothing_m_s": 1e-3, "method": "nonsmooth"}, "law 'smoothed'"),
-        ({"method": "euler"}, "method is 'euler'"),
-        ({"record": ("energy",)}, "record is 'energy'"),
+        ({"method": "heun"}, "method is 'heun'"),
+        ({"record": ("power",)}, "record is 'power'"),
+        ({"record": "joints"}, "give a tuple"),
         ({"record_every": 0}, "record_every is 0"),
         ({"drive": "torque", "torque": [1.0]}, "torque has shape (1,)"),
         ({"drive": "torque", "torque": lambda _t: [math.nan] * 2}, "torque at 0 s[0] is nan"),

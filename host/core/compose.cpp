@@ -1,0 +1,41 @@
+// The parts that a scene may have: formulation, drive, ground, method.
+#include "compose.hpp"
+
+#include <stdexcept>
+
+#include "euler.hpp"
+#include "paper_scheme.hpp"
+#include "rk4.hpp"
+#include "semi_implicit_euler.hpp"
+#include "set_valued_motion.hpp"
+#include "shrink_scheme.hpp"
+
+namespace serpenoid {
+
+std::unique_ptr<TorqueSource> torque_source(const RunRequest& q) {
+    if (q.drive == Drive::angle) return std::make_unique<NoTorque>();
+    if (q.drive == Drive::servo) return std::make_unique<ServoTorque>(q.servo, q.gait, q.robot.n);
+    if (!q.table.empty()) return std::make_unique<TableTorque>(q.table);
+    return std::make_unique<FunctionTorque>(q.torque);
+}
+
+std::unique_ptr<System> compose(const RunRequest& q) {
+    if (q.formulation == Formulation::explicit_) return compose_explicit(q);
+    if (q.method != "nonsmooth") return compose_implicit(q);
+    RunRequest bare = q;  // the method itself applies the friction
+    bare.ground = {0, 0, 0, 0};
+    return compose_implicit(bare);
+}
+
+std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
+    if (q.method == "rk4") return std::make_unique<Rk4>(system, q.dt);
+    if (q.method == "euler") return std::make_unique<Euler>(system, q.dt);
+    if (q.method == "semi_implicit_euler") return std::make_unique<SemiImplicitEuler>(system, q.dt);
+    if (q.method == "paper") return std::make_unique<PaperScheme>(system, q.dt);
+    if (q.method != "nonsmooth") throw std::invalid_argument("no such method: " + q.method);
+    if (q.formulation == Formulation::implicit)
+        return std::make_unique<ShrinkScheme>(system, q.robot, q.ground, q.dt);
+    return std::make_unique<SetValuedMotion>(q.robot, q.ground, q.gait, q.tolerance);
+}
+
+}  // namespace serpenoid
