@@ -69,6 +69,10 @@ class RecordingFailed(RobotError):
     """The recording cannot go on or cannot be read; what was written before is whole."""
 
 
+class FlashFailed(RobotError):
+    """The firmware could not be built or put on the board; says which, and what to do."""
+
+
 class CommandRefused(RobotError):
     """The board answered a command with `err:`; nothing changed on it.
 

@@ -1,0 +1,141 @@
+"""The command `flash` against a PlatformIO that succeeds, fails in each way, or is not there."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from robot.pty_board import PtyBoard
+from serpenoid.robot import flash
+
+ROOT = Path(__file__).parents[3]
+BUILT = 'echo "Building in release mode"; echo "Uploading .pio/build/uno/firmware.hex"'
+
+
+@pytest.fixture
+def pio(tmp_path, monkeypatch):
+    """Return a function that puts a `pio` of this shell script first on PATH."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+
+    def write(script: str) -> Path:
+        path = folder / "pio"
+        path.write_text(f'#!/bin/sh\necho "$@" > {folder}/arguments\n{script}\n')
+        path.chmod(0o755)
+        return folder / "arguments"
+
+    return write
+
+
+def test_success_ends_with_the_greeting(pio, serpenoid):
+    arguments = pio(f'{BUILT}; echo "avrdude done"; exit 0')
+    with PtyBoard() as board:
+        status, said, shown = serpenoid("flash", "--board", "mega", "--port", board.port, "--json")
+    assert status == 0
+    assert json.loads(said)["firmware"] == "0.1.0"
+    assert "avrdude done" in shown
+    assert arguments.read_text() == (
+        f"run -d {ROOT} -e mega -t upload --upload-port {board.port}\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("script", "said"),
+    [
+        ('echo "main.cpp:3: error: x"; exit 1', "did not compile (pio exited 1)"),
+        ('echo "HTTPClientError: no route"; exit 1', "connect to the internet"),
+        ("echo \"Error: Unknown environment names 'mega'\"; exit 1", "platformio.ini has no"),
+        (f'{BUILT}; echo "stk500_getsync(): not in sync"; exit 1', "boot loader does not answer"),
+        (f'{BUILT}; echo "can\'t open device /dev/x"; exit 1', "serpenoid doctor"),
+        (f'{BUILT}; echo "*** [upload] Error 1"; exit 7', "the upload failed (pio exited 7)"),
+    ],
+)
+def test_each_failure_has_its_cure(pio, serpenoid, script, said):
+    pio(script)
+    with PtyBoard() as board:
+        status, _, errors = serpenoid("flash", "--board", "mega", "--port", board.port)
+        assert not board.received
+    assert status == 1
+    assert said in errors
+
+
+def test_a_board_that_is_silent_afterwards(pio, serpenoid, monkeypatch):
+    pio(f"{BUILT}; exit 0")
+    monkeypatch.setattr(flash, "GREETING_S", 0.3)
+    with PtyBoard(silent=True) as board:
+        status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
+    assert (status, "no greeting" in errors) == (1, True)
+
+
+def test_without_platformio(serpenoid, monkeypatch):
+    monkeypatch.setattr(flash, "find_platformio", lambda: None)
+    status, _, errors = serpenoid("flash", "--board", "uno", "--port", "/dev/null")
+    assert (status, "pip install 'serpenoid[flash]'" in errors) == (1, True)
+
+
+def test_ctrl_c_ends_platformio_and_what_it_started(pio, tmp_path):
+    pio(f"{BUILT}; sleep 60 & echo $! > {tmp_path}/child; wait")
+    with PtyBoard() as board:
+        run = subprocess.Popen(
+            [sys.executable, "-m", "serpenoid.cli", "flash", "--board", "uno", "--port",
+             board.port], stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        end = time.monotonic() + 10
+        while not (tmp_path / "child").exists() and time.monotonic() < end:
+            time.sleep(0.02)
+        time.sleep(0.1)
+        run.send_signal(signal.SIGINT)
+        _, said = run.communicate(timeout=20)
+    assert run.returncode == 130
+    assert "flash it again" in said
+    assert not alive(int((tmp_path / "child").read_text()))
+
+
+def alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_the_usb_id_tells_an_uno_and_a_mega(monkeypatch, pio, serpenoid):
+    rows = [("/dev/ttyA", 0x2341, 0x43), ("/dev/ttyB", 0x2A03, 0x42), ("/dev/ttyC", 0x1A86, 0x7523)]
+    found = [SimpleNamespace(device=d, description="", vid=v, pid=p) for d, v, p in rows]
+    monkeypatch.setattr("serial.tools.list_ports.comports", lambda: found)
+    assert flash.board_at("/dev/ttyA") == "uno"
+    assert flash.board_at("/dev/ttyB") == "mega"
+    pio("exit 0")
+    status, _, errors = serpenoid("flash", "--port", "/dev/ttyC")
+    assert (status, "give --board uno|nano|mega" in errors) == (2, True)
+
+
+def test_what_cannot_be_flashed(pio, serpenoid, tmp_path):
+    pio("exit 0")
+    status, _, errors = serpenoid("flash", "--port", "virtual")
+    assert (status, "no flash memory" in errors) == (2, True)
+    status, _, errors = serpenoid("flash", "--board", "uno", "--project", str(tmp_path))
+    assert (status, "--project" in errors) == (2, True)
+    status, _, errors = serpenoid("flash", "--board", "due")
+    assert status == 2
+
+
+def test_a_port_in_use_is_not_flashed(pio, serpenoid):
+    arguments = pio("exit 0")
+    with PtyBoard() as board, open(board.port, "rb"):
+        status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
+    assert (status, "in use" in errors) == (1, True)
+    assert not arguments.exists()
+
+
+def test_the_boards_are_those_of_platformio_ini():
+    ini = (ROOT / "platformio.ini").read_text()
+    for board in flash.BOARDS:
+        assert f"[env:{board}]" in ini
