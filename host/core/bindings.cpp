@@ -187,6 +187,11 @@ Array three(const Vec3& v) { return to_numpy({v.begin(), v.end()}, {3}); }
 
 NB_MODULE(_core, m) {
     m.doc() = "Compiled core of serpenoid; use the package's own functions instead.";
+#ifdef __clang__
+    m.attr("compiler") = __VERSION__;  // "Clang ..."
+#else
+    m.attr("compiler") = "GCC " __VERSION__;
+#endif
     nb::class_<Model>(m, "Model")
         .def("__init__", [](Model* self, int n, double mass, double half_length, double inertia,
                             double ct, double cn, double ft0, double fn0, double alpha, double beta,

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+compiler: str
+
 class Model:
     def __init__(
         self, n: int, mass: float, half_length: float, inertia: float,

@@ -6,25 +6,49 @@ from pathlib import Path
 
 import click
 
+OUT = click.option("--out", type=click.Path(file_okay=False, path_type=Path), show_default=True,
+                   default=Path("bench-out"), help="Folder for figures and numbers.")  # fmt: skip
+
 
 @click.group(name="bench")
 def BENCH_GROUP() -> None:
     """Measure error against run time, beside what else could do the work."""
 
 
+def _tell(text: str) -> None:
+    click.echo(text, err=True)
+
+
 @BENCH_GROUP.command()
-@click.option("--out", type=click.Path(path_type=Path), default=Path("bench-out"))
-@click.option("--quick", is_flag=True, help="Only the 3-link and 6-link scenes, three rounds.")
-def accuracy(out: Path, quick: bool) -> None:
-    """Write accuracy.csv: error and median time of every method and step, viscous scenes."""
-    from importlib.util import find_spec
+@OUT
+@click.option("--quick", is_flag=True, help="Three scenes, three rounds: less than a minute.")
+@click.option("--readme", type=click.Path(exists=True, dir_okay=False, path_type=Path),
+              help="A README whose table between the markers is renewed.")  # fmt: skip
+def accuracy(out: Path, quick: bool, readme: Path | None) -> None:
+    """Draw error against run time of every method and its peers: accuracy.png, .csv and .json."""
+    from . import accuracy_files as files
+    from .accuracy import NOT_TRIED, QUICK, Effort, run
+    from .accuracy_figure import accuracy_figure
+    from .contenders import absent
+    from .equal_error import headline, table
 
-    from .accuracy import run
-
-    names = ("paper3", "paper3_k1e3", "paper6", "paper6_k1e3") if quick else ()
-    rows = run(out, names, 3 if quick else 5)
-    for row in rows:
-        click.echo("  ".join(str(value) for value in row.values()))
-    if not find_spec("numba"):
-        click.echo("left out, for want of numba: every peer; pip install 'serpenoid[bench]'")
-    click.echo(f"{len(rows)} rows in {out / 'accuracy.csv'}")
+    for missing in absent():
+        _tell(f"left out, not installed: {missing}; pip install 'serpenoid[bench]' brings it")
+    rows = run(QUICK if quick else Effort(), _tell)
+    out.mkdir(parents=True, exist_ok=True)
+    files.write_csv(rows, out / "accuracy.csv")
+    files.write_json(rows, out / "accuracy.json")
+    accuracy_figure(rows, out / "accuracy.png")
+    if readme:
+        files.update_readme(rows, readme)
+    failed = [row for row in rows if row.error is None]
+    for row in failed:  # all stand in the files; here those that were tried
+        if row.note.startswith(NOT_TRIED):
+            continue
+        click.echo(f"failed: {row.scene}, {row.method}, {row.kind} {row.setting:g}: {row.note}")
+    click.echo(f"\n{table(rows)}\n")
+    for line in headline(rows):
+        if "ratio" in line:
+            click.echo("{scene} at {error:g}: {ours} {ratio:.3g} times as fast as {peer}"
+                       .format(**line))  # fmt: skip
+    click.echo(f"{len(rows)} rows, {len(failed)} without a result; in {out}")

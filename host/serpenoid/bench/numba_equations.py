@@ -128,7 +128,8 @@ def implicit_rate(t, y, p, dy):
 
 
 @njit(**_JIT)
-def _rate(implicit, t, y, p, dy):
+def fill_rate(implicit, t, y, p, dy):
+    """Fill dy with the rate of either model."""
     if implicit:
         implicit_rate(t, y, p, dy)
     else:
@@ -143,16 +144,16 @@ def rk4(implicit, y0, p, dt, steps):
                          np.empty_like(y))  # fmt: skip
     for step in range(steps):
         t = step * dt
-        _rate(implicit, t, y, p, k1)
+        fill_rate(implicit, t, y, p, k1)
         for i in range(y.size):
             z[i] = y[i] + dt / 2 * k1[i]
-        _rate(implicit, t + dt / 2, z, p, k2)
+        fill_rate(implicit, t + dt / 2, z, p, k2)
         for i in range(y.size):
             z[i] = y[i] + dt / 2 * k2[i]
-        _rate(implicit, t + dt / 2, z, p, k3)
+        fill_rate(implicit, t + dt / 2, z, p, k3)
         for i in range(y.size):
             z[i] = y[i] + dt * k3[i]
-        _rate(implicit, t + dt, z, p, k4)
+        fill_rate(implicit, t + dt, z, p, k4)
         for i in range(y.size):
             y[i] += dt / 6 * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i])
     return y
@@ -169,7 +170,7 @@ def dop853_run(implicit, y0, p, end, rtol, atol, most):
     y, z, d = y0.copy(), np.empty_like(y0), y0.size
     k = np.empty((12, d))
     t, h, steps = 0.0, end * 1e-4, 0
-    _rate(implicit, t, y, p, k[0])
+    fill_rate(implicit, t, y, p, k[0])
     while t < end:
         steps += 1
         if steps > most:
@@ -183,7 +184,7 @@ def dop853_run(implicit, y0, p, end, rtol, atol, most):
                 if a != 0:
                     for i in range(d):
                         z[i] += a * k[j, i]
-            _rate(implicit, t + _NODES[stage] * h, z, p, k[stage])
+            fill_rate(implicit, t + _NODES[stage] * h, z, p, k[stage])
         e3 = e5 = 0.0
         for i in range(d):
             rise = err3 = err5 = 0.0
@@ -202,7 +203,7 @@ def dop853_run(implicit, y0, p, end, rtol, atol, most):
         if error <= 1:
             t = end if h >= end - t else t + h
             y[:] = z
-            _rate(implicit, t, y, p, k[0])
+            fill_rate(implicit, t, y, p, k[0])
         h *= min(10.0, max(0.2, 0.9 * error ** (-0.125))) if error > 0 else 10.0
     return y, steps
 
@@ -211,5 +212,5 @@ def dop853_run(implicit, y0, p, end, rtol, atol, most):
 def rate_array(implicit, t, y, p):
     """Return the rate as a new array: what a general solver calls."""
     dy = np.empty_like(y)
-    _rate(implicit, t, y, p, dy)
+    fill_rate(implicit, t, y, p, dy)
     return dy

@@ -35,10 +35,15 @@ class Problem:
         """Tell which formulation is solved."""
         return self.stiffness_n_m > 0
 
+    @property
+    def formulation(self) -> str:
+        """Return the name that a Scene gives the formulation."""
+        return "implicit" if self.implicit else "explicit"
+
     def scene(self, **changes: object) -> Scene:
         """Return the scene from the common start; the fields given replace the problem's own."""
         fields = {
-            "formulation": "implicit" if self.implicit else "explicit",
+            "formulation": self.formulation,
             "duration_s": self.duration_s,
             **changes,
         }

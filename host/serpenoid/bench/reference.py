@@ -1,0 +1,78 @@
+"""The truth that the benchmark measures against, how it was found, and how well it is known.
+
+Viscous ground: SciPy's DOP853 at a tolerance of 1e-13 on the hand-written equations, compiled by
+Numba (a test holds them to plain NumPy); they share nothing with the core. Known to the distance
+from Numba's own DOP853 at that tolerance. Dry ground: smooth motion between switching events by the
+tests' reference (tests/host/reference/bingham.py), known to what a tolerance a hundred times looser
+changes. The stiff scenes take long, so all end states are kept in references.json;
+`python -m serpenoid.bench.reference` finds the viscous ones again.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import BadInput
+from .problems import Array, Problem, problems
+
+FILE = Path(__file__).with_name("references.json")
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """Hold an end state (the peers' vector) and the scaled error that it may itself have."""
+
+    end: Array
+    known_to: float
+
+
+def reference(problem: Problem) -> Reference:
+    """Return the end state kept for a problem; raise BadInput if it belongs to another one."""
+    kept = json.loads(FILE.read_text())[problem.name]
+    if kept["problem"] != repr(problem) or problem.error(problem.first, kept["first"]) > 1e-13:
+        raise BadInput(
+            f"the reference kept for {problem.name} is of another problem or start; find it again "
+            "with `python -m serpenoid.bench.reference`"
+        )
+    return Reference(np.array(kept["end"]), kept["known_to"])
+
+
+def solve(problem: Problem) -> Array:
+    """Return the end state on viscous ground by SciPy's DOP853."""
+    from scipy.integrate import solve_ivp
+
+    from .numba_equations import parameters, rate_array
+
+    p = parameters(problem)
+    out = solve_ivp(
+        lambda t, y: rate_array(problem.implicit, t, y, p), (0, problem.duration_s),
+        problem.first, "DOP853", rtol=1e-13, atol=1e-15,
+    )  # fmt: skip
+    return out.y[:, -1]
+
+
+def keep(problem: Problem, end: Array, known_to: float) -> None:
+    """Write a problem's reference into the file."""
+    kept = json.loads(FILE.read_text()) if FILE.exists() else {}
+    kept[problem.name] = {"problem": repr(problem), "first": problem.first.tolist(),
+                          "end": list(end), "known_to": known_to}  # fmt: skip
+    FILE.write_text(json.dumps(kept, indent=1) + "\n")
+
+
+def _check(problem: Problem) -> Array:
+    from . import numba_equations as q
+
+    p = q.parameters(problem)
+    args = (problem.first, p, problem.duration_s, 1e-13, 1e-15, 10**8)
+    return q.dop853_run(problem.implicit, *args)[0]
+
+
+if __name__ == "__main__":
+    for one in problems():
+        if not one.ground.dry:
+            found = solve(one)
+            keep(one, found, max(one.error(_check(one), found), 1e-14))
