@@ -35,7 +35,7 @@ LaneTask::LaneTask(const LaneScene& scene, const std::vector<Gait>& gaits, bool 
                    const lanes::Set& set)
     : width_(set.width), batch_(batch) {
     const int n = scene.robot.n, rows = batch ? n : (n + width_ - 1) / width_;
-    const std::size_t packs = lanes::kOnes + std::size_t{lanes::kRow} * (rows + 1);
+    const std::size_t packs = lanes::kOnes + std::size_t{lanes::kRow} * rows;
     const std::size_t bytes = (packs * width_ * sizeof(double) + 63) / 64 * 64;
     memory_.reset(static_cast<double*>(std::aligned_alloc(64, bytes)));
     if (!memory_) throw std::bad_alloc();
@@ -54,7 +54,7 @@ LaneTask::LaneTask(const LaneScene& scene, const std::vector<Gait>& gaits, bool 
 
 double& LaneTask::at(int what, int link, int gait) const {
     const std::size_t row = batch_ ? link : link / width_, lane = batch_ ? gait : link % width_;
-    return memory_[(lanes::kOnes + (row + 1) * lanes::kRow + what) * width_ + lane];
+    return memory_[(lanes::kOnes + row * lanes::kRow + what) * width_ + lane];
 }
 
 double& LaneTask::one(int which, int gait) const { return memory_[which * width_ + gait]; }

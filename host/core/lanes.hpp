@@ -45,7 +45,7 @@ enum One : int {
     kOnes = kTurns + 3
 };
 
-// What a kernel advances. Memory, aligned to 64 bytes: the single packs, a row of zeros, the rows.
+// What a kernel advances. Memory, aligned to 64 bytes: the single packs, then the rows.
 struct Task {
     Robot robot;
     Ground ground;

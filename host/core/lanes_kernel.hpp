@@ -100,7 +100,7 @@ class Stepper {
 
   private:
     V& one(int which) const { return reinterpret_cast<V*>(q.memory)[which]; }
-    V* begin() const { return reinterpret_cast<V*>(q.memory) + kOnes + kRow; }
+    V* begin() const { return reinterpret_cast<V*>(q.memory) + kOnes; }
     V* end() const { return begin() + static_cast<long>(q.rows) * kRow; }
 
     // cos and sin of theta_i - theta_1, its rate, and the sum of its second derivatives. Angles are
@@ -148,7 +148,7 @@ class Stepper {
     }
 
     // Hand every row and its accelerations to `use` and return that of theta_1. `at` is the place
-    // of the stage in a row. A row is done when the next one's force is known; row -1 has none.
+    // of the stage in a row. A row is finished when the next one's force is known.
     template <class Use>
     V accelerations(int which, int at, V theta, V omega, const Use& use) {
         V st, ct, couple{};
@@ -164,7 +164,7 @@ class Stepper {
         V *k = begin(), *last = end();
         for (; k != last; k += kRow) {
             const Load now = load(k, k + at, k + kShape + 3 * which, ct, st, omega, head);
-            finish(k - kRow, load_before, now.force_x, now.force_y);
+            if (k != begin()) finish(k - kRow, load_before, now.force_x, now.force_y);
             load_before = now;
         }
         finish(k - kRow, load_before, V{}, V{});

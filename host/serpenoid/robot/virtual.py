@@ -6,6 +6,7 @@ import threading
 import time
 
 STEP_S = 0.002  # of the board's time, within which a fast board answers
+LEAST_S = 40e-6  # a byte on the wire, the board's own step: less would not pass at all
 NAP_S = 0.005
 
 
@@ -35,7 +36,7 @@ class VirtualLink:
         """Let time pass, up to timeout_s, and return what the board said in it."""
         if self.lockstep:
             with self._using:
-                self.board.run(min(max(timeout_s, 0.0), STEP_S))
+                self.board.run(max(LEAST_S, min(timeout_s, STEP_S)))
                 return self.board.read()
         end_s = time.monotonic() + timeout_s
         while not (said := self._catch_up()) and time.monotonic() < end_s:

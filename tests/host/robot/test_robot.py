@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import pytest
+from avr.live import LiveBoard
 from serpenoid import Gait
-from serpenoid.errors import CommandRefused, RobotClosed
-from serpenoid.robot import Robot
+from serpenoid.errors import BadInput, CommandRefused, RobotClosed, RobotLost, RobotReset
+from serpenoid.robot import Robot, inbox
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
@@ -33,4 +35,114 @@ def test_a_run_from_opening_to_stop(any_port):
         robot.idle()
         assert robot.losses.damaged_lines == robot.losses.missed_frames == 0
     with pytest.raises(RobotClosed):
+        robot.straight()
+
+
+def test_the_gait_that_comes_is_the_one_asked_for(any_port):
+    """Eq. 57, from the board's own phase; the lag is beyond half a turn and must come round."""
+    gait = Gait(math.radians(25), beta_rad=-4.0, omega_rad_s=6.0, offset_rad=math.radians(-10))
+    with Robot(any_port) as robot:
+        robot.set("angle_ramp", 360)
+        robot.set("pose_speed", 360)
+        robot.set("rate_ramp", 100)
+        robot.gait(gait)
+        settled = list(robot.frames(0.8))[25:]
+    for frame in settled:
+        for joint, angle_rad in enumerate(frame.setpoint_rad):
+            swing = math.sin(frame.phase_rad + joint * gait.beta_rad)
+            # the board's fixed point and the wire's 0.01 degrees
+            assert angle_rad == pytest.approx(
+                gait.offset_rad + gait.alpha_rad * swing, abs=math.radians(0.02)
+            )
+    for before, after in itertools.pairwise(settled):
+        turned = (after.phase_rad - before.phase_rad) % (2 * math.pi)
+        frames = after.frame - before.frame
+        assert turned == pytest.approx(0.02 * 6.0 * frames, abs=math.radians(0.01))
+
+
+def test_poses_arrive_in_radians(any_port):
+    with Robot(any_port) as robot:
+        robot.set("pose_speed", 360)
+        for move, angles_rad in (
+            (lambda: robot.bent(0.3), [0.3, -0.3, 0.3, -0.3, 0.3]),
+            (lambda: robot.pose([0.1, 0.2, -0.3, 0.0, 1e-9]), [0.1, 0.2, -0.3, 0.0, 0.0]),
+            (robot.straight, [0.0] * 5),
+        ):
+            move()
+            *_, last = robot.frames(0.4)
+            assert last.setpoint_rad == pytest.approx(angles_rad, abs=math.radians(0.02))
+        with pytest.raises(BadInput, match="5 angles"):
+            robot.pose([0.0] * 4)
+        with pytest.raises(BadInput, match="finite"):
+            robot.bent(math.nan)
+
+
+@pytest.mark.parametrize("kind", ["virtual:fast", pytest.param("elf", marks=pytest.mark.avr)])
+def test_settings_and_trims_are_kept_when_saved(kind, request):
+    port = kind if kind != "elf" else request.getfixturevalue("simulated_board").port
+    with Robot(port) as robot:
+        robot.trim(2, "centre", 1512)
+        robot.trim(5, "low", -75.5)
+        robot.set("silence", 3.5)
+        robot.save()
+        robot.defaults()
+        assert robot.settings()["silence"] == 2.0
+        robot.load()
+        assert robot.settings()["silence"] == 3.5
+        trims = robot.trims()
+        assert (trims[1].joint, trims[1].centre_us, trims[4].low_deg) == (2, 1512, -75.5)
+        for ask in (lambda: robot.set("speed", 1), lambda: robot.trim(6, "centre", 1500)):
+            with pytest.raises(CommandRefused) as refused:
+                ask()
+            assert refused.value.word == "name"
+        with pytest.raises(BadInput, match="no name"):
+            robot.set("silence 1\n#9 gait", 3)
+
+
+def test_telemetry_thinned_out_is_not_counted_as_missed():
+    with Robot("virtual:fast") as robot:
+        list(robot.frames(0.1))
+        for every, most in ((10, 6), (0, 0), (3, 18), (1, 51)):
+            robot.set("every", every)
+            assert most - 2 <= len(list(robot.frames(1.0))) <= most
+            assert robot.losses.missed_frames == 0
+        verdict, data = robot.command("set every 7")
+        assert verdict.accepted
+        assert not data
+        assert len(list(robot.frames(1.0))) <= 8
+        assert robot.losses.missed_frames == 0
+
+
+def test_frames_that_nobody_reads_are_bounded_and_counted(monkeypatch):
+    monkeypatch.setattr(inbox, "MOST_UNREAD", 10)
+    with Robot("virtual:fast") as robot:
+        robot._dialogue.wait(lambda: False, robot._dialogue.link.now_s() + 1.0)
+        assert robot.losses.unread_frames == pytest.approx(40, abs=3)
+        robot._dialogue.wait(lambda: False, robot._dialogue.link.now_s() + 0.1)
+        assert next(robot.frames(1.0)).frame > 55  # those that come from now on
+
+
+@pytest.mark.avr
+def test_reset_and_hang_of_the_simulated_board_end_the_run(simulated_board):
+    for harm, cause in ((simulated_board.press_reset, "external"), (simulated_board.hang, "watch")):
+        with pytest.raises(RobotReset, match=f"cause: {cause}"):
+            with Robot(simulated_board.port) as robot:
+                robot.gait(GAIT)
+                harm()
+                list(robot.frames(3.0))
+
+
+@pytest.mark.avr
+def test_unplugging_the_simulated_board_is_a_loss(simulated_board):
+    with pytest.raises(RobotLost, match="cable"), Robot(simulated_board.port) as robot:
+        robot.gait(GAIT)
+        simulated_board.unplug()
+        list(robot.frames(3.0))
+
+
+@pytest.mark.avr
+@pytest.mark.parametrize("options", [{"boot_s": 1.0}, {"reset_on_open": False}])
+def test_a_board_that_boots_slowly_or_not_at_all_is_found(firmware_elf, options):
+    with LiveBoard(firmware_elf("uno"), **options) as live, Robot(live.port) as robot:
+        assert robot.hello.board == "uno"
         robot.straight()
