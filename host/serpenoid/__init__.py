@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .model import Gait, Ground, Robot
     from .optimize import LeastPower, least_power_gait
     from .scene import Scene
+    from .scene_file import load_scene, save_scene
     from .session import Session, load_session
     from .simulation import Run, simulate
     from .steady import Steady, Sweep, steady_gait, sweep
@@ -30,6 +31,7 @@ _HOMES = {
     "optimize": ("LeastPower", "least_power_gait"),
     "drives": ("Servo", "TorqueTable"),
     "scene": ("Scene",),
+    "scene_file": ("load_scene", "save_scene"),
     "session": ("Session", "load_session"),
     "simulation": ("Run", "simulate"),
     "steady": ("Steady", "Sweep", "steady_gait", "sweep"),
@@ -62,7 +64,9 @@ __all__ = [
     "acceleration",
     "fit_friction",
     "least_power_gait",
+    "load_scene",
     "load_session",
+    "save_scene",
     "simulate",
     "simulate_gaits",
     "steady_gait",

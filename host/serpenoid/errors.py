@@ -101,7 +101,7 @@ def check_number(
         raise BadInput(f"{name} is {value!r}; it must be {rule}")
     try:
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):  # an int may have 400 digits
         raise BadInput(f"{name} is {value!r}; it must be {rule}") from None
     inside = (number > low if open_low else number >= low) and number <= high
     if not (math.isfinite(number) and inside):

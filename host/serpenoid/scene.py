@@ -10,7 +10,7 @@ from types import MappingProxyType
 from numpy.typing import ArrayLike
 
 from .drives import Servo, TorqueTable
-from .dynamics import LinkState
+from .dynamics import LinkState, finite_vector
 from .errors import BadInput, check_choice, check_number
 from .methods import DRIVES, FORMULATIONS, METHODS
 from .model import Gait, Ground, Robot
@@ -86,19 +86,26 @@ class Scene:
             raise BadInput(f"record is {self.record!r}; give a tuple, ({self.record!r},)")
         for name in self.record:
             check_choice("record", name, RECORDS)
-        check_number("joint_stiffness_n_m", self.joint_stiffness_n_m, 0.0)
-        check_number("joint_damping_n_s_m", self.joint_damping_n_s_m, 0.0)
-        check_number("smoothing_m_s", self.smoothing_m_s, 0.0)
-        check_number("incline_rad", self.incline_rad, 0.0, math.pi / 2)
-        check_number("incline_direction_rad", self.incline_direction_rad, -2 * math.pi, 2 * math.pi)
-        check_number("dt_s", self.dt_s, 0.0, open_low=True)
-        check_number("tolerance", self.tolerance, 1e-13, 0.1)
-        check_number("duration_s", self.duration_s, 0.0)
+        self._check_numbers()
         self._check_counts()
         self._check_drive()
         self._check_faults()
         self._check_method()
         self._check_start()
+
+    def _check_numbers(self) -> None:
+        turn = 2 * math.pi
+        for name, *limits in (
+            ("joint_stiffness_n_m", 0.0),
+            ("joint_damping_n_s_m", 0.0),
+            ("smoothing_m_s", 0.0),
+            ("incline_rad", 0.0, math.pi / 2),
+            ("incline_direction_rad", -turn, turn),
+            ("tolerance", 1e-13, 0.1),
+            ("duration_s", 0.0),
+        ):
+            object.__setattr__(self, name, check_number(name, getattr(self, name), *limits))
+        object.__setattr__(self, "dt_s", check_number("dt_s", self.dt_s, 0.0, open_low=True))
 
     def _check_counts(self) -> None:
         every, links = self.record_every, self.robot.links
@@ -129,11 +136,19 @@ class Scene:
                     f"{drive!r} and only then"
                 )
         joints = self.robot.links - 1
-        if isinstance(self.torque, TorqueTable) and self.torque.torque_nm.shape[1] != joints:
+        if isinstance(self.torque, TorqueTable):
             columns = self.torque.torque_nm.shape[1]
-            raise BadInput(f"the torque table has {columns} columns; the robot has {joints} joints")
-        if self.drive != "servo":
-            return
+            if columns != joints:
+                raise BadInput(
+                    f"the torque table has {columns} columns; the robot has {joints} joints"
+                )
+        elif self.torque is not None and not callable(self.torque):
+            finite_vector("torque", self.torque, joints)
+        if self.drive == "servo":
+            self._check_firmware()
+
+    def _check_firmware(self) -> None:
+        joints = self.robot.links - 1
         if joints > 255:
             raise BadInput(f"robot has {joints} joints; the firmware's gait serves at most 255")
         for name, most in _FIRMWARE_LIMITS.items():

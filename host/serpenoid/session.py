@@ -158,11 +158,7 @@ def load_session(folder: str | Path) -> Session:
 def load_setup(folder: str | Path) -> Setup:
     """Read a session's session.toml alone; raises BadInput as load_session does."""
     top = Table.load(Path(folder) / "session.toml")
-    if top.whole("format") > FORMAT:
-        raise BadInput(
-            f"{top.where('format')}: format is {top.values['format']}; this version of serpenoid "
-            f"reads formats up to {FORMAT}; install a newer one"
-        )
+    top.check_format(FORMAT)
     top.only("format", "name", "provenance", "robot", "procedure", "uncertainty")
     provenance = top.table("provenance")
     provenance.only("kind", "source", "note")

@@ -28,6 +28,7 @@ class Table:
     values: Mapping[str, Any]
     path: Path
     text: str
+    start: int = 0  # in text, just behind the table's heading
 
     @classmethod
     def load(cls, path: Path) -> Table:
@@ -35,28 +36,46 @@ class Table:
         text = read_text(path)
         try:
             return cls(tomllib.loads(text), path, text)
-        except tomllib.TOMLDecodeError as error:
+        except (ValueError, RecursionError) as error:  # ValueError: a number of 5000 digits, too
             raise BadInput(f"{path}: not TOML: {error}") from error
+
+    def check_format(self, newest: int) -> None:
+        """Raise BadInput unless the file's format is one that this version reads."""
+        if not self.values:
+            raise BadInput(f"{self.path}: the file is empty; it must begin with format = {newest}")
+        if self.whole("format") > newest:
+            raise BadInput(
+                f"{self.where('format')}: format is {self.values['format']}; this version of "
+                f"serpenoid reads formats up to {newest}; install a newer one"
+            )
 
     def where(self, key: str) -> str:
         """Return file and line of a key or of a table's heading."""
-        found = re.search(rf"^\s*\[?\s*{re.escape(key)}\s*[=\]]", self.text, re.MULTILINE)
-        return (
-            f"{self.path}:{self.text.count(chr(10), 0, found.end()) + 1}"
-            if found
-            else str(self.path)
-        )
+        end = self._find(key)
+        return f"{self.path}:{self.text.count(chr(10), 0, end) + 1}" if end else str(self.path)
 
-    def only(self, *names: str) -> None:
-        """Raise BadInput unless there are these keys, all of them and no other."""
-        unknown = next((key for key in self.values if key not in names), "")
-        check_names(self.values, names, self.where(unknown), "key")
+    @property
+    def heading(self) -> str:
+        """Return file and line of the table's own heading; of a file's top table, the file."""
+        line = self.text.count(chr(10), 0, self.start) + 1
+        return f"{self.path}:{line}" if self.start else str(self.path)
+
+    def _find(self, key: str) -> int:
+        """Return where in the text a key or a table's heading ends, or 0."""
+        pattern = re.compile(rf"^[ \t]*\[?[ \t]*\"?{re.escape(key)}\"?[ \t]*[=\]]", re.MULTILINE)
+        found = pattern.search(self.text, self.start)
+        return found.end() if found else 0
+
+    def only(self, *names: str, optional: tuple[str, ...] = ()) -> None:
+        """Raise BadInput unless there are these keys, all but the optional, and no other."""
+        unknown = next((key for key in self.values if key not in names + optional), "")
+        check_names(self.values, names, self.where(unknown), "key", optional)
 
     def table(self, name: str) -> Table:
         """Return the table of that name inside this one."""
         if not isinstance(self.values[name], dict):
             raise BadInput(f"{self.where(name)}: {name} must be a table, [{name}]")
-        return Table(self.values[name], self.path, self.text)
+        return Table(self.values[name], self.path, self.text, self._find(name))
 
     def string(self, name: str) -> str:
         """Return a string that says something."""
@@ -107,15 +126,22 @@ def located(where: str) -> Iterator[None]:
         raise BadInput(f"{where}: {error}") from error
 
 
-def check_names(found: Iterable[str], known: tuple[str, ...], where: str, what: str) -> None:
-    """Raise BadInput unless the names found are the known ones, each once, in any order."""
+def check_names(
+    found: Iterable[str],
+    needed: tuple[str, ...],
+    where: str,
+    what: str,
+    optional: tuple[str, ...] = (),
+) -> None:
+    """Raise BadInput unless the names found are those needed or optional, each once, any order."""
     names = list(found)
     for name in names:
-        if name not in known:
-            raise BadInput(f"{where}: unknown {what} {name!r}; {_hint(name, known)}")
+        if name not in needed + optional:
+            hint = _hint(name, needed + optional)
+            raise BadInput(f"{where}: unknown {what} {name!r}; {hint}")
         if names.count(name) > 1:
             raise BadInput(f"{where}: {what} {name!r} stands there twice")
-    missing = [name for name in known if name not in names]
+    missing = [name for name in needed if name not in names]
     if missing:
         raise BadInput(f"{where}: no {what} {', '.join(missing)}; all of these must be there")
 
@@ -125,5 +151,6 @@ def _hint(name: str, known: tuple[str, ...]) -> str:
     same = [k for k in known if _UNIT.sub("", k) == _UNIT.sub("", name)]
     if same:
         return f"the quantity is kept as {same[0]!r}, in those units alone; convert it"
-    close = difflib.get_close_matches(name, known, n=1)
+    close = [k for k in known if k.startswith(f"{name}_")]  # its unit was left out
+    close = close or difflib.get_close_matches(name, known, n=1)
     return f"did you mean {close[0]!r}?" if close else f"known are {', '.join(known)}"

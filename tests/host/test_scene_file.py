@@ -1,0 +1,209 @@
+"""Scene files: what is written comes back to the last bit, and what is wrong is told where."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import serpenoid as sn
+
+ROBOT = sn.Robot(4, 0.1, 1 / 3)
+GROUND = sn.Ground(0.014, 0.2, 1e-7, 0.3)
+GAIT = sn.Gait(0.1 + 0.2, math.radians(75), math.pi, -0.7)
+STATE = sn.LinkState.in_gait(ROBOT, GAIT, 0.0, [0.1, 0.2, 0.3], [1, 2, 3])
+TIMES = sn.TorqueTable([0, 1 / 3, 1], np.arange(9).reshape(3, 3) / 7)
+PLAIN = """\
+format = 1
+duration_s = 2
+[robot]
+links = 6
+link_mass_kg = 0.0756
+link_length_m = 0.076
+[ground]
+ct_n_s_m = 0.014
+cn_n_s_m = 0.2
+[gait]
+alpha_rad = 1.2
+beta_rad = 1.3
+omega_rad_s = 5.0
+"""
+
+SCENES = {
+    "defaults": sn.Scene(ROBOT, GROUND, GAIT),
+    "numbers": sn.Scene(
+        ROBOT, GROUND, GAIT, formulation="implicit", joint_stiffness_n_m=1 / 3,
+        joint_damping_n_s_m=2e-9, incline_rad=0.1, incline_direction_rad=-1 / 7, method="euler",
+        dt_s=1e-3 / 3, tolerance=3e-8, duration_s=1.1, start="zero_momentum", gap="zero",
+        smoothing_m_s=1e-5, record=("energy", "joints"), record_every=7,
+    ),
+    "servo": sn.Scene(
+        dataclasses.replace(ROBOT, link_inertia_kg_m2=1e-3 / 7), GROUND, GAIT, drive="servo",
+        servo=sn.Servo(1 / 3, 0.2, 0.4, 9.1, 0.0), limp=(1,), locked={3: 0.1 / 3, 2: -1},
+    ),
+    "torques": sn.Scene(ROBOT, GROUND, GAIT, drive="torque", torque=[0.1, 1 / 3, -2e-8]),
+    "torque table": sn.Scene(ROBOT, GROUND, GAIT, drive="torque", torque=TIMES),
+    "state": sn.Scene(ROBOT, GROUND, GAIT, start=STATE),
+    "numpy's numbers": sn.Scene(
+        ROBOT, GROUND, GAIT, dt_s=np.float32(0.001), duration_s=np.int64(3)
+    ),
+}  # fmt: skip
+
+
+def same(a: Any, b: Any) -> bool:
+    """Tell whether two fields hold the same numbers, to the last bit."""
+    if dataclasses.is_dataclass(a) and type(a) is type(b):
+        names = [f.name for f in dataclasses.fields(a)]
+        return all(same(getattr(a, name), getattr(b, name)) for name in names)
+    if isinstance(a, (np.ndarray, list, tuple)):
+        return bool(np.array_equal(a, b))
+    return bool(a == b)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_round_trip(name: str, tmp_path) -> None:
+    path = tmp_path / "scene.toml"
+    sn.save_scene(SCENES[name], path)
+    back = sn.load_scene(path)
+    for field in dataclasses.fields(sn.Scene):
+        was, has = getattr(SCENES[name], field.name), getattr(back, field.name)
+        assert same(was, has), (field.name, was, has)
+    assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_every_field_is_tried() -> None:
+    plain = SCENES["defaults"]
+    for field in dataclasses.fields(sn.Scene)[3:]:
+        values = [getattr(scene, field.name) for scene in SCENES.values()]
+        assert any(not same(v, getattr(plain, field.name)) for v in values), field.name
+
+
+def test_what_is_left_out_has_its_default(tmp_path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(PLAIN)
+    scene = sn.load_scene(path)
+    assert scene == sn.Scene(
+        sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2), sn.Gait(1.2, 1.3, 5.0), duration_s=2
+    )
+
+
+def test_angles_in_degrees(tmp_path) -> None:
+    path = tmp_path / "scene.toml"
+    text = PLAIN.replace("alpha_rad = 1.2", "alpha_deg = 70").replace("beta_rad", "beta_rad")
+    path.write_text("incline_deg = 10\nlocked_deg = { 2 = -30 }\n" + text)
+    scene = sn.load_scene(path)
+    assert scene.gait.alpha_rad == math.radians(70)
+    assert scene.incline_rad == math.radians(10)
+    assert scene.locked == {2: math.radians(-30)}
+
+
+def test_a_function_is_not_for_files(tmp_path) -> None:
+    scene = sn.Scene(ROBOT, GROUND, GAIT, drive="torque", torque=lambda t: [t] * 3)
+    with pytest.raises(sn.BadInput, match="TorqueTable"):
+        sn.save_scene(scene, tmp_path / "scene.toml")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch) -> None:
+    path = tmp_path / "scene.toml"
+    sn.save_scene(SCENES["defaults"], path)
+    before = path.read_bytes()
+
+    def full(_descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(sn.SerpenoidError, match=r"scene.toml: cannot be written: No space left"):
+        sn.save_scene(SCENES["servo"], path)
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def swap(old: str, new: str) -> str:
+    assert old in PLAIN
+    return PLAIN.replace(old, new)
+
+
+TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", ": the file is empty"),
+        ("# only words\n", ": the file is empty"),
+        (swap("format = 1", ""), ": format is None"),
+        (swap("format = 1", "format = 2"), ":1: format is 2; .* reads formats up to 1"),
+        (swap("format = 1", "format = 'x'"), ":1: format is 'x'"),
+        (PLAIN + "[gait", ": not TOML"),
+        ("x = " + "9" * 5000, ": not TOML"),
+        ("x = " + "[" * 9000, ": not TOML"),
+        ("format = 1\n", r": there is no table \[gait\]"),
+        (PLAIN[: PLAIN.index("[gait]")], r": there is no table \[gait\]"),
+        (swap("alpha_rad = 1.2\n", ""), r":10: there is no key alpha_rad in \[gait\]"),
+        (swap("alpha_rad = 1.2", "alhpa_rad = 1.2"), ":11: unknown key 'alhpa_rad'.*'alpha_rad'"),
+        (swap("[gait]", "[giat]"), ":10: unknown key 'giat'; did you mean 'gait'"),
+        (swap("ct_n_s_m", "ct"), ":8: unknown key 'ct'; did you mean 'ct_n_s_m'"),
+        (swap("alpha_rad = 1.2", "alpha_rad = nan"), ":11: alpha_rad is nan; .*at most 3.14"),
+        (swap("alpha_rad = 1.2", "alpha_rad = '1'"), ":11: alpha_rad is '1'; .*at most 3.14"),
+        (swap("alpha_rad = 1.2", "alpha_rad = true"), ":11: alpha_rad is True"),
+        (swap("alpha_rad = 1.2", "alpha_rad = 1979-05-27"), ":11: alpha_rad is datetime"),
+        (swap("alpha_rad = 1.2", "alpha_rad = 9" + 400 * "0"), ":11: alpha_rad is 90"),
+        (swap("alpha_rad = 1.2", "alpha_deg = 400"), ":11: alpha_rad is 6.98.*at most 3.14"),
+        (swap("alpha_rad = 1.2", "alpha_deg = nan"), ":11: alpha_deg is nan"),
+        (swap("alpha_rad = 1.2", "alpha_rad = 1\nalpha_deg = 70"), ":12: alpha_rad is there too"),
+        (swap("links = 6", "links = 1"), ":4: links is 1; .* from 2 to"),
+        (swap("links = 6", "links = 6.5"), ":4: links is 6.5"),
+        (swap("ct_n_s_m = 0.014", "ct_n_s_m = -1"), ":8: ct is -1"),
+        (swap("duration_s = 2", "duration_s = inf"), ":2: duration_s is inf"),
+        (swap("duration_s = 2", "duration_s = 1e300"), ":2: duration_s 1e\\+300 at dt_s"),
+        (swap("duration_s = 2", "dt_s = [1]"), ":2: dt_s is \\[1\\]"),
+        (swap("duration_s = 2", "record = 'joints'"), ":2: record is 'joints'; it must be a list"),
+        (swap("duration_s = 2", "record = ['work']"), ":2: record is 'work'; .* energy"),
+        (swap("duration_s = 2", "limp = [9]"), ":2: limp names joint 9"),
+        (swap("duration_s = 2", "locked_rad = {a = 1}"), ":2: locked_rad names joint 'a'"),
+        (swap("duration_s = 2", "locked_rad = {1 = 9}"), r":2: locked\[1\] is 9.0"),
+        (swap("duration_s = 2", "method = 'rk5'"), ":2: method is 'rk5'; .*rk4"),
+        (swap("duration_s = 2", "start = 5"), ":2: start is 5"),
+        (swap("duration_s = 2", "alpha_rad = 1"), r":2: alpha_rad is out .* in \[gait\]"),
+        (PLAIN + "duration_s = 3\n", r":14: duration_s is out of place.*above the first"),
+        (swap("duration_s = 2", "robot2 = 1"), ":2: unknown key 'robot2'"),
+        (swap("[gait]", "[gait.gait]"), ":.*gait"),
+        ("gait = 5\n" + PLAIN.split("[gait]")[0], r":1: gait must be a table"),
+        (PLAIN + "[servo]\n", ":14: drive is 'angle' and servo is"),
+        (PLAIN + "[start]\nx_m = [1]\n", ": no key y_m, theta_rad"),
+        (swap("duration_s = 2", 'drive = "torque"'), ":2: drive is 'torque' and torque is None"),
+        (TORQUE, ": no key torque_nm"),
+        (TORQUE + "torque_nm = 1", ":16: torque_nm is 1; it must be a list"),
+        (TORQUE + "torque_nm = ['1']", ":16: torque_nm is '1'"),
+        (TORQUE + "torque_nm = [1, 2]", ":15: torque has shape .2,.; it must be 5 numbers"),
+        (TORQUE + "t_s = [0, 1]\ntorque_nm = [[1], [1, 2]]", ":15: a torque table needs rows"),
+        (TORQUE + "t_s = [1, 0]\ntorque_nm = [[1], [1]]", ":15: .* rising times"),
+        (TORQUE + "t_s = [0]\ntorque_nm = [[1]]", ":15: the torque table has 1 columns"),
+        (TORQUE + "t_s = [0]\ntorque_nm = [[nan]]", ":17: torque_nm is nan"),
+    ],
+)  # fmt: skip
+def test_refusals(text: str, said: str, tmp_path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    with pytest.raises(sn.BadInput, match="scene.toml" + said):
+        sn.load_scene(path)
+
+
+def test_not_a_text_file(tmp_path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b"format = 1\n# \xff\n")
+    with pytest.raises(sn.BadInput, match=r"scene.toml: not UTF-8 text at byte 13"):
+        sn.load_scene(path)
+    with pytest.raises(sn.BadInput, match=r"nowhere.toml: No such file"):
+        sn.load_scene(tmp_path / "nowhere.toml")
+    with pytest.raises(sn.BadInput, match=r": Is a directory"):
+        sn.load_scene(tmp_path)
+
+
+def test_an_editors_file_is_read(tmp_path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + PLAIN.replace("\n", "\r\n").encode())
+    assert sn.load_scene(path).duration_s == 2
