@@ -6,6 +6,7 @@
 #include "euler.hpp"
 #include "paper_scheme.hpp"
 #include "rk4.hpp"
+#include "rk4_lanes.hpp"
 #include "semi_implicit_euler.hpp"
 #include "set_valued_motion.hpp"
 #include "shrink_scheme.hpp"
@@ -28,6 +29,7 @@ std::unique_ptr<System> compose(const RunRequest& q) {
 }
 
 std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
+    if (Rk4Lanes::runs(q)) return std::make_unique<Rk4Lanes>(system, q);
     if (q.method == "rk4") return std::make_unique<Rk4>(system, q.dt);
     if (q.method == "euler") return std::make_unique<Euler>(system, q.dt);
     if (q.method == "semi_implicit_euler") return std::make_unique<SemiImplicitEuler>(system, q.dt);

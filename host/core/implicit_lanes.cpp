@@ -113,6 +113,7 @@ class GaitBlock {
     void run(double dt, double duration, long steps, double* state, double* reached) {
         for (int g = 0; g < count_; ++g) task_.set(g, state + g * task_.dim()), reached[g] = 0;
         alive_.assign(count_, true);
+        if (steps == 0) return;
         for (long i = 0; i + 1 < steps; i += kLook) {
             const long count = std::min(kLook, steps - 1 - i);
             task_.advance(dt, i, count);

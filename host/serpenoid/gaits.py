@@ -12,12 +12,16 @@ from . import _core
 from .dynamics import LinkState
 from .errors import BadInput, StepTooLarge
 from .model import Gait
-from .scene import Scene
+from .scene import STARTS, Scene
 from .simulation import start_state
 from .stability import check_step
 
 Array = NDArray[np.float64]
-_RUNS_AS = {"formulation": "implicit", "drive": "angle", "method": "rk4", "record": ()}
+_RUNS_AS = {
+    "formulation": "implicit", "drive": "angle", "method": "rk4", "limp": (), "locked": {},
+    "incline_rad": 0.0, "record": (),
+}  # fmt: skip
+_AT_ONCE = 64  # gaits from one Ctrl-C to the next
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +63,11 @@ def _check(scene: Scene, gaits: Sequence[Gait]) -> None:
                 f"{name} is {value!r}; simulate_gaits runs {wanted!r} alone, take simulate for "
                 "each gait instead"
             )
+    if isinstance(scene.start, LinkState):
+        raise BadInput(
+            "start is a LinkState, which has the joint angles of one gait; simulate_gaits takes "
+            f"one of {', '.join(STARTS)}"
+        )
     if not gaits or not all(isinstance(gait, Gait) for gait in gaits):
         raise BadInput(f"gaits is {gaits!r:.80}; it must be a list of at least one Gait")
 
@@ -71,7 +80,7 @@ def _check_steps(scene: Scene, scenes: Sequence[Scene]) -> None:
     """
     long = replace(scene.robot, links=1000)
     try:
-        check_step(replace(scene, robot=long, start="link1_at_rest", record_every=10**9))
+        check_step(replace(scene, robot=long, duration_s=scene.dt_s, record_every=1))
     except StepTooLarge:
         for one in scenes:
             check_step(one)
@@ -112,22 +121,24 @@ def simulate_gaits(scene: Scene, gaits: Sequence[Gait]) -> GaitRuns:
     """Run a scene under every gait instead of its own and return where each of them ends.
 
     formulation "implicit", drive "angle", method "rk4" (Eqs. 51-56), same ground, step and
-    duration for all; each gait starts as the scene says (a LinkState is taken by all). A gait's
-    numbers are the same bits whichever gaits run beside it. Some five to ten times faster a gait
-    than simulate. A gait that leaves the finite numbers is marked in `diverged` and stops no
-    other. Raises StepTooLarge, before anything runs, when dt_s is too long under any gait, and
-    BadInput.
+    duration for all, the level, all joints sound; each gait starts as the scene's `start` says. A
+    gait's numbers are the same bits whichever gaits run beside it. A gait that leaves the finite
+    numbers is marked in `diverged` and stops no other. Raises StepTooLarge, before anything runs,
+    when dt_s is too long under any gait, and BadInput.
     """
     _check(scene, gaits)
     scenes = [replace(scene, gait=gait) for gait in gaits]
     _check_steps(scene, scenes)
     starts = np.array([lane_state(start_state(one)) for one in scenes])
     rows, n = gait_rows(gaits), scene.robot.links
-    ends, reached = _core.lane_run(
-        lane_scene(scene), rows, starts, scene.dt_s, scene.duration_s, scene.steps,
-        _core.lane_sets()[0], True,
-    )  # fmt: skip
-    t_s = reached[:, 0]
+    parts = [
+        _core.lane_run(
+            lane_scene(scene), rows[i : i + _AT_ONCE], starts[i : i + _AT_ONCE], scene.dt_s,
+            scene.duration_s, scene.steps, _core.lane_sets()[0], True,
+        )
+        for i in range(0, len(gaits), _AT_ONCE)
+    ]  # fmt: skip
+    ends, t_s = np.concatenate([p[0] for p in parts]), np.concatenate([p[1][:, 0] for p in parts])
     x, y, vx, vy = np.split(ends[:, : 4 * n], 4, axis=1)
     theta, omega = _angles(rows, t_s, ends[:, 4 * n :], n)
     way = np.stack([x.mean(axis=1), y.mean(axis=1)], axis=1)

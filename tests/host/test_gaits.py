@@ -16,6 +16,7 @@ from serpenoid.gaits import gait_rows, lane_scene, lane_state
 from serpenoid.simulation import start_state
 
 CORE = Path(__file__).resolve().parents[2] / "host" / "core"
+LINK_FIELDS = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
 SETS = _core.lane_sets()
 WIDTH = {"avx2": 4, "baseline": 2, "scalar": 1}
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
@@ -164,7 +165,7 @@ def test_a_gaits_bits_do_not_depend_on_its_neighbours() -> None:
     back = sn.simulate_gaits(scene, gaits[::-1])
     for i, gait in enumerate(gaits):
         alone = sn.simulate_gaits(scene, [gait])
-        for name in ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s"):
+        for name in LINK_FIELDS:
             bits = getattr(whole, name)[i].tobytes()
             assert (
                 bits == getattr(alone, name)[0].tobytes() == getattr(back, name)[-1 - i].tobytes()
@@ -189,16 +190,18 @@ def test_a_batch_ends_where_single_runs_end(ground: str, duration_s: float) -> N
         assert runs.speed_m_s[i] == pytest.approx(math.hypot(*way) / duration_s, rel=1e-9)
 
 
-LINK_FIELDS = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
+def test_a_run_of_no_time_ends_at_its_start() -> None:
+    runs = sn.simulate_gaits(scene_of(6, duration_s=0.0), [GAIT])
+    assert not runs.diverged.any()
+    assert runs.t_s[0] == runs.speed_m_s[0] == 0.0
+    assert runs.x_m[0] == pytest.approx(start_state(scene_of(6)).x_m, abs=1e-15)
 
 
 def test_a_lost_gait_is_reported_and_disturbs_no_other() -> None:
     gaits = many_gaits(6)
-    scene = scene_of(6)
-    sound = sn.simulate_gaits(scene, gaits)
+    scene = scene_of(6, gap="zero")
     lost = [*gaits[:2], sn.Gait(0.5, 1.0, 1e160), *gaits[2:]]
-    runs = sn.simulate_gaits(scene_of(6, gap="zero", start=sound.state(0)), lost)
-    calm = sn.simulate_gaits(scene_of(6, gap="zero", start=sound.state(0)), gaits)
+    runs, calm = sn.simulate_gaits(scene, lost), sn.simulate_gaits(scene, gaits)
     assert runs.diverged.tolist() == [False, False, True, False, False, False, False]
     assert runs.t_s[2] == 0.0
     for name in (*LINK_FIELDS, "displacement_m", "speed_m_s"):
@@ -213,6 +216,9 @@ def test_a_lost_gait_is_reported_and_disturbs_no_other() -> None:
         ({"formulation": "explicit"}, [GAIT], "formulation is 'explicit'"),
         ({"method": "nonsmooth"}, [GAIT], "method is 'nonsmooth'"),
         ({"record": ("joints",)}, [GAIT], "record is ('joints',)"),
+        ({"incline_rad": 0.1}, [GAIT], "incline_rad is 0.1"),
+        ({"locked": {2: 0.1}}, [GAIT], "locked is"),
+        ({"start": start_state(scene_of(6))}, [GAIT], "start is a LinkState"),
         ({}, [], "gaits is []"),
         ({}, [GAIT, 3], "at least one Gait"),
     ],
@@ -242,3 +248,23 @@ def test_no_code_for_newer_processors_is_shared(tmp_path: Path) -> None:
     assert [line.split(maxsplit=2)[2] for line in symbols.splitlines()] == [
         "serpenoid::lanes::avx2"
     ]
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+@pytest.mark.parametrize("links", [2, 6, 9])
+def test_a_single_run_agrees_with_the_general_method(ground: str, links: int) -> None:
+    """An energy ledger is integrated with the motion, by the general RK4 on the general model."""
+    scene = scene_of(links, ground, duration_s=0.2503, record_every=50)
+    fast, general = sn.simulate(scene), sn.simulate(replace(scene, record=("energy",)))
+    assert fast.t_s.tobytes() == general.t_s.tobytes()
+    for name in LINK_FIELDS:
+        assert np.abs(getattr(fast, name) - getattr(general, name)).max() < 2e-12
+
+
+def test_what_is_recorded_changes_no_bit() -> None:
+    scene = scene_of(6, duration_s=0.1003, record_every=1)
+    fine = sn.simulate(replace(scene, record=("joints",)))
+    rough = sn.simulate(replace(scene, record_every=7))
+    for name in LINK_FIELDS:
+        kept = np.concatenate([getattr(fine, name)[:-1:7], getattr(fine, name)[-1:]])
+        assert kept.tobytes() == getattr(rough, name).tobytes()
