@@ -112,7 +112,8 @@ class SerialLink:
     def read(self, timeout_s: float) -> bytes:
         """Return the bytes that have come, waiting up to timeout_s for the first."""
         try:
-            self._port.timeout = timeout_s
+            if timeout_s != self._port.timeout:  # each setting sets the baud rate anew
+                self._port.timeout = timeout_s
             first = self._port.read(1)
             return first + self._port.read(self._port.in_waiting) if first else b""
         except OSError as error:  # pyserial's own error is one

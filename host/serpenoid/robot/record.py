@@ -53,6 +53,11 @@ class Recorder:
         finally:
             self._file.close()
 
+    def discard(self) -> None:
+        """Remove the recording of a run that never began, so that its name is free again."""
+        if self.path.is_file():
+            self.path.unlink()
+
     def _write(self, row: bytes) -> None:
         try:
             written = self._file.write(row)

@@ -277,10 +277,13 @@ class Robot:
 
     def _end_recording(self, error: BaseException | None) -> None:
         why = error or (self._talk.failure if self._talk else None)
-        if self._recorder is not None:
-            with suppress(RobotError):  # it is told already, or the end row alone is missing
-                text = " ".join(f"{type(why).__name__}: {why}".split())
-                self._recorder.close("closed" if why is None else text)
+        if self._recorder is None:
+            return
+        with suppress(RobotError):  # it is told already, or the end row alone is missing
+            text = " ".join(f"{type(why).__name__}: {why}".split())
+            self._recorder.close("closed" if why is None else text)
+        if self._talk is None or not self._talk.inbox.in_session:
+            self._recorder.discard()
 
 
 def _tell(talk: Dialogue, farewell: Farewell, error: BaseException | None) -> None:

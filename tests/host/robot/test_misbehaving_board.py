@@ -172,7 +172,7 @@ def test_half_and_doubled_frames_are_counted_and_never_used():
     with FakeBoard() as fake, Robot(fake.port) as robot:
         robot.gait(GAIT)
         fake.to_host = spoil
-        frames = list(robot.frames(1.0))
+        frames = list(robot.frames(0.7))
         fake.to_host = honest
         time.sleep(0.1)
         losses = robot.losses

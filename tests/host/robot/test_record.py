@@ -13,7 +13,7 @@ import pytest
 from robot.fake_board import FakeBoard
 from robot.test_leaving import drive
 from serpenoid import Gait
-from serpenoid.errors import BadInput, RecordingFailed
+from serpenoid.errors import BadInput, NoAnswer, RecordingFailed
 from serpenoid.robot import Robot
 from serpenoid.robot.record import Recorder, load_stream
 
@@ -66,6 +66,15 @@ def test_damage_is_kept_as_it_came_and_counted(tmp_path):
         robot.status()
     assert load_stream(path).damaged >= 5
     assert b" < \\xff\\x00\\\\t:" in path.read_bytes()
+
+
+def test_a_run_that_never_began_leaves_its_name_free(tmp_path):
+    path = tmp_path / "run.txt"
+    with FakeBoard(lambda _: b"") as fake:
+        for _ in range(2):
+            with pytest.raises(NoAnswer), Robot(fake.port, record=path, timeout_s=0.2):
+                pass
+    assert not path.exists()
 
 
 def test_what_holds_data_is_not_overwritten_and_what_is_no_recording_is_refused(tmp_path):

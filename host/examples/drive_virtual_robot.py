@@ -1,0 +1,22 @@
+"""Drive a robot, here the firmware's own controller in this process; name a port for a real one."""
+
+import math
+from pathlib import Path
+
+from serpenoid import Gait
+from serpenoid.robot import Robot
+from serpenoid.robot.record import load_stream
+
+recording = Path("run.wire")
+gait = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
+with Robot("virtual:fast", record=recording) as robot:  # leaving the block stops the robot
+    robot.straight()
+    robot.gait(gait)
+    for frame in robot.frames(10.0):
+        if frame.frame % 100 == 0:
+            print(frame.state, [round(math.degrees(a), 1) for a in frame.setpoint_rad])
+    rate_rad_s, sd_rad_s = robot.true_rate_rad_s(gait.omega_rad_s)
+    print(f"true rate {rate_rad_s:.6f} +- {sd_rad_s:.6f} rad/s, {robot.losses}")
+
+stream = load_stream(recording)
+print(f"{len(stream.frame)} frames, pulses {stream.pulse_us.min()} to {stream.pulse_us.max()} us")
