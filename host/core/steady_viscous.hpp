@@ -18,7 +18,6 @@
 #include "gauss.hpp"
 #include "shape.hpp"
 #include "steady.hpp"
-#include "viscous_sums.hpp"
 
 namespace serpenoid {
 
@@ -34,7 +33,9 @@ class SteadyViscous {
     static constexpr int kStages = 6;
     using Rule = Gauss<kStages>;
 
-    struct Node : ViscousSums {
+    struct Node {
+        double D[6];      // xx xy xw yy yw ww
+        double d[3], dd;  // D_ue, D_ee: dissipation = u.D u + 2 omega d.u + omega^2 dd
         double J, K;
         Shape shape;
     };

@@ -145,4 +145,38 @@ def flash(board: str | None, port: str | None, project: Path | None, as_json: bo
         )
 
 
-COMMANDS = (ports, doctor, flash, drive)
+@click.command()
+@PORT
+@AS_JSON
+def trim(port: str | None, as_json: bool) -> None:
+    """Centre each servo by keys and save that on the board; the robot straightens first."""
+    from dataclasses import asdict
+
+    from .keys import keyboard, need_terminal
+    from .robot import Robot
+    from .trimming import UNATTENDED_S, Trimming, straighten
+
+    need_terminal()
+    with Robot(port, unattended_s=UNATTENDED_S) as robot:
+        straighten(robot)
+        work = Trimming(robot, lambda text: click.echo(text, err=True))
+        with keyboard() as keys:
+            work.go(keys)
+    if as_json:
+        show_json({"saved": not work.unsaved, "trims": [asdict(t) for t in work.trims]})
+
+
+@click.command()
+@PORT
+@click.option("--all", "everything", is_flag=True, help="Every telemetry line, not one a second.")
+def monitor(port: str | None, everything: bool) -> None:
+    """Talk to the board: each line is checked, `!` stops the robot at once, Ctrl-C leaves.
+
+    Lines from a pipe are sent one by one: `echo status | serpenoid monitor`.
+    """
+    from .monitor import converse
+
+    converse(port, 1 if everything else 50)
+
+
+COMMANDS = (ports, doctor, flash, drive, trim, monitor)

@@ -1,0 +1,68 @@
+"""A person at a terminal: a command in a process of its own, keys pressed, the screen read."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import termios
+import time
+
+
+class Person:
+    """Run `serpenoid ARGUMENTS` behind a terminal; `before` is how the terminal was set."""
+
+    def __init__(self, *arguments: str):
+        self._master, self._slave = pty.openpty()
+        self.before = termios.tcgetattr(self._slave)
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "serpenoid.cli", *arguments],
+            stdin=self._slave,
+            stdout=self._slave,
+            stderr=self._slave,
+            start_new_session=True,
+        )
+        self.screen = ""
+
+    def __enter__(self) -> Person:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        os.close(self._master)
+        os.close(self._slave)
+
+    def sees(self, text: str, timeout_s: float = 15.0) -> str:
+        """Wait until the screen has shown a text since the last call; return what came."""
+        end = time.monotonic() + timeout_s
+        while text not in self.screen:
+            if time.monotonic() > end:
+                raise AssertionError(f"no {text!r} in {self.screen!r}")
+            if select.select([self._master], [], [], 0.05)[0]:
+                self.screen += os.read(self._master, 4096).decode("utf-8", "replace")
+        seen, _, self.screen = self.screen.partition(text)
+        return seen + text
+
+    def presses(self, keys: str) -> None:
+        os.write(self._master, keys.encode())
+
+    def sends(self, number: signal.Signals) -> None:
+        self.process.send_signal(number)
+
+    def leaves(self, timeout_s: float = 15.0) -> int:
+        """Wait for the command's end, reading on; return its exit status."""
+        end = time.monotonic() + timeout_s
+        while self.process.poll() is None and time.monotonic() < end:
+            if select.select([self._master], [], [], 0.02)[0]:
+                self.screen += os.read(self._master, 4096).decode("utf-8", "replace")
+        return self.process.wait(1)
+
+    @property
+    def now(self) -> list:
+        """How the terminal is set."""
+        return termios.tcgetattr(self._slave)

@@ -1,0 +1,232 @@
+"""What a person does by keys: trim a servo, talk to the board; and the terminal afterwards."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+from robot.pty_board import PtyBoard
+from robot.terminal import Person
+from serpenoid._core import firmware
+from serpenoid.robot import Robot, keys
+from serpenoid.robot.monitor import Monitor
+from serpenoid.robot.trimming import Trimming, straighten
+from serpenoid.robot.virtual import VirtualLink
+
+
+def pressed(monkeypatch: pytest.MonkeyPatch, *parts: bytes) -> list[str]:
+    """Return the keys in bytes that come in these parts, and then end."""
+    out, into = os.pipe()
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.FileIO(out), encoding="ascii"))
+    with keys.keyboard() as keyboard:
+        found = []
+        for part in parts:
+            os.write(into, part)
+            while key := keyboard(0.0):
+                found.append(key)
+        os.close(into)
+        found.append(keyboard(0.1))
+    return found
+
+
+def test_every_key_has_one_name(monkeypatch):
+    assert pressed(monkeypatch, b"a\x1b[A\x1b[B!\r", b"\x1b[5~\x1b[6~\x1bOC\x1b[D\x7fz") == [
+        "a", "up", "down", "!", "enter", "page up", "page down", "right", "left", "backspace", "z",
+        "end",
+    ]  # fmt: skip
+
+
+def test_a_lone_escape_does_not_wait_for_ever(monkeypatch):
+    assert pressed(monkeypatch, b"\x1b", b"q") == ["\x1b", "q", "end"]
+
+
+@pytest.fixture
+def trimming():
+    shown: list[str] = []
+    with Robot("virtual:fast") as robot:
+        straighten(robot)
+        work = Trimming(robot, shown.append)
+        work.shown = shown  # type: ignore[attr-defined]
+        yield work
+
+
+def centres(robot: Robot) -> list[float]:
+    return [trim.centre_us for trim in robot.trims()]
+
+
+def test_keys_move_the_chosen_servo(trimming):
+    for key in ("up", "+", "page up", "right", "-", "5", "page down", "down", "left", "up", "x"):
+        assert trimming.press(key)
+    assert centres(trimming.robot) == [1512, 1499, 1500, 1501, 1489]
+    assert [t.centre_us for t in trimming.trims] == centres(trimming.robot)
+
+
+def test_the_choice_goes_round(trimming):
+    trimming.press("left")
+    assert trimming.chosen == 4
+    trimming.press("right")
+    assert trimming.chosen == 0
+
+
+def test_saved_outlives_the_power(trimming):
+    trimming.press("page up")
+    assert trimming.unsaved
+    trimming.press("s")
+    assert not trimming.unsaved
+    board = firmware.Board()
+    board.eeprom = trimming.robot._dialogue.link.board.eeprom
+    board.boot("power")
+    board.write(b"trim\n")
+    board.run(0.2)
+    assert b"trim: #1 centre=1510 " in board.read()
+
+
+def test_the_limit_is_told_and_nothing_changes(trimming):
+    for _ in range(11):  # 1600 us and 90 deg are the 2500 us that a pulse may have
+        trimming.press("page up")
+    assert centres(trimming.robot)[0] == 1600
+    assert "pulse_ms" in trimming.shown[-1]
+
+
+def test_leaving_unsaved_is_asked_once(trimming):
+    trimming.press("up")
+    assert trimming.press("q")
+    assert "not saved" in trimming.shown[-1]
+    assert trimming.press("up")
+    assert trimming.press("q")
+    assert trimming.press("")  # time passes
+    assert not trimming.press("q")
+    trimming.press("s")
+    assert not trimming.press("q")
+
+
+@pytest.mark.parametrize("how", ["q", "ctrl-c", "term", "unplugged"])
+def test_trim_gives_the_terminal_back_however_it_is_left(how):
+    with PtyBoard() as bridge, Person("trim", "--port", bridge.port) as person:
+        person.sees("joint 1  centre 1500 us")
+        assert person.now != person.before
+        assert bridge.board.state == "pose"
+        person.presses("3\x1b[A")
+        person.sees("joint 3  centre 1501 us  (not saved)")
+        if how == "q":
+            person.presses("s")
+            person.sees("saved on the board")
+            person.presses("q")
+        elif how == "ctrl-c":
+            person.sends(signal.SIGINT)
+        elif how == "term":
+            person.sends(signal.SIGTERM)
+        else:
+            bridge.unplug()
+            person.presses("+")
+        assert person.leaves() == {"q": 0, "ctrl-c": 130, "term": 143, "unplugged": 1}[how]
+        assert person.now == person.before
+        assert bridge.board.state == ("pose" if how == "unplugged" else "hold")
+        assert "Traceback" not in person.screen
+
+
+def monitored() -> tuple[Monitor, VirtualLink, list[str]]:
+    link, shown = VirtualLink(fast=True), []
+    return Monitor(link, shown.append, 50), link, shown
+
+
+def scripted(text: str):
+    """Return a keyboard on which a text is typed, then the input's end."""
+    left = [*text]
+
+    def key(_timeout_s: float) -> str:
+        found = left.pop(0) if left else "\x04"
+        return keys.NAMES.get(found, found)
+
+    return key
+
+
+def test_commands_are_sent_in_order_and_answered():
+    talk, _, shown = monitored()
+    talk.go(scripted("stax\x7ftus\ndance\n\n"), lambda _: None)
+    verdicts = [line for line in shown if line.startswith(("ok", "err"))]
+    assert verdicts[:2] == ["ok: #0", "ok: #1"]
+    assert verdicts[2].startswith("err: #2 command")
+    assert any(line.startswith("counters: good=2") for line in shown)
+
+
+def test_pings_keep_a_gait_going_and_stay_out_of_sight():
+    talk, link, shown = monitored()
+    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    while link.now_s() < 10:
+        talk.step()
+    assert link.board.state == "gait"
+    assert [line for line in shown if line.startswith("ok")] == ["ok: #0", "ok: #1"]
+    assert len([line for line in shown if line.startswith("t:")]) == pytest.approx(10, abs=1)
+    assert link.board.counters["good"] > 20
+    talk.leave()
+    assert link.board.state == "hold"
+    assert not link.board.session
+
+
+def test_one_key_stops_before_all_that_waits():
+    talk, link, _ = monitored()
+    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    for key in [*"pose bent 2", "!"]:
+        talk.press(key)
+    talk.step()
+    talk.step()
+    assert link.board.state == "hold"
+
+
+def test_damage_is_shown_and_a_verdict_that_never_comes_is_told():
+    talk, link, shown = monitored()
+    talk.step()
+    read, link.read = link.read, lambda timeout_s: read(timeout_s).replace(b"ok: #", b"ok: $")
+    talk.go(scripted("ping\n"), lambda _: None)
+    assert any(line.startswith("damaged: b'ok: $") for line in shown)
+    assert "no verdict on #0 within 1 s" in shown
+
+
+def test_what_the_board_could_not_read_is_not_sent():
+    talk, _, shown = monitored()
+    talk.go(scripted(f"{'x' * 90}\nping"), lambda _: None)
+    assert any("at most 80" in line for line in shown)
+    assert "not sent, for want of a line end: ping" in shown
+    assert not any(line.startswith("ok: #1") for line in shown)
+
+
+def test_monitor_from_a_pipe(any_port):
+    run = subprocess.run(
+        [sys.executable, "-m", "serpenoid.cli", "monitor", "--port", any_port],
+        input="status\nfoo\n", capture_output=True, text=True, timeout=30, check=True,
+    )  # fmt: skip
+    assert "counters: good=2" in run.stdout
+    assert "err: #2 command - no such command; type help" in run.stdout
+    assert "\x1b" not in run.stdout
+
+
+@pytest.mark.parametrize("how", ["ctrl-c", "ctrl-d", "term"])
+def test_monitor_at_a_terminal(how):
+    with PtyBoard() as bridge, Person("monitor", "--port", bridge.port) as person:
+        person.sees("ok: #0")
+        person.presses("gait 30 80 5\r")
+        person.sees("state: gait why=command")
+        person.presses("idl")
+        person.presses("!")
+        person.sees("state: hold why=key")
+        person.presses("\x7f\x7f\x7fgait 20 80 5\r")
+        person.sees("state: gait why=command")
+        if how == "ctrl-d":
+            person.presses("\x04")
+        else:
+            person.sends(signal.SIGINT if how == "ctrl-c" else signal.SIGTERM)
+        assert person.leaves() == (143 if how == "term" else 0)
+        assert person.now == person.before
+        assert bridge.board.state == "hold"
+        assert not bridge.board.session
+
+
+def test_trim_wants_a_person(serpenoid, monkeypatch):
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    status, _, errors = serpenoid("trim", "--port", "virtual")
+    assert (status, "no terminal" in errors) == (2, True)
