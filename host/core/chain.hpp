@@ -27,7 +27,10 @@ struct Chain {
     int n() const { return static_cast<int>(x.size()); }
 
     void directions() {
-        for (int i = 0; i < n(); ++i) c[i] = std::cos(theta[i]), s[i] = std::sin(theta[i]);
+        for (int i = 0; i < n(); ++i) {
+            const double angle = theta[i];  // a copy: the pair is one call then
+            c[i] = std::cos(angle), s[i] = std::sin(angle);
+        }
     }
 
     // Positions and velocities of all links from those of link 1 and all angles (Eqs. 10-21).

@@ -1,8 +1,12 @@
 // The parts that a scene may have: formulation, drive, ground, method.
 #include "compose.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
+#include "collocation.hpp"
+#include "dop853.hpp"
+#include "error_scale.hpp"
 #include "euler.hpp"
 #include "paper_scheme.hpp"
 #include "rk4.hpp"
@@ -28,12 +32,26 @@ std::unique_ptr<System> compose(const RunRequest& q) {
     return compose_implicit(bare);
 }
 
+namespace {
+
+// A gait's motion has its rate as unit; other drives know no such time, and a second is theirs.
+std::vector<double> error_scale(const RunRequest& q, const System& system) {
+    const double rate = q.drive == Drive::angle ? q.gait.omega : std::max(q.gait.omega, 1.0);
+    return error_scale(system, 2 * q.robot.l * q.robot.n, rate);
+}
+
+}  // namespace
+
 std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
     if (Rk4Lanes::runs(q)) return std::make_unique<Rk4Lanes>(system, q);
     if (q.method == "rk4") return std::make_unique<Rk4>(system, q.dt);
     if (q.method == "euler") return std::make_unique<Euler>(system, q.dt);
     if (q.method == "semi_implicit_euler") return std::make_unique<SemiImplicitEuler>(system, q.dt);
     if (q.method == "paper") return std::make_unique<PaperScheme>(system, q.dt);
+    if (q.method == "dop853")
+        return std::make_unique<Dop853>(system, error_scale(q, system), q.tolerance);
+    if (q.method == "collocation")
+        return std::make_unique<Collocation>(q.robot, q.ground, q.gait, q.tolerance);
     if (q.method != "nonsmooth") throw std::invalid_argument("no such method: " + q.method);
     if (q.formulation == Formulation::implicit)
         return std::make_unique<ShrinkScheme>(system, q.robot, q.ground, q.dt);

@@ -8,6 +8,7 @@
 #include "gait.hpp"
 #include "method.hpp"
 #include "shape.hpp"
+#include "tail_frame.hpp"
 
 namespace serpenoid {
 
@@ -22,15 +23,10 @@ class SetValuedMotion : public Method {
 
     void restart(double t, const double* y) override {
         shape_at(t);
-        const LinkShape& tail = shape_.link[0];
-        const double c = std::cos(y[2]), s = std::sin(y[2]), w = omega_;
+        const BodyState b = TailFrame(shape_).body(y, omega_);
         dry_ = {};
-        dry_.v[DryState::Vx] = c * y[3] + s * y[4] + y[5] * tail.ry - w * tail.rx1;
-        dry_.v[DryState::Vy] = -s * y[3] + c * y[4] - y[5] * tail.rx - w * tail.ry1;
-        dry_.v[DryState::L] = shape_.J * y[5] + w * shape_.K;
-        dry_.v[DryState::theta] = y[2];
-        dry_.v[DryState::x] = y[0] - (c * tail.rx - s * tail.ry);
-        dry_.v[DryState::y] = y[1] - (s * tail.rx + c * tail.ry);
+        dry_.v[DryState::Vx] = b.Vx, dry_.v[DryState::Vy] = b.Vy, dry_.v[DryState::L] = b.L;
+        dry_.v[DryState::theta] = b.theta, dry_.v[DryState::x] = b.x, dry_.v[DryState::y] = b.y;
         t_ = t;
         std::copy_n(y, 6, y_.begin());
     }
@@ -51,18 +47,10 @@ class SetValuedMotion : public Method {
     }
     void give_back() {
         shape_at(t_);
-        const LinkShape& tail = shape_.link[0];
         const auto& v = dry_.v;
-        const double c = std::cos(v[DryState::theta]), s = std::sin(v[DryState::theta]);
-        const double turn = (v[DryState::L] - omega_ * shape_.K) / shape_.J;
-        const double ux = v[DryState::Vx] - turn * tail.ry + omega_ * tail.rx1;
-        const double uy = v[DryState::Vy] + turn * tail.rx + omega_ * tail.ry1;
-        y_ = {v[DryState::x] + c * tail.rx - s * tail.ry,
-              v[DryState::y] + s * tail.rx + c * tail.ry,
-              v[DryState::theta],
-              c * ux - s * uy,
-              s * ux + c * uy,
-              turn};
+        const BodyState b{v[DryState::x],  v[DryState::y],  v[DryState::theta],
+                          v[DryState::Vx], v[DryState::Vy], v[DryState::L]};
+        TailFrame(shape_).tail(b, omega_, y_.data());
     }
 
     Robot robot_;

@@ -27,13 +27,7 @@ SteadyViscous::Node SteadyViscous::node(double tau) const {
     Node k{};
     k.shape.set(robot_, table_, std::sin(tau), std::cos(tau), true);
     k.J = k.shape.J, k.K = k.shape.K;
-    const auto add = [&k](const Row& g, double c) {
-        k.D[0] += c * g.x * g.x, k.D[1] += c * g.x * g.y, k.D[2] += c * g.x * g.r;
-        k.D[3] += c * g.y * g.y, k.D[4] += c * g.y * g.r, k.D[5] += c * g.r * g.r;
-        k.d[0] += c * g.x * g.e, k.d[1] += c * g.y * g.e, k.d[2] += c * g.r * g.e;
-        k.dd += c * g.e * g.e;
-    };
-    for (const LinkShape& link : k.shape.link) add(link.t, ground_.ct), add(link.n, ground_.cn);
+    static_cast<ViscousSums&>(k) = ViscousSums(k.shape, ground_);
     return k;
 }
 

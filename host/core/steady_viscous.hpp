@@ -18,6 +18,7 @@
 #include "gauss.hpp"
 #include "shape.hpp"
 #include "steady.hpp"
+#include "viscous_sums.hpp"
 
 namespace serpenoid {
 
@@ -33,9 +34,7 @@ class SteadyViscous {
     static constexpr int kStages = 6;
     using Rule = Gauss<kStages>;
 
-    struct Node {
-        double D[6];      // xx xy xw yy yw ww
-        double d[3], dd;  // D_ue, D_ee: dissipation = u.D u + 2 omega d.u + omega^2 dd
+    struct Node : ViscousSums {
         double J, K;
         Shape shape;
     };

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 FORMULATIONS = ("explicit", "implicit")
 DRIVES = ("angle", "torque", "servo")
 LAWS = ("viscous", "smoothed", "dry")
+RECORDS = ("joints", "friction", "energy")
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,8 +15,9 @@ class MethodKind:
     """Say which scenes a method runs.
 
     order: of convergence, for smooth motion. adaptive: formulations in which it takes steps of its
-    own to scene.tolerance; in the others steps of dt_s. plain: formulations in which it runs with
-    drive "angle", on the level, with all joints sound, and records no forces.
+    own to scene.tolerance; in the others steps of dt_s. records: what it can record besides the
+    motion. plain: formulations in which it runs with drive "angle", on the level, with all joints
+    sound, and can record no more than plain_records.
     """
 
     order: int
@@ -23,7 +25,9 @@ class MethodKind:
     adaptive: tuple[str, ...] = ()
     drives: tuple[str, ...] = DRIVES
     laws: tuple[str, ...] = LAWS
+    records: tuple[str, ...] = RECORDS
     plain: tuple[str, ...] = ()
+    plain_records: tuple[str, ...] = ()
 
 
 METHODS = {
@@ -31,7 +35,21 @@ METHODS = {
     "euler": MethodKind(1),
     "semi_implicit_euler": MethodKind(1),
     "paper": MethodKind(1, formulations=("implicit",)),
+    "dop853": MethodKind(8, adaptive=FORMULATIONS, laws=("viscous", "smoothed")),
+    "collocation": MethodKind(
+        11,
+        formulations=("explicit",),
+        adaptive=("explicit",),
+        drives=("angle",),
+        laws=("viscous",),
+        plain=("explicit",),
+        plain_records=("joints", "friction"),
+    ),
     "nonsmooth": MethodKind(
-        1, adaptive=("explicit",), laws=("viscous", "dry"), plain=("explicit",)
+        1,
+        adaptive=("explicit",),
+        laws=("viscous", "dry"),
+        records=("joints", "friction"),
+        plain=("explicit",),
     ),
 }

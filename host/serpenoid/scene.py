@@ -12,12 +12,11 @@ from numpy.typing import ArrayLike
 from .drives import Servo, TorqueTable
 from .dynamics import LinkState, finite_vector
 from .errors import BadInput, check_choice, check_number
-from .methods import DRIVES, FORMULATIONS, METHODS
+from .methods import DRIVES, FORMULATIONS, METHODS, RECORDS
 from .model import Gait, Ground, Robot
 
 STARTS = ("link1_at_rest", "zero_momentum", "steady")
 GAPS = ("slow_manifold", "zero")
-RECORDS = ("joints", "friction", "energy")
 MAX_LINK_STEPS = 10**11
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
@@ -181,23 +180,28 @@ class Scene:
                     f"method {self.method!r} does not run with {name} {value!r}; take method "
                     f"{' or '.join(others)}"
                 )
-        if "energy" in self.record and self.method == "nonsmooth":
+        kind = METHODS[self.method]
+        plain = self.formulation in kind.plain
+        for name in self.record:
+            if name in (kind.plain_records if plain else kind.records):
+                continue
             raise BadInput(
-                "method 'nonsmooth' keeps no energy ledger; leave 'energy' out of record"
+                f"method {self.method!r} in formulation {self.formulation!r} cannot record "
+                f"{name!r}; leave it out, or take method 'rk4'"
             )
-        if self.formulation not in METHODS[self.method].plain:
+        if not plain:
             return
         extras = {
             f"drive {self.drive!r}": self.drive != "angle",
             "an incline": self.incline_rad > 0,
             "limp or locked joints": bool(self.limp or self.locked),
-            f"record {self.record!r}": bool(self.record),
         }
+        way_out = ", or formulation 'implicit'" if "implicit" in kind.formulations else ""
         for what, there in extras.items():
             if there:
                 raise BadInput(
                     f"method {self.method!r} in formulation {self.formulation!r} does not run "
-                    f"with {what}; take method 'rk4', or formulation 'implicit'"
+                    f"with {what}; take method 'rk4'{way_out}"
                 )
 
     def _check_start(self) -> None:

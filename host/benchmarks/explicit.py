@@ -1,0 +1,92 @@
+"""Time the exact model's methods against Numba's and SciPy's Dormand-Prince at the same error."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import serpenoid as sn
+from scipy.integrate import solve_ivp
+from serpenoid.bench.numba_equations import dop853_run, parameters, rate_array
+from serpenoid.bench.problems import Array, Problem, problems
+
+WANTED = 1e-6  # largest error of the end state, scaled as in Problem.error
+TOLERANCES = 10.0 ** np.arange(-3.0, -10.0, -0.5)
+REPEATS = 41
+Solve = Callable[[float], Array]  # tolerance -> end state
+
+
+def contenders(problem: Problem) -> dict[str, Solve]:
+    """Return every contender: the same start, the end state as the only thing recorded."""
+    p, y0, end = parameters(problem), problem.first, problem.duration_s
+
+    def ours(method: str) -> Solve:
+        scene = problem.scene(method=method, start=problem.start, dt_s=end, record_every=1)
+        return lambda tol: problem.vector(sn.simulate(replace(scene, tolerance=tol)).state())
+
+    def scipy(tol: float) -> Array:
+        def rate(t: float, y: Array) -> Array:
+            return rate_array(False, t, y, p)
+
+        return solve_ivp(rate, (0.0, end), y0, "DOP853", rtol=tol, atol=0.1 * tol).y[:, -1]
+
+    return {
+        "collocation": ours("collocation"),
+        "dop853": ours("dop853"),
+        "Numba DOP853": lambda tol: dop853_run(False, y0, p, end, tol, 0.1 * tol, 10**7)[0],
+        "SciPy DOP853, Numba rate": scipy,
+    }
+
+
+def good_enough(problem: Problem, solve: Solve, exact: Array) -> float:
+    """Return the largest tolerance whose result, and that of all smaller ones, is as wanted."""
+    found = TOLERANCES[-1]
+    for tol in TOLERANCES[::-1]:
+        if problem.error(solve(tol), exact) > WANTED:
+            break
+        found = tol
+    return float(found)
+
+
+def report(problem: Problem) -> None:
+    """Print one line a contender: median time, the tolerance it took, its error, the ratio."""
+    solvers = contenders(problem)
+    exact = dop853_run(
+        False, problem.first, parameters(problem), problem.duration_s, 1e-13, 1e-15, 10**7
+    )[0]
+    tolerance = {name: good_enough(problem, s, exact) for name, s in solvers.items()}
+    taken: dict[str, list[float]] = {name: [] for name in solvers}
+    for _ in range(REPEATS):
+        for name, solve in solvers.items():
+            began = time.perf_counter()
+            solve(tolerance[name])
+            taken[name].append(time.perf_counter() - began)
+    base = statistics.median(taken["Numba DOP853"])
+    print(f"{problem.title}, {problem.duration_s:g} s, to {WANTED:g} at the end")
+    for name, solve in solvers.items():
+        median, tol = statistics.median(taken[name]), tolerance[name]
+        print(
+            f"  {name:26} {median * 1e6:9.0f} us  tolerance {tol:7.1e}  "
+            f"error {problem.error(solve(tol), exact):.0e}  Numba / this = {base / median:6.2f}"
+        )
+
+
+def main() -> None:
+    """Report on short and long runs; the floor of the short ones is a call that does nothing."""
+    paper = next(p for p in problems() if p.name == "paper6")
+    nothing = paper.scene(method="collocation", duration_s=0.0)
+    times = []
+    for _ in range(REPEATS):
+        began = time.perf_counter()
+        sn.simulate(nothing)
+        times.append(time.perf_counter() - began)
+    print(f"a call of simulate() for 0 s: {statistics.median(times) * 1e6:.0f} us")
+    for duration in (10.0, 100.0, 1000.0):
+        report(replace(paper, duration_s=duration))
+
+
+if __name__ == "__main__":
+    main()
