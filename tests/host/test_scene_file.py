@@ -171,7 +171,7 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
         (PLAIN + "duration_s = 3\n", r":14: duration_s is out of place.*above the first"),
         (swap("duration_s = 2", "robot2 = 1"), ":2: unknown key 'robot2'"),
         (swap("[gait]", "[gait.gait]"), ":.*gait"),
-        ("gait = 5\n" + PLAIN.split("[gait]")[0], r":1: gait must be a table"),
+        ("gait = 5\n" + PLAIN.split("[gait]", maxsplit=1)[0], r":1: gait must be a table"),
         (PLAIN + "[servo]\n", ":14: drive is 'angle' and servo is"),
         (PLAIN + "[start]\nx_m = [1]\n", ": no key y_m, theta_rad"),
         (swap("duration_s = 2", 'drive = "torque"'), ":2: drive is 'torque' and torque is None"),

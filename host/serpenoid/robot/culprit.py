@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PROC = Path("/proc")
+PSEUDO_TERMINALS = range(136, 144)  # Linux's device numbers
 USB = Path("/sys/bus/usb/devices")
 BRLTTY = (
     "brltty, the driver for Braille displays, takes boards with a CH340 for one of them: "
@@ -38,6 +39,14 @@ def who_holds(port: str) -> list[Holder]:
     return [
         Holder(pid, _name(pid)) for pid in _pids() if any(n == device.st_rdev for n in _open(pid))
     ]
+
+
+def is_pseudo_terminal(port: str) -> bool:
+    """Tell whether a program plays the board at this port, and may well hold it open itself."""
+    try:
+        return os.major(os.stat(port).st_rdev) in PSEUDO_TERMINALS
+    except OSError:
+        return False
 
 
 def running(name: str) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -129,6 +130,8 @@ class SerialLink:
 
     def close(self) -> None:
         """Give the port back."""
+        if self._port.is_open:
+            _exclude_others(self._port, False)
         self._port.close()
 
     def _lost(self, error: OSError) -> RobotLost:
@@ -143,24 +146,26 @@ def _open(port: str) -> serial.Serial:
 
     # Asked first because the opening itself would reset a robot that another program is driving.
     holders = culprit.who_holds(port)
-    if holders:
+    if holders and not culprit.is_pseudo_terminal(port):
         raise PortBusy(culprit.why_held(port, holders))
     try:
         opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=WRITE_TIMEOUT_S)
     except OSError as error:
         raise _refused(port, error) from error
-    _keep_others_out(opened)
+    _exclude_others(opened, True)
     return opened
 
 
-def _keep_others_out(port: serial.Serial) -> None:
+def _exclude_others(port: serial.Serial, exclude: bool) -> None:
     # pyserial's lock is heeded by programs that lock too; the terminal's own keeps out the rest.
+    # It belongs to the terminal and would outlive this program where another has it open as well.
     try:
         import fcntl
         import termios
     except ImportError:  # a system whose ports are exclusive anyway
         return
-    fcntl.ioctl(port.fileno(), termios.TIOCEXCL)
+    with suppress(OSError):  # unplugged already
+        fcntl.ioctl(port.fileno(), termios.TIOCEXCL if exclude else termios.TIOCNXCL)
 
 
 def _refused(port: str, error: OSError) -> PortBusy | PortMissing:

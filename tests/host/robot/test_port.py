@@ -67,10 +67,22 @@ def test_a_lock_is_respected_even_where_its_holder_cannot_be_seen(processes):
             link.SerialLink(fake.port)
 
 
+def test_who_plays_the_board_behind_a_pseudo_terminal_may_keep_it_open():
+    with FakeBoard() as fake:
+        played = os.open(fake.port, os.O_RDWR | os.O_NOCTTY)
+        for _ in range(2):
+            with Robot(fake.port) as robot:
+                robot.straight()
+                with pytest.raises(PortBusy), Robot(fake.port):
+                    pass
+        os.close(played)
+
+
 @pytest.mark.parametrize(
     ("name", "cure"), [("brltty", "apt remove brltty"), ("ModemManager", "systemctl stop")]
 )
-def test_the_usual_culprits_are_named_with_their_cure(processes, name, cure):
+def test_the_usual_culprits_are_named_with_their_cure(processes, monkeypatch, name, cure):
+    monkeypatch.setattr(culprit, "PSEUDO_TERMINALS", ())
     with FakeBoard() as fake:
         processes(**{name: fake.port})
         with pytest.raises(PortBusy, match=rf"in use by {name} \(process 100\); .*{cure}"):
