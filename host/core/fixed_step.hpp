@@ -21,9 +21,11 @@ class FixedStep : public Method {
     StepOutcome step(double t_limit) override {
         double to = origin_ + static_cast<double>(steps_ + 1) * dt_;
         // a limit within rounding of the step's end is its end
-        if (to > t_limit - 1e-9 * dt_) to = t_limit;
+        const bool limited = to > t_limit - 1e-9 * dt_;
+        if (limited) to = t_limit;
         advance(t_, to - t_, y_.data());
         t_ = to, ++steps_;
+        if (limited) origin_ = to, steps_ = 0;  // or the next step would be longer than dt
         return {};
     }
     double time() const override { return t_; }

@@ -1,7 +1,9 @@
 // Where the energy goes: a system with four integrals behind its state, for scenes that ask.
 //
 //     d/dt (kinetic + spring + height) = joints - friction - dampers
-// with joints = -sum T_i phi_i', friction = -sum f_i . v_i >= 0, dampers = c sum |Delta_i'|^2.
+// with joints = -sum T_i phi_i', friction = -sum f_i . v_i >= 0, dampers = what the joint forces do
+// beside the springs, sum (F_i - k Delta_i) . Delta_i' (which is c sum |Delta_i'|^2, but for the
+// paper's scheme).
 // The fourth integral is that of sum P_i^+, what servos that do not regenerate would spend.
 #pragma once
 
@@ -37,7 +39,9 @@ class EnergyLedger final : public System {
             const double power = -joints.T[i] * (k.omega[i + 1] - k.omega[i]);
             const Gap g = gap(k, robot_.l, i);
             joint += power, spent += std::max(power, 0.0);
-            damped += spring_.c * (g.vx * g.vx + g.vy * g.vy);
+            if (spring_.c == 0) continue;
+            damped += (joints.Fx[i] - spring_.k * g.x) * g.vx;
+            damped += (joints.Fy[i] - spring_.k * g.y) * g.vy;
         }
         for (int i = 0; i < k.n(); ++i)
             lost -= (k.fx[i] - robot_.m * slope_.gx) * k.vx[i] +

@@ -12,23 +12,15 @@ class PaperScheme : public Rk4 {
   public:
     using Rk4::Rk4;
 
-    void restart(double t, const double* y) override {
-        Rk4::restart(t, y);
-        keep(t, y);
-    }
-
   protected:
     void advance(double t, double dt, double* y) override {
         next_.assign(y, y + system_.dim());
         Rk4::advance(t, dt, y);
-        keep(t, next_.data());
+        system_.fill(t, next_.data());
+        system_.latch();
     }
 
   private:
-    void keep(double t, const double* y) {
-        system_.fill(t, y);
-        system_.latch();
-    }
     std::vector<double> next_;
 };
 

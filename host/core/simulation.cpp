@@ -78,6 +78,8 @@ class Run {
 
     RunResult go() {
         system_.set(start_chain(q_), y_.data());
+        system_.fill(0, y_.data());
+        system_.latch();
         recorder_.note(0, y_.data(), out_);
         double t = 0;
         while (t < q_.duration && out_.why.empty() && out_.failed_at < 0) {

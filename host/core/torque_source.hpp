@@ -48,7 +48,7 @@ struct TorqueRows {
 
 class TableTorque final : public TorqueSource {
   public:
-    explicit TableTorque(const TorqueRows& rows) : rows_(rows) {}
+    explicit TableTorque(TorqueRows rows) : rows_(std::move(rows)) {}
 
     // The kinks of the table end a step: between them everything is smooth.
     double next_jump(double t) const override {
@@ -67,7 +67,7 @@ class TableTorque final : public TorqueSource {
     }
 
   private:
-    const TorqueRows& rows_;
+    TorqueRows rows_;
 };
 
 // A hobby servo: proportional and derivative action towards a setpoint that changes every 20 ms.

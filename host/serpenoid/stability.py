@@ -9,8 +9,8 @@ x'' + c mu x' + k mu x = 0. Angles imposed: the links' centres move and all turn
 torques imposed: every link turns by itself, r_i's blocks stand on the diagonal and beside it (with
 some joints imposed and some free the modes lie between; the higher bound is taken). Servos are
 springs of the joint angles: phi'' + d nu phi' + p nu phi = 0 with nu the eigenvalues of the joints'
-mobility. A step too long by a few per cent may stay finite and bounded and be a metre wrong: no NaN
-tells.
+mobility; one at its limit is damped by the motor's own line. A step too long by a few per cent may
+stay finite and bounded and be a metre wrong: no NaN tells.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from .drives import Servo
 from .dynamics import LinkState, TorqueDrive, acceleration
 from .errors import StepTooLarge
-from .model import Ground
+from .model import Gait, Ground
 from .scene import Scene
 
 Array = NDArray[np.float64]
@@ -94,6 +95,17 @@ def _mobility(scene: Scene) -> Array:
     return np.array([np.max(found), max(np.min(found), 0.0)])
 
 
+def _motor_line(servo: Servo, gait: Gait) -> float:
+    """Return torque by speed of a servo at its limit, N m s/rad; 0 if it never gets there.
+
+    It may when an error of half a turn asks for more than is left at ten times the gait's rate.
+    """
+    left = 1 - 10 * gait.alpha_rad * gait.omega_rad_s / servo.speed_limit_rad_s
+    if servo.torque_limit_nm * left > servo.stiffness_nm_rad * math.pi:
+        return 0.0
+    return servo.torque_limit_nm / servo.speed_limit_rad_s
+
+
 def _oscillator_rates(stiff: Array, damped: Array) -> Complex:
     """Return both roots of s^2 + damped s + stiff = 0 for each pair."""
     root: Complex = np.sqrt(((damped / 2) ** 2 - stiff).astype(complex))
@@ -144,8 +156,8 @@ def modes(scene: Scene) -> tuple[Array, Array]:
     if scene.servo is not None:
         most, least = _mobility(scene)
         nu = np.linspace(least, most, 64)
-        stiff.append(scene.servo.stiffness_nm_rad * nu)
-        damped.append(scene.servo.damping_nms_rad * nu)
+        stiff += [scene.servo.stiffness_nm_rad * nu, 0 * nu]
+        damped += [scene.servo.damping_nms_rad * nu, _motor_line(scene.servo, scene.gait) * nu]
     return np.concatenate(stiff), np.concatenate(damped)
 
 

@@ -42,9 +42,12 @@ def joint_gaps(p: Params, pose: Array, rates: Array) -> tuple[Array, Array]:
     return gap, (rates[1:, :2] - arm_rate[1:]) - (rates[:-1, :2] + arm_rate[:-1])
 
 
-def joint_forces(p: Params, spring: Spring, pose: Array, rates: Array) -> Array:
-    """Return F_i (n-1, 2) (Eqs. 51-52)."""
-    gap, gap_rate = joint_gaps(p, pose, rates)
+def joint_forces(
+    p: Params, spring: Spring, pose: Array, rates: Array, gap_rate: Array | None = None
+) -> Array:
+    """Return F_i (n-1, 2) (Eqs. 51-52); `gap_rate` is what dampers act on if not the present."""
+    gap, live = joint_gaps(p, pose, rates)
+    gap_rate = live if gap_rate is None else gap_rate
     stiffness, damping = spring.columns(p.links)
     return stiffness * gap + damping * gap_rate
 
@@ -59,11 +62,15 @@ def evaluate(
     phi_ddot: Array,
     driven: Array,
     signs: Array | None = None,
+    gap_rate: Array | None = None,
 ) -> Motion:
-    """Return the motion of links with pose and rates (n, 3); joints as in explicit.evaluate."""
+    """Return the motion of links with pose and rates (n, 3); joints as in explicit.evaluate.
+
+    `gap_rate` (n-1, 2) is what the dampers act on, if not the present rates of the gaps.
+    """
     n, normal = p.links, axes(pose[:, 2])[1]
     ground = explicit.friction(p, pose[:, 2], rates[:, :2], signs)
-    force = joint_forces(p, spring, pose, rates)
+    force = joint_forces(p, spring, pose, rates, gap_rate)
     load = np.zeros((n, 3), dtype=force.dtype)
     load[:, :2] = ground + p.mass_kg * np.asarray(p.gravity_m_s2)
     for i in range(n - 1):

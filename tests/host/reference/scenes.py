@@ -1,0 +1,241 @@
+"""Whole scenes the slow way: any drive, fault, slope and friction law on the dense models, stepped.
+
+What is free to move is z = (x, y of link 1, theta_1, free joints) for pinned joints, or z = (x_i,
+y_i of every link, theta_1, free joints) for springs; the rest follows from the gait. Every force is
+written down link by link; accelerations come from explicit.evaluate and implicit.evaluate.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import serpenoid as sn
+from serpenoid import _core
+
+from . import explicit, implicit
+from .explicit import Motion
+from .params import Array, Gait, Params
+
+FRAME_S = 0.02
+NAMES = (
+    *("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s"),
+    *("joint_force_x_n", "joint_force_y_n", "joint_torque_nm", "friction_x_n", "friction_y_n"),
+    "energy_j",
+)
+
+
+def params_of(scene: sn.Scene) -> Params:
+    """Return the reference's parameters of a scene; the ground falls against its direction."""
+    robot, ground = scene.robot, scene.ground
+    pull = 9.80665 * math.sin(scene.incline_rad)
+    gravity = (
+        -pull * math.cos(scene.incline_direction_rad),
+        -pull * math.sin(scene.incline_direction_rad),
+    )
+    return Params(
+        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
+        ground.ct, ground.cn, ground.ft0, ground.fn0, gravity,
+    )  # fmt: skip
+
+
+def servo_torque(servo: sn.Servo, setpoint_rad: float, angle_rad: float, rate: float) -> float:
+    """Return the torque that a servo puts into its joint, positive where it raises the angle.
+
+    The motor's line: the torque it can give in the direction of its own speed falls from the limit
+    at rest to nothing at the speed limit; against it there is the whole limit.
+    """
+    error = setpoint_rad - angle_rad
+    if abs(error) <= servo.dead_band_rad:
+        error = 0.0
+    else:
+        error -= math.copysign(servo.dead_band_rad, error)
+    wanted = servo.stiffness_nm_rad * error - servo.damping_nms_rad * rate
+    limit = servo.torque_limit_nm
+    ahead = limit - limit * abs(rate) / servo.speed_limit_rad_s
+    if rate > 0:
+        return max(min(wanted, ahead), -limit)
+    return min(max(wanted, -ahead), limit)
+
+
+@dataclass
+class SlowScene:
+    """Hold a scene and the two things that its steps hold on to: setpoints and damper rates."""
+
+    scene: sn.Scene
+    setpoint_rad: Array = field(default_factory=lambda: np.zeros(0))
+    held_gap_rate: Array | None = None  # (n-1, 2), of the paper's scheme
+
+    def __post_init__(self) -> None:
+        s = self.scene
+        self.p = params_of(s)
+        self.gait = Gait(s.gait.alpha_rad, s.gait.beta_rad, s.gait.omega_rad_s, s.gait.offset_rad)
+        self.spring = implicit.Spring(s.joint_stiffness_n_m, s.joint_damping_n_s_m)
+        numbers = range(1, s.robot.links)
+        by_angle = s.drive == "angle"
+        self.driven = np.array([j in s.locked or (by_angle and j not in s.limp) for j in numbers])
+        self.pinned = s.formulation == "explicit"
+
+    def enter(self, t_s: float) -> None:
+        """Take the setpoints of the frame that begins at or before a time."""
+        if self.scene.drive == "servo":
+            g, frame = self.scene.gait, math.floor(t_s / FRAME_S + 1e-9)
+            self.setpoint_rad = _core.firmware.gait_setpoints_rad(
+                g.alpha_rad,
+                g.beta_rad,
+                g.omega_rad_s,
+                offset_rad=g.offset_rad,
+                first_frame=frame,
+                joints=self.p.links - 1,
+            )[0]
+
+    def joints(self, t_s: float) -> tuple[Array, Array, Array]:
+        """Return imposed angles and their rates, each (n-1,); what is free has to be filled in."""
+        phi, rate, bend = self.gait.angles(t_s, self.p.links - 1)
+        for joint, angle in self.scene.locked.items():
+            phi[joint - 1], rate[joint - 1], bend[joint - 1] = angle, 0.0, 0.0
+        return phi, rate, bend
+
+    def links(self, t_s: float, y: Array) -> tuple[Array, Array, Array]:
+        """Return pose and rates (n, 3) of all links and phi'' (n-1,); y = (z, z', integrals)."""
+        n, free = self.p.links, ~self.driven
+        centres = 2 if self.pinned else 2 * n
+        size = centres + 1 + free.sum()
+        phi, phi_rate, bend = self.joints(t_s)
+        both = []
+        for z, joint in ((y[:size], phi), (y[size : 2 * size], phi_rate)):
+            joint[free] = z[centres + 1 :]
+            angle = z[centres] + np.concatenate([[0.0], np.cumsum(joint)])
+            both.append((z[:centres], angle))
+        if self.pinned:
+            q, qdot = (np.concatenate(pair) for pair in both)
+            return *implicit.closed_links(self.p, q, qdot), bend
+        pose, rates = (np.column_stack([*c.reshape(2, n), angle]) for c, angle in both)
+        return pose, rates, bend
+
+    def pack(self, start: sn.LinkState) -> Array:
+        """Return y of a start, with four integrals of nothing behind."""
+        keep = slice(1) if self.pinned else slice(None)
+        free = ~self.driven
+        z = [start.x_m[keep], start.y_m[keep], start.theta_rad[:1], np.diff(start.theta_rad)[free]]
+        rate = [start.vx_m_s[keep], start.vy_m_s[keep], start.omega_rad_s[:1],
+                np.diff(start.omega_rad_s)[free]]  # fmt: skip
+        return np.concatenate([*z, *rate, np.zeros(4)])
+
+    def torque(self, t_s: float, pose: Array, rates: Array) -> Array:
+        """Return T_i (n-1,) of the joints that are not imposed, on link i from link i+1."""
+        s, joints = self.scene, self.p.links - 1
+        if s.drive == "servo":
+            assert s.servo is not None
+            raised = zip(self.setpoint_rad, np.diff(pose[:, 2]), np.diff(rates[:, 2]), strict=True)
+            torque = np.array([-servo_torque(s.servo, *joint) for joint in raised])
+        elif isinstance(s.torque, sn.TorqueTable):
+            columns = s.torque.torque_nm.T
+            torque = np.array([np.interp(t_s, s.torque.t_s, column) for column in columns])
+        elif callable(s.torque):
+            torque = np.array(s.torque(t_s))
+        else:
+            torque = np.zeros(joints) if s.torque is None else np.array(s.torque)
+        torque[[j - 1 for j in s.limp]] = 0.0
+        return torque
+
+    def motion(self, t_s: float, y: Array) -> tuple[Motion, Array, Array]:
+        """Return accelerations and forces, and pose and rates, at a state."""
+        pose, rates, bend = self.links(t_s, y)
+        joints = {"torque": self.torque(t_s, pose, rates), "phi_ddot": bend, "driven": self.driven}
+        signs = None
+        if self.scene.smoothing_m_s > 0:
+            axes = np.stack(explicit.axes(pose[:, 2]), 1)  # (n, 2, 2)
+            slip = np.einsum("nad,nd->na", axes, rates[:, :2])
+            signs = slip / np.sqrt(slip**2 + self.scene.smoothing_m_s**2)
+        if self.pinned:
+            q = np.concatenate([pose[0, :2], pose[:, 2]])
+            qdot = np.concatenate([rates[0, :2], rates[:, 2]])
+            return explicit.evaluate(self.p, q, qdot, **joints, signs=signs), pose, rates
+        found = implicit.evaluate(
+            self.p, self.spring, pose, rates, **joints, signs=signs, gap_rate=self.held_gap_rate
+        )
+        return found, pose, rates
+
+    def rate(self, t_s: float, y: Array) -> Array:
+        """Return y': rates, accelerations, and the powers of joints, friction, dampers, servos."""
+        m, pose, rates = self.motion(t_s, y)
+        free = ~self.driven
+        keep = slice(1) if self.pinned else slice(None)
+        size = (len(y) - 4) // 2
+        accel = [m.accel_m_s2[keep, 0], m.accel_m_s2[keep, 1], m.theta_ddot[:1],
+                 np.diff(m.theta_ddot)[free]]  # fmt: skip
+        power = -m.torque_n_m * np.diff(rates[:, 2])
+        damped = 0.0
+        if not self.pinned:
+            gap, gap_rate = implicit.joint_gaps(self.p, pose, rates)
+            damped = np.sum((m.force_n - self.spring.stiffness_n_m * gap) * gap_rate)
+        heat = -np.sum(m.friction_n * rates[:, :2])
+        powers = [power.sum(), heat, damped, power[power > 0].sum()]
+        return np.concatenate([y[size : 2 * size], *accel, powers])
+
+    def stores(self, t_s: float, y: Array) -> Array:
+        """Return kinetic energy, energy of the springs, and energy of height, J."""
+        pose, rates, _ = self.links(t_s, y)
+        p, springs = self.p, 0.0
+        if not self.pinned:
+            springs = (
+                self.spring.stiffness_n_m / 2 * np.sum(implicit.joint_gaps(p, pose, rates)[0] ** 2)
+            )
+        moving = p.mass_kg * np.sum(rates[:, :2] ** 2) + p.inertia * np.sum(rates[:, 2] ** 2)
+        height = -p.mass_kg * np.sum(pose[:, :2] @ np.asarray(p.gravity_m_s2))
+        return np.array([moving / 2, springs, height])
+
+    def step(self, t_s: float, y: Array, dt_s: float) -> Array:
+        """Return y after one step of the scene's method."""
+        if self.scene.method in ("rk4", "paper"):
+            return rk4_step(self.rate, t_s, y, dt_s)
+        y_rate, size = self.rate(t_s, y), (len(y) - 4) // 2
+        after = y + dt_s * y_rate
+        if self.scene.method == "semi_implicit_euler":
+            after[:size] = y[:size] + dt_s * after[size : 2 * size]
+        return after
+
+    def gap_rate(self, t_s: float, y: Array) -> Array:
+        """Return the rates of the gaps (n-1, 2)."""
+        pose, rates, _ = self.links(t_s, y)
+        return implicit.joint_gaps(self.p, pose, rates)[1]
+
+
+def rk4_step(rate, t_s: float, y: Array, dt_s: float) -> Array:
+    """Return y after one classical Runge-Kutta step."""
+    k1 = rate(t_s, y)
+    k2 = rate(t_s + dt_s / 2, y + dt_s / 2 * k1)
+    k3 = rate(t_s + dt_s / 2, y + dt_s / 2 * k2)
+    k4 = rate(t_s + dt_s, y + dt_s * k3)
+    return y + dt_s / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def slow_run(scene: sn.Scene, start: sn.LinkState) -> dict[str, Array]:
+    """Return what simulate would, by the names of Run's fields, recorded at every step.
+
+    For steps that divide a frame and the intervals of a table. At a jump of the drive the forces
+    are those just before it.
+    """
+    slow = SlowScene(scene)
+    rows: list[list[Array]] = []
+
+    def note(t: float, y: Array) -> None:
+        m, pose, rates = slow.motion(t, y)
+        energy = np.concatenate([slow.stores(t, y), y[-4:]])
+        rows.append([*pose.T, *rates.T, *m.force_n.T, m.torque_n_m, *m.friction_n.T, energy])
+
+    y, dt = slow.pack(start), scene.dt_s
+    if scene.method == "paper":
+        slow.held_gap_rate = slow.gap_rate(0.0, y)
+    slow.enter(0.0)
+    note(0.0, y)
+    for t in np.arange(scene.steps) * dt:
+        slow.enter(t)
+        before, y = y, slow.step(t, y, dt)
+        if scene.method == "paper":
+            slow.held_gap_rate = slow.gap_rate(t, before)
+        note(t + dt, y)
+    columns = (np.array(part) for part in zip(*rows, strict=True))
+    return dict(zip(NAMES, columns, strict=True))
