@@ -248,7 +248,10 @@ class Robot:
         self._talk = Dialogue(link, self._recorder, self._unattended_s)
         self._talk.start()
         self._greet(self._talk, link.name)
-        self.settings()
+        try:
+            self.settings()
+        except (DamagedLine, CommandRefused):  # missed frames are counted by the default then
+            self._talk.inbox.every = 1
 
     def _greet(self, talk: Dialogue, port: str) -> None:
         """Wait for the greeting, which most boards give when opened, and ask for it."""

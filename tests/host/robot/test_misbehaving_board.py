@@ -12,6 +12,7 @@ import pytest
 from robot.fake_board import FakeBoard, honest, sealed
 from serpenoid import Gait
 from serpenoid.errors import (
+    DamagedLine,
     NoAnswer,
     ProtocolMismatch,
     RobotError,
@@ -158,6 +159,14 @@ def test_data_lines_that_come_damaged_are_asked_for_again():
         fake.to_host = spoil_three
         assert [t.joint for t in robot.trims()] == [1, 2, 3, 4, 5]
         assert robot.losses.damaged_lines == 3
+
+
+def test_a_board_that_does_not_list_its_settings_can_be_driven():
+    with FakeBoard(without("set:")) as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        assert fake.await_state("gait")
+        with pytest.raises(DamagedLine, match="cable"):
+            robot.settings()
 
 
 def test_half_and_doubled_frames_are_counted_and_never_used():
