@@ -14,6 +14,7 @@ import serpenoid as sn
 from serpenoid import _core
 from serpenoid.gaits import gait_rows, lane_scene, lane_state
 from serpenoid.simulation import start_state
+from serpenoid.stability import joint_modes
 
 CORE = Path(__file__).resolve().parents[2] / "host" / "core"
 LINK_FIELDS = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
@@ -232,6 +233,17 @@ def test_what_a_batch_cannot_do_is_named(change: dict, gaits: list, said: str) -
 def test_an_unstable_step_is_refused_for_any_gait() -> None:
     with pytest.raises(sn.StepTooLarge):
         sn.simulate_gaits(scene_of(6, joint_stiffness_n_m=1e6), [GAIT])
+
+
+@pytest.mark.parametrize("links", [2, 3, 6, 20])
+def test_no_shape_has_faster_springs_than_the_bound(links: int) -> None:
+    """What spares the modes of every gait must hold for each, and be near."""
+    for gait in [sn.Gait(0.0, 0.0, 1.0), *many_gaits(10)]:
+        scene = replace(scene_of(links), gait=gait)
+        for one in (scene, replace(scene, drive="torque", torque=[0.0] * (links - 1))):
+            exact, bound = joint_modes(one), joint_modes(one, any_shape=True)
+            assert bound[0] >= exact[0] > 0.25 * bound[0]
+            assert bound[1] <= exact[1]
 
 
 @pytest.mark.skipif("avx2" not in SETS or not shutil.which("g++"), reason="needs x86 and g++")
