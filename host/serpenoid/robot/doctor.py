@@ -12,7 +12,7 @@ from ..errors import NoAnswer, ProtocolMismatch, RobotError
 from . import culprit, link
 from .clock import TOLERANCE_PPM
 from .dialogue import Losses
-from .ports import allowed
+from .ports import allowed, users
 from .protocol import PROTOCOL, Hello
 from .reports import Status
 from .robot import Robot
@@ -103,8 +103,7 @@ def _access(port: str) -> Iterator[Finding]:
         yield Finding("permission", "fix", "refused", culprit.why_forbidden(port))
     else:
         yield Finding("permission", "ok", f"this user may open {port}")
-    holders = culprit.who_holds(port)
-    if holders:
+    if holders := users(port):
         yield Finding("other programs", "fix", "in use", culprit.why_held(port, holders))
     else:
         yield Finding("other programs", "ok", f"none has {port} open")

@@ -54,8 +54,12 @@ def allowed(device: str) -> bool:
     return os.access(device, os.R_OK | os.W_OK)
 
 
+def users(device: str) -> list[culprit.Holder]:
+    """List who has a port open and would be disturbed: not who plays a board at it."""
+    return [] if culprit.is_pseudo_terminal(device) else culprit.who_holds(device)
+
+
 def check_free(device: str) -> None:
-    """Raise PortBusy, naming who, if another program has the port."""
-    holders = culprit.who_holds(device)
-    if holders:
+    """Raise PortBusy, naming who, if another program uses the port."""
+    if holders := users(device):
         raise PortBusy(culprit.why_held(device, holders))

@@ -24,6 +24,19 @@ def honest(line: bytes) -> bytes:
     return line
 
 
+def nothing(_: bytes) -> bytes:
+    return b""
+
+
+def eeprom_after(*commands: str) -> bytes:
+    """Return the EEPROM of a board that was given commands, then `save`."""
+    board = firmware.Board()
+    board.boot()
+    board.write("".join(f"{command}\n" for command in (*commands, "save")).encode())
+    board.run(2.0)
+    return board.eeprom
+
+
 class FakeBoard:
     """Run the controller in real time; every line passes through to_host or to_board first.
 
@@ -31,9 +44,12 @@ class FakeBoard:
     Opening the port starts the board again, as the reset of a real one does.
     """
 
-    def __init__(self, to_host: Tamper = honest, to_board: Tamper = honest):
+    def __init__(
+        self, to_host: Tamper = honest, to_board: Tamper = honest, *, eeprom: bytes | None = None
+    ):
         self.to_host, self.to_board = to_host, to_board
         self.board = firmware.Board()
+        self.board.eeprom = eeprom or self.board.eeprom
         self.received = b""
         self._master, slave = pty.openpty()
         tty.setraw(slave)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import io
+import itertools
 import json
 import math
 import re
 import signal
 import subprocess
 import sys
-from binascii import crc_hqx
 from pathlib import Path
 
 import pytest
 from rich.console import Console
-from robot.pty_board import PtyBoard
+from robot.fake_board import FakeBoard, eeprom_after, sealed
 from serpenoid import Gait
 from serpenoid.robot import live
 from serpenoid.robot.drive import Drive
@@ -72,52 +72,45 @@ def test_a_live_table_where_there_is_one(monkeypatch):
 
 @pytest.mark.parametrize(("duration", "status"), [([], 0), (["--duration-s", "60"], 130)])
 def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
-    with PtyBoard() as bridge:
+    with FakeBoard() as fake:
         run = subprocess.Popen(
             [sys.executable, "-m", "serpenoid.cli", "drive", *GAIT, *duration,
-             "--port", bridge.port], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+             "--port", fake.port], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         assert run.stdout is not None
         assert "gait" in run.stdout.readline()
         run.send_signal(signal.SIGINT)
         said, errors = run.communicate(timeout=20)
         assert run.returncode == status, errors
-        assert bridge.board.state == "hold"
-        assert b"\n!\n" in bridge.received
+        assert fake.state == "hold"
+        assert b"\n!\n" in fake.received
     assert "true gait frequency" in said
     assert "Traceback" not in errors
 
 
 def test_a_reset_in_mid_run_has_a_summary_and_an_error(serpenoid, tmp_path):
-    body = b"hello: serpenoid fw=0.1.0 protocol=1 board=uno boot=9 reset=brownout settings=ok"
-    hello = body + b" *%04X\n" % crc_hqx(body, 0xFFFF)
-    told = []
+    hello = sealed(
+        "hello: serpenoid fw=0.1.0 protocol=1 board=uno boot=9 reset=brownout settings=ok"
+    )
+    gaits = itertools.count()
 
-    def with_a_reset(said: bytes) -> bytes:
-        if not told and re.search(rb"st=gait \*....\n$", said) and bridge.board.frame > 100:
-            told.append(1)
-            return said + hello
-        return said
+    def reset(line: bytes) -> bytes:
+        return line + hello if b" st=gait " in line and next(gaits) == 40 else line
 
-    with PtyBoard(with_a_reset) as bridge:
-        file = tmp_path / "run.wire"
-        status, said, errors = serpenoid(
-            "drive", *GAIT, "--port", bridge.port, "--record", str(file)
-        )
+    file = tmp_path / "run.wire"
+    with FakeBoard(reset) as fake:
+        status, said, errors = serpenoid("drive", *GAIT, "--port", fake.port, "--record", str(file))
     assert status == 1
     assert "true gait frequency" in said
     assert "brownout" in errors
-    assert len(load_stream(file).frame) > 10
+    assert len(load_stream(file).frame) >= 40
 
 
 def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable(serpenoid):
-    bridge = PtyBoard()
-    bridge.board.write(b"set every 0\nset silence off\n")
-    bridge.board.run(0.1)
-    with bridge:
-        args = ["--port", bridge.port, "--duration-s", "0.5", "--json"]
+    with FakeBoard(eeprom=eeprom_after("set every 0", "set silence off")) as fake:
+        args = ["--port", fake.port, "--duration-s", "0.5", "--json"]
         assert json.loads(serpenoid("drive", *GAIT, *args)[1])["frames"] > 10
-    assert b" set silence 2 *" in bridge.received
+    assert b" set silence 2 *" in fake.received
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from robot.pty_board import PtyBoard
+from robot.fake_board import FakeBoard, nothing
 from serpenoid.robot import flash
 
 ROOT = Path(__file__).parents[3]
@@ -37,7 +37,7 @@ def pio(tmp_path, monkeypatch):
 
 def test_success_ends_with_the_greeting(pio, serpenoid):
     arguments = pio(f'{BUILT}; echo "avrdude done"; exit 0')
-    with PtyBoard() as board:
+    with FakeBoard() as board:
         status, said, shown = serpenoid("flash", "--board", "mega", "--port", board.port, "--json")
     assert status == 0
     assert json.loads(said)["firmware"] == "0.1.0"
@@ -60,7 +60,7 @@ def test_success_ends_with_the_greeting(pio, serpenoid):
 )
 def test_each_failure_has_its_cure(pio, serpenoid, script, said):
     pio(script)
-    with PtyBoard() as board:
+    with FakeBoard() as board:
         status, _, errors = serpenoid("flash", "--board", "mega", "--port", board.port)
         assert not board.received
     assert status == 1
@@ -70,7 +70,7 @@ def test_each_failure_has_its_cure(pio, serpenoid, script, said):
 def test_a_board_that_is_silent_afterwards(pio, serpenoid, monkeypatch):
     pio(f"{BUILT}; exit 0")
     monkeypatch.setattr(flash, "GREETING_S", 0.3)
-    with PtyBoard(silent=True) as board:
+    with FakeBoard(nothing) as board:
         status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
     assert (status, "no greeting" in errors) == (1, True)
 
@@ -83,7 +83,7 @@ def test_without_platformio(serpenoid, monkeypatch):
 
 def test_ctrl_c_ends_platformio_and_what_it_started(pio, tmp_path):
     pio(f"{BUILT}; sleep 60 & echo $! > {tmp_path}/child; wait")
-    with PtyBoard() as board:
+    with FakeBoard() as board:
         run = subprocess.Popen(
             [sys.executable, "-m", "serpenoid.cli", "flash", "--board", "uno", "--port",
              board.port], stderr=subprocess.PIPE, text=True,
@@ -127,9 +127,10 @@ def test_what_cannot_be_flashed(pio, serpenoid, tmp_path):
     assert status == 2
 
 
-def test_a_port_in_use_is_not_flashed(pio, serpenoid):
+def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):
+    monkeypatch.setattr("serpenoid.robot.culprit.is_pseudo_terminal", lambda _: False)
     arguments = pio("exit 0")
-    with PtyBoard() as board, open(board.port, "rb"):
+    with FakeBoard() as board, open(board.port, "rb"):
         status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
     assert (status, "in use" in errors) == (1, True)
     assert not arguments.exists()

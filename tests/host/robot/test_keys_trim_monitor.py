@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 import pytest
-from robot.pty_board import PtyBoard
+from robot.fake_board import FakeBoard
 from robot.terminal import Person
 from serpenoid._core import firmware
 from serpenoid.robot import Robot, keys
@@ -106,10 +106,10 @@ def test_leaving_unsaved_is_asked_once(trimming):
 
 @pytest.mark.parametrize("how", ["q", "ctrl-c", "term", "unplugged"])
 def test_trim_gives_the_terminal_back_however_it_is_left(how):
-    with PtyBoard() as bridge, Person("trim", "--port", bridge.port) as person:
+    with FakeBoard() as fake, Person("trim", "--port", fake.port) as person:
         person.sees("joint 1  centre 1500 us")
         assert person.now != person.before
-        assert bridge.board.state == "pose"
+        assert fake.state == "pose"
         person.presses("3\x1b[A")
         person.sees("joint 3  centre 1501 us  (not saved)")
         if how == "q":
@@ -121,11 +121,11 @@ def test_trim_gives_the_terminal_back_however_it_is_left(how):
         elif how == "term":
             person.sends(signal.SIGTERM)
         else:
-            bridge.unplug()
+            fake.unplug()
             person.presses("+")
         assert person.leaves() == {"q": 0, "ctrl-c": 130, "term": 143, "unplugged": 1}[how]
         assert person.now == person.before
-        assert bridge.board.state == ("pose" if how == "unplugged" else "hold")
+        assert fake.state == ("pose" if how == "unplugged" else "hold")
         assert "Traceback" not in person.screen
 
 
@@ -207,7 +207,7 @@ def test_monitor_from_a_pipe(any_port):
 
 @pytest.mark.parametrize("how", ["ctrl-c", "ctrl-d", "term"])
 def test_monitor_at_a_terminal(how):
-    with PtyBoard() as bridge, Person("monitor", "--port", bridge.port) as person:
+    with FakeBoard() as fake, Person("monitor", "--port", fake.port) as person:
         person.sees("ok: #0")
         person.presses("gait 30 80 5\r")
         person.sees("state: gait why=command")
@@ -222,8 +222,8 @@ def test_monitor_at_a_terminal(how):
             person.sends(signal.SIGINT if how == "ctrl-c" else signal.SIGTERM)
         assert person.leaves() == (143 if how == "term" else 0)
         assert person.now == person.before
-        assert bridge.board.state == "hold"
-        assert not bridge.board.session
+        assert fake.state == "hold"
+        assert not fake.board.session
 
 
 def test_trim_wants_a_person(serpenoid, monkeypatch):

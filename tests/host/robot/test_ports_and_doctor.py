@@ -10,7 +10,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from robot.pty_board import PtyBoard
+from robot.fake_board import FakeBoard, eeprom_after, nothing, sealed
 from serpenoid.robot import doctor, ports
 
 FAST = {"listen_s": 0.3, "timeout_s": 1.0}
@@ -38,7 +38,7 @@ def fix_of(name: str, port: str | None) -> str:
 
 
 def test_ports_lists_ids_boards_and_users(plugged, serpenoid, tmp_path):
-    with PtyBoard() as board, open(board.port, "rb"):
+    with FakeBoard() as board, open(board.port, "rb"):
         plugged((board.port, 0x2341, 0x43), ("/dev/ttyS0", None, None))
         status, said, _ = serpenoid("ports", "--json")
         assert status == 0
@@ -71,9 +71,9 @@ def test_a_board_on_a_port_is_well_and_never_moves(simulated_board, serpenoid):
 
 
 def test_the_robot_is_not_moved_by_a_doctor():
-    with PtyBoard() as board:
+    with FakeBoard() as board:
         assert "fix" not in marks(board.port).values()
-        assert board.board.state == "idle"
+        assert board.state == "idle"
         assert board.board.setpoints_rad == [0.0] * 5
 
 
@@ -87,14 +87,15 @@ def test_no_port_no_board_and_two_boards(plugged):
 
 def test_a_port_that_may_not_be_opened(monkeypatch):
     monkeypatch.setattr(doctor, "allowed", lambda _: False)
-    with PtyBoard() as board:
+    with FakeBoard() as board:
         assert "usermod -aG" in fix_of("permission", board.port)
         assert "greeting" not in marks(board.port)
 
 
-def test_a_port_in_use_names_who(tmp_path):
+def test_a_port_in_use_names_who(monkeypatch):
+    monkeypatch.setattr(ports.culprit, "is_pseudo_terminal", lambda _: False)
     hold = "import sys; f = open(sys.argv[1], 'rb'); print('up', flush=True); sys.stdin.read()"
-    with PtyBoard() as board:
+    with FakeBoard() as board:
         other = subprocess.Popen(
             [sys.executable, "-c", hold, board.port],
             stdin=subprocess.PIPE,
@@ -107,9 +108,14 @@ def test_a_port_in_use_names_who(tmp_path):
         other.communicate()
 
 
+def test_who_plays_a_board_may_hold_its_port():
+    with FakeBoard() as board, open(board.port, "rb"):
+        assert marks(board.port)["greeting"] == "ok"
+
+
 def test_a_service_that_meddles_is_a_note(monkeypatch):
     monkeypatch.setattr(doctor.culprit, "running", lambda name: name == "ModemManager")
-    with PtyBoard() as board:
+    with FakeBoard() as board:
         found = {f.name: f for f in doctor.examine(board.port, **FAST)}
         assert found["ModemManager"].mark == "note"
         assert "systemctl stop ModemManager" in found["ModemManager"].fix
@@ -117,7 +123,7 @@ def test_a_service_that_meddles_is_a_note(monkeypatch):
 
 
 def test_a_silent_board():
-    with PtyBoard(silent=True) as board:
+    with FakeBoard(nothing) as board:
         assert "is it flashed" in fix_of("greeting", board.port)
 
 
@@ -125,7 +131,7 @@ def test_another_protocol():
     def older(said: bytes) -> bytes:
         return said.replace(b"protocol=1", b"protocol=7")
 
-    with PtyBoard(older) as board:
+    with FakeBoard(older) as board:
         fix = fix_of("protocol", board.port)
         assert "protocol 7" in fix
         assert "serpenoid flash" in fix
@@ -135,30 +141,27 @@ def test_a_bad_cable():
     def noisy(said: bytes) -> bytes:
         return re.sub(rb"t:(\d*[05]) j1", rb"t:\1 j!", said)
 
-    with PtyBoard(noisy) as board:
+    with FakeBoard(noisy) as board:
         assert "cable" in fix_of("counters", board.port)
 
 
 def test_settings_damaged_and_a_brown_out():
-    bridge = PtyBoard()
-    bridge.board.write(b"save\n")
-    bridge.board.run(1.0)
-    saved = bytearray(bridge.board.eeprom)
-    saved[100] ^= 1  # in the one copy that there is
-    bridge.board.eeprom = bytes(saved)
-    bridge.board.boot("brownout")
-    with bridge:
-        found = {f.name: f for f in doctor.examine(bridge.port, **FAST)}
+    def browned_out(line: bytes) -> bytes:
+        if not line.startswith(b"hello:"):
+            return line
+        return sealed(line.decode().rpartition(" *")[0].replace("=external", "=brownout"))
+
+    eeprom = bytearray(eeprom_after())
+    eeprom[100] ^= 1  # in the one copy that there is
+    with FakeBoard(browned_out, eeprom=bytes(eeprom)) as fake:
+        found = {f.name: f for f in doctor.examine(fake.port, **FAST)}
     assert found["settings"].mark == found["last reset"].mark == "fix"
     assert "supply" in found["last reset"].fix
 
 
 def test_silence_off_is_told():
-    bridge = PtyBoard()
-    bridge.board.write(b"set silence off\n")
-    bridge.board.run(0.1)
-    with bridge:
-        assert marks(bridge.port)["silence"] == "note"
+    with FakeBoard(eeprom=eeprom_after("set silence off")) as fake:
+        assert marks(fake.port)["silence"] == "note"
 
 
 def test_what_the_counters_and_the_timing_mean():
