@@ -280,3 +280,34 @@ def test_what_is_recorded_changes_no_bit() -> None:
     for name in LINK_FIELDS:
         kept = np.concatenate([getattr(fine, name)[:-1:7], getattr(fine, name)[-1:]])
         assert kept.tobytes() == getattr(rough, name).tobytes()
+
+
+def turned(y: np.ndarray, angle: float) -> np.ndarray:
+    """Return a state (4 n + 2,) with everything turned about the origin."""
+    (x, y_, vx, vy), tail = y[:-2].reshape(4, -1), y[-2:]
+    c, s = math.cos(angle), math.sin(angle)
+    parts = [c * x - s * y_, s * x + c * y_, c * vx - s * vy, s * vx + c * vy]
+    return np.concatenate([*parts, tail + np.array([angle, 0.0])])
+
+
+@pytest.mark.parametrize("batch", [False, True])
+def test_the_ground_has_no_preferred_direction(batch: bool) -> None:
+    scene = scene_of(7)
+    start = lane_state(start_state(scene))
+    for angle in (1.0, math.pi / 2, 200.0):
+        starts = np.array([start, turned(start, angle)])
+        straight, askew = lane_run(scene, [GAIT] * 2, starts, SETS[0], batch)[0]
+        assert off(askew, turned(straight, angle)) < 1e-12
+
+
+@pytest.mark.parametrize("batch", [False, True])
+def test_without_friction_springs_change_no_momentum(batch: bool) -> None:
+    """Whatever they do, their forces come in pairs: the sum of velocities keeps to round-off."""
+    scene = replace(scene_of(7), ground=sn.Ground(0.0, 0.0), gap="zero")
+    start = lane_state(start_state(scene))
+    start[14:28] += np.random.default_rng(2).normal(size=14)
+    end = lane_run(scene, [GAIT], start[None], SETS[0], batch, duration=20.0)[0][0]
+    for part in (slice(14, 21), slice(21, 28)):
+        # 2e4 steps, each rounding seven velocities of some m/s: a walk of 2e-16 sqrt(1.4e5)
+        assert abs(end[part].sum() - start[part].sum()) < 1e-12
+        assert np.abs(end[part] - start[part]).max() > 0.1
