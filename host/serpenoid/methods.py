@@ -14,10 +14,10 @@ RECORDS = ("joints", "friction", "energy")
 class MethodKind:
     """Say which scenes a method runs.
 
-    order: of convergence, for smooth motion. adaptive: formulations in which it takes steps of its
-    own to scene.tolerance; in the others steps of dt_s. records: what it can record besides the
-    motion. plain: formulations in which it runs with drive "angle", on the level, with all joints
-    sound, and can record no more than plain_records.
+    order: of convergence at recorded times, for smooth motion. adaptive: formulations in which it
+    takes steps of its own to scene.tolerance; in the others steps of dt_s. records: what it can
+    record besides the motion. plain: formulations in which it runs with drive "angle", on the
+    level, with all joints sound, and can record no more than plain_records.
     """
 
     order: int
@@ -37,7 +37,7 @@ METHODS = {
     "paper": MethodKind(1, formulations=("implicit",)),
     "dop853": MethodKind(8, adaptive=FORMULATIONS, laws=("viscous", "smoothed")),
     "collocation": MethodKind(
-        11,
+        7,
         formulations=("explicit",),
         adaptive=("explicit",),
         drives=("angle",),

@@ -83,6 +83,13 @@ def test_between_the_steps_it_is_as_smooth_as_at_them(method: str) -> None:
         assert error(short, link1(run)[[0, index]]) < 1e-9
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_collocation_takes_its_own_estimate_off(tolerance: float, paper_truth: Array) -> None:
+    """What the estimate sees is corrected: left in, the error would be several times its mean."""
+    run = sn.simulate(replace(PAPER, method="collocation", tolerance=tolerance))
+    assert error(run, paper_truth) < run.local_error / run.steps
+
+
 EXTREMES = [  # alpha (deg), omega, ct, cn, mass, cycles
     (170, 5.0, 0.1, 10.0, 1.0, 1),
     (30, 0.01, 0.1, 10.0, 1.0, 0.01),
