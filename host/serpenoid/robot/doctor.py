@@ -188,6 +188,6 @@ def _platformio() -> Finding:
 
     pio = find_platformio()
     if not pio:
-        fix = "only for flashing: pip install 'serpenoid[flash]'"
+        fix = "needed for flashing only: pip install platformio"
         return Finding("platformio", "note", "not installed", fix)
     return Finding("platformio", "ok", pio)

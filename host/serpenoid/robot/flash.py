@@ -57,7 +57,7 @@ def flash(
     folder = find_project(project)
     pio = find_platformio()
     if not pio:
-        raise FlashFailed("PlatformIO is not installed; `pip install 'serpenoid[flash]'`")
+        raise FlashFailed("PlatformIO is not installed: `pip install platformio`")
     if port is not None and port.startswith("virtual"):
         raise BadInput(f"port is {port!r}, which has no flash memory; name a serial port")
     port = port or find_port()

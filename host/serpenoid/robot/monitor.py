@@ -147,7 +147,7 @@ def converse(port: str | None, every: int) -> None:
     guard = SignalGuard(stop)
     guard.install()
     try:
-        screen.tell(HELP)
+        screen.greet()
         with suppress(KeyboardInterrupt), keyboard() as keys:
             talk.go(keys, screen.tell)
     finally:
@@ -166,6 +166,11 @@ class _Screen:
     def __init__(self) -> None:
         self._live = sys.stdout.isatty()
         self._below = ""
+
+    def greet(self) -> None:
+        """Say, on a terminal only, what the keys do."""
+        if self._live:
+            self.show(HELP)
 
     def show(self, line: str) -> None:
         """Print a line for good."""

@@ -85,6 +85,18 @@ def test_saved_outlives_the_power(trimming):
     assert b"trim: #1 centre=1510 " in board.read()
 
 
+@pytest.mark.avr
+def test_saved_outlives_a_reset_of_the_elf(simulated_board):
+    with Robot(simulated_board.port) as robot:
+        straighten(robot)
+        work = Trimming(robot, lambda _: None)
+        for key in ("3", "page down", "up", "s"):
+            assert work.press(key)
+    with Robot(simulated_board.port) as robot:  # opening resets it
+        assert robot.hello.settings == "ok"
+        assert centres(robot) == [1500, 1500, 1491, 1500, 1500]
+
+
 def test_the_limit_is_told_and_nothing_changes(trimming):
     for _ in range(11):  # 1600 us and 90 deg are the 2500 us that a pulse may have
         trimming.press("page up")
@@ -106,7 +118,7 @@ def test_leaving_unsaved_is_asked_once(trimming):
 
 @pytest.mark.parametrize("how", ["q", "ctrl-c", "term", "unplugged"])
 def test_trim_gives_the_terminal_back_however_it_is_left(how):
-    with FakeBoard() as fake, Person("trim", "--port", fake.port) as person:
+    with FakeBoard() as fake, Person("trim", "--json", "--port", fake.port) as person:
         person.sees("joint 1  centre 1500 us")
         assert person.now != person.before
         assert fake.state == "pose"
@@ -124,6 +136,7 @@ def test_trim_gives_the_terminal_back_however_it_is_left(how):
             fake.unplug()
             person.presses("+")
         assert person.leaves() == {"q": 0, "ctrl-c": 130, "term": 143, "unplugged": 1}[how]
+        assert ('"saved": true' in person.screen) == (how == "q")
         assert person.now == person.before
         assert fake.state == ("pose" if how == "unplugged" else "hold")
         assert "Traceback" not in person.screen
@@ -208,6 +221,7 @@ def test_monitor_from_a_pipe(any_port):
 @pytest.mark.parametrize("how", ["ctrl-c", "ctrl-d", "term"])
 def test_monitor_at_a_terminal(how):
     with FakeBoard() as fake, Person("monitor", "--port", fake.port) as person:
+        person.sees("Ctrl-D stops it and leaves")
         person.sees("ok: #0")
         person.presses("gait 30 80 5\r")
         person.sees("state: gait why=command")
