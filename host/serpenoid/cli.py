@@ -8,25 +8,25 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import click
 
 from .bench.commands import BENCH_GROUP
 from .errors import BadInput, SerpenoidError
-from .options import AS_JSON, describe, gait_options, make_gait, show_json
+from .options import (
+    AS_JSON,
+    describe,
+    gait_options,
+    make_gait,
+    make_robot,
+    robot_options,
+    show_json,
+)
 from .robot.commands import COMMANDS as ROBOT_COMMANDS
-
-if TYPE_CHECKING:
-    from .model import Ground, Robot
+from .simulate_command import simulate
 
 T = TypeVar("T")
-
-# Per link: mass kg, full length m, then friction ct, cn (N s/m), ft0, fn0 (N).
-PRESETS = {
-    "paper": (1.0, 0.12, 0.1, 10.0, 0.0, 0.0),
-    "2005": (0.0756, 0.076, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6),
-}
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -36,40 +36,6 @@ def cli() -> None:
 
     Try `serpenoid demo` first: it needs no robot.
     """
-
-
-def robot_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that fix robot and ground."""
-    options = [
-        click.option("--robot", "preset", type=click.Choice(list(PRESETS)), default="2005",
-                     show_default=True, help="Robot and ground to start from."),
-        click.option("--links", type=int, default=6, show_default=True, help="Number of links."),
-        click.option("--mass-kg", type=float, help="Mass of a link."),
-        click.option("--length-m", type=float, help="Length of a link, joint to joint."),
-        click.option("--ct", type=float, help="Viscous friction along a link, N s/m."),
-        click.option("--cn", type=float, help="Viscous friction across a link, N s/m."),
-        click.option("--ft0", type=float, help="Dry friction along a link, N."),
-        click.option("--fn0", type=float, help="Dry friction across a link, N."),
-    ]  # fmt: skip
-    for option in reversed(options):
-        command = option(command)
-    return command
-
-
-def make_robot(given: dict[str, Any]) -> tuple[Robot, Ground]:
-    """Take robot and ground from the preset and what overrides it."""
-    from .model import Ground, Robot
-
-    names = ("mass_kg", "length_m", "ct", "cn", "ft0", "fn0")
-    base = dict(zip(names, PRESETS[given.pop("preset")], strict=True))
-    links = given.pop("links")
-    for name in names:
-        value = given.pop(name)
-        base[name] = base[name] if value is None else value
-    return (
-        Robot(links, base["mass_kg"], base["length_m"]),
-        Ground(base["ct"], base["cn"], base["ft0"], base["fn0"]),
-    )
 
 
 def interruptible(work: Callable[[], T]) -> T:
@@ -188,51 +154,6 @@ def optimize(as_json: bool, speed_m_s: float, cost: str, **given: Any) -> None:
 
 
 @cli.command()
-@robot_options
-@gait_options
-@click.option("--formulation", type=click.Choice(["explicit", "implicit"]), default="explicit",
-              show_default=True, help="Exact model, or the paper's springs.")  # fmt: skip
-@click.option("--stiffness-n-m", type=float, default=1000.0, show_default=True, help="Implicit: k.")
-@click.option("--damping-n-s-m", type=float, default=1.0, show_default=True, help="Implicit: c.")
-@click.option("--method", type=click.Choice(["rk4", "nonsmooth"]), default=None,
-              help="nonsmooth on dry ground, else rk4, unless given.")  # fmt: skip
-@click.option("--dt-s", type=float, default=1e-3, show_default=True, help="Time step.")
-@click.option(
-    "--duration-s", type=float, default=10.0, show_default=True, help="Length of the run."
-)
-@click.option("--start", type=click.Choice(["link1_at_rest", "zero_momentum", "steady"]),
-              default="link1_at_rest", show_default=True, help="State at time 0.")  # fmt: skip
-@click.option("--record-every", type=int, default=1, show_default=True, help="Steps a record.")
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="CSV of all links.")
-@AS_JSON
-def simulate(as_json: bool, out: Path | None, **given: Any) -> None:
-    """Follow one gait in time."""
-    from dataclasses import replace
-
-    from . import report
-    from .scene import Scene
-    from .simulation import simulate as run_scene
-
-    robot, ground = make_robot(given)
-    gait = make_gait(given)
-    method = given["method"] or ("nonsmooth" if ground.dry else "rk4")
-    scene = Scene(
-        robot, ground, gait, formulation=given["formulation"], method=method,
-        joint_stiffness_n_m=given["stiffness_n_m"], joint_damping_n_s_m=given["damping_n_s_m"],
-        dt_s=given["dt_s"], duration_s=given["duration_s"], start=given["start"],
-        record_every=given["record_every"],
-    )  # fmt: skip
-    run = interruptible(lambda: run_scene(scene))
-    if out is not None:
-        report.write_run(run, out)
-    summary = report.run_summary(run)
-    if scene.formulation == "implicit":  # its springs err by O(1/k): nobody should miss it
-        exact = interruptible(lambda: run_scene(replace(scene, formulation="explicit")))
-        summary |= report.springs_error(summary, report.run_summary(exact))
-    show_json({"gait": describe(gait)} | summary) if as_json else report.run(run, summary)
-
-
-@cli.command()
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--method", type=click.Choice(["joint", "naive"]), default="joint",
               show_default=True, help="Honest intervals, or the paper's two lines.")  # fmt: skip
@@ -258,6 +179,7 @@ def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
 
 
 cli.add_command(BENCH_GROUP)
+cli.add_command(simulate)
 for robot_command in ROBOT_COMMANDS:
     cli.add_command(robot_command)
 

@@ -1,4 +1,4 @@
-"""Every method of stepping a scene in time: what it runs, its order, where it picks its steps."""
+"""The words a scene is told in, and every method: what it runs, its order, where it picks steps."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from dataclasses import dataclass
 FORMULATIONS = ("explicit", "implicit")
 DRIVES = ("angle", "torque", "servo")
 LAWS = ("viscous", "smoothed", "dry")
+STARTS = ("link1_at_rest", "zero_momentum", "steady")
+GAPS = ("slow_manifold", "zero")
 RECORDS = ("joints", "friction", "energy")
 
 

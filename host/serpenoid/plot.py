@@ -116,7 +116,7 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
         fig.savefig(path)
 
 
-def _chain(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:
+def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:
     """Draw the links of one recorded state as sticks, lifted, with a dot on the head."""
     half = run.scene.robot.link_length_m / 2
     x, y, angle = run.x_m[index], run.y_m[index] + lift_m, run.theta_rad[index]
@@ -177,7 +177,7 @@ def _poses(ax: Axes, run: Run) -> None:
     left = float(run.x_m[:per_cycle].min()) - run.scene.robot.link_length_m
     for k, label in enumerate(("0", "T/6", "T/3", "T/2", "2T/3", "5T/6")):
         colour = colormaps["viridis"](0.08 + 0.14 * k)
-        _chain(ax, run, round(k * per_cycle / 6), -k * apart, colour)
+        draw_links(ax, run, round(k * per_cycle / 6), -k * apart, colour)
         ax.text(left, -k * apart, label, color=colour, va="center", ha="right")
     ax.set(xlabel="x, along the mean direction of travel (m)", yticks=[])
     ax.set_aspect("equal")

@@ -11,16 +11,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 
 if TYPE_CHECKING:
     from .friction_result import FrictionFit
-    from .simulation import Run
     from .steady import Steady, Sweep
 
 console = Console(width=100) if not Console().is_terminal else Console()
 notices = Console(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
+
+
+def _bar(columns: tuple[ProgressColumn, ...]) -> Progress:
+    """Return a bar on standard error that leaves no trace, and none at all off a terminal."""
+    errors = Console(stderr=True)
+    return Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
 
 
 @contextmanager
@@ -29,9 +41,21 @@ def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     )  # fmt: skip
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with _bar(columns) as bar:
         task = bar.add_task(what, total=total)
         yield lambda done: bar.advance(task, done)
+
+
+@contextmanager
+def simulated_time(duration_s: float, what: str) -> Iterator[Callable[[float], None]]:
+    """Show how far a run is; gives a function that takes the simulated time."""
+    columns = (
+        TextColumn("{task.description}"), BarColumn(),
+        TextColumn("{task.completed:.4g} of {task.total:g} s"), TimeRemainingColumn(),
+    )  # fmt: skip
+    with _bar(columns) as bar:
+        task = bar.add_task(what, total=duration_s)
+        yield lambda t_s: bar.update(task, completed=t_s)
 
 
 @contextmanager
@@ -85,68 +109,6 @@ def fit(found: FrictionFit) -> None:
         console.print(f"note: {note}", highlight=False)
 
 
-def run_summary(run: Run) -> dict[str, Any]:
-    """Return what a run in time came to."""
-    t, x, y = run.t_s, run.x_m.mean(axis=1), run.y_m.mean(axis=1)
-    scene = run.scene
-    period = scene.gait.period_s
-    whole = t[-1] >= period
-    dx, dy = (v[-1] - np.interp(t[-1] - period, t, v) for v in (x, y))
-    return {
-        "formulation": scene.formulation,
-        "method": scene.method,
-        "dt_s": scene.dt_s,
-        "duration_s": float(run.t_s[-1]),
-        "displacement_m": float(np.hypot(x[-1] - x[0], y[-1] - y[0])),
-        "speed_over_last_period_m_s": float(np.hypot(dx, dy) / period) if whole else None,
-        "end": {
-            "x_m": run.x_m[-1].tolist(),
-            "y_m": run.y_m[-1].tolist(),
-            "theta_rad": run.theta_rad[-1].tolist(),
-        },
-    }
-
-
-def springs_error(soft: dict[str, Any], exact: dict[str, Any]) -> dict[str, Any]:
-    """Return what the implicit model's springs change, against the exact model's same run."""
-    name = "speed_over_last_period_m_s"
-    if exact[name] is None:
-        return {f"exact_model_{name}": None, "springs_error": None}
-    error = soft[name] / exact[name] - 1 if exact[name] > 0 else math.inf
-    return {f"exact_model_{name}": exact[name], "springs_error": error}
-
-
-def run(found: Run, summary: dict[str, Any]) -> None:
-    """Print what a run in time came to."""
-    speed = summary["speed_over_last_period_m_s"]
-    rows = [
-        ["displacement of the centre of mass", f"{summary['displacement_m']:.6g} m"],
-        ["speed over the last period",
-         "the run is shorter than a period" if speed is None else f"{speed:.6g} m/s"],
-    ]  # fmt: skip
-    scene = found.scene
-    title = f"{scene.formulation} model, {scene.method}, {scene.dt_s:g} s, {found.t_s[-1]:g} s long"
-    table(title, ["run", "value"], rows)
-    if summary.get("springs_error") is not None:
-        console.print(
-            f"The exact model gives {summary['exact_model_speed_over_last_period_m_s']:.6g} m/s: "
-            f"the joints' springs (k = {scene.joint_stiffness_n_m:g} N/m) change the speed by "
-            f"{100 * summary['springs_error']:+.2g} %. Stiffer ones change it less, as 1/k.",
-            highlight=False,
-        )
-
-
-def write_run(found: Run, path: Path) -> None:
-    """Write a run as CSV: time, then x, y, theta of every link."""
-    links = range(1, found.x_m.shape[1] + 1)
-    header = ["t_s", *(f"{name}{i}_{unit}" for i in links
-                       for name, unit in (("x", "m"), ("y", "m"), ("theta", "rad")))]  # fmt: skip
-    columns = np.stack([found.x_m, found.y_m, found.theta_rad], axis=2)
-    rows = np.column_stack([found.t_s, columns.reshape(found.t_s.size, -1)])
-    _write_csv(path, header, rows.tolist())
-    notices.print(f"wrote {path}")
-
-
 def write_sweep(found: Sweep, path: Path) -> None:
     """Write a sweep as CSV, one gait a row."""
     header = ["alpha_rad", "beta_rad", "omega_rad_s", "speed_m_s", "power_w", "abs_power_w",
@@ -157,7 +119,7 @@ def write_sweep(found: Sweep, path: Path) -> None:
          int(found.converged[i, j, k])]
         for i, j, k in np.ndindex(found.speed_m_s.shape)
     ]  # fmt: skip
-    _write_csv(path, header, rows)
+    write_csv(path, header, rows)
     missed = int((~found.converged).sum())
     notices.print(f"wrote {len(rows)} gaits to {path}; {missed} did not converge")
 
@@ -171,7 +133,8 @@ def sweep_values(found: Sweep) -> dict[str, Any]:
     } | {name: getattr(found, name).tolist() for name in names}
 
 
-def _write_csv(path: Path, header: list[str], rows: list[list[Any]]) -> None:
+def write_csv(path: Path, header: list[str], rows: list[list[Any]]) -> None:
+    """Write a heading and rows, numbers by their shortest exact digits."""
     with path.open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(header)

@@ -12,11 +12,9 @@ from numpy.typing import ArrayLike
 from .drives import Servo, TorqueTable
 from .dynamics import LinkState, finite_vector
 from .errors import BadInput, check_choice, check_number
-from .methods import DRIVES, FORMULATIONS, METHODS, RECORDS
+from .methods import DRIVES, FORMULATIONS, GAPS, METHODS, RECORDS, STARTS
 from .model import Gait, Ground, Robot
 
-STARTS = ("link1_at_rest", "zero_momentum", "steady")
-GAPS = ("slow_manifold", "zero")
 MAX_LINK_STEPS = 10**11
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "host" / "examples").glob("*.py"))
+FOLDER = Path(__file__).resolve().parents[2] / "host" / "examples"
+EXAMPLES, SCENES = sorted(FOLDER.glob("*.py")), sorted(FOLDER.glob("*.toml"))
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
@@ -18,3 +20,13 @@ def test_example(path: Path, tmp_path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip()
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_scene(path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "serpenoid.cli", "simulate", "--scene", str(path), "--json"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["displacement_m"] > 0.1

@@ -100,7 +100,7 @@ def test_json_stays_json_when_a_file_is_written_too(tmp_path) -> None:
     assert got["speed_over_last_period_m_s"] is None  # a period is 1.26 s
     lines = out.read_text().splitlines()
     assert len(lines) == 1 + 11
-    assert len(lines[0].split(",")) == 1 + 3 * 6
+    assert len(lines[0].split(",")) == 1 + 6 * 6
 
 
 def test_a_run_of_no_length_says_so() -> None:
