@@ -19,13 +19,14 @@ class FixedStep : public Method {
         std::copy_n(y, y_.size(), y_.begin());
     }
     StepOutcome step(double t_limit) override {
-        double to = origin_ + static_cast<double>(steps_ + 1) * dt_;
+        const double whole = origin_ + static_cast<double>(steps_ + 1) * dt_;
         // a limit within rounding of the step's end is its end
-        const bool limited = to > t_limit - 1e-9 * dt_;
-        if (limited) to = t_limit;
+        const double rounding = 1e-9 * dt_, to = whole > t_limit - rounding ? t_limit : whole;
         advance(t_, to - t_, y_.data());
         t_ = to, ++steps_;
-        if (limited) origin_ = to, steps_ = 0;  // or the next step would be longer than dt
+        // count anew behind a shortened step, or the next would be longer than dt; behind a whole
+        // one go on, or what is recorded would change the times of the steps
+        if (whole > t_limit + rounding) origin_ = to, steps_ = 0;
         return {};
     }
     double time() const override { return t_; }
