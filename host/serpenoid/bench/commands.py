@@ -12,7 +12,7 @@ OUT = click.option("--out", type=click.Path(file_okay=False, path_type=Path), sh
 
 @click.group(name="bench")
 def BENCH_GROUP() -> None:
-    """Measure error against run time, beside what else could do the work."""
+    """Measure error against run time beside other solvers, and stability."""
 
 
 def _tell(text: str) -> None:
@@ -52,3 +52,21 @@ def accuracy(out: Path, quick: bool, readme: Path | None) -> None:
             click.echo("{scene} at {error:g}: {ours} {ratio:.3g} times as fast as {peer}"
                        .format(**line))  # fmt: skip
     click.echo(f"{len(rows)} rows, {len(failed)} without a result; in {out}")
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option("--quick", is_flag=True, help="A coarse map, no long chains: less than a minute.")
+def stability(out: Path, quick: bool) -> None:
+    """Map where each fixed step is stable, and try extreme scenes; exit status 1 on a defect."""
+    from .stability_files import defects, measure_and_write, summary
+
+    found = measure_and_write(out, quick, _tell)
+    for line in summary(*found):
+        click.echo(line)
+    wrong = defects(*found[:2])
+    for line in wrong:
+        click.echo(f"DEFECT: {line}")
+    click.echo(f"\n{len(wrong)} defects; maps and tables in {out}")
+    if wrong:
+        raise SystemExit(1)

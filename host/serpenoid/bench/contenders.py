@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
 
-from ..scene import METHODS, Scene
+from ..methods import METHODS
 from ..simulation import simulate
 from .problems import Array, Problem
 
@@ -45,8 +45,6 @@ def _own(problem: Problem, method: str) -> Contender:
         return lambda: problem.vector(simulate(problem.scene(**fields)).state())
 
     settings = TOLERANCES if adaptive else STEPS_S
-    if adaptive and "tolerance" not in Scene.__dataclass_fields__:
-        settings, adaptive = (1e-7,), False  # what the one adaptive method of today has built in
     return Contender(f"{OWN} {method}", OWN, "tolerance" if adaptive else "dt_s", settings, work)
 
 
