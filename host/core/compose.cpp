@@ -9,6 +9,7 @@
 #include "error_scale.hpp"
 #include "euler.hpp"
 #include "paper_scheme.hpp"
+#include "radau.hpp"
 #include "rk4.hpp"
 #include "rk4_lanes.hpp"
 #include "semi_implicit_euler.hpp"
@@ -52,6 +53,7 @@ std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
         return std::make_unique<Dop853>(system, error_scale(q, system), q.tolerance);
     if (q.method == "collocation")
         return std::make_unique<Collocation>(q.robot, q.ground, q.gait, q.tolerance);
+    if (q.method == "radau") return make_radau(q, system);
     if (q.method != "nonsmooth") throw std::invalid_argument("no such method: " + q.method);
     if (q.formulation == Formulation::implicit)
         return std::make_unique<ShrinkScheme>(system, q.robot, q.ground, q.dt);

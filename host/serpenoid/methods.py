@@ -19,7 +19,8 @@ class MethodKind:
     order: of convergence at recorded times, for smooth motion. adaptive: formulations in which it
     takes steps of its own to scene.tolerance; in the others steps of dt_s. records: what it can
     record besides the motion. plain: formulations in which it runs with drive "angle", on the
-    level, with all joints sound, and can record no more than plain_records.
+    level, with all joints sound, and can record no more than plain_records. faults: whether it
+    runs with limp or locked joints.
     """
 
     order: int
@@ -30,6 +31,7 @@ class MethodKind:
     records: tuple[str, ...] = RECORDS
     plain: tuple[str, ...] = ()
     plain_records: tuple[str, ...] = ()
+    faults: bool = True
 
 
 METHODS = {
@@ -46,6 +48,13 @@ METHODS = {
         laws=("viscous",),
         plain=("explicit",),
         plain_records=("joints", "friction"),
+    ),
+    "radau": MethodKind(
+        5,
+        formulations=("implicit",),
+        adaptive=("implicit",),
+        laws=("viscous", "smoothed"),
+        faults=False,
     ),
     "nonsmooth": MethodKind(
         1,

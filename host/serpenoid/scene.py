@@ -179,6 +179,10 @@ class Scene:
                     f"{' or '.join(others)}"
                 )
         kind = METHODS[self.method]
+        if (self.limp or self.locked) and not kind.faults:
+            raise BadInput(
+                f"method {self.method!r} does not run with limp or locked joints; take method 'rk4'"
+            )
         plain = self.formulation in kind.plain
         for name in self.record:
             if name in (kind.plain_records if plain else kind.records):
