@@ -36,9 +36,14 @@ std::unique_ptr<System> compose(const RunRequest& q) {
 namespace {
 
 // A gait's motion has its rate as unit; other drives know no such time, and a second is theirs.
+// Energies: of links that move by their length, and what friction takes from them, in that time.
 std::vector<double> error_scale(const RunRequest& q, const System& system) {
     const double rate = q.drive == Drive::angle ? q.gait.omega : std::max(q.gait.omega, 1.0);
-    return error_scale(system, 2 * q.robot.l * q.robot.n, rate);
+    const double length = 2 * q.robot.l, speed = length * rate;
+    const Ground& g = q.ground;
+    const double link = (q.robot.m + (g.ct + g.cn) / rate) * speed * speed;
+    const double energy = q.robot.n * (link + (g.ft0 + g.fn0) * length);
+    return error_scale(system, length * q.robot.n, rate, energy);
 }
 
 }  // namespace

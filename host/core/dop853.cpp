@@ -20,7 +20,7 @@ Dop853::Dop853(System& system, const std::vector<double>& scale, double toleranc
       z_(dim_),
       k_(kAll * dim_),
       dense_(7 * dim_) {
-    for (int i = 0; i < dim_; ++i) weight_[i] = scale[i] > 0 ? 1 / (scale[i] * tolerance) : 0;
+    for (int i = 0; i < dim_; ++i) weight_[i] = 1 / (scale[i] * tolerance);
 }
 
 void Dop853::restart(double t, const double* y) {

@@ -22,7 +22,7 @@ namespace serpenoid {
 // in a row at the edge of the stability region, and more than kMostStiff to come, end the run.
 class Dop853 final : public Method {
   public:
-    // `scale`: what counts as 1 in each entry of the state; entries of scale 0 are not controlled.
+    // `scale`: what counts as 1 in each entry of the state.
     Dop853(System& system, const std::vector<double>& scale, double tolerance);
 
     void restart(double t, const double* y) override;
