@@ -3,43 +3,31 @@
 
 #include "dense.hpp"
 #include "joint_torque.hpp"
+#include "tail_motion.hpp"
 
 namespace serpenoid {
 
-// About the centre of mass the three equations of the sums come apart: with g and M the sums of
-// what is known, R = sum r_i, theta_1'' = (M - R x g / n) / (n I + m (sum |r_i|^2 - |R|^2 / n)) and
-// a_1 = g / (n m) + theta_1'' (R_y, -R_x) / n.
 void explicit_angle(const Robot& robot, const double* bend, Chain& k, Joints& joints) {
-    const int n = k.n();
-    const double m = robot.m, l = robot.l;
-    const double *c = k.c.data(), *s = k.s.data(), *omega = k.omega.data();
-    double *ax = k.ax.data(), *ay = k.ay.data(), *alpha = k.alpha.data();
-    double bx = 0, by = 0, turn = 0;  // b_i and s_i'' = sum of phi_j'' for j < i
-    double ex = 0, ey = 0;            // what half a link adds to b, on either side of its centre
-    double Rx = 0, Ry = 0, square = 0, moment = 0, turns = 0, gx = 0, gy = 0;
-    for (int i = 0; i < n; ++i) {
-        if (i > 0) turn += bend[i - 1];
-        const double ww = omega[i] * omega[i];
-        const double hx = -l * (turn * s[i] + ww * c[i]), hy = l * (turn * c[i] - ww * s[i]);
-        if (i > 0) bx += ex + hx, by += ey + hy;
-        ex = hx, ey = hy;
-        const double rx = k.x[i] - k.x[0], ry = k.y[i] - k.y[0];
-        ax[i] = bx, ay[i] = by, alpha[i] = turn;
-        const double qx = k.fx[i] - m * bx, qy = k.fy[i] - m * by;
-        Rx += rx, Ry += ry, square += rx * rx + ry * ry, turns += turn;
-        gx += qx, gy += qy, moment += rx * qy - ry * qx;
+    TailSums sums;
+    Along at{};
+    HalfLink before{};
+    for (int i = 0; i < k.n(); ++i) {
+        if (i > 0) at.turn += bend[i - 1];
+        const HalfLink now = HalfLink::of(robot.l, k.c[i], k.s[i], k.omega[i], at.turn);
+        if (i > 0) at.pass(before, now);
+        before = now;
+        k.ax[i] = at.bx, k.ay[i] = at.by, k.alpha[i] = at.turn;
+        sums.add(robot.m, at, k.fx[i], k.fy[i]);
     }
-    const double in = 1.0 / n;
-    const double spin = (moment - robot.I * turns - (Rx * gy - Ry * gx) * in) /
-                        (n * robot.I + m * (square - (Rx * Rx + Ry * Ry) * in));
-    const double x1 = (gx / m + Ry * spin) * in, y1 = (gy / m - Rx * spin) * in;
-    JointSums sums;
-    for (int i = 0; i < n; ++i) {
-        ax[i] += x1 - spin * (k.y[i] - k.y[0]), ay[i] += y1 + spin * (k.x[i] - k.x[0]);
-        alpha[i] += spin;
-        if (i + 1 == n) break;
-        sums.add(robot, -s[i], c[i], ax[i], ay[i], alpha[i], k.fx[i], k.fy[i]);
-        joints.Fx[i] = sums.Fx, joints.Fy[i] = sums.Fy, joints.T[i] = sums.T;
+    const TailMotion tail = sums.solve(robot);
+    JointSums behind;
+    for (int i = 0; i < k.n(); ++i) {
+        const double rx = k.x[i] - k.x[0], ry = k.y[i] - k.y[0];
+        k.ax[i] += tail.ax - tail.alpha * ry, k.ay[i] += tail.ay + tail.alpha * rx;
+        k.alpha[i] += tail.alpha;
+        if (i + 1 == k.n()) break;
+        behind.add(robot, -k.s[i], k.c[i], k.ax[i], k.ay[i], k.alpha[i], k.fx[i], k.fy[i]);
+        joints.Fx[i] = behind.Fx, joints.Fy[i] = behind.Fy, joints.T[i] = behind.T;
     }
 }
 

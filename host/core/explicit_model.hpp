@@ -5,12 +5,11 @@
 
 namespace serpenoid {
 
-// Both take a chain whose angles, rates, positions, velocities, directions and friction are filled,
-// and fill its accelerations; joints gets what holds it together.
+// These take a chain whose angles, rates, positions, velocities, directions and friction are
+// filled, and fill its accelerations; joints gets what holds it together.
 
-// Joint angles imposed: `bend[j]` = phi_j'' for j = 0..n-2. Torques are recovered.
-// With a_i = a_1 + theta_1'' z x r_i + b_i (r_i = c_i - c_1; b_i all that is known beforehand) the
-// sums of force and of moment about c_1 are three equations for x'', y'', theta_1''.
+// Joint angles imposed: `bend[j]` = phi_j'' for j = 0..n-2. Torques are recovered. The equations
+// are those of tail_motion.hpp.
 void explicit_angle(const Robot& robot, const double* bend, Chain& chain, Joints& joints);
 
 // Joint torques imposed: joints.T is input, joints.F is found. Equal accelerations of both sides

@@ -8,6 +8,7 @@
 #include "joint_drive.hpp"
 #include "run_request.hpp"
 #include "system.hpp"
+#include "tail_motion.hpp"
 
 namespace serpenoid {
 
@@ -45,12 +46,33 @@ class ExplicitAngle final : public PairedSystem {
         chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[3], chain.vy[0] = y[4];
         chain.follow(robot.l);
     }
+    // One pass over the links that keeps nothing: everything else would be for the record.
     void rate(double t, const double* y, double* dy) override {
+        const GaitWave wave = drive.wave(t);
+        const Robot& r = robot;
+        double theta = y[2], rate = y[5], c = std::cos(theta), s = std::sin(theta);
+        Along at{0, 0, y[3], y[4], 0, 0, 0};
+        HalfLink before = HalfLink::of(r.l, c, s, rate, 0);
+        TailSums sums;
+        for (int i = 0;; ++i) {
+            const auto f = force.on(c, s, at.vx, at.vy);
+            sums.add(r.m, at, f.x, f.y);
+            if (i + 1 == r.n) break;
+            const GaitWave::Joint j = wave.at(i);
+            theta += j.angle, rate += j.rate, at.turn += j.bend;
+            c = std::cos(theta), s = std::sin(theta);
+            const HalfLink now = HalfLink::of(r.l, c, s, rate, at.turn);
+            at.pass(before, now);
+            before = now;
+        }
+        const TailMotion tail = sums.solve(r);
+        dy[0] = y[3], dy[1] = y[4], dy[2] = y[5];
+        dy[3] = tail.ax, dy[4] = tail.ay, dy[5] = tail.alpha;
+    }
+    void forces(double t, const double* y) override {
         fill(t, y);
         force(chain);
         explicit_angle(robot, drive.bend(), chain, joints);
-        const double to[6] = {y[3], y[4], y[5], chain.ax[0], chain.ay[0], chain.alpha[0]};
-        std::copy_n(to, 6, dy);
     }
 
   private:
@@ -80,11 +102,14 @@ class ExplicitTorque final : public PairedSystem {
         chain.directions();
         chain.follow(robot.l);
     }
-    void rate(double t, const double* y, double* dy) override {
+    void forces(double t, const double* y) override {
         fill(t, y);
         force(chain);
         source->torques(t, chain, joints.T.data());
         explicit_torque(robot, chain, joints);
+    }
+    void rate(double t, const double* y, double* dy) override {
+        forces(t, y);
         std::copy_n(y + half, half, dy);
         dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0];
         for (int i = 0; i < robot.n; ++i) dy[half + 2 + i] = chain.alpha[i];
@@ -126,12 +151,15 @@ class ExplicitMixed final : public PairedSystem {
         chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[half], chain.vy[0] = y[half + 1];
         chain.follow(robot.l);
     }
-    void rate(double t, const double* y, double* dy) override {
+    void forces(double t, const double* y) override {
         fill(t, y);
         force(chain);
         source->torques(t, chain, joints.T.data());
         drive.limp(joints.T.data());
         explicit_mixed(robot, drive.imposed(), drive.bend(), chain, joints);
+    }
+    void rate(double t, const double* y, double* dy) override {
+        forces(t, y);
         std::copy_n(y + half, half, dy);
         dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0], dy[half + 2] = chain.alpha[0];
         for (int f = 0; f < drive.free_joints(); ++f) {

@@ -18,18 +18,25 @@ struct GroundForce {
     GroundForce(const Ground& g, double smoothing, const Slope& s, double m)
         : law(g, smoothing), weight_x(m * s.gx), weight_y(m * s.gy) {}
 
-    // Fill the force on every link: friction (Eqs. 28-33) and weight.
+    struct Pair {
+        double x, y;
+    };
+
+    // Friction (Eqs. 28-33) and weight on a link of direction (c, s) and velocity (vx, vy).
+    INLINED Pair on(double c, double s, double vx, double vy) const {
+        Pair f{0, 0};
+        if constexpr (!std::is_same_v<Law, Frictionless>) {
+            const double ft = law.along(c * vx + s * vy);
+            const double fn = law.across(c * vy - s * vx);
+            f = {ft * c - fn * s, ft * s + fn * c};
+        }
+        if constexpr (std::is_same_v<Plane, Tilted>) f.x += weight_x, f.y += weight_y;
+        return f;
+    }
     void operator()(Chain& k) const {
         for (int i = 0; i < k.n(); ++i) {
-            double fx = 0, fy = 0;
-            if constexpr (!std::is_same_v<Law, Frictionless>) {
-                const double c = k.c[i], s = k.s[i];
-                const double ft = law.along(c * k.vx[i] + s * k.vy[i]);
-                const double fn = law.across(-s * k.vx[i] + c * k.vy[i]);
-                fx = ft * c - fn * s, fy = ft * s + fn * c;
-            }
-            if constexpr (std::is_same_v<Plane, Tilted>) fx += weight_x, fy += weight_y;
-            k.fx[i] = fx, k.fy[i] = fy;
+            const Pair f = on(k.c[i], k.s[i], k.vx[i], k.vy[i]);
+            k.fx[i] = f.x, k.fy[i] = f.y;
         }
     }
 

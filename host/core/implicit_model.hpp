@@ -70,26 +70,28 @@ inline double link_balance(const Robot& r, Chain& k, const Joints& joints, int i
     return r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy));
 }
 
-// The three below take a chain and the joint forces, and fill its accelerations.
-// Angles imposed: bend[j] = phi_j''. Torques follow from the angular equation of each link.
-inline void implicit_angle(const Robot& r, const double* bend, Chain& k, Joints& joints) {
-    const int n = k.n();
+// The four below take a chain and the joint forces, and fill its accelerations.
+
+// Angles imposed: bend[j] = phi_j''. Returns theta_1''; k.alpha gets the couples of the links.
+inline double implicit_turn(const Robot& r, const double* bend, Chain& k, const Joints& joints) {
     double turn = 0, turns = 0, couples = 0;
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < k.n(); ++i) {
         if (i > 0) turn += bend[i - 1];
         turns += turn;
-        k.alpha[i] = link_balance(r, k, joints, i);  // the couple, for now
+        k.alpha[i] = link_balance(r, k, joints, i);
         couples += k.alpha[i];
     }
-    const double first = (couples - r.I * turns) / (n * r.I);
-    turn = 0;
-    double T = 0;
-    for (int i = 0; i < n; ++i) {
-        if (i > 0) turn += bend[i - 1];
-        const double couple = k.alpha[i];
-        k.alpha[i] = first + turn;
-        T += r.I * k.alpha[i] - couple;
-        if (i + 1 < n) joints.T[i] = T;
+    return (couples - r.I * turns) / (k.n() * r.I);
+}
+
+// The same, and the torques, which follow from the angular equation of each link.
+inline void implicit_angle(const Robot& r, const double* bend, Chain& k, Joints& joints) {
+    double angular = implicit_turn(r, bend, k, joints), T = 0;
+    for (int i = 0; i < k.n(); ++i) {
+        if (i > 0) angular += bend[i - 1];
+        T += r.I * angular - k.alpha[i];
+        k.alpha[i] = angular;
+        if (i + 1 < k.n()) joints.T[i] = T;
     }
 }
 

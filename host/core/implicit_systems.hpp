@@ -47,7 +47,7 @@ class ImplicitSystem : public System {
         std::copy_n(y, n, chain.x.data()), std::copy_n(y + n, n, chain.y.data());
         std::copy_n(y + 2 * n, n, chain.vx.data()), std::copy_n(y + 3 * n, n, chain.vy.data());
     }
-    void forces() {
+    void act() {
         force(chain);
         spring_forces(robot, spring, damper, chain, joints);
     }
@@ -81,10 +81,15 @@ class ImplicitAngle final : public ImplicitSystem<Force, Damper> {
     }
     void rate(double t, const double* y, double* dy) override {
         fill(t, y);
-        this->forces();
-        implicit_angle(this->robot, drive.bend(), this->chain, this->joints);
+        this->act();
+        const double turn = implicit_turn(this->robot, drive.bend(), this->chain, this->joints);
         this->give_centres(y, dy);
-        this->angles(dy)[0] = this->angles(y)[1], this->angles(dy)[1] = this->chain.alpha[0];
+        this->angles(dy)[0] = this->angles(y)[1], this->angles(dy)[1] = turn;
+    }
+    void forces(double t, const double* y) override {
+        fill(t, y);
+        this->act();
+        implicit_angle(this->robot, drive.bend(), this->chain, this->joints);
     }
 
   private:
@@ -111,12 +116,15 @@ class ImplicitTorque final : public ImplicitSystem<Force, Damper> {
         std::copy_n(this->angles(y) + n, n, this->chain.omega.data());
         this->chain.directions();
     }
-    void rate(double t, const double* y, double* dy) override {
-        const int n = this->robot.n;
+    void forces(double t, const double* y) override {
         fill(t, y);
-        this->forces();
+        this->act();
         source->torques(t, this->chain, this->joints.T.data());
         implicit_torque(this->robot, this->chain, this->joints);
+    }
+    void rate(double t, const double* y, double* dy) override {
+        const int n = this->robot.n;
+        forces(t, y);
         this->give_centres(y, dy);
         std::copy_n(this->angles(y) + n, n, this->angles(dy));
         std::copy_n(this->chain.alpha.data(), n, this->angles(dy) + n);
@@ -155,14 +163,18 @@ class ImplicitMixed final : public ImplicitSystem<Force, Damper> {
         const double *angle = this->angles(y), *rate = angle + this->turns;
         drive.place(t, angle[0], rate[0], angle + 1, rate + 1, this->chain);
     }
-    void rate(double t, const double* y, double* dy) override {
+    void forces(double t, const double* y) override {
         fill(t, y);
-        this->forces();
-        Chain& k = this->chain;
+        this->act();
         double* T = this->joints.T.data();
-        source->torques(t, k, T);
+        source->torques(t, this->chain, T);
         drive.limp(T);
-        implicit_mixed(this->robot, drive.imposed(), drive.bend(), scratch, k, this->joints);
+        implicit_mixed(this->robot, drive.imposed(), drive.bend(), scratch, this->chain,
+                       this->joints);
+    }
+    void rate(double t, const double* y, double* dy) override {
+        forces(t, y);
+        const Chain& k = this->chain;
         this->give_centres(y, dy);
         double* turn = this->angles(dy);
         std::copy_n(this->angles(y) + this->turns, this->turns, turn);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "chain.hpp"
@@ -14,24 +15,30 @@ class GaitDrive {
   public:
     GaitDrive(int links, const Gait& g) : omega_(g.omega), table_(links, g), bend_(links - 1) {}
 
+    // Stages of a step share their times: a wave is kept until another time is asked for.
+    const GaitWave& wave(double t) {
+        if (t != t_) wave_ = table_.wave(omega_, t_ = t);
+        return wave_;
+    }
+
     // Angles and rates of all links from those of link 1; keeps phi''.
     void place(double t, double theta1, double omega1, Chain& k) {
-        const double w = omega_, sin_tau = std::sin(w * t), cos_tau = std::cos(w * t);
+        const GaitWave& now = wave(t);
         k.theta[0] = theta1, k.omega[0] = omega1;
         for (int i = 0; i + 1 < k.n(); ++i) {
-            const GaitTable::Joint j = table_.at(i, sin_tau, cos_tau);
+            const GaitWave::Joint j = now.at(i);
             k.theta[i + 1] = k.theta[i] + j.angle;
-            k.omega[i + 1] = k.omega[i] + w * j.rate;
-            bend_[i] = w * w * j.curvature;
+            k.omega[i + 1] = k.omega[i] + j.rate;
+            bend_[i] = j.bend;
         }
         k.directions();
     }
     const double* bend() const { return bend_.data(); }
-    const GaitTable& table() const { return table_; }
 
   private:
-    double omega_;
+    double omega_, t_ = std::numeric_limits<double>::quiet_NaN();
     GaitTable table_;
+    GaitWave wave_{};
     std::vector<double> bend_;
 };
 
@@ -63,7 +70,7 @@ class MixedDrive {
     // Angles and rates of all links from those of link 1 and of the free joints; keeps phi''.
     void place(double t, double theta1, double omega1, const double* angle, const double* rate,
                Chain& k) {
-        const double w = omega_, sin_tau = std::sin(w * t), cos_tau = std::cos(w * t);
+        const GaitWave now = table_.wave(omega_, t);
         k.theta[0] = theta1, k.omega[0] = omega1;
         for (int i = 0, f = 0; i + 1 < k.n(); ++i) {
             double phi = locked_[i], speed = 0;
@@ -71,8 +78,8 @@ class MixedDrive {
             if (!imposed_[i]) {
                 phi = angle[f], speed = rate[f], ++f;
             } else if (fault_[i] == Fault::none) {
-                const GaitTable::Joint j = table_.at(i, sin_tau, cos_tau);
-                phi = j.angle, speed = w * j.rate, bend_[i] = w * w * j.curvature;
+                const GaitWave::Joint j = now.at(i);
+                phi = j.angle, speed = j.rate, bend_[i] = j.bend;
             }
             k.theta[i + 1] = k.theta[i] + phi;
             k.omega[i + 1] = k.omega[i] + speed;

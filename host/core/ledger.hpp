@@ -31,8 +31,10 @@ class EnergyLedger final : public System {
         std::fill_n(y + inner_->dim(), 4, 0.0);
     }
     void fill(double t, const double* y) override { inner_->fill(t, y); }
+    void forces(double t, const double* y) override { inner_->forces(t, y); }
     void rate(double t, const double* y, double* dy) override {
         inner_->rate(t, y, dy);
+        inner_->forces(t, y);
         const Chain& k = chain;
         double *to = dy + inner_->dim(), joint = 0, spent = 0, lost = 0, damped = 0;
         for (int i = 0; i + 1 < k.n(); ++i) {

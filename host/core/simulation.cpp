@@ -35,11 +35,11 @@ bool finite(const double* y, int dim) {
 class Recorder {
   public:
     Recorder(const RunRequest& q, System& system, const EnergyLedger* ledger)
-        : q_(q), system_(system), ledger_(ledger), rate_(system.dim()) {}
+        : q_(q), system_(system), ledger_(ledger) {}
 
     void note(double t, const double* y, RunResult& out) {
         const bool forces = q_.record_joints || q_.record_friction;
-        forces ? system_.rate(t, y, rate_.data()) : system_.fill(t, y);
+        forces ? system_.forces(t, y) : system_.fill(t, y);
         const Chain& c = system_.chain;
         out.t.push_back(t);
         append(out.x, c.x), append(out.y, c.y), append(out.theta, c.theta);
@@ -67,7 +67,6 @@ class Recorder {
     const RunRequest& q_;
     System& system_;
     const EnergyLedger* ledger_;
-    std::vector<double> rate_;
 };
 
 // Steps from one jump to the next and notes the times of the grid.

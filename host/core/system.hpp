@@ -25,8 +25,11 @@ class System {
     virtual void set(const Chain& from, double* y) const = 0;
     virtual void fill(double t, const double* y) = 0;
 
-    // dy/dt; fills the chain with its accelerations and forces, and the joints, too.
+    // dy/dt, and no more than that takes.
     virtual void rate(double t, const double* y, double* dy) = 0;
+
+    // The chain with its accelerations and the forces of the ground, and the joints, for a record.
+    virtual void forces(double t, const double* y) = 0;
 
     // For every entry that is a place or an angle, the entry that is its rate; -1 for the others.
     virtual std::vector<int> rate_of() const = 0;

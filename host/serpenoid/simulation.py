@@ -6,16 +6,19 @@ import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from .accuracy import simulate_to
 from .drives import TorqueTable
 from .dynamics import LinkState, finite_vector
 from .errors import BadInput, Diverged
 from .model import core_model
+from .run_error import RunError, estimate, warnings_of
 from .scene import MAX_LINK_STEPS, Scene
 from .stability import check_step
 from .steady import steady_gait
@@ -31,7 +34,7 @@ ENERGY_COLUMNS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Run:
     """Hold a run: T recorded times t_s (T,), and (T, n) arrays over links counted from the tail.
 
@@ -40,6 +43,7 @@ class Run:
     link i from link i+1 ("joints"); friction_x_n, friction_y_n, (T, n), of the ground on each link
     ("friction"); energy_j, (T, 7), columns ENERGY_COLUMNS: three stores, then what joints, friction
     and dampers did since t = 0 and the work of joints that do not regenerate ("energy").
+    picked: what an accuracy that was asked for chose, and why (else empty).
     steps: how many the method took. local_error: sum of the errors that an adaptive method thinks
     its steps made, in the scale of scene.tolerance (0: it has no idea).
     """
@@ -60,11 +64,22 @@ class Run:
     energy_j: Array
     steps: int
     local_error: float
+    picked: str = ""
 
     def state(self, index: int = -1) -> LinkState:
         """Return the state of all links at one recorded time."""
         names = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
         return LinkState(*(getattr(self, name)[index] for name in names))
+
+    @cached_property
+    def error_estimate(self) -> RunError:
+        """Return what is known of this run's error; the first use costs one or two more runs."""
+        return estimate(self, simulate)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Return what somebody who uses this run must know; costs what error_estimate costs."""
+        return warnings_of(self, self.error_estimate)
 
     @property
     def joint_power_w(self) -> Array:
@@ -242,13 +257,22 @@ def core_request(scene: Scene) -> Any:
     return q
 
 
-def simulate(scene: Scene, progress: Callable[[float], object] | None = None) -> Run:
+def simulate(
+    scene: Scene,
+    progress: Callable[[float], object] | None = None,
+    *,
+    accuracy: float | None = None,
+) -> Run:
     """Run a scene and return what it recorded; progress is called with the time, now and then.
 
+    accuracy: if given, formulation, method and step are chosen so that the estimated error stays
+    below it, in body lengths and radians, and Run.picked says which and why (accuracy.py).
     Raises StepTooLarge, before anything runs, when dt_s is outside the method's stability region,
     Diverged when the state leaves the finite numbers or the method gives up, naming the time, and
     BadInput.
     """
+    if accuracy is not None:
+        return simulate_to(accuracy, scene, lambda one: simulate(one, progress))
     check_step(scene)
     if isinstance(scene.start, LinkState):
         _check_imposed(scene, scene.start)

@@ -70,3 +70,17 @@ def stability(out: Path, quick: bool) -> None:
     click.echo(f"\n{len(wrong)} defects; maps and tables in {out}")
     if wrong:
         raise SystemExit(1)
+
+
+@BENCH_GROUP.command()
+@OUT
+def scenes(out: Path) -> None:
+    """Count instructions per step of ever richer scenes: what is absent costs nothing."""
+    from .scenes import RUNGS, run
+
+    rungs = run(out, _tell)
+    click.echo("instructions per RK4 step, six links (callgrind)")
+    for r in rungs:
+        title = RUNGS[r.rung]
+        click.echo(f"{r.formulation:10}{title:40}{r.instructions_per_step:10.0f}{r.ratio:8.2f}")
+    click.echo(f"written to {out / 'scenes.csv'}; the last column is relative to the first line")
