@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from .drives import Servo
 from .dynamics import LinkState, TorqueDrive, acceleration
 from .errors import StepTooLarge
+from .methods import METHODS
 from .model import Gait, Ground
 from .scene import Scene
 
@@ -222,6 +223,12 @@ def check_step(scene: Scene) -> None:
     raise StepTooLarge(
         f"dt_s is {scene.dt_s:g}; method {scene.method} is stable up to {limit:.3g} s for this "
         f"scene{springs}. A longer step may look sound and be metres off: take dt_s "
-        f"{0.5 * limit:.1g} or less"
-        + (", or formulation 'explicit', which has no springs" if springs else "")
+        f"{0.5 * limit:.1g} or less" + (_without_limit(scene) if springs else "")
     )
+
+
+def _without_limit(scene: Scene) -> str:
+    """Return what to take instead of small steps on hard springs, as the end of a sentence."""
+    exact = ", or formulation 'explicit', which has no springs"
+    runs = scene.law in METHODS["radau"].laws and not (scene.limp or scene.locked)
+    return ", or method 'radau', which has no such limit" + exact if runs else exact

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -147,6 +148,26 @@ def test_ringing_is_followed_not_quietly_damped(c: float) -> None:
         )
         assert problem.error(problem.vector(run.state()), exact) < 2 * tolerance
         assert problem.error(problem.vector(run.state()), exact) < run.local_error
+
+
+def test_swallowed_ringing_is_in_the_stated_error() -> None:
+    """Steps too long to follow ringing about as small as the tolerance must own up to it."""
+    problem = three(0.003, 1e9, 0.0)
+    start = start_state(problem.scene(gap="zero"))
+    first = problem.vector(start)
+    exact = solve_ivp(rate_of(problem), (0, 0.003), first, "DOP853", rtol=1e-8, atol=1e-10).y[:, -1]
+    run = sn.simulate(problem.scene(method="radau", tolerance=1e-5, dt_s=0.003, start=start))
+    error = problem.error(problem.vector(run.state()), exact)
+    assert 1e-5 < error < run.local_error
+
+
+def test_where_a_fixed_step_is_refused_this_method_is_named_and_runs() -> None:
+    with pytest.raises(sn.StepTooLarge, match="method 'radau'"):
+        sn.simulate(six(1e7, 1.0, method="rk4", dt_s=1e-3))
+    dry = replace(six(1e7, 1.0, method="rk4", dt_s=1e-3), ground=sn.Ground(0.1, 10.0, 0.1, 0.1))
+    with pytest.raises(sn.StepTooLarge) as refusal:
+        sn.simulate(dry)
+    assert "radau" not in str(refusal.value)
 
 
 def test_recorded_times_lie_on_the_motion() -> None:
