@@ -131,7 +131,7 @@ nb::dict run(RunRequest& q, Vector start, nb::object progress) {
     rows("energy_j", r.energy, EnergyLedger::kColumns);
     out["t_s"] = to_numpy(std::move(r.t), {T});
     out["failed_at"] = r.failed_at, out["why"] = r.why;
-    out["steps"] = r.steps, out["error"] = r.error;
+    out["steps"] = r.steps, out["local_error"] = r.error;
     return out;
 }
 

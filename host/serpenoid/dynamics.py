@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +25,7 @@ def finite_vector(name: str, values: ArrayLike, size: int) -> Array:
         raise BadInput(f"{name} is {values!r}; it must be {size} numbers") from None
     if vector.shape != (size,):
         raise BadInput(f"{name} has shape {vector.shape}; it must be {size} numbers")
-    if not np.isfinite(vector).all():
+    if not math.isfinite(vector.sum()) and not np.isfinite(vector).all():
         where = int(np.flatnonzero(~np.isfinite(vector))[0])
         raise BadInput(f"{name}[{where}] is {vector[where]}; it must be a finite number")
     return np.ascontiguousarray(vector)
@@ -63,16 +64,14 @@ class LinkState:
         """
         n = robot.links
         p, v = finite_vector("q", q, n + 2), finite_vector("qdot", qdot, n + 2)
-        half, theta, omega = robot.link_length_m / 2, p[2:], v[2:]
-        c, s = half * np.cos(theta), half * np.sin(theta)
-
-        def along(first: float, steps: Array) -> Array:
-            return first + np.concatenate(([0.0], np.cumsum(steps[:-1] + steps[1:])))
-
-        return cls(
-            along(p[0], c), along(p[1], s), theta,
-            along(v[0], -s * omega), along(v[1], c * omega), omega,
-        )  # fmt: skip
+        theta, omega = p[2:], v[2:]
+        c, s = np.cos(theta), np.sin(theta)
+        arms = robot.link_length_m / 2 * np.stack([c, s, -s * omega, c * omega])  # to the joint
+        places = np.empty((4, n))
+        places[:, 0] = p[0], p[1], v[0], v[1]
+        places[:, 1:] = arms[:, :-1] + arms[:, 1:]
+        x, y, vx, vy = places.cumsum(axis=1)
+        return cls(x, y, theta, vx, vy, omega)
 
     @classmethod
     def in_gait(

@@ -98,6 +98,9 @@ class Run:
         return np.stack([gap_x, open_by(self.y_m, np.sin(self.theta_rad))], axis=2)
 
 
+_FROM_CORE = tuple(f.name for f in dataclasses.fields(Run))[1:-1]  # but scene and picked
+
+
 def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
     """Return angles and rates of the joints at t = 0: the gait's, locked ones where they stay."""
     gait, joints = scene.gait, np.arange(scene.robot.links - 1)
@@ -112,9 +115,11 @@ def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
 def _placed(scene: Scene, vx_m_s: float, vy_m_s: float, omega_rad_s: float) -> LinkState:
     """Return the state with link 1 at the origin along x, moving as given."""
     phi, rate = _joints_at_start(scene)
-    theta = np.concatenate(([0.0], np.cumsum(phi)))
-    omega = omega_rad_s + np.concatenate(([0.0], np.cumsum(rate)))
-    return LinkState.joined(scene.robot, [0, 0, *theta], [vx_m_s, vy_m_s, *omega])
+    q, qdot = np.zeros(scene.robot.links + 2), np.empty(scene.robot.links + 2)
+    q[3:] = phi.cumsum()
+    qdot[:3] = vx_m_s, vy_m_s, omega_rad_s
+    qdot[3:] = omega_rad_s + rate.cumsum()
+    return LinkState.joined(scene.robot, q, qdot)
 
 
 def _zero_momentum(scene: Scene) -> LinkState:
@@ -279,8 +284,7 @@ def simulate(
     out = _core.run(core_request(scene), start_state(scene).packed(), progress)
     if out["failed_at"] >= 0:
         raise Diverged(_what_failed(scene, out["failed_at"], out["why"]))
-    fields = {f.name: out[f.name] for f in dataclasses.fields(Run) if f.name in out}
-    return Run(scene, local_error=out["error"], **fields)
+    return Run(scene, *map(out.__getitem__, _FROM_CORE))
 
 
 def _what_failed(scene: Scene, t_s: float, why: str) -> str:
