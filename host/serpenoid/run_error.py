@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +27,8 @@ _PRESENT_AT = 0.01  # errors of the mean speed that a warning names
 class Difference:
     """Hold the largest differences between two runs over their common recorded times.
 
-    position_m: of any link's centre. angle_rad: of any link. mean_speed: relative, of the centre
-    of mass from start to end (nan where neither run gets anywhere).
+    position_m: of any link's centre. angle_rad: of any link. mean_speed: of the centre of mass from
+    start to end, relative to the other run (nan if that gets nowhere).
     """
 
     position_m: float
@@ -54,6 +54,10 @@ class RunError:
     modelling: Difference | None
     how: str
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return it for a JSON answer."""
+        return asdict(self)
+
     def worst(self, body_m: float) -> float:
         """Return the largest error, positions in body lengths and angles in radians."""
         parts = [self.integration] + ([self.modelling] if self.modelling else [])
@@ -73,8 +77,8 @@ def difference(run: Run, other: Run) -> Difference:
     a, b = np.nonzero(both)[0], at[both]
     position = np.hypot(run.x_m[a] - other.x_m[b], run.y_m[a] - other.y_m[b])
     angle = np.abs(run.theta_rad[a] - other.theta_rad[b])
-    goes = _travel(run)
-    speed = (goes - _travel(other)) / goes if goes > 0 else math.nan
+    goes = _travel(other)
+    speed = (_travel(run) - goes) / goes if goes > 0 else math.nan
     return Difference(float(position.max()), float(angle.max()), speed)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ from .scene_file import scene_values
 from .simulation import ENERGY_COLUMNS
 
 if TYPE_CHECKING:
+    from .run_error import RunError
     from .simulation import Run
 
 STATE = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
@@ -40,9 +40,9 @@ def run_summary(run: Run) -> dict[str, Any]:
         "end": {name: getattr(run, name)[-1].tolist() for name in STATE},
         "scene": scene_values(scene),
     }
-    if getattr(run, "error_estimate", None) is not None:
-        summary["error_estimate"] = run.error_estimate  # pyright: ignore[reportAttributeAccessIssue]
-    summary["warnings"] = [str(warning) for warning in getattr(run, "warnings", ())]
+    summary["picked"] = run.picked or None
+    summary["error_estimate"] = run.error_estimate.to_dict()
+    summary["warnings"] = list(run.warnings)
     return summary | _recorded(run)
 
 
@@ -58,13 +58,14 @@ def _recorded(run: Run) -> dict[str, Any]:
     return found
 
 
-def springs_error(soft: dict[str, Any], exact: dict[str, Any]) -> dict[str, Any]:
-    """Return what the implicit model's springs change, against the exact model's same run."""
-    name = "speed_over_last_period_m_s"
-    if exact[name] is None:
-        return {f"exact_model_{name}": None, "springs_error": None}
-    error = soft[name] / exact[name] - 1 if exact[name] > 0 else math.inf
-    return {f"exact_model_{name}": exact[name], "springs_error": error}
+def _error_rows(error: RunError) -> list[list[str]]:
+    parts = {"integration": error.integration, "modelling (springs)": error.modelling}
+    return [
+        [f"error by {name}",
+         f"{part.position_m:.2g} m, {part.angle_rad:.2g} rad, mean speed {part.mean_speed:+.2g}"]
+        for name, part in parts.items()
+        if part is not None
+    ]  # fmt: skip
 
 
 def show_run(run: Run, summary: dict[str, Any]) -> None:
@@ -82,18 +83,14 @@ def show_run(run: Run, summary: dict[str, Any]) -> None:
         [f"{name.removesuffix('_j').replace('_', ' ')} at the end", f"{value:.6g} J"]
         for name, value in summary.get("energy_at_end", {}).items()
     ]
+    rows += _error_rows(run.error_estimate)
     step = f"tolerance {scene.tolerance:g}" if scene.adaptive else f"{scene.dt_s:g} s"
     title = f"{scene.formulation} model, {scene.method}, {step}, {run.t_s[-1]:g} s long"
     table(title, ["run", "value"], rows)
+    if run.picked:
+        console.print(f"picked {run.picked}", highlight=False, markup=False)
     for warning in summary["warnings"]:
         notices.print(f"warning: {warning}", markup=False)
-    if summary.get("springs_error") is not None:
-        console.print(
-            f"The exact model gives {summary['exact_model_speed_over_last_period_m_s']:.6g} m/s: "
-            f"the joints' springs (k = {scene.joint_stiffness_n_m:g} N/m) change the speed by "
-            f"{100 * summary['springs_error']:+.2g} %. Stiffer ones change it less, as 1/k.",
-            highlight=False,
-        )
 
 
 def write_run(run: Run, path: Path) -> None:

@@ -57,9 +57,16 @@ def test_the_springs_error_is_told() -> None:
     gait = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "10"]
     got = answer("simulate", "--robot", "paper", *gait, "--formulation", "implicit",
                  "--duration-s", "60")  # fmt: skip
-    # 8.04 % in the periodic state; 60 s leave some ringing of the slowest spring mode
-    assert got["springs_error"] == pytest.approx(0.0804, abs=0.004)
-    assert got["exact_model_speed_over_last_period_m_s"] == pytest.approx(0.569927, rel=1e-4)
+    # 8.04 % in the periodic state; over all of 60 s the start counts too
+    assert got["error_estimate"]["modelling"]["mean_speed"] == pytest.approx(0.0804, abs=0.008)
+    assert "change the mean speed by +" in got["warnings"][0]
+
+
+def test_an_accuracy_picks_the_method() -> None:
+    got = answer("simulate", *GAIT, "--robot", "paper", "--duration-s", "3", "--accuracy", "1e-4")
+    assert got["method"] == "collocation"
+    assert "asked for" in got["picked"]
+    assert got["error_estimate"]["integration"]["angle_rad"] < 1e-4
 
 
 def test_fit_and_its_figure(tmp_path) -> None:
