@@ -48,9 +48,9 @@ class Effort:
     """Say how much to measure: quick for a look, full for the figures quoted."""
 
     scenes: tuple[str, ...] = field(default_factory=lambda: tuple(p.name for p in problems()))
-    rounds: int = 7
-    limit_s: float = 4.0  # of one run
-    budget_s: float = 15.0  # of the rounds of a scene, after the first runs
+    rounds: int = 5
+    limit_s: float = 2.0  # of one run
+    budget_s: float = 8.0  # of the rounds of a scene, after the first runs
 
 
 QUICK = Effort(("paper6", "paper6_k1e3", "robot2005"), rounds=3, limit_s=0.4, budget_s=3.0)
