@@ -68,6 +68,7 @@ def _work(scene: str, method: str, setting: float) -> Work:
     return all_of_them[method].work(problem, setting)
 
 
+@np.errstate(all="ignore")  # what overflows in a peer ends as a row
 def _first(scene: str, method: str, setting: float) -> tuple[float, float]:
     """Return error and time of one run; what compiles does so before, at the loosest setting."""
     problem, all_of_them = _contenders(scene)
@@ -82,6 +83,7 @@ def _first(scene: str, method: str, setting: float) -> tuple[float, float]:
     return problem.error(end, reference(problem).end), spent
 
 
+@np.errstate(all="ignore")
 def _again(scene: str, method: str, setting: float, times: int) -> float:
     """Return the time of one run, from so many in a row."""
     work = _work(scene, method, setting)

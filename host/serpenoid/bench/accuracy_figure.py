@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..plot import GREY, figure
 from . import machine
 from .accuracy import Row
-from .equal_error import lines
+from .equal_error import lines, ours_first
 from .problems import problems
 from .reference import reference
 
@@ -61,7 +61,7 @@ def accuracy_figure(rows: Sequence[Row], path: Path) -> None:
     scenes = list(dict.fromkeys(row.scene for row in rows))
     columns = min(3, len(scenes))
     down = -(-len(scenes) // columns)
-    styles = _style(rows)
+    styles = _style(ours_first(rows))
     with figure(4.2 * columns, 3.3 * down + 1.5) as (fig, _unused):
         fig.clear()
         axes = fig.subplots(down, columns, squeeze=False)
@@ -81,4 +81,4 @@ def accuracy_figure(rows: Sequence[Row], path: Path) -> None:
             f"accurate;\ngrey edge: the reference is not known better. {machine.cpu()}, "
             f"{machine.compiler()}, one core", fontsize=9, color=GREY, ha="left", x=0.01,
         )  # fmt: skip
-        fig.savefig(path)
+        fig.savefig(path, dpi=120)

