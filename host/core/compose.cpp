@@ -14,7 +14,7 @@
 #include "rk4_lanes.hpp"
 #include "semi_implicit_euler.hpp"
 #include "set_valued_motion.hpp"
-#include "shrink_scheme.hpp"
+#include "stick_slip.hpp"
 
 namespace serpenoid {
 
@@ -61,8 +61,8 @@ std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
     if (q.method == "radau") return make_radau(q, system);
     if (q.method != "nonsmooth") throw std::invalid_argument("no such method: " + q.method);
     if (q.formulation == Formulation::implicit)
-        return std::make_unique<ShrinkScheme>(system, q.robot, q.ground, q.dt);
-    return std::make_unique<SetValuedMotion>(q.robot, q.ground, q.gait, q.tolerance);
+        return std::make_unique<StickSlip>(system, q.robot, q.ground, q.dt);
+    return std::make_unique<SetValuedMotion>(q);
 }
 
 }  // namespace serpenoid

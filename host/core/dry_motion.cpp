@@ -10,11 +10,13 @@
 
 namespace serpenoid {
 
-DryMotion::DryMotion(const Robot& robot, const Ground& ground, const Gait& gait)
+DryMotion::DryMotion(const Robot& robot, const Ground& ground, const Gait& gait, const Slope& slope,
+                     double least_bend)
     : robot_(robot),
       ground_(ground),
+      slope_(slope),
       omega_(gait.omega),
-      speed_scale_(gait.omega * robot.l * std::max(gait.alpha, 1e-9)),
+      speed_scale_(gait.omega * robot.l * std::max(gait.alpha, least_bend)),
       arm_(robot.n * robot.l),
       table_(robot.n, gait) {
     const double v = speed_scale_;
@@ -56,21 +58,35 @@ void DryMotion::assemble(double h) {
     }
 }
 
+// The shape has been set.
+void DryMotion::wheel_forces(const DryState& state, std::vector<double>& force) {
+    const double w = (state.v[DryState::L] - omega_ * shape_.K) / shape_.J;
+    const double u[3] = {state.v[DryState::Vx], state.v[DryState::Vy], w};
+    for (int a = 0; a < convex_.held_count(); ++a)
+        convex_.set_sign(convex_.held_kink(a), std::clamp(state.v[DryState::stick + a], -1.0, 1.0));
+    int kink = 0;
+    force.clear();
+    for (const LinkShape& k : shape_.link) {
+        const double t = ground_.ft0 > 0 ? ground_.ft0 * convex_.sign(kink++) : 0;
+        const double n = ground_.fn0 > 0 ? ground_.fn0 * convex_.sign(kink++) : 0;
+        force.push_back(-ground_.ct * k.t.speed(u, omega_) - t);
+        force.push_back(-ground_.cn * k.n.speed(u, omega_) - n);
+    }
+}
+
+void DryMotion::friction(const DryState& state, double tau, std::vector<double>& force) {
+    shape_.set(robot_, table_, std::sin(tau), std::cos(tau), false);
+    wheel_forces(state, force);
+}
+
 // Powers of all joints at a state within the present mode, W; the i-th goes to power[i * stride].
 void DryMotion::joint_power(const DryState& state, double tau, double* power, int stride) {
     shape_.set(robot_, table_, std::sin(tau), std::cos(tau), true);
+    wheel_forces(state, wheel_force_);
     const double L = state.v[DryState::L];
     const Vec3 u{state.v[DryState::Vx], state.v[DryState::Vy], (L - omega_ * shape_.K) / shape_.J};
-    for (int a = 0; a < convex_.held_count(); ++a)
-        convex_.set_sign(convex_.held_kink(a), state.v[DryState::stick + a]);
-    const int per_link = (ground_.ft0 > 0) + (ground_.fn0 > 0);
     const auto friction = [&](int i) {
-        const LinkShape& k = shape_.link[i];
-        int c = per_link * i;
-        const double t = ground_.ft0 > 0 ? ground_.ft0 * convex_.sign(c++) : 0;
-        const double n = ground_.fn0 > 0 ? ground_.fn0 * convex_.sign(c) : 0;
-        return std::pair{-ground_.ct * k.t.speed(u.data(), omega_) - t,
-                         -ground_.cn * k.n.speed(u.data(), omega_) - n};
+        return std::pair{wheel_force_[2 * i], wheel_force_[2 * i + 1]};
     };
     double force[3] = {0, 0, 0};
     for (int i = 0; i < robot_.n; ++i) {
@@ -132,6 +148,12 @@ bool DryMotion::euler(const DryState& from, double tau, double h_phase, bool fix
     b_[0] += nm * (c * from.v[DryState::Vx] + s * from.v[DryState::Vy]);
     b_[1] += nm * (c * from.v[DryState::Vy] - s * from.v[DryState::Vx]);
     b_[2] += from.v[DryState::L] - omega_ * shape_.K;
+    if (slope_.tilted()) {
+        const double ahead = from.v[DryState::theta] + h * w;
+        const double ca = std::cos(ahead), sa = std::sin(ahead);
+        b_[0] += nm * h * (ca * slope_.gx + sa * slope_.gy);
+        b_[1] += nm * h * (ca * slope_.gy - sa * slope_.gx);
+    }
     ++systems_;
     if (!(fixed ? convex_.solve_fixed(H_, b_, kinks_) : convex_.solve(H_, b_, kinks_)))
         return false;
@@ -245,6 +267,16 @@ void DryMotion::control(const Step& step, double H, bool accepted) {
     if (accepted && order == step.rows) ++order;
     order_ = std::clamp(order, 3, kMaxOrder - 1);
     step_ = accepted ? std::min(best_step, 0.4) : std::min(best_step, 0.5 * H);
+}
+
+bool DryMotion::find_mode(DryState& state, double tau) {
+    constexpr double kLook = 1e-5;  // rad; the sticking forces err by as much of their bounds
+    double w = rate(state.v[DryState::L], tau);
+    DryState ahead;
+    convex_.forget();
+    if (!euler(state, tau, kLook, false, ahead, w)) return false;
+    std::copy_n(&ahead.v[DryState::stick], 3, &state.v[DryState::stick]);
+    return true;
 }
 
 // A very short convex step: finds the mode that follows. Doubles when modes end at once.

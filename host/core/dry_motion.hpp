@@ -8,6 +8,8 @@
 //              + h sum_links [ct v_t^2/2 + ft0 |v_t| + cn v_n^2/2 + fn0 |v_n|],
 //     V* = V_k turned by -h w_k (body axes turn with link 1),  w* = (L_k - omega K)/J.
 //
+// On a slope V* has h g, too, in the axes of the heading theta_k + h w_k; weight turns nothing.
+//
 // Its solution says of every wheel whether it slides forwards, backwards or sticks: the mode. While
 // the mode lasts the motion is smooth, and Euler steps of n_j = 1, 2, 3, ... parts with the mode
 // held are linear systems that extrapolate to high order (Aitken-Neville). A sliding speed that
@@ -33,7 +35,9 @@ struct DryState {
 
 class DryMotion {
   public:
-    DryMotion(const Robot& robot, const Ground& ground, const Gait& gait);
+    // The scale of speeds is that of the gait; least_bend, rad, is for chains that hardly bend.
+    DryMotion(const Robot& robot, const Ground& ground, const Gait& gait, const Slope& slope = {},
+              double least_bend = 1e-9);
 
     // Advance from phase tau to tau_end with each step's error below `tolerance` times the speed
     // scale omega l alpha. Returns false when the steps run out.
@@ -43,6 +47,12 @@ class DryMotion {
     // points within every smooth step.
     bool advance_with_power(DryState& state, double tau, double tau_end, double tolerance,
                             double& positive);
+
+    // Find the mode of a state that advance did not leave, and put in its sticking forces.
+    bool find_mode(DryState& state, double tau);
+
+    // Friction along and across every link at a state in the present mode, N, by pairs.
+    void friction(const DryState& state, double tau, std::vector<double>& force);
 
     double speed_scale() const { return speed_scale_; }
     double momentum(double w, double tau);  // L of a given turning rate
@@ -63,6 +73,7 @@ class DryMotion {
     bool euler(const DryState& from, double tau, double h_phase, bool fixed, DryState& to,
                double& w);
     void assemble(double h);
+    void wheel_forces(const DryState& state, std::vector<double>& force);
     void joint_power(const DryState& state, double tau, double* power, int stride);
     bool add_positive(const DryState& from, double tau, double H, double tolerance);
     double dissipation(const Vec3& u) const;
@@ -75,6 +86,7 @@ class DryMotion {
 
     Robot robot_;
     Ground ground_;
+    Slope slope_;
     double omega_, speed_scale_, power_scale_, arm_;
     double* positive_ = nullptr;
     GaitTable table_;
@@ -83,6 +95,7 @@ class DryMotion {
     Mat3 H_{};
     Vec3 b_{};
     std::vector<Kink> kinks_;
+    std::vector<double> wheel_force_;
     long systems_ = 0, most_systems_ = std::numeric_limits<long>::max();
     double step_ = 0.1, kick_ = 0, shortest_kick_ = 0, longest_kick_ = 0, speed_eps_ = 0,
            stick_eps_ = 0;

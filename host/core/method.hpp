@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "system.hpp"
+
 namespace serpenoid {
 
 struct StepOutcome {
@@ -26,6 +28,11 @@ class Method {
     // ends of its steps only: it is never stepped over a time that is recorded.
     virtual bool has_dense() const { return false; }
     virtual void dense(double t, double* y) const = 0;
+
+    // Put into the chain and the joints, at the present state, the forces that the method finds and
+    // the system does not know: friction that is set-valued. The chain is filled, and has its
+    // rates.
+    virtual void give_forces(double, System&) {}
 
     // What the last step thinks of its own error, in the scale of its tolerance; NaN: no idea.
     virtual double local_error() const { return std::numeric_limits<double>::quiet_NaN(); }

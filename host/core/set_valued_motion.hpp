@@ -3,23 +3,27 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "dry_motion.hpp"
+#include "explicit_model.hpp"
 #include "gait.hpp"
 #include "method.hpp"
+#include "run_request.hpp"
 #include "shape.hpp"
-#include "tail_frame.hpp"
 
 namespace serpenoid {
 
 class SetValuedMotion : public Method {
   public:
-    SetValuedMotion(const Robot& robot, const Ground& ground, const Gait& gait, double tolerance)
-        : robot_(robot),
-          omega_(gait.omega),
-          tolerance_(tolerance),
-          table_(robot.n, gait),
-          motion_(robot, ground, gait) {}
+    explicit SetValuedMotion(const RunRequest& q)
+        : robot_(q.robot),
+          slope_(q.slope),
+          omega_(q.gait.omega),
+          tolerance_(q.tolerance),
+          table_(q.robot.n, q.gait),
+          motion_(q.robot, q.ground, q.gait, q.slope, kLeastBend),
+          bend_(q.robot.n - 1) {}
 
     void restart(double t, const double* y) override {
         shape_at(t);
@@ -29,6 +33,7 @@ class SetValuedMotion : public Method {
         dry_.v[DryState::theta] = b.theta, dry_.v[DryState::x] = b.x, dry_.v[DryState::y] = b.y;
         t_ = t;
         std::copy_n(y, 6, y_.begin());
+        motion_.find_mode(dry_, omega_ * t);
     }
     StepOutcome step(double t_limit) override {
         if (!motion_.advance(dry_, omega_ * t_, omega_ * t_limit, tolerance_))
@@ -40,6 +45,19 @@ class SetValuedMotion : public Method {
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }
     void dense(double, double* y) const override { std::copy_n(y_.begin(), 6, y); }
+    void give_forces(double t, System& system) override {
+        Chain& k = system.chain;
+        motion_.friction(dry_, omega_ * t, wheel_force_);
+        const double sin_tau = std::sin(omega_ * t), cos_tau = std::cos(omega_ * t);
+        for (int i = 0; i < robot_.n; ++i) {
+            const double ft = wheel_force_[2 * i], fn = wheel_force_[2 * i + 1];
+            k.fx[i] = k.c[i] * ft - k.s[i] * fn + robot_.m * slope_.gx;
+            k.fy[i] = k.s[i] * ft + k.c[i] * fn + robot_.m * slope_.gy;
+            if (i + 1 < robot_.n)
+                bend_[i] = omega_ * omega_ * table_.at(i, sin_tau, cos_tau).curvature;
+        }
+        explicit_angle(robot_, bend_.data(), k, system.joints);
+    }
 
   private:
     void shape_at(double t) {
@@ -53,11 +71,14 @@ class SetValuedMotion : public Method {
         TailFrame(shape_).tail(b, omega_, y_.data());
     }
 
+    static constexpr double kLeastBend = 0.05;  // rad: of body lengths times omega it is little
     Robot robot_;
+    Slope slope_;
     double omega_, tolerance_, t_ = 0;
     GaitTable table_;
     Shape shape_;
     DryMotion motion_;
+    std::vector<double> bend_, wheel_force_;
     DryState dry_{};
     std::array<double, 6> y_{};
 };

@@ -34,12 +34,13 @@ bool finite(const double* y, int dim) {
 // Writes down a state: what it costs is paid at recorded times only.
 class Recorder {
   public:
-    Recorder(const RunRequest& q, System& system, const EnergyLedger* ledger)
-        : q_(q), system_(system), ledger_(ledger) {}
+    Recorder(const RunRequest& q, System& system, Method& method, const EnergyLedger* ledger)
+        : q_(q), system_(system), method_(method), ledger_(ledger) {}
 
     void note(double t, const double* y, RunResult& out) {
         const bool forces = q_.record_joints || q_.record_friction;
         forces ? system_.forces(t, y) : system_.fill(t, y);
+        if (forces) method_.give_forces(t, system_);
         const Chain& c = system_.chain;
         out.t.push_back(t);
         append(out.x, c.x), append(out.y, c.y), append(out.theta, c.theta);
@@ -66,6 +67,7 @@ class Recorder {
     }
     const RunRequest& q_;
     System& system_;
+    Method& method_;
     const EnergyLedger* ledger_;
 };
 
@@ -79,12 +81,12 @@ class Run {
         system_.set(start_chain(q_), y_.data());
         system_.fill(0, y_.data());
         system_.latch();
+        begin(0);
         recorder_.note(0, y_.data(), out_);
         double t = 0;
         while (t < q_.duration && out_.why.empty() && out_.failed_at < 0) {
             const double stop = std::min(system_.next_jump(t), q_.duration);
-            system_.enter(t);
-            method_.restart(t, y_.data());
+            if (t > 0) begin(t);
             smooth_part(stop);
             t = stop;
         }
@@ -92,6 +94,10 @@ class Run {
     }
 
   private:
+    void begin(double t) {
+        system_.enter(t);
+        method_.restart(t, y_.data());
+    }
     void smooth_part(double stop) {
         for (bool more = true; more;) {
             // without dense output the steps must end on what is recorded
@@ -155,7 +161,7 @@ RunResult simulate(const RunRequest& q) {
         system = std::move(with);
     }
     const std::unique_ptr<Method> method = make_method(q, *system);
-    Recorder recorder(q, *system, ledger);
+    Recorder recorder(q, *system, *method, ledger);
     return Run(q, *system, *method, recorder).go();
 }
 

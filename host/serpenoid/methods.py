@@ -18,9 +18,9 @@ class MethodKind:
 
     order: of convergence at recorded times, for smooth motion. adaptive: formulations in which it
     takes steps of its own to scene.tolerance; in the others steps of dt_s. records: what it can
-    record besides the motion. plain: formulations in which it runs with drive "angle", on the
-    level, with all joints sound, and can record no more than plain_records. faults: whether it
-    runs with limp or locked joints.
+    record besides the motion. plain: formulations in which it runs with drive "angle", with all
+    joints sound, on the level unless plain_incline, and can record no more than plain_records.
+    faults: whether it runs with limp or locked joints.
     """
 
     order: int
@@ -31,6 +31,7 @@ class MethodKind:
     records: tuple[str, ...] = RECORDS
     plain: tuple[str, ...] = ()
     plain_records: tuple[str, ...] = ()
+    plain_incline: bool = False
     faults: bool = True
 
 
@@ -57,10 +58,12 @@ METHODS = {
         faults=False,
     ),
     "nonsmooth": MethodKind(
-        1,
+        2,
         adaptive=("explicit",),
         laws=("viscous", "dry"),
         records=("joints", "friction"),
         plain=("explicit",),
+        plain_records=("joints", "friction"),
+        plain_incline=True,
     ),
 }

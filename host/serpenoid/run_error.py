@@ -84,17 +84,23 @@ def difference(run: Run, other: Run) -> Difference:
 
 def plain(scene: Scene) -> bool:
     """Tell whether all joints follow the gait, on the level."""
-    return scene.drive == "angle" and not (scene.limp or scene.locked or scene.incline_rad)
+    return follows_gait(scene) and not scene.incline_rad
+
+
+def follows_gait(scene: Scene) -> bool:
+    """Tell whether all joints follow the gait."""
+    return scene.drive == "angle" and not (scene.limp or scene.locked)
 
 
 def exact_scene(scene: Scene, tolerance: float) -> Scene | None:
     """Return a scene in the explicit formulation, by the best method for it; None if none is good.
 
-    (Dry friction needs exact sticking, which the explicit formulation has for plain scenes only.)
+    (Dry friction needs exact sticking; the explicit formulation has it if all joints follow the
+    gait.)
     """
     if scene.law == "dry":
         method = "nonsmooth"
-        if not plain(scene):
+        if not follows_gait(scene) or scene.gait.alpha_rad == scene.gait.offset_rad == 0:
             return None
     else:
         method = "collocation" if plain(scene) and scene.law == "viscous" else "dop853"

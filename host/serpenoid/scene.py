@@ -195,8 +195,10 @@ class Scene:
             return
         extras = {
             f"drive {self.drive!r}": self.drive != "angle",
-            "an incline": self.incline_rad > 0,
+            "an incline": self.incline_rad > 0 and not kind.plain_incline,
             "limp or locked joints": bool(self.limp or self.locked),
+            "a straight chain (alpha_rad 0, offset_rad 0) on an incline": self.incline_rad > 0
+            and self.gait.alpha_rad == self.gait.offset_rad == 0,
         }
         way_out = ", or formulation 'implicit'" if "implicit" in kind.formulations else ""
         for what, there in extras.items():

@@ -129,6 +129,20 @@ def _semi_implicit_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
     return bool(np.all(d <= 2 + _SLACK) and np.all(s + 2 * d <= 4 + _SLACK))
 
 
+def _stick_slip_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
+    """Spectral radius of 2 S(h/2)^2 - S(h), S(h) one step of semi-implicit Euler."""
+
+    def plain(h: float) -> Array:
+        step = np.empty((stiff.size, 2, 2))  # over (x, v h of the whole step)
+        step[:, 1, 0], step[:, 1, 1] = -stiff * h * dt_s, 1 - damped * h
+        step[:, 0] = [1, 0] + step[:, 1] * h / dt_s
+        return step
+
+    half = plain(dt_s / 2)
+    step = 2 * half @ half - plain(dt_s)
+    return bool(np.all(np.abs(np.linalg.eigvals(step)) <= 1 + _SLACK))
+
+
 def _paper_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
     """Spectral radius of one RK4 step of x'' = -stiff x - g, g = damped v of the step before."""
     z2 = stiff * dt_s**2
@@ -173,8 +187,10 @@ def stability_test(scene: Scene, any_shape: bool = False) -> Callable[[float], b
     if scene.adaptive:
         return None
     stiff, damped = modes(scene, any_shape)
-    if scene.method in ("semi_implicit_euler", "nonsmooth"):
+    if scene.method == "semi_implicit_euler":
         return lambda dt: _semi_implicit_stable(stiff, damped, dt)
+    if scene.method == "nonsmooth":
+        return lambda dt: _stick_slip_stable(stiff, damped, dt)
     if scene.method == "paper":
         return lambda dt: _paper_stable(stiff, damped, dt)
     rates = _oscillator_rates(stiff, damped)
