@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .session import Session, load_session
     from .simulation import Run, simulate
     from .steady import Steady, Sweep, steady_gait, sweep
+    from .steady_springs import SteadySprings, steady_springs
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
@@ -34,6 +35,7 @@ _HOMES = {
     "scene_file": ("load_scene", "save_scene"),
     "session": ("Session", "load_session"),
     "simulation": ("Run", "simulate"),
+    "steady_springs": ("SteadySprings", "steady_springs"),
     "steady": ("Steady", "Sweep", "steady_gait", "sweep"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
@@ -57,6 +59,7 @@ __all__ = [
     "Servo",
     "Session",
     "Steady",
+    "SteadySprings",
     "StepTooLarge",
     "Sweep",
     "TorqueDrive",
@@ -70,6 +73,7 @@ __all__ = [
     "simulate",
     "simulate_gaits",
     "steady_gait",
+    "steady_springs",
     "sweep",
 ]
 

@@ -24,6 +24,7 @@ from rich.table import Table
 if TYPE_CHECKING:
     from .friction_result import FrictionFit
     from .steady import Steady, Sweep
+    from .steady_springs import SteadySprings
 
 console = Console(width=100) if not Console().is_terminal else Console()
 notices = Console(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
@@ -92,6 +93,19 @@ def steady(s: Steady) -> None:
         f"beta {math.degrees(gait.beta_rad):.4g} deg, omega {gait.omega_rad_s:.5g} rad/s"
     )
     table(title, ["periodic state, exact model", "value"], rows)
+
+
+def steady_springs(s: SteadySprings) -> None:
+    """Print a periodic state of the implicit model, and what its springs change."""
+    rows = [
+        ["speed", f"{s.speed_m_s:.6g} m/s"],
+        ["net power", f"{s.power_w:.6g} W"],
+        ["power, each joint's absolute value", f"{s.abs_power_w:.6g} W"],
+        ["power, no regeneration", f"{s.positive_power_w:.6g} W"],
+        ["error of the speed by time steps and settling", f"{s.error_estimate:.1g} relative"],
+        ["error of the speed by the springs", f"{100 * s.modelling_error:+.3g} %"],
+    ]
+    table(f"after {s.cycles} cycles", ["periodic state, implicit model", "value"], rows)
 
 
 def fit(found: FrictionFit) -> None:
