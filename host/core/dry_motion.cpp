@@ -308,6 +308,7 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
     Step step;
     for (long steps = 0; tau < tau_end; ++steps) {
         if (steps > kMostSteps || systems_ > most_systems_ || !(step_ > 1e-14)) return false;
+        if (let_through_) let_through_();
         margins(state, tau, start);
         double H = std::min(step_, tau_end - tau);
         if (tau_end - tau - H < 1e-12) H = tau_end - tau;

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -58,6 +59,7 @@ class DryMotion {
     double momentum(double w, double tau);  // L of a given turning rate
     double rate(double L, double tau);      // and back
     long systems() const { return systems_; }
+    void let_through(std::function<void()> ask) { let_through_ = std::move(ask); }
     void limit(long systems) { most_systems_ = systems; }  // of all calls together
 
   private:
@@ -96,6 +98,7 @@ class DryMotion {
     Vec3 b_{};
     std::vector<Kink> kinks_;
     std::vector<double> wheel_force_;
+    std::function<void()> let_through_;  // called at every step
     long systems_ = 0, most_systems_ = std::numeric_limits<long>::max();
     double step_ = 0.1, kick_ = 0, shortest_kick_ = 0, longest_kick_ = 0, speed_eps_ = 0,
            stick_eps_ = 0;

@@ -1,6 +1,7 @@
 // A way to step a system in time; one file a method.
 #pragma once
 
+#include <functional>
 #include <limits>
 
 #include "system.hpp"
@@ -18,6 +19,10 @@ class Method {
 
     // Begin at t, and again behind every jump of the system.
     virtual void restart(double t, const double* y) = 0;
+
+    // To be called now and then by a method one of whose steps may last; what it throws ends the
+    // run.
+    virtual void let_through(std::function<void()>) {}
 
     // One step, never beyond the limit.
     virtual StepOutcome step(double t_limit) = 0;

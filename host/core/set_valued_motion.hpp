@@ -35,6 +35,7 @@ class SetValuedMotion : public Method {
         std::copy_n(y, 6, y_.begin());
         motion_.find_mode(dry_, omega_ * t);
     }
+    void let_through(std::function<void()> ask) override { motion_.let_through(std::move(ask)); }
     StepOutcome step(double t_limit) override {
         if (!motion_.advance(dry_, omega_ * t_, omega_ * t_limit, tolerance_))
             return {false, "the wheels stick and slip too often to be followed"};

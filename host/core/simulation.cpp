@@ -2,6 +2,7 @@
 #include "simulation.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -75,7 +76,14 @@ class Recorder {
 class Run {
   public:
     Run(const RunRequest& q, System& system, Method& method, Recorder& recorder)
-        : q_(q), system_(system), method_(method), recorder_(recorder), y_(system.dim()) {}
+        : q_(q),
+          system_(system),
+          method_(method),
+          recorder_(recorder),
+          y_(system.dim()),
+          unchecked_(std::clamp(512L / q.robot.n, 1L, 64L)) {
+        method_.let_through([this] { ask(method_.time()); });
+    }
 
     RunResult go() {
         system_.set(start_chain(q_), y_.data());
@@ -107,7 +115,7 @@ class Run {
             more = t < stop;
             if (!step.ok) return give_up(t, step.why);
             if (const double e = method_.local_error(); e == e) out_.error += e;
-            if (++out_.steps % 64 == 1 && !checked(t)) return;
+            if (++out_.steps % unchecked_ == 0 && !checked(t)) return;
             if (recorded(next_) <= t && !note_until(t)) return;
         }
         std::copy_n(method_.state(), y_.size(), y_.begin());
@@ -133,10 +141,16 @@ class Run {
     }
     bool checked(double t) {
         if (!finite(method_.state(), system_.dim())) return out_.failed_at = t, false;
-        if (q_.go_on && out_.steps % 1024 == 1 && !q_.go_on(t))
-            return give_up(t, "it was interrupted"), false;
+        if (!ask(t)) return give_up(t, "it was interrupted"), false;
         if (out_.steps > q_.most_steps) return give_up(t, "it took too many steps"), false;
         return true;
+    }
+    // Ask whether to go on, 50 times a second at most: the answer may be an exception.
+    bool ask(double t) {
+        const auto now = std::chrono::steady_clock::now();
+        if (!q_.go_on || now < asked_ + std::chrono::milliseconds(20)) return true;
+        asked_ = now;
+        return q_.go_on(t);
     }
     void give_up(double t, const char* why) { out_.failed_at = t, out_.why = why; }
 
@@ -146,7 +160,8 @@ class Run {
     Recorder& recorder_;
     std::vector<double> y_;
     RunResult out_;
-    long next_ = 1;
+    std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+    long next_ = 1, unchecked_;
     bool done_ = false;
 };
 

@@ -6,9 +6,8 @@ import math
 import os
 import sys
 import threading
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
@@ -19,6 +18,7 @@ from .options import (
     AS_JSON,
     describe,
     gait_options,
+    interruptible,
     make_gait,
     make_robot,
     robot_options,
@@ -26,8 +26,6 @@ from .options import (
 )
 from .robot.commands import COMMANDS as ROBOT_COMMANDS
 from .simulate_command import simulate
-
-T = TypeVar("T")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -37,25 +35,6 @@ def cli() -> None:
 
     Try `serpenoid demo` first: it needs no robot.
     """
-
-
-def interruptible(work: Callable[[], T]) -> T:
-    """Return work(), run in a thread: Python hears Ctrl-C only while it is not in the core."""
-    done: list[T] = []
-    failed: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            done.append(work())
-        except BaseException as error:
-            failed.append(error)
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    thread.join()
-    if failed:
-        raise failed[0]
-    return done[0]
 
 
 @cli.command()

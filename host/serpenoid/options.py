@@ -1,18 +1,20 @@
-"""What several commands share: options, a gait from degrees, answers in JSON."""
+"""What several commands share: options, robot and gait of them, work that Ctrl-C ends, JSON."""
 
 from __future__ import annotations
 
 import json
 import math
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 if TYPE_CHECKING:
     from .model import Gait, Ground, Robot
 
+T = TypeVar("T")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON.")
 
 
@@ -100,6 +102,25 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
         if f"{name}_rad" not in changes:
             raise click.UsageError(f"give --{name}-deg")
     return Gait(**changes, **rates)
+
+
+def interruptible(work: Callable[[], T]) -> T:
+    """Return work(), run in a thread: Python hears Ctrl-C only while it is not in the core."""
+    done: list[T] = []
+    failed: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            done.append(work())
+        except BaseException as error:
+            failed.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join()
+    if failed:
+        raise failed[0]
+    return done[0]
 
 
 def describe(gait: Gait) -> dict[str, float]:

@@ -17,6 +17,7 @@ from .options import (
     AS_JSON,
     describe,
     gait_options,
+    interruptible,
     make_gait,
     make_robot,
     robot_options,
@@ -117,7 +118,7 @@ def simulate(
     **given: Any,
 ) -> None:
     """Follow one scene in time: a scene file, options, or a file with options over it."""
-    from . import run_report
+    from . import report, run_report
     from .scene_file import load_scene, save_scene
 
     scene = make_scene(given, None if scene_path is None else load_scene(scene_path))
@@ -130,7 +131,8 @@ def simulate(
         from .plot_run import draw_run
 
         draw_run(run, figure)
-    summary = run_report.run_summary(run)
+    with report.busy("estimating the error"):
+        summary = interruptible(lambda: run_report.run_summary(run))
     if as_json:
         show_json({"gait": describe(scene.gait)} | summary)
     else:
@@ -196,4 +198,4 @@ def _watched(scene: Scene, accuracy: float | None) -> Run:
     from .simulation import simulate as run_scene
 
     with report.simulated_time(scene.duration_s, "simulating") as tell:
-        return run_scene(scene, progress=tell, accuracy=accuracy)
+        return interruptible(lambda: run_scene(scene, progress=tell, accuracy=accuracy))
