@@ -289,9 +289,10 @@ def simulate(
 
 def _what_failed(scene: Scene, t_s: float, why: str) -> str:
     what = why or "the state left the finite numbers"
-    cure = (
-        f"loosen tolerance {scene.tolerance:g}, or look whether the scene is physical"
-        if scene.adaptive
-        else f"take a smaller dt_s than {scene.dt_s:g} (a tenth is a good try)"
-    )
+    if "stiff" in why and scene.formulation == "implicit":
+        cure = "take method 'radau', which is made for stiff springs"
+    elif scene.adaptive:
+        cure = f"loosen tolerance {scene.tolerance:g}, or look whether the scene is physical"
+    else:
+        cure = f"take a smaller dt_s than {scene.dt_s:g} (a tenth is a good try)"
     return f"the run ended by t = {t_s:g} s with method {scene.method}: {what}; {cure}"
