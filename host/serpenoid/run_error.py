@@ -178,8 +178,8 @@ def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
         )
     if scene.law == "dry" and scene.method != "nonsmooth":
         found.append(
-            f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter; "
-            "take method 'nonsmooth'"
+            f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
+            "joint torques may be wrong by a third at any step; take method 'nonsmooth'"
         )
     if scene.law == "smoothed":
         found.append(

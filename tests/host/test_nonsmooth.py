@@ -194,3 +194,22 @@ def test_explicit_motion_turns_with_the_slope() -> None:
     assert there.theta_rad == pytest.approx(here.theta_rad + 2.0, abs=1e-7)
     assert there.x_m == pytest.approx(c * here.x_m - s * here.y_m, abs=1e-7)
     assert there.y_m == pytest.approx(s * here.x_m + c * here.y_m, abs=1e-7)
+
+
+def test_what_other_methods_make_of_sticking() -> None:
+    """sgn 0 = 0 chatters: speeds of order 1, torques that no step mends (Scene quotes them)."""
+    gait = replace(GAIT, omega_rad_s=1.0)
+    scene = sn.Scene(
+        OF_2005, BINGHAM, gait, method="nonsmooth", start="zero_momentum", tolerance=1e-8,
+        duration_s=2 * gait.period_s, dt_s=gait.period_s / 50, record=("joints",),
+    )  # fmt: skip
+    exact = sn.simulate(scene)
+    slow, torques = [], []
+    for split in (13, 126, 1257):  # steps of 10, 1 and 0.1 ms
+        rough = replace(scene, method="rk4", dt_s=scene.dt_s / split, record_every=split)
+        run = sn.simulate(rough)
+        slow.append(np.hypot(run.x_m - exact.x_m, run.y_m - exact.y_m).max())
+        missed = run.joint_torque_nm - exact.joint_torque_nm
+        torques.append(np.sqrt(np.mean(missed**2) / np.mean(exact.joint_torque_nm**2)))
+    assert math.log10(slow[0] / slow[2]) / 2 == pytest.approx(1.2, abs=0.3)
+    assert min(torques) > 0.2
