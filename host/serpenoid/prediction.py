@@ -19,8 +19,8 @@ from .simulation import Run, simulate
 from .steady import Steady, steady_gait
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
-# The implicit model's steps: so short, and at least so many a period.
-_LONGEST_STEP_S, _LEAST_STEPS = 4e-4, 5000
+# The implicit model's steps: so short, and at least so many a period (the speed errs by 1e-5).
+_LONGEST_STEP_S, _LEAST_STEPS = 1e-3, 2000
 _AVERAGED, _SETTLED_S = 5, 6.0
 SAMPLES = 64
 
