@@ -11,15 +11,16 @@ BLOCK_S = 0.25
 MOST_BLOCKS = 64
 FEWEST_BLOCKS = 6
 STEP_US = 4.0  # of the board's micros()
+MOST_OFF = 2.0  # a clock so many times too fast or too slow is not off but wrong
 
 
 @dataclass(frozen=True)
 class Drift:
     """How much faster than the host's the board's clock runs, in parts per million, and its s.d.
 
-    span_s: host seconds from which it was found. Until there are enough, it is what the data
-    sheet says of the resonator: 0 +- 5000 ppm. The host's own clock is good to some 50 ppm
-    alone and to a few when it follows a time server; that is not in sd_ppm.
+    span_s: host seconds from which it was found. Until there are enough, or if they make no
+    sense, it is what the data sheet says of the resonator: 0 +- 5000 ppm. The host's own clock is
+    good to some 50 ppm alone and to a few when it follows a time server; that is not in sd_ppm.
     """
 
     ppm: float
@@ -84,9 +85,9 @@ class BoardClock:
     def drift(self) -> Drift:
         """Return the drift found so far."""
         blocks = self._blocks
-        if len(blocks) < FEWEST_BLOCKS:
+        slope, sd = _line(blocks) if len(blocks) >= FEWEST_BLOCKS else (0.0, 0.0)
+        if not 1 / MOST_OFF < slope < MOST_OFF:
             return Drift(0.0, TOLERANCE_PPM, 0.0)
-        slope, sd = _line(blocks)
         span_s = blocks[-1].host_s - blocks[0].host_s
         return Drift((1 / slope - 1) * 1e6, sd * 1e6, span_s)
 
@@ -107,7 +108,8 @@ class BoardClock:
 def _line(arrivals: list[_Arrival]) -> tuple[float, float]:
     """Fit host against board by least squares: slope, and its s.d. from the scatter.
 
-    The scatter is taken as no smaller than a step of micros(), evenly spread.
+    The scatter is taken as no smaller than a step of micros(), evenly spread. The slope of a
+    board whose clock stands is infinite.
     """
     n = len(arrivals)
     mean_b = sum(a.board_s for a in arrivals) / n
@@ -115,6 +117,8 @@ def _line(arrivals: list[_Arrival]) -> tuple[float, float]:
     x = [a.board_s - mean_b for a in arrivals]
     y = [a.host_s - mean_h for a in arrivals]
     xx = sum(v * v for v in x)
+    if not xx:
+        return math.inf, math.inf
     slope = sum(v * w for v, w in zip(x, y, strict=True)) / xx
     scatter = sum((w - slope * v) ** 2 for v, w in zip(x, y, strict=True)) / (n - 2)
     return slope, math.sqrt(max(scatter, (STEP_US * 1e-6) ** 2 / 12) / xx)

@@ -24,6 +24,7 @@ from .record import Recorder
 RETRY_S = 0.1
 PATIENCE_S = 2.0
 PING_S = 0.4
+PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
 LONGEST_LINE = 4096
 STOP = b"\n!\n"
 
@@ -53,6 +54,7 @@ class Dialogue:
         self._recorder = recorder
         self._unattended_s = unattended_s
         self._attended_s = self._spoken_s = link.now_s()
+        self._ping_s = PING_S
         self._number = 0
         self._rest = b""
         self._failure: RobotError | None = None
@@ -95,6 +97,10 @@ class Dialogue:
         self.halt()
         return self._command("stop", PATIENCE_S)
 
+    def feed(self, silence_s: float) -> None:
+        """Ping often enough for a board whose silence time is this; 0 is none."""
+        self._ping_s = min(PING_S, silence_s / PINGS_A_SILENCE or PING_S)
+
     def wait(self, done: Callable[[], bool], until_s: float) -> bool:
         """Wait until done() or the host's time until_s; return done(). Raises what ended the run.
 
@@ -125,7 +131,7 @@ class Dialogue:
             if self.link.lockstep:
                 self._ping_if_quiet()
             now_s = self.link.now_s()
-            if self.wait(lambda: bool(unread), min(until_s, now_s + PING_S)):
+            if self.wait(lambda: bool(unread), min(until_s, now_s + self._ping_s)):
                 with self._changed:
                     return unread.popleft()
             if now_s >= until_s:
@@ -181,7 +187,8 @@ class Dialogue:
             raise self._fail(
                 RobotLost(
                     f"no verdict for {text!r} within {patience_s:g} s, though {self.link.name} is "
-                    "open: the board hangs or the wire is bad; check its power and cable"
+                    "open: the board hangs or the wire is bad; if the robot moves, it stops by "
+                    "itself within its silence time, or else cut its power; then check its cable"
                 )
             )
         return answer
@@ -241,14 +248,14 @@ class Dialogue:
             self._step(0.05)
 
     def _keep_alive(self) -> None:
-        while not self._closing.wait(PING_S / 4) and not self._failure:
+        while not self._closing.wait(self._ping_s / 4) and not self._failure:
             with suppress(RobotError):  # kept in _failure, for the program's next call
                 if self.link.now_s() - self._attended_s > self._unattended_s:
                     self._abandon()
                 self._ping_if_quiet()
 
     def _ping_if_quiet(self) -> None:
-        if self.link.now_s() - self._spoken_s > PING_S:
+        if self.link.now_s() - self._spoken_s > self._ping_s:
             self._command("ping", PATIENCE_S)
 
     def _abandon(self) -> None:

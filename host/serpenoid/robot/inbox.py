@@ -11,7 +11,7 @@ from .protocol import Data, Hello, Telemetry, Verdict, parse
 
 MOST_UNREAD = 15_000  # frames: five minutes
 LATE_GREETING_S = 0.5  # after a session opened, a greeting may still answer an earlier asking
-CHANGES_CADENCE = ("set every ", "load", "defaults")
+CHANGES_CADENCE = ("set every ", "set silence ", "load", "defaults")
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class Inbox:
             return
         if verdict.number == pending.number:
             pending.verdict = verdict
-            if verdict.accepted and pending.text.startswith(CHANGES_CADENCE):
+            if verdict.accepted and " ".join(pending.text.split()).startswith(CHANGES_CADENCE):
                 self.every = None
         elif verdict.mark == "?":
             pending.damaged = True

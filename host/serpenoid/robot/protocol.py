@@ -12,14 +12,16 @@ from ..errors import BadInput, DamagedLine
 PROTOCOL = 1
 LINE_LIMIT = 80  # bytes to the board, before the line end
 STATES = ("idle", "pose", "gait", "hold", "safing", "safe")
+_ANGLE, _PULSE, _COUNT = r"(-?\d{1,3}\.\d\d)", r"(\d{1,5})", r"(\d{1,10})"
 _TELEMETRY = re.compile(
-    r"t:(\d+)" + r"".join(rf" j{j}:(-?\d+\.\d\d)" for j in range(1, 6)) + r" us=(\d+)"
-    r" ph=(\d+\.\d{3}) p=(\d+),(\d+),(\d+),(\d+),(\d+) ex=(\d+) la=(\d+) st=([a-z]+)",
+    rf"t:{_COUNT}" + "".join(rf" j{j}:{_ANGLE}" for j in range(1, 6)) + rf" us={_COUNT}"
+    r" ph=(\d{1,3}\.\d{3}) p=" + ",".join([_PULSE] * 5) + rf" ex={_COUNT} la={_COUNT} st=([a-z]+)",
     re.ASCII,
 )
-_VERDICT = re.compile(r"(ok|err): #(\d+|[-!?])(?: ([a-z].*))?", re.ASCII)
+_VERDICT = re.compile(r"(ok|err): #(\d{1,5}|[-!?])(?: ([a-z].*))?", re.ASCII)
 _HELLO = re.compile(
-    r"hello: serpenoid fw=(\S+) protocol=(\d+) board=(\S+) boot=(\d+) reset=(\S+) settings=(\S+)",
+    r"hello: serpenoid fw=(\S+) protocol=(\d{1,5}) board=(\S+) boot=(\d{1,5}) reset=(\S+)"
+    r" settings=(\S+)",
     re.ASCII,
 )
 
@@ -128,6 +130,9 @@ def _telemetry(body: str) -> Telemetry:
     f = _matched(_TELEMETRY, body)
     if f[15] not in STATES:
         raise DamagedLine(f"state is {f[15]!r}; protocol {PROTOCOL} has {', '.join(STATES)}")
+    for name, value in zip(("t", "us", "ex", "la"), (f[0], f[6], f[13], f[14]), strict=True):
+        if int(value) >= 1 << 32:
+            raise DamagedLine(f"{name} is {value}; the board counts it in 32 bits")
     setpoints = tuple(math.radians(float(x)) for x in f[1:6])
     pulses = tuple(int(x) for x in f[8:13])
     phase_rad = math.radians(float(f[7]))

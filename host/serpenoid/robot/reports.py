@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ..errors import DamagedLine
@@ -76,6 +77,8 @@ def settings_of(data: list[Data]) -> dict[str, float]:
         found = {d.text.split()[0]: float(_values(d.text)["value"]) for d in data}
     except (KeyError, IndexError, ValueError) as error:
         raise DamagedLine(f"a setting of the board lacks {error}; ask again") from None
+    if not all(map(math.isfinite, found.values())):
+        raise DamagedLine(f"settings must be finite, not {found}; ask again")
     if missing := [name for name in SETTINGS if name not in found]:
         raise DamagedLine(f"the board's list of settings lacks {', '.join(missing)}; ask again")
     return found

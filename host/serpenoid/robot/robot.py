@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -51,9 +52,11 @@ class Robot:
     as calling), it is taken to hang: the robot is stopped and the next call raises.
 
     However the block is left - by an exception, Ctrl-C, SIGTERM, SIGHUP - the robot is stopped
-    first. Opening raises PortMissing, PortBusy, NoAnswer or ProtocolMismatch; any call may raise
-    RobotLost (unplugged or hung), RobotReset (it started again), RecordingFailed (disk full) or
-    RobotUnattended. Angles are in radians; joints count from the tail.
+    first. Signals are caught in the main thread only: elsewhere, after a kill, the board's own
+    silence time has to do. A fork of the process cannot use the robot. Opening raises
+    PortMissing, PortBusy, NoAnswer or ProtocolMismatch; any call may raise RobotLost (unplugged
+    or hung), RobotReset (it started again), RecordingFailed (disk full) or RobotUnattended.
+    Angles are in radians; joints count from the tail.
     """
 
     def __init__(
@@ -71,6 +74,7 @@ class Robot:
         self._talk: Dialogue | None = None
         self._recorder: Recorder | None = None
         self._signals = SignalGuard(self._halt)
+        self._process = os.getpid()
 
     def __enter__(self) -> Robot:
         if self._talk is not None:
@@ -89,7 +93,8 @@ class Robot:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._leave(error)
+        if os.getpid() == self._process:  # a fork that leaves must not stop its parent's robot
+            self._leave(error)
 
     @property
     def hello(self) -> Hello:
@@ -161,6 +166,7 @@ class Robot:
         """Return the board's settings by name, in the units of PROTOCOL.md."""
         found = self._asked("set", settings_of)
         self._dialogue.inbox.every = int(found["every"])
+        self._dialogue.feed(found["silence"])
         return found
 
     def set(self, name: str, value: float) -> None:
@@ -212,6 +218,8 @@ class Robot:
     def _dialogue(self) -> Dialogue:
         if self._talk is None:
             raise RobotClosed("the robot is not open; use it inside `with Robot(port) as robot:`")
+        if os.getpid() != self._process:
+            raise RobotClosed("the robot belongs to the process that opened it, not to its fork")
         return self._talk
 
     def _obeyed(self, text: str) -> None:
@@ -233,7 +241,7 @@ class Robot:
         raise DamagedLine(f"{ATTEMPTS} answers to {text!r} came damaged; check cable and ground")
 
     def _halt(self) -> None:
-        if self._talk is not None:
+        if self._talk is not None and os.getpid() == self._process:
             with suppress(RobotError):
                 self._talk.halt()
 

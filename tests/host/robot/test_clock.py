@@ -49,6 +49,14 @@ def test_before_there_is_enough_it_is_the_data_sheets():
     assert (drift.ppm, drift.sd_ppm) == (0.0, TOLERANCE_PPM)
 
 
+@pytest.mark.parametrize("us", [lambda frame: 0, lambda frame: frame * 12_345_679 % 2**32])
+def test_a_clock_that_stands_or_runs_wild_tells_nothing(us):
+    clock = BoardClock()
+    for frame in range(500):
+        clock.add(frame * 0.02, frame, us(frame))
+        assert clock.drift().sd_ppm == TOLERANCE_PPM
+
+
 def test_wraps_and_gaps_longer_than_a_wrap_are_undone():
     clock, start_us = BoardClock(), 2**32 - 50_000
     for frame in [0, 1, 2, 3, 4, 400_000, 400_001, 2_000_000]:  # two hours, then nine

@@ -30,6 +30,33 @@ with Robot(sys.argv[1]) as robot:
         time.sleep(0.02)
 """
 
+FORKING = """
+import os, signal, sys, time
+from serpenoid import Gait
+from serpenoid.errors import RobotClosed
+from serpenoid.robot import Robot
+parent = os.getpid()
+try:
+    with Robot(sys.argv[1]) as robot:
+        print("open", flush=True)
+        robot.gait(Gait(0.5, 1.4, 5.0))
+        child = os.fork()
+        if child:
+            status = os.waitpid(child, 0)[1]
+            frame = list(robot.frames(0.1))[-1]
+            print(status, frame.state, flush=True)
+        else:
+            try:
+                robot.stop()
+            except RobotClosed:
+                print("closed", flush=True)
+            os.kill(os.getpid(), signal.SIGTERM)
+except SystemExit:
+    if os.getpid() != parent:
+        print("left", flush=True)
+        os._exit(0)
+"""
+
 
 def drive(port: str, program: str = DRIVER) -> subprocess.Popen[str]:
     child = subprocess.Popen(
@@ -136,6 +163,24 @@ def test_a_sleeping_program_keeps_its_robot_going_and_a_lost_one_does_not():
             robot.straight()
         robot.straight()
         assert fake.await_state("pose")
+
+
+@pytest.mark.parametrize("word", ["set silence 0.2", "set  silence  0.2"])
+def test_pings_are_as_frequent_as_the_boards_silence_time_asks(word):
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        robot.command(word)
+        time.sleep(1.0)
+        assert fake.state == "gait"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs a system with fork")
+def test_a_fork_neither_uses_nor_stops_its_parents_robot():
+    with FakeBoard() as fake:
+        child = drive(fake.port, FORKING)
+        said, errors = child.communicate(timeout=10)
+        assert (said.split(), child.returncode) == (["closed", "left", "0", "gait"], 0), errors
+        assert fake.state == "hold"
 
 
 def test_a_process_that_was_suspended_is_told_that_the_board_went_safe():

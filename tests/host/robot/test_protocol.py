@@ -92,6 +92,26 @@ def test_well_sealed_nonsense_never_raises_anything_else(text):
 
 
 @pytest.mark.parametrize(
+    ("field", "wrong"),
+    [
+        ("t:1234", f"t:{2**32}"),
+        ("us=24680124", f"us={2**32}"),
+        ("us=24680124", "us=" + "9" * 5000),
+        ("ex=412", f"ex={2**32}"),
+        ("la=8", f"la={2**32}"),
+        ("j2:-3.25", f"j2:{'9' * 400}.00"),
+        ("1575", "157500"),
+        ("ph=123.456", "ph=1234.567"),
+    ],
+)
+def test_values_that_no_board_can_have_are_damage_though_the_crc_is_right(field, wrong):
+    body = next(b for b in BODIES if field in b)
+    protocol.parse(sealed(body))
+    with pytest.raises(DamagedLine):
+        protocol.parse(sealed(body.replace(field, wrong)))
+
+
+@pytest.mark.parametrize(
     ("command", "number"), [("stop", -1), ("stop", 65536), ("", 1), ("a\n", 1), ("x" * 80, 1)]
 )
 def test_bad_commands_never_reach_the_wire(command, number):
