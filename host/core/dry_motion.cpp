@@ -302,7 +302,7 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
     shortest_kick_ =
         std::clamp(20 * speed_eps_ * robot_.n * robot_.m * omega_ / least, 1e-7, longest_kick_);
     convex_.forget();
-    kick_ = 0;
+    kick_ = 0, step_ = std::max(step_, 1e-4);
     if (!kick(state, tau, tau_end)) return false;
     std::vector<double> start;
     Step step;

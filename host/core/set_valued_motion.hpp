@@ -37,11 +37,20 @@ class SetValuedMotion : public Method {
     }
     void let_through(std::function<void()> ask) override { motion_.let_through(std::move(ask)); }
     StepOutcome step(double t_limit) override {
-        if (!motion_.advance(dry_, omega_ * t_, omega_ * t_limit, tolerance_))
-            return {false, "the wheels stick and slip too often to be followed"};
-        t_ = t_limit;
-        give_back();
-        return {};
+        // some cycles at a time, by the phase within a turn: after a day the phase itself would
+        // be too coarse to find the ends of sticking
+        const double to = std::min(t_limit, t_ + kMostCycles * kTurn / omega_);
+        const double phase = std::fmod(omega_ * t_, kTurn);
+        // once in tens of thousands of events one is not found: other steps find it
+        for (const double tighter : {1.0, 0.3, 0.1}) {
+            DryState next = dry_;
+            if (!motion_.advance(next, phase, phase + omega_ * (to - t_), tighter * tolerance_))
+                continue;
+            dry_ = next, t_ = to;
+            give_back();
+            return {};
+        }
+        return {false, "the wheels stick and slip too often to be followed"};
     }
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }
@@ -72,6 +81,7 @@ class SetValuedMotion : public Method {
         TailFrame(shape_).tail(b, omega_, y_.data());
     }
 
+    static constexpr double kTurn = 2 * 3.14159265358979323846, kMostCycles = 16;
     static constexpr double kLeastBend = 0.05;  // rad: of body lengths times omega it is little
     Robot robot_;
     Slope slope_;

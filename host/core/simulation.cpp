@@ -81,7 +81,10 @@ class Run {
           method_(method),
           recorder_(recorder),
           y_(system.dim()),
-          unchecked_(std::clamp(512L / q.robot.n, 1L, 64L)) {
+          dense_(method.has_dense()),
+          steps_unchecked_(std::clamp(512L / q.robot.n, 1L, 64L)),
+          unchecked_(steps_unchecked_),
+          due_(recorded(1)) {
         method_.let_through([this] { ask(method_.time()); });
     }
 
@@ -109,14 +112,15 @@ class Run {
     void smooth_part(double stop) {
         for (bool more = true; more;) {
             // without dense output the steps must end on what is recorded
-            const double limit = method_.has_dense() ? stop : std::min(stop, recorded(next_));
+            const double limit = dense_ ? stop : std::min(stop, due_);
             const StepOutcome step = method_.step(limit);
             const double t = method_.time();
             more = t < stop;
             if (!step.ok) return give_up(t, step.why);
             if (const double e = method_.local_error(); e == e) out_.error += e;
-            if (++out_.steps % unchecked_ == 0 && !checked(t)) return;
-            if (recorded(next_) <= t && !note_until(t)) return;
+            ++out_.steps;
+            if (--unchecked_ == 0 && !checked(t)) return;
+            if (due_ <= t && !note_until(t)) return;
         }
         std::copy_n(method_.state(), y_.size(), y_.begin());
     }
@@ -128,8 +132,8 @@ class Run {
     }
     bool note_until(double t) {
         if (!checked(t)) return false;
-        for (; !done_ && recorded(next_) <= t; ++next_) {
-            const double at = recorded(next_);
+        for (; !done_ && due_ <= t; due_ = recorded(++next_)) {
+            const double at = due_;
             if (at == t)
                 std::copy_n(method_.state(), y_.size(), y_.begin());
             else
@@ -140,6 +144,7 @@ class Run {
         return true;
     }
     bool checked(double t) {
+        unchecked_ = steps_unchecked_;
         if (!finite(method_.state(), system_.dim())) return out_.failed_at = t, false;
         if (!ask(t)) return give_up(t, "it was interrupted"), false;
         if (out_.steps > q_.most_steps) return give_up(t, "it took too many steps"), false;
@@ -147,8 +152,9 @@ class Run {
     }
     // Ask whether to go on, 50 times a second at most: the answer may be an exception.
     bool ask(double t) {
+        if (!q_.go_on) return true;
         const auto now = std::chrono::steady_clock::now();
-        if (!q_.go_on || now < asked_ + std::chrono::milliseconds(20)) return true;
+        if (now < asked_ + std::chrono::milliseconds(20)) return true;
         asked_ = now;
         return q_.go_on(t);
     }
@@ -161,8 +167,9 @@ class Run {
     std::vector<double> y_;
     RunResult out_;
     std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
-    long next_ = 1, unchecked_;
-    bool done_ = false;
+    bool dense_, done_ = false;
+    long steps_unchecked_, unchecked_, next_ = 1;
+    double due_;
 };
 
 }  // namespace

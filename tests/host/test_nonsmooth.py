@@ -213,3 +213,15 @@ def test_what_other_methods_make_of_sticking() -> None:
         torques.append(np.sqrt(np.mean(missed**2) / np.mean(exact.joint_torque_nm**2)))
     assert math.log10(slow[0] / slow[2]) / 2 == pytest.approx(1.2, abs=0.3)
     assert min(torques) > 0.2
+
+
+def test_hours_of_sticking_and_slipping() -> None:
+    """By the phase within a turn, and again where an event is missed: half an hour, 1432 cycles."""
+    robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    scene = sn.Scene(robot, ground, gait, method="nonsmooth", duration_s=1800.0, start="steady",
+                     record_every=10**6)  # fmt: skip
+    run = sn.simulate(scene)
+    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    exact = sn.steady_gait(robot, ground, gait).speed_m_s
+    assert math.hypot(x[-1] - x[0], y[-1] - y[0]) / 1800 == pytest.approx(exact, rel=1e-4)
