@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from .errors import check_number
+
 if TYPE_CHECKING:
     from .model import Gait, Ground, Robot
 
@@ -25,6 +27,7 @@ PRESETS = {
 }
 _ROBOT = {"links": "links", "link_mass_kg": "mass_kg", "link_length_m": "length_m",
           "link_inertia_kg_m2": "inertia_kg_m2"}  # fmt: skip
+_DEGREES = {"alpha": (0.0, 180.0), "beta": (-360.0, 360.0), "offset": (-180.0, 180.0)}  # Gait's
 _GROUND = {name: name for name in ("ct", "cn", "ft0", "fn0")}
 
 
@@ -88,9 +91,11 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     """Take a gait from degrees and either rate or frequency, over `base` if there is one."""
     from .model import Gait
 
-    names = ("alpha", "beta", "offset")
-    degrees = _take(given, {f"{name}_rad": f"{name}_deg" for name in names})
-    changes = {name: math.radians(value) for name, value in degrees.items()}
+    degrees = _take(given, {name: f"{name}_deg" for name in _DEGREES})
+    changes = {
+        f"{name}_rad": math.radians(check_number(f"--{name}-deg", value, *_DEGREES[name]))
+        for name, value in degrees.items()
+    }
     rates = _take(given, {"omega_rad_s": "omega_rad_s", "frequency_hz": "frequency_hz"})
     if len(rates) > 1 or not (rates or base):
         raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
@@ -98,7 +103,7 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
         rates = {"omega_rad_s": 2 * math.pi * rates["frequency_hz"]}
     if base is not None:
         return replace(base, **changes, **rates)
-    for name in names[:2]:
+    for name in ("alpha", "beta"):
         if f"{name}_rad" not in changes:
             raise click.UsageError(f"give --{name}-deg")
     return Gait(**changes, **rates)

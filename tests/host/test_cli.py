@@ -148,7 +148,7 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         (["sweep"], 2, "give --out"),
         (["simulate", *GAIT, "--record-every", "0"], 2, "record_every is 0"),
         (["simulate", *GAIT, "--dt-s", "-1"], 2, "dt_s is -1.0"),
-        (["steady", *GAIT[:2], "--beta-deg", "inf", "--omega-rad-s", "5"], 2, "beta_rad is inf"),
+        (["steady", *GAIT[:2], "--beta-deg", "inf", "--omega-rad-s", "5"], 2, "--beta-deg is inf"),
         (["optimize", "--speed-m-s", "0"], 2, "speed_m_s is 0.0"),
         (["fit", "no-such-folder"], 1, "no-such-folder"),
         (["nonsense"], 2, "No such command"),

@@ -133,7 +133,7 @@ def flash(board: str | None, port: str | None, project: Path | None, as_json: bo
         hello = build_and_upload(
             board, port, project, lambda text: click.echo(text, nl=False, err=True)
         )
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemExit):
         click.echo("\nthe board may hold half a program: flash it again before use", err=True)
         raise
     if as_json:

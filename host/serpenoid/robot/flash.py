@@ -17,6 +17,7 @@ from .link import find_port, serial_ports
 from .ports import check_free
 from .protocol import Hello
 from .robot import Robot
+from .signals import SignalGuard
 
 BOARDS = ("uno", "nano", "mega")  # the environments of platformio.ini
 # USB vendor and product ids of boards that say what they are; copies have their chip's ids.
@@ -103,6 +104,8 @@ def _run(command: list[str], show: Callable[[str], None]) -> tuple[int, str]:
     It gets a process group of its own, so that Ctrl-C reaches it through here alone, once.
     """
     said = bytearray()
+    guard = SignalGuard(lambda: None)  # SIGTERM and SIGHUP end it in order, too
+    guard.install()
     with subprocess.Popen(
         command,
         stdin=subprocess.DEVNULL,
@@ -117,8 +120,11 @@ def _run(command: list[str], show: Callable[[str], None]) -> tuple[int, str]:
                 show(chunk.decode("utf-8", "replace"))
             return process.wait(), said.decode("utf-8", "replace")
         except BaseException:
+            guard.held = True
             _end(process)
             raise
+        finally:
+            guard.restore()
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -84,6 +84,12 @@ def find_port() -> str:
     )
 
 
+def missing(port: str) -> PortMissing:
+    """Return the error that there is no such port, naming those that there are."""
+    there = ", ".join(p.device for p in serial_ports()) or "none"
+    return PortMissing(f"there is no port {port}; serial ports here: {there}")
+
+
 def open_link(port: str | None) -> Link:
     """Open a port by name, `virtual` or `virtual:fast`; None finds the board by its USB id.
 
@@ -173,7 +179,7 @@ def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
         return PortBusy(culprit.why_held(port, culprit.who_holds(port)))
     if error.errno in (errno.EACCES, errno.EPERM):
         return PortBusy(culprit.why_forbidden(port))
-    there = ", ".join(p.device for p in serial_ports()) or "none"
     if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO):
-        return PortMissing(f"there is no port {port}; serial ports here: {there}")
+        return missing(port)
+    there = ", ".join(p.device for p in serial_ports()) or "none"
     return PortMissing(f"{port} cannot be used as a serial port ({error}); those here: {there}")

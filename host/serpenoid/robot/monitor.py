@@ -18,6 +18,7 @@ HEAR_S = 0.02
 BOOT_S = 3.0  # in which a board that opening has reset may still be deaf
 VERDICT_S = 1.0
 LAST_WORDS_S = 0.3
+GREETING = "hello"
 HELP = "type `help` and Enter; ! stops the robot at once; Ctrl-C or Ctrl-D stops it and leaves"
 
 
@@ -34,7 +35,7 @@ class Monitor:
         self._link, self._show, self._every = link, show, every
         self._number = -1
         self._pings: set[int] = set()
-        self._queue: deque[str] = deque(["hello"])
+        self._queue: deque[str] = deque([GREETING])
         self._awaited: int | None = None
         self._sent_s = link.now_s()
         self._deaf_until_s = self._sent_s + BOOT_S
@@ -55,7 +56,10 @@ class Monitor:
     def press(self, key: str) -> bool:
         """Take one key; return False at the end of the input."""
         if key == "!":
+            waiting = [text for text in self._queue if text != GREETING]
             self.halt()
+            for text in waiting:
+                self._show(f"not sent, for the stop came before it: {text}")
         elif key == "enter":
             if self.typed.strip():
                 self._queue.append(self.typed.strip())
@@ -82,17 +86,18 @@ class Monitor:
         return self._hear(HEAR_S)
 
     def halt(self) -> None:
-        """Stop the robot at once and forget what was still to be sent."""
-        self._queue.clear()
+        """Stop the robot at once and forget what was still to be sent, but for the greeting."""
         self._link.write(STOP)
+        self._queue = deque(text for text in self._queue if text == GREETING)
 
     def leave(self) -> None:
         """Stop the robot, close the session, and hear the board out."""
         self.halt()
-        self._send("bye")
-        end_s = self._link.now_s() + LAST_WORDS_S
-        while self._link.now_s() < end_s and self._awaited is not None:
-            self._hear(HEAR_S)
+        for last in ("stop", "bye"):
+            self._send(last)
+            end_s = self._link.now_s() + LAST_WORDS_S
+            while self._link.now_s() < end_s and self._awaited is not None:
+                self._hear(HEAR_S)
 
     def _send(self, text: str) -> None:
         number = (self._number + 1) & 0xFFFF

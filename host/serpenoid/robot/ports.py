@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from pathlib import Path
 
 from ..errors import PortBusy
 from . import culprit
-from .link import serial_ports
+from .link import missing, serial_ports
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ def users(device: str) -> list[culprit.Holder]:
 
 
 def check_free(device: str) -> None:
-    """Raise PortBusy, naming who, if another program uses the port."""
+    """Raise PortMissing if there is no such port, PortBusy, naming who, if it is used."""
+    if device.startswith("/") and not Path(device).exists():
+        raise missing(device)
     if holders := users(device):
         raise PortBusy(culprit.why_held(device, holders))

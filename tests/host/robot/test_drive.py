@@ -123,6 +123,7 @@ def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable(serpeno
     [
         ([*GAIT[:4], "--omega-rad-s", "50"], 1, "range"),
         (["--alpha-deg", "90", *GAIT[2:4], "--omega-rad-s", "20"], 1, "servo_speed"),
+        (["--alpha-deg", "300", *GAIT[2:]], 2, "--alpha-deg is 300"),
         (GAIT[:4], 2, "give one of --omega-rad-s"),
         ([*GAIT, "--duration-s", "0"], 2, "duration-s"),
         ([*GAIT, "--record", __file__], 2, "another name"),

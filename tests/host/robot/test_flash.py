@@ -81,7 +81,8 @@ def test_without_platformio(serpenoid, monkeypatch):
     assert (status, "pip install platformio" in errors) == (1, True)
 
 
-def test_ctrl_c_ends_platformio_and_what_it_started(pio, tmp_path):
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, number, status):
     pio(f"{BUILT}; sleep 60 & echo $! > {tmp_path}/child; wait")
     with FakeBoard() as board:
         run = subprocess.Popen(
@@ -92,9 +93,9 @@ def test_ctrl_c_ends_platformio_and_what_it_started(pio, tmp_path):
         while not (tmp_path / "child").exists() and time.monotonic() < end:
             time.sleep(0.02)
         time.sleep(0.1)
-        run.send_signal(signal.SIGINT)
+        run.send_signal(number)
         _, said = run.communicate(timeout=20)
-    assert run.returncode == 130
+    assert run.returncode == status
     assert "flash it again" in said
     assert not alive(int((tmp_path / "child").read_text()))
 
@@ -125,6 +126,13 @@ def test_what_cannot_be_flashed(pio, serpenoid, tmp_path):
     assert (status, "--project" in errors) == (2, True)
     status, _, errors = serpenoid("flash", "--board", "due")
     assert status == 2
+
+
+def test_a_port_that_is_not_there_is_told_before_anything_is_built(pio, serpenoid, tmp_path):
+    arguments = pio("exit 0")
+    status, _, errors = serpenoid("flash", "--board", "uno", "--port", str(tmp_path / "no"))
+    assert (status, "there is no port" in errors) == (1, True)
+    assert not arguments.exists()
 
 
 def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):

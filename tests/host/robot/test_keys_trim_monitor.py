@@ -182,13 +182,31 @@ def test_pings_keep_a_gait_going_and_stay_out_of_sight():
 
 
 def test_one_key_stops_before_all_that_waits():
-    talk, link, _ = monitored()
+    talk, link, shown = monitored()
     talk.go(scripted("gait 30 80 5\n"), lambda _: None)
-    for key in [*"pose bent 2", "!"]:
+    for key in [*"pose bent 2", "enter", "!"]:
         talk.press(key)
     talk.step()
     talk.step()
     assert link.board.state == "hold"
+    assert any(line.endswith("before it: pose bent 2") for line in shown)
+
+
+def test_a_stop_before_the_greeting_leaves_the_session_to_be_opened():
+    talk, link, _ = monitored()
+    talk.press("!")
+    talk.go(scripted(""), lambda _: None)
+    assert link.board.session
+
+
+def test_leaving_waits_for_the_stop_to_be_confirmed():
+    talk, link, shown = monitored()
+    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    write = link.write
+    link.write = lambda data: write(data.replace(b"!", b"?"))  # the key is lost on the way
+    talk.leave()
+    assert link.board.state == "hold"
+    assert [line for line in shown if line.startswith("ok")] == [f"ok: #{n}" for n in range(4)]
 
 
 def test_damage_is_shown_and_a_verdict_that_never_comes_is_told():

@@ -161,6 +161,17 @@ def test_data_lines_that_come_damaged_are_asked_for_again():
         assert robot.losses.damaged_lines == 3
 
 
+def test_settings_that_no_board_can_have_are_damage():
+    def swell(line: bytes) -> bytes:
+        body = re.sub(rb"^(set: every value=)\S+(.*) \*\w+\n", rb"\g<1>1e400\2", line)
+        return line if body == line else sealed(body.decode())
+
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        fake.to_host = swell
+        with pytest.raises(DamagedLine, match="answers to 'set'"):
+            robot.settings()
+
+
 def test_a_board_that_does_not_list_its_settings_can_be_driven():
     with FakeBoard(without("set:")) as fake, Robot(fake.port) as robot:
         robot.gait(GAIT)
