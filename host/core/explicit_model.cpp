@@ -8,13 +8,14 @@
 namespace serpenoid {
 
 void explicit_angle(const Robot& robot, const double* bend, Chain& k, Joints& joints) {
-    TailSums sums;
+    TailSums sums{k.fx[0], k.fy[0]};
     Along at{};
-    HalfLink before{};
-    for (int i = 0; i < k.n(); ++i) {
-        if (i > 0) at.turn += bend[i - 1];
+    HalfLink before = HalfLink::of(robot.l, k.c[0], k.s[0], k.omega[0]);
+    k.ax[0] = k.ay[0] = k.alpha[0] = 0;
+    for (int i = 1; i < k.n(); ++i) {
+        at.turn += bend[i - 1];
         const HalfLink now = HalfLink::of(robot.l, k.c[i], k.s[i], k.omega[i], at.turn);
-        if (i > 0) at.pass(before, now);
+        at.pass(before, now);
         before = now;
         k.ax[i] = at.bx, k.ay[i] = at.by, k.alpha[i] = at.turn;
         sums.add(robot.m, at, k.fx[i], k.fy[i]);

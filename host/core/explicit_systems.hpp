@@ -52,18 +52,18 @@ class ExplicitAngle final : public PairedSystem {
         const Robot& r = robot;
         double theta = y[2], rate = y[5], c = std::cos(theta), s = std::sin(theta);
         Along at{0, 0, y[3], y[4], 0, 0, 0};
-        HalfLink before = HalfLink::of(r.l, c, s, rate, 0);
-        TailSums sums;
-        for (int i = 0;; ++i) {
-            const auto f = force.on(c, s, at.vx, at.vy);
-            sums.add(r.m, at, f.x, f.y);
-            if (i + 1 == r.n) break;
+        HalfLink before = HalfLink::of(r.l, c, s, rate);
+        const auto first = force.on(c, s, at.vx, at.vy);
+        TailSums sums{first.x, first.y};
+        for (int i = 0; i + 1 < r.n; ++i) {
             const GaitWave::Joint j = wave.at(i);
             theta += j.angle, rate += j.rate, at.turn += j.bend;
             c = std::cos(theta), s = std::sin(theta);
             const HalfLink now = HalfLink::of(r.l, c, s, rate, at.turn);
             at.pass(before, now);
             before = now;
+            const auto f = force.on(c, s, at.vx, at.vy);
+            sums.add(r.m, at, f.x, f.y);
         }
         const TailMotion tail = sums.solve(r);
         dy[0] = y[3], dy[1] = y[4], dy[2] = y[5];

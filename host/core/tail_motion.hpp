@@ -17,6 +17,10 @@ namespace serpenoid {
 // of the head joint as the link turns about its centre.
 struct HalfLink {
     double x, y, vx, vy, ax, ay;
+    INLINED static HalfLink of(double l, double c, double s, double rate) {  // of the tail
+        const double x = l * c, y = l * s, square = rate * rate;
+        return {x, y, -rate * y, rate * x, -square * x, -square * y};
+    }
     INLINED static HalfLink of(double l, double c, double s, double rate, double bend) {
         const double x = l * c, y = l * s, square = rate * rate;
         return {x, y, -rate * y, rate * x, -bend * y - square * x, bend * x - square * y};
@@ -37,7 +41,8 @@ struct TailMotion {
 };
 
 struct TailSums {
-    double fx = 0, fy = 0, moment = 0, Rx = 0, Ry = 0, square = 0, turns = 0;
+    double fx, fy;  // at first those of link 1, which adds nothing else
+    double moment = 0, Rx = 0, Ry = 0, square = 0, turns = 0;
 
     // Add a link with the force of the ground on it.
     INLINED void add(double m, const Along& k, double force_x, double force_y) {
