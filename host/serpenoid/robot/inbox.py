@@ -109,11 +109,15 @@ class Inbox:
     def _take_hello(self, hello: Hello, host_s: float) -> None:
         if not self.in_session:
             self.hello = hello
-        elif hello != self.hello or host_s > self._session_s + LATE_GREETING_S:
+        elif hello != self.hello or not self._asked(host_s):
             before = self.hello.boot if self.hello else "none"
             raise _reset(
                 f"the board started again (boot {before}, now {hello.boot}; cause: {hello.reset})"
             )
+
+    def _asked(self, host_s: float) -> bool:
+        by_hand = self.pending is not None and self.pending.text.strip() == "hello"
+        return by_hand or host_s <= self._session_s + LATE_GREETING_S
 
     def _take_verdict(self, verdict: Verdict) -> None:
         pending = self.pending

@@ -11,7 +11,7 @@ from ..errors import BadInput, DamagedLine, RobotError
 from .dialogue import PING_S, STOP
 from .keys import Keyboard, keyboard
 from .link import Link, open_link
-from .protocol import Telemetry, Verdict, parse, seal, unseal
+from .protocol import Hello, Telemetry, Verdict, parse, seal, unseal
 from .signals import SignalGuard
 
 HEAR_S = 0.02
@@ -41,6 +41,7 @@ class Monitor:
         self._deaf_until_s = self._sent_s + BOOT_S
         self._rest = b""
         self._frames = 0
+        self._boot: int | None = None
         self.typed = ""
 
     def go(self, keys: Keyboard, redraw: Callable[[str], None]) -> None:
@@ -123,6 +124,8 @@ class Monitor:
             self._show(f"damaged: {error}")
             return
         self._deaf_until_s = 0.0
+        if isinstance(message, Hello):
+            self._greeted(message)
         if isinstance(message, Telemetry):
             self._frames += 1
             if self._frames % self._every:
@@ -134,6 +137,13 @@ class Monitor:
                 self._pings.discard(message.number)
                 return
         self._show(text)
+
+    def _greeted(self, hello: Hello) -> None:
+        """Open a new session if the greeting is that of a new start."""
+        if self._boot not in (None, hello.boot):
+            self._queue.appendleft(GREETING)
+            self._show("the board started again: it forgot its motion and stands idle")
+        self._boot = hello.boot
 
 
 def converse(port: str | None, every: int) -> None:

@@ -199,6 +199,17 @@ def test_a_stop_before_the_greeting_leaves_the_session_to_be_opened():
     assert link.board.session
 
 
+def test_a_reset_is_told_and_a_session_opened_again():
+    talk, link, shown = monitored()
+    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    link.board.boot("brownout")
+    while link.now_s() < 3:
+        talk.step()
+    assert link.board.session
+    assert len([line for line in shown if "started again" in line]) == 1
+    assert any("reset=brownout" in line for line in shown)
+
+
 def test_leaving_waits_for_the_stop_to_be_confirmed():
     talk, link, shown = monitored()
     talk.go(scripted("gait 30 80 5\n"), lambda _: None)

@@ -161,6 +161,14 @@ def test_data_lines_that_come_damaged_are_asked_for_again():
         assert robot.losses.damaged_lines == 3
 
 
+def test_a_greeting_that_was_asked_for_is_no_reset():
+    with Robot("virtual:fast") as robot:
+        list(robot.frames(1.0))
+        assert robot.command("hello")[0].accepted
+        robot.gait(GAIT)
+        assert robot.status().state == "gait"
+
+
 def test_settings_that_no_board_can_have_are_damage():
     def swell(line: bytes) -> bytes:
         body = re.sub(rb"^(set: every value=)\S+(.*) \*\w+\n", rb"\g<1>1e400\2", line)
