@@ -9,6 +9,7 @@ from pathlib import Path
 
 PROC = Path("/proc")
 PSEUDO_TERMINALS = range(136, 144)  # Linux's device numbers
+MOST_NAMED = 3
 USB = Path("/sys/bus/usb/devices")
 BRLTTY = (
     "brltty, the driver for Braille displays, takes boards with a CH340 for one of them: "
@@ -60,7 +61,8 @@ def why_held(port: str, holders: list[Holder]) -> str:
         suspects = [cure for name, cure in _CURES.items() if running(name)]
         advice = suspects[0] if suspects else "close serial monitors, plotters and other scripts"
         return f"{port} is taken by a program that this user may not see; {advice}"
-    who = ", ".join(f"{h.name} (process {h.pid})" for h in holders)
+    who = ", ".join(f"{h.name} (process {h.pid})" for h in holders[:MOST_NAMED])
+    who += f" and {len(holders) - MOST_NAMED} more" if len(holders) > MOST_NAMED else ""
     cures = [_CURES[h.name] for h in holders if h.name in _CURES]
     if holders[0].pid == os.getpid():
         cures = ["this very program has it open: leave its other `with Robot` first"]

@@ -94,7 +94,8 @@ class Dialogue:
 
     def stop(self) -> Answer:
         """Stop the robot at once and return once the board has confirmed it."""
-        self.halt()
+        if not self._closing.is_set():  # what is closed is not lost
+            self.halt()
         return self._command("stop", PATIENCE_S)
 
     def feed(self, silence_s: float) -> None:

@@ -140,6 +140,14 @@ def test_a_robot_is_used_inside_its_block_only_and_once():
             use()
 
 
+def test_a_port_that_was_closed_is_not_called_lost():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.straight()
+    for use in (robot.stop, robot.idle, robot.status, lambda: next(robot.frames(1.0))):
+        with pytest.raises(RobotClosed):
+            use()
+
+
 def test_only_the_link_imports_pyserial_and_only_when_used():
     using = {
         p.name for p in PACKAGE.glob("*.py") if re.search(r"(from|import) serial\b", p.read_text())

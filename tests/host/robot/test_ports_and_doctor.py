@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 from robot.fake_board import FakeBoard, eeprom_after, nothing, sealed
-from serpenoid.robot import doctor, ports
+from serpenoid.robot import culprit, doctor, ports
 
 FAST = {"listen_s": 0.3, "timeout_s": 1.0}
 
@@ -106,6 +106,13 @@ def test_a_port_in_use_names_who(monkeypatch):
         assert f"process {other.pid}" in fix_of("other programs", board.port)
         assert not board.received
         other.communicate()
+
+
+def test_of_a_crowd_some_are_named():
+    crowd = [culprit.Holder(10**7 + i, "cat") for i in range(30)]
+    said = culprit.why_held("/dev/ttyX", crowd)
+    assert "(process 10000002) and 27 more; close it" in said
+    assert "10000003" not in said
 
 
 def test_who_plays_a_board_may_hold_its_port():
