@@ -114,6 +114,7 @@ class ExplicitTorque final : public PairedSystem {
         dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0];
         for (int i = 0; i < robot.n; ++i) dy[half + 2 + i] = chain.alpha[i];
     }
+    bool rate_fills_forces() const override { return true; }
     double next_jump(double t) const override { return source->next_jump(t); }
     void enter(double t) override { source->enter(t); }
 
@@ -167,6 +168,7 @@ class ExplicitMixed final : public PairedSystem {
             dy[half + 3 + f] = chain.alpha[i + 1] - chain.alpha[i];
         }
     }
+    bool rate_fills_forces() const override { return true; }
     double next_jump(double t) const override { return source->next_jump(t); }
     void enter(double t) override { source->enter(t); }
 

@@ -129,6 +129,7 @@ class ImplicitTorque final : public ImplicitSystem<Force, Damper> {
         std::copy_n(this->angles(y) + n, n, this->angles(dy));
         std::copy_n(this->chain.alpha.data(), n, this->angles(dy) + n);
     }
+    bool rate_fills_forces() const override { return true; }
     double next_jump(double t) const override { return source->next_jump(t); }
     void enter(double t) override { source->enter(t); }
 
@@ -184,6 +185,7 @@ class ImplicitMixed final : public ImplicitSystem<Force, Damper> {
             turn[this->turns + 1 + f] = k.alpha[i + 1] - k.alpha[i];
         }
     }
+    bool rate_fills_forces() const override { return true; }
     double next_jump(double t) const override { return source->next_jump(t); }
     void enter(double t) override { source->enter(t); }
 

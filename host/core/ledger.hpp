@@ -34,7 +34,7 @@ class EnergyLedger final : public System {
     void forces(double t, const double* y) override { inner_->forces(t, y); }
     void rate(double t, const double* y, double* dy) override {
         inner_->rate(t, y, dy);
-        inner_->forces(t, y);
+        if (!inner_->rate_fills_forces()) inner_->forces(t, y);
         const Chain& k = chain;
         double *to = dy + inner_->dim(), joint = 0, spent = 0, lost = 0, damped = 0;
         for (int i = 0; i + 1 < k.n(); ++i) {

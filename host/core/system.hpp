@@ -31,6 +31,9 @@ class System {
     // The chain with its accelerations and the forces of the ground, and the joints, for a record.
     virtual void forces(double t, const double* y) = 0;
 
+    // Whether rate() has done what forces() does: driven by torques, the motion needs all of it.
+    virtual bool rate_fills_forces() const { return false; }
+
     // For every entry that is a place or an angle, the entry that is its rate; -1 for the others.
     virtual std::vector<int> rate_of() const = 0;
 
