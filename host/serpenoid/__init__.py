@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from .scene_file import load_scene, save_scene
     from .session import Session, load_session
     from .simulation import Run, simulate
+    from .springs import SteadySprings, steady_springs
     from .steady import Steady, Sweep, steady_gait, sweep
-    from .steady_springs import SteadySprings, steady_springs
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
@@ -35,7 +35,7 @@ _HOMES = {
     "scene_file": ("load_scene", "save_scene"),
     "session": ("Session", "load_session"),
     "simulation": ("Run", "simulate"),
-    "steady_springs": ("SteadySprings", "steady_springs"),
+    "springs": ("SteadySprings", "steady_springs"),
     "steady": ("Steady", "Sweep", "steady_gait", "sweep"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

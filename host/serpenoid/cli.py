@@ -76,7 +76,7 @@ def steady(
     robot, ground = make_robot(given)
     gait = make_gait(given)
     if formulation == "implicit":
-        from .steady_springs import steady_springs
+        from .springs import steady_springs
 
         soft = steady_springs(
             robot,

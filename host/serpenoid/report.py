@@ -23,8 +23,8 @@ from rich.table import Table
 
 if TYPE_CHECKING:
     from .friction_result import FrictionFit
+    from .springs import SteadySprings
     from .steady import Steady, Sweep
-    from .steady_springs import SteadySprings
 
 console = Console(width=100) if not Console().is_terminal else Console()
 notices = Console(stderr=True, soft_wrap=True, highlight=False)  # what is no answer

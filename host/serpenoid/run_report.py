@@ -21,8 +21,8 @@ FORCES = (
 )  # fmt: skip
 
 
-def run_summary(run: Run) -> dict[str, Any]:
-    """Return what a run in time came to; what was recorded adds to it."""
+def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
+    """Return what a run came to; errors=False leaves out what costs more runs."""
     t, x, y = run.t_s, run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     scene = run.scene
     period = scene.gait.period_s
@@ -41,8 +41,8 @@ def run_summary(run: Run) -> dict[str, Any]:
         "scene": scene_values(scene),
     }
     summary["picked"] = run.picked or None
-    summary["error_estimate"] = run.error_estimate.to_dict()
-    summary["warnings"] = list(run.warnings)
+    summary["error_estimate"] = run.error_estimate.to_dict() if errors else None
+    summary["warnings"] = list(run.warnings) if errors else []
     return summary | _recorded(run)
 
 
@@ -83,7 +83,10 @@ def show_run(run: Run, summary: dict[str, Any]) -> None:
         [f"{name.removesuffix('_j').replace('_', ' ')} at the end", f"{value:.6g} J"]
         for name, value in summary.get("energy_at_end", {}).items()
     ]
-    rows += _error_rows(run.error_estimate)
+    if summary["error_estimate"] is None:
+        rows.append(["error", "not estimated"])
+    else:
+        rows += _error_rows(run.error_estimate)
     step = f"tolerance {scene.tolerance:g}" if scene.adaptive else f"{scene.dt_s:g} s"
     title = f"{scene.formulation} model, {scene.method}, {step}, {run.t_s[-1]:g} s long"
     table(title, ["run", "value"], rows)

@@ -105,6 +105,7 @@ _ANGLES = ("incline_deg", "incline_direction_deg")
     type=float,
     help="Pick formulation, method and step for this error (body lengths, radians).",
 )
+@click.option("--no-error", is_flag=True, help="Save the one or two runs that tell the error.")
 @click.option("--out", type=_FILE, help="CSV of all links at all recorded times.")
 @click.option("--plot", "figure", type=_FILE, help="PNG of path, speed and energy if recorded.")
 @AS_JSON
@@ -114,6 +115,7 @@ def simulate(
     out: Path | None,
     figure: Path | None,
     accuracy: float | None,
+    no_error: bool,
     as_json: bool,
     **given: Any,
 ) -> None:
@@ -132,7 +134,7 @@ def simulate(
 
         draw_run(run, figure)
     with report.busy("estimating the error"):
-        summary = interruptible(lambda: run_report.run_summary(run))
+        summary = interruptible(lambda: run_report.run_summary(run, not no_error))
     if as_json:
         show_json({"gait": describe(scene.gait)} | summary)
     else:

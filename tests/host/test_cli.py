@@ -69,6 +69,11 @@ def test_an_accuracy_picks_the_method() -> None:
     assert got["error_estimate"]["integration"]["angle_rad"] < 1e-4
 
 
+def test_the_error_can_be_left_out() -> None:
+    got = answer("simulate", *GAIT, "--robot", "paper", "--duration-s", "1", "--no-error")
+    assert got["error_estimate"] is None
+
+
 def test_fit_and_its_figure(tmp_path) -> None:
     got = answer("fit", "calibration_data/nirakh-2005", "--plot", str(tmp_path / "f.png"))
     values = [got["parameters"][name]["value"] for name in ("ct", "ft0", "cn", "fn0")]
