@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import deque
 from dataclasses import dataclass, field, replace
 
@@ -110,10 +111,11 @@ class Inbox:
         if not self.in_session:
             self.hello = hello
         elif hello != self.hello or not self._asked(host_s):
-            before = self.hello.boot if self.hello else "none"
-            raise _reset(
-                f"the board started again (boot {before}, now {hello.boot}; cause: {hello.reset})"
-            )
+            raise self._started_again(hello.boot, hello.reset)
+
+    def _started_again(self, boot: int, cause: str) -> RobotReset:
+        before = self.hello.boot if self.hello else "none"
+        return _reset(f"the board started again (boot {before}, now {boot}; cause: {cause})")
 
     def _asked(self, host_s: float) -> bool:
         by_hand = self.pending is not None and self.pending.text.strip() == "hello"
@@ -131,6 +133,9 @@ class Inbox:
             pending.damaged = True
 
     def _take_data(self, data: Data) -> None:
+        boot = re.search(r"\bboot=(\d{1,5})\b", data.text) if data.word == "status" else None
+        if boot and self.in_session and self.hello and int(boot[1]) != self.hello.boot:
+            raise self._started_again(int(boot[1]), "its greeting was lost")
         if data.word != "state":
             if self.pending:
                 self.pending.data.append(data)

@@ -161,6 +161,16 @@ def test_data_lines_that_come_damaged_are_asked_for_again():
         assert robot.losses.damaged_lines == 3
 
 
+def test_a_reset_without_greeting_or_frames_shows_in_the_status():
+    with FakeBoard() as fake, pytest.raises(RobotReset, match=r"boot \d+, now \d+.*lost"):
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            robot.set("every", 0)
+            fake.to_host = without("hello:", "t:")
+            fake.reset("brownout")
+            robot.status()
+
+
 def test_a_greeting_that_was_asked_for_is_no_reset():
     with Robot("virtual:fast") as robot:
         list(robot.frames(1.0))
