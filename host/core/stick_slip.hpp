@@ -92,6 +92,7 @@ class StickSlip : public FixedStep {
         plain(t, dt / 2, y, of_halves_);
         plain(t + dt / 2, dt / 2, y, of_halves_);
         for (std::size_t i = 0; i < whole_.size(); ++i) y[i] = 2 * y[i] - whole_[i];
+        if (!ground_.dry()) return;  // nothing rests, and momentum is kept as the frame keeps it
         system_.fill(t + dt, y);
         const Slide t_way = along(dt), n_way = across(dt);
         for (int i = 0; i < robot_.n; ++i)
