@@ -6,6 +6,7 @@ import math
 import os
 import sys
 import threading
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -193,8 +194,13 @@ for robot_command in ROBOT_COMMANDS:
     cli.add_command(robot_command)
 
 
+def _show_warning(message: Warning | str, *_where: object) -> None:
+    click.echo(f"serpenoid: warning: {message}", err=True)
+
+
 def main() -> None:
     """Run the command line: exit 0 done, 1 the work failed, 2 bad arguments, 130 interrupted."""
+    warnings.showwarning = _show_warning
     try:
         status = cli.main(standalone_mode=False)
     except click.ClickException as error:
