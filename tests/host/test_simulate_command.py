@@ -87,7 +87,7 @@ def test_an_option_overrides_its_field_of_the_file_alone(option: str, tmp_path: 
     base = sn.Scene(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), sn.Gait(0.1, 0.2, 3.0))
     value, name, wanted = OPTIONS[option]
     given = simulate.make_context("simulate", [option, value]).params
-    for other in ("scene_path", "saved_path", "out", "figure", "as_json"):
+    for other in ("scene_path", "saved_path", "out", "figure", "accuracy", "no_error", "as_json"):
         given.pop(other)
     scene = make_scene(given, base)
     assert field(scene, name) == wanted
