@@ -85,7 +85,7 @@ def steady(
             gait,
             joint_stiffness_n_m=stiffness_n_m,
             joint_damping_n_s_m=damping_n_s_m,
-            rtol=max(rtol, 1e-6),
+            rtol=rtol,
         )
         as_dict = {"gait": describe(gait)} | soft.to_dict()
         return show_json(as_dict) if as_json else report.steady_springs(soft)

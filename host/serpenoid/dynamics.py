@@ -56,6 +56,11 @@ class LinkState:
         return self.theta_rad.size
 
     @classmethod
+    def row(cls, arrays: Any, index: int) -> LinkState:
+        """Take one row of the six arrays of the same names that a result holds."""
+        return cls(*(getattr(arrays, name)[index] for name in cls.__slots__))
+
+    @classmethod
     def joined(cls, robot: Robot, q: ArrayLike, qdot: ArrayLike) -> LinkState:
         """Place all links from q = (x, y, theta_1..theta_n) of Eqs. 10-21 and its rates.
 

@@ -51,8 +51,7 @@ class GaitRuns:
 
     def state(self, index: int) -> LinkState:
         """Return the end state of all links under one gait."""
-        names = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
-        return LinkState(*(getattr(self, name)[index] for name in names))
+        return LinkState.row(self, index)
 
 
 def _check(scene: Scene, gaits: Sequence[Gait]) -> None:

@@ -165,10 +165,12 @@ def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
     scene, found = run.scene, []
     if error.modelling is not None and abs(error.modelling.mean_speed) > _PRESENT_AT:
         percent = 100 * error.modelling.mean_speed
+        exact = exact_scene(scene, scene.tolerance) is not None
         found.append(
             f"the springs (k = {scene.joint_stiffness_n_m:g} N/m) change the mean speed by "
             f"{percent:+.2g} %; the error falls as 1/k: take k = "
-            f"{scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %, or formulation 'explicit'"
+            f"{scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %"
+            + (", or formulation 'explicit'" if exact else "")
         )
     if not abs(error.integration.mean_speed) <= _PRESENT_AT and _travel(run) > 0:
         percent = 100 * abs(error.integration.mean_speed)

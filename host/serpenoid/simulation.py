@@ -68,8 +68,7 @@ class Run:
 
     def state(self, index: int = -1) -> LinkState:
         """Return the state of all links at one recorded time."""
-        names = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
-        return LinkState(*(getattr(self, name)[index] for name in names))
+        return LinkState.row(self, index)
 
     @cached_property
     def error_estimate(self) -> RunError:
