@@ -279,16 +279,22 @@ bool DryMotion::find_mode(DryState& state, double tau) {
     return true;
 }
 
-// A very short convex step: finds the mode that follows. Doubles when modes end at once.
+// A very short convex step: finds the mode that follows. Doubles when modes end at once, and when
+// the step is so short that rounding hides which signs its forces have.
 bool DryMotion::kick(DryState& state, double& tau, double tau_end) {
-    kick_ = std::min({std::max(4 * kick_, shortest_kick_), 10 * longest_kick_, tau_end - tau});
-    double w = rate(state.v[DryState::L], tau);
-    if (!euler(state, tau, kick_, false, state, w)) {
+    const double longest = std::min(10 * longest_kick_, tau_end - tau);
+    kick_ = std::min(std::max(4 * kick_, shortest_kick_), longest);
+    const double start = rate(state.v[DryState::L], tau);
+    for (int attempt = 0; attempt < 12; ++attempt) {
+        double w = start;
+        if (euler(state, tau, kick_, false, state, w)) {
+            tau = kick_ == tau_end - tau ? tau_end : tau + kick_;
+            return true;
+        }
         convex_.forget();
-        if (!euler(state, tau, kick_, false, state, w)) return false;
+        if (attempt > 0) kick_ = std::min(2 * kick_, longest);
     }
-    tau = kick_ == tau_end - tau ? tau_end : tau + kick_;
-    return true;
+    return false;
 }
 
 bool DryMotion::advance(DryState& state, double tau, double tau_end, double tolerance) {

@@ -41,16 +41,11 @@ class SetValuedMotion : public Method {
         // be too coarse to find the ends of sticking
         const double to = std::min(t_limit, t_ + kMostCycles * kTurn / omega_);
         const double phase = std::fmod(omega_ * t_, kTurn);
-        // once in tens of thousands of events one is not found: other steps find it
-        for (const double tighter : {1.0, 0.3, 0.1}) {
-            DryState next = dry_;
-            if (!motion_.advance(next, phase, phase + omega_ * (to - t_), tighter * tolerance_))
-                continue;
-            dry_ = next, t_ = to;
-            give_back();
-            return {};
-        }
-        return {false, "the wheels stick and slip too often to be followed"};
+        if (!motion_.advance(dry_, phase, phase + omega_ * (to - t_), tolerance_))
+            return {false, "the wheels stick and slip too often to be followed"};
+        t_ = to;
+        give_back();
+        return {};
     }
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }
