@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
-SOURCES := $(wildcard host/core/*.[ch]pp firmware/lib/*/*.h firmware/lib/*/*.cpp) \
+SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*') \
 	pyproject.toml host/CMakeLists.txt
 
 demo: $(VENV)/built

@@ -5,38 +5,38 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from .errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
+from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
 
 if TYPE_CHECKING:
-    from .drives import Servo, TorqueTable
-    from .dynamics import Acceleration, AngleDrive, LinkState, TorqueDrive, acceleration
-    from .friction import fit_friction
-    from .friction_result import FrictionFit
-    from .gaits import GaitRuns, simulate_gaits
-    from .model import Gait, Ground, Robot
-    from .optimize import LeastPower, least_power_gait
-    from .scene import Scene
-    from .scene_file import load_scene, save_scene
-    from .session import Session, load_session
-    from .simulation import Run, simulate
-    from .springs import SteadySprings, steady_springs
-    from .steady import Steady, Sweep, steady_gait, sweep
+    from .calibration.friction_fit import fit_friction
+    from .calibration.friction_result import FrictionFit
+    from .calibration.session import Session, load_session
+    from .gaits.least_power import LeastPower, least_power_gait
+    from .model.drives import Servo, TorqueTable
+    from .model.link_state import Acceleration, AngleDrive, LinkState, TorqueDrive, acceleration
+    from .model.robot import Gait, Ground, Robot
+    from .periodic.steady import Steady, Sweep, steady_gait, sweep
+    from .simulation.gait_batch import GaitRuns, simulate_gaits
+    from .simulation.scene import Scene
+    from .simulation.scene_file import load_scene, save_scene
+    from .simulation.simulate import Run, simulate
+    from .simulation.steady_springs import SteadySprings, steady_springs
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
-    "dynamics": ("Acceleration", "AngleDrive", "LinkState", "TorqueDrive", "acceleration"),
-    "friction": ("fit_friction",),
-    "friction_result": ("FrictionFit",),
-    "gaits": ("GaitRuns", "simulate_gaits"),
-    "model": ("Gait", "Ground", "Robot"),
-    "optimize": ("LeastPower", "least_power_gait"),
-    "drives": ("Servo", "TorqueTable"),
-    "scene": ("Scene",),
-    "scene_file": ("load_scene", "save_scene"),
-    "session": ("Session", "load_session"),
-    "simulation": ("Run", "simulate"),
-    "springs": ("SteadySprings", "steady_springs"),
-    "steady": ("Steady", "Sweep", "steady_gait", "sweep"),
+    "calibration.friction_fit": ("fit_friction",),
+    "calibration.friction_result": ("FrictionFit",),
+    "calibration.session": ("Session", "load_session"),
+    "model.drives": ("Servo", "TorqueTable"),
+    "model.link_state": ("Acceleration", "AngleDrive", "LinkState", "TorqueDrive", "acceleration"),
+    "model.robot": ("Gait", "Ground", "Robot"),
+    "gaits.least_power": ("LeastPower", "least_power_gait"),
+    "periodic.steady": ("Steady", "Sweep", "steady_gait", "sweep"),
+    "simulation.steady_springs": ("SteadySprings", "steady_springs"),
+    "simulation.gait_batch": ("GaitRuns", "simulate_gaits"),
+    "simulation.scene": ("Scene",),
+    "simulation.scene_file": ("load_scene", "save_scene"),
+    "simulation.simulate": ("Run", "simulate"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -12,7 +12,7 @@ import pytest
 def test_demo(tmp_path) -> None:
     out = tmp_path / "demo"
     done = subprocess.run(
-        [sys.executable, "-m", "serpenoid.cli", "demo", "--out", str(out)],
+        [sys.executable, "-m", "serpenoid", "demo", "--out", str(out)],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -42,7 +42,7 @@ def test_demo_into_a_file_is_refused(tmp_path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
     done = subprocess.run(
-        [sys.executable, "-m", "serpenoid.cli", "demo", "--out", str(blocked)],
+        [sys.executable, "-m", "serpenoid", "demo", "--out", str(blocked)],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 2

@@ -25,7 +25,7 @@ def test_example(path: Path, tmp_path) -> None:
 @pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
 def test_scene(path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "serpenoid.cli", "simulate", "--scene", str(path), "--json"],
+        [sys.executable, "-m", "serpenoid", "simulate", "--scene", str(path), "--json"],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

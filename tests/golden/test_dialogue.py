@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from golden import dialogue
 from serpenoid._core import firmware
-from serpenoid.robot import protocol
-from serpenoid.robot.error_table import ERRORS
+from serpenoid.robot.wire import protocol
+from serpenoid.robot.wire.error_table import ERRORS
 
 
 def test_the_file_is_what_its_script_writes(tmp_path: Path) -> None:

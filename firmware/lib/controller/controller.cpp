@@ -2,7 +2,7 @@
 #include "controller.h"
 
 #include "boot_counter.h"
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 

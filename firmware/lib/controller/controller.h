@@ -4,7 +4,7 @@
 
 #include "command.h"
 #include "fields.h"
-#include "flash.h"
+#include "progmem.h"
 #include "hardware.h"
 #include "line_reader.h"
 #include "motion.h"

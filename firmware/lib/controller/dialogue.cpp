@@ -1,6 +1,6 @@
 // Lines: reading them, sessions and sequence numbers, one verdict each.
 #include "controller.h"
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 namespace {

@@ -1,6 +1,6 @@
 // Commands: what each one does, and when it may not.
 #include "controller.h"
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 namespace {

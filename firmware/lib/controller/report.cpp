@@ -1,6 +1,6 @@
 // Data lines: greeting, status, counters, help, settings, trims; one a pass, when there is room.
 #include "controller.h"
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 namespace {

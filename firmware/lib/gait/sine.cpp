@@ -5,7 +5,7 @@
 // at 32767.
 #include "sine.h"
 
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 namespace {

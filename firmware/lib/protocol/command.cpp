@@ -5,7 +5,7 @@
 
 #include "crc16.h"
 #include "fields.h"
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 namespace {

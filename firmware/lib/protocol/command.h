@@ -4,7 +4,7 @@
 #include <stdint.h>
 
 #include "error_codes.h"
-#include "flash.h"
+#include "progmem.h"
 #include "gait.h"
 
 namespace firmware {

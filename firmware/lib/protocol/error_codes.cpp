@@ -1,7 +1,7 @@
 // The texts of the error table, each in flash.
 #include "error_codes.h"
 
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 namespace {

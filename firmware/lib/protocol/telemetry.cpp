@@ -1,7 +1,7 @@
 // The only line whose labels carry values: a plotter draws t and the five joints, nothing else.
 #include "telemetry.h"
 
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 

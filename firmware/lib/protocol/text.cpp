@@ -3,7 +3,7 @@
 #include "text.h"
 
 #include "crc16.h"
-#include "flash.h"
+#include "progmem.h"
 
 namespace firmware {
 namespace {

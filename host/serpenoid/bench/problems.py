@@ -10,10 +10,10 @@ from types import EllipsisType
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dynamics import LinkState
-from ..model import Gait, Ground, Robot
-from ..scene import Scene
-from ..simulation import Run, start_state
+from ..model.link_state import LinkState
+from ..model.robot import Gait, Ground, Robot
+from ..simulation.scene import Scene
+from ..simulation.simulate import Run, start_state
 
 Array = NDArray[np.float64]
 

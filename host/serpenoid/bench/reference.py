@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import BadInput
+from ..model.errors import BadInput
 from .problems import Array, Problem, problems
 
 FILE = Path(__file__).with_name("references.json")
@@ -46,7 +46,7 @@ def solve(problem: Problem) -> Array:
     """Return the end state on viscous ground by SciPy's DOP853."""
     from scipy.integrate import solve_ivp
 
-    from .numba_equations import parameters, rate_array
+    from .peers.numba_equations import parameters, rate_array
 
     p = parameters(problem)
     out = solve_ivp(
@@ -65,7 +65,7 @@ def keep(problem: Problem, end: Array, known_to: float) -> None:
 
 
 def _check(problem: Problem) -> Array:
-    from . import numba_equations as q
+    from .peers import numba_equations as q
 
     p = q.parameters(problem)
     args = (problem.first, p, problem.duration_s, 1e-13, 1e-15, 10**8)

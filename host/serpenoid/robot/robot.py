@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
-from ..errors import (
+from ..model.errors import (
     BadInput,
     CommandRefused,
     DamagedLine,
@@ -22,18 +22,18 @@ from ..errors import (
     RobotError,
     check_number,
 )
-from .clock import Drift
-from .dialogue import Answer, Dialogue, Farewell
-from .error_table import ERRORS
-from .inbox import Losses
-from .link import BAUD, open_link
-from .protocol import PROTOCOL, Data, Hello, Telemetry, Verdict
-from .record import Recorder
-from .reports import JOINTS, Status, Trim, settings_of, status_of, trims_of
 from .signals import SignalGuard
+from .wire.clock import Drift
+from .wire.dialogue import Answer, Dialogue, Farewell
+from .wire.error_table import ERRORS
+from .wire.inbox import Losses
+from .wire.link import BAUD, open_link
+from .wire.protocol import PROTOCOL, Data, Hello, Telemetry, Verdict
+from .wire.record import Recorder
+from .wire.reports import JOINTS, Status, Trim, settings_of, status_of, trims_of
 
 if TYPE_CHECKING:
-    from ..model import Gait
+    from ..model.robot import Gait
 
 FLASH = "`serpenoid flash --port {port}`"
 BOOT_S = 2.0  # in which a board that opening has reset greets of itself

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from serpenoid.cli import main
+from serpenoid.commands.main import main
 
 BOARDS = ["virtual", pytest.param("simulated", marks=pytest.mark.avr), "hardware"]
 

@@ -11,7 +11,7 @@ import tty
 from collections.abc import Callable
 
 from serpenoid._core import firmware
-from serpenoid.robot import protocol
+from serpenoid.robot.wire import protocol
 
 Tamper = Callable[[bytes], bytes]
 

@@ -19,7 +19,7 @@ class Person:
         self._master, self._slave = pty.openpty()
         self.before = termios.tcgetattr(self._slave)
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid.cli", *arguments],
+            [sys.executable, "-m", "serpenoid", *arguments],
             stdin=self._slave,
             stdout=self._slave,
             stderr=self._slave,

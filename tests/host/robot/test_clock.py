@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from serpenoid.robot.clock import TOLERANCE_PPM, BoardClock
+from serpenoid.robot.wire.clock import TOLERANCE_PPM, BoardClock
 
 
 def arrivals(rng: np.random.Generator, ppm: float, duration_s: float):

@@ -17,9 +17,9 @@ import pytest
 from rich.console import Console
 from robot.fake_board import FakeBoard, eeprom_after, sealed
 from serpenoid import Gait
-from serpenoid.robot import live
-from serpenoid.robot.drive import Drive
-from serpenoid.robot.record import load_stream
+from serpenoid.robot.tools.driven_run import Drive
+from serpenoid.robot.wire.record import load_stream
+from serpenoid.show import live
 
 GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
 
@@ -79,7 +79,7 @@ def test_a_live_table_where_there_is_one(monkeypatch):
 def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
     with FakeBoard() as fake:
         run = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid.cli", "drive", *GAIT, *duration,
+            [sys.executable, "-m", "serpenoid", "drive", *GAIT, *duration,
              "--port", fake.port], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         assert run.stdout is not None

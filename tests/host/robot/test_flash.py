@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import pytest
 from robot.fake_board import FakeBoard, nothing
-from serpenoid.robot import flash
+from serpenoid.robot.tools import upload as flash
 
 ROOT = Path(__file__).parents[3]
 BUILT = 'echo "Building in release mode"; echo "Uploading .pio/build/uno/firmware.hex"'
@@ -86,7 +86,7 @@ def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, number, sta
     pio(f"{BUILT}; sleep 60 & echo $! > {tmp_path}/child; wait")
     with FakeBoard() as board:
         run = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid.cli", "flash", "--board", "uno", "--port",
+            [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port",
              board.port], stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         end = time.monotonic() + 10
@@ -136,7 +136,7 @@ def test_a_port_that_is_not_there_is_told_before_anything_is_built(pio, serpenoi
 
 
 def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):
-    monkeypatch.setattr("serpenoid.robot.culprit.is_pseudo_terminal", lambda _: False)
+    monkeypatch.setattr("serpenoid.robot.wire.culprit.is_pseudo_terminal", lambda _: False)
     arguments = pio("exit 0")
     with FakeBoard() as board, open(board.port, "rb"):
         status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)

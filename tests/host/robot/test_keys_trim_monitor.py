@@ -12,10 +12,11 @@ import pytest
 from robot.fake_board import FakeBoard
 from robot.terminal import Person
 from serpenoid._core import firmware
-from serpenoid.robot import Robot, keys
-from serpenoid.robot.monitor import Monitor
-from serpenoid.robot.trimming import Trimming, straighten
-from serpenoid.robot.virtual import VirtualLink
+from serpenoid.robot import Robot
+from serpenoid.robot.tools import keys
+from serpenoid.robot.tools.monitor import Monitor
+from serpenoid.robot.tools.trimming import Trimming, straighten
+from serpenoid.robot.wire.virtual import VirtualLink
 
 
 def pressed(monkeypatch: pytest.MonkeyPatch, *parts: bytes) -> list[str]:
@@ -239,7 +240,7 @@ def test_what_the_board_could_not_read_is_not_sent():
 
 def test_monitor_from_a_pipe(any_port):
     run = subprocess.run(
-        [sys.executable, "-m", "serpenoid.cli", "monitor", "--port", any_port],
+        [sys.executable, "-m", "serpenoid", "monitor", "--port", any_port],
         input="status\nfoo\n", capture_output=True, text=True, timeout=30, check=True,
     )  # fmt: skip
     assert "counters: good=2" in run.stdout

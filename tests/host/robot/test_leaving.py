@@ -13,7 +13,7 @@ import time
 import pytest
 from robot.fake_board import FakeBoard
 from serpenoid import Gait
-from serpenoid.errors import RobotUnattended
+from serpenoid.model.errors import RobotUnattended
 from serpenoid.robot import Robot
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
@@ -33,7 +33,7 @@ with Robot(sys.argv[1]) as robot:
 FORKING = """
 import os, signal, sys, time
 from serpenoid import Gait
-from serpenoid.errors import RobotClosed
+from serpenoid.model.errors import RobotClosed
 from serpenoid.robot import Robot
 parent = os.getpid()
 try:

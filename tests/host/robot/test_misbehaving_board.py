@@ -11,7 +11,7 @@ import time
 import pytest
 from robot.fake_board import FakeBoard, honest, sealed
 from serpenoid import Gait
-from serpenoid.errors import (
+from serpenoid.model.errors import (
     DamagedLine,
     NoAnswer,
     ProtocolMismatch,
@@ -19,7 +19,8 @@ from serpenoid.errors import (
     RobotLost,
     RobotReset,
 )
-from serpenoid.robot import Robot, dialogue
+from serpenoid.robot import Robot
+from serpenoid.robot.wire import dialogue
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 

@@ -12,10 +12,11 @@ from types import SimpleNamespace
 import pytest
 from robot.fake_board import FakeBoard
 from serial.tools import list_ports
-from serpenoid.errors import NoAnswer, PortBusy, PortMissing, RobotClosed
-from serpenoid.robot import Robot, culprit, link
+from serpenoid.model.errors import NoAnswer, PortBusy, PortMissing, RobotClosed
+from serpenoid.robot import Robot
+from serpenoid.robot.wire import culprit, link
 
-PACKAGE = Path(link.__file__).parent
+PACKAGE = Path(link.__file__).parents[1]
 OPENING = "import sys; from serpenoid.robot import Robot\nwith Robot(sys.argv[1]): pass"
 
 
@@ -150,7 +151,9 @@ def test_a_port_that_was_closed_is_not_called_lost():
 
 def test_only_the_link_imports_pyserial_and_only_when_used():
     using = {
-        p.name for p in PACKAGE.glob("*.py") if re.search(r"(from|import) serial\b", p.read_text())
+        p.name
+        for p in PACKAGE.glob("**/*.py")
+        if re.search(r"(from|import) serial\b", p.read_text())
     }
     assert using == {"link.py", "doctor.py"}  # the doctor asks for its version
     heavy = "import sys, serpenoid.robot; print({'serial', 'numpy'} & set(sys.modules))"

@@ -11,7 +11,8 @@ from types import SimpleNamespace
 
 import pytest
 from robot.fake_board import FakeBoard, eeprom_after, nothing, sealed
-from serpenoid.robot import culprit, doctor, ports
+from serpenoid.robot.tools import doctor
+from serpenoid.robot.wire import culprit, ports
 
 FAST = {"listen_s": 0.3, "timeout_s": 1.0}
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given, seed
 from hypothesis import strategies as st
-from serpenoid.errors import BadInput, DamagedLine
-from serpenoid.robot import protocol
-from serpenoid.robot.error_table import ERRORS
+from serpenoid.model.errors import BadInput, DamagedLine
+from serpenoid.robot.wire import protocol
+from serpenoid.robot.wire.error_table import ERRORS
 
 ROOT = Path(__file__).parents[3]
 FRAME = (

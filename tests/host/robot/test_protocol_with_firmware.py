@@ -3,8 +3,8 @@
 import random
 
 from serpenoid._core import firmware
-from serpenoid.robot import protocol
-from serpenoid.robot.error_table import ERRORS
+from serpenoid.robot.wire import protocol
+from serpenoid.robot.wire.error_table import ERRORS
 
 COMMANDS = ("hello", "gait 30 80 5", "status", "trim", "set", "help", "gait 95 0 1", "nonsense")
 

@@ -13,9 +13,9 @@ import pytest
 from robot.fake_board import FakeBoard
 from robot.test_leaving import drive
 from serpenoid import Gait
-from serpenoid.errors import BadInput, NoAnswer, RecordingFailed
+from serpenoid.model.errors import BadInput, NoAnswer, RecordingFailed
 from serpenoid.robot import Robot
-from serpenoid.robot.record import Recorder, load_stream
+from serpenoid.robot.wire.record import Recorder, load_stream
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 

@@ -8,8 +8,9 @@ import math
 import pytest
 from avr.live import LiveBoard
 from serpenoid import Gait
-from serpenoid.errors import BadInput, CommandRefused, RobotClosed, RobotLost, RobotReset
-from serpenoid.robot import Robot, inbox
+from serpenoid.model.errors import BadInput, CommandRefused, RobotClosed, RobotLost, RobotReset
+from serpenoid.robot import Robot
+from serpenoid.robot.wire import inbox
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 

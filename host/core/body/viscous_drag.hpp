@@ -1,0 +1,29 @@
+// Viscous friction of a whole chain of one shape, as sums over its wheels.
+#pragma once
+
+#include "body/body_shape.hpp"
+#include "model/params.hpp"
+
+namespace serpenoid {
+
+// In the body frame of body_shape.hpp the friction force and couple on the chain is -(D u + omega
+// d), and what it dissipates u.D u + 2 omega d.u + omega^2 dd.
+struct ViscousSums {
+    double D[6] = {};  // xx xy xw yy yw ww
+    double d[3] = {}, dd = 0;
+
+    ViscousSums() = default;
+    ViscousSums(const Shape& shape, const Ground& ground) {
+        for (const LinkShape& k : shape.link) add(k.t, ground.ct), add(k.n, ground.cn);
+    }
+
+  private:
+    void add(const Row& g, double c) {
+        D[0] += c * g.x * g.x, D[1] += c * g.x * g.y, D[2] += c * g.x * g.r;
+        D[3] += c * g.y * g.y, D[4] += c * g.y * g.r, D[5] += c * g.r * g.r;
+        d[0] += c * g.x * g.e, d[1] += c * g.y * g.e, d[2] += c * g.r * g.e;
+        dd += c * g.e * g.e;
+    }
+};
+
+}  // namespace serpenoid

@@ -1,0 +1,105 @@
+// Which joints move as the gait says and which by torque, and the angles of those that are imposed.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "model/chain.hpp"
+#include "model/gait.hpp"
+
+namespace serpenoid {
+
+// All joints follow the gait (Eq. 57).
+class GaitDrive {
+  public:
+    GaitDrive(int links, const Gait& g) : omega_(g.omega), table_(links, g), bend_(links - 1) {}
+
+    // Stages of a step share their times: a wave is kept until another time is asked for.
+    const GaitWave& wave(double t) {
+        if (t != t_) wave_ = table_.wave(omega_, t_ = t);
+        return wave_;
+    }
+
+    // Angles and rates of all links from those of link 1; keeps phi''.
+    void place(double t, double theta1, double omega1, Chain& k) {
+        const GaitWave& now = wave(t);
+        k.theta[0] = theta1, k.omega[0] = omega1;
+        for (int i = 0; i + 1 < k.n(); ++i) {
+            const GaitWave::Joint j = now.at(i);
+            k.theta[i + 1] = k.theta[i] + j.angle;
+            k.omega[i + 1] = k.omega[i] + j.rate;
+            bend_[i] = j.bend;
+        }
+        k.directions();
+    }
+    const double* bend() const { return bend_.data(); }
+
+  private:
+    double omega_, t_ = std::numeric_limits<double>::quiet_NaN();
+    GaitTable table_;
+    GaitWave wave_{};
+    std::vector<double> bend_;
+};
+
+// What a joint may do instead of what the drive asks of all.
+enum class Fault : char { none, limp, locked };
+
+// Some joints imposed, some free: by the gait or locked; limp or driven by torque.
+class MixedDrive {
+  public:
+    MixedDrive(int links, const Gait& g, bool by_angle, const std::vector<Fault>& faults,
+               const std::vector<double>& locked_rad)
+        : omega_(g.omega),
+          table_(links, g),
+          bend_(links - 1),
+          fault_(faults),
+          locked_(locked_rad),
+          imposed_(links - 1) {
+        for (int i = 0; i + 1 < links; ++i) {
+            imposed_[i] = fault_[i] == Fault::locked || (by_angle && fault_[i] == Fault::none);
+            if (!imposed_[i]) free_.push_back(i);
+        }
+    }
+
+    int free_joints() const { return static_cast<int>(free_.size()); }
+    const std::vector<int>& free() const { return free_; }
+    const std::vector<char>& imposed() const { return imposed_; }
+    const double* bend() const { return bend_.data(); }
+
+    // Angles and rates of all links from those of link 1 and of the free joints; keeps phi''.
+    void place(double t, double theta1, double omega1, const double* angle, const double* rate,
+               Chain& k) {
+        const GaitWave now = table_.wave(omega_, t);
+        k.theta[0] = theta1, k.omega[0] = omega1;
+        for (int i = 0, f = 0; i + 1 < k.n(); ++i) {
+            double phi = locked_[i], speed = 0;
+            bend_[i] = 0;
+            if (!imposed_[i]) {
+                phi = angle[f], speed = rate[f], ++f;
+            } else if (fault_[i] == Fault::none) {
+                const GaitWave::Joint j = now.at(i);
+                phi = j.angle, speed = j.rate, bend_[i] = j.bend;
+            }
+            k.theta[i + 1] = k.theta[i] + phi;
+            k.omega[i + 1] = k.omega[i] + speed;
+        }
+        k.directions();
+    }
+
+    void limp(double* T) const {
+        for (std::size_t i = 0; i < fault_.size(); ++i)
+            if (fault_[i] == Fault::limp) T[i] = 0;
+    }
+
+  private:
+    double omega_;
+    GaitTable table_;
+    std::vector<double> bend_;
+    std::vector<Fault> fault_;
+    std::vector<double> locked_;
+    std::vector<char> imposed_;
+    std::vector<int> free_;
+};
+
+}  // namespace serpenoid

@@ -1,0 +1,80 @@
+// Vector kernels of the implicit model with imposed angles: what they advance, and who has which.
+//
+// A pack is as many doubles as one register holds. Two layouts share one kernel: in a chain the
+// lanes of a pack are neighbouring links of one robot, in a batch they are gaits, link by link.
+// Each instruction set is a translation unit of its own; which one runs is asked of the processor.
+#pragma once
+
+#include "model/params.hpp"
+
+namespace serpenoid::lanes {
+
+enum class Law { viscous, dry, smoothed };
+
+// What a row of packs holds: a chain has a row for `width` links, a batch one for every link.
+enum Row : int {
+    kAngleSin,  // theta_i - theta_1 = kAngleSin sin(wt) + kAngleCos cos(wt) + kAngleOffset
+    kAngleCos,
+    kAngleOffset,
+    kStiffness,  // of the joint before each link; 0 where there is none
+    kDamping,
+    kX,
+    kY,
+    kVx,
+    kVy,
+    kStageX,  // what a stage of the method looks at
+    kStageY,
+    kStageVx,
+    kStageVy,
+    kFirstX,  // acceleration of the first stage; of the second and third, summed
+    kFirstY,
+    kRestX,
+    kRestY,
+    kShape,  // three times cos, sin of theta_i - theta_1 and its rate
+    kRow = kShape + 9
+};
+
+// Single packs, one value a trajectory.
+enum One : int {
+    kTheta,  // of link 1
+    kOmega,
+    kGaitOmega,
+    kTurnSin,  // sum of theta_i - theta_1 over the links: kTurnSin sin(wt) + kTurnCos cos(wt) + ...
+    kTurnCos,
+    kTurns,  // the sum's second derivative, at three times
+    kOnes = kTurns + 3
+};
+
+// What a kernel advances. Memory, aligned to 64 bytes: the single packs, then the rows.
+struct Task {
+    Robot robot;
+    Ground ground;
+    double smoothing;  // m/s
+    int rows;
+    double* memory;
+    int shape;       // 0 or 2: the shape that the next step begins with
+    double shape_s;  // and its time; a NaN before the first step
+};
+
+// Steps `first`, ..., first + count - 1, the i-th from i dt to (i + 1) dt.
+using Advance = void (*)(Task&, double dt, long first, long count);
+// One step from t to `end`.
+using Step = void (*)(Task&, double t, double end);
+using Sincos = void (*)(const double* x, double* sine, double* cosine, long packs);
+
+struct Kernel {
+    Advance advance;
+    Step step;
+};
+
+// The kernels of one instruction set, by Law.
+struct Set {
+    const char* name;
+    int width;  // doubles a pack
+    Kernel chain[3], batch[3];
+    Sincos sincos;
+};
+
+extern const Set scalar, baseline, avx2;
+
+}  // namespace serpenoid::lanes

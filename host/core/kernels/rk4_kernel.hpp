@@ -1,0 +1,241 @@
+// The implicit model with imposed angles under RK4, for packs of any width and both layouts.
+//
+// theta_i = theta_1 + s_i(t) with s_i known beforehand: cos and sin of s_i are needed at two times
+// a step only (the middle serves two stages, the end the next step's first), and a rotation by
+// theta_1 makes those of theta_i. Positions are integrals of velocities, so with stage velocities
+// v1..v4 and accelerations a1..a4 the classical method is
+//     x2 = x + h/2 v,  x3 = x + h/2 v2,  x4 = x + h v3,  x' = x + h (v + h/6 (a1 + a2 + a3)),
+//     v2 = v + h/2 a1, v3 = v + h/2 a2,  v4 = v + h a3,  v' = v + h/6 (a1 + 2 (a2 + a3) + a4).
+// Lanes that stand for no link have no joint and no velocity, and so no force ever.
+#pragma once
+
+#include "kernels/kernel_table.hpp"
+#include "kernels/pack.hpp"
+
+namespace serpenoid::lanes {
+namespace {
+
+// Lanes are links: the neighbour is a lane away, and what is summed over links is so over lanes.
+template <int W>
+struct Chain {
+    using V = Pack<W>;
+    static V before(V previous, V current) {
+        if constexpr (W == 4) return V{previous[3], current[0], current[1], current[2]};
+        if constexpr (W == 2) return V{previous[1], current[0]};
+        return previous;
+    }
+    static V after(V current, V next) {
+        if constexpr (W == 4) return V{current[1], current[2], current[3], next[0]};
+        if constexpr (W == 2) return V{current[1], next[0]};
+        return next;
+    }
+    static V sum(V x) { return total(x); }
+};
+
+// Lanes are gaits: the neighbour is a row away.
+template <int W>
+struct Batch {
+    using V = Pack<W>;
+    static V before(V previous, V) { return previous; }
+    static V after(V, V next) { return next; }
+    static V sum(V x) { return x; }
+};
+
+template <class V>
+struct Viscous {
+    explicit Viscous(const Task& q) : ct(all<V>(-q.ground.ct)), cn(all<V>(-q.ground.cn)) {}
+    V along(V v) const { return ct * v; }
+    V across(V v) const { return cn * v; }
+    V ct, cn;
+};
+
+// -(c v + F0 sgn v), sgn 0 = 0.
+template <class V>
+struct Dry : Viscous<V> {
+    explicit Dry(const Task& q)
+        : Viscous<V>(q), ft0(all<V>(-q.ground.ft0)), fn0(all<V>(-q.ground.fn0)) {}
+    static V sgn(V v) { return choose<V>(v > 0, all<V>(1), choose<V>(v < 0, all<V>(-1), v)); }
+    V along(V v) const { return fused(this->ct, v, ft0 * sgn(v)); }
+    V across(V v) const { return fused(this->cn, v, fn0 * sgn(v)); }
+    V ft0, fn0;
+};
+
+// sgn v replaced by v / sqrt(v^2 + width^2).
+template <class V>
+struct Smoothed : Dry<V> {
+    explicit Smoothed(const Task& q) : Dry<V>(q), square(all<V>(q.smoothing * q.smoothing)) {}
+    V soft(V v) const { return v / square_root(fused(v, v, square)); }
+    V along(V v) const { return fused(this->ct, v, this->ft0 * soft(v)); }
+    V across(V v) const { return fused(this->cn, v, this->fn0 * soft(v)); }
+    V square;
+};
+
+template <class L, template <class> class LawOf>
+class Stepper {
+    using V = typename L::V;
+
+  public:
+    explicit Stepper(Task& task)
+        : q(task),
+          law(task),
+          l(all<V>(task.robot.l)),
+          per_mass(all<V>(1 / task.robot.m)),
+          per_inertia(all<V>(1 / (task.robot.n * task.robot.I))),
+          inertia(all<V>(task.robot.I)) {}
+
+    void advance(double dt, long first, long count) {
+        for (long i = first; i < first + count; ++i)
+            step(static_cast<double>(i) * dt, static_cast<double>(i + 1) * dt);
+    }
+
+    void step(double t, double end) {
+        const int from = q.shape, to = 2 - from;
+        const double h = end - t;
+        if (q.shape_s != t) shape(from, t);
+        shape(1, t + h / 2);
+        shape(to, end);
+        stages(from, to, all<V>(h), all<V>(h / 2), all<V>(h / 6));
+        q.shape = to, q.shape_s = end;
+    }
+
+  private:
+    V& one(int which) const { return reinterpret_cast<V*>(q.memory)[which]; }
+    V* begin() const { return reinterpret_cast<V*>(q.memory) + kOnes; }
+    V* end() const { return begin() + static_cast<long>(q.rows) * kRow; }
+
+    // cos and sin of theta_i - theta_1, its rate, and the sum of its second derivatives. Angles are
+    // near: 2 pi a link at most, and links are fewer than kFar / (2 pi).
+    void shape(int which, double t) {
+        const V w = one(kGaitOmega);
+        V sine, cosine;
+        sincos(w * t, sine, cosine);
+        one(kTurns + which) = -(w * w) * fused(one(kTurnSin), sine, one(kTurnCos) * cosine);
+        for (V *k = begin(), *last = end(); k != last; k += kRow) {
+            const V a = k[kAngleSin], b = k[kAngleCos];
+            V* to = k + kShape + 3 * which;
+            sincos_near(fused(a, sine, fused(b, cosine, k[kAngleOffset])), to[1], to[0]);
+            to[2] = w * fused_less(a, cosine, b * sine);
+        }
+    }
+
+    // What acts on a row of links: l (cos, sin), friction, force of the joint before each.
+    struct Load {
+        V arm_x, arm_y, friction_x, friction_y, force_x, force_y;
+    };
+    // Front ends of a row of links.
+    struct Head {
+        V x, y, vx, vy;
+    };
+
+    // `k` and `at` are the row and its stage's place in it; `head` goes from row to row.
+    Load load(const V* k, const V* at, const V* shape, V ct, V st, V omega, Head& head) const {
+        const V c = fused_less(ct, shape[0], st * shape[1]), s = fused(st, shape[0], ct * shape[1]);
+        const V turn = omega + shape[2], x = at[0], y = at[1], vx = at[2], vy = at[3];
+        const V arm_x = l * c, arm_y = l * s, wx = turn * arm_y, wy = turn * arm_x;
+        const Head now{x + arm_x, y + arm_y, vx - wx, vy + wy};
+        const V gap_x = x - arm_x - L::before(head.x, now.x);
+        const V gap_y = y - arm_y - L::before(head.y, now.y);
+        const V rate_x = vx + wx - L::before(head.vx, now.vx);
+        const V rate_y = vy - wy - L::before(head.vy, now.vy);
+        head = now;
+        const V ft = law.along(fused(c, vx, s * vy)), fn = law.across(fused_less(c, vy, s * vx));
+        return {arm_x,
+                arm_y,
+                fused_less(ft, c, fn * s),
+                fused(ft, s, fn * c),
+                fused(k[kStiffness], gap_x, k[kDamping] * rate_x),
+                fused(k[kStiffness], gap_y, k[kDamping] * rate_y)};
+    }
+
+    // Hand every row and its accelerations to `use` and return that of theta_1. `at` is the place
+    // of the stage in a row. A row is finished when the next one's force is known.
+    template <class Use>
+    V accelerations(int which, int at, V theta, V omega, const Use& use) {
+        V st, ct, couple{};
+        sincos(theta, st, ct);
+        Head head{};
+        Load load_before{};
+        const auto finish = [&](V* k, const Load& on, V next_x, V next_y) {
+            const V qx = L::after(on.force_x, next_x), qy = L::after(on.force_y, next_y);
+            couple = couple + fused_less(on.arm_x, on.force_y + qy, on.arm_y * (on.force_x + qx));
+            use(k, per_mass * (on.friction_x + (qx - on.force_x)),
+                per_mass * (on.friction_y + (qy - on.force_y)));
+        };
+        V *k = begin(), *last = end();
+        for (; k != last; k += kRow) {
+            const Load now = load(k, k + at, k + kShape + 3 * which, ct, st, omega, head);
+            if (k != begin()) finish(k - kRow, load_before, now.force_x, now.force_y);
+            load_before = now;
+        }
+        finish(k - kRow, load_before, V{}, V{});
+        return per_inertia * (L::sum(couple) - inertia * one(kTurns + which));
+    }
+
+    // From the stage's velocities v_s and accelerations: the next stage's place and velocities.
+    static void next_stage(V* k, V h, const V* v, V ax, V ay) {
+        k[kStageX] = fused(h, v[0], k[kX]), k[kStageY] = fused(h, v[1], k[kY]);
+        k[kStageVx] = fused(h, ax, k[kVx]), k[kStageVy] = fused(h, ay, k[kVy]);
+    }
+
+    void stages(int from, int to, V h, V half, V sixth) {
+        const V theta = one(kTheta), omega = one(kOmega);
+        const V a1 = accelerations(from, kX, theta, omega, [=](V* k, const V& ax, const V& ay) {
+            k[kFirstX] = ax, k[kFirstY] = ay;
+            next_stage(k, half, k + kVx, ax, ay);
+        });
+        const V theta2 = fused(half, omega, theta), omega2 = fused(half, a1, omega);
+        const V a2 = accelerations(1, kStageX, theta2, omega2, [=](V* k, const V& ax, const V& ay) {
+            k[kRestX] = ax, k[kRestY] = ay;
+            next_stage(k, half, k + kStageVx, ax, ay);
+        });
+        const V theta3 = fused(half, omega2, theta), omega3 = fused(half, a2, omega);
+        const V a3 = accelerations(1, kStageX, theta3, omega3, [=](V* k, const V& ax, const V& ay) {
+            k[kRestX] = k[kRestX] + ax, k[kRestY] = k[kRestY] + ay;
+            next_stage(k, h, k + kStageVx, ax, ay);
+            k[kX] = fused(h, fused(sixth, k[kFirstX] + k[kRestX], k[kVx]), k[kX]);
+            k[kY] = fused(h, fused(sixth, k[kFirstY] + k[kRestY], k[kVy]), k[kY]);
+        });
+        const V theta4 = fused(h, omega3, theta), omega4 = fused(h, a3, omega);
+        const V a4 =
+            accelerations(to, kStageX, theta4, omega4, [=](V* k, const V& ax, const V& ay) {
+                k[kVx] = fused(sixth, k[kFirstX] + 2 * k[kRestX] + ax, k[kVx]);
+                k[kVy] = fused(sixth, k[kFirstY] + 2 * k[kRestY] + ay, k[kVy]);
+            });
+        one(kTheta) = fused(h, fused(sixth, a1 + (a2 + a3), omega), theta);
+        one(kOmega) = fused(sixth, a1 + 2 * (a2 + a3) + a4, omega);
+    }
+
+    Task& q;
+    LawOf<V> law;
+    V l, per_mass, per_inertia, inertia;
+};
+
+template <class L, template <class> class LawOf>
+constexpr Kernel kernel_of() {
+    return {[](Task& q, double dt, long first, long count) {
+                Stepper<L, LawOf>(q).advance(dt, first, count);
+            },
+            [](Task& q, double t, double end) { Stepper<L, LawOf>(q).step(t, end); }};
+}
+
+template <int W>
+void sincos_packs(const double* x, double* sine, double* cosine, long packs) {
+    using V = Pack<W>;
+    for (long i = 0; i < packs; ++i)
+        sincos(reinterpret_cast<const V*>(x)[i], reinterpret_cast<V*>(sine)[i],
+               reinterpret_cast<V*>(cosine)[i]);
+}
+
+template <int W>
+constexpr Set set_of(const char* name) {
+    return {name,
+            W,
+            {kernel_of<Chain<W>, Viscous>(), kernel_of<Chain<W>, Dry>(),
+             kernel_of<Chain<W>, Smoothed>()},
+            {kernel_of<Batch<W>, Viscous>(), kernel_of<Batch<W>, Dry>(),
+             kernel_of<Batch<W>, Smoothed>()},
+            sincos_packs<W>};
+}
+
+}  // namespace
+}  // namespace serpenoid::lanes

@@ -1,8 +1,0 @@
-// The kernels for any processor: two doubles a pack (SSE2, NEON), and one, which tests hold them
-// to.
-#include "lanes_kernel.hpp"
-
-namespace serpenoid::lanes {
-const Set baseline = set_of<2>("baseline");
-const Set scalar = set_of<1>("scalar");
-}  // namespace serpenoid::lanes

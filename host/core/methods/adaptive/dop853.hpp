@@ -1,0 +1,62 @@
+// Dormand and Prince's explicit Runge-Kutta method of order 8 with adaptive steps.
+#pragma once
+
+#include <vector>
+
+#include "methods/adaptive/dop853_table.hpp"
+#include "methods/method.hpp"
+#include "scene/system.hpp"
+
+namespace serpenoid {
+
+// A step is 12 rates. Its error is estimated from the embedded formulas of order 5 and 3 (Hairer,
+// Norsett, Wanner, Solving Ordinary Differential Equations I, II.10) as
+//
+//     h e5^2 / sqrt(e5^2 + 0.01 e3^2),   e = max_i |difference_i| / scale_i,
+//
+// and held below the tolerance by a proportional-integral controller. Between the ends of a step
+// a polynomial of order 7 holds, which three more rates give when it is first asked for.
+//
+// An explicit method has to resolve the fastest decay of a system even where nothing moves by it.
+// From stages 11 and 12, both at the end of the step, comes h |lambda| of that decay; 15 steps
+// in a row at the edge of the stability region, and more than kMostStiff to come, end the run.
+class Dop853 final : public Method {
+  public:
+    // `scale`: what counts as 1 in each entry of the state.
+    Dop853(System& system, const std::vector<double>& scale, double tolerance);
+
+    void restart(double t, const double* y) override;
+    StepOutcome step(double t_limit) override;
+    double time() const override { return t_; }
+    const double* state() const override { return y_.data(); }
+    bool has_dense() const override { return true; }
+    void dense(double t, double* y) const override;
+    double local_error() const override { return error_ * tolerance_; }
+
+  private:
+    static constexpr double kMostStiff = 2e6;
+    template <int stage>
+    void combine(double h, double* to) const;
+    template <int stage>
+    void evaluate(double h) const;
+    void stages(double h);
+    double error(double h) const;
+    double norm(const double* v) const;
+    double first_step(double t_limit);
+    bool stiff(double h);
+    void finish_dense() const;
+    double* k(int stage) const { return k_.data() + stage * dim_; }
+
+    System& system_;
+    int dim_;
+    double tolerance_;
+    std::vector<double> weight_;  // 1 / (scale tolerance)
+    double t_ = 0, t_old_ = 0, h_ = 0, h_next_ = 0, error_ = 0, error_old_ = 1;
+    int stiff_steps_ = 0;
+    std::vector<double> y_, y_old_;
+    // dense output completes the stages of a step that is otherwise over
+    mutable std::vector<double> z_, k_, dense_;
+    mutable bool dense_ready_ = false;
+};
+
+}  // namespace serpenoid

@@ -1,0 +1,46 @@
+// The classical Runge-Kutta method for the implicit model with imposed angles, by the vector
+// kernels.
+#pragma once
+
+#include <vector>
+
+#include "kernels/gait_batch.hpp"
+#include "methods/fixed_step.hpp"
+#include "scene/run_request.hpp"
+
+namespace serpenoid {
+
+class Rk4Lanes final : public FixedStep {
+  public:
+    // Whether the kernels have all that a scene asks for.
+    static bool runs(const RunRequest& q) {
+        return q.method == "rk4" && q.formulation == Formulation::implicit &&
+               q.drive == Drive::angle && q.faults.empty() && !q.slope.tilted() && !q.record_energy;
+    }
+
+    Rk4Lanes(System& system, const RunRequest& q)
+        : FixedStep(system, q.dt),
+          task_({q.robot, q.ground, q.spring, q.smoothing}, {q.gait}, false, *lane_sets().front()),
+          y_(task_.dim()) {}
+
+    void restart(double t, const double* y) override {
+        FixedStep::restart(t, y);
+        task_.set(0, y);
+    }
+    // The state stays with the kernel until somebody asks.
+    const double* state() const override {
+        task_.get(0, y_.data());
+        return y_.data();
+    }
+    void dense(double, double* y) const override { task_.get(0, y); }
+
+  protected:
+    // t + dt is the end of the step to the bit: t and it are less than a factor 2 apart, or t = 0.
+    void advance(double t, double dt, double*) override { task_.step(t, t + dt); }
+
+  private:
+    LaneTask task_;
+    mutable std::vector<double> y_;
+};
+
+}  // namespace serpenoid

@@ -1,0 +1,144 @@
+// Nonsmooth steps of the implicit model: exact sticking, wheel by wheel, order 2.
+//
+// Each link of that model is a body of its own, so the speed v of a wheel along or across it has a
+// scalar equation  v' = g - kappa v - mu sgn v,  kappa = c/m, mu = F0/m, where g is all that is not
+// friction (the turning of the direction itself included). With g held over a step it is solved
+// exactly, rest and reversal too: a wheel at rest stays there while |g| <= mu. A plain step, of
+// order 1: springs, dampers and drives kick the rates; angles move with the new ones; wheels slide
+// along the directions at the end; places follow.
+//
+// A step of the method is two plain ones of half its length and a whole one, extrapolated:
+// 2 y(h/2) - y(h), velocities along and across the links, where what rests in both rests exactly.
+// Where they disagree whether a wheel rests, or which way it goes, the halves count (an error of
+// h^2, in the few steps in which a wheel changes its mode).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "methods/fixed_step.hpp"
+#include "model/params.hpp"
+
+namespace serpenoid {
+
+// One direction of all wheels over a step of h seconds.
+class Slide {
+  public:
+    Slide(double viscous, double dry, double m, double h)
+        : kappa_(viscous / m), mu_(dry / m), h_(h), reach_(reach(h)) {}
+
+    // Speed at the end from that at the start.
+    double operator()(double v, double g) const {
+        double left = h_;
+        if (v != 0) {
+            const double speed = std::fabs(v), brake = mu_ - std::copysign(1.0, v) * g;
+            const double end = speed - (kappa_ * speed + brake) * reach_;
+            if (end >= 0) return std::copysign(end, v);
+            left -= kappa_ > 0 ? std::log1p(kappa_ * speed / brake) / kappa_ : speed / brake;
+        }
+        if (std::fabs(g) <= mu_) return 0;
+        return (g - std::copysign(mu_, g)) * reach(left);
+    }
+
+    // A step from its two halves' result and the whole one's.
+    double extrapolate(double halves, double whole) const {
+        const double both = 2 * halves - whole;
+        return mu_ == 0 || (halves * whole > 0 && halves * both > 0) ? both : halves;
+    }
+
+    // Acceleration by friction at a speed; a wheel at rest takes g up as far as it can.
+    double friction(double v, double g, bool rests) const {
+        if (rests) return -std::clamp(g, -mu_, mu_);
+        return -(kappa_ * v + std::copysign(mu_, v));
+    }
+
+  private:
+    double reach(double t) const { return kappa_ > 0 ? -std::expm1(-kappa_ * t) / kappa_ : t; }
+    double kappa_, mu_, h_, reach_;
+};
+
+// The system is an implicit one without friction; its state starts with the centres.
+class StickSlip : public FixedStep {
+  public:
+    StickSlip(System& frictionless, const Robot& robot, const Ground& ground, double dt)
+        : FixedStep(frictionless, dt),
+          robot_(robot),
+          ground_(ground),
+          rate_of_(frictionless.rate_of()),
+          dy_(frictionless.dim()),
+          whole_(frictionless.dim()),
+          of_whole_(2 * robot.n),
+          of_halves_(2 * robot.n) {}
+
+    void give_forces(double, System& system) override {
+        Chain& k = system.chain;
+        for (int i = 0; i < robot_.n; ++i) {
+            const double c = k.c[i], s = k.s[i], w = k.omega[i], m = robot_.m;
+            const double vt = c * k.vx[i] + s * k.vy[i], vn = -s * k.vx[i] + c * k.vy[i];
+            const double rounding = 1e-14 * (std::fabs(k.vx[i]) + std::fabs(k.vy[i]));
+            const double gt = c * k.ax[i] + s * k.ay[i] + w * vn;
+            const double gn = -s * k.ax[i] + c * k.ay[i] - w * vt;
+            const double ft = m * along(0).friction(vt, gt, std::fabs(vt) <= rounding);
+            const double fn = m * across(0).friction(vn, gn, std::fabs(vn) <= rounding);
+            k.fx[i] += c * ft - s * fn, k.fy[i] += s * ft + c * fn;
+        }
+    }
+
+  protected:
+    void advance(double t, double dt, double* y) override {
+        whole_.assign(y, y + whole_.size());
+        plain(t, dt, whole_.data(), of_whole_);
+        plain(t, dt / 2, y, of_halves_);
+        plain(t + dt / 2, dt / 2, y, of_halves_);
+        for (std::size_t i = 0; i < whole_.size(); ++i) y[i] = 2 * y[i] - whole_[i];
+        if (!ground_.dry()) return;  // nothing rests, and momentum is kept as the frame keeps it
+        system_.fill(t + dt, y);
+        const Slide t_way = along(dt), n_way = across(dt);
+        for (int i = 0; i < robot_.n; ++i)
+            set_velocity(i, t_way.extrapolate(of_halves_[2 * i], of_whole_[2 * i]),
+                         n_way.extrapolate(of_halves_[2 * i + 1], of_whole_[2 * i + 1]), y);
+    }
+
+  private:
+    Slide along(double h) const { return {ground_.ct, ground_.ft0, robot_.m, h}; }
+    Slide across(double h) const { return {ground_.cn, ground_.fn0, robot_.m, h}; }
+
+    // Speed of wheel i along and across its link, in the directions that the chain has.
+    double speed_t(int i, const double* y) const {
+        return system_.chain.c[i] * y[2 * robot_.n + i] + system_.chain.s[i] * y[3 * robot_.n + i];
+    }
+    double speed_n(int i, const double* y) const {
+        return system_.chain.c[i] * y[3 * robot_.n + i] - system_.chain.s[i] * y[2 * robot_.n + i];
+    }
+    void set_velocity(int i, double vt, double vn, double* y) const {
+        const double c = system_.chain.c[i], s = system_.chain.s[i];
+        y[2 * robot_.n + i] = c * vt - s * vn, y[3 * robot_.n + i] = s * vt + c * vn;
+    }
+
+    void plain(double t, double h, double* y, std::vector<double>& speed) {
+        const int n = robot_.n;
+        const Slide t_way = along(h), n_way = across(h);
+        system_.rate(t, y, dy_.data());
+        for (int i = 0; i < n; ++i) speed[2 * i] = speed_t(i, y), speed[2 * i + 1] = speed_n(i, y);
+        for (std::size_t i = 2 * n; i < dy_.size(); ++i)
+            if (rate_of_[i] < 0) y[i] += h * dy_[i];
+        for (std::size_t i = 4 * n; i < dy_.size(); ++i)
+            if (rate_of_[i] >= 0) y[i] += h * y[rate_of_[i]];
+        system_.fill(t + h, y);  // the directions at the end of the step
+        for (int i = 0; i < n; ++i) {
+            double &vt = speed[2 * i], &vn = speed[2 * i + 1];
+            vt = t_way(vt, (speed_t(i, y) - vt) / h);
+            vn = n_way(vn, (speed_n(i, y) - vn) / h);
+            set_velocity(i, vt, vn, y);
+            y[i] += h * y[2 * n + i], y[n + i] += h * y[3 * n + i];
+        }
+    }
+
+    Robot robot_;
+    Ground ground_;
+    std::vector<int> rate_of_;
+    std::vector<double> dy_, whole_, of_whole_, of_halves_;
+};
+
+}  // namespace serpenoid

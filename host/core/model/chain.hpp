@@ -1,0 +1,55 @@
+// Where every link is and what acts on it, in the frame of the ground: shared by all models.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "model/params.hpp"
+
+namespace serpenoid {
+
+// Arrays over the links, SI units; accelerations are results, forces are those of the ground.
+struct Chain {
+    explicit Chain(int n)
+        : x(n),
+          y(n),
+          theta(n),
+          vx(n),
+          vy(n),
+          omega(n),
+          ax(n),
+          ay(n),
+          alpha(n),
+          fx(n),
+          fy(n),
+          c(n),
+          s(n) {}
+    int n() const { return static_cast<int>(x.size()); }
+
+    void directions() {
+        for (int i = 0; i < n(); ++i) {
+            const double angle = theta[i];  // a copy: the pair is one call then
+            c[i] = std::cos(angle), s[i] = std::sin(angle);
+        }
+    }
+
+    // Positions and velocities of all links from those of link 1 and all angles (Eqs. 10-21).
+    void follow(double l) {
+        for (int i = 0; i + 1 < n(); ++i) {
+            x[i + 1] = x[i] + l * (c[i] + c[i + 1]);
+            y[i + 1] = y[i] + l * (s[i] + s[i + 1]);
+            vx[i + 1] = vx[i] - l * (omega[i] * s[i] + omega[i + 1] * s[i + 1]);
+            vy[i + 1] = vy[i] + l * (omega[i] * c[i] + omega[i + 1] * c[i + 1]);
+        }
+    }
+
+    std::vector<double> x, y, theta, vx, vy, omega, ax, ay, alpha, fx, fy, c, s;
+};
+
+// Forces and torques of the joints: on link i from link i+1, i = 0..n-2.
+struct Joints {
+    explicit Joints(int n) : Fx(n - 1), Fy(n - 1), T(n - 1) {}
+    std::vector<double> Fx, Fy, T;
+};
+
+}  // namespace serpenoid

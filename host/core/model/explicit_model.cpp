@@ -1,0 +1,167 @@
+// The exact (explicit) model for any number of links; derivations in explicit_model.hpp.
+#include "model/explicit_model.hpp"
+
+#include "model/joint_sums.hpp"
+#include "model/tail_acceleration.hpp"
+#include "numerics/dense.hpp"
+
+namespace serpenoid {
+
+void explicit_angle(const Robot& robot, const double* bend, Chain& k, Joints& joints) {
+    TailSums sums{k.fx[0], k.fy[0]};
+    Along at{};
+    HalfLink before = HalfLink::of(robot.l, k.c[0], k.s[0], k.omega[0]);
+    k.ax[0] = k.ay[0] = k.alpha[0] = 0;
+    for (int i = 1; i < k.n(); ++i) {
+        at.turn += bend[i - 1];
+        const HalfLink now = HalfLink::of(robot.l, k.c[i], k.s[i], k.omega[i], at.turn);
+        at.pass(before, now);
+        before = now;
+        k.ax[i] = at.bx, k.ay[i] = at.by, k.alpha[i] = at.turn;
+        sums.add(robot.m, at, k.fx[i], k.fy[i]);
+    }
+    const TailMotion tail = sums.solve(robot);
+    JointSums behind;
+    for (int i = 0; i < k.n(); ++i) {
+        const double rx = k.x[i] - k.x[0], ry = k.y[i] - k.y[0];
+        k.ax[i] += tail.ax - tail.alpha * ry, k.ay[i] += tail.ay + tail.alpha * rx;
+        k.alpha[i] += tail.alpha;
+        if (i + 1 == k.n()) break;
+        behind.add(robot, -k.s[i], k.c[i], k.ax[i], k.ay[i], k.alpha[i], k.fx[i], k.fy[i]);
+        joints.Fx[i] = behind.Fx, joints.Fy[i] = behind.Fy, joints.T[i] = behind.T;
+    }
+}
+
+// Accelerations of the links from the forces and torques of all joints (Eqs. 1-9).
+static void accelerate(const Robot& r, Chain& k, const Joints& joints) {
+    double px = 0, py = 0, pT = 0;  // of the joint before
+    for (int i = 0; i < k.n(); ++i) {
+        const bool head = i + 1 == k.n();
+        const double qx = head ? 0 : joints.Fx[i], qy = head ? 0 : joints.Fy[i];
+        const double qT = head ? 0 : joints.T[i];
+        k.ax[i] = (k.fx[i] + qx - px) / r.m;
+        k.ay[i] = (k.fy[i] + qy - py) / r.m;
+        k.alpha[i] = (qT - pT + r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy))) / r.I;
+        px = qx, py = qy, pT = qT;
+    }
+}
+
+void explicit_torque(const Robot& robot, Chain& k, Joints& joints) {
+    const int n = k.n();
+    const double im = 1 / robot.m, l = robot.l, ll = l * l / robot.I;
+    struct Block {
+        double xx, xy, yy;  // symmetric 2 x 2
+    };
+    const auto normal = [&](int i) {
+        return Block{ll * k.s[i] * k.s[i], -ll * k.s[i] * k.c[i], ll * k.c[i] * k.c[i]};
+    };
+    const auto torque = [&](int i) {
+        return (i < n - 1 ? joints.T[i] : 0.0) - (i > 0 ? joints.T[i - 1] : 0.0);
+    };
+    std::vector<double> upper(4 * n);  // D_i^-1 times the block to the next joint
+    for (int i = 0; i + 1 < n; ++i) {
+        const Block a = normal(i), b = normal(i + 1);
+        double D[4] = {2 * im + a.xx + b.xx, a.xy + b.xy, a.xy + b.xy, 2 * im + a.yy + b.yy};
+        const double ti = torque(i) * l / robot.I, tj = torque(i + 1) * l / robot.I;
+        const double wi = l * k.omega[i] * k.omega[i], wj = l * k.omega[i + 1] * k.omega[i + 1];
+        double rhs[6] = {0, 0, 0, 0, 0, 0};  // rows of (block, r)
+        rhs[2] = (k.fx[i + 1] - k.fx[i]) * im + k.s[i] * ti + k.s[i + 1] * tj + k.c[i] * wi +
+                 k.c[i + 1] * wj;
+        rhs[5] = (k.fy[i + 1] - k.fy[i]) * im - k.c[i] * ti - k.c[i + 1] * tj + k.s[i] * wi +
+                 k.s[i + 1] * wj;
+        if (i + 2 < n) rhs[0] = b.xx - im, rhs[1] = b.xy, rhs[3] = b.xy, rhs[4] = b.yy - im;
+        if (i > 0) {  // eliminate the joint before: its block is a - 1/m
+            const double* U = &upper[4 * (i - 1)];
+            const double lower[4] = {a.xx - im, a.xy, a.xy, a.yy - im};
+            for (int r = 0; r < 2; ++r) {
+                for (int c = 0; c < 2; ++c)
+                    D[2 * r + c] -= lower[2 * r] * U[c] + lower[2 * r + 1] * U[2 + c];
+                rhs[3 * r + 2] -=
+                    lower[2 * r] * joints.Fx[i - 1] + lower[2 * r + 1] * joints.Fy[i - 1];
+            }
+        }
+        solve_dense<2, 3>(D, rhs);
+        upper[4 * i] = rhs[0], upper[4 * i + 1] = rhs[1];
+        upper[4 * i + 2] = rhs[3], upper[4 * i + 3] = rhs[4];
+        joints.Fx[i] = rhs[2], joints.Fy[i] = rhs[5];
+    }
+    for (int i = n - 3; i >= 0; --i) {
+        const double* U = &upper[4 * i];
+        joints.Fx[i] -= U[0] * joints.Fx[i + 1] + U[1] * joints.Fy[i + 1];
+        joints.Fy[i] -= U[2] * joints.Fx[i + 1] + U[3] * joints.Fy[i + 1];
+    }
+    accelerate(robot, k, joints);
+}
+
+namespace {
+
+// The three rows of joint i, each over (F_x, F_y, T) of joints i - 1, i, i + 1, and the right side.
+struct JointRows {
+    double before[9], here[9], after[9], right[3];
+};
+
+JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double known) {
+    const double im = 1 / r.m, lI = r.l / r.I, ll = r.l * lI, iI = 1 / r.I;
+    const double a[2] = {-k.s[i], k.c[i]}, b[2] = {-k.s[i + 1], k.c[i + 1]};  // n_i, n_{i+1}
+    const double wi = r.l * k.omega[i] * k.omega[i];
+    const double wj = r.l * k.omega[i + 1] * k.omega[i + 1];
+    JointRows rows{};
+    for (int p = 0; p < 2; ++p) {
+        for (int q = 0; q < 2; ++q) {
+            const double one = p == q ? im : 0;
+            rows.before[3 * p + q] = ll * a[p] * a[q] - one;
+            rows.here[3 * p + q] = ll * (a[p] * a[q] + b[p] * b[q]) + 2 * one;
+            rows.after[3 * p + q] = ll * b[p] * b[q] - one;
+        }
+        rows.before[3 * p + 2] = -lI * a[p];
+        rows.here[3 * p + 2] = lI * (a[p] - b[p]);
+        rows.after[3 * p + 2] = lI * b[p];
+    }
+    rows.right[0] = (k.fx[i + 1] - k.fx[i]) * im + k.c[i] * wi + k.c[i + 1] * wj;
+    rows.right[1] = (k.fy[i + 1] - k.fy[i]) * im + k.s[i] * wi + k.s[i + 1] * wj;
+    rows.right[2] = imposed ? -known : known;
+    if (!imposed) return rows.here[8] = 1, rows;
+    for (int q = 0; q < 2; ++q) {
+        rows.before[6 + q] = lI * a[q];
+        rows.here[6 + q] = lI * (a[q] - b[q]);
+        rows.after[6 + q] = -lI * b[q];
+    }
+    rows.before[8] = rows.after[8] = -iI, rows.here[8] = 2 * iI;
+    return rows;
+}
+
+}  // namespace
+
+void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* bend,
+                    Chain& k, Joints& joints) {
+    const int last = k.n() - 2;
+    std::vector<double> upper(9 * (last + 1));
+    std::vector<Vec3> found(last + 1);
+    for (int i = 0; i <= last; ++i) {
+        JointRows rows = joint_rows(robot, k, i, imposed[i], imposed[i] ? bend[i] : joints.T[i]);
+        double rhs[12];  // (block to the next joint, right side)
+        for (int p = 0; p < 3; ++p) {
+            for (int q = 0; q < 3; ++q) rhs[4 * p + q] = i < last ? rows.after[3 * p + q] : 0;
+            rhs[4 * p + 3] = rows.right[p];
+            for (int j = 0; j < 3 && i > 0; ++j) {  // eliminate the joint before
+                const double f = rows.before[3 * p + j];
+                for (int q = 0; q < 3; ++q)
+                    rows.here[3 * p + q] -= f * upper[9 * (i - 1) + 3 * j + q];
+                rhs[4 * p + 3] -= f * found[i - 1][j];
+            }
+        }
+        solve_dense<3, 4>(rows.here, rhs);
+        for (int p = 0; p < 3; ++p) {
+            for (int q = 0; q < 3; ++q) upper[9 * i + 3 * p + q] = rhs[4 * p + q];
+            found[i][p] = rhs[4 * p + 3];
+        }
+    }
+    for (int i = last; i >= 0; --i) {
+        for (int p = 0; p < 3 && i < last; ++p)
+            for (int q = 0; q < 3; ++q) found[i][p] -= upper[9 * i + 3 * p + q] * found[i + 1][q];
+        joints.Fx[i] = found[i][0], joints.Fy[i] = found[i][1], joints.T[i] = found[i][2];
+    }
+    accelerate(robot, k, joints);
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,59 @@
+// The gait formula (Eq. 57) in double precision: the reference that the firmware is held to.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "model/params.hpp"
+
+namespace serpenoid {
+
+// The gait at one time: angle, rate and second derivative of every joint. A view of a GaitTable.
+struct GaitWave {
+    double sin_a, cos_a;      // alpha sin(omega t), alpha cos(omega t)
+    double sin_w, cos_w;      // omega times these
+    double offset, minus_ww;  // -omega^2
+    const double *cos, *sin;  // of i beta
+    struct Joint {
+        double angle, rate, bend;  // phi, phi', phi''
+    };
+    INLINED Joint at(int i) const {
+        const double swing = sin_a * cos[i] + cos_a * sin[i];
+        return {offset + swing, cos_w * cos[i] - sin_w * sin[i], minus_ww * swing};
+    }
+};
+
+// phi_i and its first two derivatives by the phase tau = omega t, for joints 0..n-2.
+// sin(tau + i beta) = sin tau cos(i beta) + cos tau sin(i beta), so a time costs one sine pair.
+class GaitTable {
+  public:
+    GaitTable(int links, const Gait& g) : alpha_(g.alpha), offset_(g.offset) {
+        for (int i = 0; i + 1 < links; ++i) {
+            cos_.push_back(std::cos(i * g.beta));
+            sin_.push_back(std::sin(i * g.beta));
+        }
+    }
+
+    struct Joint {
+        double angle, rate, curvature;  // phi, dphi/dtau, d2phi/dtau2
+    };
+
+    Joint at(int i, double sin_tau, double cos_tau) const {
+        const double s = alpha_ * (sin_tau * cos_[i] + cos_tau * sin_[i]);
+        const double c = alpha_ * (cos_tau * cos_[i] - sin_tau * sin_[i]);
+        return {offset_ + s, c, -s};
+    }
+
+    GaitWave wave(double omega, double t) const {
+        const double s = alpha_ * std::sin(omega * t), c = alpha_ * std::cos(omega * t);
+        return {s, c, omega * s, omega * c, offset_, -omega * omega, cos_.data(), sin_.data()};
+    }
+
+    int joints() const { return static_cast<int>(cos_.size()); }
+
+  private:
+    double alpha_, offset_;
+    std::vector<double> cos_, sin_;
+};
+
+}  // namespace serpenoid

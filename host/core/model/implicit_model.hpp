@@ -1,0 +1,130 @@
+// The paper's implicit model: links joined by a spring and a damper instead of a pin (Eqs. 51-56).
+//
+//     Delta_i = (c_{i+1} - l t_{i+1}) - (c_i + l t_i),   F_i = k Delta_i + c Delta_i',
+//     m a_i = f_i + F_i - F_{i-1},
+// torques imposed:  I theta_i'' = T_i - T_{i-1} + l n_i . (F_i + F_{i-1})
+// angles imposed:   n I theta_1'' = sum l n_i . (F_i + F_{i-1}) - I sum s_i''.
+#pragma once
+
+#include <vector>
+
+#include "model/chain.hpp"
+
+namespace serpenoid {
+
+struct JointSpring {
+    double k, c;  // N/m, N s/m
+};
+
+// Delta_i and its rate.
+struct Gap {
+    double x, y, vx, vy;
+};
+
+inline Gap gap(const Chain& k, double l, int i) {
+    return {k.x[i + 1] - k.x[i] - l * (k.c[i + 1] + k.c[i]),
+            k.y[i + 1] - k.y[i] - l * (k.s[i + 1] + k.s[i]),
+            k.vx[i + 1] - k.vx[i] + l * (k.omega[i + 1] * k.s[i + 1] + k.omega[i] * k.s[i]),
+            k.vy[i + 1] - k.vy[i] - l * (k.omega[i + 1] * k.c[i + 1] + k.omega[i] * k.c[i])};
+}
+
+// The dampers act on the rates of the gaps as they are ...
+struct LiveDamper {
+    explicit LiveDamper(int) {}
+    double x(const Gap& g, int) const { return g.vx; }
+    double y(const Gap& g, int) const { return g.vy; }
+    void latch(const Chain&, double) {}
+};
+
+// ... or, in the paper's scheme, on those of the last latch.
+struct HeldDamper {
+    explicit HeldDamper(int links) : vx(links - 1), vy(links - 1) {}
+    double x(const Gap&, int i) const { return vx[i]; }
+    double y(const Gap&, int i) const { return vy[i]; }
+    void latch(const Chain& k, double l) {
+        for (int i = 0; i + 1 < k.n(); ++i) {
+            const Gap g = gap(k, l, i);
+            vx[i] = g.vx, vy[i] = g.vy;
+        }
+    }
+    std::vector<double> vx, vy;
+};
+
+// Forces of all joints from the gaps between the links.
+template <class Damper>
+void spring_forces(const Robot& r, const JointSpring& spring, const Damper& damper, const Chain& k,
+                   Joints& joints) {
+    for (int i = 0; i + 1 < k.n(); ++i) {
+        const Gap g = gap(k, r.l, i);
+        joints.Fx[i] = spring.k * g.x + spring.c * damper.x(g, i);
+        joints.Fy[i] = spring.k * g.y + spring.c * damper.y(g, i);
+    }
+}
+
+// l n_i . (F_i + F_{i-1}), the couple of the joint forces on link i; also fills a_i.
+inline double link_balance(const Robot& r, Chain& k, const Joints& joints, int i) {
+    const double px = i > 0 ? joints.Fx[i - 1] : 0, py = i > 0 ? joints.Fy[i - 1] : 0;
+    const double qx = i + 1 < k.n() ? joints.Fx[i] : 0, qy = i + 1 < k.n() ? joints.Fy[i] : 0;
+    k.ax[i] = (k.fx[i] + qx - px) / r.m;
+    k.ay[i] = (k.fy[i] + qy - py) / r.m;
+    return r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy));
+}
+
+// The four below take a chain and the joint forces, and fill its accelerations.
+
+// Angles imposed: bend[j] = phi_j''. Returns theta_1''; k.alpha gets the couples of the links.
+inline double implicit_turn(const Robot& r, const double* bend, Chain& k, const Joints& joints) {
+    double turn = 0, turns = 0, couples = 0;
+    for (int i = 0; i < k.n(); ++i) {
+        if (i > 0) turn += bend[i - 1];
+        turns += turn;
+        k.alpha[i] = link_balance(r, k, joints, i);
+        couples += k.alpha[i];
+    }
+    return (couples - r.I * turns) / (k.n() * r.I);
+}
+
+// The same, and the torques, which follow from the angular equation of each link.
+inline void implicit_angle(const Robot& r, const double* bend, Chain& k, Joints& joints) {
+    double angular = implicit_turn(r, bend, k, joints), T = 0;
+    for (int i = 0; i < k.n(); ++i) {
+        if (i > 0) angular += bend[i - 1];
+        T += r.I * angular - k.alpha[i];
+        k.alpha[i] = angular;
+        if (i + 1 < k.n()) joints.T[i] = T;
+    }
+}
+
+// Torques imposed: joints.T is input.
+inline void implicit_torque(const Robot& r, Chain& k, Joints& joints) {
+    for (int i = 0; i < k.n(); ++i) {
+        const double T = (i + 1 < k.n() ? joints.T[i] : 0.0) - (i > 0 ? joints.T[i - 1] : 0.0);
+        k.alpha[i] = (T + link_balance(r, k, joints, i)) / r.I;
+    }
+}
+
+// Some joints imposed, the others free, as explicit_mixed; the imposed torques solve
+//     (2T_i - T_{i-1} - T_{i+1})/I = (couple_{i+1} - couple_i)/I - phi_i''.
+inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed, const double* bend,
+                           std::vector<double>& scratch, Chain& k, Joints& joints) {
+    const int n = k.n();
+    for (int i = 0; i < n; ++i) k.alpha[i] = link_balance(r, k, joints, i);  // couples, for now
+    double ratio = 0;  // what the elimination left beside the diagonal of the row before
+    for (int i = 0; i + 1 < n; ++i) {
+        if (!imposed[i]) {
+            scratch[i] = ratio = 0;
+            continue;
+        }
+        const double right = k.alpha[i + 1] - k.alpha[i] - r.I * bend[i];
+        const double diagonal = 2 - ratio;
+        joints.T[i] = (right + (i > 0 ? joints.T[i - 1] : 0)) / diagonal;
+        scratch[i] = ratio = 1 / diagonal;
+    }
+    for (int i = n - 3; i >= 0; --i) joints.T[i] += scratch[i] * joints.T[i + 1];
+    for (int i = 0; i < n; ++i) {
+        const double T = (i + 1 < n ? joints.T[i] : 0.0) - (i > 0 ? joints.T[i - 1] : 0.0);
+        k.alpha[i] = (T + k.alpha[i]) / r.I;
+    }
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,165 @@
+// The active-set method of kinked_quadratic.hpp.
+#include "numerics/kinked_quadratic.hpp"
+
+namespace serpenoid {
+
+bool Convex3::factor(const Mat3& H) {
+    double* L = chol_;
+    L[0] = std::sqrt(H[0]);
+    L[1] = H[3] / L[0];
+    L[2] = std::sqrt(H[4] - L[1] * L[1]);
+    L[3] = H[6] / L[0];
+    L[4] = (H[7] - L[3] * L[1]) / L[2];
+    L[5] = std::sqrt(H[8] - L[3] * L[3] - L[4] * L[4]);
+    return L[0] > 0 && L[2] > 0 && L[5] > 0 && std::isfinite(L[5]);
+}
+
+Vec3 Convex3::apply_inverse(const Vec3& r) const {
+    const double* L = chol_;
+    const double y0 = r[0] / L[0], y1 = (r[1] - L[1] * y0) / L[2];
+    const double y2 = (r[2] - L[3] * y0 - L[4] * y1) / L[5];
+    const double z2 = y2 / L[5], z1 = (y1 - L[4] * z2) / L[2];
+    return {(y0 - L[1] * z1 - L[3] * z2) / L[0], z1, z2};
+}
+
+// Minimum over the subspace of held kinks with the present signs, and the held kinks' multipliers:
+// H w + sum_free mu s g + G^T nu = b,  G w + e = 0. False when the held rows are dependent.
+bool Convex3::target(const Vec3& b, const std::vector<Kink>& kinks, Vec3& w) {
+    Vec3 r = b;
+    for (std::size_t c = 0; c < kinks.size(); ++c)
+        if (!held(static_cast<int>(c)))
+            for (int i = 0; i < 3; ++i) r[i] -= kinks[c].mu * sign_[c] * kinks[c].g[i];
+    w = apply_inverse(r);
+    if (count_ == 0) return true;
+    Vec3 column[3];
+    double S[9]{}, nu[3]{};
+    for (int a = 0; a < count_; ++a) column[a] = apply_inverse(kinks[held_[a]].g);
+    for (int a = 0; a < count_; ++a) {
+        const Vec3& g = kinks[held_[a]].g;
+        for (int k = 0; k < count_; ++k)
+            S[a * count_ + k] = g[0] * column[k][0] + g[1] * column[k][1] + g[2] * column[k][2];
+        nu[a] = kinks[held_[a]].at(w);
+    }
+    // independent rows only: compare the determinant with the product of the diagonal
+    double scale = 1, det = S[0];
+    for (int a = 0; a < count_; ++a) scale *= S[a * count_ + a];
+    if (count_ == 2) det = S[0] * S[3] - S[1] * S[2];
+    if (count_ == 3)
+        det = S[0] * (S[4] * S[8] - S[5] * S[7]) - S[1] * (S[3] * S[8] - S[5] * S[6]) +
+              S[2] * (S[3] * S[7] - S[4] * S[6]);
+    if (!(det > 1e-13 * scale)) return false;
+    const bool solved = count_ == 1   ? solve_dense<1, 1>(S, nu)
+                        : count_ == 2 ? solve_dense<2, 1>(S, nu)
+                                      : solve_dense<3, 1>(S, nu);
+    if (!solved) return false;
+    for (int a = 0; a < count_; ++a) {
+        multiplier_[a] = nu[a];
+        for (int i = 0; i < 3; ++i) w[i] -= nu[a] * column[a][i];
+    }
+    return true;
+}
+
+// Go from w_ along p to the minimum of the whole function on the line. Returns the kink that stops
+// the move, or -1; `turned` tells whether kinks were crossed on the way (their signs are changed).
+int Convex3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& kinks,
+                         bool& turned) {
+    const Vec3 Hp = multiply(H, p);
+    const double curvature = p[0] * Hp[0] + p[1] * Hp[1] + p[2] * Hp[2];
+    turned = false;
+    breaks_.clear();
+    for (std::size_t c = 0; c < kinks.size(); ++c) {
+        if (held(static_cast<int>(c))) continue;
+        const Kink& k = kinks[c];
+        const double rate = k.g[0] * p[0] + k.g[1] * p[1] + k.g[2] * p[2];
+        if (rate * sign_[c] >= 0) continue;  // moving away from its kink
+        const double t = std::max(0.0, -k.at(w_) / rate);
+        if (t < 1) breaks_.push_back({t, 2 * k.mu * std::fabs(rate), static_cast<int>(c)});
+    }
+    std::sort(breaks_.begin(), breaks_.end(), [](const Break& a, const Break& b) {
+        return a.t < b.t || (a.t == b.t && a.kink < b.kink);
+    });
+    double slope0 = -curvature, t = 1;  // slope at t is slope0 + t curvature, zero at t = 1
+    int stop = -1;
+    for (const Break& k : breaks_) {
+        const double here = slope0 + k.t * curvature;
+        if (here >= 0) break;
+        if (here + k.jump >= 0) {
+            t = k.t, stop = k.kink;
+            break;
+        }
+        sign_[k.kink] = -sign_[k.kink];
+        slope0 += k.jump;
+        turned = true;
+    }
+    if (stop < 0 && curvature > 0) t = std::min(1.0, -slope0 / curvature);
+    for (int i = 0; i < 3; ++i) w_[i] += t * p[i];
+    return stop;
+}
+
+// Let go of the held kink that pulls hardest beyond its bound; false when all are within theirs.
+bool Convex3::release(const std::vector<Kink>& kinks) {
+    int worst = -1;
+    double most = 1 + 1e-12;
+    for (int a = 0; a < count_; ++a) {
+        const double pull = std::fabs(multiplier_[a]) / kinks[held_[a]].mu;
+        if (pull > most) most = pull, worst = a;
+    }
+    if (worst < 0) return false;
+    sign_[held_[worst]] = multiplier_[worst] > 0 ? 1 : -1;
+    held_[worst] = held_[--count_];
+    return true;
+}
+
+// The minimum for the sets of the last call; true when it turns out to be the minimum itself.
+bool Convex3::warm_start(const Vec3& b, const std::vector<Kink>& kinks) {
+    if (sign_.size() != kinks.size()) sign_.assign(kinks.size(), 1.0), count_ = 0;
+    for (double& s : sign_) s = s < 0 ? -1 : 1;
+    if (!target(b, kinks, w_)) {
+        count_ = 0;
+        target(b, kinks, w_);
+    }
+    bool right = true;
+    for (std::size_t c = 0; c < kinks.size(); ++c) {
+        if (held(static_cast<int>(c))) continue;
+        if (kinks[c].at(w_) * sign_[c] < 0) sign_[c] = -sign_[c], right = false;
+    }
+    for (int a = 0; a < count_; ++a)
+        right = right && std::fabs(multiplier_[a]) <= kinks[held_[a]].mu * (1 + 1e-12);
+    return right;
+}
+
+bool Convex3::solve(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks) {
+    if (!factor(H)) return false;
+    bool done = warm_start(b, kinks);
+    const int most = 50 + 20 * static_cast<int>(kinks.size());
+    for (int i = 0; !done && i < most; ++i) {
+        Vec3 to, p;
+        if (!target(b, kinks, to)) {  // a dependent row joined by rounding: let the newest go
+            --count_;
+            continue;
+        }
+        bool turned = false;
+        int stop = -1;
+        if (count_ < 3) {
+            for (int k = 0; k < 3; ++k) p[k] = to[k] - w_[k];
+            stop = line_search(H, p, kinks, turned);
+        } else {
+            w_ = to;
+        }
+        if (stop >= 0)
+            held_[count_++] = stop;
+        else if (!turned)
+            done = !release(kinks);
+    }
+    for (int a = 0; a < count_; ++a)
+        sign_[held_[a]] = std::clamp(multiplier_[a] / kinks[held_[a]].mu, -1.0, 1.0);
+    return done;
+}
+
+bool Convex3::solve_fixed(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks) {
+    if (!factor(H) || !target(b, kinks, w_)) return false;
+    for (int a = 0; a < count_; ++a) sign_[held_[a]] = multiplier_[a] / kinks[held_[a]].mu;
+    return true;
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,32 @@
+// The periodic state of a gait, explicit model: what is asked for and what comes back.
+#pragma once
+
+#include "model/params.hpp"
+#include "numerics/dense.hpp"
+
+namespace serpenoid {
+
+struct SteadyOptions {
+    double rtol;       // of the speed, and of the powers when they are asked for
+    bool powers;       // also the means of |P_i| and P_i^+, which need every joint torque
+    int max_elements;  // of the finest mesh
+};
+
+// Speeds in m/s, powers in W, averaged over a period once the start is forgotten.
+struct SteadyState {
+    double speed = 0;           // |displacement over a period| / period
+    double power = 0;           // net mean of -sum T_i phi_i'; equals the mean dissipation
+    double abs_power = 0;       // mean of sum |T_i phi_i'|
+    double positive_power = 0;  // mean of sum max(-T_i phi_i', 0)
+    double turn = 0;            // change of heading per cycle, rad
+    double direction = 0;       // direction of travel from the heading of link 1 at phase 0, rad
+    double speed_error = 0;     // estimates, same units as the quantity
+    double power_error = 0;
+    Vec3 start{};        // u = (Vx, Vy, w) in the body frame at phase 0; m/s, m/s, rad/s
+    Mat3 monodromy{};    // d(state after a period)/d(state) in (Vx, Vy, L)
+    int elements = 0;    // of the mesh that gave the result (0: adaptive steps)
+    int iterations = 0;  // Newton iterations or map evaluations, all meshes
+    bool converged = false;
+};
+
+}  // namespace serpenoid

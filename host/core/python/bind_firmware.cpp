@@ -1,0 +1,197 @@
+// The firmware's own code for Python, as serpenoid._core.firmware: gait, protocol, a whole board.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "crc16.h"
+#include "drive/firmware_gait.hpp"
+#include "error_codes.h"
+#include "fields.h"
+#include "virtual_board.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+void check(const char* name, double value, double limit) {
+    if (std::fabs(value) <= limit) return;
+    throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
+                                "; the firmware takes a magnitude of at most " +
+                                std::to_string(limit));
+}
+
+using Angles = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
+
+Angles gait_setpoints_rad(double alpha_rad, double beta_rad, double omega_rad_s, double offset_rad,
+                          int64_t first_frame, size_t frames, size_t joints) {
+    if (joints > 255) throw std::invalid_argument("the firmware's gait takes at most 255 joints");
+    if (!(omega_rad_s >= 0)) throw std::invalid_argument("omega_rad_s must be at least 0");
+    check("alpha_rad", alpha_rad, kPi / 2), check("offset_rad", offset_rad, kPi / 2);
+    check("beta_rad", beta_rad, kPi), check("omega_rad_s", omega_rad_s, 50);
+    const serpenoid::FirmwareGait gait({alpha_rad, beta_rad, omega_rad_s, offset_rad});
+    double* const angles = new double[frames * joints + 1];
+    nb::capsule owner(angles, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+    for (size_t k = 0; k < frames; ++k)
+        gait.setpoints(static_cast<uint64_t>(first_frame) + k, angles + k * joints, joints);
+    return Angles(angles, {frames, joints}, owner);
+}
+
+std::string text(nb::bytes data) { return std::string(data.c_str(), data.size()); }
+
+firmware::Reset reset_named(const std::string& name) {
+    using firmware::Reset;
+    for (const Reset r : {Reset::Power, Reset::Brownout, Reset::External, Reset::Watchdog}) {
+        if (name == firmware::reset_name(r)) return r;
+    }
+    throw std::invalid_argument("reset is '" + name +
+                                "'; it must be power, brownout, external or watchdog");
+}
+
+nb::dict counters(const firmware::VirtualBoard& board) {
+    const firmware::Counters& c = board.controller().counters();
+    nb::dict found;
+    found["good"] = c.good, found["crc"] = c.crc, found["nocrc"] = c.nocrc;
+    found["garbled"] = c.garbled, found["overlong"] = c.overlong, found["sequence"] = c.sequence;
+    found["lost"] = c.lost, found["repeated"] = c.repeated, found["dropped"] = c.dropped;
+    found["overruns"] = c.overruns, found["limited"] = c.limited;
+    return found;
+}
+
+void set_eeprom(firmware::VirtualBoard& board, nb::bytes data) {
+    if (data.size() != firmware::VirtualBoard::kEepromBytes) {
+        throw std::invalid_argument("the EEPROM has 1024 bytes, not " +
+                                    std::to_string(data.size()));
+    }
+    const uint8_t* const bytes = reinterpret_cast<const uint8_t*>(data.c_str());
+    board.eeprom().assign(bytes, bytes + data.size());
+}
+
+void bind_board(nb::module_& m) {
+    using firmware::VirtualBoard;
+    nb::class_<VirtualBoard>(m, "Board",
+                             "The firmware's controller on a simulated clock, wire and servos.\n\n"
+                             "It must be booted before it is run; the wire has its true pace.")
+        .def(nb::init<uint64_t>(), "start_us"_a = 0)
+        .def(
+            "boot",
+            [](VirtualBoard& b, const std::string& reset, uint32_t first_frame) {
+                b.boot(reset_named(reset), first_frame);
+            },
+            "reset"_a = "power", "first_frame"_a = 0,
+            "Start anew with the same EEPROM; what was on the wire is lost.")
+        .def(
+            "run",
+            [](VirtualBoard& b, double seconds) {
+                if (!(seconds >= 0 && seconds <= 1e6)) {
+                    throw std::invalid_argument("seconds must be 0 to 1e6");
+                }
+                nb::gil_scoped_release release;
+                b.run(static_cast<uint64_t>(std::llround(seconds * 1e6)));
+            },
+            "seconds"_a, "Let so much of the board's time pass.")
+        .def(
+            "stall",
+            [](VirtualBoard& b, double seconds) {
+                b.stall(static_cast<uint64_t>(std::llround(seconds * 1e6)));
+            },
+            "seconds"_a, "Let time pass without the programme running.")
+        .def(
+            "write", [](VirtualBoard& b, nb::bytes data) { b.put(text(data)); }, "data"_a,
+            "Put bytes on the wire to the board.")
+        .def(
+            "read",
+            [](VirtualBoard& b) {
+                const std::string bytes = b.take();
+                return nb::bytes(bytes.data(), bytes.size());
+            },
+            "Return all bytes that have arrived from the board since the last call.")
+        .def_prop_rw(
+            "eeprom",
+            [](VirtualBoard& b) { return nb::bytes(b.eeprom().data(), b.eeprom().size()); },
+            &set_eeprom, "All 1024 bytes; change them while it is not running.")
+        .def_prop_ro("time_s",
+                     [](VirtualBoard& b) { return static_cast<double>(b.now_us()) * 1e-6; })
+        .def_prop_ro("state",
+                     [](VirtualBoard& b) {
+                         return std::string(firmware::state_name(b.controller().state()));
+                     })
+        .def_prop_ro("frame", [](VirtualBoard& b) { return b.controller().frame_number(); })
+        .def_prop_ro("boot_id", [](VirtualBoard& b) { return b.controller().boot_id(); })
+        .def_prop_ro("session", [](VirtualBoard& b) { return b.controller().session(); })
+        .def_prop_ro("counters", &counters, "Counts since boot, by the names of PROTOCOL.md.")
+        .def_prop_ro(
+            "setpoints_rad",
+            [](VirtualBoard& b) {
+                std::vector<double> angles;
+                for (uint8_t i = 0; i < firmware::kJoints; ++i) {
+                    angles.push_back(b.controller().motion().setpoints_q14()[i] / 16384.0);
+                }
+                return angles;
+            },
+            "The five joint setpoints, tail first.")
+        .def_prop_ro(
+            "pulses_us",
+            [](VirtualBoard& b) {
+                std::vector<int> pulses;
+                for (uint8_t i = 0; i < firmware::kJoints; ++i) pulses.push_back(b.servo_us(i));
+                return pulses;
+            },
+            "The pulse width each servo gets, 0 while detached.");
+}
+
+nb::list errors() {
+    nb::list table;
+#define LIST_ERROR(id, number, word, cause, cure) \
+    table.append(nb::make_tuple(word, number, cause, cure));
+    FIRMWARE_ERRORS(LIST_ERROR)
+#undef LIST_ERROR
+    return table;
+}
+
+nb::dict fields(firmware::Field (*field)(uint8_t), uint8_t count) {
+    nb::dict table;
+    for (uint8_t i = 0; i < count; ++i) {
+        const firmware::Field f = field(i);
+        table[f.name] = nb::make_tuple(f.unit, f.low_u / 1e6, f.high_u / 1e6, f.default_u / 1e6);
+    }
+    return table;
+}
+
+}  // namespace
+
+void bind_firmware(nb::module_& parent) {
+    nb::module_ m = parent.def_submodule("firmware", "The code that runs on the board.");
+    m.attr("FRAME_S") = 0.02;
+    m.attr("JOINTS") = firmware::kJoints;
+    m.attr("VERSION") = std::string(firmware::kVersion);
+    m.attr("PROTOCOL") = firmware::kProtocol;
+    // (word, number, cause, cure), and name -> (unit, low, high, default), as on the board.
+    m.attr("ERRORS") = errors();
+    m.attr("SETTINGS") = fields(&firmware::setting_field, firmware::kSettingCount);
+    m.attr("TRIM") = fields(&firmware::trim_field, firmware::kTrimFieldCount);
+    m.attr("GAIT") = fields(&firmware::gait_field, firmware::kGaitFieldCount);
+    bind_board(m);
+    m.def("gait_setpoints_rad", &gait_setpoints_rad, "alpha_rad"_a, "beta_rad"_a, "omega_rad_s"_a,
+          nb::kw_only(), "offset_rad"_a = 0.0, "first_frame"_a = 0, "frames"_a = 1, "joints"_a = 5,
+          "Return the settled gait's setpoints, (frames, joints), radians, one row per 20 ms.\n\n"
+          "The phase is 0 at frame 0. Fixed point: within 0.012 degrees of Eq. 57. Raises\n"
+          "ValueError for alpha or offset beyond 90 degrees, beta beyond 180, omega beyond 50.");
+    m.def(
+        "crc16",
+        [](nb::bytes data) {
+            uint16_t crc = firmware::kCrcStart;
+            for (size_t i = 0; i < data.size(); ++i) {
+                crc = firmware::crc16_next(crc, static_cast<uint8_t>(data.c_str()[i]));
+            }
+            return crc;
+        },
+        "data"_a, "Return CRC-16/IBM-3740 of some bytes, as on the wire.");
+}

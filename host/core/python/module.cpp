@@ -1,0 +1,228 @@
+// The only file of the core that knows Python: exposes the simulator as serpenoid._core.
+//
+// The package checks every value before it comes here; these functions are not a public interface.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/complex.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "periodic/dry.hpp"
+#include "periodic/viscous.hpp"
+#include "run/evaluate.hpp"
+#include "run/simulation.hpp"
+#include "scene/energy_ledger.hpp"
+
+namespace nb = nanobind;
+using namespace serpenoid;
+
+void bind_firmware(nb::module_& m);  // bind_firmware.cpp
+void bind_lanes(nb::module_& m);     // bind_kernels.cpp
+
+namespace {
+
+using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Array = nb::ndarray<nb::numpy, double>;
+
+// Hand a vector's memory to NumPy.
+Array to_numpy(std::vector<double>&& values, std::initializer_list<std::size_t> shape) {
+    auto owner = std::make_unique<std::vector<double>>(std::move(values));
+    double* data = owner->data();
+    nb::capsule free(owner.release(),
+                     [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+    return Array(data, shape, free);
+}
+
+struct Model {
+    Robot robot;
+    Ground ground;
+    Gait gait;
+};
+
+SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
+    const SteadyOptions options{rtol, powers, max_elements};
+    if (m.ground.dry()) return steady_dry(m.robot, m.ground, m.gait, options);
+    return SteadyViscous(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
+}
+
+// One row for many rates at one shape: speed, the three powers, 1.0 where converged.
+Array steady_row(const Model& m, Vector omegas, double rtol, bool powers, int max_elements) {
+    const std::size_t count = omegas.shape(0);
+    std::vector<double> out(5 * count);
+    {
+        nb::gil_scoped_release release;
+        const SteadyOptions options{rtol, powers, max_elements};
+        SteadyViscous viscous(m.robot, m.ground, m.gait);
+        for (std::size_t i = 0; i < count; ++i) {
+            Gait gait = m.gait;
+            gait.omega = omegas.data()[i];
+            const SteadyState s = m.ground.dry() ? steady_dry(m.robot, m.ground, gait, options)
+                                                 : viscous.solve(gait.omega, options);
+            const double row[5] = {s.speed, s.power, s.abs_power, s.positive_power,
+                                   s.converged ? 1.0 : 0.0};
+            for (int k = 0; k < 5; ++k) out[k * count + i] = row[k];
+        }
+    }
+    return to_numpy(std::move(out), {5, count});
+}
+
+nb::dict evaluate_links(const RunRequest& q, Vector links, Vector drive) {
+    const std::size_t n = q.robot.n;
+    Chain chain(q.robot.n);
+    Joints joints(q.robot.n);
+    std::vector<double>* part[6] = {&chain.x,  &chain.y,  &chain.theta,
+                                    &chain.vx, &chain.vy, &chain.omega};
+    for (int p = 0; p < 6; ++p) std::copy_n(links.data() + p * n, n, part[p]->begin());
+    if (q.drive == Drive::torque) std::copy_n(drive.data(), n - 1, joints.T.begin());
+    evaluate(q, drive.data(), chain, joints);
+    nb::dict out;
+    out["ax"] = to_numpy(std::move(chain.ax), {n});
+    out["ay"] = to_numpy(std::move(chain.ay), {n});
+    out["alpha"] = to_numpy(std::move(chain.alpha), {n});
+    out["fx"] = to_numpy(std::move(chain.fx), {n});
+    out["fy"] = to_numpy(std::move(chain.fy), {n});
+    out["joint_fx"] = to_numpy(std::move(joints.Fx), {n - 1});
+    out["joint_fy"] = to_numpy(std::move(joints.Fy), {n - 1});
+    out["joint_torque"] = to_numpy(std::move(joints.T), {n - 1});
+    return out;
+}
+
+void set_torque_function(RunRequest& q, nb::callable f) {
+    q.torque = [f, n = q.robot.n](double t, double* to) {
+        nb::gil_scoped_acquire acquire;
+        const Vector values = nb::cast<Vector>(f(t));
+        if (values.shape(0) != static_cast<std::size_t>(n - 1))
+            throw nb::value_error("the torque function must return one value a joint");
+        std::copy_n(values.data(), n - 1, to);
+    };
+}
+
+// Let Ctrl-C through, and tell how far the run is.
+bool go_on(const nb::object& progress, double t) {
+    nb::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!progress.is_none()) progress(t);
+    return true;
+}
+
+nb::dict run(RunRequest& q, Vector start, nb::object progress) {
+    q.start.assign(start.data(), start.data() + start.shape(0));
+    q.go_on = [&](double t) { return go_on(progress, t); };
+    RunResult r;
+    {
+        nb::gil_scoped_release release;
+        r = simulate(q);
+    }
+    const std::size_t T = r.t.size(), n = q.robot.n;
+    nb::dict out;
+    const auto rows = [&](const char* name, std::vector<double>& values, std::size_t columns) {
+        const std::size_t count = values.empty() ? 0 : T;
+        out[name] = to_numpy(std::move(values), {count, columns});
+    };
+    rows("x_m", r.x, n), rows("y_m", r.y, n), rows("theta_rad", r.theta, n);
+    rows("vx_m_s", r.vx, n), rows("vy_m_s", r.vy, n), rows("omega_rad_s", r.omega, n);
+    rows("joint_force_x_n", r.joint_fx, n - 1), rows("joint_force_y_n", r.joint_fy, n - 1);
+    rows("joint_torque_nm", r.joint_torque, n - 1);
+    rows("friction_x_n", r.friction_x, n), rows("friction_y_n", r.friction_y, n);
+    rows("energy_j", r.energy, EnergyLedger::kColumns);
+    out["t_s"] = to_numpy(std::move(r.t), {T});
+    out["failed_at"] = r.failed_at, out["why"] = r.why;
+    out["steps"] = r.steps, out["local_error"] = r.error;
+    return out;
+}
+
+void bind_run(nb::module_& m) {
+    nb::enum_<Formulation>(m, "Formulation")
+        .value("explicit", Formulation::explicit_)
+        .value("implicit", Formulation::implicit);
+    nb::enum_<Drive>(m, "Drive")
+        .value("angle", Drive::angle)
+        .value("torque", Drive::torque)
+        .value("servo", Drive::servo);
+    nb::enum_<Fault>(m, "Fault")
+        .value("none", Fault::none)
+        .value("limp", Fault::limp)
+        .value("locked", Fault::locked);
+    nb::class_<RunRequest>(m, "RunRequest")
+        .def("__init__",
+             [](RunRequest* self, const Model& model) {
+                 new (self) RunRequest;
+                 self->robot = model.robot, self->ground = model.ground, self->gait = model.gait;
+             })
+        .def_rw("formulation", &RunRequest::formulation)
+        .def_rw("drive", &RunRequest::drive)
+        .def_rw("faults", &RunRequest::faults)
+        .def_rw("locked_rad", &RunRequest::locked_rad)
+        .def_rw("smoothing_m_s", &RunRequest::smoothing)
+        .def_rw("method", &RunRequest::method)
+        .def_rw("dt_s", &RunRequest::dt)
+        .def_rw("tolerance", &RunRequest::tolerance)
+        .def_rw("duration_s", &RunRequest::duration)
+        .def_rw("steps", &RunRequest::steps)
+        .def_rw("most_steps", &RunRequest::most_steps)
+        .def_rw("every", &RunRequest::every)
+        .def_rw("record_joints", &RunRequest::record_joints)
+        .def_rw("record_friction", &RunRequest::record_friction)
+        .def_rw("record_energy", &RunRequest::record_energy)
+        .def("set_spring", [](RunRequest& q, double k, double c) { q.spring = {k, c}; })
+        .def("set_slope", [](RunRequest& q, double gx, double gy) { q.slope = {gx, gy}; })
+        .def("set_servo",
+             [](RunRequest& q, double stiffness, double damping, double torque, double speed,
+                double dead_band) { q.servo = {stiffness, damping, torque, speed, dead_band}; })
+        .def("set_torque_function", &set_torque_function)
+        .def("set_torque_table", [](RunRequest& q, std::vector<double> t, std::vector<double> T) {
+            q.table = {std::move(t), std::move(T)};
+        });
+    m.def("run", &run, nb::arg(), nb::arg(), nb::arg().none());
+    m.def("evaluate", &evaluate_links);
+}
+
+Array three(const Vec3& v) { return to_numpy({v.begin(), v.end()}, {3}); }
+
+}  // namespace
+
+NB_MODULE(_core, m) {
+    m.doc() = "Compiled core of serpenoid; use the package's own functions instead.";
+#ifdef __clang__
+    m.attr("compiler") = __VERSION__;  // "Clang ..."
+#else
+    m.attr("compiler") = "GCC " __VERSION__;
+#endif
+    nb::class_<Model>(m, "Model")
+        .def("__init__", [](Model* self, int n, double mass, double half_length, double inertia,
+                            double ct, double cn, double ft0, double fn0, double alpha, double beta,
+                            double omega, double offset) {
+            new (self) Model{
+                {n, mass, half_length, inertia}, {ct, cn, ft0, fn0}, {alpha, beta, omega, offset}};
+        });
+    nb::class_<SteadyState>(m, "SteadyState")
+        .def_ro("speed", &SteadyState::speed)
+        .def_ro("power", &SteadyState::power)
+        .def_ro("abs_power", &SteadyState::abs_power)
+        .def_ro("positive_power", &SteadyState::positive_power)
+        .def_ro("turn", &SteadyState::turn)
+        .def_ro("direction", &SteadyState::direction)
+        .def_ro("speed_error", &SteadyState::speed_error)
+        .def_ro("power_error", &SteadyState::power_error)
+        .def_ro("elements", &SteadyState::elements)
+        .def_ro("iterations", &SteadyState::iterations)
+        .def_ro("converged", &SteadyState::converged)
+        .def_prop_ro(
+            "start", [](const SteadyState& s) { return three(s.start); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "monodromy",
+            [](const SteadyState& s) {
+                return to_numpy({s.monodromy.begin(), s.monodromy.end()}, {3, 3});
+            },
+            nb::rv_policy::move);
+    m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
+    m.def("steady_row", &steady_row);
+    bind_run(m);
+    bind_firmware(m);
+    bind_lanes(m);
+}

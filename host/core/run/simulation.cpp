@@ -1,0 +1,146 @@
+// Runs in time: composes system and method once, then steps and records.
+#include "run/simulation.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "run/make_method.hpp"
+#include "run/recorder.hpp"
+#include "scene/energy_ledger.hpp"
+#include "scene/make_system.hpp"
+
+namespace serpenoid {
+namespace {
+
+Chain start_chain(const RunRequest& q) {
+    const int n = q.robot.n;
+    Chain c(n);
+    std::vector<double>* part[6] = {&c.x, &c.y, &c.theta, &c.vx, &c.vy, &c.omega};
+    for (int p = 0; p < 6; ++p) std::copy_n(q.start.begin() + p * n, n, part[p]->begin());
+    return c;
+}
+
+bool finite(const double* y, int dim) {
+    double sum = 0;
+    for (int i = 0; i < dim; ++i) sum += y[i] * 0;
+    return sum == 0;
+}
+
+// Steps from one jump to the next and notes the times of the grid.
+class Run {
+  public:
+    Run(const RunRequest& q, System& system, Method& method, Recorder& recorder)
+        : q_(q),
+          system_(system),
+          method_(method),
+          recorder_(recorder),
+          y_(system.dim()),
+          dense_(method.has_dense()),
+          steps_unchecked_(std::clamp(512L / q.robot.n, 1L, 64L)),
+          unchecked_(steps_unchecked_),
+          due_(recorded(1)) {
+        method_.let_through([this] { ask(method_.time()); });
+    }
+
+    RunResult go() {
+        system_.set(start_chain(q_), y_.data());
+        system_.fill(0, y_.data());
+        system_.latch();
+        begin(0);
+        recorder_.note(0, y_.data(), out_);
+        double t = 0;
+        while (t < q_.duration && out_.why.empty() && out_.failed_at < 0) {
+            const double stop = std::min(system_.next_jump(t), q_.duration);
+            if (t > 0) begin(t);
+            smooth_part(stop);
+            t = stop;
+        }
+        return std::move(out_);
+    }
+
+  private:
+    void begin(double t) {
+        system_.enter(t);
+        method_.restart(t, y_.data());
+    }
+    void smooth_part(double stop) {
+        for (bool more = true; more;) {
+            // without dense output the steps must end on what is recorded
+            const double limit = dense_ ? stop : std::min(stop, due_);
+            const StepOutcome step = method_.step(limit);
+            const double t = method_.time();
+            more = t < stop;
+            if (!step.ok) return give_up(t, step.why);
+            if (const double e = method_.local_error(); e == e) out_.error += e;
+            ++out_.steps;
+            if (--unchecked_ == 0 && !checked(t)) return;
+            if (due_ <= t && !note_until(t)) return;
+        }
+        std::copy_n(method_.state(), y_.size(), y_.begin());
+    }
+
+    // The k-th recorded time: the end comes last.
+    double recorded(long k) const {
+        const long step = k * q_.every;
+        return step >= q_.steps ? q_.duration : static_cast<double>(step) * q_.dt;
+    }
+    bool note_until(double t) {
+        if (!checked(t)) return false;
+        for (; !done_ && due_ <= t; due_ = recorded(++next_)) {
+            const double at = due_;
+            if (at == t)
+                std::copy_n(method_.state(), y_.size(), y_.begin());
+            else
+                method_.dense(at, y_.data());
+            recorder_.note(at, y_.data(), out_);
+            done_ = at >= q_.duration;
+        }
+        return true;
+    }
+    bool checked(double t) {
+        unchecked_ = steps_unchecked_;
+        if (!finite(method_.state(), system_.dim())) return out_.failed_at = t, false;
+        if (!ask(t)) return give_up(t, "it was interrupted"), false;
+        if (out_.steps > q_.most_steps) return give_up(t, "it took too many steps"), false;
+        return true;
+    }
+    // Ask whether to go on, 50 times a second at most: the answer may be an exception.
+    bool ask(double t) {
+        if (!q_.go_on) return true;
+        const auto now = std::chrono::steady_clock::now();
+        if (now < asked_ + std::chrono::milliseconds(20)) return true;
+        asked_ = now;
+        return q_.go_on(t);
+    }
+    void give_up(double t, const char* why) { out_.failed_at = t, out_.why = why; }
+
+    const RunRequest& q_;
+    System& system_;
+    Method& method_;
+    Recorder& recorder_;
+    std::vector<double> y_;
+    RunResult out_;
+    std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+    bool dense_, done_ = false;
+    long steps_unchecked_, unchecked_, next_ = 1;
+    double due_;
+};
+
+}  // namespace
+
+RunResult simulate(const RunRequest& q) {
+    std::unique_ptr<System> system = make_system(q);
+    const EnergyLedger* ledger = nullptr;
+    if (q.record_energy) {
+        auto with = std::make_unique<EnergyLedger>(std::move(system), q);
+        ledger = with.get();
+        system = std::move(with);
+    }
+    const std::unique_ptr<Method> method = make_method(q, *system);
+    Recorder recorder(q, *system, *method, ledger);
+    return Run(q, *system, *method, recorder).go();
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,182 @@
+// The exact model as first-order systems, one for each way to drive the joints.
+#pragma once
+
+#include <memory>
+
+#include "drive/joint_angles.hpp"
+#include "model/explicit_model.hpp"
+#include "model/ground_force.hpp"
+#include "model/tail_acceleration.hpp"
+#include "scene/run_request.hpp"
+#include "scene/system.hpp"
+
+namespace serpenoid {
+
+// Places first, then their rates in the same order: what the systems here have in common.
+class PairedSystem : public System {
+  public:
+    PairedSystem(int links, int coordinates) : System(links), half(coordinates) {}
+    int dim() const override { return 2 * half; }
+    std::vector<int> rate_of() const override {
+        std::vector<int> of(2 * half, -1);
+        for (int i = 0; i < half; ++i) of[i] = half + i;
+        return of;
+    }
+
+  protected:
+    int half;
+};
+
+// All angles imposed. State: x, y, theta of link 1, then their rates.
+template <class Force>
+class ExplicitAngle final : public PairedSystem {
+  public:
+    explicit ExplicitAngle(const RunRequest& q)
+        : PairedSystem(q.robot.n, 3),
+          robot(q.robot),
+          force(q.ground, q.smoothing, q.slope, q.robot.m),
+          drive(q.robot.n, q.gait) {}
+
+    void set(const Chain& c, double* y) const override {
+        const double from[6] = {c.x[0], c.y[0], c.theta[0], c.vx[0], c.vy[0], c.omega[0]};
+        std::copy_n(from, 6, y);
+    }
+    void fill(double t, const double* y) override {
+        drive.place(t, y[2], y[5], chain);
+        chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[3], chain.vy[0] = y[4];
+        chain.follow(robot.l);
+    }
+    // One pass over the links that keeps nothing: everything else would be for the record.
+    void rate(double t, const double* y, double* dy) override {
+        const GaitWave wave = drive.wave(t);
+        const Robot& r = robot;
+        double theta = y[2], rate = y[5], c = std::cos(theta), s = std::sin(theta);
+        Along at{0, 0, y[3], y[4], 0, 0, 0};
+        HalfLink before = HalfLink::of(r.l, c, s, rate);
+        const auto first = force.on(c, s, at.vx, at.vy);
+        TailSums sums{first.x, first.y};
+        for (int i = 0; i + 1 < r.n; ++i) {
+            const GaitWave::Joint j = wave.at(i);
+            theta += j.angle, rate += j.rate, at.turn += j.bend;
+            c = std::cos(theta), s = std::sin(theta);
+            const HalfLink now = HalfLink::of(r.l, c, s, rate, at.turn);
+            at.pass(before, now);
+            before = now;
+            const auto f = force.on(c, s, at.vx, at.vy);
+            sums.add(r.m, at, f.x, f.y);
+        }
+        const TailMotion tail = sums.solve(r);
+        dy[0] = y[3], dy[1] = y[4], dy[2] = y[5];
+        dy[3] = tail.ax, dy[4] = tail.ay, dy[5] = tail.alpha;
+    }
+    void forces(double t, const double* y) override {
+        fill(t, y);
+        force(chain);
+        explicit_angle(robot, drive.bend(), chain, joints);
+    }
+
+  private:
+    Robot robot;
+    Force force;
+    GaitDrive drive;
+};
+
+// All torques given. State: x, y of link 1, theta_1..theta_n, then their rates.
+template <class Force>
+class ExplicitTorque final : public PairedSystem {
+  public:
+    ExplicitTorque(const RunRequest& q, std::unique_ptr<TorqueSource> torques)
+        : PairedSystem(q.robot.n, q.robot.n + 2),
+          robot(q.robot),
+          force(q.ground, q.smoothing, q.slope, q.robot.m),
+          source(std::move(torques)) {}
+
+    void set(const Chain& c, double* y) const override {
+        y[0] = c.x[0], y[1] = c.y[0], y[half] = c.vx[0], y[half + 1] = c.vy[0];
+        for (int i = 0; i < robot.n; ++i) y[2 + i] = c.theta[i], y[half + 2 + i] = c.omega[i];
+    }
+    void fill(double, const double* y) override {
+        chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[half], chain.vy[0] = y[half + 1];
+        for (int i = 0; i < robot.n; ++i)
+            chain.theta[i] = y[2 + i], chain.omega[i] = y[half + 2 + i];
+        chain.directions();
+        chain.follow(robot.l);
+    }
+    void forces(double t, const double* y) override {
+        fill(t, y);
+        force(chain);
+        source->torques(t, chain, joints.T.data());
+        explicit_torque(robot, chain, joints);
+    }
+    void rate(double t, const double* y, double* dy) override {
+        forces(t, y);
+        std::copy_n(y + half, half, dy);
+        dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0];
+        for (int i = 0; i < robot.n; ++i) dy[half + 2 + i] = chain.alpha[i];
+    }
+    bool rate_fills_forces() const override { return true; }
+    double next_jump(double t) const override { return source->next_jump(t); }
+    void enter(double t) override { source->enter(t); }
+
+  private:
+    Robot robot;
+    Force force;
+    std::unique_ptr<TorqueSource> source;
+};
+
+// Some angles imposed, some torques given. State: x, y, theta of link 1, the free joints' angles,
+// then the rates of all these.
+template <class Force>
+class ExplicitMixed final : public PairedSystem {
+  public:
+    ExplicitMixed(const RunRequest& q, MixedDrive joint_drive,
+                  std::unique_ptr<TorqueSource> torques)
+        : PairedSystem(q.robot.n, 3 + joint_drive.free_joints()),
+          robot(q.robot),
+          force(q.ground, q.smoothing, q.slope, q.robot.m),
+          drive(std::move(joint_drive)),
+          source(std::move(torques)) {}
+
+    void set(const Chain& c, double* y) const override {
+        const double from[3] = {c.x[0], c.y[0], c.theta[0]};
+        const double rates[3] = {c.vx[0], c.vy[0], c.omega[0]};
+        std::copy_n(from, 3, y), std::copy_n(rates, 3, y + half);
+        for (int f = 0; f < drive.free_joints(); ++f) {
+            const int i = drive.free()[f];
+            y[3 + f] = c.theta[i + 1] - c.theta[i];
+            y[half + 3 + f] = c.omega[i + 1] - c.omega[i];
+        }
+    }
+    void fill(double t, const double* y) override {
+        drive.place(t, y[2], y[half + 2], y + 3, y + half + 3, chain);
+        chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[half], chain.vy[0] = y[half + 1];
+        chain.follow(robot.l);
+    }
+    void forces(double t, const double* y) override {
+        fill(t, y);
+        force(chain);
+        source->torques(t, chain, joints.T.data());
+        drive.limp(joints.T.data());
+        explicit_mixed(robot, drive.imposed(), drive.bend(), chain, joints);
+    }
+    void rate(double t, const double* y, double* dy) override {
+        forces(t, y);
+        std::copy_n(y + half, half, dy);
+        dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0], dy[half + 2] = chain.alpha[0];
+        for (int f = 0; f < drive.free_joints(); ++f) {
+            const int i = drive.free()[f];
+            dy[half + 3 + f] = chain.alpha[i + 1] - chain.alpha[i];
+        }
+    }
+    bool rate_fills_forces() const override { return true; }
+    double next_jump(double t) const override { return source->next_jump(t); }
+    void enter(double t) override { source->enter(t); }
+
+  private:
+    Robot robot;
+    Force force;
+    MixedDrive drive;
+    std::unique_ptr<TorqueSource> source;
+};
+
+}  // namespace serpenoid

@@ -1,0 +1,55 @@
+// What a run is asked to be and what it gives back.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "drive/joint_angles.hpp"
+#include "drive/torque_source.hpp"
+#include "model/implicit_model.hpp"
+#include "model/params.hpp"
+
+namespace serpenoid {
+
+enum class Formulation { explicit_, implicit };
+enum class Drive { angle, torque, servo };
+
+struct RunRequest {
+    Robot robot{};
+    Ground ground{};
+    Gait gait{};
+    Slope slope{};
+    Formulation formulation = Formulation::explicit_;
+    JointSpring spring{1e3, 1.0};
+    double smoothing = 0;  // m/s; above 0 the dry friction is smoothed, by name
+    Drive drive = Drive::angle;
+    TorqueFunction torque;  // drive torque has one of these two
+    TorqueRows table;
+    Servo servo{};
+    std::vector<Fault> faults;       // one a joint; empty: all sound
+    std::vector<double> locked_rad;  // angles of the locked joints
+    std::string method = "rk4";
+    double dt = 1e-3;         // s; fixed step, and grid of the recorded times
+    double tolerance = 1e-6;  // of adaptive methods
+    double duration = 0;      // s; the last step is shorter where dt does not divide it
+    long steps = 0;           // of dt in the duration
+    long most_steps = 0;      // of any length, after which the run gives up
+    long every = 1;           // record each of so many steps
+    bool record_joints = false, record_friction = false, record_energy = false;
+    std::vector<double> start;            // x, y, theta, vx, vy, omega: n values each
+    std::function<bool(double t)> go_on;  // asked now and then; false stops the run
+};
+
+// Rows of n (or n-1, or 6) values, one row a recorded time; SI units, ground frame.
+struct RunResult {
+    std::vector<double> t, x, y, theta, vx, vy, omega;
+    std::vector<double> joint_fx, joint_fy, joint_torque, friction_x, friction_y;
+    std::vector<double> energy;  // rows of energy_ledger.hpp
+    double failed_at = -1;       // time by which the state left the finite numbers, or:
+    std::string why;             // why the method gave up
+    long steps = 0;              // taken
+    double error = 0;            // sum of the method's local errors, in the scale of its tolerance
+};
+
+}  // namespace serpenoid

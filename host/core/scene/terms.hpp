@@ -1,0 +1,34 @@
+// Which terms a scene has, as types: the ground force it asks for, and which joints are not
+// imposed.
+#pragma once
+
+#include <memory>
+
+#include "drive/joint_angles.hpp"
+#include "model/ground_force.hpp"
+#include "scene/run_request.hpp"
+#include "scene/system.hpp"
+
+namespace serpenoid {
+
+// Call make.template operator()<Force>() with the ground force that a request asks for.
+template <class Make>
+std::unique_ptr<System> with_force(const RunRequest& q, const Make& make) {
+    const auto plane = [&]<class Law>() {
+        return q.slope.tilted() ? make.template operator()<GroundForce<Law, Tilted>>()
+                                : make.template operator()<GroundForce<Law, Flat>>();
+    };
+    if (q.ground.dry() && q.smoothing > 0) return plane.template operator()<Smoothed>();
+    if (q.ground.dry() && q.ground.viscous()) return plane.template operator()<Bingham>();
+    if (q.ground.dry()) return plane.template operator()<Coulomb>();
+    return q.ground.viscous() ? plane.template operator()<Viscous>()
+                              : plane.template operator()<Frictionless>();
+}
+
+inline bool mixed(const RunRequest& q) { return !q.faults.empty(); }
+
+inline MixedDrive mixed_drive(const RunRequest& q) {
+    return {q.robot.n, q.gait, q.drive == Drive::angle, q.faults, q.locked_rad};
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,5 @@
+"""`python -m serpenoid` is the command `serpenoid`."""
+
+from .commands.main import main
+
+main()

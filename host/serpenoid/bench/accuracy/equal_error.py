@@ -1,0 +1,111 @@
+"""Times at equal error, read off the measured lines; the ratios and the table made of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+from ...simulation.methods import METHODS
+from .contenders import OWN
+from .measure import Row
+
+TARGETS = (1e-3, 1e-6, 1e-9)
+TABLE_ERROR = 1e-6
+TABLE_SCENES = {
+    "paper6": "6 links",
+    "n50": "50 links",
+    "robot2005": "2005 robot, dry",
+    "paper6_k1e3": "springs k = 1e3",
+    "stiff_k1e7_c1": "k = 1e7, c = 1",
+    "stiff_k1e7_c1e3": "k = 1e7, c = 1e3",
+}
+NOTHING = "–"
+
+
+def time_at(error: float, points: Sequence[tuple[float, float]]) -> float | None:
+    """Return the least time that reaches an error, or None where no setting does.
+
+    points: (error, time), from the loosest setting to the tightest. Between a point above the
+    error and the next one at or below it, time is interpolated along the straight line in log-log;
+    nothing is extrapolated: a first point already good enough counts with its own time.
+    """
+    found = [points[0][1]] if points and points[0][0] <= error else []
+    for (e0, t0), (e1, t1) in pairwise(points):
+        if e0 > error >= e1:
+            # an error of exactly 0 has no logarithm: the point itself is then the answer
+            f = math.log(e0 / error) / math.log(e0 / e1) if e1 > 0 else 1.0
+            found.append(t0 ** (1 - f) * t1**f)
+        elif e1 <= error:
+            found.append(t1)
+    return min(found, default=None)
+
+
+def ours_first(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows with our methods in front, in the order of their table; peers as they are."""
+    order = [f"{OWN} {name}" for name in METHODS]
+    return sorted(rows, key=lambda r: order.index(r.method) if r.method in order else len(order))
+
+
+def lines(rows: Sequence[Row], scene: str) -> dict[str, list[Row]]:
+    """Return the rows of a scene by contender, those that failed included."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        if row.scene == scene:
+            found.setdefault(row.method, []).append(row)
+    return found
+
+
+def times_at(rows: Sequence[Row], scene: str, error: float) -> dict[str, float | None]:
+    """Return each contender's time for a simulated second at an error, s; None: not reached."""
+    times: dict[str, float | None] = {}
+    for method, line in lines(rows, scene).items():
+        points = [(r.error, r.time_s / r.simulated_s) for r in line
+                  if r.error is not None and r.time_s is not None]  # fmt: skip
+        times[method] = time_at(error, points)
+    return times
+
+
+def headline(rows: Sequence[Row]) -> list[dict[str, object]]:
+    """Return, for each scene and error, our best method, the best peer, and how many times faster.
+
+    ratio is above 1 where ours is the faster one, and missing where either does not get there.
+    """
+    found = []
+    for scene in dict.fromkeys(row.scene for row in rows):
+        for error in TARGETS:
+            reached = {m: t for m, t in times_at(rows, scene, error).items() if t is not None}
+            ours = {m: t for m, t in reached.items() if m.startswith(OWN)}
+            peers = {m: t for m, t in reached.items() if m not in ours}
+            best, peer = (min(group, key=lambda m: reached[m], default=None)
+                          for group in (ours, peers))  # fmt: skip
+            line: dict[str, object] = {"scene": scene, "error": error, "ours": best, "peer": peer}
+            if best and peer:
+                line["ratio"] = reached[peer] / reached[best]
+            found.append(line)
+    return found
+
+
+def _milliseconds(time_s: float | None) -> str:
+    if time_s is None:
+        return NOTHING
+    value = 1e3 * time_s
+    return f"{value:.2g}" if value < 100 else f"{value:.0f}"
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Return the README's table: ms of processor time for a simulated second at TABLE_ERROR."""
+    scenes = [s for s in TABLE_SCENES if any(row.scene == s for row in rows)]
+    times = {scene: times_at(rows, scene, TABLE_ERROR) for scene in scenes}
+    methods = dict.fromkeys(row.method for row in ours_first(rows))
+    body = [
+        [m, *(_milliseconds(times[s][m]) if m in times[s] else "" for s in scenes)]
+        for m in methods
+        if any(times[s].get(m) is not None for s in scenes)
+    ]
+    ratios = {line["scene"]: line.get("ratio") for line in headline(rows)
+              if line["error"] == TABLE_ERROR}  # fmt: skip
+    last = ["**best peer / our best**"]
+    last += [f"**{ratios[s]:.2g}**" if ratios[s] else NOTHING for s in scenes]
+    top = [["ms", *(TABLE_SCENES[s] for s in scenes)], ["---", *("---:" for _ in scenes)]]
+    return "\n".join("| " + " | ".join(line) + " |" for line in [*top, *body, last])

@@ -1,0 +1,119 @@
+"""What each term of a scene costs: instructions per RK4 step, counted by callgrind, not timed."""
+
+from __future__ import annotations
+
+import csv
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...model.errors import SerpenoidError
+
+SOURCE = Path(__file__).resolve().parents[3]  # host/, of a checkout
+LADDER = Path(__file__).with_name("ladder")
+RUNGS = {
+    "by hand": "viscous, level, written by hand",
+    "viscous": "viscous, level",
+    "bingham": "+ Bingham friction",
+    "incline": "+ incline",
+    "servo": "+ servos",
+    "record forces": "+ recording forces each step",
+    "energy ledger": "+ energy ledger (no record)",
+    "record motion": "viscous, level, recording each step",
+}
+FORMULATIONS = ("explicit", "implicit")
+STEPS = 500
+# as in CMakeLists.txt; the kernels for wider vectors carry their own flags there
+FLAGS = ("-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fno-math-errno",
+         "-fno-trapping-math")  # fmt: skip
+OWN_FLAGS = {"avx2.cpp": ("-mavx2", "-mfma")}
+COLUMNS = ("formulation", "rung", "title", "instructions_per_step", "ratio_to_hand")
+
+
+@dataclass(frozen=True)
+class Rung:
+    """Hold one line of the ladder; ratio: to the kernel written by hand for the plain scene."""
+
+    formulation: str
+    rung: str
+    instructions_per_step: float
+    ratio: float
+
+
+def _run(command: list[str], what: str) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise SerpenoidError(f"{what} failed: {done.stderr.strip()[-2000:]}")
+    return done
+
+
+def _needed() -> None:
+    for tool, package in (("valgrind", "valgrind"), ("g++", "g++")):
+        if not shutil.which(tool):
+            raise SerpenoidError(f"{tool} is not there; install it (Debian: apt install {package})")
+    if not (SOURCE / "core" / "run" / "simulation.cpp").exists():
+        raise SerpenoidError("bench scenes compiles the core; run it in a checkout of the source")
+
+
+def build(folder: Path) -> Path:
+    """Compile the core and the ladder into a folder and return the program."""
+    core, firmware = SOURCE / "core", SOURCE.parent / "firmware" / "lib"
+    sources = [p for p in sorted(core.rglob("*.cpp")) if p.parent.name != "python"]
+    sources += [*sorted(firmware.glob("gait/*.cpp")), LADDER / "ladder.cpp"]
+    include = [f"-I{core}", f"-I{firmware / 'gait'}", f"-I{firmware / 'avr'}"]
+    objects = []
+    for source in sources:
+        target = folder / f"{source.stem}.o"
+        extra = OWN_FLAGS.get(source.name, ())
+        command = ["g++", *FLAGS, *extra, *include, "-c", str(source), "-o", str(target)]
+        _run(command, f"compiling {source.name}")
+        objects.append(str(target))
+    program = folder / "ladder"
+    _run(["g++", *objects, "-o", str(program)], "linking the ladder")
+    return program
+
+
+def _instructions(program: Path, formulation: str, rung: str, steps: int) -> int:
+    valgrind = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
+    done = _run([*valgrind, str(program), formulation, rung, str(steps)], f"rung {rung!r}")
+    found = re.search(r"Collected : (\d+)", done.stderr)
+    if not found:
+        raise SerpenoidError(f"callgrind printed no count for rung {rung!r}: {done.stderr[-500:]}")
+    return int(found[1])
+
+
+def per_step(program: Path, formulation: str, rung: str) -> float:
+    """Return instructions per step: two runs, so that start and end cancel."""
+    once, twice = (_instructions(program, formulation, rung, n * STEPS) for n in (1, 2))
+    return (twice - once) / STEPS
+
+
+def measure(program: Path, note: Callable[[str], object] = lambda _text: None) -> Iterator[Rung]:
+    """Yield every rung of both formulations."""
+    for formulation in FORMULATIONS:
+        hand = 0.0
+        for rung, title in RUNGS.items():
+            note(f"{formulation}: {title}")
+            count = per_step(program, formulation, rung)
+            hand = hand or count  # the first rung
+            yield Rung(formulation, rung, count, count / hand)
+
+
+def run(out: Path, note: Callable[[str], object]) -> list[Rung]:
+    """Build, count, and write scenes.csv into out."""
+    _needed()
+    with tempfile.TemporaryDirectory() as folder:
+        note("compiling the core (about a minute)")
+        rungs = list(measure(build(Path(folder)), note))
+    out.mkdir(parents=True, exist_ok=True)
+    with (out / "scenes.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(COLUMNS)
+        for r in rungs:
+            values = (f"{r.instructions_per_step:.1f}", f"{r.ratio:.3f}")
+            writer.writerow((r.formulation, r.rung, RUNGS[r.rung], *values))
+    return rungs

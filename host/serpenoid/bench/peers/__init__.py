@@ -1,0 +1,1 @@
+"""The same equations written as others would: NumPy, Numba, SciPy, SUNDIALS, MuJoCo."""

@@ -1,0 +1,1 @@
+"""Which steps are stable, and what extreme scenes do to every method."""

@@ -1,0 +1,1 @@
+"""From the treadmill to friction, and from friction to a speed that can be compared."""

@@ -1,0 +1,86 @@
+"""The commands of `serpenoid bench`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+OUT = click.option("--out", type=click.Path(file_okay=False, path_type=Path), show_default=True,
+                   default=Path("bench-out"), help="Folder for figures and numbers.")  # fmt: skip
+
+
+@click.group(name="bench")
+def BENCH_GROUP() -> None:
+    """Measure error against run time beside other solvers, and stability."""
+
+
+def _tell(text: str) -> None:
+    click.echo(text, err=True)
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option("--quick", is_flag=True, help="Three scenes, three rounds: less than a minute.")
+@click.option("--readme", type=click.Path(exists=True, dir_okay=False, path_type=Path),
+              help="A README whose table between the markers is renewed.")  # fmt: skip
+def accuracy(out: Path, quick: bool, readme: Path | None) -> None:
+    """Draw error against run time of every method and its peers: accuracy.png, .csv and .json."""
+    from ..bench.accuracy import files
+    from ..bench.accuracy.contenders import absent
+    from ..bench.accuracy.equal_error import headline, table
+    from ..bench.accuracy.figure import accuracy_figure
+    from ..bench.accuracy.measure import NOT_TRIED, QUICK, Effort, run
+
+    for missing in absent():
+        _tell(f"left out, not installed: {missing}; pip install 'serpenoid[bench]' brings it")
+    rows = run(QUICK if quick else Effort(), _tell)
+    out.mkdir(parents=True, exist_ok=True)
+    files.write_csv(rows, out / "accuracy.csv")
+    files.write_json(rows, out / "accuracy.json")
+    accuracy_figure(rows, out / "accuracy.png")
+    if readme:
+        files.update_readme(rows, readme)
+    failed = [row for row in rows if row.error is None]
+    for row in failed:  # all stand in the files; here those that were tried
+        if row.note.startswith(NOT_TRIED):
+            continue
+        click.echo(f"failed: {row.scene}, {row.method}, {row.kind} {row.setting:g}: {row.note}")
+    click.echo(f"\n{table(rows)}\n")
+    for line in headline(rows):
+        if "ratio" in line:
+            click.echo("{scene} at {error:g}: {ours} {ratio:.3g} times as fast as {peer}"
+                       .format(**line))  # fmt: skip
+    click.echo(f"{len(rows)} rows, {len(failed)} without a result; in {out}")
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option("--quick", is_flag=True, help="A coarse map, no long chains: less than a minute.")
+def stability(out: Path, quick: bool) -> None:
+    """Map where each fixed step is stable, and try extreme scenes; exit status 1 on a defect."""
+    from ..bench.stability.files import defects, measure_and_write, summary
+
+    found = measure_and_write(out, quick, _tell)
+    for line in summary(*found):
+        click.echo(line)
+    wrong = defects(*found[:2])
+    for line in wrong:
+        click.echo(f"DEFECT: {line}")
+    click.echo(f"\n{len(wrong)} defects; maps and tables in {out}")
+    if wrong:
+        raise SystemExit(1)
+
+
+@BENCH_GROUP.command()
+@OUT
+def scenes(out: Path) -> None:
+    """Count instructions per step of ever richer scenes: what is absent costs nothing."""
+    from ..bench.cost.scenes import RUNGS, run
+
+    rungs = run(out, _tell)
+    click.echo("instructions per RK4 step, six links (callgrind)")
+    for r in rungs:
+        title = RUNGS[r.rung]
+        click.echo(f"{r.formulation:10}{title:40}{r.instructions_per_step:10.0f}{r.ratio:8.2f}")
+    click.echo(f"written to {out / 'scenes.csv'}; the last column is relative to the first line")

@@ -1,0 +1,228 @@
+"""The command line: degrees and plain words outside, SI and radians inside."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import threading
+import warnings
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..model.errors import BadInput, SerpenoidError
+from ..simulation.methods import FORMULATIONS
+from .bench import BENCH_GROUP
+from .options import (
+    AS_JSON,
+    describe,
+    gait_options,
+    interruptible,
+    make_gait,
+    make_robot,
+    robot_options,
+    show_json,
+)
+from .robot import COMMANDS as ROBOT_COMMANDS
+from .simulate import simulate
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="serpenoid")
+def cli() -> None:
+    """Predict, calibrate and drive a wheeled snake robot.
+
+    Try `serpenoid demo` first: it needs no robot.
+    """
+
+
+@cli.command()
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path("demo-out"),
+              show_default=True, help="Folder for figures and figures' numbers.")  # fmt: skip
+def demo(out: Path) -> None:
+    """Go from the 2005 treadmill to a predicted speed: fit, predict, draw."""
+    from .demo import run_demo
+
+    run_demo(out)
+
+
+@cli.command()
+@robot_options
+@gait_options
+@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
+@click.option(
+    "--formulation",
+    type=click.Choice(FORMULATIONS),
+    default="explicit",
+    show_default=True,
+    help="Exact model, or the paper's springs.",
+)
+@click.option("--stiffness-n-m", type=float, default=1000.0, show_default=True, help="Implicit: k.")
+@click.option("--damping-n-s-m", type=float, default=1.0, show_default=True, help="Implicit: c.")
+@AS_JSON
+def steady(
+    as_json: bool,
+    rtol: float,
+    formulation: str,
+    stiffness_n_m: float,
+    damping_n_s_m: float,
+    **given: Any,
+) -> None:
+    """Find the periodic state of one gait: speed, powers, settling time."""
+    from ..periodic.steady import steady_gait
+    from ..show import report
+
+    robot, ground = make_robot(given)
+    gait = make_gait(given)
+    if formulation == "implicit":
+        from ..simulation.steady_springs import steady_springs
+
+        soft = steady_springs(
+            robot,
+            ground,
+            gait,
+            joint_stiffness_n_m=stiffness_n_m,
+            joint_damping_n_s_m=damping_n_s_m,
+            rtol=rtol,
+        )
+        as_dict = {"gait": describe(gait)} | soft.to_dict()
+        return show_json(as_dict) if as_json else report.steady_springs(soft)
+    s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
+    return show_json({"gait": describe(gait)} | s.to_dict()) if as_json else report.steady(s)
+
+
+def _span(text: str, name: str) -> list[float]:
+    """Read FIRST:LAST:STEP, or one number."""
+    try:
+        numbers = [float(part) for part in text.split(":")]
+        if not all(math.isfinite(v) for v in numbers) or len(numbers) not in (1, 3):
+            raise ValueError
+        if len(numbers) == 1:
+            return numbers
+        first, last, step = numbers
+        if not (step > 0 and last >= first and (last - first) / step < 1e5):
+            raise ValueError
+    except ValueError:
+        raise click.BadParameter(f"{text!r} is not FIRST:LAST:STEP", param_hint=name) from None
+    return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
+
+
+@cli.command()
+@robot_options
+@click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="CSV file to write.")
+@AS_JSON
+def sweep(
+    as_json: bool, out: Path | None, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: Any
+) -> None:
+    """Solve every gait of a grid (the paper's 4500 unless told), into a CSV file or as JSON."""
+    from ..periodic.steady import sweep as run_sweep
+    from ..show import report
+
+    if out is None and not as_json:
+        raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
+    robot, ground = make_robot(given)
+    alpha, beta = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
+    omega = _span(omega_rad_s, "--omega-rad-s")
+    with report.progress(len(alpha) * len(beta) * len(omega), "gaits") as advance:
+        found = run_sweep(
+            robot, ground, alpha_rad=[math.radians(a) for a in alpha],
+            beta_rad=[math.radians(b) for b in beta], omega_rad_s=omega, progress=advance,
+        )  # fmt: skip
+    if out is not None:
+        report.write_sweep(found, out)
+    if as_json:
+        show_json(report.sweep_values(found))
+
+
+@cli.command()
+@robot_options
+@click.option("--speed-m-s", type=float, required=True, help="Wanted speed.")
+@click.option("--cost", type=click.Choice(["power", "abs_power", "positive_power"]),
+              default="power", show_default=True, help="Mean power to make least.")  # fmt: skip
+@AS_JSON
+def optimize(as_json: bool, speed_m_s: float, cost: str, **given: Any) -> None:
+    """Find the gait that costs least power at a speed."""
+    from ..gaits.least_power import least_power_gait
+    from ..periodic.steady import steady_gait
+    from ..show import report
+
+    robot, ground = make_robot(given)
+    with report.busy("searching (up to a minute on dry ground)"):
+        best = interruptible(
+            lambda: least_power_gait(robot, ground, speed_m_s=speed_m_s, cost=cost)
+        )
+        s = steady_gait(robot, ground, best.gait)  # the search may leave out the other powers
+    if as_json:
+        show_json({"gait": describe(best.gait), "cost": cost} | s.to_dict())
+    else:
+        report.steady(s)
+
+
+@cli.command()
+@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--method", type=click.Choice(["joint", "naive"]), default="joint",
+              show_default=True, help="Honest intervals, or the paper's two lines.")  # fmt: skip
+@click.option("--plot", "figure", type=click.Path(dir_okay=False, path_type=Path),
+              help="Draw the lines and readings into this PNG.")  # fmt: skip
+@AS_JSON
+def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
+    """Fit friction to the treadmill readings of a session folder (Eqs. 58-62)."""
+    from ..calibration.friction_fit import fit_friction
+    from ..calibration.session import load_session
+    from ..show import report
+
+    try:
+        loaded = load_session(session)
+        found = fit_friction(loaded, method=method)
+    except BadInput as error:  # the file's fault, not the arguments'
+        raise SerpenoidError(str(error)) from error
+    if figure is not None:
+        from ..show.plot import friction_lines
+
+        friction_lines(loaded, found, figure)
+    show_json(found.to_dict()) if as_json else report.fit(found)
+
+
+cli.add_command(BENCH_GROUP)
+cli.add_command(simulate)
+for robot_command in ROBOT_COMMANDS:
+    cli.add_command(robot_command)
+
+
+def _show_warning(message: Warning | str, *_where: object) -> None:
+    click.echo(f"serpenoid: warning: {message}", err=True)
+
+
+def main() -> None:
+    """Run the command line: exit 0 done, 1 the work failed, 2 bad arguments, 130 interrupted."""
+    warnings.showwarning = _show_warning
+    try:
+        status = cli.main(standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        status = error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("stopped", err=True)
+        if threading.active_count() > 1:  # the core's loop cannot be ended, only left behind
+            sys.stdout.flush()
+            os._exit(130)
+        status = 130
+    except SerpenoidError as error:
+        click.echo(f"serpenoid: {error}", err=True)
+        status = 2 if isinstance(error, BadInput) else 1
+    except OSError as error:
+        click.echo(f"serpenoid: {error}", err=True)
+        status = 1
+    except MemoryError:
+        click.echo("serpenoid: out of memory; run shorter, or record less often", err=True)
+        status = 1
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,154 @@
+"""What several commands share: options, robot and gait of them, work that Ctrl-C ends, JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from ..model.errors import check_number
+
+if TYPE_CHECKING:
+    from ..model.robot import Gait, Ground, Robot
+
+T = TypeVar("T")
+AS_JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON.")
+
+
+# Per link: mass kg, full length m, then friction ct, cn (N s/m), ft0, fn0 (N).
+PRESETS = {
+    "paper": (1.0, 0.12, 0.1, 10.0, 0.0, 0.0),
+    "2005": (0.0756, 0.076, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6),
+}
+_ROBOT = {"links": "links", "link_mass_kg": "mass_kg", "link_length_m": "length_m",
+          "link_inertia_kg_m2": "inertia_kg_m2"}  # fmt: skip
+_DEGREES = {"alpha": (0.0, 180.0), "beta": (-360.0, 360.0), "offset": (-180.0, 180.0)}  # Gait's
+_GROUND = {name: name for name in ("ct", "cn", "ft0", "fn0")}
+
+
+def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
+    """Return one decorator that adds options to a command in the order given."""
+
+    def add(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return add
+
+
+robot_options = stacked([
+    click.option("--robot", "preset", type=click.Choice(list(PRESETS)),
+                 help="Robot and ground to start from; 2005 unless given."),
+    click.option("--links", type=int, help="Number of links; 6 unless given."),
+    click.option("--mass-kg", type=float, help="Mass of a link."),
+    click.option("--length-m", type=float, help="Length of a link, joint to joint."),
+    click.option("--inertia-kg-m2", type=float, help="Of a link; a uniform rod's unless given."),
+    click.option("--ct", type=float, help="Viscous friction along a link, N s/m."),
+    click.option("--cn", type=float, help="Viscous friction across a link, N s/m."),
+    click.option("--ft0", type=float, help="Dry friction along a link, N."),
+    click.option("--fn0", type=float, help="Dry friction across a link, N."),
+])  # fmt: skip
+
+gait_options = stacked([
+    click.option("--alpha-deg", type=float, help="Amplitude of the joints."),
+    click.option("--beta-deg", type=float, help="Phase lag joint to joint."),
+    click.option("--omega-rad-s", type=float, help="Angular rate; or give --frequency-hz."),
+    click.option("--frequency-hz", type=float, help="Gait frequency."),
+    click.option("--offset-deg", type=float, help="Bend of every joint: steers."),
+])  # fmt: skip
+
+
+def _take(given: dict[str, Any], options: Mapping[str, str]) -> dict[str, Any]:
+    """Take the options that were given out of `given`, under the fields' names."""
+    taken = {field: given.pop(option) for field, option in options.items()}
+    return {field: value for field, value in taken.items() if value is not None}
+
+
+def make_robot(
+    given: dict[str, Any], base: tuple[Robot, Ground] | None = None
+) -> tuple[Robot, Ground]:
+    """Take robot and ground from the preset, or else `base`, and what overrides it."""
+    from ..model.robot import Ground, Robot
+
+    preset = given.pop("preset")
+    if preset is not None or base is None:
+        mass, length, *friction = PRESETS[preset or "2005"]
+        base = Robot(6, mass, length), Ground(*friction)
+    robot, ground = base
+    changes = _take(given, _ROBOT)
+    if robot == Robot(robot.links, robot.link_mass_kg, robot.link_length_m):
+        changes.setdefault("link_inertia_kg_m2", None)  # a uniform rod stays one
+    return replace(robot, **changes), replace(ground, **_take(given, _GROUND))
+
+
+def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
+    """Take a gait from degrees and either rate or frequency, over `base` if there is one."""
+    from ..model.robot import Gait
+
+    degrees = _take(given, {name: f"{name}_deg" for name in _DEGREES})
+    changes = {
+        f"{name}_rad": math.radians(check_number(f"--{name}-deg", value, *_DEGREES[name]))
+        for name, value in degrees.items()
+    }
+    rates = _take(given, {"omega_rad_s": "omega_rad_s", "frequency_hz": "frequency_hz"})
+    if len(rates) > 1 or not (rates or base):
+        raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
+    if "frequency_hz" in rates:
+        rates = {"omega_rad_s": 2 * math.pi * rates["frequency_hz"]}
+    if base is not None:
+        return replace(base, **changes, **rates)
+    for name in ("alpha", "beta"):
+        if f"{name}_rad" not in changes:
+            raise click.UsageError(f"give --{name}-deg")
+    return Gait(**changes, **rates)
+
+
+def interruptible(work: Callable[[], T]) -> T:
+    """Return work(), run in a thread: Python hears Ctrl-C only while it is not in the core."""
+    done: list[T] = []
+    failed: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            done.append(work())
+        except BaseException as error:
+            failed.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join()
+    if failed:
+        raise failed[0]
+    return done[0]
+
+
+def describe(gait: Gait) -> dict[str, float]:
+    """Return a gait as it is typed."""
+    return {
+        "alpha_deg": math.degrees(gait.alpha_rad),
+        "beta_deg": math.degrees(gait.beta_rad),
+        "omega_rad_s": gait.omega_rad_s,
+        "offset_deg": math.degrees(gait.offset_rad),
+    }
+
+
+def finite(values: Any) -> Any:
+    """Return plain values with everything that is not finite as None, for strict JSON."""
+    if isinstance(values, dict):
+        return {key: finite(value) for key, value in values.items()}
+    if isinstance(values, (list, tuple)):
+        return [finite(value) for value in values]
+    if isinstance(values, float) and not math.isfinite(values):
+        return None
+    return values
+
+
+def show_json(values: dict[str, Any]) -> None:
+    """Print strict JSON; what is not finite becomes null."""
+    click.echo(json.dumps(finite(values), indent=2, allow_nan=False))

@@ -1,0 +1,203 @@
+"""The command `serpenoid simulate`: all of a Scene, by options, by a scene file, or by both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..model.errors import BadInput
+from ..simulation.methods import DRIVES, FORMULATIONS, GAPS, METHODS, STARTS
+from .options import (
+    AS_JSON,
+    describe,
+    gait_options,
+    interruptible,
+    make_gait,
+    make_robot,
+    robot_options,
+    show_json,
+    stacked,
+)
+
+if TYPE_CHECKING:
+    from ..model.drives import Servo
+    from ..simulation.scene import Scene
+    from ..simulation.simulate import Run
+
+_FILE = click.Path(dir_okay=False, path_type=Path)
+
+
+def _pieces(text: str) -> list[str]:
+    """Split at commas; `none` is nothing."""
+    return [] if text.strip() in ("", "none") else [part.strip() for part in text.split(",")]
+
+
+def _reader(read: Callable[[list[str]], Any], form: str) -> Callable[..., Any]:
+    """Return a click callback that reads a list, or says which form it must have."""
+
+    def callback(_ctx: click.Context, _param: click.Parameter, text: str | None) -> Any:
+        try:
+            return None if text is None else read(_pieces(text))
+        except ValueError:
+            raise click.BadParameter(f"{text!r} is not of the form {form}") from None
+
+    return callback
+
+
+def _pairs(parts: list[str]) -> list[tuple[str, float]]:
+    halves = [part.split("=") for part in parts]
+    return [(name.strip(), float(value)) for name, value in halves]
+
+
+scene_options = stacked([
+    click.option("--formulation", type=click.Choice(FORMULATIONS),
+                 help="Exact model (explicit, unless given), or the paper's springs."),
+    click.option("--stiffness-n-m", type=float, help="Implicit: k of the joints; 1000."),
+    click.option("--damping-n-s-m", type=float, help="Implicit: c of the joints; 1."),
+    click.option("--smoothing-m-s", type=float, help="Width over which dry friction is smoothed."),
+    click.option("--incline-deg", type=float, help="Slope of the ground."),
+    click.option("--incline-direction-deg", type=float, help="Uphill, from the x axis."),
+    click.option("--drive", type=click.Choice(DRIVES), help="What moves the joints; angle."),
+    click.option("--servo", metavar="[FIELD=VALUE,...]", is_flag=False, flag_value="none",
+                 callback=_reader(lambda parts: dict(_pairs(parts)), "FIELD=VALUE,..."),
+                 help="Servos follow the gait: default ones, or stiffness_nm_rad=3,..."),
+    click.option("--torque-nm", metavar="T1,T2,...",
+                 callback=_reader(lambda parts: [float(part) for part in parts], "0.1,0.2"),
+                 help="Constant torque of every joint, in place of the gait."),
+    click.option("--limp", metavar="2,4", help="Joints without torque; from 1, at the tail.",
+                 callback=_reader(lambda parts: tuple(int(part) for part in parts), "2,4")),
+    click.option("--locked-deg", metavar="3=10,5=-20", help="Joints that stay at an angle.",
+                 callback=_reader(lambda parts: {int(n): math.radians(v) for n, v in _pairs(parts)},
+                                  "3=10,5=-20")),
+    click.option("--method", type=click.Choice(list(METHODS)),
+                 help="nonsmooth on dry ground if it runs the scene, else rk4, unless given."),
+    click.option("--dt-s", type=float, help="Time step; 0.001."),
+    click.option("--tolerance", type=float, help="Of methods that pick their steps; 1e-7."),
+    click.option("--duration-s", type=float, help="Length of the run; 10."),
+    click.option("--start", type=click.Choice(STARTS), help="State at time 0; link1_at_rest."),
+    click.option("--gap", type=click.Choice(GAPS), help="Implicit: how the joints start open."),
+    click.option("--record", metavar="joints,friction,energy", callback=_reader(tuple, "energy"),
+                 help="What to keep beside the motion."),
+    click.option("--record-every", type=int,
+                 help="Time steps between records; 1, more where that is beyond 20 000 rows."),
+])  # fmt: skip
+
+# Options whose values are fields of Scene as they stand, and angles to be converted.
+_FIELDS = {"stiffness_n_m": "joint_stiffness_n_m", "damping_n_s_m": "joint_damping_n_s_m",
+           "locked_deg": "locked"}  # fmt: skip
+_ANGLES = ("incline_deg", "incline_direction_deg")
+
+
+@click.command()
+@click.option("--scene", "scene_path", type=_FILE, help="Scene file; other options override it.")
+@click.option("--save-scene", "saved_path", type=_FILE, help="Write the scene to this file too.")
+@robot_options
+@gait_options
+@scene_options
+@click.option(
+    "--accuracy",
+    type=float,
+    help="Pick formulation, method and step for this error (body lengths, radians).",
+)
+@click.option("--no-error", is_flag=True, help="Save the one or two runs that tell the error.")
+@click.option("--out", type=_FILE, help="CSV of all links at all recorded times.")
+@click.option("--plot", "figure", type=_FILE, help="PNG of path, speed and energy if recorded.")
+@AS_JSON
+def simulate(
+    scene_path: Path | None,
+    saved_path: Path | None,
+    out: Path | None,
+    figure: Path | None,
+    accuracy: float | None,
+    no_error: bool,
+    as_json: bool,
+    **given: Any,
+) -> None:
+    """Follow one scene in time: a scene file, options, or a file with options over it."""
+    from ..show import report, run_report
+    from ..simulation.scene_file import load_scene, save_scene
+
+    scene = make_scene(given, None if scene_path is None else load_scene(scene_path))
+    if saved_path is not None:
+        save_scene(scene, saved_path)
+    run = _watched(scene, accuracy)
+    if out is not None:
+        run_report.write_run(run, out)
+    if figure is not None:
+        from ..show.run_figure import draw_run
+
+        draw_run(run, figure)
+    with report.busy("estimating the error"):
+        summary = interruptible(lambda: run_report.run_summary(run, not no_error))
+    if as_json:
+        show_json({"gait": describe(scene.gait)} | summary)
+    else:
+        run_report.show_run(run, summary)
+
+
+def make_scene(given: dict[str, Any], base: Scene | None) -> Scene:
+    """Make a scene of the options that were given, over a scene file's if there is one."""
+    robot, ground = make_robot(given, base and (base.robot, base.ground))
+    parts = {"robot": robot, "ground": ground, "gait": make_gait(given, base and base.gait)}
+    told = {name: value for name, value in given.items() if value is not None}
+    parts |= _drive(told, base)
+    for name in _ANGLES:
+        if name in told:
+            told[f"{name.removesuffix('_deg')}_rad"] = math.radians(told.pop(name))
+    parts |= {_FIELDS.get(name, name): value for name, value in told.items()}
+    return replace(base, **parts) if base is not None else _by_method(parts)
+
+
+def _drive(told: dict[str, Any], base: Scene | None) -> dict[str, Any]:
+    """Take the drive from the options: asking for servos or torques replaces the scene's own."""
+    drive, servo, torque = (told.pop(name, None) for name in ("drive", "servo", "torque_nm"))
+    asked = {"servo": servo, "torque": torque}
+    drives = {name for name, value in asked.items() if value is not None} | {drive} - {None}
+    if len(drives) > 1:
+        raise click.UsageError(f"choose one drive; the options ask for {' and '.join(drives)}")
+    if not drives:
+        return {}
+    (drive,) = drives
+    if torque is None and base is not None:
+        torque = base.torque
+    return {
+        "drive": drive,
+        "servo": _servo(servo or {}, base and base.servo) if drive == "servo" else None,
+        "torque": torque if drive == "torque" else None,
+    }
+
+
+def _servo(fields: dict[str, float], base: Servo | None) -> Servo:
+    from ..model.drives import Servo
+    from ..model.toml_table import check_names
+
+    check_names(fields, (), "--servo", "field", tuple(Servo.__slots__))
+    return replace(base or Servo(), **fields)
+
+
+def _by_method(parts: dict[str, Any]) -> Scene:
+    """Make a scene with the first method that runs it, unless one was asked for."""
+    from ..simulation.scene import Scene
+
+    if "method" in parts:
+        return Scene(**parts)
+    smooth = not parts["ground"].dry or parts.get("smoothing_m_s", 0) > 0
+    if not smooth:
+        with suppress(BadInput):
+            return Scene(**parts, method="nonsmooth")
+    return Scene(**parts, method="rk4")
+
+
+def _watched(scene: Scene, accuracy: float | None) -> Run:
+    """Run a scene, telling on a terminal how far it is."""
+    from ..show import report
+    from ..simulation.simulate import simulate as run_scene
+
+    with report.simulated_time(scene.duration_s, "simulating") as tell:
+        return interruptible(lambda: run_scene(scene, progress=tell, accuracy=accuracy))

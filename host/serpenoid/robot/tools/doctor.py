@@ -1,0 +1,193 @@
+"""Find what keeps a robot from working, and say the fix; nothing here moves it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from importlib.util import find_spec
+from typing import Literal
+
+from ...model.errors import NoAnswer, ProtocolMismatch, RobotError
+from ..robot import Robot
+from ..wire import culprit, link
+from ..wire.clock import TOLERANCE_PPM
+from ..wire.dialogue import Losses
+from ..wire.ports import allowed, users
+from ..wire.protocol import PROTOCOL, Hello
+from ..wire.reports import Status
+
+Mark = Literal["ok", "note", "fix"]
+SETTINGS = {
+    "ok": "whole",
+    "new": "nothing saved yet: the firmware's defaults are in use",
+    "older": "the newest copy was damaged, the one before it is in use",
+    "damaged": "both copies are damaged: the firmware's defaults are in use",
+}
+RESETS = {
+    "brownout": "give the servos a supply of their own and join the grounds",
+    "watchdog": "the program hung: flash the newest firmware; if it persists, report it",
+}
+MEDDLERS = {"brltty": culprit.BRLTTY, "ModemManager": culprit.MODEM_MANAGER}
+BOARD_COUNTS = ("crc", "garbled", "overlong", "lost", "rxfull")
+HOST_COUNTS = ("damaged_lines", "missed_frames")
+LATE_US = 2000  # the firmware's own budget for the lateness of a frame (firmware/README.md)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing looked at: what was found, and what to do unless mark is "ok".
+
+    mark "note" is worth knowing and keeps nothing from working; "fix" is to be put right.
+    """
+
+    name: str
+    mark: Mark
+    found: str
+    fix: str = ""
+
+    def to_dict(self) -> dict[str, str]:
+        """Return plain values."""
+        return asdict(self)
+
+
+def examine(
+    port: str | None = None, listen_s: float = 3.0, timeout_s: float = 5.0
+) -> Iterator[Finding]:
+    """Look at one thing after another, as far as what was found allows; None finds the port.
+
+    listen_s: how long to count frames; timeout_s: how long to wait for the board's greeting.
+    """
+    yield (here := _pyserial())
+    if here.mark == "ok":
+        try:
+            yield from _port(port, listen_s, timeout_s)
+        except RobotError as error:
+            yield Finding("port", "fix", "not usable", str(error))
+    yield _platformio()
+
+
+def _pyserial() -> Finding:
+    if not find_spec("serial"):
+        return Finding("pyserial", "fix", "not installed", "pip install pyserial")
+    from serial import VERSION
+
+    return Finding("pyserial", "ok", f"version {VERSION}")
+
+
+def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Finding]:
+    if port is not None and port.startswith("virtual"):
+        yield Finding("port", "ok", f"{port}: the firmware in this process, no robot")
+    else:
+        port = port or link.find_port()
+        yield (there := _exists(port))
+        if there.mark != "ok":
+            return
+        for finding in _access(port):
+            yield finding
+            if finding.mark == "fix":
+                return
+    yield from _board(port, listen_s, timeout_s)
+
+
+def _exists(port: str) -> Finding:
+    if os.path.exists(port):
+        return Finding("port", "ok", port)
+    others = ", ".join(p.device for p in link.serial_ports()) or "none"
+    return Finding("port", "fix", f"there is no {port}", f"serial ports here: {others}")
+
+
+def _access(port: str) -> Iterator[Finding]:
+    """Look at who may open the port, and who has done so."""
+    if not allowed(port):
+        yield Finding("permission", "fix", "refused", culprit.why_forbidden(port))
+    else:
+        yield Finding("permission", "ok", f"this user may open {port}")
+    if holders := users(port):
+        yield Finding("other programs", "fix", "in use", culprit.why_held(port, holders))
+    else:
+        yield Finding("other programs", "ok", f"none has {port} open")
+    for name, cure in MEDDLERS.items():
+        if culprit.running(name):
+            yield Finding(name, "note", "runs here and may take the port", cure)
+
+
+def _board(port: str, listen_s: float, timeout_s: float) -> Iterator[Finding]:
+    try:
+        with Robot(port, timeout_s=timeout_s) as robot:
+            yield Finding("greeting", "ok", f"{robot.hello.board}, boot {robot.hello.boot}")
+            yield Finding("protocol", "ok", f"{PROTOCOL}, firmware {robot.hello.firmware}")
+            yield from _settings(robot.hello, robot.settings())
+            yield from _running(robot, listen_s)
+    except NoAnswer as error:
+        yield Finding("greeting", "fix", "none", str(error))
+    except ProtocolMismatch as error:
+        yield Finding("protocol", "fix", "another one", str(error))
+
+
+def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
+    found = SETTINGS.get(hello.settings, hello.settings)
+    if hello.settings in ("ok", "new"):
+        fix = "" if hello.settings == "ok" else "centre the servos: serpenoid trim"
+        yield Finding("settings", "ok" if hello.settings == "ok" else "note", found, fix)
+    else:
+        yield Finding("settings", "fix", found, "check each servo and save: serpenoid trim")
+    if not settings["silence"]:
+        fix = "send `set silence 2` and `save`: serpenoid monitor"
+        yield Finding("silence", "note", "off: nothing stops the robot if the host dies", fix)
+    if hello.reset in RESETS:
+        yield Finding("last reset", "fix", hello.reset, RESETS[hello.reset])
+
+
+def _running(robot: Robot, listen_s: float) -> Iterator[Finding]:
+    """Listen for a while, then judge losses, timing and clock."""
+    if robot.settings()["every"] != 1:
+        robot.set("every", 1)  # until the next reset, so that there is something to hear
+    heard = sum(1 for _ in robot.frames(listen_s))
+    status = robot.status()
+    yield _counters(status, robot.losses, heard)
+    yield _timing(status)
+    yield _drift(robot)
+
+
+def _counters(status: Status, losses: Losses, heard: int) -> Finding:
+    """Judge what the board has counted since its start, and what was lost on the way here."""
+    counts = {name: getattr(status, name) for name in BOARD_COUNTS}
+    counts |= {name: getattr(losses, name) for name in HOST_COUNTS}
+    bad = ", ".join(f"{name} {count}" for name, count in counts.items() if count)
+    if not heard:
+        return Finding("counters", "fix", "no frame came", "flash the board: serpenoid flash")
+    if bad:
+        return Finding("counters", "fix", bad, "use a shorter or better USB cable, and no hub")
+    return Finding("counters", "ok", f"clean, over {heard} frames")
+
+
+def _timing(status: Status) -> Finding:
+    found = (
+        f"{status.overruns} frames missed, latest frame {status.late_us} us late, "
+        f"longest pass {status.frame_us} us"
+    )
+    if status.overruns or status.late_us > LATE_US:
+        fix = "flash the newest firmware: serpenoid flash; if it persists, report these numbers"
+        return Finding("timing", "fix", found, fix)
+    return Finding("timing", "ok", found)
+
+
+def _drift(robot: Robot) -> Finding:
+    drift = robot.clock
+    if not drift.span_s:
+        return Finding("clock", "note", "not measured", "listen longer: --listen-s 5")
+    found = f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm against this computer"
+    if abs(drift.ppm) > TOLERANCE_PPM + 3 * drift.sd_ppm:
+        return Finding("clock", "fix", found, "beyond any resonator: is the right board flashed?")
+    return Finding("clock", "ok", found)
+
+
+def _platformio() -> Finding:
+    from .upload import find_platformio
+
+    pio = find_platformio()
+    if not pio:
+        fix = "needed for flashing only: pip install platformio"
+        return Finding("platformio", "note", "not installed", fix)
+    return Finding("platformio", "ok", pio)

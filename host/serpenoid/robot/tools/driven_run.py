@@ -1,0 +1,113 @@
+"""Drive one gait, watch every frame, and sum the run up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..robot import Robot
+from ..wire.protocol import Telemetry
+
+if TYPE_CHECKING:
+    from ...model.robot import Gait
+
+FRAME_S = 0.02
+SILENCE_S = 2.0
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a run came to.
+
+    frames: that arrived; missed, damaged and resent: as in Losses. latest_us: the latest frame.
+    drift_ppm: board's clock against this computer's, with its s.d. frequency_hz: of the settled
+    gait in this computer's seconds, with its s.d.
+    """
+
+    board: str
+    firmware: str
+    duration_s: float
+    frames: int
+    missed_frames: int
+    damaged_lines: int
+    resent_commands: int
+    latest_us: int
+    drift_ppm: float
+    drift_sd_ppm: float
+    frequency_hz: float
+    frequency_sd_hz: float
+    recording: str | None
+
+    def to_dict(self) -> dict[str, object]:
+        """Return plain values."""
+        return asdict(self)
+
+
+class Drive:
+    """One gait on one robot: `run` drives it, `summary` may be asked for even if that raised."""
+
+    def __init__(self, gait: Gait, port: str | None, record: Path | None):
+        self.gait = gait
+        self.robot = Robot(port, record=record)
+        self.first: Telemetry | None = None
+        self.last: Telemetry | None = None
+        self.frames = self.latest_us = 0
+        self._record = record
+
+    def run(self, duration_s: float | None, watch: Callable[[Drive], None]) -> None:
+        """Drive for a time or without end, calling watch after every frame.
+
+        Raises what Robot raises; whatever happens the robot is stopped first.
+        """
+        with self.robot as robot:
+            _make_watchable(robot)
+            robot.gait(self.gait)
+            for frame in robot.frames(duration_s):
+                self._count(frame)
+                watch(self)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Return the board's time from the first frame to the last."""
+        if self.first is None or self.last is None:
+            return 0.0
+        return FRAME_S * ((self.last.frame - self.first.frame) & 0xFFFFFFFF)
+
+    def frequency_hz(self) -> tuple[float, float]:
+        """Return the settled gait's frequency in this computer's seconds, and its s.d."""
+        rate, sd = self.robot.true_rate_rad_s(self.gait.omega_rad_s)
+        return rate / (2 * math.pi), sd / (2 * math.pi)
+
+    def summary(self) -> Summary | None:
+        """Sum up what came so far; None if no frame came."""
+        if self.last is None:
+            return None
+        hello, losses, drift = self.robot.hello, self.robot.losses, self.robot.clock
+        frequency_hz, frequency_sd_hz = self.frequency_hz()
+        return Summary(
+            hello.board, hello.firmware, self.elapsed_s, self.frames, losses.missed_frames,
+            losses.damaged_lines, losses.resent, self.latest_us, drift.ppm,
+            drift.sd_ppm, frequency_hz, frequency_sd_hz,
+            None if self._record is None else str(self._record),
+        )  # fmt: skip
+
+    def _count(self, frame: Telemetry) -> None:
+        self.first = self.first or frame
+        self.last = frame
+        self.frames += 1
+        self.latest_us = max(self.latest_us, frame.late_us)
+
+
+def _make_watchable(robot: Robot) -> None:
+    """See that every frame is told, and that the board stops if this program dies.
+
+    Both last until the board's next reset only; its EEPROM is left alone.
+    """
+    settings = robot.settings()
+    if settings["every"] != 1:
+        robot.set("every", 1)
+    if not settings["silence"]:
+        robot.set("silence", SILENCE_S)

@@ -1,0 +1,80 @@
+"""Keys as they are pressed: a terminal without line editing, given back however it is left."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from ...model.errors import BadInput
+
+NAMES = {
+    "\x1b[A": "up", "\x1b[B": "down", "\x1b[C": "right", "\x1b[D": "left",
+    "\x1bOA": "up", "\x1bOB": "down", "\x1bOC": "right", "\x1bOD": "left",
+    "\x1b[5~": "page up", "\x1b[6~": "page down",
+    "\n": "enter", "\r": "enter", "\x7f": "backspace", "\x08": "backspace", "\x04": "end",
+}  # fmt: skip
+KEY = re.compile("|".join(map(re.escape, NAMES)) + "|.", re.DOTALL)
+UNFINISHED = re.compile("\x1b(\\[[56]?|O)?$")
+REST_S = 0.05  # in which the rest of a key's code comes
+
+Keyboard = Callable[[float], str]
+
+
+def need_terminal() -> None:
+    """Raise BadInput unless standard input is a terminal."""
+    if not sys.stdin.isatty():
+        raise BadInput("standard input is no terminal; this command is for a person's keys")
+
+
+@contextmanager
+def keyboard() -> Iterator[Keyboard]:
+    """Give a function that returns the next key within so many seconds, or nothing.
+
+    A key is one character or a name of NAMES; "end" is the end of the input. Where standard input
+    is no terminal, its characters count as keys. Ctrl-C stays a signal; Ctrl-Z is off.
+    """
+    if not sys.stdin.isatty():
+        yield _Reader(sys.stdin.fileno())
+        return
+    import termios
+
+    fd = sys.stdin.fileno()
+    before = termios.tcgetattr(fd)
+    raw = termios.tcgetattr(fd)
+    raw[3] &= ~(termios.ICANON | termios.ECHO)
+    raw[6][termios.VSUSP] = b"\0"
+    termios.tcsetattr(fd, termios.TCSADRAIN, raw)
+    try:
+        yield _Reader(fd)
+    finally:
+        termios.tcsetattr(fd, termios.TCSADRAIN, before)
+
+
+class _Reader:
+    """Bytes of a file to keys; several may come at once, one may come in pieces."""
+
+    def __init__(self, fd: int):
+        self._fd = fd
+        self._text = ""
+
+    def __call__(self, timeout_s: float) -> str:
+        if not self._text:
+            self._fill(timeout_s)
+        while UNFINISHED.search(self._text) and self._fill(REST_S):
+            pass
+        found = KEY.match(self._text)
+        if not found:
+            return ""
+        self._text = self._text[found.end() :]
+        return NAMES.get(found[0], found[0])
+
+    def _fill(self, timeout_s: float) -> bool:
+        if not select.select([self._fd], [], [], timeout_s)[0]:
+            return False
+        data = os.read(self._fd, 1024)
+        self._text += data.decode("ascii", "replace") if data else "\x04"
+        return bool(data)

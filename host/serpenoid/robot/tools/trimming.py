@@ -1,0 +1,95 @@
+"""Centre the servos by keys, on a robot that holds itself straight."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from ...model.errors import CommandRefused, RobotLost
+from ..robot import Robot
+from .keys import Keyboard
+
+HELP = """\
+left, right or 1 to 5: joint (1 at the tail)   up, down or +, -: 1 us   page up, page down: 10 us
+s: save on the board   q: leave"""
+MOVES = {"up": 1, "+": 1, "down": -1, "-": -1, "page up": 10, "page down": -10}
+TURNS = {"left": -1, "right": 1}
+STRAIGHT_S = 20.0
+WAIT_S = 0.5
+UNATTENDED_S = 3600.0  # the robot holds still while a person looks for a screwdriver
+
+
+class Trimming:
+    """The keys' meaning: which joint is chosen, what is changed, what is not saved yet."""
+
+    def __init__(self, robot: Robot, show: Callable[[str], None]):
+        self.robot = robot
+        self.trims = list(robot.trims())
+        self.chosen = 0
+        self.unsaved = False
+        self._warned = False
+        self._show = show
+
+    def go(self, keyboard: Keyboard) -> None:
+        """Obey keys until one says to leave."""
+        self._show(HELP)
+        self._tell()
+        while self.press(keyboard(WAIT_S)):
+            pass
+
+    def press(self, key: str) -> bool:
+        """Obey one key; return False to leave. Raises what Robot raises, refusals apart."""
+        warned, self._warned = self._warned, self._warned and not key
+        if key in MOVES:
+            self._move(MOVES[key])
+        elif key in TURNS:
+            self._choose((self.chosen + TURNS[key]) % len(self.trims))
+        elif key in tuple("12345"):
+            self._choose(int(key) - 1)
+        elif key == "s":
+            self.robot.save()
+            self.unsaved = False
+            self._show("saved on the board")
+        elif key in ("q", "end"):
+            return self._stay(warned or key == "end")
+        return True
+
+    def _move(self, change_us: int) -> None:
+        trim = self.trims[self.chosen]
+        centre_us = trim.centre_us + change_us
+        try:
+            self.robot.trim(trim.joint, "centre", centre_us)
+        except CommandRefused as error:
+            self._show(str(error))
+            return
+        self.trims[self.chosen] = replace(trim, centre_us=centre_us)
+        self.unsaved = True
+        self._tell()
+
+    def _choose(self, joint: int) -> None:
+        self.chosen = joint
+        self._tell()
+
+    def _tell(self) -> None:
+        trim = self.trims[self.chosen]
+        saved = "  (not saved)" if self.unsaved else ""
+        self._show(f"joint {trim.joint}  centre {trim.centre_us:g} us{saved}")
+
+    def _stay(self, sure: bool) -> bool:
+        """Return whether to stay: once, if something is not saved."""
+        if sure or not self.unsaved:
+            return False
+        self._warned = True
+        self._show("not saved: s saves, q once more leaves")
+        return True
+
+
+def straighten(robot: Robot) -> None:
+    """Move all joints to 0 and wait until they are there."""
+    robot.straight()
+    end_s = time.monotonic() + STRAIGHT_S
+    while robot.status().moving:
+        if time.monotonic() > end_s:
+            raise RobotLost(f"the robot is not straight after {STRAIGHT_S:g} s; ask for `status`")
+        time.sleep(0.05)

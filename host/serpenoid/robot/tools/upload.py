@@ -1,0 +1,144 @@
+"""Build the firmware with PlatformIO, put it on a board, and wait until the board greets."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from ...model.errors import BadInput, FlashFailed
+from ..robot import Robot
+from ..signals import SignalGuard
+from ..wire.link import find_port, serial_ports
+from ..wire.ports import check_free
+from ..wire.protocol import Hello
+
+BOARDS = ("uno", "nano", "mega")  # the environments of platformio.ini
+# USB vendor and product ids of boards that say what they are; copies have their chip's ids.
+KNOWN = {
+    "uno": {(0x2A03, 0x43)} | {(0x2341, p) for p in (0x1, 0x43, 0x6A, 0x243)},
+    "mega": {(v, p) for v in (0x2341, 0x2A03) for p in (0x10, 0x42, 0x210, 0x242)},
+}
+GREETING_S = 10.0
+GRACE_S = 5.0
+UPLOADING = "Uploading "  # how PlatformIO announces it, once everything is built
+# What PlatformIO said, what it means, what to do; the last row of each table is for all else.
+BUILD_CAUSES = (
+    (r"HTTPClientError|InternetConnection|Max retries|Could not resolve host",
+     "PlatformIO could not download its compiler", "connect to the internet once and try again"),
+    (r"UnknownEnvNames|Unknown environment", "platformio.ini has no such board",
+     "take the project's own platformio.ini"),
+    (r"", "the firmware did not compile", "see above; `git status` tells what was changed"),
+)  # fmt: skip
+UPLOAD_CAUSES = (
+    (r"not in sync|stk500|timeout communicating|protocol error",
+     "the board's boot loader does not answer",
+     "check --board and --port; a Nano with the old boot loader needs a newer one burnt"),
+    (r"can't open device|Permission denied|Resource busy",
+     "the port could not be opened", "ask `serpenoid doctor`"),
+    (r"", "the upload failed", "check --board, --port and the cable, then try again"),
+)  # fmt: skip
+
+
+def flash(
+    board: str | None, port: str | None, project: Path | None, show: Callable[[str], None]
+) -> Hello:
+    """Build, upload, and return the greeting of the new firmware.
+
+    board: one of BOARDS, or None if the USB id tells; port: None finds it by USB id; project: the
+    folder of platformio.ini, or None if this is a source tree. show takes PlatformIO's output as
+    it comes. Raises BadInput, PortMissing, PortBusy, FlashFailed, NoAnswer.
+    """
+    folder = find_project(project)
+    pio = find_platformio()
+    if not pio:
+        raise FlashFailed("PlatformIO is not installed: `pip install platformio`")
+    if port is not None and port.startswith("virtual"):
+        raise BadInput(f"port is {port!r}, which has no flash memory; name a serial port")
+    port = port or find_port()
+    board = board or board_at(port)
+    check_free(port)
+    command = [pio, "run", "-d", str(folder), "-e", board, "-t", "upload", "--upload-port", port]
+    status, said = _run(command, show)
+    if status:
+        raise FlashFailed(_why(said, status))
+    with Robot(port, timeout_s=GREETING_S) as robot:
+        return robot.hello
+
+
+def find_platformio() -> str | None:
+    """Return the path of `pio`: on PATH, or beside this Python; None if there is none."""
+    beside = Path(sys.executable).with_name("pio")
+    return shutil.which("pio") or (str(beside) if beside.exists() else None)
+
+
+def find_project(given: Path | None) -> Path:
+    """Return the folder that holds platformio.ini and firmware/; raise BadInput."""
+    here = Path.cwd()
+    places = [given] if given else [here, *here.parents, Path(__file__).resolve().parents[4]]
+    for place in places:
+        if (place / "platformio.ini").exists() and (place / "firmware" / "src").is_dir():
+            return place
+    looked = str(given) if given else f"{here} or above it"
+    raise BadInput(f"no firmware in {looked}; name the folder of serpenoid's source with --project")
+
+
+def board_at(port: str) -> str:
+    """Tell the board by its USB id; raise BadInput if that does not tell."""
+    for found in serial_ports():
+        for board, ids in KNOWN.items():
+            if found.device == port and (found.vendor_id, found.product_id) in ids:
+                return board
+    raise BadInput(f"the USB id of {port} does not tell the board; give --board {'|'.join(BOARDS)}")
+
+
+def _run(command: list[str], show: Callable[[str], None]) -> tuple[int, str]:
+    """Run a program, showing what it says as it comes; return its exit status and all it said.
+
+    It gets a process group of its own, so that Ctrl-C reaches it through here alone, once.
+    """
+    said = bytearray()
+    guard = SignalGuard(lambda: None)  # SIGTERM and SIGHUP end it in order, too
+    guard.install()
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+    ) as process:
+        assert process.stdout is not None
+        try:
+            while chunk := os.read(process.stdout.fileno(), 4096):
+                said += chunk
+                show(chunk.decode("utf-8", "replace"))
+            return process.wait(), said.decode("utf-8", "replace")
+        except BaseException:
+            guard.held = True
+            _end(process)
+            raise
+        finally:
+            guard.restore()
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a program and all that it has started, in order first and then by force."""
+    with suppress(ProcessLookupError, subprocess.TimeoutExpired):
+        os.killpg(process.pid, signal.SIGINT)
+        process.wait(GRACE_S)
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+
+
+def _why(said: str, status: int) -> str:
+    _, uploading, after = said.partition(UPLOADING)
+    for pattern, cause, cure in UPLOAD_CAUSES if uploading else BUILD_CAUSES:
+        if re.search(pattern, after if uploading else said):
+            return f"{cause} (pio exited {status}); {cure}"
+    raise AssertionError("the last row matches anything")

@@ -1,0 +1,292 @@
+"""The conversation with a board: one reader, one command at a time, a ping when nobody speaks.
+
+Two threads serve a real wire. One reads, so that no line is lost while the program computes or
+sleeps. The other pings, so that the board's silence timer stays fed meanwhile - but only as long
+as the program itself has called in within `unattended_s`: a program that hangs or was forgotten
+must not keep the robot moving for ever, so then the robot is stopped, and the next call says so.
+If the whole process hangs, nothing pings and the board's own timer acts. On a link in lockstep
+time passes only in calls: there are no threads, and waiting is reading.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+from ...model.errors import RobotClosed, RobotError, RobotLost, RobotUnattended
+from .inbox import Inbox, Losses, Pending
+from .link import Link
+from .protocol import Data, Telemetry, Verdict, seal
+from .record import Recorder
+
+RETRY_S = 0.1
+PATIENCE_S = 2.0
+PING_S = 0.4
+PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
+LONGEST_LINE = 4096
+STOP = b"\n!\n"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A verdict with the data lines before it, less those that were lost on the way."""
+
+    verdict: Verdict
+    data: list[Data]
+
+
+@dataclass(frozen=True)
+class Farewell:
+    """How a run was left: whether the board confirmed the stop, an error no call has raised."""
+
+    stopped: bool
+    unseen: RobotError | None
+
+
+class Dialogue:
+    """Talk to one board over one link. Every call may raise the error that ended the run."""
+
+    def __init__(self, link: Link, recorder: Recorder | None, unattended_s: float):
+        self.link = link
+        self.inbox = Inbox()
+        self._recorder = recorder
+        self._unattended_s = unattended_s
+        self._attended_s = self._spoken_s = link.now_s()
+        self._ping_s = PING_S
+        self._number = 0
+        self._rest = b""
+        self._failure: RobotError | None = None
+        self._failure_told = False
+        self._leaving = False
+        self._closing = threading.Event()
+        self._changed = threading.Condition()  # guards the inbox
+        self._talking = threading.RLock()  # one command at a time
+        self._threads: list[threading.Thread] = []
+
+    def start(self) -> None:
+        """Begin to read."""
+        if not self.link.lockstep:
+            self._thread("serpenoid reader", self._read_on)
+
+    def open_session(self, patience_s: float) -> bool:
+        """Ask for the greeting under number 0; return whether it came and was obeyed."""
+        with self._talking:
+            self._number = 0
+            answer = self._exchange("hello", patience_s)
+            if answer is None or not answer.verdict.accepted or self.inbox.hello is None:
+                return False
+            with self._changed:
+                self.inbox.open_session(self.link.now_s())
+        if not self.link.lockstep:
+            self._thread("serpenoid pinger", self._keep_alive)
+        return True
+
+    def command(self, text: str) -> Answer:
+        """Send a command under the next number; return its answer or raise RobotLost."""
+        self._attend()
+        return self._command(text, PATIENCE_S)
+
+    def halt(self) -> None:
+        """Stop the robot at once, whatever else is under way; the verdict is not waited for."""
+        self._write(STOP)
+
+    def stop(self) -> Answer:
+        """Stop the robot at once and return once the board has confirmed it."""
+        if not self._closing.is_set():  # what is closed is not lost
+            self.halt()
+        return self._command("stop", PATIENCE_S)
+
+    def feed(self, silence_s: float) -> None:
+        """Ping often enough for a board whose silence time is this; 0 is none."""
+        self._ping_s = min(PING_S, silence_s / PINGS_A_SILENCE or PING_S)
+
+    def wait(self, done: Callable[[], bool], until_s: float) -> bool:
+        """Wait until done() or the host's time until_s; return done(). Raises what ended the run.
+
+        done() is called with the reader held off.
+        """
+        with self._changed:
+            while not done():
+                self._check()
+                left_s = until_s - self.link.now_s()
+                if left_s <= 0:
+                    return False
+                if self.link.lockstep:
+                    self._step(left_s)
+                else:
+                    self._changed.wait(left_s)
+        return True
+
+    def forget_frames(self) -> None:
+        """Drop the frames that nobody has asked for."""
+        with self._changed:
+            self.inbox.unread.clear()
+
+    def next_frame(self, until_s: float) -> Telemetry | None:
+        """Return the next frame, or None at the host's time until_s; keeps the board awake."""
+        unread = self.inbox.unread
+        while True:
+            self._attend()
+            if self.link.lockstep:
+                self._ping_if_quiet()
+            now_s = self.link.now_s()
+            if self.wait(lambda: bool(unread), min(until_s, now_s + self._ping_s)):
+                with self._changed:
+                    return unread.popleft()
+            if now_s >= until_s:
+                return None
+
+    def leave(self) -> Farewell:
+        """Stop the robot and close the session; what fails after the stop no longer matters."""
+        self._leaving = True
+        stopped = not self.inbox.in_session  # before a session nothing was set in motion
+        with suppress(RobotError):
+            self.halt()
+            stopped = stopped or self._command("stop", PATIENCE_S / 2).verdict.accepted
+        unseen = self.inbox.notice if self._failure_told else self._failure or self.inbox.notice
+        with suppress(RobotError):
+            if self.inbox.in_session:
+                self._command("bye", PATIENCE_S / 4)
+        self._closing.set()
+        for thread in self._threads:
+            thread.join(PATIENCE_S)
+        return Farewell(stopped, unseen)
+
+    @property
+    def losses(self) -> Losses:
+        """Return what did not arrive whole, so far."""
+        return self.inbox.losses
+
+    @property
+    def failure(self) -> RobotError | None:
+        """Return what ended the run, if anything did."""
+        return self._failure
+
+    def _write(self, data: bytes) -> None:
+        self.link.write(data)
+        for line in data.split(b"\n"):
+            if line:
+                self._record(self.link.now_s(), ">", line)
+
+    def _record(self, host_s: float, direction: str, line: bytes) -> None:
+        if not self._recorder:
+            return
+        try:
+            self._recorder.line(host_s, direction, line)
+        except RobotError as error:
+            self._recorder = None
+            raise self._fail(error) from error
+
+    def _command(self, text: str, patience_s: float) -> Answer:
+        with self._talking:
+            self._check()
+            self._number = (self._number + 1) & 0xFFFF
+            answer = self._exchange(text, patience_s)
+        if answer is None:
+            raise self._fail(
+                RobotLost(
+                    f"no verdict for {text!r} within {patience_s:g} s, though {self.link.name} is "
+                    "open: the board hangs or the wire is bad; if the robot moves, it stops by "
+                    "itself within its silence time, or else cut its power; then check its cable"
+                )
+            )
+        return answer
+
+    def _exchange(self, text: str, patience_s: float) -> Answer | None:
+        """Send until a verdict comes: again after 100 ms, or when the line came damaged."""
+        pending = Pending(self._number, text)
+        line, end_s = seal(text, self._number), self.link.now_s() + patience_s
+        with self._changed:
+            self.inbox.pending = pending
+        while True:
+            pending.damaged = False
+            self._write(line)
+            self._spoken_s = self.link.now_s()
+            retry_s = min(self._spoken_s + RETRY_S, end_s)
+            self.wait(lambda: pending.verdict is not None or pending.damaged, retry_s)
+            if pending.damaged:  # not at the pace of a board that answers everything so
+                self.wait(lambda: pending.verdict is not None, self._spoken_s + RETRY_S / 5)
+            if pending.verdict:
+                return Answer(pending.verdict, pending.data)
+            if self.link.now_s() >= end_s:
+                return None
+            with self._changed:
+                self.inbox.lose(resent=1)
+
+    def _attend(self) -> None:
+        self._attended_s = self.link.now_s()
+        with self._changed:
+            notice, self.inbox.notice = self.inbox.notice, None
+        if notice:
+            raise notice
+
+    def _check(self) -> None:
+        lost = isinstance(self._failure, RobotLost)
+        if self._failure and (lost or not self._leaving):
+            self._failure_told |= threading.current_thread() not in self._threads
+            raise self._failure
+        if self._closing.is_set():
+            raise RobotClosed("the robot is closed; talk to it inside `with Robot(port) as robot:`")
+
+    def _fail(self, error: RobotError) -> RobotError:
+        """End the run with its first error: stop the robot if the wire still carries that."""
+        with self._changed:
+            first, self._failure = self._failure, self._failure or error
+            self._changed.notify_all()
+        if not first:
+            with suppress(RobotError):
+                self.link.write(STOP)
+        return first or error
+
+    def _thread(self, name: str, work: Callable[[], None]) -> None:
+        self._threads.append(threading.Thread(target=work, name=name, daemon=True))
+        self._threads[-1].start()
+
+    def _read_on(self) -> None:
+        while not self._closing.is_set() and not isinstance(self._failure, RobotLost):
+            self._step(0.05)
+
+    def _keep_alive(self) -> None:
+        while not self._closing.wait(self._ping_s / 4) and not self._failure:
+            with suppress(RobotError):  # kept in _failure, for the program's next call
+                if self.link.now_s() - self._attended_s > self._unattended_s:
+                    self._abandon()
+                self._ping_if_quiet()
+
+    def _ping_if_quiet(self) -> None:
+        if self.link.now_s() - self._spoken_s > self._ping_s:
+            self._command("ping", PATIENCE_S)
+
+    def _abandon(self) -> None:
+        self._attended_s = self.link.now_s()
+        with self._changed:
+            self.inbox.notice = RobotUnattended(
+                f"the program did not call for {self._unattended_s:g} s, so the robot was "
+                "stopped; iterate frames() meanwhile, or give Robot a longer unattended_s"
+            )
+        self.halt()
+
+    def _step(self, timeout_s: float) -> None:
+        """Read once and deal with every line that is complete."""
+        try:
+            *lines, self._rest = (self._rest + self.link.read(timeout_s)).split(b"\n")
+        except RobotError as error:
+            self._fail(error)
+            return
+        if len(self._rest) > LONGEST_LINE:
+            lines, self._rest = [*lines, self._rest], b""
+        for line in lines:
+            self._take(line, self.link.now_s())
+
+    def _take(self, line: bytes, host_s: float) -> None:
+        if not line.strip():
+            return
+        try:
+            self._record(host_s, "<", line)
+            with self._changed:
+                self.inbox.take(line, host_s)
+                self._changed.notify_all()
+        except RobotError as error:
+            self._fail(error)

@@ -1,0 +1,174 @@
+"""What the board's lines say, sorted: frames, verdicts, losses, resets; no input or output here."""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from dataclasses import dataclass, field, replace
+
+from ...model.errors import DamagedLine, RobotReset, RobotUnattended
+from .clock import BoardClock
+from .protocol import Data, Hello, Telemetry, Verdict, parse
+
+MOST_UNREAD = 15_000  # frames: five minutes
+LATE_GREETING_S = 0.5  # after a session opened, a greeting may still answer an earlier asking
+CHANGES_CADENCE = ("set every ", "set silence ", "load", "defaults")
+
+
+@dataclass(frozen=True)
+class Losses:
+    """What did not arrive whole: damaged lines, frames that never came or came twice.
+
+    unread_frames: dropped here because the program iterated too slowly. resent: commands that
+    were sent again for want of a verdict.
+    """
+
+    damaged_lines: int = 0
+    missed_frames: int = 0
+    repeated_frames: int = 0
+    unread_frames: int = 0
+    resent: int = 0
+
+
+@dataclass
+class Pending:
+    """The command that waits for its verdict, and what came for it."""
+
+    number: int
+    text: str
+    data: list[Data] = field(default_factory=list)
+    verdict: Verdict | None = None
+    damaged: bool = False  # it came damaged to the board: send it again
+
+
+class Inbox:
+    """Take the board's lines one by one, with the host's time at which each came.
+
+    Not safe for threads by itself. every: frames from one telemetry line to the next, 0 for
+    none, None while unknown; only while it is known are missed frames counted.
+    """
+
+    def __init__(self) -> None:
+        self.hello: Hello | None = None
+        self.heard = False  # a line of this protocol came
+        self.foreign = b""  # one that made no sense, a greeting rather than any other
+        self.pending: Pending | None = None
+        self.notice: RobotUnattended | None = None
+        self.clock = BoardClock()
+        self.losses = Losses()
+        self.latest: Telemetry | None = None
+        self.unread: deque[Telemetry] = deque(maxlen=MOST_UNREAD)
+        self.in_session = False
+        self._session_s = 0.0
+        self._counted: int | None = None  # the frame from which to count
+        self._every: int | None = None
+
+    @property
+    def every(self) -> int | None:
+        """Return after how many frames telemetry comes, None while unknown."""
+        return self._every
+
+    @every.setter
+    def every(self, frames: int | None) -> None:
+        if frames != self._every:
+            self._every, self._counted = frames, None
+
+    def open_session(self, host_s: float) -> None:
+        """From now on a greeting means a reset; counts start anew."""
+        self.in_session, self._session_s = True, host_s
+        self.clock, self.losses, self.latest = BoardClock(), Losses(), None
+        self._counted = None
+        self.unread.clear()
+
+    def lose(self, **counts: int) -> None:
+        """Add to the losses."""
+        sums = {name: getattr(self.losses, name) + n for name, n in counts.items()}
+        self.losses = replace(self.losses, **sums)
+
+    def take(self, line: bytes, host_s: float) -> None:
+        """Sort in one line; raise RobotReset if it shows that the board started again."""
+        try:
+            message = parse(line)
+        except DamagedLine:
+            self._take_damaged(line)
+            return
+        self.heard = True
+        if isinstance(message, Telemetry):
+            self._take_frame(message, host_s)
+        elif isinstance(message, Hello):
+            self._take_hello(message, host_s)
+        elif isinstance(message, Verdict):
+            self._take_verdict(message)
+        else:
+            self._take_data(message)
+
+    def _take_damaged(self, line: bytes) -> None:
+        self.lose(damaged_lines=1)
+        if not self.foreign or b"hello: " in line:
+            self.foreign = line
+
+    def _take_hello(self, hello: Hello, host_s: float) -> None:
+        if not self.in_session:
+            self.hello = hello
+        elif hello != self.hello or not self._asked(host_s):
+            raise self._started_again(hello.boot, hello.reset)
+
+    def _started_again(self, boot: int, cause: str) -> RobotReset:
+        before = self.hello.boot if self.hello else "none"
+        return _reset(f"the board started again (boot {before}, now {boot}; cause: {cause})")
+
+    def _asked(self, host_s: float) -> bool:
+        by_hand = self.pending is not None and self.pending.text.strip() == "hello"
+        return by_hand or host_s <= self._session_s + LATE_GREETING_S
+
+    def _take_verdict(self, verdict: Verdict) -> None:
+        pending = self.pending
+        if not pending or pending.verdict:
+            return
+        if verdict.number == pending.number:
+            pending.verdict = verdict
+            if verdict.accepted and " ".join(pending.text.split()).startswith(CHANGES_CADENCE):
+                self.every = None
+        elif verdict.mark == "?":
+            pending.damaged = True
+
+    def _take_data(self, data: Data) -> None:
+        boot = re.search(r"\bboot=(\d{1,5})\b", data.text) if data.word == "status" else None
+        if boot and self.in_session and self.hello and int(boot[1]) != self.hello.boot:
+            raise self._started_again(int(boot[1]), "its greeting was lost")
+        if data.word != "state":
+            if self.pending:
+                self.pending.data.append(data)
+        elif data.text.endswith("why=silence"):
+            self.notice = RobotUnattended(
+                "the board heard nothing from this program for its silence time and went to its "
+                "safe pose; was the program or the computer asleep?"
+            )
+
+    def _take_frame(self, frame: Telemetry, host_s: float) -> None:
+        last = self.latest
+        gap = (frame.frame - last.frame) & 0xFFFFFFFF if last else 1
+        if self.in_session and last and gap >= 1 << 31:
+            raise _reset(f"the board's frames went back from {last.frame} to {frame.frame}")
+        if not gap:
+            self.lose(repeated_frames=1)
+            return
+        self._count_missed(frame.frame)
+        self.latest = frame
+        self.clock.add(host_s, frame.frame, frame.board_us)
+        if len(self.unread) == MOST_UNREAD:
+            self.lose(unread_frames=1)
+        self.unread.append(frame)
+
+    def _count_missed(self, frame: int) -> None:
+        if self._every and self._counted is not None:
+            gap = (frame - self._counted) & 0xFFFFFFFF
+            self.lose(missed_frames=max(gap // self._every - 1, 0))
+        self._counted = frame
+
+
+def _reset(what: str) -> RobotReset:
+    return RobotReset(
+        f"{what}: it forgot its motion and stands idle; look for a loose cable, a brown-out or "
+        "another program opening the port, then start again"
+    )

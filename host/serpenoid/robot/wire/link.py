@@ -1,0 +1,185 @@
+"""Bytes to and from a board: the serial port, found and taken; here alone pyserial is imported."""
+
+from __future__ import annotations
+
+import errno
+import threading
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from ...model.errors import PortBusy, PortMissing, RobotLost
+from . import culprit
+
+if TYPE_CHECKING:
+    import serial
+
+BAUD = 250_000
+WRITE_TIMEOUT_S = 1.0
+# USB vendors of these boards and of the serial chips on their copies.
+BOARD_VENDORS = {0x2341: "Arduino", 0x2A03: "Arduino", 0x1A86: "CH340", 0x0403: "FTDI"}
+
+
+class Link(Protocol):
+    """What a Robot needs of a wire, real or virtual; its errors are RobotError."""
+
+    name: str
+    lockstep: bool  # time passes only in read(), so that there is nothing to wait for
+
+    def now_s(self) -> float:
+        """Return the host's clock for this wire, in seconds from an arbitrary start."""
+        ...
+
+    def read(self, timeout_s: float) -> bytes:
+        """Return what has come, after at most timeout_s; raise RobotLost if the wire broke."""
+        ...
+
+    def write(self, data: bytes) -> None:
+        """Send all bytes; callable from any thread and from a signal handler."""
+        ...
+
+    def close(self) -> None:
+        """Give the port back; harmless when done twice."""
+        ...
+
+
+@dataclass(frozen=True)
+class SerialPort:
+    """One serial port of this computer; USB numbers are None for a port that is not USB."""
+
+    device: str
+    description: str
+    vendor_id: int | None
+    product_id: int | None
+
+    @property
+    def chip(self) -> str:
+        """Name the maker of a likely board's USB chip; empty if it is none."""
+        return BOARD_VENDORS.get(self.vendor_id or 0, "")
+
+
+def serial_ports() -> list[SerialPort]:
+    """List the serial ports of this computer, by name."""
+    from serial.tools.list_ports import comports
+
+    return sorted(
+        (SerialPort(p.device, p.description or "", p.vid, p.pid) for p in comports()),
+        key=lambda p: p.device,
+    )
+
+
+def find_port() -> str:
+    """Return the one port with a likely board on it; raise PortMissing naming what is there."""
+    ports = serial_ports()
+    boards = [p for p in ports if p.chip]
+    if len(boards) == 1:
+        return boards[0].device
+    if boards:
+        names = ", ".join(f"{p.device} ({p.chip}, {p.description})" for p in boards)
+        raise PortMissing(f"{len(boards)} ports may be the robot: {names}; name one of them")
+    others = ", ".join(p.device for p in ports) or "none at all"
+    raise PortMissing(
+        f"no board found by its USB id; serial ports here: {others}. {culprit.why_no_port()}"
+    )
+
+
+def missing(port: str) -> PortMissing:
+    """Return the error that there is no such port, naming those that there are."""
+    there = ", ".join(p.device for p in serial_ports()) or "none"
+    return PortMissing(f"there is no port {port}; serial ports here: {there}")
+
+
+def open_link(port: str | None) -> Link:
+    """Open a port by name, `virtual` or `virtual:fast`; None finds the board by its USB id.
+
+    Raises PortMissing or PortBusy, which name the likely cause and its cure.
+    """
+    if port in ("virtual", "virtual:fast"):
+        from .virtual import VirtualLink
+
+        return VirtualLink(fast=port.endswith(":fast"))
+    return SerialLink(port or find_port())
+
+
+class SerialLink:
+    """A board on a serial port, taken for this program alone; opening resets most boards."""
+
+    lockstep = False
+
+    def __init__(self, port: str):
+        self.name = port
+        self._port = _open(port)
+        self._writing = threading.RLock()  # a signal handler may write amid a write
+
+    def now_s(self) -> float:
+        """Return the monotonic clock, which follows the network's time but never jumps."""
+        return time.monotonic()
+
+    def read(self, timeout_s: float) -> bytes:
+        """Return the bytes that have come, waiting up to timeout_s for the first."""
+        try:
+            if timeout_s != self._port.timeout:  # each setting sets the baud rate anew
+                self._port.timeout = timeout_s
+            first = self._port.read(1)
+            return first + self._port.read(self._port.in_waiting) if first else b""
+        except OSError as error:  # pyserial's own error is one
+            raise self._lost(error) from error
+
+    def write(self, data: bytes) -> None:
+        """Send all bytes, or raise RobotLost."""
+        try:
+            with self._writing:
+                self._port.write(data)
+        except OSError as error:
+            raise self._lost(error) from error
+
+    def close(self) -> None:
+        """Give the port back."""
+        if self._port.is_open:
+            _exclude_others(self._port, False)
+        self._port.close()
+
+    def _lost(self, error: OSError) -> RobotLost:
+        return RobotLost(
+            f"{self.name} went away ({error}); the board stops by itself within its silence time: "
+            "check the cable and the board's power, then start again"
+        )
+
+
+def _open(port: str) -> serial.Serial:
+    import serial
+
+    # Asked first because the opening itself would reset a robot that another program is driving.
+    holders = culprit.who_holds(port)
+    if holders and not culprit.is_pseudo_terminal(port):
+        raise PortBusy(culprit.why_held(port, holders))
+    try:
+        opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=WRITE_TIMEOUT_S)
+    except OSError as error:
+        raise _refused(port, error) from error
+    _exclude_others(opened, True)
+    return opened
+
+
+def _exclude_others(port: serial.Serial, exclude: bool) -> None:
+    # pyserial's lock is heeded by programs that lock too; the terminal's own keeps out the rest.
+    # It belongs to the terminal and would outlive this program where another has it open as well.
+    try:
+        import fcntl
+        import termios
+    except ImportError:  # a system whose ports are exclusive anyway
+        return
+    with suppress(OSError):  # unplugged already
+        fcntl.ioctl(port.fileno(), termios.TIOCEXCL if exclude else termios.TIOCNXCL)
+
+
+def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
+    if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK):
+        return PortBusy(culprit.why_held(port, culprit.who_holds(port)))
+    if error.errno in (errno.EACCES, errno.EPERM):
+        return PortBusy(culprit.why_forbidden(port))
+    if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO):
+        return missing(port)
+    there = ", ".join(p.device for p in serial_ports()) or "none"
+    return PortMissing(f"{port} cannot be used as a serial port ({error}); those here: {there}")

@@ -1,0 +1,68 @@
+"""The serial ports of this computer: which may be the robot, and who has them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...model.errors import PortBusy
+from . import culprit
+from .link import missing, serial_ports
+
+
+@dataclass(frozen=True)
+class PortState:
+    """One port: its USB ids (0 if it is not USB), the maker of a likely board's chip, its users."""
+
+    device: str
+    description: str
+    vendor_id: int
+    product_id: int
+    chip: str
+    allowed: bool
+    held_by: tuple[culprit.Holder, ...]
+
+    @property
+    def usb(self) -> str:
+        """Return the USB id as `lsusb` writes it, or nothing."""
+        return f"{self.vendor_id:04x}:{self.product_id:04x}" if self.vendor_id else ""
+
+    def to_dict(self) -> dict[str, object]:
+        """Return plain values."""
+        return {
+            "device": self.device,
+            "description": self.description,
+            "usb": self.usb or None,
+            "likely_board": bool(self.chip),
+            "chip": self.chip or None,
+            "allowed": self.allowed,
+            "held_by": [{"pid": h.pid, "name": h.name} for h in self.held_by],
+        }
+
+
+def port_states() -> list[PortState]:
+    """List the serial ports, by name."""
+    return [
+        PortState(p.device, p.description, p.vendor_id or 0, p.product_id or 0, p.chip,
+                  allowed(p.device), tuple(culprit.who_holds(p.device)))
+        for p in serial_ports()
+    ]  # fmt: skip
+
+
+def allowed(device: str) -> bool:
+    """Tell whether this user may open a port."""
+    return os.access(device, os.R_OK | os.W_OK)
+
+
+def users(device: str) -> list[culprit.Holder]:
+    """List who has a port open and would be disturbed: not who plays a board at it."""
+    return [] if culprit.is_pseudo_terminal(device) else culprit.who_holds(device)
+
+
+def check_free(device: str) -> None:
+    """Raise PortMissing if there is no such port, PortBusy, naming who, if it is used."""
+    if device.startswith("/") and not Path(device).exists():
+        raise missing(device)
+    if holders := users(device):
+        raise PortBusy(culprit.why_held(device, holders))

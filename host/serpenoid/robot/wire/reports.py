@@ -1,0 +1,114 @@
+"""What a board tells about itself: its data lines as values, in the units of PROTOCOL.md."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...model.errors import DamagedLine
+from .protocol import Data
+
+SETTINGS = ("angle_ramp", "rate_ramp", "pose_speed", "servo_speed", "silence", "every")
+JOINTS = 5
+
+
+@dataclass(frozen=True)
+class Status:
+    """The board's state and counters since its start; they stay at 65535.
+
+    Counts of lines to the board: good, crc, nocrc, garbled, overlong, sequence, lost, repeated;
+    dropped: of lines from it; rxfull: of times its receive buffer was full. overruns: frames
+    missed; limited: frames in which a joint was held back; late_us, frame_us: the latest frame
+    and the longest pass of its loop; stack_bytes: RAM never touched.
+    """
+
+    state: str
+    moving: bool
+    boot: int
+    frame: int
+    good: int
+    crc: int
+    nocrc: int
+    garbled: int
+    overlong: int
+    sequence: int
+    lost: int
+    repeated: int
+    dropped: int
+    rxfull: int
+    overruns: int
+    limited: int
+    late_us: int
+    frame_us: int
+    stack_bytes: int
+
+
+@dataclass(frozen=True)
+class Trim:
+    """One servo: joint 1 (tail) to 5; pulse = centre + direction * scale * angle."""
+
+    joint: int
+    centre_us: float
+    scale_us_rad: float
+    direction: int
+    low_deg: float
+    high_deg: float
+
+
+def status_of(data: list[Data]) -> Status:
+    """Return the status in the three lines that answer `status`; raise DamagedLine."""
+    said: dict[str, str] = {}
+    for line in data:
+        said |= _values(line.text)
+    try:
+        return Status(
+            state=said["state"],
+            moving=said["moving"] == "1",
+            stack_bytes=int(said["stack"]),
+            **{n: int(said[n]) for n in Status.__dataclass_fields__ if n not in _OTHERS},
+        )
+    except (KeyError, ValueError) as error:
+        raise DamagedLine(f"the board's status lacks {error}; ask again") from None
+
+
+def settings_of(data: list[Data]) -> dict[str, float]:
+    """Return name -> value from the lines that answer `set`; raise DamagedLine."""
+    try:
+        found = {d.text.split()[0]: float(_values(d.text)["value"]) for d in data}
+    except (KeyError, IndexError, ValueError) as error:
+        raise DamagedLine(f"a setting of the board lacks {error}; ask again") from None
+    if not all(map(math.isfinite, found.values())):
+        raise DamagedLine(f"settings must be finite, not {found}; ask again")
+    if missing := [name for name in SETTINGS if name not in found]:
+        raise DamagedLine(f"the board's list of settings lacks {', '.join(missing)}; ask again")
+    return found
+
+
+def trims_of(data: list[Data]) -> tuple[Trim, ...]:
+    """Return the servos from the lines that answer `trim`; raise DamagedLine."""
+    try:
+        found = [_trim(d.text) for d in data]
+    except (KeyError, IndexError, ValueError) as error:
+        raise DamagedLine(f"a trim of the board lacks {error}; ask again") from None
+    if [t.joint for t in found] != list(range(1, JOINTS + 1)):
+        raise DamagedLine(f"the board listed the trims of joints {[t.joint for t in found]}")
+    return tuple(found)
+
+
+_OTHERS = ("state", "moving", "stack_bytes")
+
+
+def _trim(text: str) -> Trim:
+    said = _values(text)
+    return Trim(
+        int(text.split(maxsplit=1)[0].removeprefix("#")),
+        float(said["centre"]),
+        float(said["scale"]),
+        int(said["dir"]),
+        float(said["low"]),
+        float(said["high"]),
+    )
+
+
+def _values(text: str) -> dict[str, str]:
+    return dict(word.split("=", 1) for word in text.split() if "=" in word)

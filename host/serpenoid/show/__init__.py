@@ -1,0 +1,1 @@
+"""Tables and figures: matplotlib and rich live here alone."""

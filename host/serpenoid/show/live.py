@@ -1,0 +1,92 @@
+"""What a person sees while a robot is driven: a live table, or plain lines where there is none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.table import Table
+
+from ..robot.tools.driven_run import Drive, Summary
+
+FRAMES_A_TABLE = 5
+FRAMES_A_LINE = 50
+View = Callable[[Drive], None]
+
+
+@contextmanager
+def view() -> Iterator[View]:
+    """Give a function that shows the state of a run; call it after every frame."""
+    console = Console()
+    if not console.is_terminal:
+        yield _thinned(FRAMES_A_LINE, lambda run: print(line(run), flush=True))
+        return
+    with Live(console=console, auto_refresh=False) as live:
+        yield _thinned(FRAMES_A_TABLE, lambda run: live.update(tables(run), refresh=True))
+
+
+def _thinned(frames: int, show: View) -> View:
+    return lambda run: show(run) if run.frames % frames == 1 else None
+
+
+def line(run: Drive) -> str:
+    """Return the run's state as one line of text."""
+    frame, losses = run.last, run.robot.losses
+    assert frame is not None  # shown after a frame
+    angles = " ".join(f"{math.degrees(a):7.2f}" for a in frame.setpoint_rad)
+    return (
+        f"{run.elapsed_s:7.1f} s  {frame.state:6}  {angles} deg  late {frame.late_us} us  "
+        f"missed {losses.missed_frames}  damaged {losses.damaged_lines}"
+    )
+
+
+def tables(run: Drive) -> Group:
+    """Return the run's state as tables: the joints, then timing and losses."""
+    frame = run.last
+    assert frame is not None  # shown after a frame
+    joints = Table("joint", title=f"{frame.state}, {run.elapsed_s:.1f} s", title_justify="left")
+    for name in ("setpoint, deg", "pulse, us"):
+        joints.add_column(name, justify="right")
+    for j, (angle, pulse) in enumerate(zip(frame.setpoint_rad, frame.pulse_us, strict=True), 1):
+        joints.add_row(str(j), f"{math.degrees(angle):.2f}", str(pulse))
+    return Group(joints, _rows(_facts(run)), "Ctrl-C stops the robot")
+
+
+def _facts(run: Drive) -> list[tuple[str, str]]:
+    frame, losses, drift = run.last, run.robot.losses, run.robot.clock
+    assert frame is not None  # shown after a frame
+    return [
+        ("phase", f"{math.degrees(frame.phase_rad):.1f} deg"),
+        ("frame late", f"{frame.late_us} us, at most {run.latest_us} us"),
+        ("frame took", f"{frame.exec_us} us"),
+        ("frames", f"{run.frames}, missed {losses.missed_frames}"),
+        ("damaged lines", str(losses.damaged_lines)),
+        ("board's clock", f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm"),
+        ("true frequency", "{:.5f} ± {:.5f} Hz".format(*run.frequency_hz())),
+    ]
+
+
+def show_summary(found: Summary) -> None:
+    """Print what a run came to."""
+    frequency = f"{found.frequency_hz:.5f} ± {found.frequency_sd_hz:.5f} Hz"
+    rows = [
+        ("board", f"{found.board}, firmware {found.firmware}"),
+        ("driven", f"{found.duration_s:.2f} s"),
+        ("frames", f"{found.frames}, missed {found.missed_frames}"),
+        ("damaged lines", f"{found.damaged_lines}, commands sent again {found.resent_commands}"),
+        ("latest frame", f"{found.latest_us} us"),
+        ("board's clock", f"{found.drift_ppm:+.0f} ± {found.drift_sd_ppm:.0f} ppm"),
+        ("true gait frequency", frequency),
+        ("recording", found.recording or "none (--record FILE)"),
+    ]
+    Console().print(_rows(rows))
+
+
+def _rows(rows: list[tuple[str, str]]) -> Table:
+    table = Table(show_header=False)
+    for row in rows:
+        table.add_row(*row)
+    return table

@@ -1,0 +1,183 @@
+"""Every picture the program draws, in one style; SI inside, degrees and Hz on the axes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from ..calibration.friction_fit import friction_points
+from ..calibration.friction_result import FrictionFit
+from ..calibration.prediction import SpeedPoint
+from ..calibration.session import Session
+from ..simulation.simulate import Run
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Okabe and Ito's colours, which colour-blind readers can tell apart.
+BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
+_STYLE: dict[str, Any] = {
+    "figure.dpi": 110,
+    "savefig.dpi": 160,
+    "figure.constrained_layout.use": True,
+    "font.size": 10,
+    "axes.titlesize": 11,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.8,
+    "legend.frameon": False,
+}
+
+
+@contextmanager
+def figure(width_in: float, height_in: float, columns: int = 1) -> Iterator[tuple[Figure, Any]]:
+    """Give a figure and its axes in the house style, without a display."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(cast(Any, _STYLE)):
+        made = Figure(figsize=(width_in, height_in))
+        FigureCanvasAgg(made)
+        yield made, made.subplots(1, columns)
+
+
+def _line(ax: Axes, fit: FrictionFit, slope: str, rest: str, most: float, colour: str) -> None:
+    """Draw F = slope v + rest and its 95 % band."""
+    order = list(fit.parameters)
+    picked = [order.index(slope), order.index(rest)]
+    cov = fit.covariance[np.ix_(picked, picked)]
+    v = np.linspace(0, most, 60)
+    force = fit.parameters[slope].value * v + fit.parameters[rest].value
+    sigma = np.sqrt(cov[0, 0] * v**2 + 2 * cov[0, 1] * v + cov[1, 1])
+    ax.fill_between(v, force - 1.96 * sigma, force + 1.96 * sigma, color=colour, alpha=0.16, lw=0)
+    ax.plot(v, force, color=colour)
+
+
+def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "") -> None:
+    """Draw the readings and the fitted lines of Figs. 15 and 16, whole snake."""
+    points = friction_points(session, fit)
+    parts = (
+        ("straight", "Along the links (Fig. 15)", "t", "ct", "ft0", BLUE),
+        ("bent", "Across the links (Fig. 16)", "n", "cn", "fn0", RED),
+    )
+    with figure(9.0, 3.9, 2) as (fig, axes):
+        for ax, (part, title, axis, slope, rest, colour) in zip(axes, parts, strict=True):
+            v, force = points[part]
+            _line(ax, fit, slope, rest, 1.08 * float(v.max()), colour)
+            ax.plot(v, force, "o", color="black", ms=4.5, label=f"readings, {session.setup.kind}")
+            law = (
+                f"$F_{axis} = {fit.parameters[slope].value:.3g}\\,v_{axis} "
+                f"+ {fit.parameters[rest].value:.3g}$ N"
+            )
+            ax.text(0.04, 0.93, law, transform=ax.transAxes, color=colour, va="top", fontsize=11)
+            ax.set(title=title, xlabel=f"speed $v_{axis}$ (m/s)", ylabel=f"friction $F_{axis}$ (N)")
+            ax.set_xlim(left=0)
+            ax.set_ylim(bottom=0)
+        axes[0].legend(loc="lower right")
+        fig.supxlabel("band: 95 % interval of the line" + (f"; {note}" if note else ""),
+                      fontsize=8, color=GREY)  # fmt: skip
+        fig.savefig(path)
+
+
+def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
+    """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
+    f, exact, low, high, implicit = (
+        np.array([getattr(p, name) for p in points])
+        for name in ("frequency_hz", "explicit_m_s", "low_m_s", "high_m_s", "implicit_m_s")
+    )
+    with figure(7.2, 5.4) as (fig, _unused):
+        fig.clear()
+        top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+        top.fill_between(f, low, high, color=BLUE, alpha=0.16, lw=0,
+                         label="95 % of the frictions that the fit allows")  # fmt: skip
+        top.plot(f, exact, color=BLUE, label="exact model (explicit)")
+        top.plot(f, implicit, "o", mfc="white", color=ORANGE, ms=6, mew=1.6,
+                 label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m")  # fmt: skip
+        top.set(title=title, ylabel="speed (m/s)")
+        top.set_ylim(bottom=0)
+        top.legend(loc="upper left")
+        bottom.axhline(0, color=BLUE)
+        bottom.plot(f, 100 * (implicit / exact - 1), "o-", mfc="white", color=ORANGE, ms=5, lw=1)
+        bottom.set(xlabel="gait frequency (Hz)", ylabel="implicit less\nexact (%)")
+        bottom.set_xlim(left=0)
+        fig.align_ylabels()
+        fig.savefig(path)
+
+
+def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:
+    """Draw the links of one recorded state as sticks, lifted, with a dot on the head."""
+    half = run.scene.robot.link_length_m / 2
+    x, y, angle = run.x_m[index], run.y_m[index] + lift_m, run.theta_rad[index]
+    dx, dy = half * np.cos(angle), half * np.sin(angle)
+    ax.plot([x - dx, x + dx], [y - dy, y + dy], color=colour, lw=3.2, solid_capstyle="round")
+    ax.plot(x[-1] + dx[-1], y[-1] + dy[-1], "o", color=colour, ms=6)
+
+
+def along_travel(run: Run) -> Run:
+    """Turn a run so that it travels along x and starts at the origin."""
+    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    angle = np.arctan2(y[-1] - y[0], x[-1] - x[0])
+    c, s = np.cos(angle), np.sin(angle)
+    rx, ry = run.x_m - x[0], run.y_m - y[0]
+    return replace(run, x_m=c * rx + s * ry, y_m=-s * rx + c * ry, theta_rad=run.theta_rad - angle)
+
+
+def path_and_poses(run: Run, title: str, path: Path) -> None:
+    """Draw the path of head, tail and centre of mass (Fig. 12) and six poses (Fig. 13)."""
+    run = along_travel(run)
+    with figure(9.0, 6.0) as (fig, _unused):
+        fig.clear()
+        top, bottom = fig.subplots(2, 1, height_ratios=[1, 1.9])
+        cycles = round(run.t_s[-1] / run.scene.gait.period_s)
+        _paths(top, run)
+        top.set_title(f"{title}: {cycles} cycles, y enlarged three times (Fig. 12)")
+        _poses(bottom, run)
+        bottom.set_title(
+            "six poses of one cycle, set apart downwards; the dot is the head (Fig. 13)"
+        )
+        fig.savefig(path)
+
+
+def _paths(ax: Axes, run: Run) -> None:
+    centre = (run.x_m.mean(axis=1), run.y_m.mean(axis=1))
+    for name, (x, y), colour, width, end, shift, side in (
+        ("tail", (run.x_m[:, 0], run.y_m[:, 0]), ORANGE, 1.4, 0, (-6, 0), "right"),
+        ("head", (run.x_m[:, -1], run.y_m[:, -1]), BLUE, 1.4, -1, (6, 0), "left"),
+        ("centre of mass", centre, "black", 2.0, -1, (0, 36), "center"),
+    ):
+        ax.plot(x, y, color=colour, lw=width)
+        line = {"arrowstyle": "-", "color": colour, "lw": 0.7} if side == "center" else None
+        ax.annotate(
+            name, (x[end], y[end]), xytext=shift, textcoords="offset points", color=colour,
+            va="center", ha=side, arrowprops=line,
+        )  # fmt: skip
+    ax.set(xlabel="x (m)", ylabel="y (m)")
+    ax.margins(x=0.07)
+    ax.set_ylim(1.2 * float(run.y_m.min()), 2.2 * float(run.y_m.max()))
+    ax.set_aspect(3)
+
+
+def _poses(ax: Axes, run: Run) -> None:
+    from matplotlib import colormaps
+
+    per_cycle = round(run.scene.gait.period_s / (run.t_s[1] - run.t_s[0]))
+    apart = 1.15 * float(np.ptp(run.y_m[:per_cycle]))
+    left = float(run.x_m[:per_cycle].min()) - run.scene.robot.link_length_m
+    for k, label in enumerate(("0", "T/6", "T/3", "T/2", "2T/3", "5T/6")):
+        colour = colormaps["viridis"](0.08 + 0.14 * k)
+        draw_links(ax, run, round(k * per_cycle / 6), -k * apart, colour)
+        ax.text(left, -k * apart, label, color=colour, va="center", ha="right")
+    ax.set(xlabel="x, along the mean direction of travel (m)", yticks=[])
+    ax.set_aspect("equal")

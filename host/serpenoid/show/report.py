@@ -1,0 +1,155 @@
+"""What the command line prints and writes: tables, summaries, CSV files, progress."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from ..calibration.friction_result import FrictionFit
+    from ..periodic.steady import Steady, Sweep
+    from ..simulation.steady_springs import SteadySprings
+
+console = Console(width=100) if not Console().is_terminal else Console()
+notices = Console(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
+
+
+def _bar(columns: tuple[ProgressColumn, ...]) -> Progress:
+    """Return a bar on standard error that leaves no trace, and none at all off a terminal."""
+    errors = Console(stderr=True)
+    return Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
+
+
+@contextmanager
+def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
+    """Show a bar on standard error; gives a function that takes the number just done."""
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    )  # fmt: skip
+    with _bar(columns) as bar:
+        task = bar.add_task(what, total=total)
+        yield lambda done: bar.advance(task, done)
+
+
+@contextmanager
+def simulated_time(duration_s: float, what: str) -> Iterator[Callable[[float], None]]:
+    """Show how far a run is; gives a function that takes the simulated time."""
+    columns = (
+        TextColumn("{task.description}"), BarColumn(),
+        TextColumn("{task.completed:.4g} of {task.total:g} s"), TimeRemainingColumn(),
+    )  # fmt: skip
+    with _bar(columns) as bar:
+        task = bar.add_task(what, total=duration_s)
+        yield lambda t_s: bar.update(task, completed=t_s)
+
+
+@contextmanager
+def busy(what: str) -> Iterator[None]:
+    """Show on standard error, where that is a terminal, that work of unknown length goes on."""
+    with Console(stderr=True).status(what):
+        yield
+
+
+def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+    """Print a table; the first column is text, the others numbers."""
+    made = Table(title=title, title_justify="left", title_style="bold", header_style="")
+    for i, column in enumerate(columns):
+        made.add_column(column, justify="left" if i == 0 else "right")
+    for row in rows:
+        made.add_row(*row)
+    console.print(made)
+
+
+def steady(s: Steady) -> None:
+    """Print a periodic state."""
+    gait = s.gait
+    rows = [
+        ["speed", f"{s.speed_m_s:.6g} m/s"],
+        ["net power", f"{s.power_w:.6g} W"],
+        ["power, each joint's absolute value", f"{s.abs_power_w:.6g} W"],
+        ["power, no regeneration", f"{s.positive_power_w:.6g} W"],
+        ["turn per cycle", f"{math.degrees(s.turn_rad_per_cycle):.4g} deg"],
+        ["settling time (to 1/e)", f"{s.settling_time_s:.3g} s"],
+        ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
+    ]
+    title = (
+        f"alpha {math.degrees(gait.alpha_rad):.4g} deg, "
+        f"beta {math.degrees(gait.beta_rad):.4g} deg, omega {gait.omega_rad_s:.5g} rad/s"
+    )
+    table(title, ["periodic state, exact model", "value"], rows)
+
+
+def steady_springs(s: SteadySprings) -> None:
+    """Print a periodic state of the implicit model, and what its springs change."""
+    rows = [
+        ["speed", f"{s.speed_m_s:.6g} m/s"],
+        ["net power", f"{s.power_w:.6g} W"],
+        ["power, each joint's absolute value", f"{s.abs_power_w:.6g} W"],
+        ["power, no regeneration", f"{s.positive_power_w:.6g} W"],
+        ["error of the speed by time steps and settling", f"{s.error_estimate:.1g} relative"],
+        ["error of the speed by the springs", f"{100 * s.modelling_error:+.3g} %"],
+    ]
+    table(f"after {s.cycles} cycles", ["periodic state, implicit model", "value"], rows)
+
+
+def fit(found: FrictionFit) -> None:
+    """Print fitted friction with its intervals."""
+    rows = [
+        [r.name, r.unit, f"{r.value:.4g}", f"{r.sigma:.2g}", f"{r.low:.3g} to {r.high:.3g}"]
+        for r in found.rows()
+    ]
+    columns = ["whole snake", "unit", "value", "sigma", "95 % interval"]
+    table(f"friction, {found.method} fit", columns, rows)
+    p_value = found.p_value
+    chance = "" if p_value is None else f" (p = {p_value:.2g})"
+    console.print(f"chi2 = {found.chi2:.3g} for {found.dof} degrees of freedom{chance}")
+    for note in found.notes:
+        console.print(f"note: {note}", highlight=False)
+
+
+def write_sweep(found: Sweep, path: Path) -> None:
+    """Write a sweep as CSV, one gait a row."""
+    header = ["alpha_rad", "beta_rad", "omega_rad_s", "speed_m_s", "power_w", "abs_power_w",
+              "positive_power_w", "converged"]  # fmt: skip
+    rows = [
+        [found.alpha_rad[i], found.beta_rad[j], found.omega_rad_s[k], found.speed_m_s[i, j, k],
+         found.power_w[i, j, k], found.abs_power_w[i, j, k], found.positive_power_w[i, j, k],
+         int(found.converged[i, j, k])]
+        for i, j, k in np.ndindex(found.speed_m_s.shape)
+    ]  # fmt: skip
+    write_csv(path, header, rows)
+    missed = int((~found.converged).sum())
+    notices.print(f"wrote {len(rows)} gaits to {path}; {missed} did not converge")
+
+
+def sweep_values(found: Sweep) -> dict[str, Any]:
+    """Return a sweep as plain lists, indexed [alpha, beta, omega], angles in degrees."""
+    names = ("omega_rad_s", "speed_m_s", "power_w", "abs_power_w", "positive_power_w", "converged")
+    return {
+        "alpha_deg": np.degrees(found.alpha_rad).tolist(),
+        "beta_deg": np.degrees(found.beta_rad).tolist(),
+    } | {name: getattr(found, name).tolist() for name in names}
+
+
+def write_csv(path: Path, header: list[str], rows: list[list[Any]]) -> None:
+    """Write a heading and rows, numbers by their shortest exact digits."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(rows)

@@ -1,0 +1,118 @@
+"""What the command line says of one run in time: summary, table, CSV file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..simulation.scene_file import scene_values
+from ..simulation.simulate import ENERGY_COLUMNS
+from .report import console, notices, table, write_csv
+
+if TYPE_CHECKING:
+    from ..simulation.error import RunError
+    from ..simulation.simulate import Run
+
+STATE = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
+FORCES = (
+    "joint_force_x_n", "joint_force_y_n", "joint_torque_nm", "friction_x_n", "friction_y_n"
+)  # fmt: skip
+
+
+def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
+    """Return what a run came to; errors=False leaves out what costs more runs."""
+    t, x, y = run.t_s, run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    scene = run.scene
+    period = scene.gait.period_s
+    whole = t[-1] >= period
+    dx, dy = (v[-1] - np.interp(t[-1] - period, t, v) for v in (x, y))
+    summary = {
+        "formulation": scene.formulation,
+        "method": scene.method,
+        "dt_s": scene.dt_s,
+        "duration_s": float(run.t_s[-1]),
+        "steps": run.steps,
+        "local_error": run.local_error if scene.adaptive else None,
+        "displacement_m": float(np.hypot(x[-1] - x[0], y[-1] - y[0])),
+        "speed_over_last_period_m_s": float(np.hypot(dx, dy) / period) if whole else None,
+        "end": {name: getattr(run, name)[-1].tolist() for name in STATE},
+        "scene": scene_values(scene),
+    }
+    summary["picked"] = run.picked or None
+    summary["error_estimate"] = run.error_estimate.to_dict() if errors else None
+    summary["warnings"] = list(run.warnings) if errors else []
+    return summary | _recorded(run)
+
+
+def _recorded(run: Run) -> dict[str, Any]:
+    """Return the extremes of forces and torques, and the ledger at the end, where recorded."""
+    found: dict[str, Any] = {
+        f"largest_{name}": np.abs(getattr(run, name)).max(axis=0).tolist()
+        for name in FORCES
+        if getattr(run, name).size
+    }
+    if run.energy_j.size:
+        found["energy_at_end"] = dict(zip(ENERGY_COLUMNS, run.energy_j[-1].tolist(), strict=True))
+    return found
+
+
+def _error_rows(error: RunError) -> list[list[str]]:
+    parts = {"integration": error.integration, "modelling (springs)": error.modelling}
+    return [
+        [f"error by {name}",
+         f"{part.position_m:.2g} m, {part.angle_rad:.2g} rad, mean speed {part.mean_speed:+.2g}"]
+        for name, part in parts.items()
+        if part is not None
+    ]  # fmt: skip
+
+
+def show_run(run: Run, summary: dict[str, Any]) -> None:
+    """Print what a run in time came to."""
+    scene, speed = run.scene, summary["speed_over_last_period_m_s"]
+    rows = [
+        ["displacement of the centre of mass", f"{summary['displacement_m']:.6g} m"],
+        ["speed over the last period",
+         "the run is shorter than a period" if speed is None else f"{speed:.6g} m/s"],
+    ]  # fmt: skip
+    if run.joint_torque_nm.size:
+        most = max(summary["largest_joint_torque_nm"])
+        rows.append(["largest torque of a joint", f"{most:.4g} N m"])
+    rows += [
+        [f"{name.removesuffix('_j').replace('_', ' ')} at the end", f"{value:.6g} J"]
+        for name, value in summary.get("energy_at_end", {}).items()
+    ]
+    if summary["error_estimate"] is None:
+        rows.append(["error", "not estimated"])
+    else:
+        rows += _error_rows(run.error_estimate)
+    step = f"tolerance {scene.tolerance:g}" if scene.adaptive else f"{scene.dt_s:g} s"
+    title = f"{scene.formulation} model, {scene.method}, {step}, {run.t_s[-1]:g} s long"
+    table(title, ["run", "value"], rows)
+    if run.picked:
+        console.print(f"picked {run.picked}", highlight=False, markup=False)
+    for warning in summary["warnings"]:
+        notices.print(f"warning: {warning}", markup=False)
+
+
+def write_run(run: Run, path: Path) -> None:
+    """Write a run as CSV: time; x, y, theta and their rates of every link; what was recorded."""
+    header, columns = ["t_s"], [run.t_s[:, None]]
+    for names in (STATE[:3], STATE[3:], FORCES[:3], FORCES[3:]):
+        arrays = [getattr(run, name) for name in names]
+        if arrays[0].size:
+            columns.append(np.stack(arrays, axis=2).reshape(run.t_s.size, -1))
+            header += [_numbered(n, i + 1) for i in range(arrays[0].shape[1]) for n in names]
+    if run.energy_j.size:
+        columns.append(run.energy_j)
+        header += ENERGY_COLUMNS
+    write_csv(path, header, np.hstack(columns).tolist())
+    notices.print(f"wrote {path}")
+
+
+def _numbered(name: str, number: int) -> str:
+    """Put the number of a link or joint before the unit: vx_m_s of link 2 is vx2_m_s."""
+    units = ("_m_s", "_rad_s", "_nm", "_rad", "_m", "_n")
+    unit = next(unit for unit in units if name.endswith(unit))
+    return f"{name.removesuffix(unit)}{number}{unit}"

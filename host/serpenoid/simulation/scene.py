@@ -1,0 +1,243 @@
+"""Scene: everything that fixes one run of the simulator, checked before anything runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from numpy.typing import ArrayLike
+
+from ..model.drives import Servo, TorqueTable
+from ..model.errors import BadInput, check_choice, check_number
+from ..model.link_state import LinkState, finite_vector
+from ..model.robot import Gait, Ground, Robot
+from .methods import DRIVES, FORMULATIONS, GAPS, METHODS, RECORDS, STARTS
+
+MAX_LINK_STEPS = 10**11
+MAX_RECORDED_BYTES = 4_000_000_000
+DEFAULT_ROWS = 20_000
+_FIRMWARE_LIMITS = {"alpha_rad": math.pi / 2, "beta_rad": math.pi, "offset_rad": math.pi / 2,
+                    "omega_rad_s": 50.0}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Describe one run of the simulator. SI units, radians. Raises BadInput.
+
+    formulation: "explicit" (pinned joints) or "implicit" (Eqs. 51-56 with joint_stiffness_n_m k and
+    joint_damping_n_s_m c).
+
+    drive: "angle" (the gait's joint angles are imposed), "torque" (`torque`, N m, is a TorqueTable,
+    an (n-1,) list of constants, or a function of time) or "servo" (a Servo follows the gait as the
+    firmware sends it). Joints count from 1 at the tail: `limp` lists those without torque, `locked`
+    maps others to the angle at which they stay.
+
+    incline_rad: slope of the ground, which rises towards incline_direction_rad of the ground's
+    frame (0: along x). Friction stays as given: measure it on the slope.
+
+    method: one of methods.METHODS. Methods with fixed steps take dt_s; adaptive ones keep each
+    step's error below `tolerance` (body lengths, radians, and those times omega), and dt_s is only
+    the grid of the recorded times. On dry ground all but "nonsmooth" take sgn 0 = 0: wheels that
+    should hold chatter, the order is 1 (the 2005 robot at 1 rad/s: rk4 is 3 % slow at 10 ms, 0.1 %
+    at 1 ms), and recorded joint torques stay wrong by a quarter at any step.
+
+    start: "link1_at_rest" (x = y = theta_1 = 0 and their rates; the paper's), "zero_momentum",
+    "steady" (from the periodic state) or a LinkState. gap: what the implicit formulation starts
+    from, "slow_manifold" (springs already carry the joint forces, no ringing) or "zero".
+    smoothing_m_s: above 0 dry friction is smoothed by that width, for study.
+
+    record: "joints" adds forces and torques of the joints, "friction" the force of the ground on
+    each link, "energy" a ledger (kinetic energy, work, heat) that is integrated with the motion.
+    record_every: keep each of so many dt_s; unless given every one, thinned to 20 000 rows.
+    """
+
+    robot: Robot
+    ground: Ground
+    gait: Gait
+    formulation: str = "explicit"
+    joint_stiffness_n_m: float = 1e3
+    joint_damping_n_s_m: float = 1.0
+    drive: str = "angle"
+    torque: TorqueTable | Callable[[float], ArrayLike] | ArrayLike | None = None
+    servo: Servo | None = None
+    limp: tuple[int, ...] = ()
+    locked: Mapping[int, float] = field(default_factory=dict)
+    incline_rad: float = 0.0
+    incline_direction_rad: float = 0.0
+    method: str = "rk4"
+    dt_s: float = 1e-3
+    tolerance: float = 1e-7
+    duration_s: float = 10.0
+    start: str | LinkState = "link1_at_rest"
+    gap: str = "slow_manifold"
+    smoothing_m_s: float = 0.0
+    record: tuple[str, ...] = ()
+    record_every: int | None = None
+
+    def __post_init__(self) -> None:
+        check_choice("formulation", self.formulation, FORMULATIONS)
+        check_choice("drive", self.drive, DRIVES)
+        check_choice("method", self.method, tuple(METHODS))
+        check_choice("gap", self.gap, GAPS)
+        if isinstance(self.record, str):
+            raise BadInput(f"record is {self.record!r}; give a tuple, ({self.record!r},)")
+        for name in self.record:
+            check_choice("record", name, RECORDS)
+        self._check_numbers()
+        self._check_counts()
+        self._check_drive()
+        self._check_faults()
+        self._check_method()
+        self._check_start()
+
+    def _check_numbers(self) -> None:
+        turn = 2 * math.pi
+        for name, *limits in (
+            ("joint_stiffness_n_m", 0.0),
+            ("joint_damping_n_s_m", 0.0),
+            ("smoothing_m_s", 0.0),
+            ("incline_rad", 0.0, math.pi / 2),
+            ("incline_direction_rad", -turn, turn),
+            ("tolerance", 1e-13, 0.1),
+            ("duration_s", 0.0),
+        ):
+            object.__setattr__(self, name, check_number(name, getattr(self, name), *limits))
+        object.__setattr__(self, "dt_s", check_number("dt_s", self.dt_s, 0.0, open_low=True))
+
+    def _check_counts(self) -> None:
+        every, links = self.record_every, self.robot.links
+        if every is not None and (isinstance(every, bool) or not isinstance(every, int)):
+            raise BadInput(f"record_every is {every!r}; it must be a whole number, 1 or more")
+        if every is not None and every < 1:
+            raise BadInput(f"record_every is {every!r}; it must be a whole number, 1 or more")
+        if self.duration_s / self.dt_s * links > MAX_LINK_STEPS:
+            raise BadInput(
+                f"duration_s {self.duration_s:g} at dt_s {self.dt_s:g} is more than "
+                f"{MAX_LINK_STEPS / links:.2g} steps of {links} links; take a larger step or a "
+                "shorter run"
+            )
+        values = 6 + 3 * ("joints" in self.record) + 2 * ("friction" in self.record)
+        size = 8 * values * links * (self.steps / self.every + 2)
+        if size > MAX_RECORDED_BYTES:
+            raise BadInput(
+                f"recording would take {size / 1e9:.3g} GB, more than "
+                f"{MAX_RECORDED_BYTES / 1e9:g} GB; take record_every "
+                f"{math.ceil(self.every * size / MAX_RECORDED_BYTES)} or more"
+            )
+
+    def _check_drive(self) -> None:
+        for drive, given in (("torque", self.torque), ("servo", self.servo)):
+            if (self.drive == drive) != (given is not None):
+                raise BadInput(
+                    f"drive is {self.drive!r} and {drive} is {given!r}; give {drive} with drive "
+                    f"{drive!r} and only then"
+                )
+        joints = self.robot.links - 1
+        if isinstance(self.torque, TorqueTable):
+            columns = self.torque.torque_nm.shape[1]
+            if columns != joints:
+                raise BadInput(
+                    f"the torque table has {columns} columns; the robot has {joints} joints"
+                )
+        elif self.torque is not None and not callable(self.torque):
+            finite_vector("torque", self.torque, joints)
+        if self.drive == "servo":
+            self._check_firmware()
+
+    def _check_firmware(self) -> None:
+        joints = self.robot.links - 1
+        if joints > 255:
+            raise BadInput(f"robot has {joints} joints; the firmware's gait serves at most 255")
+        for name, most in _FIRMWARE_LIMITS.items():
+            check_number(f"with drive 'servo', gait.{name}", getattr(self.gait, name), -most, most)
+
+    def _check_faults(self) -> None:
+        joints = self.robot.links - 1
+        for name in ("limp", "locked"):
+            for joint in getattr(self, name):
+                if isinstance(joint, bool) or not isinstance(joint, int) or not 0 < joint <= joints:
+                    raise BadInput(
+                        f"{name} names joint {joint!r}; joints are whole numbers from 1 (at the "
+                        f"tail) to {joints}"
+                    )
+        both = set(self.limp) & set(self.locked)
+        if both:
+            raise BadInput(f"joint {min(both)} is both limp and locked; choose one")
+        locked = {
+            j: check_number(f"locked[{j}]", a, -math.pi, math.pi) for j, a in self.locked.items()
+        }
+        object.__setattr__(self, "limp", tuple(sorted(set(self.limp))))
+        object.__setattr__(self, "locked", MappingProxyType(locked))
+
+    def _check_method(self) -> None:
+        for name in ("formulation", "drive", "law"):
+            value, runs = getattr(self, name), f"{name}s"
+            if value not in getattr(METHODS[self.method], runs):
+                others = [repr(m) for m, kind in METHODS.items() if value in getattr(kind, runs)]
+                raise BadInput(
+                    f"method {self.method!r} does not run with {name} {value!r}; take method "
+                    f"{' or '.join(others)}"
+                )
+        kind = METHODS[self.method]
+        if (self.limp or self.locked) and not kind.faults:
+            raise BadInput(
+                f"method {self.method!r} does not run with limp or locked joints; take method 'rk4'"
+            )
+        plain = self.formulation in kind.plain
+        for name in self.record:
+            if name in (kind.plain_records if plain else kind.records):
+                continue
+            raise BadInput(
+                f"method {self.method!r} in formulation {self.formulation!r} cannot record "
+                f"{name!r}; leave it out, or take method 'rk4'"
+            )
+        if not plain:
+            return
+        extras = {
+            f"drive {self.drive!r}": self.drive != "angle",
+            "an incline": self.incline_rad > 0 and not kind.plain_incline,
+            "limp or locked joints": bool(self.limp or self.locked),
+            "a straight chain (alpha_rad 0, offset_rad 0) on an incline": self.incline_rad > 0
+            and self.gait.alpha_rad == self.gait.offset_rad == 0,
+        }
+        way_out = ", or formulation 'implicit'" if "implicit" in kind.formulations else ""
+        for what, there in extras.items():
+            if there:
+                raise BadInput(
+                    f"method {self.method!r} in formulation {self.formulation!r} does not run "
+                    f"with {what}; take method 'rk4'{way_out}"
+                )
+
+    def _check_start(self) -> None:
+        if not isinstance(self.start, LinkState):
+            check_choice("start", self.start, STARTS)
+        elif self.start.links != self.robot.links:
+            raise BadInput(f"start has {self.start.links} links, the robot has {self.robot.links}")
+        if self.start == "steady" and (self.drive != "angle" or self.limp or self.locked):
+            raise BadInput(
+                "start 'steady' needs drive 'angle' and sound joints; give a LinkState instead"
+            )
+
+    @property
+    def law(self) -> str:
+        """Return which friction law the ground makes of the links' speeds, one of LAWS."""
+        if self.smoothing_m_s > 0:
+            return "smoothed"
+        return "dry" if self.ground.dry else "viscous"
+
+    @property
+    def steps(self) -> int:
+        """Return the number of steps of dt_s that cover duration_s."""
+        return math.ceil(self.duration_s / self.dt_s - 1e-9)
+
+    @property
+    def every(self) -> int:
+        """Return the number of dt_s between recorded times."""
+        return self.record_every or max(1, math.ceil(self.steps / DEFAULT_ROWS))
+
+    @property
+    def adaptive(self) -> bool:
+        """Tell whether the method picks its own steps."""
+        return self.formulation in METHODS[self.method].adaptive

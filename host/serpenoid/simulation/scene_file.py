@@ -1,0 +1,247 @@
+"""A Scene as a TOML file: Scene's fields under Scene's names, its parts as tables."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ..model.drives import Servo, TorqueTable
+from ..model.errors import BadInput, SerpenoidError, check_number
+from ..model.link_state import LinkState
+from ..model.robot import Gait, Ground, Robot
+from ..model.toml_table import Table, located
+from .scene import Scene
+
+T = TypeVar("T")
+FORMAT = 1
+_HEAD = """\
+# A scene of serpenoid: SI units and radians (an angle may be typed in degrees, alpha_deg = 70);
+# links and joints count from the tail; friction is per link.
+"""
+_PARTS = {"robot": Robot, "ground": Ground, "gait": Gait, "servo": Servo}
+# Where a file's key is not the field's name: its unit is spelt out.
+_KEYS = {"ct": "ct_n_s_m", "cn": "cn_n_s_m", "ft0": "ft0_n", "fn0": "fn0_n", "locked": "locked_rad"}
+_ANGLES = ("alpha_rad", "beta_rad", "offset_rad", "incline_rad", "incline_direction_rad",
+           "dead_band_rad", "locked_rad")  # fmt: skip
+
+
+def load_scene(path: str | Path) -> Scene:
+    """Read a scene from a TOML file.
+
+    Above the first table stand `format = 1` and those of Scene's numbers, words and lists that are
+    not to have their defaults. [robot], [ground] and [gait] must be there; ct, cn, ft0 and fn0 are
+    written ct_n_s_m, cn_n_s_m, ft0_n and fn0_n. [servo] goes with drive = "servo". [torque], with
+    drive = "torque", has torque_nm: a row by time of t_s, or constants, without t_s. [locked_rad]
+    has the angle of each locked joint by its number. `start` is a word, or a table of the six lists
+    of a LinkState. Any angle may be given in degrees: alpha_deg for alpha_rad.
+
+    Raises BadInput, naming file, line, value and limits, for whatever is missing, unknown, of the
+    wrong type, out of range or of a newer format.
+    """
+    top = Table.load(Path(path))
+    top.check_format(FORMAT)
+    fields = _fields_of(Scene)
+    _check_keys(top, "", fields)
+    values = {name: _value(top, name, key) for name, key in _present(top, fields)}
+    with _blaming(top, fields):
+        return Scene(**values)
+
+
+def save_scene(scene: Scene, path: str | Path) -> None:
+    """Write a scene to a TOML file, exactly: load_scene gives back the same numbers.
+
+    The file is there whole or not at all. Raises BadInput for a torque that is a Python function,
+    SerpenoidError when the file cannot be written.
+    """
+    target = Path(os.path.realpath(path))
+    text = _HEAD + "".join(_lines({"format": FORMAT} | scene_values(scene)))
+    half_done = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        with half_done.open("w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        half_done.replace(target)
+    except OSError as error:
+        with suppress(OSError):
+            half_done.unlink()
+        raise SerpenoidError(
+            f"{path}: cannot be written: {error.strerror or error}; choose another place"
+        ) from error
+
+
+def scene_values(scene: Scene) -> dict[str, Any]:
+    """Return a scene as plain numbers, words, lists and dicts, under a scene file's keys."""
+    if callable(scene.torque):
+        raise BadInput(
+            f"torque is a Python function, {scene.torque!r}, which no file can hold; sample it "
+            "into a TorqueTable"
+        )
+    fields = {f.name: getattr(scene, f.name) for f in dataclasses.fields(scene)}
+    if fields["torque"] is not None and not isinstance(scene.torque, TorqueTable):
+        fields["torque"] = {"torque_nm": scene.torque}
+    plain = {_KEYS.get(name, name): _plain(value) for name, value in fields.items()}
+    return {key: value for key, value in plain.items() if value is not None and value != {}}
+
+
+def _plain(value: Any) -> Any:
+    """Return a field's value in the types that TOML and JSON share."""
+    if dataclasses.is_dataclass(value):
+        names = [f.name for f in dataclasses.fields(value)]
+        return {_KEYS.get(name, name): _plain(getattr(value, name)) for name in names}
+    if isinstance(value, Mapping):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
+
+
+def _lines(values: Mapping[str, Any]) -> Iterator[str]:
+    """Write plain values as TOML; JSON writes numbers, words and lists as TOML does."""
+    for key, value in values.items():
+        if not isinstance(value, dict):
+            yield f"{key} = {json.dumps(value, allow_nan=False)}\n"
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield f"\n[{key}]\n"
+            yield from _lines(value)
+
+
+def _fields_of(kind: type) -> dict[str, str]:
+    """Return the fields of Scene or of one of its parts, each with its key in the file."""
+    return {f.name: _KEYS.get(f.name, f.name) for f in dataclasses.fields(kind)}
+
+
+def _needed(kind: type) -> set[str]:
+    both = (dataclasses.MISSING, dataclasses.MISSING)
+    return {f.name for f in dataclasses.fields(kind) if (f.default, f.default_factory) == both}
+
+
+def _in_degrees(key: str) -> str:
+    """Return the key of an angle in degrees; any other key unchanged."""
+    return key.removesuffix("_rad") + "_deg" if key in _ANGLES else key
+
+
+def _present(table: Table, fields: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Give each field that a table has, with the key that it has it under."""
+    for name, key in fields.items():
+        typed = [k for k in dict.fromkeys((key, _in_degrees(key))) if k in table.values]
+        if len(typed) > 1:
+            raise BadInput(f"{table.where(typed[1])}: {typed[0]} is there too; keep one of the two")
+        if typed:
+            yield name, typed[0]
+
+
+def _check_keys(table: Table, section: str, fields: Mapping[str, str]) -> None:
+    """Raise BadInput for unknown, misplaced and missing keys of a table ("": above all tables)."""
+    kind = _PARTS.get(section, Scene)
+    known = ["format"] * (not section)
+    known += [k for key in fields.values() for k in dict.fromkeys((key, _in_degrees(key)))]
+    for key in table.values:
+        home = _home(key)
+        if key not in known and home is not None:
+            place = f"in [{home}]" if home else "above the first [table]"
+            raise BadInput(f"{table.where(key)}: {key} is out of place; it belongs {place}")
+    table.only(optional=tuple(known))
+    missing = _needed(kind) - {name for name, _ in _present(table, fields)}
+    for name in sorted(missing):
+        what = f"key {fields[name]} in [{section}]" if section else f"table [{name}]"
+        raise BadInput(f"{table.heading}: there is no {what}; a scene needs it")
+
+
+def _home(key: str) -> str | None:
+    """Return the table that a key belongs in, "" for none; None for a key that is unknown."""
+    for section, kind in {"": Scene, **_PARTS}.items():
+        keys = _fields_of(kind).values()
+        if key in keys or key in map(_in_degrees, keys):
+            return section
+    return None
+
+
+@contextmanager
+def _blaming(table: Table, fields: Mapping[str, str]) -> Iterator[None]:
+    """Put file and line before a BadInput: the line of the first field that its text names."""
+    try:
+        yield
+    except BadInput as error:
+        keys = dict(_present(table, fields))
+        named = [keys[word] for word in re.findall(r"\w+", str(error)) if word in keys]
+        where = table.where(named[0]) if named else table.heading
+        raise BadInput(f"{where}: {error}") from error
+
+
+def _value(top: Table, name: str, key: str) -> Any:
+    """Read one field of Scene."""
+    if name in _PARTS:
+        return _part(top.table(key), name)
+    if name == "torque":
+        return _torque(top.table(key))
+    if name == "start" and isinstance(top.values[key], dict):
+        return _start(top.table(key))
+    if name == "locked":
+        return _locked(top.table(key), key)
+    if name in ("limp", "record"):
+        return _listed(top, key)
+    return _angle(top, key)
+
+
+def _part(table: Table, section: str) -> Any:
+    """Make Robot, Ground, Gait or Servo of its table."""
+    kind = _PARTS[section]
+    fields = _fields_of(kind)
+    _check_keys(table, section, fields)
+    values = {name: _angle(table, key) for name, key in _present(table, fields)}
+    with _blaming(table, fields):
+        return kind(**values)
+
+
+def _angle(table: Table, key: str) -> Any:
+    """Return a value as it stands, degrees as radians: whom it goes to checks it."""
+    return math.radians(table.number(key)) if key.endswith("_deg") else table.values[key]
+
+
+def _listed(table: Table, key: str) -> tuple[Any, ...]:
+    if not isinstance(table.values[key], list):
+        raise BadInput(f"{table.where(key)}: {key} is {table.values[key]!r}; it must be a list")
+    return tuple(table.values[key])
+
+
+def _locked(table: Table, key: str) -> dict[int, Any]:
+    found = {}
+    for joint in table.values:
+        if not re.fullmatch("[1-9][0-9]{0,8}", joint):
+            raise BadInput(
+                f"{table.heading}: {key} names joint {joint!r}; joints are whole numbers "
+                "from 1 at the tail"
+            )
+        angle = table.number(joint)
+        found[int(joint)] = math.radians(angle) if key.endswith("_deg") else angle
+    return found
+
+
+def _torque(table: Table) -> Any:
+    """Read constant torques, or a table of them by time."""
+    table.only("torque_nm", optional=("t_s",))
+    if "t_s" not in table.values:
+        return table.numbers("torque_nm")
+    times, rows = table.numbers("t_s"), []
+    for row in _listed(table, "torque_nm"):
+        with located(table.where("torque_nm")):
+            cells = row if isinstance(row, list) else [row]
+            rows.append([check_number("torque_nm", cell) for cell in cells])
+    with located(table.heading):
+        return TorqueTable(times, rows)  # pyright: ignore[reportArgumentType]
+
+
+def _start(table: Table) -> LinkState:
+    names = tuple(f.name for f in dataclasses.fields(LinkState))
+    table.only(*names)
+    with located(table.heading):
+        return LinkState(*(table.numbers(name) for name in names))  # pyright: ignore[reportArgumentType]

@@ -1,0 +1,112 @@
+"""The periodic state of the implicit model: run until it repeats, beside the exact model's."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..model.errors import NotConverged, check_number
+from ..model.robot import Gait, Ground, Robot
+from ..periodic.steady import steady_gait
+from .error import largest_stable_step_s
+from .scene import Scene
+from .simulate import Run, simulate
+
+_MOST_CYCLES = 4096
+_STEPS_A_CYCLE = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class SteadySprings:
+    """Hold the periodic state of a gait by the implicit model (Eqs. 51-56).
+
+    speed_m_s, power_w, abs_power_w, positive_power_w: as in Steady. error_estimate: of the speed,
+    relative: how much it still changes from cycle to cycle, and the time steps.
+    modelling_error: of the speed, relative to the exact model's, signed. cycles: run until then.
+    """
+
+    speed_m_s: float
+    power_w: float
+    abs_power_w: float
+    positive_power_w: float
+    error_estimate: float
+    modelling_error: float
+    cycles: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures as plain numbers, for JSON."""
+        return asdict(self)
+
+
+def _cycle_scene(scene: Scene) -> Scene:
+    """Return the scene with a stable step that divides a cycle."""
+    period = scene.gait.period_s
+    most = min(period / _STEPS_A_CYCLE, largest_stable_step_s(scene) / 2)
+    steps = 2 * math.ceil(period / most / 2)
+    return replace(scene, dt_s=period / steps, record_every=steps)
+
+
+def _speeds(run: Run) -> np.ndarray:
+    """Return the speed of every cycle, from a run that recorded the ends of cycles."""
+    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    return np.hypot(np.diff(x), np.diff(y)) / run.scene.gait.period_s
+
+
+def _settled(scene: Scene, rtol: float, floor_m_s: float) -> tuple[Run, float, float, int]:
+    """Return the last run, its mean speed, how much that still varies, and the cycles it took."""
+    cycles, count, spread = 0, 8, math.inf
+    while cycles < _MOST_CYCLES:
+        run = simulate(replace(scene, duration_s=count * scene.gait.period_s))
+        cycles += count
+        late = _speeds(run)[count // 2 :]
+        spread = float(np.ptp(late))
+        if spread <= rtol * max(late.mean(), floor_m_s):
+            return run, float(late.mean()), spread, cycles
+        scene, count = replace(scene, start=run.state()), min(2 * count, 256)
+    raise NotConverged(
+        f"after {cycles} cycles the speed still varies by {spread:.1g} m/s from cycle to cycle; "
+        f"ask for a larger rtol than {rtol:g}, or more damping than "
+        f"{scene.joint_damping_n_s_m:g} N s/m"
+    )
+
+
+def steady_springs(
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    *,
+    joint_stiffness_n_m: float = 1e3,
+    joint_damping_n_s_m: float = 1.0,
+    rtol: float = 1e-4,
+) -> SteadySprings:
+    """Run the implicit model until it repeats, and compare it with the exact model's speed.
+
+    Starts from the exact periodic state on the slow manifold and follows it until the speed of a
+    cycle varies by less than rtol (1e-9 to 0.1). Dry friction sticks (method "nonsmooth"). Raises
+    BadInput, and NotConverged after 4096 cycles.
+    """
+    check_number("rtol", rtol, 1e-9, 0.1)
+    exact = steady_gait(robot, ground, gait, powers=False)
+    scene = _cycle_scene(
+        Scene(
+            robot, ground, gait, formulation="implicit", start="steady",
+            joint_stiffness_n_m=joint_stiffness_n_m, joint_damping_n_s_m=joint_damping_n_s_m,
+            method="nonsmooth" if ground.dry else "rk4",
+        )
+    )  # fmt: skip
+    floor = 1e-4 * gait.omega_rad_s * robot.links * robot.link_length_m
+    run, speed, spread, cycles = _settled(scene, rtol, floor)
+    once = replace(scene, start=run.state(), duration_s=gait.period_s)
+    last = simulate(replace(once, record=("joints",), record_every=1))
+    finer = simulate(replace(once, dt_s=scene.dt_s / 2, record_every=2 * scene.every))
+    ends = replace(last, x_m=last.x_m[[0, -1]], y_m=last.y_m[[0, -1]])
+    steps = abs(float(_speeds(ends)[0] - _speeds(finer)[0])) * (2.0 if ground.dry else 16 / 15)
+    power = last.joint_power_w[1:]  # a period's samples: the mean is as good as the steps
+    return SteadySprings(
+        speed, float(power.sum(axis=1).mean()), float(np.abs(power).sum(axis=1).mean()),
+        float(np.maximum(power, 0).sum(axis=1).mean()), (spread + steps) / max(speed, floor),
+        speed / max(exact.speed_m_s, floor) - 1, cycles,
+    )  # fmt: skip

@@ -1,0 +1,119 @@
+"""The accuracy benchmark's parts: limits, truth, times at equal error, files, the table."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle import bingham
+from oracle.params import gait_deg, robot_2005
+from serpenoid.bench.accuracy import equal_error
+from serpenoid.bench.accuracy import files as accuracy_files
+from serpenoid.bench.accuracy import measure as accuracy
+from serpenoid.bench.accuracy.measure import Effort, Row
+from serpenoid.bench.child_process import Crashed, Failed, Limited, Overran
+from serpenoid.bench.problems import problems
+from serpenoid.bench.reference import reference
+
+ROOT = Path(__file__).parents[3]
+PROBLEMS = {p.name: p for p in problems()}
+
+
+def test_a_child_answers_fails_hangs_and_dies() -> None:
+    with Limited() as child:
+        assert child(5.0, math.sqrt, 2.0) == math.sqrt(2.0)
+        with pytest.raises(Failed, match="ValueError"):
+            child(5.0, math.sqrt, -1.0)
+        with pytest.raises(Overran, match=r"after 0\.2 s"):
+            child(0.2, math.factorial, 10**7)  # compiled, and long
+        with pytest.raises(Crashed, match="status 7"):
+            child(5.0, os._exit, 7)
+        assert child(5.0, abs, -3) == 3
+
+
+def test_a_child_that_sleeps_is_stopped() -> None:
+    with Limited() as child:
+        assert child(5.0, abs, 0) == 0  # it is up
+        with pytest.raises(Overran, match="on the wall"):
+            child(0.01, time.sleep, 60)
+
+
+def test_time_at_equal_error_is_exact_on_a_power_law() -> None:
+    """Order four: an error of 1e-6 lies on the line through errors 1e-5 and 1e-7."""
+    points = [(e, 2e-3 * e**-0.25) for e in (1e-3, 1e-5, 1e-7, 1e-9)]
+    assert equal_error.time_at(1e-6, points) == pytest.approx(2e-3 * 1e-6**-0.25, rel=1e-12)
+    assert equal_error.time_at(1e-2, points) == points[0][1]
+    assert equal_error.time_at(1e-10, points) is None
+    assert equal_error.time_at(1e-6, []) is None
+    # a line that turns back: what is tighter but cheaper counts
+    assert equal_error.time_at(1e-6, [(1e-5, 1.0), (1e-7, 2.0), (1e-8, 0.5)]) == 0.5
+    assert equal_error.time_at(1e-6, [(1e-5, 1.0), (0.0, 2.0)]) == 2.0
+
+
+def test_ratios_are_of_the_best_on_either_side() -> None:
+    def row(method: str, time_s: float) -> Row:
+        return Row("paper6", method, "", "dt_s", 1.0, 1e-7, time_s, simulated_s=10.0)
+
+    times = {"serpenoid rk4": 3.0, "serpenoid x": 1.0, "SciPy A": 4.0, "Numba B": 2.0}
+    rows = [row(method, time_s) for method, time_s in times.items()]
+    rows.append(Row("paper6", "serpenoid y", "", "dt_s", 1.0, note="no"))
+    line = next(x for x in equal_error.headline(rows) if x["error"] == 1e-6)
+    assert (line["ours"], line["peer"], line["ratio"]) == ("serpenoid x", "Numba B", 2.0)
+    assert "| serpenoid x | 100 |" in equal_error.table(rows)
+    assert "serpenoid y" not in equal_error.table(rows)
+
+
+def test_kept_end_states_are_those_of_the_core() -> None:
+    """RK4 at 0.5 ms: order four leaves less than 1e-8 of each viscous scene that is not stiff."""
+    for name in ("paper3", "paper3_k1e3", "paper6", "paper6_k1e3", "n50"):
+        problem = PROBLEMS[name]
+        run = sn.simulate(problem.scene(start=problem.start, dt_s=5e-4, record_every=10**6))
+        assert problem.error(problem.vector(run.state()), reference(problem).end) < 1e-8, name
+        assert reference(problem).known_to < 1e-11
+
+
+def test_the_dry_end_state_is_the_references() -> None:
+    problem = PROBLEMS["robot2005"]
+    system = bingham.System(robot_2005(), gait_deg(70, 75, 5.0))
+    *_, last = bingham.run(system, np.zeros(6), 0.0, problem.duration_s, rtol=1e-8)
+    u, (theta, x, y) = last.at(last.end_s)[:3], last.at(last.end_s)[3:]
+    c, s = math.cos(theta), math.sin(theta)
+    end = np.array([x, y, theta, c * u[0] - s * u[1], s * u[0] + c * u[1], u[2]])
+    # at a tolerance of 1e-8; the kept one is of 1e-12
+    assert problem.error(end, reference(problem).end) < 1e-8
+
+
+def test_a_reference_of_another_problem_is_refused() -> None:
+    problem = PROBLEMS["paper3"]
+    changed = replace(problem, duration_s=11.0)
+    with pytest.raises(sn.BadInput, match="another problem"):
+        reference(changed)
+
+
+def test_a_measured_scene_to_files_and_back(tmp_path: Path) -> None:
+    effort = Effort(("paper3",), rounds=1, limit_s=0.05, budget_s=0.1)
+    rows = accuracy.run(effort, lambda _: None)
+    rk4 = [row for row in rows if row.method == "serpenoid rk4" and row.error is not None]
+    assert len(rk4) >= 2
+    assert rk4[0].error / rk4[1].error > 30  # order four between 10 ms and 3 ms: 123
+    assert all(row.note for row in rows if row.error is None)
+    accuracy_files.write_csv(rows, tmp_path / "a.csv")
+    assert accuracy_files.read_csv(tmp_path / "a.csv") == rows
+    assert {"cpu", "compiler"} <= set((tmp_path / "a.csv").read_text().splitlines()[0].split(","))
+
+
+def test_the_readmes_table_is_the_one_of_the_kept_measurement(tmp_path: Path) -> None:
+    readme = (ROOT / "README.md").read_text()
+    copy = tmp_path / "README.md"
+    copy.write_text(readme)
+    accuracy_files.update_readme(accuracy_files.read_csv(ROOT / "host/docs/accuracy.csv"), copy)
+    assert copy.read_text() == readme
+    copy.write_text("no markers")
+    with pytest.raises(sn.BadInput, match="once each"):
+        accuracy_files.update_readme([], copy)

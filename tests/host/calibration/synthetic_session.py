@@ -1,0 +1,74 @@
+"""Make up calibration sessions with known friction and instruments that err as stated."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from serpenoid import Ground, Robot
+from serpenoid.calibration.session import Procedure, Reading, Session, Setup, Uncertainty
+
+WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)  # Eqs. 59 and 62, not per link
+STEP_RAD = math.radians(0.1)  # the inclinometer's
+
+
+def setup(*lambdas_deg: float) -> Setup:
+    """Return a set-up that is straight first, then bent by these angles."""
+    return Setup(
+        name="made up",
+        kind="simulated",
+        source="a test",
+        note="a test",
+        robot=Robot(6, 0.0756, 0.076),
+        procedure=Procedure(
+            lambda_rad=(0.0, *map(math.radians, lambdas_deg)),
+            incline_start_rad=math.radians(2.0),
+            incline_step_rad=math.radians(0.2),
+            belt_speed_max_m_s=1.0,
+            gravity_m_s2=9.80665,
+        ),
+        # A reading rounded to steps of d errs evenly over d, with standard deviation d / sqrt(12).
+        uncertainty=Uncertainty(
+            STEP_RAD / math.sqrt(12), math.radians(0.1), 0.02, math.radians(0.5)
+        ),
+    )
+
+
+def session(setup: Setup, truth: Ground, rng: np.random.Generator | None = None) -> Session:
+    """Take a session's readings; rng errs as the set-up's uncertainties say, None not at all."""
+    unit = setup.uncertainty
+    offset, zero = (0.0, 0.0) if rng is None else rng.normal(size=2)
+    readings: list[Reading] = []
+    for nominal in setup.procedure.lambda_rad:
+        bend = nominal + (offset * unit.lambda_sigma_rad if nominal else 0.0)
+        for incline, speed in _stations(setup, truth, bend, rng):
+            shown = incline + zero * unit.incline_zero_sigma_rad
+            noise = 0.0
+            if rng is not None:
+                shown = round(shown / STEP_RAD) * STEP_RAD
+                noise = unit.belt_speed_sigma_m_s * rng.normal()
+            if speed + noise > 0.0:
+                readings.append(Reading(len(readings) + 1, nominal, shown, speed + noise))
+    return Session(setup, tuple(readings))
+
+
+def _stations(setup: Setup, truth: Ground, bend: float, rng: np.random.Generator | None):
+    """Yield true inclines and the true speeds that hold the snake there (Eq. 60)."""
+    c, s = math.cos(bend), math.sin(bend)
+    incline = setup.procedure.incline_start_rad
+    while True:
+        # The treadmill stops anywhere within a step of the inclinometer.
+        true = incline + (0.0 if rng is None else rng.uniform(-0.5, 0.5) * STEP_RAD)
+        pull = setup.weight_n * math.sin(true)
+        speed = (pull - truth.ft0 * c - truth.fn0 * s) / (truth.ct * c * c + truth.cn * s * s)
+        if speed > setup.procedure.belt_speed_max_m_s:
+            return
+        if speed > 0.0:
+            yield true, speed
+        incline += setup.procedure.incline_step_rad
+
+
+def changed(session: Session, index: int, **changes: object) -> Session:
+    """Return the session with one reading changed."""
+    readings = list(session.readings)
+    readings[index] = replace(readings[index], **changes)
+    return replace(session, readings=tuple(readings))

@@ -1,0 +1,76 @@
+"""Speeds predicted from a fit: known values, known errors of the springs, an honest band."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.calibration.prediction import (
+    friction_samples,
+    implicit_speed,
+    implicit_steps,
+    mean_speeds,
+    one_cycle,
+    predict,
+)
+
+SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
+PAPER = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+
+
+@pytest.fixture(scope="module")
+def fit() -> sn.FrictionFit:
+    return sn.fit_friction(sn.load_session(SESSION))
+
+
+def test_speed_of_the_2005_robot(fit) -> None:
+    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    point = predict(sn.Robot(6, 0.0756, 0.076), fit, gait)
+    assert point.explicit_m_s == pytest.approx(0.133205, rel=2e-4)
+    assert point.explicit_error_m_s < 1e-6
+    assert point.low_m_s < point.explicit_m_s < point.high_m_s
+    # halving the steps again must move the speed by no more than the error that is stated
+    finer, _ = implicit_speed(
+        sn.Robot(6, 0.0756, 0.076), fit.ground, gait, 2 * implicit_steps(gait)
+    )
+    assert abs(finer - point.implicit_m_s) <= point.implicit_error_m_s
+
+
+@pytest.mark.parametrize(("omega", "off"), [(5.0, 0.02), (10.0, 0.08), (20.0, 0.42)])
+def test_the_papers_springs_are_off_by_what_is_known(omega, off) -> None:
+    gait = sn.Gait(math.radians(30), math.radians(80), omega)
+    exact = sn.steady_gait(*PAPER, gait, powers=False).speed_m_s
+    # the lowest mode, 16 rad/s with damping 0.008, dies away in 8 s: 60 s of RK4 forget the start
+    period = gait.period_s
+    cycles = math.ceil(60.0 / period)
+    run = sn.simulate(
+        sn.Scene(*PAPER, gait, formulation="implicit", dt_s=period / 800, record_every=800,
+                 duration_s=cycles * period, start="steady")
+    )  # fmt: skip
+    speed = mean_speeds(run, 1)[-5:].mean()
+    # the known errors are rounded to a per cent
+    assert speed / exact - 1 == pytest.approx(off, abs=0.006)
+
+
+def test_samples_follow_the_fit_and_stay_physical(fit) -> None:
+    samples = friction_samples(fit, 1024)
+    assert np.array_equal(samples, friction_samples(fit, 1024))
+    assert samples.min() >= 0
+    sigmas = np.sqrt(np.diag(fit.covariance))
+    centre = [p.value for p in fit.parameters.values()]
+    # 1024 scrambled Sobol points: moments to a few per cent (cn, cut at 0 at -2.9 sigma, too)
+    assert np.abs((samples.mean(axis=0) - centre) / sigmas).max() < 0.02
+    assert samples.std(axis=0) == pytest.approx(sigmas, rel=0.03)
+    assert np.corrcoef(samples.T) == pytest.approx(
+        fit.covariance / np.outer(sigmas, sigmas), abs=0.05
+    )
+
+
+def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
+    gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
+    state, run = one_cycle(*PAPER, gait)
+    # 600 steps of RK4 a period, 120 of them recorded
+    assert mean_speeds(run, 120) == pytest.approx([state.speed_m_s] * 3, rel=1e-6)

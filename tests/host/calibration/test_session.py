@@ -1,0 +1,286 @@
+"""Sessions on disk: the 2005 one as committed, and every way to get a file wrong."""
+
+import importlib.util
+import math
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from serpenoid import BadInput, Robot
+from serpenoid.calibration.session import COLUMNS, Reading, load_session, load_setup
+
+FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
+ROW_1 = "1,,0.0,2.0,0.181468,0.0,kept,regenerated from Eq. 59 through Eq. 58"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name in ("session.toml", "readings.csv"):
+        shutil.copy(FOLDER_2005 / name, tmp_path)
+    return tmp_path
+
+
+def rewrite(path, old, new):
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def complaint(folder):
+    with pytest.raises(BadInput) as caught:
+        load_session(folder)
+    return str(caught.value)
+
+
+def test_the_2005_session_is_what_the_paper_describes():
+    session = load_session(FOLDER_2005)
+    setup = session.setup
+    assert setup.kind == "regenerated"
+    assert "lost" in setup.note
+    assert setup.robot == Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    assert setup.weight_n == pytest.approx(6 * 0.0756 * 9.80665, rel=1e-15)
+    assert [math.degrees(x) for x in setup.procedure.lambda_rad] == pytest.approx([0.0, 7.5])
+    straight = [r for r in session.kept if r.lambda_rad == 0.0]
+    bent = [r for r in session.kept if r.lambda_rad > 0.0]
+    assert [math.degrees(r.incline_rad) for r in straight] == pytest.approx([2, 2.2, 2.4, 2.6, 2.8])
+    assert [math.degrees(r.incline_rad) for r in bent] == pytest.approx(
+        [2.4, 2.6, 2.8, 3, 3.2, 3.4]
+    )
+    assert all(0.0 < r.slip_speed_m_s <= 1.0 for r in session.kept)
+
+
+def test_every_2005_reading_balances_gravity_and_the_published_lines():
+    session = load_session(FOLDER_2005)
+    for reading in session.kept:
+        c, s, v = math.cos(reading.lambda_rad), math.sin(reading.lambda_rad), reading.slip_speed_m_s
+        tangential_n, normal_n = 0.084 * v * c + 0.14, 1.2 * v * s + 0.27  # Eqs. 59 and 62
+        pull_n = session.setup.weight_n * math.sin(reading.incline_rad)
+        # A speed rounded by 5e-7 m/s times a slope of about 0.1 N s/m.
+        assert tangential_n * c + normal_n * s == pytest.approx(pull_n, abs=1e-7)
+
+
+def test_regenerating_gives_the_committed_file():
+    spec = importlib.util.spec_from_file_location("regenerate", FOLDER_2005 / "regenerate.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    assert script.text() == (FOLDER_2005 / "readings.csv").read_text(encoding="utf-8")
+
+
+def test_columns_may_stand_in_any_order(folder):
+    path = folder / "readings.csv"
+    lines = [line.split(",") for line in path.read_text().splitlines()]
+    path.write_text("\n".join(",".join(reversed(cells)) for cells in lines))
+    assert load_session(folder).readings == load_session(FOLDER_2005).readings
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (
+            ",2.0,0.181468,",
+            ",nan,0.181468,",
+            r":2: incline_deg is nan; .* more than 0 and at most 45",
+        ),
+        (",2.0,0.181468,", ",inf,0.181468,", r":2: incline_deg is inf"),
+        (",2.0,0.181468,", ",0,0.181468,", r":2: incline_deg is 0.0; .*more than 0"),
+        (",2.0,0.181468,", ",200,0.181468,", r":2: incline_deg is 200.0; .*at most 45"),
+        (",2.0,0.181468,", ",two,0.181468,", r":2: incline_deg is 'two'"),
+        (",2.0,0.181468,", ",,0.181468,", r":2: incline_deg is ''"),
+        (",2.0,0.181468,", ',"2,0",0.181468,', r":2: incline_deg is '2,0'"),
+        (",2.0,0.181468,", ",2,0,0.181468,", r":2: 9 cells where the header has 8"),
+        (
+            ",2.0,0.181468,",
+            ",2.0,-0.1,",
+            r":2: belt_speed_m_s is -0.1; .*at least 0 and at most 10",
+        ),
+        (",2.0,0.181468,", ",2.0,181.468,", r":2: belt_speed_m_s is 181.468; .*at most 10"),
+        (",0.181468,0.0,", ",0.181468,0.2,", r":2: belt_speed_m_s - drift_m_s is -0.018532 .*void"),
+        (",0.181468,0.0,", ",0.181468,nan,", r":2: drift_m_s is nan"),
+        ("\n6,,7.5,", "\n6,,75,", r":7: lambda_deg is 75.0; .*at most 60"),
+        ("\n6,,7.5,", "\n6,,-7.5,", r":7: lambda_deg is -7.5; .*at least 0"),
+        ("\n6,,7.5,", "\n6,yesterday,7.5,", r":7: time_utc is 'yesterday'; .*ISO 8601"),
+        ("\n6,,7.5,", "\n6.5,,7.5,", r":7: reading is '6.5'; .*whole number from 1"),
+        ("\n6,,7.5,", "\n0,,7.5,", r":7: reading is '0'"),
+        ("\n6,,7.5,", "\n5,,7.5,", r":7: reading 5 is there already"),
+        (",kept,", ",keep,", r":2: status is 'keep'; it must be one of kept, void"),
+        (",comment", "", r":1: no column comment"),
+        (",drift_m_s", "", r":1: no column drift_m_s"),
+        (
+            "incline_deg",
+            "incline_rad",
+            r":1: unknown column 'incline_rad'; .*'incline_deg'.*convert",
+        ),
+        ("belt_speed_m_s", "belt_speed_km_h", r":1: unknown .*'belt_speed_m_s', in those units"),
+        ("incline_deg", "incline", r":1: unknown column 'incline'; .*'incline_deg'"),
+        ("incline_deg", "inclin_deg", r":1: unknown .*did you mean 'incline_deg'"),
+        ("incline_deg,", "incline_deg,incline_rad,", r":1: unknown column 'incline_rad'"),
+        (
+            "incline_deg,",
+            "incline_deg,incline_deg,",
+            r":1: column 'incline_deg' stands there twice",
+        ),
+        ("comment", "comment,humidity", r":1: unknown column 'humidity'; known are reading"),
+        (",regenerated", ',"regenerated', r":\d+: not CSV"),
+        (ROW_1, "1,,0.0,2.0,0.18", r":2: 5 cells where the header has 8; .*cut short"),
+    ],
+)
+def test_bad_readings_name_file_line_and_range(folder, old, new, says):
+    rewrite(folder / "readings.csv", old, new)
+    assert re.search(re.escape(str(folder / "readings.csv")) + says, complaint(folder))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("format = 1", "format = 2", r":2: format is 2; .*up to 1; install a newer"),
+        ("format = 1", 'format = "1"', r":2: format is '1'; it must be a whole number"),
+        ("format = 1", "", r"toml: format is None"),
+        ("links = 6", "links = 1", r":\d+: links is 1; .*2"),
+        ("links = 6", "links = 6.0", r":\d+: links is 6.0; .*whole number"),
+        (
+            "link_mass_kg = 0.0756",
+            "link_mass_kg = 0.0",
+            r":\d+: link_mass_kg is 0.0; .*more than 0",
+        ),
+        ("link_mass_kg = 0.0756", "link_mass_kg = nan", r":\d+: link_mass_kg is nan"),
+        ("link_mass_kg = 0.0756", 'link_mass_kg = "heavy"', r":\d+: link_mass_kg is 'heavy'"),
+        (
+            "link_mass_kg = 0.0756",
+            "link_mass_g = 75.6",
+            r":\d+: unknown key 'link_mass_g'; .*'link_m",
+        ),
+        ("link_mass_kg = 0.0756", "", r"toml: no key link_mass_kg"),
+        ('kind = "regenerated"', 'kind = "guessed"', r":\d+: kind is 'guessed'; .*measured"),
+        ("lambda_deg = [0.0, 7.5]", "lambda_deg = []", r":\d+: lambda_deg is \[\]"),
+        ("lambda_deg = [0.0, 7.5]", "lambda_deg = [0.0, 90.0]", r":\d+: lambda_deg is 90.0"),
+        ("gravity_m_s2 = 9.80665", "gravity_m_s2 = -9.8", r":\d+: gravity_m_s2 is -9.8"),
+        (
+            "belt_speed_sigma_m_s = 0.02",
+            "belt_speed_sigma_m_s = 0",
+            r":\d+: belt_speed_sigma_m_s is",
+        ),
+        ("[robot]", "[snake]", r":\d+: unknown key 'snake'"),
+        ("[robot]", "[robot", r": not TOML"),
+        ('name = "nirakh-2005"', 'name = ""', r":3: name is ''; it must be text"),
+    ],
+)
+def test_bad_setups_name_file_line_and_range(folder, old, new, says):
+    rewrite(folder / "session.toml", old, new)
+    found = complaint(folder)
+    assert found.startswith(str(folder / "session.toml"))
+    assert re.search(says, found)
+
+
+def test_lines_named_are_the_lines_meant(folder):
+    path = folder / "session.toml"
+    rewrite(path, "links = 6", "links = 0")
+    line = path.read_text().splitlines().index("links = 0") + 1
+    assert complaint(folder).startswith(f"{path}:{line}: links is 0")
+
+
+def test_missing_and_empty_files_are_refused(folder, tmp_path):
+    path = folder / "readings.csv"
+    path.write_text(",".join(COLUMNS) + "\n")
+    assert "no reading to use among 0" in complaint(folder)
+    path.write_text("")
+    assert "no column reading" in complaint(folder)
+    path.write_bytes(b"\xff\xfe\x00")
+    assert "not UTF-8" in complaint(folder)
+    path.unlink()
+    assert "No such file" in complaint(folder)
+    assert "No such file" in complaint(tmp_path / "nowhere")
+
+
+def test_a_reading_is_voided_by_appending_it_again(folder):
+    path = folder / "readings.csv"
+    whole = path.read_text(encoding="utf-8")
+    void = ROW_1.replace("kept", "void").replace("regenerated", "slipped; not regenerated")
+    path.write_text(whole + void + "\n", encoding="utf-8")
+    session = load_session(folder)
+    assert session.readings[0].voided
+    assert session.readings[0].comment.startswith("slipped")
+    assert len(session.readings) == 11
+    assert [r.number for r in session.kept] == list(range(2, 12))
+
+
+@pytest.mark.parametrize(
+    "rows", [[ROW_1], [ROW_1.replace("kept", "void").replace("0.181468", "0.2")], ["void"] * 2]
+)
+def test_a_row_repeats_another_only_to_void_it_once(folder, rows):
+    path = folder / "readings.csv"
+    rows = [ROW_1.replace("kept", "void") if row == "void" else row for row in rows]
+    path.write_text(path.read_text(encoding="utf-8") + "\n".join(rows), encoding="utf-8")
+    line = 12 + len(rows)
+    assert f":{line}: reading 1 is there already" in complaint(folder)
+
+
+def test_a_voided_reading_may_have_stuck_wheels(folder):
+    rewrite(folder / "readings.csv", "0.181468,0.0,kept", "0.0,0.0,void")
+    assert load_session(folder).readings[0].slip_speed_m_s == 0.0
+
+
+def test_all_voided_is_empty(folder):
+    path = folder / "readings.csv"
+    path.write_text(path.read_text(encoding="utf-8").replace("kept", "void"), encoding="utf-8")
+    assert "no reading to use among 11" in complaint(folder)
+
+
+def test_spreadsheet_habits_are_read(folder):
+    path = folder / "readings.csv"
+    text = path.read_text(encoding="utf-8").replace(",2.0,", ', "2.0" ,'.replace('"', ""))
+    path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
+    assert load_session(folder).readings == load_session(FOLDER_2005).readings
+
+
+def test_setups_compare_equal_only_if_nothing_differs():
+    setup = load_setup(FOLDER_2005)
+    assert setup == load_setup(FOLDER_2005)
+    assert setup != replace(setup, uncertainty=replace(setup.uncertainty, lambda_sigma_rad=0.02))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"number": 0},
+        {"lambda_rad": 7.5},
+        {"incline_rad": 2.0},
+        {"incline_rad": 0.0},
+        {"incline_rad": math.nan},
+        {"belt_speed_m_s": -1.0},
+        {"belt_speed_m_s": math.inf},
+        {"drift_m_s": 0.5},
+    ],
+)
+def test_readings_made_in_python_are_held_to_the_same(changes):
+    good = Reading(number=1, lambda_rad=0.0, incline_rad=0.04, belt_speed_m_s=0.5)
+    with pytest.raises(BadInput):
+        replace(good, **changes)
+
+
+@settings(
+    max_examples=300,
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(
+    name=st.sampled_from(["session.toml", "readings.csv"]),
+    start=st.integers(0, 2000),
+    length=st.integers(0, 20),
+    new=st.text(max_size=8) | st.sampled_from(["nan", "-1", "1e999", '"', "\n", "\0", ","]),
+)
+def test_whatever_is_typed_loads_or_is_refused_clearly(folder, name, start, length, new):
+    good = (FOLDER_2005 / name).read_text(encoding="utf-8")
+    bad = good[:start] + new + good[start + length :]
+    (folder / name).write_bytes(bad.encode("utf-8", "surrogatepass"))
+    refused = ""
+    try:
+        assert load_session(folder).kept
+    except BadInput as error:
+        refused = str(error)
+    (folder / name).write_text(good, encoding="utf-8")
+    assert not refused or refused.startswith(str(folder / name))

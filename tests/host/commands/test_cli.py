@@ -1,0 +1,196 @@
+"""The command line as a user meets it: answers, refusals, exit status, no traceback."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import signal
+import subprocess
+import sys
+
+import pytest
+import serpenoid as sn
+
+GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+
+
+def serpenoid(*args: str) -> subprocess.CompletedProcess[str]:
+    """Run the command in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "serpenoid", *args], capture_output=True, text=True, check=False
+    )
+
+
+def answer(*args: str) -> dict:
+    done = serpenoid(*args, "--json")
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_steady() -> None:
+    got = answer("steady", *GAIT)
+    assert got["speed_m_s"] == pytest.approx(0.133205, rel=2e-4)
+    assert got["error_estimate"] < 1e-6
+    assert serpenoid("steady", *GAIT).stdout.count("m/s") >= 1
+
+
+def test_the_papers_robot_by_name() -> None:
+    got = answer("steady", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80",
+                 "--omega-rad-s", "5")  # fmt: skip
+    assert got["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
+
+
+def test_frequency_is_rate() -> None:
+    rate = answer("steady", *GAIT)
+    same = answer("steady", *GAIT[:4], "--frequency-hz", str(5 / (2 * math.pi)))
+    assert same["speed_m_s"] == pytest.approx(rate["speed_m_s"], rel=1e-6)
+
+
+def test_simulate_settles_to_steady() -> None:
+    got = answer("simulate", *GAIT, "--duration-s", "12")
+    assert got["speed_over_last_period_m_s"] == pytest.approx(0.133205, rel=1e-3)
+    assert got["method"] == "nonsmooth"
+
+
+def test_the_springs_error_is_told() -> None:
+    gait = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "10"]
+    got = answer("simulate", "--robot", "paper", *gait, "--formulation", "implicit",
+                 "--duration-s", "60")  # fmt: skip
+    # 8.04 % in the periodic state; over all of 60 s the start counts too
+    assert got["error_estimate"]["modelling"]["mean_speed"] == pytest.approx(0.0804, abs=0.008)
+    assert "change the mean speed by +" in got["warnings"][0]
+
+
+def test_an_accuracy_picks_the_method() -> None:
+    got = answer("simulate", *GAIT, "--robot", "paper", "--duration-s", "3", "--accuracy", "1e-4")
+    assert got["method"] == "collocation"
+    assert "asked for" in got["picked"]
+    assert got["error_estimate"]["integration"]["angle_rad"] < 1e-4
+
+
+def test_the_error_can_be_left_out() -> None:
+    got = answer("simulate", *GAIT, "--robot", "paper", "--duration-s", "1", "--no-error")
+    assert got["error_estimate"] is None
+
+
+def test_fit_and_its_figure(tmp_path) -> None:
+    got = answer("fit", "calibration_data/nirakh-2005", "--plot", str(tmp_path / "f.png"))
+    values = [got["parameters"][name]["value"] for name in ("ct", "ft0", "cn", "fn0")]
+    assert values == pytest.approx([0.084, 0.14, 1.2, 0.27], rel=1e-5)
+    assert (tmp_path / "f.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_optimize() -> None:
+    got = answer("optimize", "--robot", "paper", "--speed-m-s", "0.1")
+    assert got["power_w"] == pytest.approx(7.63769e-3, rel=1e-5)
+    assert got["gait"]["alpha_deg"] == pytest.approx(31.77, abs=0.01)
+    assert got["speed_m_s"] == pytest.approx(0.1, rel=1e-6)
+    assert got["abs_power_w"] > got["positive_power_w"] > got["power_w"]
+
+
+def test_sweep_writes_every_gait(tmp_path) -> None:
+    out = tmp_path / "sweep.csv"
+    done = serpenoid("sweep", "--robot", "paper", "--alpha-deg", "30:40:10", "--beta-deg", "80",
+                     "--omega-rad-s", "1:3:1", "--out", str(out))  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert len(out.read_text().splitlines()) == 1 + 2 * 3
+
+
+def test_sweep_answers_with_json() -> None:
+    got = answer("sweep", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80",
+                 "--omega-rad-s", "5:10:5")  # fmt: skip
+    assert got["alpha_deg"] == pytest.approx([30.0])
+    assert got["speed_m_s"][0][0][0] == pytest.approx(0.292060796024, rel=1e-6)
+    assert got["converged"] == [[[True, True]]]
+
+
+def test_json_stays_json_when_a_file_is_written_too(tmp_path) -> None:
+    out = tmp_path / "run.csv"
+    got = answer("simulate", *GAIT, "--duration-s", "1", "--record-every", "100",
+                 "--out", str(out))  # fmt: skip
+    assert got["speed_over_last_period_m_s"] is None  # a period is 1.26 s
+    lines = out.read_text().splitlines()
+    assert len(lines) == 1 + 11
+    assert len(lines[0].split(",")) == 1 + 6 * 6
+
+
+def test_a_run_of_no_length_says_so() -> None:
+    assert answer("simulate", *GAIT, "--duration-s", "0")["displacement_m"] == 0.0
+
+
+def test_ctrl_c_stops_a_long_run_at_once() -> None:
+    args = ["simulate", *GAIT, "--robot", "paper", "--duration-s", "1e7", "--record-every", "1000"]
+    run = subprocess.Popen(
+        [sys.executable, "-c",
+         "print('up', flush=True); from serpenoid.commands import main; main.main()", *args],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        assert run.stdout is not None
+        assert run.stdout.readline() == "up\n"
+        with pytest.raises(subprocess.TimeoutExpired):
+            run.wait(1.5)  # by now it is in the core, where it would stay for hours
+        run.send_signal(signal.SIGINT)
+        _, said = run.communicate(timeout=10)
+    finally:
+        run.kill()
+    assert run.returncode == 130
+    assert said.strip() == "stopped"
+
+
+@pytest.mark.parametrize(
+    ("args", "status", "said"),
+    [
+        (["steady", *GAIT, "--links", "1"], 2, "links is 1"),
+        (["steady", *GAIT, "--mass-kg", "0"], 2, "link_mass_kg is 0.0"),
+        (["steady", *GAIT, "--cn", "-1"], 2, "cn is -1.0"),
+        (["steady", *GAIT[:4], "--omega-rad-s", "nan"], 2, "omega_rad_s is nan"),
+        (["steady", *GAIT[:4], "--omega-rad-s", "0"], 2, "omega_rad_s is 0.0"),
+        (["steady", *GAIT[:4]], 2, "give one of --omega-rad-s and --frequency-hz"),
+        (["steady", *GAIT, "--alhpa-deg", "3"], 2, "No such option"),
+        (["steady", *GAIT, "--ct", "0", "--cn", "0", "--ft0", "0", "--fn0", "0"], 2, "no friction"),
+        (["sweep", "--alpha-deg", "1:2", "--out", "x.csv"], 2, "FIRST:LAST:STEP"),
+        (["sweep"], 2, "give --out"),
+        (["simulate", *GAIT, "--record-every", "0"], 2, "record_every is 0"),
+        (["simulate", *GAIT, "--dt-s", "-1"], 2, "dt_s is -1.0"),
+        (["steady", *GAIT[:2], "--beta-deg", "inf", "--omega-rad-s", "5"], 2, "--beta-deg is inf"),
+        (["optimize", "--speed-m-s", "0"], 2, "speed_m_s is 0.0"),
+        (["fit", "no-such-folder"], 1, "no-such-folder"),
+        (["nonsense"], 2, "No such command"),
+    ],
+)
+def test_refusals(args: list[str], status: int, said: str) -> None:
+    done = serpenoid(*args)
+    assert done.returncode == status
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_spoilt_reading_is_the_files_fault(tmp_path) -> None:
+    folder = tmp_path / "session"
+    shutil.copytree("calibration_data/nirakh-2005", folder)
+    readings = folder / "readings.csv"
+    readings.write_text(readings.read_text().replace("0.181468", "nan"))
+    done = serpenoid("fit", str(folder))
+    assert done.returncode == 1
+    assert "readings.csv:2" in done.stderr
+    assert "nan" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_help_imports_nothing_slow() -> None:
+    code = (
+        "import sys, serpenoid.commands.main; "
+        "print([m for m in ('numpy', 'scipy', 'matplotlib', 'rich', 'serial', "
+        "'serpenoid.robot.robot') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_every_public_name_is_there() -> None:
+    for name in sn.__all__:
+        assert getattr(sn, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'stedy_gait'"):
+        _ = sn.stedy_gait

@@ -1,0 +1,206 @@
+"""`serpenoid simulate`: options, scene files and both; what it answers, writes and draws."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from click.testing import CliRunner, Result
+from serpenoid.commands.main import cli
+
+GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
+SHORT = ["--robot", "paper", *GAIT, "--duration-s", "0.2"]
+# Every option that fixes the scene, but the two other drives, with what the scene is to have.
+OPTIONS = {
+    "--links": ("4", "robot.links", 4),
+    "--mass-kg": ("0.5", "robot.link_mass_kg", 0.5),
+    "--length-m": ("0.2", "robot.link_length_m", 0.2),
+    "--inertia-kg-m2": ("0.003", "robot.link_inertia_kg_m2", 0.003),
+    "--ct": ("0.3", "ground.ct", 0.3),
+    "--cn": ("3", "ground.cn", 3.0),
+    "--ft0": ("0.01", "ground.ft0", 0.01),
+    "--fn0": ("0.02", "ground.fn0", 0.02),
+    "--alpha-deg": ("40", "gait.alpha_rad", math.radians(40)),
+    "--beta-deg": ("50", "gait.beta_rad", math.radians(50)),
+    "--frequency-hz": ("2", "gait.omega_rad_s", 4 * math.pi),
+    "--offset-deg": ("5", "gait.offset_rad", math.radians(5)),
+    "--formulation": ("implicit", "formulation", "implicit"),
+    "--stiffness-n-m": ("2000", "joint_stiffness_n_m", 2000.0),
+    "--damping-n-s-m": ("2", "joint_damping_n_s_m", 2.0),
+    "--smoothing-m-s": ("0.001", "smoothing_m_s", 0.001),
+    "--incline-deg": ("3", "incline_rad", math.radians(3)),
+    "--incline-direction-deg": ("90", "incline_direction_rad", math.radians(90)),
+    "--servo": ("dead_band_rad=0,torque_limit_nm=2", "servo", sn.Servo(3.0, 0.03, 2.0, 8.7, 0.0)),
+    "--limp": ("2", "limp", (2,)),
+    "--locked-deg": ("1=10,3=-20", "locked", {1: math.radians(10), 3: math.radians(-20)}),
+    "--method": ("semi_implicit_euler", "method", "semi_implicit_euler"),
+    "--dt-s": ("0.00025", "dt_s", 0.00025),
+    "--tolerance": ("1e-5", "tolerance", 1e-5),
+    "--duration-s": ("0.01", "duration_s", 0.01),
+    "--start": ("zero_momentum", "start", "zero_momentum"),
+    "--gap": ("zero", "gap", "zero"),
+    "--record": ("joints,friction,energy", "record", ("joints", "friction", "energy")),
+    "--record-every": ("3", "record_every", 3),
+}
+
+
+def run(*args: object) -> Result:
+    return CliRunner().invoke(cli, ["simulate", *map(str, args)])
+
+
+def answer(*args: object) -> dict:
+    done = run(*args, "--json")
+    assert done.exit_code == 0, (done.output, done.exception)
+    return json.loads(done.stdout)
+
+
+def field(scene: sn.Scene, name: str) -> object:
+    for part in name.split("."):
+        scene = getattr(scene, part)
+    return scene
+
+
+def test_every_field_has_its_option(tmp_path: Path) -> None:
+    fields = {name.split(".")[-1] for _, name, _ in OPTIONS.values()} | {"drive", "torque"}
+    for kind in (sn.Scene, sn.Robot, sn.Ground, sn.Gait):
+        names = {f.name for f in dataclasses.fields(kind)} - {"robot", "ground", "gait"}
+        assert names <= fields, kind
+    path = tmp_path / "scene.toml"
+    given = [word for option, (value, *_) in OPTIONS.items() for word in (option, value)]
+    answer(*given, "--save-scene", path)
+    scene = sn.load_scene(path)
+    for option, (_, name, wanted) in OPTIONS.items():
+        assert field(scene, name) == wanted, option
+    assert scene.drive == "servo"
+
+
+@pytest.mark.parametrize("option", OPTIONS)
+def test_an_option_overrides_its_field_of_the_file_alone(option: str, tmp_path: Path) -> None:
+    from serpenoid.commands.simulate import make_scene, simulate
+
+    base = sn.Scene(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), sn.Gait(0.1, 0.2, 3.0))
+    value, name, wanted = OPTIONS[option]
+    given = simulate.make_context("simulate", [option, value]).params
+    for other in ("scene_path", "saved_path", "out", "figure", "accuracy", "no_error", "as_json"):
+        given.pop(other)
+    scene = make_scene(given, base)
+    assert field(scene, name) == wanted
+    goes_along = {"link_inertia_kg_m2"} if option in ("--mass-kg", "--length-m") else set()
+    goes_along |= {"drive"} if option == "--servo" else set()
+    kept = {"robot", "ground", "gait"} | goes_along
+    for f in dataclasses.fields(sn.Scene):
+        if f.name not in kept | {name.split(".")[0]}:
+            assert getattr(scene, f.name) == getattr(base, f.name), f.name
+    for part in ("robot", "ground", "gait"):
+        for f in dataclasses.fields(getattr(base, part)):
+            if f"{part}.{f.name}" != name and f.name not in goes_along:
+                assert field(scene, f"{part}.{f.name}") == field(base, f"{part}.{f.name}")
+
+
+def test_a_uniform_rod_stays_one_and_a_given_inertia_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    for inertia, wanted in ((None, 2 * 0.12**2 / 12), (0.7, 0.7)):
+        sn.save_scene(
+            sn.Scene(sn.Robot(6, 1.0, 0.12, inertia), sn.Ground(0.1, 10.0), sn.Gait(0.5, 1, 5)),
+            path,
+        )
+        got = answer("--scene", path, "--mass-kg", "2", "--duration-s", "0.01")
+        assert got["scene"]["robot"]["link_inertia_kg_m2"] == pytest.approx(wanted, rel=1e-15)
+
+
+def test_a_drive_replaces_the_files(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    short = ["--scene", path, "--duration-s", "0.01"]
+    answer(*SHORT, "--servo", "stiffness_nm_rad=5", "--save-scene", path)
+    assert answer(*short, "--servo")["scene"]["servo"]["stiffness_nm_rad"] == 5
+    assert answer(*short, "--servo", "dead_band_rad=0")["scene"]["servo"]["stiffness_nm_rad"] == 5
+    torque = answer(*short, "--torque-nm", "0.1,0,0,0,-0.1")["scene"]
+    assert torque["drive"] == "torque"
+    assert torque["torque"] == {"torque_nm": [0.1, 0, 0, 0, -0.1]}
+    assert "servo" not in torque
+    assert answer(*short, "--drive", "angle")["scene"]["drive"] == "angle"
+
+
+def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
+    out, figure = tmp_path / "run.csv", tmp_path / "run.png"
+    got = answer(*SHORT, "--duration-s", "2", "--record", "joints,friction,energy",
+                 "--record-every", "100", "--out", out, "--plot", figure)  # fmt: skip
+    scene = sn.Scene(
+        sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0),
+        sn.Gait(math.radians(30), math.radians(80), 5.0), duration_s=2.0, record_every=100,
+        record=("joints", "friction", "energy"),
+    )  # fmt: skip
+    run = sn.simulate(scene)
+    assert got["steps"] == run.steps == 2000
+    assert got["end"]["vx_m_s"] == run.vx_m_s[-1].tolist()
+    energy = got["energy_at_end"]
+    kept = energy["kinetic_j"] - run.energy_j[0, 0]
+    assert kept == pytest.approx(energy["joint_work_j"] - energy["friction_heat_j"], rel=1e-6)
+    assert got["largest_joint_torque_nm"] == abs(run.joint_torque_nm).max(axis=0).tolist()
+    assert got["warnings"] == []
+
+    rows = list(csv.reader(out.open()))
+    assert len(rows) == 1 + 21
+    table = dict(zip(rows[0], np.array(rows[1:], dtype=float).T, strict=True))
+    assert len(table) == 1 + 6 * 6 + 3 * 5 + 2 * 6 + 7
+    np.testing.assert_array_equal(table["y3_m"], run.y_m[:, 2])
+    np.testing.assert_array_equal(table["vx6_m_s"], run.vx_m_s[:, 5])
+    np.testing.assert_array_equal(table["omega1_rad_s"], run.omega_rad_s[:, 0])
+    np.testing.assert_array_equal(table["joint_torque5_nm"], run.joint_torque_nm[:, 4])
+    np.testing.assert_array_equal(table["friction_y2_n"], run.friction_y_n[:, 1])
+    np.testing.assert_array_equal(table["joint_work_j"], run.energy_j[:, 3])
+    assert figure.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_a_run_of_two_instants_can_be_drawn(tmp_path: Path) -> None:
+    for duration in ("0", "0.001"):
+        figure = tmp_path / f"{duration}.png"
+        answer(*SHORT, "--duration-s", duration, "--plot", figure)
+        assert figure.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_what_is_printed() -> None:
+    done = run(*SHORT, "--duration-s", "2", "--record", "joints,energy")
+    assert done.exit_code == 0
+    for words in ("largest torque of a joint", "friction heat at the end", "rk4, 0.001 s, 2 s"):
+        assert words in done.stdout
+    assert done.stderr == ""
+
+
+def test_dry_ground_takes_the_method_that_runs_the_scene() -> None:
+    dry = [*GAIT, "--duration-s", "0.01"]
+    assert answer(*dry)["method"] == "nonsmooth"
+    assert answer(*dry, "--record", "energy")["method"] == "rk4"
+    assert answer(*dry, "--smoothing-m-s", "1e-3")["method"] == "rk4"
+    assert answer(*SHORT)["method"] == "rk4"
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (SHORT[:-4], "give one of --omega-rad-s and --frequency-hz"),
+        (["--omega-rad-s", "5"], "give --alpha-deg"),
+        ([*SHORT, "--servo", "--drive", "angle"], "choose one drive"),
+        ([*SHORT, "--servo", "stifness_nm_rad=3"], "did you mean 'stiffness_nm_rad'"),
+        ([*SHORT, "--servo", "3"], "not of the form FIELD=VALUE"),
+        ([*SHORT, "--torque-nm", "1,2"], "must be 5 numbers"),
+        ([*SHORT, "--torque-nm", "a"], "not of the form 0.1,0.2"),
+        ([*SHORT, "--limp", "2;3"], "not of the form 2,4"),
+        ([*SHORT, "--limp", "7"], "limp names joint 7"),
+        ([*SHORT, "--locked-deg", "3"], "not of the form 3=10"),
+        ([*SHORT, "--locked-deg", "3=nan"], "locked[3] is nan"),
+        ([*SHORT, "--record", "work"], "record is 'work'"),
+        ([*SHORT, "--scene", "nowhere.toml"], "nowhere.toml: No such file"),
+    ],
+)
+def test_refusals(args: list[str], said: str) -> None:
+    done = run(*args)
+    assert done.exit_code != 0
+    assert said in done.output + str(done.exception)
+    assert isinstance(done.exception, (SystemExit, sn.SerpenoidError))

@@ -1,0 +1,140 @@
+"""Single evaluations of the compiled models: the dense reference, and their energy balance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle import explicit as dense
+from oracle import implicit
+from oracle.params import Params
+
+K_N_M, C_N_S_M = 730.0, 2.3
+COMBINATIONS = [(f, d) for f in ("explicit", "implicit") for d in ("torque", "angle")]
+
+
+def random_case(n: int, seed: int) -> tuple[Params, sn.Robot, sn.Ground, np.random.Generator]:
+    """Draw a robot on dry ground, once for the reference and once for us."""
+    rng = np.random.default_rng([seed, n])
+    m, half, inertia = rng.uniform(0.05, 2.0, 3)
+    ct, cn, ft0, fn0 = rng.uniform(0.0, 5.0, 4)
+    p = Params(n, m, half, inertia, ct, cn, ft0, fn0)
+    return p, sn.Robot(n, m, 2 * half, inertia), sn.Ground(ct, cn, ft0, fn0), rng
+
+
+def random_state(robot: sn.Robot, rng: np.random.Generator, formulation: str) -> sn.LinkState:
+    """Draw a state; the joints are open in the implicit formulation."""
+    n = robot.links
+    if formulation == "explicit":
+        return sn.LinkState.joined(robot, rng.normal(size=n + 2), rng.normal(size=n + 2))
+    return sn.LinkState(*rng.normal(size=(6, n)))
+
+
+@pytest.mark.parametrize("n", [*range(2, 13), 50])
+@pytest.mark.parametrize(("formulation", "drive"), COMBINATIONS)
+def test_energy_balance(n: int, formulation: str, drive: str) -> None:
+    """d(KE + spring energy)/dt is the power of joints, friction and dampers, to rounding."""
+    _, robot, ground, rng = random_case(n, 7)
+    state = random_state(robot, rng, formulation)
+    imposed = rng.normal(size=n - 1)
+    how = sn.TorqueDrive(imposed) if drive == "torque" else sn.AngleDrive(imposed)
+    a = sn.acceleration(
+        robot, ground, state, drive=how, formulation=formulation,
+        joint_stiffness_n_m=K_N_M, joint_damping_n_s_m=C_N_S_M,
+    )  # fmt: skip
+    m, inertia, half = robot.link_mass_kg, robot.link_inertia_kg_m2, robot.link_length_m / 2
+    terms = [
+        m * (state.vx_m_s * a.ax_m_s2 + state.vy_m_s * a.ay_m_s2),
+        inertia * state.omega_rad_s * a.alpha_rad_s2,
+        a.joint_torque_nm * np.diff(state.omega_rad_s),
+        -(a.friction_x_n * state.vx_m_s + a.friction_y_n * state.vy_m_s),
+    ]
+    if formulation == "implicit":
+        arm = half * np.exp(1j * state.theta_rad)
+        z, v = state.x_m + 1j * state.y_m, state.vx_m_s + 1j * state.vy_m_s
+        w = 1j * arm * state.omega_rad_s
+        gap, rate = np.diff(z) - arm[1:] - arm[:-1], np.diff(v) - w[1:] - w[:-1]
+        terms += [K_N_M * (gap * rate.conj()).real, C_N_S_M * abs(rate) ** 2]
+    every = np.concatenate(terms)
+    # rounding of some 20 n products of this size; 1e-12 of their sum leaves a factor of ten
+    assert abs(every.sum()) <= 1e-12 * abs(every).sum()
+
+
+@pytest.mark.parametrize("n", [2, 3, 4, 7, 12, 50])
+def test_explicit_torque_driven_is_the_dense_solution(n: int) -> None:
+    p, robot, ground, rng = random_case(n, 1)
+    q, qdot, torque = rng.normal(size=n + 2), rng.normal(size=n + 2), rng.normal(size=n - 1)
+    truth = dense.torque_driven(p, q, qdot, torque)
+    a = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive(torque))
+    # the dense saddle-point system loses some digits with n; ours is the better one
+    close = {"rtol": 1e-9, "atol": 1e-9 * abs(truth.force_n).max()}
+    np.testing.assert_allclose(a.alpha_rad_s2, truth.theta_ddot, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(a.joint_force_x_n, truth.force_n[:, 0], **close)
+    np.testing.assert_allclose(a.joint_force_y_n, truth.force_n[:, 1], **close)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4, 7, 12, 50])
+def test_explicit_angle_driven_is_the_dense_solution(n: int) -> None:
+    p, robot, ground, rng = random_case(n, 2)
+    pose, rates = rng.normal(size=3), rng.normal(size=3)
+    joints = tuple(rng.normal(size=(3, n - 1)))
+    truth = dense.angle_driven(p, pose, rates, joints)
+    q, qdot = dense.whole_state(pose, joints[0]), dense.whole_state(rates, joints[1])
+    a = sn.acceleration(robot, ground, (q, qdot), drive=sn.AngleDrive(joints[2]))
+    np.testing.assert_allclose(a.alpha_rad_s2, truth.theta_ddot, rtol=1e-9, atol=1e-9)
+    scale = abs(truth.torque_n_m).max()
+    np.testing.assert_allclose(a.joint_torque_nm, truth.torque_n_m, rtol=1e-9, atol=1e-9 * scale)
+
+
+@pytest.mark.parametrize("n", [2, 3, 12, 50])
+@pytest.mark.parametrize("drive", ["torque", "angle"])
+def test_implicit_is_the_dense_solution(n: int, drive: str) -> None:
+    p, robot, ground, rng = random_case(n, 3)
+    state = random_state(robot, rng, "implicit")
+    imposed = rng.normal(size=n - 1)
+    pose = np.column_stack([state.x_m, state.y_m, state.theta_rad])
+    rates = np.column_stack([state.vx_m_s, state.vy_m_s, state.omega_rad_s])
+    spring = implicit.Spring(K_N_M, C_N_S_M)
+    solve = implicit.torque_driven if drive == "torque" else implicit.angle_driven
+    truth = solve(p, spring, pose, rates, imposed)
+    how = sn.TorqueDrive(imposed) if drive == "torque" else sn.AngleDrive(imposed)
+    a = sn.acceleration(
+        robot, ground, state, drive=how, formulation="implicit",
+        joint_stiffness_n_m=K_N_M, joint_damping_n_s_m=C_N_S_M,
+    )  # fmt: skip
+    np.testing.assert_allclose(a.alpha_rad_s2, truth.theta_ddot, rtol=1e-10, atol=1e-9)
+    np.testing.assert_allclose(a.ax_m_s2, truth.accel_m_s2[:, 0], rtol=1e-10, atol=1e-9)
+    scale = abs(truth.torque_n_m).max()
+    np.testing.assert_allclose(a.joint_torque_nm, truth.torque_n_m, atol=1e-10 * scale)
+
+
+def test_a_thousand_links_close_the_chain() -> None:
+    """With n = 1000 the recovered torque behind the head vanishes: the torques close the loop."""
+    robot, ground = sn.Robot(1000, 0.01, 0.02), sn.Ground(0.1, 3.0, 0.01, 0.02)
+    rng = np.random.default_rng(4)
+    q = np.concatenate([[0, 0], 0.3 * np.sin(np.arange(1000) / 7)])
+    qdot = rng.normal(size=1002)
+    bend = rng.normal(size=999)
+    imposed = sn.acceleration(robot, ground, (q, qdot), drive=sn.AngleDrive(bend))
+    back = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive(imposed.joint_torque_nm))
+    # torques are sums over n links: n roundings of the largest, turned into acceleration by 1/I
+    rounding = 1e-16 * 1000 * abs(imposed.joint_torque_nm).max() / robot.link_inertia_kg_m2
+    np.testing.assert_allclose(np.diff(back.alpha_rad_s2), bend, rtol=0, atol=3 * rounding)
+    assert rounding < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"state": ([0, 0, 0, 0], [0, 0, 0, 0])}, "q has shape (4,); it must be 5 numbers"),
+        ({"state": ([0, 0, 0, 0, np.nan], [0] * 5)}, "q[4] is nan"),
+        ({"drive": sn.TorqueDrive([1.0])}, "torque_nm has shape (1,); it must be 2 numbers"),
+        ({"formulation": "exact"}, "formulation is 'exact'; it must be one of explicit, implicit"),
+        ({"joint_stiffness_n_m": -1.0}, "joint_stiffness_n_m is -1.0"),
+    ],
+)
+def test_bad_input_is_named(change: dict, said: str) -> None:
+    given = {"state": ([0.0] * 5, [0.0] * 5), "drive": sn.TorqueDrive([0.0, 0.0])} | change
+    with pytest.raises(sn.BadInput) as error:
+        sn.acceleration(sn.Robot(3, 1.0, 0.12), sn.Ground(0.1, 10.0), **given)
+    assert said in str(error.value)

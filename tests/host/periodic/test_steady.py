@@ -1,0 +1,230 @@
+"""Periodic states: published figures, independent references, symmetry, limits, honest errors."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+
+PAPER = sn.Robot(6, 1.0, 0.12)
+VISCOUS = sn.Ground(0.1, 10.0)
+OF_2005 = sn.Robot(6, 0.0756, 0.076)
+BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+REFERENCE = Path(__file__).parents[2] / "oracle"
+
+
+def gait_deg(alpha: float, beta: float, omega: float) -> sn.Gait:
+    """Return a gait from degrees."""
+    return sn.Gait(math.radians(alpha), math.radians(beta), omega)
+
+
+def test_the_papers_gait() -> None:
+    s = sn.steady_gait(PAPER, VISCOUS, gait_deg(30, 80, 5), rtol=1e-9)
+    assert s.speed_m_s == pytest.approx(0.292060796024, rel=2e-12)
+    assert s.power_w == pytest.approx(0.073312554830, rel=2e-11)
+    # seven digits are published
+    assert s.abs_power_w == pytest.approx(0.5146735, rel=1e-7)
+    assert s.positive_power_w == pytest.approx(0.2939930, rel=1e-7)
+
+
+def test_the_robot_of_2005() -> None:
+    s = sn.steady_gait(OF_2005, BINGHAM, gait_deg(70, 75, 5))
+    assert s.speed_m_s == pytest.approx(0.133205, rel=4e-6)
+    slow = sn.steady_gait(OF_2005, BINGHAM, gait_deg(70, 75, 1))
+    assert slow.speed_m_s == pytest.approx(0.03317, rel=2e-4)
+
+
+@pytest.mark.parametrize("ground", [VISCOUS, BINGHAM], ids=["viscous", "dry"])
+@pytest.mark.parametrize("alpha", [20, 60])
+def test_error_estimates_are_not_below_the_errors(ground: sn.Ground, alpha: float) -> None:
+    for beta in (25, 55, 85):
+        for omega in (1.0, 7.0):
+            gait = gait_deg(alpha, beta, omega)
+            truth = sn.steady_gait(PAPER, ground, gait, rtol=3e-7)
+            for rtol in (1e-2, 1e-4, 3e-6):
+                s = sn.steady_gait(PAPER, ground, gait, rtol=rtol)
+                error = abs(s.speed_m_s / truth.speed_m_s - 1)
+                assert error <= s.error_estimate + 3e-7
+                assert s.error_estimate <= rtol
+                watts = abs(s.positive_power_w - truth.positive_power_w)
+                assert watts <= 10 * rtol * truth.positive_power_w
+
+
+def test_viscous_length_scales_out() -> None:
+    """Halving all lengths halves the speed and quarters the power."""
+    whole = sn.steady_gait(PAPER, VISCOUS, gait_deg(40, 70, 3), rtol=1e-9)
+    half = sn.steady_gait(sn.Robot(6, 1.0, 0.06), VISCOUS, gait_deg(40, 70, 3), rtol=1e-9)
+    assert half.speed_m_s == pytest.approx(whole.speed_m_s / 2, rel=1e-11)
+    assert half.power_w == pytest.approx(whole.power_w / 4, rel=1e-11)
+    assert half.abs_power_w == pytest.approx(whole.abs_power_w / 4, rel=1e-8)
+
+
+@pytest.mark.parametrize("ground", [VISCOUS, BINGHAM], ids=["viscous", "dry"])
+def test_steering_left_and_right_are_mirror_images(ground: sn.Ground) -> None:
+    left, right = (
+        sn.steady_gait(OF_2005, ground, sn.Gait(0.6, 1.2, 4.0, offset_rad=o), rtol=1e-7)
+        for o in (0.1, -0.1)
+    )
+    assert left.turn_rad_per_cycle == pytest.approx(-right.turn_rad_per_cycle, rel=1e-5)
+    assert abs(left.turn_rad_per_cycle) > 0.01
+    assert left.power_w == pytest.approx(right.power_w, rel=1e-6)
+
+
+def test_a_hint_of_steering_is_no_jump() -> None:
+    """The whole-period solution with a tiny offset agrees with the half-period one without."""
+    for ground, rel in ((VISCOUS, 1e-9), (BINGHAM, 1e-5)):
+        plain = sn.steady_gait(OF_2005, ground, sn.Gait(0.6, 1.2, 4.0), rtol=1e-7)
+        hint = sn.steady_gait(OF_2005, ground, sn.Gait(0.6, 1.2, 4.0, 1e-9), rtol=1e-7)
+        assert hint.speed_m_s == pytest.approx(plain.speed_m_s, rel=rel)
+        assert hint.power_w == pytest.approx(plain.power_w, rel=rel)
+        got, want = hint.floquet_multipliers[0], plain.floquet_multipliers[0]
+        assert abs(got - want) < 1e-4
+
+
+def test_dry_friction_fades_into_viscous() -> None:
+    """A thousandth of dry force changes the speed by a thousandth or so, not more."""
+    gait = gait_deg(50, 70, 4)
+    smooth = sn.steady_gait(PAPER, VISCOUS, gait).speed_m_s
+    for dry in (1e-6, 1e-9):
+        s = sn.steady_gait(PAPER, sn.Ground(0.1, 10.0, dry, dry), gait)
+        assert s.speed_m_s == pytest.approx(smooth, rel=200 * dry + 1e-7)
+
+
+@pytest.mark.parametrize("ground", [VISCOUS, BINGHAM], ids=["viscous", "dry"])
+def test_a_run_in_time_settles_to_it(ground: sn.Ground) -> None:
+    """From another start the motion converges to it, as fast as the multipliers say."""
+    gait = gait_deg(60, 75, 6)
+    s = sn.steady_gait(OF_2005, ground, gait, rtol=1e-7)
+    cycles = math.ceil(12 * s.settling_time_s / gait.period_s) + 2
+    run = sn.simulate(
+        sn.Scene(
+            OF_2005, ground, gait, method="nonsmooth" if ground.dry else "rk4",
+            dt_s=gait.period_s / 400, duration_s=cycles * gait.period_s, record_every=400,
+            start="zero_momentum",
+        )
+    )  # fmt: skip
+    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    speeds = np.hypot(np.diff(x), np.diff(y)) / gait.period_s
+    # exp(-12) = 6e-6 of the start is left, and RK4 at 400 steps a period errs by 1e-8
+    assert speeds[-1] == pytest.approx(s.speed_m_s, rel=2e-5)
+    assert abs(speeds[0] / s.speed_m_s - 1) > 1e-2
+
+
+def test_net_power_is_what_the_joints_put_in() -> None:
+    """Mean dissipation, which needs no torque, equals the joints' mean power from their torques."""
+    gait = gait_deg(30, 80, 5)
+    s = sn.steady_gait(PAPER, VISCOUS, gait)
+    run = sn.simulate(
+        sn.Scene(PAPER, VISCOUS, gait, start="steady", dt_s=gait.period_s / 2000,
+                 duration_s=gait.period_s, record=("joints",))
+    )  # fmt: skip
+    power = -run.joint_torque_nm * np.diff(run.omega_rad_s, axis=1)
+    assert power[:-1].sum(axis=1).mean() == pytest.approx(s.power_w, rel=1e-8)
+    # |P| has corners: the mean over 2000 points errs by the square of their distance
+    assert abs(power[:-1]).sum(axis=1).mean() == pytest.approx(s.abs_power_w, rel=1e-5)
+
+
+def test_a_sweep_is_its_gaits() -> None:
+    a, b, w = np.radians([10, 45, 75]), np.radians([20, 60, 90]), np.array([1.0, 8.0, 20.0])
+    for ground, rel in ((VISCOUS, 1e-8), (BINGHAM, 1e-5)):
+        grid = sn.sweep(PAPER, ground, alpha_rad=a, beta_rad=b, omega_rad_s=w)
+        assert grid.converged.all()
+        for i, j, k in np.ndindex(3, 3, 3):
+            s = sn.steady_gait(PAPER, ground, sn.Gait(a[i], b[j], w[k]))
+            assert grid.speed_m_s[i, j, k] == pytest.approx(s.speed_m_s, rel=rel)
+            assert grid.positive_power_w[i, j, k] == pytest.approx(s.positive_power_w, rel=1e-5)
+
+
+def test_the_papers_grid_settles_in_the_published_times() -> None:
+    """Slowest decay times of the 4500 gaits: 0.22 to 9.3 s (a corner sample of them)."""
+    times = [
+        sn.steady_gait(PAPER, VISCOUS, gait_deg(a, b, w), powers=False, rtol=1e-4).settling_time_s
+        for a in (5, 40, 75)
+        for b in (20, 55, 90)
+        for w in (1, 10, 20)
+    ]
+    assert 0.2 < min(times) < 1.0
+    assert 2.0 < max(times) < 9.4
+
+
+@pytest.mark.parametrize("links", [2, 3, 20, 200])
+def test_any_number_of_links(links: int) -> None:
+    gait = sn.Gait(0.3, 2 * math.pi / links, 3.0)
+    s = sn.steady_gait(sn.Robot(links, 0.1, 0.1), VISCOUS, gait)
+    assert s.speed_m_s >= 0
+    assert s.error_estimate <= 1e-6
+    assert s.stable
+
+
+def rows(name: str) -> list[dict[str, str]]:
+    """Return a reference table; one that is missing or empty stops the whole collection."""
+    with (REFERENCE / name).open(newline="") as file:
+        found = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    assert found, f"{name} holds no row"
+    return found
+
+
+def test_no_motion_costs_no_power() -> None:
+    still = sn.steady_gait(PAPER, VISCOUS, sn.Gait(0.0, 1.0, 3.0))
+    assert still.speed_m_s < 1e-12
+    assert still.power_w < 1e-12
+    for ground in (VISCOUS, BINGHAM):  # all joints in phase: symmetry forbids travel
+        s = sn.steady_gait(OF_2005, ground, sn.Gait(0.5, 0.0, 3.0))
+        assert s.power_w > 0
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: sn.Robot(1, 1.0, 0.1), "links is 1; it must be a whole number from 2"),
+        (lambda: sn.Robot(6.5, 1.0, 0.1), "links is 6.5"),
+        (lambda: sn.Robot(6, 0.0, 0.1), "link_mass_kg is 0.0; it must be a finite number, more"),
+        (lambda: sn.Robot(6, 1.0, math.nan), "link_length_m is nan"),
+        (lambda: sn.Robot(6, 1.0, "0.1"), "link_length_m is '0.1'"),
+        (lambda: sn.Ground(-0.1, 10.0), "ct is -0.1; it must be a finite number, at least 0"),
+        (lambda: sn.Gait(0.5, 1.0, 0.0), "omega_rad_s is 0.0; it must be a finite number, more"),
+        (lambda: sn.Gait(4.0, 1.0, 1.0), "alpha_rad is 4.0"),
+        (lambda: sn.steady_gait(PAPER, sn.Ground(0, 0), gait_deg(30, 80, 5)), "no friction"),
+        (lambda: sn.steady_gait(PAPER, VISCOUS, gait_deg(30, 80, 5), rtol=0), "rtol is 0.0"),
+    ],
+)
+def test_bad_input_is_named(make, said: str) -> None:
+    with pytest.raises(sn.BadInput) as error:
+        make()
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize("row", rows("periodic_viscous.csv"), ids=lambda r: r["links"])
+def test_viscous_reference_table(row: dict[str, str]) -> None:
+    """Shooting on the full period in velocities, and adaptive quadrature of |P|: other code."""
+    v = {name: float(text) for name, text in row.items()}
+    robot = sn.Robot(int(v["links"]), v["mass_kg"], 2 * v["half_length_m"], v["inertia_kg_m2"])
+    gait = sn.Gait(v["alpha_rad"], v["beta_rad"], v["omega_rad_s"], v["offset_rad"])
+    s = sn.steady_gait(robot, sn.Ground(v["ct"], v["cn"]), gait, rtol=1e-9)
+    size = gait.omega_rad_s * robot.link_length_m * robot.links
+    # the table's own accuracy is some 1e-12 of the scale of the motion
+    assert s.speed_m_s == pytest.approx(v["speed_m_s"], rel=1e-9, abs=1e-12 * size)
+    assert s.turn_rad_per_cycle == pytest.approx(v["turn_rad_per_cycle"], rel=1e-9, abs=1e-10)
+    assert s.power_w == pytest.approx(v["power_w"], rel=1e-9)
+    assert s.abs_power_w == pytest.approx(v["abs_power_w"], rel=3e-9)
+    assert s.positive_power_w == pytest.approx(v["positive_power_w"], rel=3e-9)
+    slowest = abs(complex(v["multiplier1_re"], v["multiplier1_im"]))
+    assert abs(s.floquet_multipliers[0]) == pytest.approx(slowest, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("row", rows("periodic_bingham.csv"), ids=lambda r: r["links"])
+def test_dry_reference_table(row: dict[str, str]) -> None:
+    """Event-driven integration of the modes, found by its own quadratic programme: other code."""
+    v = {name: float(text) for name, text in row.items()}
+    robot = sn.Robot(int(v["links"]), v["mass_kg"], 2 * v["half_length_m"], v["inertia_kg_m2"])
+    gait = sn.Gait(v["alpha_rad"], v["beta_rad"], v["omega_rad_s"])
+    s = sn.steady_gait(robot, sn.Ground(v["ct"], v["cn"], v["ft0"], v["fn0"]), gait, rtol=1e-6)
+    scale = 1e-4 * gait.omega_rad_s * robot.link_length_m * robot.links
+    error = max(1e-6, s.error_estimate) * max(v["speed_m_s"], scale)
+    assert abs(s.speed_m_s - v["speed_m_s"]) <= error
+    assert s.power_w == pytest.approx(v["power_w"], rel=1e-5)
+    assert s.abs_power_w == pytest.approx(v["abs_power_w"], rel=3e-5)

@@ -1,0 +1,68 @@
+"""Figures: turned runs keep their shape, every axis has a unit, every picture shows something."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+import serpenoid as sn
+from matplotlib.figure import Figure
+from serpenoid.calibration.prediction import SpeedPoint, one_cycle
+from serpenoid.show import plot
+
+SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
+
+
+@pytest.fixture(scope="module")
+def run() -> sn.Run:
+    gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
+    return one_cycle(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait)[1]
+
+
+def test_a_turned_run_travels_along_x_and_keeps_its_shape(run) -> None:
+    turned = plot.along_travel(run)
+    x, y = turned.x_m.mean(axis=1), turned.y_m.mean(axis=1)
+    away = np.hypot(*(v[-1].mean() - v[0].mean() for v in (run.x_m, run.y_m)))
+    assert x[[0, -1]] == pytest.approx([0.0, away], abs=1e-12)
+    assert y[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    for before, after in ((run, turned), (turned, plot.along_travel(turned))):
+        gaps = [np.hypot(np.diff(r.x_m), np.diff(r.y_m)) for r in (before, after)]
+        assert gaps[1] == pytest.approx(gaps[0], abs=1e-12)
+    # the angles turned with the centres: links still meet at their ends
+    half = run.scene.robot.link_length_m / 2
+    ends = half * np.cos(turned.theta_rad)
+    meet = turned.x_m[:, 1:] - ends[:, 1:] - (turned.x_m[:, :-1] + ends[:, :-1])
+    assert np.abs(meet).max() < 1e-12
+
+
+def _points() -> list[SpeedPoint]:
+    return [
+        SpeedPoint(f, 0.1 * f, 1e-8, 0.01, 0.08 * f, 0.12 * f, 0.099 * f, 0.0, 1e-6, 1.0)
+        for f in (0.5, 1.0, 2.0)
+    ]
+
+
+@pytest.mark.parametrize("name", ["friction", "speed", "path"])
+def test_every_figure_has_units_and_ink(name, run, tmp_path, monkeypatch) -> None:
+    saved: list[Figure] = []
+    save = Figure.savefig
+    monkeypatch.setattr(Figure, "savefig", lambda self, p: (saved.append(self), save(self, p)))
+    path = tmp_path / f"{name}.png"
+    if name == "friction":
+        session = sn.load_session(SESSION)
+        plot.friction_lines(session, sn.fit_friction(session), path)
+    elif name == "speed":
+        plot.speed_against_frequency(_points(), "title", path)
+    else:
+        plot.path_and_poses(run, "title", path)
+    for ax in saved[0].axes:
+        labels = [ax.get_xlabel(), ax.get_ylabel()]
+        assert any(labels)
+        assert all(text.endswith(("(m/s)", "(N)", "(Hz)", "(%)", "(m)")) for text in labels if text)
+    pixels = matplotlib.image.imread(path)[:, :, :3]
+    assert min(pixels.shape[:2]) >= 600  # dots: sharp on a page
+    ink = float((pixels.min(axis=2) < 0.9).mean())
+    assert 0.01 < ink < 0.5

@@ -1,0 +1,248 @@
+"""Methods that pick their own steps for smooth motion: truth, order, symmetry, limits, refusals."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle import explicit, implicit
+from oracle.params import Array, Gait, Params
+from serpenoid.model.errors import Diverged
+from serpenoid.model.link_state import LinkState
+from serpenoid.simulation.simulate import start_state
+
+BOTH = ("dop853", "collocation")
+SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+PAPER = sn.Scene(SIX, VISCOUS, GAIT, duration_s=2.0, dt_s=0.01)
+
+
+def link1(run: sn.Run) -> Array:
+    """Return (x, y, theta) of link 1 and their rates at all recorded times, (T, 6)."""
+    names = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
+    return np.stack([getattr(run, name)[:, 0] for name in names], axis=1)
+
+
+def error(run: sn.Run, exact: Array) -> float:
+    """Return the largest error of link 1, in body lengths, radians, and these times omega."""
+    scene = run.scene
+    body, w = scene.robot.links * scene.robot.link_length_m, scene.gait.omega_rad_s
+    return float(np.max(np.abs(link1(run) - exact) / [body, body, 1, body * w, body * w, w]))
+
+
+def truth(scene: sn.Scene) -> Array:
+    """Return link 1 of a scene by the dense reference and SciPy, at the recorded times."""
+    robot, ground, gait = scene.robot, scene.ground, scene.gait
+    p = Params(robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
+               ground.ct, ground.cn)  # fmt: skip
+    g = Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad)
+    times = np.append(np.arange(scene.steps) * scene.dt_s, scene.duration_s)
+    return explicit.trajectory(p, g, np.zeros(6), times[:: scene.every], rtol=1e-13)
+
+
+@pytest.fixture(scope="module")
+def paper_truth() -> Array:
+    return truth(PAPER)
+
+
+@pytest.mark.parametrize("method", BOTH)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
+def test_every_recorded_time_is_as_good_as_asked(
+    method: str, tolerance: float, paper_truth: Array
+) -> None:
+    run = sn.simulate(replace(PAPER, method=method, tolerance=tolerance))
+    assert error(run, paper_truth) < 3 * tolerance
+    assert run.local_error > 0
+
+
+@pytest.mark.parametrize(("method", "order"), [("dop853", 8), ("collocation", 7)])
+def test_steps_grow_as_the_order_says(method: str, order: int) -> None:
+    """An estimate of order p needs tolerance^(-1/p) steps; collocation's is that of its dense
+    output.
+    """
+    taken = [
+        sn.simulate(replace(PAPER, method=method, tolerance=t, duration_s=10.0)).steps
+        for t in (1e-5, 1e-12)
+    ]
+    assert math.log(1e7) / math.log(taken[1] / taken[0]) == pytest.approx(order, abs=0.8)
+
+
+@pytest.mark.parametrize("method", BOTH)
+def test_between_the_steps_it_is_as_smooth_as_at_them(method: str) -> None:
+    """Dense output against runs that end at the time: steps differ, motion does not."""
+    scene = replace(PAPER, method=method, tolerance=1e-9, dt_s=0.0137, duration_s=0.411)
+    run = sn.simulate(scene)
+    assert run.steps < run.t_s.size // 2
+    for index in (1, 7, 16, 29):
+        short = sn.simulate(replace(scene, duration_s=run.t_s[index], dt_s=1.0))
+        assert error(short, link1(run)[[0, index]]) < 1e-9
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_collocation_takes_its_own_estimate_off(tolerance: float, paper_truth: Array) -> None:
+    """What the estimate sees is corrected: left in, the error would be several times its mean."""
+    run = sn.simulate(replace(PAPER, method="collocation", tolerance=tolerance))
+    assert error(run, paper_truth) < run.local_error / run.steps
+
+
+EXTREMES = [  # alpha (deg), omega, ct, cn, mass, cycles
+    (170, 5.0, 0.1, 10.0, 1.0, 1),
+    (30, 0.01, 0.1, 10.0, 1.0, 0.01),
+    (70, 100.0, 0.1, 10.0, 1.0, 3),
+    (30, 5.0, 10.0, 1e-5, 1.0, 2),
+    (30, 5.0, 1e-5, 10.0, 1.0, 2),
+    (30, 5.0, 0.1, 10.0, 1e3, 2),
+    (30, 5.0, 0.1, 10.0, 1e-3, 0.01),
+    (30, 5.0, 0.0, 0.0, 1.0, 2),
+]
+
+
+@pytest.mark.parametrize(("alpha", "omega", "ct", "cn", "mass", "cycles"), EXTREMES)
+def test_extremes(
+    alpha: float, omega: float, ct: float, cn: float, mass: float, cycles: float
+) -> None:
+    gait = sn.Gait(math.radians(alpha), math.radians(80), omega)
+    scene = sn.Scene(
+        sn.Robot(3, mass, 0.12), sn.Ground(ct, cn), gait, tolerance=1e-8,
+        duration_s=cycles * gait.period_s, dt_s=cycles * gait.period_s / 20,
+    )  # fmt: skip
+    exact = truth(scene)
+    for method in BOTH:
+        # at the edge of its stability an explicit method's errors are all of the tolerance's size
+        assert error(sn.simulate(replace(scene, method=method)), exact) < 3e-7, method
+
+
+@pytest.mark.parametrize("mass", [1e-6, 1e3])
+@pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("alpha", [1.0, 170.0])
+@pytest.mark.parametrize("omega", [0.01, 100.0])
+def test_the_two_methods_agree_or_the_explicit_one_refuses(
+    mass: float, ratio: float, alpha: float, omega: float
+) -> None:
+    """Two codes, two state spaces. Where friction over mass is 1e9 times omega no explicit method
+    gets anywhere and it must say so at once.
+    """
+    gait = sn.Gait(math.radians(alpha), math.radians(80), omega)
+    scene = sn.Scene(
+        SIX, sn.Ground(0.01, 0.01 * ratio), gait, tolerance=1e-9, duration_s=3.3 * gait.period_s,
+        dt_s=gait.period_s / 16,
+    )  # fmt: skip
+    scene = replace(scene, robot=sn.Robot(6, mass, 0.12))
+    fast = sn.simulate(replace(scene, method="collocation"))
+    fine = sn.simulate(replace(scene, method="collocation", tolerance=1e-11))
+    assert error(fast, link1(fine)) < 1e-7
+    if 0.01 * max(ratio, 1) / mass < 1e4 * omega:
+        assert error(fast, link1(sn.simulate(replace(scene, method="dop853")))) < 1e-7
+
+
+def test_a_stiff_scene_is_refused_by_the_explicit_method() -> None:
+    scene = sn.Scene(sn.Robot(6, 1e-6, 0.12), VISCOUS, GAIT, method="dop853", duration_s=100.0)
+    began = time.perf_counter()
+    with pytest.raises(Diverged, match="stiff"):
+        sn.simulate(scene)
+    assert time.perf_counter() - began < 5  # the run itself would take hours
+
+
+@pytest.mark.parametrize("method", BOTH)
+def test_without_friction_momentum_stays(method: str) -> None:
+    """A sliding, turning start on ice: velocity of the centre of mass and spin over 300 cycles."""
+    gait = sn.Gait(math.radians(50), math.radians(80), 5.0)
+    start = LinkState.in_gait(SIX, gait, 0.0, [0, 0, 0.3], [0.2, -0.1, 0.7])
+    run = sn.simulate(
+        sn.Scene(SIX, sn.Ground(0.0, 0.0), gait, method=method, tolerance=1e-11, start=start,
+                 dt_s=gait.period_s / 2, duration_s=300 * gait.period_s)
+    )  # fmt: skip
+    x, y = (v - v.mean(axis=1, keepdims=True) for v in (run.x_m, run.y_m))
+    inertia = SIX.inertia_kg_m2 * run.omega_rad_s.sum(axis=1)
+    spin = (x * run.vy_m_s - y * run.vx_m_s).sum(axis=1) * SIX.link_mass_kg + inertia
+    lost = 1e-12 if method == "collocation" else 1e-8
+    assert np.ptp(np.hypot(run.vx_m_s.mean(axis=1), run.vy_m_s.mean(axis=1))) < lost
+    assert np.ptp(run.vx_m_s.mean(axis=1)) + np.ptp(run.vy_m_s.mean(axis=1)) < 1e-8
+    assert np.ptp(spin) < lost * spin[0]
+
+
+def test_collocation_of_half_a_cycle_is_that_of_the_whole() -> None:
+    """A gait that steers has no mirror image half a cycle later; in the limit both must agree."""
+    scene = replace(PAPER, method="collocation", tolerance=1e-11, duration_s=10.0)
+    steered = replace(scene, gait=replace(GAIT, offset_rad=1e-13))
+    assert error(sn.simulate(scene), link1(sn.simulate(steered))) < 1e-10
+
+
+def test_collocation_of_a_steering_gait() -> None:
+    scene = replace(PAPER, gait=replace(GAIT, offset_rad=0.2), method="collocation", tolerance=1e-9)
+    assert error(sn.simulate(scene), truth(scene)) < 1e-8
+
+
+def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
+    """24 hours in whole cycles; pieces of the cycle are kept, so time and memory stay small."""
+    cycles = round(24 * 3600 / GAIT.period_s)
+    run = sn.simulate(
+        replace(PAPER, method="collocation", tolerance=1e-9, start="steady",
+                duration_s=cycles * GAIT.period_s, dt_s=cycles * GAIT.period_s / 4)
+    )  # fmt: skip
+    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    speed = math.hypot(x[-1] - x[0], y[-1] - y[0]) / run.t_s[-1]
+    assert speed == pytest.approx(
+        sn.steady_gait(SIX, VISCOUS, GAIT, rtol=1e-10).speed_m_s, rel=1e-8
+    )
+
+
+def test_joint_forces_are_those_of_the_equations() -> None:
+    rough, fine = (
+        sn.simulate(replace(PAPER, method=method, record=("joints",), tolerance=1e-10, dt_s=1e-3))
+        for method in ("collocation", "rk4")
+    )
+    for name in ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"):
+        assert getattr(rough, name) == pytest.approx(getattr(fine, name), abs=1e-8), name
+
+
+def test_the_energy_ledger_is_controlled_too() -> None:
+    """The last column has kinks, where a joint's power changes sign: steps shrink there, but dense
+    output over a kink is no better than 1e-4 of it.
+    """
+    scene = replace(PAPER, record=("energy",))
+    rough = sn.simulate(replace(scene, method="dop853", tolerance=1e-7))
+    fine = sn.simulate(replace(scene, method="rk4", dt_s=1e-4, record_every=100))
+    assert rough.energy_j[:, :-1] == pytest.approx(fine.energy_j[:, :-1], abs=1e-7)
+    assert rough.energy_j[:, -1] == pytest.approx(fine.energy_j[:, -1], abs=1e-4)
+
+
+@pytest.mark.parametrize("drive", ["angle", "torque"])
+def test_dop853_of_springs(drive: str) -> None:
+    """Both drives of the implicit model against its dense reference, ringing and all."""
+    torque = np.array([0.02, -0.01, 0.03, 0.0, 0.01])
+    scene = replace(
+        PAPER, formulation="implicit", method="dop853", tolerance=1e-11, gap="zero", duration_s=0.3,
+        drive=drive, torque=torque if drive == "torque" else None,
+    )  # fmt: skip
+    run = sn.simulate(scene)
+    p, spring = Params(6), implicit.Spring(1e3, 1.0)
+    first = start_state(scene)
+    pose = np.column_stack([first.x_m, first.y_m, first.theta_rad])
+    rates = np.column_stack([first.vx_m_s, first.vy_m_s, first.omega_rad_s])
+    if drive == "angle":
+        gait = Gait(GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s)
+        y0, rate = implicit.pack(pose, rates), implicit.gait_rate(p, spring, gait)
+    else:
+        y0 = np.concatenate([pose.ravel(), rates.ravel()])
+        rate = implicit.torque_rate(p, spring, lambda _t: torque)
+    end = implicit.integrate(rate, y0, np.array([0.3]))[0]
+    place = end[:12].reshape(6, 2) if drive == "angle" else end[:18].reshape(6, 3)[:, :2]
+    assert np.column_stack([run.x_m[-1], run.y_m[-1]]) == pytest.approx(place, abs=1e-9)
+
+
+def test_dop853_of_torques() -> None:
+    """The exact model driven by torques of time, against small fixed steps."""
+
+    def torque(t_s: float) -> Array:
+        return 0.03 * np.sin(5 * t_s + np.arange(5))
+
+    scene = replace(PAPER, drive="torque", torque=torque, duration_s=0.5)
+    rough = sn.simulate(replace(scene, method="dop853", tolerance=1e-10))
+    fine = sn.simulate(replace(scene, method="rk4", dt_s=2.5e-4, record_every=40))
+    assert rough.theta_rad == pytest.approx(fine.theta_rad, abs=1e-8)
+    assert rough.steps < fine.steps / 20

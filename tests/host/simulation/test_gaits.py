@@ -1,0 +1,318 @@
+"""The vector kernels and batches of gaits: held to a scalar run, to NumPy, and to themselves."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid import _core
+from serpenoid.simulation.gait_batch import gait_rows, lane_scene, lane_state
+from serpenoid.simulation.simulate import start_state
+from serpenoid.simulation.stability import joint_modes
+
+CORE = Path(__file__).resolve().parents[3] / "host" / "core"
+LINK_FIELDS = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
+SETS = _core.lane_sets()
+WIDTH = {"avx2": 4, "baseline": 2, "scalar": 1}
+GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+GROUNDS = {
+    "viscous": (sn.Ground(0.1, 10.0), 0.0),
+    "dry": (sn.Ground(0.1, 10.0, 0.02, 0.05), 0.0),
+    "smoothed": (sn.Ground(0.1, 10.0, 0.02, 0.05), 1e-2),
+}
+
+
+def scene_of(links: int, ground: str = "viscous", **changes: object) -> sn.Scene:
+    law, width = GROUNDS[ground]
+    fields = {"formulation": "implicit", "duration_s": 0.3, "smoothing_m_s": width, **changes}
+    return sn.Scene(sn.Robot(links, 1.0, 0.12), law, GAIT, **fields)  # type: ignore[arg-type]
+
+
+def lane_run(scene, gaits, starts, kernels, batch, dt=None, duration=None):
+    """Run the core's kernels of one name on given starts (G, 4 n + 2); return the ends."""
+    dt, duration = dt or scene.dt_s, duration or scene.duration_s
+    steps = math.ceil(duration / dt - 1e-9)
+    return _core.lane_run(
+        lane_scene(scene), gait_rows(gaits), starts, dt, duration, steps, kernels, batch
+    )
+
+
+def numpy_rate(scene: sn.Scene, gait: sn.Gait, t: float, y: np.ndarray) -> np.ndarray:
+    """Return y' link by link from Eqs. 28-33 and 51-57, in the plainest way."""
+    n, m, half = scene.robot.links, scene.robot.link_mass_kg, scene.robot.link_length_m / 2
+    inertia, g, w = scene.robot.inertia_kg_m2, scene.ground, gait.omega_rad_s
+    place, speed = y[: 2 * n].reshape(2, n).T, y[2 * n : 4 * n].reshape(2, n).T
+    phase = w * t + gait.beta_rad * np.arange(n - 1)
+    bends = gait.offset_rad + gait.alpha_rad * np.sin(phase)
+    theta = y[4 * n] + np.concatenate([[0], np.cumsum(bends)])
+    omega = y[4 * n + 1] + np.concatenate([[0], np.cumsum(w * gait.alpha_rad * np.cos(phase))])
+    turn = np.concatenate([[0], np.cumsum(-w * w * gait.alpha_rad * np.sin(phase))])
+    along = np.stack([np.cos(theta), np.sin(theta)], axis=1)
+    across = np.stack([-np.sin(theta), np.cos(theta)], axis=1)
+
+    def drag(v, c, dry):
+        width = scene.smoothing_m_s
+        return -c * v - dry * (v / np.sqrt(v**2 + width**2) if width > 0 else np.sign(v))
+
+    force = drag((speed * along).sum(1), g.ct, g.ft0)[:, None] * along
+    force += drag((speed * across).sum(1), g.cn, g.fn0)[:, None] * across
+    arm, arm_rate = half * along, half * omega[:, None] * across
+    gap = (place - arm)[1:] - (place + arm)[:-1]
+    gap_rate = (speed - arm_rate)[1:] - (speed + arm_rate)[:-1]
+    joint = np.zeros((n + 1, 2))
+    joint[1:-1] = scene.joint_stiffness_n_m * gap + scene.joint_damping_n_s_m * gap_rate
+    couple = (half * across * (joint[1:] + joint[:-1])).sum()
+    accelerations = (force + joint[1:] - joint[:-1]) / m
+    spin = (couple - inertia * turn.sum()) / (n * inertia)
+    return np.concatenate([y[2 * n : 4 * n], *accelerations.T, [y[4 * n + 1], spin]])
+
+
+def numpy_rk4(scene, gait, y, dt, steps):
+    for i in range(steps):
+        t = i * dt
+        k1 = numpy_rate(scene, gait, t, y)
+        k2 = numpy_rate(scene, gait, t + dt / 2, y + dt / 2 * k1)
+        k3 = numpy_rate(scene, gait, t + dt / 2, y + dt / 2 * k2)
+        k4 = numpy_rate(scene, gait, t + dt, y + dt * k3)
+        y = y + dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return y
+
+
+def off(found: np.ndarray, exact: np.ndarray) -> float:
+    """Return the largest difference, as a part of the largest value of its kind."""
+    n = (exact.size - 2) // 4
+    parts = [slice(0, 2 * n), slice(2 * n, 4 * n), slice(4 * n, 4 * n + 1), slice(4 * n + 1, None)]
+    return max(np.abs(found[p] - exact[p]).max() / (1 + np.abs(exact[p]).max()) for p in parts)
+
+
+@pytest.mark.parametrize("kernels", SETS)
+@pytest.mark.parametrize(("far", "units"), [(100.0, 1.7), (1e6, 2.5), (1e300, 2.5)])
+def test_sine_and_cosine_err_by_a_few_units(kernels: str, far: float, units: float) -> None:
+    rng = np.random.default_rng(1)
+    quarter = np.arange(-60, 60) * (math.pi / 2)
+    x = np.concatenate([
+        rng.uniform(-far, far, 100_000), far * 10.0 ** rng.uniform(-300, 0, 1000),
+        quarter, np.nextafter(quarter, 9e9), [far, -far, 0.0, 1.0],
+    ])  # fmt: skip
+    sine, cosine = _core.lane_sincos(kernels, x)
+    for found, exact in ((sine, np.sin), (cosine, np.cos)):
+        truth = exact(x.astype(np.longdouble))  # 64 bits: 2^-11 units of a double
+        unit = np.spacing(np.abs(truth.astype(float)))
+        assert np.abs((found - truth) / unit).max() < units
+    broken = np.array([math.inf, -math.inf, math.nan, 1.0])
+    assert np.isnan(_core.lane_sincos(kernels, broken)).sum() == 6
+
+
+@pytest.mark.parametrize("kernels", SETS)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_kernels_agree_with_numpy(kernels: str, ground: str) -> None:
+    """200 steps: a few hundred roundings of 1e-16, which the springs pass on but do not grow."""
+    gaits = [GAIT, sn.Gait(math.radians(170), 0.3, 7.0, -0.4), sn.Gait(0.0, 0.0, 1.0)]
+    scene = scene_of(5, ground, duration_s=0.2)
+    starts = np.array([lane_state(start_state(replace(scene, gait=g))) for g in gaits])
+    starts[:, -2] += [0.3, -40.0, 2e6]  # a heading far from 0, and one beyond the fast sine
+    starts[:, 10:20] += 0.1
+    exact = [numpy_rk4(scene, g, y, scene.dt_s, 200) for g, y in zip(gaits, starts, strict=True)]
+    for batch in (False, True):
+        found, reached = lane_run(scene, gaits, starts, kernels, batch)
+        assert (reached == 0.2).all()
+        for one, truth in zip(found, exact, strict=True):
+            assert off(one, truth) < 3e-12
+
+
+@pytest.mark.parametrize("links", [2, 3, 4, 5, 6, 7, 8, 9, 13, 16, 31, 50, 1000])
+def test_every_number_of_links_fits(links: int) -> None:
+    """The scalar kernel knows no padding: lanes that stand for no link change nothing."""
+    scene = scene_of(links, duration_s=0.2 if links < 100 else 0.02)
+    start = start_state(scene_of(links, gap="zero"))
+    rng = np.random.default_rng(links)
+    starts = lane_state(start)[None] + 1e-3 * rng.normal(size=(1, 4 * links + 2))
+    exact = lane_run(scene, [GAIT], starts, "scalar", False)[0][0]
+    for kernels in SETS:
+        for batch in (False, True):
+            found = lane_run(scene, [GAIT], starts, kernels, batch)[0][0]
+            assert off(found, exact) < 1e-12
+
+
+@pytest.mark.parametrize("kernels", SETS)
+def test_rk4_of_the_kernels_has_order_four(kernels: str) -> None:
+    scene = scene_of(7, duration_s=1.0)
+    starts = lane_state(start_state(scene))[None]
+    for batch in (False, True):
+        ends = [
+            lane_run(scene, [GAIT], starts, kernels, batch, dt=1 / steps)[0][0]
+            for steps in (1000, 2000, 4000, 32_000)
+        ]
+        errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
+        assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(4, abs=0.2)
+
+
+def many_gaits(count: int) -> list[sn.Gait]:
+    rng = np.random.default_rng(5)
+    return [
+        sn.Gait(*rng.uniform([0.1, 0.3, 1.0, -0.3], [1.3, 2.0, 12.0, 0.3])) for _ in range(count)
+    ]
+
+
+def test_a_gaits_bits_do_not_depend_on_its_neighbours() -> None:
+    gaits, scene = many_gaits(11), scene_of(6, start="zero_momentum")
+    whole = sn.simulate_gaits(scene, gaits)
+    back = sn.simulate_gaits(scene, gaits[::-1])
+    for i, gait in enumerate(gaits):
+        alone = sn.simulate_gaits(scene, [gait])
+        for name in LINK_FIELDS:
+            bits = getattr(whole, name)[i].tobytes()
+            assert (
+                bits == getattr(alone, name)[0].tobytes() == getattr(back, name)[-1 - i].tobytes()
+            )
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+@pytest.mark.parametrize("duration_s", [0.3, 0.2504])
+def test_a_batch_ends_where_single_runs_end(ground: str, duration_s: float) -> None:
+    gaits = many_gaits(5)
+    scene = scene_of(6, ground, duration_s=duration_s, record_every=10**6)
+    runs = sn.simulate_gaits(scene, gaits)
+    assert not runs.diverged.any()
+    for i, gait in enumerate(gaits):
+        run = sn.simulate(replace(scene, gait=gait))
+        exact, found = run.state(), runs.state(i)
+        assert run.t_s[-1] == runs.t_s[i] == duration_s
+        for name in LINK_FIELDS:
+            assert getattr(found, name) == pytest.approx(getattr(exact, name), abs=2e-12, rel=2e-12)
+        way = [(v[-1] - v[0]).mean() for v in (run.x_m, run.y_m)]
+        assert runs.displacement_m[i] == pytest.approx(way, abs=1e-12)
+        assert runs.speed_m_s[i] == pytest.approx(math.hypot(*way) / duration_s, rel=1e-9)
+
+
+def test_a_run_of_no_time_ends_at_its_start() -> None:
+    runs = sn.simulate_gaits(scene_of(6, duration_s=0.0), [GAIT])
+    assert not runs.diverged.any()
+    assert runs.t_s[0] == runs.speed_m_s[0] == 0.0
+    assert runs.x_m[0] == pytest.approx(start_state(scene_of(6)).x_m, abs=1e-15)
+
+
+def test_a_lost_gait_is_reported_and_disturbs_no_other() -> None:
+    gaits = many_gaits(6)
+    scene = scene_of(6, gap="zero")
+    lost = [*gaits[:2], sn.Gait(0.5, 1.0, 1e160), *gaits[2:]]
+    runs, calm = sn.simulate_gaits(scene, lost), sn.simulate_gaits(scene, gaits)
+    assert runs.diverged.tolist() == [False, False, True, False, False, False, False]
+    assert runs.t_s[2] == 0.0
+    for name in (*LINK_FIELDS, "displacement_m", "speed_m_s"):
+        values = getattr(runs, name)
+        assert np.isfinite(values).all()
+        assert np.delete(values, 2, axis=0).tobytes() == getattr(calm, name).tobytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "gaits", "said"),
+    [
+        ({"formulation": "explicit"}, [GAIT], "formulation is 'explicit'"),
+        ({"method": "nonsmooth"}, [GAIT], "method is 'nonsmooth'"),
+        ({"record": ("joints",)}, [GAIT], "record is ('joints',)"),
+        ({"incline_rad": 0.1}, [GAIT], "incline_rad is 0.1"),
+        ({"locked": {2: 0.1}}, [GAIT], "locked is"),
+        ({"start": start_state(scene_of(6))}, [GAIT], "start is a LinkState"),
+        ({}, [], "gaits is []"),
+        ({}, [GAIT, 3], "at least one Gait"),
+    ],
+)
+def test_what_a_batch_cannot_do_is_named(change: dict, gaits: list, said: str) -> None:
+    with pytest.raises(sn.BadInput) as error:
+        sn.simulate_gaits(scene_of(6, **change), gaits)
+    assert said in str(error.value)
+
+
+def test_an_unstable_step_is_refused_for_any_gait() -> None:
+    with pytest.raises(sn.StepTooLarge):
+        sn.simulate_gaits(scene_of(6, joint_stiffness_n_m=1e6), [GAIT])
+
+
+@pytest.mark.parametrize("links", [2, 3, 6, 20])
+def test_no_shape_has_faster_springs_than_the_bound(links: int) -> None:
+    """What spares the modes of every gait must hold for each, and be near."""
+    for gait in [sn.Gait(0.0, 0.0, 1.0), *many_gaits(10)]:
+        scene = replace(scene_of(links), gait=gait)
+        for one in (scene, replace(scene, drive="torque", torque=[0.0] * (links - 1))):
+            exact, bound = joint_modes(one), joint_modes(one, any_shape=True)
+            assert bound[0] >= exact[0] > 0.25 * bound[0]
+            assert bound[1] <= exact[1]
+
+
+@pytest.mark.skipif("avx2" not in SETS or not shutil.which("g++"), reason="needs x86 and g++")
+def test_no_code_for_newer_processors_is_shared(tmp_path: Path) -> None:
+    """Compiled without inlining, the unit for AVX2 defines nothing but its table of kernels.
+
+    A linker keeps one copy of every shared inline function: were it this unit's, older processors
+    would meet instructions that they do not have.
+    """
+    unit, flags = (
+        tmp_path / "unit.o",
+        [f"-I{CORE}", "-std=c++20", "-O0", "-mavx2", "-mfma", "-ffp-contract=off"],
+    )
+    subprocess.run(
+        ["g++", *flags, "-c", str(CORE / "kernels" / "avx2.cpp"), "-o", str(unit)], check=True
+    )
+    symbols = subprocess.run(["nm", "-C", "--defined-only", "--extern-only", str(unit)],
+                             check=True, capture_output=True, text=True).stdout  # fmt: skip
+    assert [line.split(maxsplit=2)[2] for line in symbols.splitlines()] == [
+        "serpenoid::lanes::avx2"
+    ]
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+@pytest.mark.parametrize("links", [2, 6, 9])
+def test_a_single_run_agrees_with_the_general_method(ground: str, links: int) -> None:
+    """An energy ledger is integrated with the motion, by the general RK4 on the general model."""
+    scene = scene_of(links, ground, duration_s=0.2503, record_every=50)
+    fast, general = sn.simulate(scene), sn.simulate(replace(scene, record=("energy",)))
+    assert fast.t_s.tobytes() == general.t_s.tobytes()
+    for name in LINK_FIELDS:
+        assert np.abs(getattr(fast, name) - getattr(general, name)).max() < 2e-12
+
+
+def test_what_is_recorded_changes_no_bit() -> None:
+    scene = scene_of(6, duration_s=0.1003, record_every=1)
+    fine = sn.simulate(replace(scene, record=("joints",)))
+    rough = sn.simulate(replace(scene, record_every=7))
+    for name in LINK_FIELDS:
+        kept = np.concatenate([getattr(fine, name)[:-1:7], getattr(fine, name)[-1:]])
+        assert kept.tobytes() == getattr(rough, name).tobytes()
+
+
+def turned(y: np.ndarray, angle: float) -> np.ndarray:
+    """Return a state (4 n + 2,) with everything turned about the origin."""
+    (x, y_, vx, vy), tail = y[:-2].reshape(4, -1), y[-2:]
+    c, s = math.cos(angle), math.sin(angle)
+    parts = [c * x - s * y_, s * x + c * y_, c * vx - s * vy, s * vx + c * vy]
+    return np.concatenate([*parts, tail + np.array([angle, 0.0])])
+
+
+@pytest.mark.parametrize("batch", [False, True])
+def test_the_ground_has_no_preferred_direction(batch: bool) -> None:
+    scene = scene_of(7)
+    start = lane_state(start_state(scene))
+    for angle in (1.0, math.pi / 2, 200.0):
+        starts = np.array([start, turned(start, angle)])
+        straight, askew = lane_run(scene, [GAIT] * 2, starts, SETS[0], batch)[0]
+        assert off(askew, turned(straight, angle)) < 1e-12
+
+
+@pytest.mark.parametrize("batch", [False, True])
+def test_without_friction_springs_change_no_momentum(batch: bool) -> None:
+    """Whatever they do, their forces come in pairs: the sum of velocities keeps to round-off."""
+    scene = replace(scene_of(7), ground=sn.Ground(0.0, 0.0), gap="zero")
+    start = lane_state(start_state(scene))
+    start[14:28] += np.random.default_rng(2).normal(size=14)
+    end = lane_run(scene, [GAIT], start[None], SETS[0], batch, duration=20.0)[0][0]
+    for part in (slice(14, 21), slice(21, 28)):
+        # 2e4 steps, each rounding seven velocities of some m/s: a walk of 2e-16 sqrt(1.4e5)
+        assert abs(end[part].sum() - start[part].sum()) < 1e-12
+        assert np.abs(end[part] - start[part]).max() > 0.1

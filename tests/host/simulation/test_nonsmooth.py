@@ -1,0 +1,227 @@
+"""Sticking wheels in time: closed forms, order 2, rest that is rest, forces, slopes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle import bingham, explicit
+from oracle.params import Gait, robot_2005
+from oracle.scenes import SlowScene
+
+OF_2005 = sn.Robot(6, 0.0756, 0.076)
+BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+GAIT = sn.Gait(math.radians(70), math.radians(75), 3.0)
+SOFT = sn.Scene(
+    OF_2005, BINGHAM, GAIT, formulation="implicit", joint_stiffness_n_m=300.0,
+    method="nonsmooth", start="zero_momentum", duration_s=1.0,
+)  # fmt: skip
+
+
+def slips(run: sn.Run, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return a vector of every link along and across it, (T, n, 2)."""
+    c, s = np.cos(run.theta_rad), np.sin(run.theta_rad)
+    return np.stack([c * x + s * y, -s * x + c * y], axis=2)
+
+
+def sliding_rod(v0: float, pull: float, kappa: float, mu: float, t: float) -> float:
+    """Return the speed at t of v' = pull - kappa v - mu sgn v from v0 > 0, pull < 0."""
+    rest = (mu - pull) / kappa
+    stops = math.log1p(v0 / rest) / kappa
+    if t < stops:
+        return (v0 + rest) * math.exp(-kappa * t) - rest
+    return min(0.0, pull + mu) / kappa * -math.expm1(-kappa * (t - stops))
+
+
+@pytest.mark.parametrize(
+    ("formulation", "incline"), [("explicit", 0.0), ("implicit", 0.02), ("implicit", 0.4)]
+)
+def test_thrown_uphill_it_stops_and_stays_or_slides_back(formulation: str, incline: float) -> None:
+    """All links alike: m v' = -m g sin - ct v - ft0 sgn v, which is solved exactly."""
+    straight, heading = sn.Gait(0.0, 0.0, 2.0), 0.6
+    c, s = math.cos(heading), math.sin(heading)
+    start = sn.LinkState.joined(OF_2005, [0.3, 0.1, *[heading] * 6], [0.5 * c, 0.5 * s, *[0.0] * 6])
+    scene = sn.Scene(
+        OF_2005, BINGHAM, straight, formulation=formulation, method="nonsmooth", dt_s=1e-3,
+        incline_rad=incline, incline_direction_rad=heading, start=start, duration_s=2.0,
+        tolerance=1e-8, record_every=20, record=("friction",),
+    )  # fmt: skip
+    run = sn.simulate(scene)
+    m, pull = OF_2005.link_mass_kg, -9.80665 * math.sin(incline)
+    wanted = [sliding_rod(0.5, pull, BINGHAM.ct / m, BINGHAM.ft0 / m, t) for t in run.t_s]
+    along = slips(run, run.vx_m_s, run.vy_m_s)[:, :, 0]
+    # rounding; the explicit run lands on the stop within its tolerance
+    within = 1e-12 if formulation == "implicit" else 1e-8
+    assert along == pytest.approx(np.outer(wanted, np.ones(6)), abs=within)
+    grip = slips(run, run.friction_x_n, run.friction_y_n)[-1, :, 0]
+    stays = incline < 0.1
+    assert (wanted[-1] == 0) == stays
+    holds = -m * pull if stays else BINGHAM.ft0 - BINGHAM.ct * wanted[-1]
+    # how a straight chain shares its load is open: only the sum is physical
+    assert grip.sum() == pytest.approx(6 * holds, abs=1e-6)
+
+
+@pytest.mark.parametrize("incline", [0.0, 0.1])
+@pytest.mark.parametrize("omega", [1.0, 3.0])
+def test_order_two_through_sticking_and_slipping(omega: float, incline: float) -> None:
+    """Events fall anywhere in a step, so single halvings scatter: the mean of five counts."""
+    scene = replace(SOFT, gait=replace(GAIT, omega_rad_s=omega), incline_rad=incline)
+    ends = [
+        sn.simulate(replace(scene, dt_s=1 / n, record_every=n)).state().packed()
+        for n in (250, 8000, 64000)
+    ]
+    errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
+    assert errors[0] < 1e-3
+    assert math.log2(errors[0] / errors[1]) / 5 > 1.75
+
+
+def test_implicit_steps_agree_with_small_convex_ones() -> None:
+    """Moreau's scheme on the dense model: kick without friction, then shrink, in 0.1 ms steps."""
+    scene = replace(SOFT, duration_s=0.3, gait=replace(GAIT, omega_rad_s=1.5), dt_s=1e-3)
+    start = sn.simulate(replace(scene, duration_s=0.0)).state(0)
+    rough, fine = (shrunk(scene, start, steps) for steps in (750, 1500))
+    wanted, doubt = 2 * fine - rough, np.abs(fine - rough).max()
+    run = sn.simulate(scene)
+    found = np.stack([run.x_m[-1], run.y_m[-1], run.theta_rad[-1]], axis=1)
+    assert np.abs(found - wanted).max() < 0.1 * doubt
+    assert doubt < 1e-3
+
+
+def shrunk(scene: sn.Scene, start: sn.LinkState, steps: int) -> np.ndarray:
+    """Return the pose (n, 3) at the end."""
+    h, m = scene.duration_s / steps, scene.robot.link_mass_kg
+    slow = SlowScene(replace(scene, ground=sn.Ground(0.0, 0.0), method="rk4"))
+    y, n = slow.pack(start), scene.robot.links
+    half = 2 * n + 1
+    viscous = 1 + h / m * np.array([scene.ground.ct, scene.ground.cn])
+    dry = h / m * np.array([scene.ground.ft0, scene.ground.fn0])
+    for k in range(steps):
+        rate = slow.rate(k * h, y)
+        y[half : 2 * half] += h * rate[half : 2 * half]
+        y[half - 1] += h * y[2 * half - 1]
+        pose, rates, _ = slow.links((k + 1) * h, y)
+        axes = np.stack(explicit.axes(pose[:, 2]), 1)  # (n, 2, 2)
+        slip = np.einsum("nad,nd->na", axes, rates[:, :2])
+        slip = np.sign(slip) * np.maximum(np.abs(slip) - dry, 0) / viscous
+        y[half : 2 * half - 1] = np.einsum("nad,na->dn", axes, slip).ravel()
+        y[: half - 1] += h * y[half : 2 * half - 1]
+    return slow.links(scene.duration_s, y)[0]
+
+
+def test_a_wheel_at_rest_is_at_rest() -> None:
+    """No creep: what the ground holds has no speed beyond rounding, and its force obeys the law."""
+    scene = replace(SOFT, gait=replace(GAIT, omega_rad_s=1.0), duration_s=3.0)
+    run = sn.simulate(replace(scene, record=("friction", "joints")))
+    slip = slips(run, run.vx_m_s, run.vy_m_s)
+    force = slips(run, run.friction_x_n, run.friction_y_n)
+    viscous, dry = np.array([BINGHAM.ct, BINGHAM.cn]), np.array([BINGHAM.ft0, BINGHAM.fn0])
+    rests = np.abs(slip) < 1e-15
+    assert 0.3 < rests[:, :, 1].mean() < 0.7
+    assert np.mean((np.abs(slip) < 1e-6) & ~rests) < 1e-3  # nothing creeps
+    assert (np.abs(force) <= (dry + 1e-15))[rests].all()
+    slides = -(viscous * slip + dry * np.sign(slip))
+    assert force[~rests] == pytest.approx(slides[~rests], abs=1e-15)
+
+
+def test_explicit_forces_are_those_of_the_reference() -> None:
+    """Friction, joint forces and torques against events located by a dense solver."""
+    gait, p = replace(GAIT, omega_rad_s=2.0), robot_2005()
+    given = replace(p, ct=0.0, cn=0.0, ft0=1.0, fn0=1.0)  # its friction is minus `signs`
+    scene = sn.Scene(
+        OF_2005, BINGHAM, gait, method="nonsmooth", dt_s=0.05, duration_s=2.0, tolerance=1e-9,
+        record=("joints", "friction"),
+    )  # fmt: skip
+    run = sn.simulate(scene)
+    theirs = Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s)
+    system = bingham.System(p, theirs)
+    pieces = list(bingham.run(system, np.zeros(6), 0.0, 2.0))
+    friction = slips(run, run.friction_x_n, run.friction_y_n)
+    checked = 0
+    for k, t in enumerate(run.t_s):
+        piece = next(piece for piece in pieces if t <= piece.end_s)
+        if min(t - piece.start_s, piece.end_s - t) < 1e-4 and 0 < t < 2:
+            continue  # which of the modes beside a jump counts is rounding
+        y = piece.at(t)
+        force = system.forces(t, y[:3], piece.mode)[1].reshape(6, 2)
+        assert friction[k] == pytest.approx(force, abs=1e-6)
+        c, s = math.cos(y[3]), math.sin(y[3])
+        rates = [c * y[0] - s * y[1], s * y[0] + c * y[1], y[2]]
+        motion = explicit.angle_driven(
+            given, np.array([y[4], y[5], y[3]]), np.array(rates), theirs.angles(t, 5),
+            signs=-force,
+        )  # fmt: skip
+        assert run.joint_force_x_n[k] == pytest.approx(motion.force_n[:, 0], abs=1e-6)
+        assert run.joint_force_y_n[k] == pytest.approx(motion.force_n[:, 1], abs=1e-6)
+        assert run.joint_torque_nm[k] == pytest.approx(motion.torque_n_m, abs=1e-7)
+        checked += 1
+    assert checked > 30
+
+
+def test_explicit_on_a_slope() -> None:
+    """Without dry friction it is rk4's motion and forces; with it, that of very stiff springs."""
+    scene = sn.Scene(
+        OF_2005, sn.Ground(0.1, 1.0), GAIT, method="nonsmooth", incline_rad=0.2, tolerance=1e-9,
+        incline_direction_rad=1.0, dt_s=1e-2, duration_s=1.0, record=("joints", "friction"),
+    )  # fmt: skip
+    found = sn.simulate(scene)
+    wanted = sn.simulate(replace(scene, method="rk4", dt_s=1e-3, record_every=10))
+    for name in ("x_m", "theta_rad", "omega_rad_s", "friction_x_n", "joint_force_y_n",
+                 "joint_torque_nm"):  # fmt: skip
+        assert getattr(found, name) == pytest.approx(getattr(wanted, name), abs=2e-9), name
+    dry = replace(scene, ground=BINGHAM)
+    stiff = replace(
+        dry, formulation="implicit", joint_stiffness_n_m=1e5, joint_damping_n_s_m=10.0,
+        dt_s=5e-5, record_every=200,
+    )  # fmt: skip
+    exact, soft = sn.simulate(dry), sn.simulate(stiff)
+    assert np.abs(soft.theta_rad - exact.theta_rad).max() < 3e-3
+    assert np.abs(soft.x_m - exact.x_m).max() < 1e-3
+
+
+def test_explicit_motion_turns_with_the_slope() -> None:
+    scene = sn.Scene(
+        OF_2005, BINGHAM, GAIT, method="nonsmooth", incline_rad=0.2, incline_direction_rad=0.3,
+        duration_s=1.0, dt_s=0.5, tolerance=1e-9,
+    )  # fmt: skip
+    start = sn.LinkState.in_gait(OF_2005, GAIT, 0.0, [0, 0, 0], [0, 0, 0])
+    ahead = sn.LinkState.in_gait(OF_2005, GAIT, 0.0, [0, 0, 2.0], [0, 0, 0])
+    here = sn.simulate(replace(scene, start=start)).state()
+    there = sn.simulate(replace(scene, start=ahead, incline_direction_rad=2.3)).state()
+    c, s = math.cos(2.0), math.sin(2.0)
+    assert there.theta_rad == pytest.approx(here.theta_rad + 2.0, abs=1e-7)
+    assert there.x_m == pytest.approx(c * here.x_m - s * here.y_m, abs=1e-7)
+    assert there.y_m == pytest.approx(s * here.x_m + c * here.y_m, abs=1e-7)
+
+
+def test_what_other_methods_make_of_sticking() -> None:
+    """sgn 0 = 0 chatters: speeds of order 1, torques that no step mends (Scene quotes them)."""
+    gait = replace(GAIT, omega_rad_s=1.0)
+    scene = sn.Scene(
+        OF_2005, BINGHAM, gait, method="nonsmooth", start="zero_momentum", tolerance=1e-8,
+        duration_s=2 * gait.period_s, dt_s=gait.period_s / 50, record=("joints",),
+    )  # fmt: skip
+    exact = sn.simulate(scene)
+    slow, torques = [], []
+    for split in (13, 126, 1257):  # steps of 10, 1 and 0.1 ms
+        rough = replace(scene, method="rk4", dt_s=scene.dt_s / split, record_every=split)
+        run = sn.simulate(rough)
+        slow.append(np.hypot(run.x_m - exact.x_m, run.y_m - exact.y_m).max())
+        missed = run.joint_torque_nm - exact.joint_torque_nm
+        torques.append(np.sqrt(np.mean(missed**2) / np.mean(exact.joint_torque_nm**2)))
+    assert math.log10(slow[0] / slow[2]) / 2 == pytest.approx(1.2, abs=0.3)
+    assert min(torques) > 0.2
+
+
+def test_hours_of_sticking_and_slipping() -> None:
+    """By the phase within a turn, and again where an event is missed: half an hour, 1432 cycles."""
+    robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    scene = sn.Scene(robot, ground, gait, method="nonsmooth", duration_s=1800.0, start="steady",
+                     record_every=10**6)  # fmt: skip
+    run = sn.simulate(scene)
+    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    exact = sn.steady_gait(robot, ground, gait).speed_m_s
+    assert math.hypot(x[-1] - x[0], y[-1] - y[0]) / 1800 == pytest.approx(exact, rel=1e-4)

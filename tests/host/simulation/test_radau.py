@@ -1,0 +1,246 @@
+"""The stiff method: truth from SciPy on plain equations, order, ringing, extremes, refusals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle import implicit
+from oracle.params import Params
+from scipy.integrate import solve_ivp
+from serpenoid import _core
+from serpenoid.bench.peers.numpy_equations import rate_of
+from serpenoid.bench.problems import PAPER_GROUND, Problem
+from serpenoid.simulation.simulate import core_request, start_state
+
+THREE, SIX = sn.Robot(3, 1.0, 0.12), sn.Robot(6, 1.0, 0.12)
+THREE_GAIT = sn.Gait(math.radians(30), math.radians(90), 3.0)
+SIX_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+
+
+def three(duration_s: float, k: float, c: float) -> Problem:
+    return Problem("three", "", THREE, PAPER_GROUND, THREE_GAIT, duration_s, k, c)
+
+
+def six(k: float, c: float, **changes: object) -> sn.Scene:
+    fields = {"method": "radau", "tolerance": 1e-6, "duration_s": 0.3, "dt_s": 0.01, **changes}
+    return sn.Scene(
+        SIX, PAPER_GROUND, SIX_GAIT, formulation="implicit", joint_stiffness_n_m=k,
+        joint_damping_n_s_m=c, **fields,
+    )  # fmt: skip
+
+
+def radau_end(problem: Problem, tolerance: float, **changes: object) -> np.ndarray:
+    scene = problem.scene(
+        method="radau", tolerance=tolerance, dt_s=problem.duration_s, start=problem.start, **changes
+    )
+    return problem.vector(sn.simulate(scene).state())
+
+
+@pytest.mark.parametrize(
+    ("duration_s", "k", "c", "solver", "rtol"),
+    [
+        (0.3, 1e3, 1.0, "DOP853", 1e-12),
+        (0.1, 1e5, 10.0, "DOP853", 1e-12),
+        (0.05, 1e7, 1e3, "Radau", 1e-9),
+    ],
+)
+def test_it_meets_its_tolerance(
+    duration_s: float, k: float, c: float, solver: str, rtol: float
+) -> None:
+    problem = three(duration_s, k, c)
+    exact = solve_ivp(
+        rate_of(problem), (0, duration_s), problem.first, solver, rtol=rtol, atol=rtol / 100
+    ).y[:, -1]
+    for tolerance in (1e-3, 1e-5, 1e-7):
+        assert problem.error(radau_end(problem, tolerance), exact) < tolerance
+
+
+@pytest.mark.parametrize("drive", ["angle", "torque"])
+@pytest.mark.parametrize(("k", "c"), [(1e3, 1.0), (1e7, 1.0), (1e7, 1e3)])
+def test_order_is_five_however_stiff(drive: str, k: float, c: float) -> None:
+    """In gaps and angles stiffness takes nothing from the order; in centres it would be 3."""
+    turning = {"drive": "torque", "torque": lambda t: [0.02 * math.sin(3 * t), 0.01]}
+    scene = three(0.4, k, c).scene(method="radau", **(turning if drive == "torque" else {}))
+    start = start_state(scene)
+
+    def end(steps: int) -> np.ndarray:
+        q = core_request(scene)
+        q.tolerance, q.dt_s, q.steps, q.every = 0, 0.4 / steps, steps, steps
+        out = _core.run(q, start.packed(), None)
+        return np.concatenate([out[name][-1] for name in ("x_m", "theta_rad", "omega_rad_s")])
+
+    fewest = 128 if k == 1e3 else 16  # soft joints move with 100 rad/s
+    ends = [end(steps) for steps in (fewest, 2 * fewest, 8 * fewest)]
+    errors = [np.abs(e - ends[-1]).max() for e in ends[:-1]]
+    assert 1e-12 < errors[1] < 1e-6
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(5, abs=0.5)
+
+
+def test_torques_that_vary_in_time() -> None:
+    p, spring = Params(links=3), implicit.Spring(1e4, 10.0)
+    q, qdot = np.array([0.1, -0.2, 0.3, -0.4, 0.7]), np.array([0.05, -0.03, 1.1, -0.7, 0.4])
+    pose, rates = implicit.closed_links(p, q, qdot)
+
+    def torque(t: float) -> np.ndarray:
+        return 0.02 * np.sin(3 * t + np.arange(2))
+
+    rate = implicit.torque_rate(p, spring, torque)
+    first = np.concatenate([pose.ravel(), rates.ravel()])
+    pose, rates = implicit.integrate(rate, first, np.array([0.2]))[-1].reshape(2, 3, 3)
+    run = sn.simulate(
+        sn.Scene(THREE, PAPER_GROUND, THREE_GAIT, formulation="implicit", joint_stiffness_n_m=1e4,
+                 joint_damping_n_s_m=10.0, drive="torque", torque=torque, method="radau",
+                 tolerance=1e-7, duration_s=0.2, dt_s=0.2,
+                 start=sn.LinkState.joined(THREE, q, qdot))
+    )  # fmt: skip
+    end = run.state()
+    assert np.abs(np.column_stack([end.x_m, end.y_m, end.theta_rad]) - pose).max() < 1e-7
+    assert np.abs(np.column_stack([end.vx_m_s, end.vy_m_s, end.omega_rad_s]) - rates).max() < 1e-6
+
+
+@pytest.mark.parametrize("case", ["servo", "smoothed", "incline", "offset"])
+def test_what_a_scene_may_have(case: str) -> None:
+    """Held to RK4 with small steps on springs that it can bear."""
+    ground, gait, more = PAPER_GROUND, THREE_GAIT, {}
+    if case == "servo":
+        more = {"drive": "servo", "servo": sn.Servo(2.0, 0.05, 1.0, 6.0)}
+    elif case == "smoothed":
+        ground, more = sn.Ground(0.1, 10.0, 0.1, 0.3), {"smoothing_m_s": 1e-2}
+    elif case == "incline":
+        more = {"incline_rad": 0.2, "incline_direction_rad": 0.7}
+    else:
+        gait = sn.Gait(0.5, 1.0, 4.0, 0.1)
+
+    def end(method: str, dt_s: float) -> np.ndarray:
+        scene = sn.Scene(
+            THREE, ground, gait, formulation="implicit", joint_stiffness_n_m=1e4,
+            joint_damping_n_s_m=30.0, duration_s=0.1, method=method, dt_s=dt_s, tolerance=1e-8,
+            **more,
+        )  # fmt: skip
+        return sn.simulate(scene).state().packed()
+
+    # the kinks of a servo's limits inside a step cost order, not truth
+    allowed = 1e-5 if case == "servo" else 1e-7
+    assert np.abs(end("radau", 0.01) - end("rk4", 2e-5)).max() < allowed
+
+
+@pytest.mark.parametrize(("k", "c"), [(1e7, 1.0), (1e8, 1e3)])
+def test_the_number_of_steps_is_that_of_the_slow_motion(k: float, c: float) -> None:
+    assert sn.simulate(six(k, c, duration_s=1.0)).steps < 60
+
+
+@pytest.mark.parametrize("c", [0.0, 1.0])
+def test_ringing_is_followed_not_quietly_damped(c: float) -> None:
+    """From a zero gap the joints ring; above the tolerance the ringing must be in the result."""
+    problem = three(0.02, 1e6, c)
+    start = start_state(problem.scene(gap="zero"))
+    first = problem.vector(start)
+    exact = solve_ivp(rate_of(problem), (0, 0.02), first, "DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
+    smooth = radau_end(problem, 1e-6)
+    assert problem.error(smooth, exact) > 1e-5  # so large is the ringing itself
+    for tolerance in (1e-6, 1e-7):
+        run = sn.simulate(
+            problem.scene(method="radau", tolerance=tolerance, dt_s=0.02, start=start)
+        )
+        assert problem.error(problem.vector(run.state()), exact) < 2 * tolerance
+        assert problem.error(problem.vector(run.state()), exact) < run.local_error
+
+
+def test_swallowed_ringing_is_in_the_stated_error() -> None:
+    """Steps too long to follow ringing about as small as the tolerance must own up to it."""
+    problem = three(0.003, 1e9, 0.0)
+    start = start_state(problem.scene(gap="zero"))
+    first = problem.vector(start)
+    exact = solve_ivp(rate_of(problem), (0, 0.003), first, "DOP853", rtol=1e-8, atol=1e-10).y[:, -1]
+    run = sn.simulate(problem.scene(method="radau", tolerance=1e-5, dt_s=0.003, start=start))
+    error = problem.error(problem.vector(run.state()), exact)
+    assert 1e-5 < error < run.local_error
+
+
+def test_where_a_fixed_step_is_refused_this_method_is_named_and_runs() -> None:
+    with pytest.raises(sn.StepTooLarge, match="method 'radau'"):
+        sn.simulate(six(1e7, 1.0, method="rk4", dt_s=1e-3))
+    dry = replace(six(1e7, 1.0, method="rk4", dt_s=1e-3), ground=sn.Ground(0.1, 10.0, 0.1, 0.1))
+    with pytest.raises(sn.StepTooLarge) as refusal:
+        sn.simulate(dry)
+    assert "radau" not in str(refusal.value)
+
+
+def test_recorded_times_lie_on_the_motion() -> None:
+    """Dense output, joint forces included, is as good as steps that end on the recorded times."""
+    run = sn.simulate(six(1e7, 1.0, dt_s=1e-3, record=("joints",), record_every=1))
+    fine = sn.simulate(six(1e7, 1.0, dt_s=1e-3, record=("joints",), record_every=1, tolerance=1e-9))
+    assert run.steps < 30
+    assert len(run.t_s) == 301
+    assert np.abs(run.x_m - fine.x_m).max() < 1e-6
+    assert np.abs(run.omega_rad_s - fine.omega_rad_s).max() < 1e-5
+    scale = np.abs(fine.joint_force_x_n).max()
+    assert np.abs(run.joint_force_x_n - fine.joint_force_x_n).max() < 1e-3 * scale
+
+
+def test_the_energy_ledger_closes() -> None:
+    kinetic, springs, height, joints, friction, dampers, _ = sn.simulate(
+        six(1e5, 10.0, record=("energy",))
+    ).energy_j.T
+    balance = kinetic + springs + height - joints + friction + dampers
+    assert np.ptp(balance) < 1e-5 * np.ptp(friction)
+
+
+@pytest.mark.parametrize("c", [0.0, 1e5])
+@pytest.mark.parametrize("gap", ["slow_manifold", "zero"])
+def test_a_thousand_links_with_hard_springs(c: float, gap: str) -> None:
+    gait = sn.Gait(math.radians(30), 4 * math.pi / 999, 5.0)
+    run = sn.simulate(
+        sn.Scene(sn.Robot(1000, 1.0, 0.12), PAPER_GROUND, gait, formulation="implicit",
+                 joint_stiffness_n_m=1e9, joint_damping_n_s_m=c, method="radau", tolerance=1e-4,
+                 duration_s=0.01, dt_s=0.01, gap=gap)
+    )  # fmt: skip
+    assert run.steps < 1000
+    assert np.abs(run.gap_m[-1]).max() < 1e-4  # the forces add up along so long a chain
+
+
+@pytest.mark.parametrize(("k", "c"), [(0.0, 0.0), (0.0, 1e5), (1e2, 0.0), (1e9, 0.0), (1e9, 1e5)])
+def test_springs_of_every_kind(k: float, c: float) -> None:
+    rough, fine = (sn.simulate(six(k, c, tolerance=tol)).state().packed() for tol in (1e-6, 1e-9))
+    assert np.abs(rough - fine).max() < 5e-6
+
+
+@pytest.mark.parametrize("friction", [0.0, 1e-5, 1e6])
+def test_friction_of_every_size(friction: float) -> None:
+    """Heavy friction is stiff, too: its derivative must be in the matrix."""
+    start = start_state(six(1e7, 1e4))  # of another ground: a damped jolt
+    run = sn.simulate(
+        sn.Scene(SIX, sn.Ground(friction, friction), SIX_GAIT, formulation="implicit",
+                 joint_stiffness_n_m=1e7, joint_damping_n_s_m=1e4, method="radau", tolerance=1e-5,
+                 duration_s=0.3, dt_s=0.3, start=start)
+    )  # fmt: skip
+    assert run.steps < 400
+
+
+def test_a_torque_beyond_numbers_ends_with_its_cause() -> None:
+    scene = sn.Scene(
+        THREE, PAPER_GROUND, THREE_GAIT, formulation="implicit", drive="torque", method="radau",
+        torque=lambda t: [1e300 if t > 0.05 else 0.0, 0.0], duration_s=0.2,
+    )  # fmt: skip
+    with pytest.raises(sn.Diverged, match="however short"):
+        sn.simulate(scene)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"formulation": "explicit"}, {"ground": sn.Ground(0.1, 1.0, 0.1, 0.1)}, {"limp": (1,)}],
+    ids=lambda change: next(iter(change)),
+)
+def test_what_it_does_not_run_is_refused(change: dict) -> None:
+    fields = {"ground": PAPER_GROUND, "formulation": "implicit", **change}
+    with pytest.raises(sn.BadInput, match="radau"):
+        sn.Scene(SIX, gait=SIX_GAIT, method="radau", **fields)
+
+
+def test_same_bits_twice() -> None:
+    a, b = (sn.simulate(six(1e7, 1.0)).state().packed() for _ in range(2))
+    assert np.array_equal(a, b)

@@ -1,0 +1,103 @@
+"""What runs say of their own error, held to tight references; accuracy= keeps its word."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+import serpenoid as sn
+from serpenoid.simulation.error import Difference, difference
+
+SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+ROBOT_2005, GROUND_2005 = (
+    sn.Robot(6, 0.0756, 0.076),
+    sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27),
+)
+SERVO = sn.Servo(stiffness_nm_rad=100.0, damping_nms_rad=2.0, torque_limit_nm=5.0)
+SCENES = {
+    "plain": sn.Scene(SIX, VISCOUS, GAIT, duration_s=3.0),
+    "incline": sn.Scene(SIX, VISCOUS, GAIT, duration_s=3.0, incline_rad=0.1),
+    "servo": sn.Scene(SIX, VISCOUS, GAIT, duration_s=1.0, drive="servo", servo=SERVO),
+    "limp": sn.Scene(SIX, VISCOUS, GAIT, duration_s=3.0, limp=(2,)),
+    "locked": sn.Scene(SIX, VISCOUS, GAIT, duration_s=3.0, locked={3: 0.2}),
+    "dry": sn.Scene(ROBOT_2005, GROUND_2005, GAIT, duration_s=2.0),
+}
+
+
+def reference(scene: sn.Scene) -> sn.Run:
+    """Return a run far more accurate than those judged, by another method."""
+    if scene.law == "dry":
+        return sn.simulate(replace(scene, method="nonsmooth", tolerance=1e-11))
+    if scene.servo:
+        return sn.simulate(replace(scene, method="dop853", tolerance=1e-10))
+    return sn.simulate(replace(scene, method="rk4", dt_s=1e-4, record_every=10))
+
+
+@pytest.mark.parametrize("name", [n for n in SCENES if n != "dry"])
+@pytest.mark.parametrize(
+    "how",
+    [{"method": "rk4", "dt_s": 1e-2}, {"method": "euler"}, {"method": "semi_implicit_euler"},
+     {"method": "dop853", "tolerance": 1e-5}],
+    ids=lambda how: how["method"],
+)  # fmt: skip
+def test_the_estimate_is_about_the_error(name: str, how: dict) -> None:
+    scene = replace(SCENES[name], **how)
+    if name == "servo":  # servo poles need small steps
+        scene = replace(scene, dt_s=1e-4)
+    run, exact = sn.simulate(scene), reference(SCENES[name])
+    true, said = difference(run, exact), run.error_estimate.integration
+    assert 0.3 * true.position_m < said.position_m + 1e-9
+    assert said.position_m < 30 * true.position_m + 1e-7
+    assert 0.3 * true.angle_rad < said.angle_rad + 1e-9
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-5])
+def test_an_accuracy_is_kept(name: str, accuracy: float) -> None:
+    scene = SCENES[name]
+    run = sn.simulate(scene, accuracy=accuracy)
+    off, body = difference(run, reference(scene)), scene.robot.links * scene.robot.link_length_m
+    assert max(off.position_m / body, off.angle_rad) < accuracy
+    assert run.scene.method in run.picked
+
+
+def test_the_springs_error_is_the_difference_to_the_exact_model() -> None:
+    soft = replace(SCENES["plain"], formulation="implicit", joint_stiffness_n_m=1e3)
+    run = sn.simulate(soft)
+    true = difference(run, reference(SCENES["plain"]))
+    said = run.error_estimate.modelling
+    assert said is not None
+    assert said.position_m == pytest.approx(true.position_m, rel=1e-3)
+    assert any("springs (k = 1000 N/m) change the mean speed" in w for w in run.warnings)
+
+
+def test_where_no_exact_model_is_at_hand_a_second_k_tells() -> None:
+    """Dry ground with servos: 4/3 of the difference to a fourfold k, as the error falls as 1/k."""
+    scene = sn.Scene(
+        ROBOT_2005, GROUND_2005, GAIT, duration_s=0.5, drive="servo", servo=sn.Servo(),
+        formulation="implicit", method="nonsmooth", joint_stiffness_n_m=2e3,
+        joint_damping_n_s_m=0.2, dt_s=1e-4,
+    )  # fmt: skip
+    run = sn.simulate(scene)
+    stiff = replace(scene, joint_stiffness_n_m=1.28e5, joint_damping_n_s_m=12.8, dt_s=1.25e-5)
+    true = difference(run, sn.simulate(replace(stiff, record_every=8)))
+    said = run.error_estimate.modelling
+    assert said is not None
+    assert 0.3 * true.position_m < said.position_m < 3 * true.position_m
+
+
+def test_a_method_that_knows_nothing_of_sticking_is_warned_of() -> None:
+    run = sn.simulate(replace(SCENES["dry"], method="rk4", duration_s=0.3))
+    assert any("nothing of sticking" in w for w in run.warnings)
+
+
+def test_an_accuracy_out_of_reach_is_refused() -> None:
+    with pytest.raises(sn.BadInput, match="accuracy is 1e-20"):
+        sn.simulate(SCENES["plain"], accuracy=1e-20)
+
+
+def test_runs_that_agree_have_no_difference() -> None:
+    run = sn.simulate(SCENES["plain"])
+    assert difference(run, run) == Difference(0.0, 0.0, 0.0)

@@ -1,0 +1,278 @@
+"""Every term of a scene against the dense models, stepped alike; then limits and symmetries."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle.scenes import slow_run
+from serpenoid.simulation.methods import FORMULATIONS, METHODS
+
+G = 9.80665
+GAIT = sn.Gait(math.radians(40), math.radians(70), 4.0, 0.1)
+VISCOUS, NONE = sn.Ground(0.3, 3.0), sn.Ground(0.0, 0.0)
+GROUNDS = {
+    "viscous": VISCOUS,
+    "none": NONE,
+    "coulomb": sn.Ground(0.0, 0.0, 0.05, 0.2),
+    "bingham": sn.Ground(0.1, 1.0, 0.05, 0.2),
+}
+SLOW_SERVO = sn.Servo(0.8, 0.01, 0.05, 3.0, 0.02)  # at its limits, in every way, most of the time
+
+
+def robot_of(links: int, inertia: float | None = 2.5e-4) -> sn.Robot:
+    return sn.Robot(links, 0.08, 0.09, inertia)
+
+
+def anywhere(scene: sn.Scene, seed: int) -> sn.LinkState:
+    """Return a random state that has the angles and rates of the imposed joints."""
+    rng, n, gait = np.random.default_rng(seed), scene.robot.links, scene.gait
+    phase = gait.beta_rad * np.arange(n - 1)
+    phi = gait.offset_rad + gait.alpha_rad * np.sin(phase)
+    rate = gait.omega_rad_s * gait.alpha_rad * np.cos(phase)
+    for i in range(n - 1):
+        if i + 1 in scene.locked:
+            phi[i], rate[i] = scene.locked[i + 1], 0.0
+        elif i + 1 in scene.limp or scene.drive != "angle":
+            phi[i], rate[i] = rng.normal(0, 0.5), rng.normal(0, 3.0)
+    theta = rng.normal() + np.concatenate([[0.0], np.cumsum(phi)])
+    omega = rng.normal() + np.concatenate([[0.0], np.cumsum(rate)])
+    state = sn.LinkState.joined(
+        scene.robot, [*rng.normal(size=2), *theta], [*rng.normal(size=2), *omega]
+    )
+    if scene.formulation == "explicit":
+        return state
+    opened = rng.normal(size=(4, n)) * [[1e-3], [1e-3], [0.05], [0.05]]  # m, m/s
+    return replace(
+        state, x_m=state.x_m + opened[0], y_m=state.y_m + opened[1],
+        vx_m_s=state.vx_m_s + opened[2], vy_m_s=state.vy_m_s + opened[3],
+    )  # fmt: skip
+
+
+def drive_of(name: str, joints: int) -> dict:
+    if name == "table":
+        rng = np.random.default_rng(7)
+        table = sn.TorqueTable(np.array([0.01, 0.02, 0.05]), 0.02 * rng.normal(size=(3, joints)))
+        return {"drive": "torque", "torque": table}
+    if name == "function":
+        return {"drive": "torque", "torque": lambda t: 0.02 * np.cos(30 * t + np.arange(joints))}
+    if name == "constant":
+        return {"drive": "torque", "torque": 0.01 * np.arange(1, joints + 1)}
+    if name == "servo":
+        return {"drive": "servo", "servo": SLOW_SERVO}
+    return {"drive": name}
+
+
+FAULTS = {
+    "sound": {},
+    "limp": {"limp": (2, 3)},
+    "locked": {"locked": {1: 0.4, 4: -0.2}},
+    "both": {"limp": (4, 1), "locked": {2: -0.7}},
+    "all": {"limp": (1, 3), "locked": {2: 0.1, 4: 0.2}},
+}
+DRIVES = ("angle", "table", "function", "constant", "servo")
+CASES = [
+    (formulation, drive, fault, tuple(GROUNDS)[(i + j) % 4], 0.3 * (j % 2), (i + j) % 5 == 0)
+    for formulation in FORMULATIONS
+    for i, drive in enumerate(DRIVES)
+    for j, fault in enumerate(FAULTS)
+]  # formulation, drive, fault, ground, slope, smoothed
+
+
+def assert_alike(run: sn.Run, truth: dict[str, np.ndarray], rtol: float) -> None:
+    """Compare all that a run recorded, on the scale of each quantity."""
+    for name, wanted in truth.items():
+        found = getattr(run, name)
+        assert found.shape == wanted.shape, name
+        scale = np.abs(wanted).max() + 1e-3
+        assert np.abs(found - wanted).max() <= rtol * scale, name
+
+
+@pytest.mark.parametrize(("formulation", "drive", "fault", "ground", "slope", "smooth"), CASES)
+def test_scenes_are_those_of_the_dense_models(
+    formulation: str, drive: str, fault: str, ground: str, slope: float, smooth: bool
+) -> None:
+    scene = sn.Scene(
+        robot_of(5), GROUNDS[ground], GAIT, formulation=formulation, **drive_of(drive, 4),
+        **FAULTS[fault], joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.4, incline_rad=slope,
+        incline_direction_rad=2.2, smoothing_m_s=0.05 if smooth else 0.0, dt_s=2e-3,
+        duration_s=0.05, record=("joints", "friction", "energy"),
+    )  # fmt: skip
+    scene = replace(scene, start=anywhere(scene, len(drive + fault)))
+    # 25 steps of the same method in the same coordinates: rounding alone, magnified by 1/I, k
+    assert_alike(sn.simulate(scene), slow_run(scene, scene.start), 1e-10)
+
+
+@pytest.mark.parametrize("drive", ["angle", "servo", "table"])
+@pytest.mark.parametrize("method", ["euler", "semi_implicit_euler", "paper"])
+def test_other_methods_step_as_they_are_written(method: str, drive: str) -> None:
+    for formulation in METHODS[method].formulations:
+        scene = sn.Scene(
+            robot_of(4), VISCOUS, GAIT, formulation=formulation, **drive_of(drive, 3),
+            joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.4, method=method, dt_s=1e-3,
+            duration_s=0.05, incline_rad=0.1, record=("joints", "friction", "energy"),
+        )  # fmt: skip
+        scene = replace(scene, start=anywhere(scene, 5))
+        assert_alike(sn.simulate(scene), slow_run(scene, scene.start), 1e-10)
+
+
+def test_no_step_is_longer_than_dt() -> None:
+    """Steps of 3 ms between frames of 20 ms and records of 30: 6 + 2 ms, 3 + 1, 3 + 1, 6 + 2."""
+    scene = sn.Scene(
+        robot_of(3), VISCOUS, GAIT, **drive_of("servo", 2), dt_s=3e-3, duration_s=0.06,
+        record_every=10,
+    )  # fmt: skip
+    assert sn.simulate(scene).steps == 7 + 4 + 4 + 7
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_the_ledger_balances(formulation: str) -> None:
+    """Stores grow by work less heat; what is left falls by 16 a halving, RK4's order."""
+    left = []
+    for dt in (2e-3, 1e-3):
+        scene = sn.Scene(
+            robot_of(4), VISCOUS, GAIT, formulation=formulation, incline_rad=0.2, limp=(2,),
+            joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.4, dt_s=dt, duration_s=1.0,
+            record=("energy",),
+        )  # fmt: skip
+        energy = sn.simulate(scene).energy_j
+        stores, done = energy[:, :3].sum(axis=1), energy[:, 3] - energy[:, 4] - energy[:, 5]
+        left.append(np.abs(stores - stores[0] - done).max() / np.abs(energy).max())
+    assert left[0] < 1e-5
+    assert left[0] / left[1] > 14
+
+
+def momenta(run: sn.Run) -> np.ndarray:
+    """Return linear momentum and angular momentum about the origin, (T, 3)."""
+    m, inertia = run.scene.robot.link_mass_kg, run.scene.robot.inertia_kg_m2
+    orbit = m * (run.x_m * run.vy_m_s - run.y_m * run.vx_m_s) + inertia * run.omega_rad_s
+    return np.stack([m * run.vx_m_s.sum(1), m * run.vy_m_s.sum(1), orbit.sum(1)], axis=1)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_a_limp_chain_on_ice_keeps_energy_and_momentum(formulation: str) -> None:
+    scene = sn.Scene(
+        robot_of(5), NONE, GAIT, formulation=formulation, limp=(1, 2, 3, 4),
+        joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.0, dt_s=2.5e-4, duration_s=1.0,
+        record=("energy",),
+    )  # fmt: skip
+    run = sn.simulate(replace(scene, start=anywhere(scene, 1)))
+    energy = run.energy_j[:, :2].sum(axis=1)
+    # a sixth-order remainder of the 150 rad/s springs: (omega dt)^5/144 * steps = 2e-6 at most
+    assert np.ptp(energy) < 3e-6 * energy[0]
+    kept = momenta(run)
+    assert np.ptp(kept, axis=0) == pytest.approx(0, abs=1e-8 * np.abs(kept).max())
+    assert np.abs(run.energy_j[:, 3:]).max() < 1e-15
+
+
+@pytest.mark.parametrize("ground", ["viscous", "dry"])
+@pytest.mark.parametrize("method", ["rk4", "semi_implicit_euler"])
+def test_locked_straight_it_slides_as_a_rod(method: str, ground: str) -> None:
+    """Same viscosity in all directions: v and omega decay exponentially; dry: a constant brake."""
+    n, robot, c = 5, robot_of(5), 0.2
+    m, arms = robot.link_mass_kg, robot.link_length_m * (np.arange(n) - (n - 1) / 2)
+    law = sn.Ground(c, c) if ground == "viscous" else sn.Ground(0, 0, 0.04, 0.5)
+    spin = 3.0 if ground == "viscous" else 0.0
+    velocity = np.array([0.3, -0.5, spin]) if spin else np.array([0.5, 0.0, 0.0])
+    middle = np.stack([arms, -spin * 0 + velocity[0] + 0 * arms, velocity[1] + spin * arms])
+    start = sn.LinkState(middle[0], 0 * arms, 0 * arms, middle[1], middle[2], np.full(n, spin))
+    scene = sn.Scene(
+        robot, law, GAIT, locked=dict.fromkeys(range(1, n), 0.0), start=start, method=method,
+        dt_s=1e-4, duration_s=0.7, record_every=700,
+    )  # fmt: skip
+    run = sn.simulate(scene)
+    t = run.t_s
+    if ground == "viscous":
+        fade = m / c * (1 - np.exp(-c / m * t))
+        turn = (m * (arms @ arms) + n * robot.inertia_kg_m2) / (c * (arms @ arms))
+        angle = spin * turn * (1 - np.exp(-t / turn))
+    else:
+        fade, angle = t - law.ft0 / m * t**2 / 2 / 0.5, 0 * t
+    within = 1e-9 if method == "rk4" else 1e-3
+    assert run.x_m.mean(1) == pytest.approx(velocity[0] * fade, abs=within)
+    assert run.y_m.mean(1) == pytest.approx(velocity[1] * fade, abs=within)
+    assert run.theta_rad == pytest.approx(np.outer(angle, np.ones(n)), abs=within)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("direction", [0.0, 0.7, -2.0])
+def test_on_a_slope_friction_comes_to_carry_the_weight(formulation: str, direction: float) -> None:
+    """Straight and not turning, it slides at m g sin / c, along and across, each with its own c."""
+    robot = robot_of(4)
+    scene = sn.Scene(
+        robot, VISCOUS, sn.Gait(0.0, 0.0, 1.0), formulation=formulation, incline_rad=0.2,
+        incline_direction_rad=direction, duration_s=8.0, record_every=8000, record=("friction",),
+    )  # fmt: skip
+    end = sn.simulate(scene)
+    pull = robot.link_mass_kg * G * math.sin(0.2)
+    along, across = -pull * math.cos(direction), -pull * math.sin(direction)
+    assert end.vx_m_s[-1] == pytest.approx(along / VISCOUS.ct, abs=1e-9)
+    assert end.vy_m_s[-1] == pytest.approx(across / VISCOUS.cn, abs=1e-9)
+    assert end.friction_x_n[-1] == pytest.approx(-along, abs=1e-9)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_a_stiff_servo_goes_where_it_is_told(formulation: str) -> None:
+    """By the end of each frame it lacks torque/stiffness of its setpoint: half for twice."""
+    misses = []
+    for stiffness in (200.0, 400.0):
+        # critically damped for the mobility of the joint, 6000 1/(kg m^2)
+        servo = sn.Servo(stiffness, 2 * math.sqrt(stiffness / 6000), 1e6, 1e6, 0.0)
+        scene = sn.Scene(
+            robot_of(2), VISCOUS, GAIT, formulation=formulation, drive="servo", servo=servo,
+            joint_stiffness_n_m=3e3, joint_damping_n_s_m=20.0, dt_s=1e-4, duration_s=0.4,
+            record_every=200,
+        )  # fmt: skip
+        run = sn.simulate(scene)
+        told = sn._core.firmware.gait_setpoints_rad(
+            GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, offset_rad=GAIT.offset_rad,
+            frames=20, joints=1,
+        )  # fmt: skip
+        misses.append(np.abs(np.diff(run.theta_rad, axis=1)[1:] - told)[5:].max())
+    assert misses[0] < 1e-5
+    assert misses[0] / misses[1] == pytest.approx(2, rel=0.1)
+
+
+def turned(state: sn.LinkState, angle: float, mirror: bool) -> sn.LinkState:
+    """Return a state reflected in the x axis, if so asked, and then turned about the origin."""
+    sign, c, s = (-1.0 if mirror else 1.0), math.cos(angle), math.sin(angle)
+    place = np.array([[c, -s * sign], [s, c * sign]])
+    x, y = place @ [state.x_m, state.y_m]
+    vx, vy = place @ [state.vx_m_s, state.vy_m_s]
+    return sn.LinkState(x, y, sign * state.theta_rad + angle, vx, vy, sign * state.omega_rad_s)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("ground", list(GROUNDS))
+def test_mirrored_and_turned_it_moves_mirrored_and_turned(formulation: str, ground: str) -> None:
+    scene = sn.Scene(
+        robot_of(5), GROUNDS[ground], GAIT, formulation=formulation, **drive_of("constant", 4),
+        limp=(2,), locked={3: 0.3}, incline_rad=0.2, incline_direction_rad=0.5, duration_s=0.1,
+        joint_stiffness_n_m=300.0,
+    )  # fmt: skip
+    scene = replace(scene, start=anywhere(scene, 3))
+    other = replace(
+        scene, torque=-scene.torque, locked={3: -0.3}, incline_direction_rad=1.0 - 0.5,
+        start=turned(scene.start, 1.0, mirror=True),
+    )  # fmt: skip
+    wanted = turned(sn.simulate(scene).state(), 1.0, mirror=True).packed()
+    assert sn.simulate(other).state().packed() == pytest.approx(wanted, abs=1e-10)
+
+
+def test_half_a_period_later_a_gait_is_its_own_mirror_image() -> None:
+    gait = sn.Gait(0.8, 1.0, 2 * math.pi)
+    scene = sn.Scene(robot_of(5), VISCOUS, gait, duration_s=1.0, dt_s=1e-3, record_every=500)
+    run = sn.simulate(scene)
+    half = replace(scene, start=turned(run.state(1), 0.0, mirror=True), duration_s=0.5)
+    wanted = turned(run.state(2), 0.0, mirror=True).packed()
+    assert sn.simulate(half).state().packed() == pytest.approx(wanted, abs=1e-11)
+
+
+def test_a_servo_whose_speed_limit_is_stiff_is_refused() -> None:
+    """At its limit it is damped by limit/speed, here 30 N m s/rad: far more than by its gains."""
+    servo = sn.Servo(1.0, 0.0, 0.3, 0.01, 0.0)
+    with pytest.raises(sn.StepTooLarge):
+        sn.simulate(sn.Scene(robot_of(4), VISCOUS, GAIT, drive="servo", servo=servo))

@@ -1,0 +1,86 @@
+"""Stability: what is refused grows, what runs does not; extremes meet their error or say no."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.bench.stability import extremes, free_snake
+from serpenoid.bench.stability import map as stability_map
+from serpenoid.bench.stability.extremes import DEFECTS
+from serpenoid.bench.stability.map import Grid
+from serpenoid.simulation.methods import METHODS
+
+SIX = sn.Robot(6, 1.0, 0.12)
+GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+
+
+def test_explicit_euler_has_no_stable_step_without_damping() -> None:
+    scene = sn.Scene(SIX, sn.Ground(0.1, 10.0), GAIT, formulation="implicit", method="euler",
+                     joint_damping_n_s_m=0.0, dt_s=1e-9, duration_s=1e-8)  # fmt: skip
+    with pytest.raises(sn.StepTooLarge, match="no stable step"):
+        sn.simulate(scene)
+
+
+def test_a_torque_table_outlives_its_request() -> None:
+    """Nonsmooth steps compose a system from a copy of the request, gone when the run begins."""
+    torque = sn.TorqueTable(np.array([0.0, 1.0]), np.full((2, 5), 1e-3))
+    common = {"drive": "torque", "torque": torque, "formulation": "implicit", "duration_s": 0.2,
+              "dt_s": 1e-4, "gap": "zero", "start": "zero_momentum"}  # fmt: skip
+    still = sn.Gait(0.0, 0.0, 1.0)
+    ends = [
+        sn.simulate(sn.Scene(SIX, sn.Ground(0.1, 1.0), still, method=m, **common))
+        for m in ("nonsmooth", "rk4")
+    ]
+    assert np.abs(ends[0].theta_rad[-1] - ends[1].theta_rad[-1]).max() < 1e-4  # first order
+    assert np.abs(ends[1].theta_rad[-1]).max() > 1e-3
+
+
+@pytest.mark.parametrize("method", stability_map.fixed_step_methods())
+def test_what_runs_does_not_grow_and_what_grows_is_refused(method: str) -> None:
+    """Around the limit by the modes: a disturbance grows half above and not just below."""
+    for links, damping, stiffness in ((2, 1e3, 1e5), (6, 300.0, 1e6), (6, 30.0, 1e4)):
+        limit = stability_map.limit_s(method, links, damping, stiffness)
+        at = (method, links, damping, stiffness)
+        below, above = stability_map.line_of_growth(*at, (0.98 * limit, 1.5 * limit), 3000)
+        assert below < stability_map.GROWN, at
+        assert above > stability_map.GROWN, at
+
+
+def test_the_quiet_failure_counts_as_unstable() -> None:
+    """RK4 at 1 ms, 9e5 N/m: finite and bounded, and wrong."""
+    scene = stability_map.scene_of("rk4", 6, 1.0, 9e5, 1e-3)
+    assert stability_map.growth(scene, 3000) == math.inf
+
+
+def test_a_small_map_has_no_cell_that_runs_and_is_unstable() -> None:
+    grid = Grid((3,), (0.0, 100.0), (1e3, 1e6), (1e-4, 1e-3, 1e-2), 600)
+    cells = stability_map.measure(grid, lambda _: None)
+    assert len(cells) == 12 * len(stability_map.fixed_step_methods())
+    assert not [cell for cell in cells if cell.note or (cell.unstable and not cell.refused)]
+    assert {cell.refused for cell in cells} == {True, False}
+
+
+def test_no_extreme_scene_hangs_crashes_or_is_untrue() -> None:
+    outcomes = extremes.run(True, lambda _: None)
+    assert not [one for one in outcomes if one.outcome in DEFECTS]
+    words = {(one.scene, one.method): one.outcome for one in outcomes}
+    assert words["k = 2.2e6, c = 1 at 1 ms", "rk4"] == "refused"
+    assert words["mass 1e-6 kg", "rk4"] == "refused"
+    assert words["hard stick", "nonsmooth"] == "met"
+
+
+def test_a_free_snake_keeps_its_momentum_by_every_method_of_the_springs() -> None:
+    """Forces in pairs: momentum stays to rounding in the implicit formulation, at any step."""
+    for name, kind in METHODS.items():
+        if "implicit" in kind.formulations and "torque" in kind.drives:
+            found = free_snake.drift(name, "implicit", 2000, 1e-3)
+            assert found.said or found.momentum < 1e-12, found
+
+
+def test_rk4_keeps_a_free_snake_to_rounding() -> None:
+    """1e-4 s is a ten thousandth of its time scale: order four leaves less than rounding."""
+    found = free_snake.drift("rk4", "explicit", 10_000, 1e-4)
+    assert max(found.energy, found.momentum, found.angular_momentum) < 1e-13

@@ -1,0 +1,153 @@
+"""The house: which rooms there are, that arrows run down only, no circles, and no crowded room."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "host" / "serpenoid"
+CORE = ROOT / "host" / "core"
+# From the ground up: a file imports from its own room and from rooms named before it.
+ROOMS = [
+    "model",
+    "periodic",
+    "simulation",
+    "gaits",
+    "robot",
+    "calibration",
+    "show",
+    "bench",
+    "commands",
+]
+CORE_ROOMS = [
+    "numerics",
+    "model",
+    "drive",
+    "body",
+    "kernels",
+    "scene",
+    "methods",
+    "periodic",
+    "run",
+    "python",
+]
+MOST_FILES = 14  # a room whose files a reader can hold; `__init__` is not counted
+Graph = dict[str, set[str]]
+
+
+def module_of(path: Path) -> str:
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def python_imports(path: Path, modules: set[str]) -> set[str]:
+    """Return the package's own modules that a file imports: anywhere, type checking included."""
+    found = set()
+    package = path.relative_to(PACKAGE).parts[:-1]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = package[: len(package) - node.level + 1]
+            source = ".".join([*base, *filter(None, [node.module])])
+            for name in node.names:
+                inner = f"{source}.{name.name}".strip(".")
+                found.add(inner if inner in modules or not source else source)
+    return found - {module_of(path), "_core", ""}
+
+
+def python_graph() -> Graph:
+    files = {module_of(path): path for path in PACKAGE.rglob("*.py")}
+    return {name: python_imports(path, set(files)) for name, path in files.items()}
+
+
+def core_graph() -> Graph:
+    """Return source units (a header and its source are one) and the units they include."""
+    graph: Graph = {}
+    for path in [*CORE.rglob("*.hpp"), *CORE.rglob("*.cpp")]:
+        unit = path.relative_to(CORE).with_suffix("").as_posix()
+        own = re.findall(r'#include "([\w/]+/\w+)\.hpp"', path.read_text())
+        graph.setdefault(unit, set()).update(set(own) - {unit})
+    return graph
+
+
+def circles(graph: Graph) -> list[list[str]]:
+    """Return the circles that a depth-first search meets, each as the files in it."""
+    found, done = [], set()
+
+    def visit(name: str, path: list[str]) -> None:
+        if name in path:
+            found.append(path[path.index(name) :])
+        elif name not in done:
+            for other in sorted(graph.get(name, ())):
+                visit(other, [*path, name])
+            done.add(name)
+
+    for name in sorted(graph):
+        visit(name, [])
+    return found
+
+
+def uphill(graph: Graph, rooms: tuple[str, ...], separator: str) -> list[str]:
+    """Return the arrows that run up, and those from or to no known room."""
+    floor = {room: k for k, room in enumerate(rooms)}
+    wrong = []
+    for name, others in graph.items():
+        for other in others:
+            ends = [x.split(separator)[0] for x in (name, other)]
+            if not all(x in floor for x in ends) or floor[ends[1]] > floor[ends[0]]:
+                wrong.append(f"{name} -> {other}")
+    return sorted(wrong)
+
+
+def inside_rooms(graph: Graph) -> Graph:
+    """Leave out the package's face and the extension module, which are in no room."""
+    keep = {name for name in graph if name.split(".")[0] in ROOMS}
+    return {name: {o for o in graph[name] if not o.startswith("_core")} for name in keep}
+
+
+def test_python_arrows_run_down() -> None:
+    assert uphill(inside_rooms(python_graph()), ROOMS, ".") == []
+
+
+def test_core_arrows_run_down() -> None:
+    assert uphill(core_graph(), CORE_ROOMS, "/") == []
+
+
+@pytest.mark.parametrize("graph", [python_graph, core_graph], ids=["python", "core"])
+def test_no_circles(graph) -> None:
+    assert circles(graph()) == []
+
+
+def test_every_file_is_in_a_room_that_says_its_job() -> None:
+    loose = {p.name for p in PACKAGE.glob("*.py")}
+    assert loose == {"__init__.py", "__main__.py"}
+    assert {p.name for p in PACKAGE.iterdir() if (p / "__init__.py").exists()} == set(ROOMS)
+    for path in PACKAGE.rglob("*.py"):
+        assert ast.get_docstring(ast.parse(path.read_text())), path
+    assert {p.name for p in CORE.iterdir()} == set(CORE_ROOMS)
+    for path in [*CORE.rglob("*.hpp"), *CORE.rglob("*.cpp")]:
+        assert path.read_text().startswith("// "), path
+
+
+@pytest.mark.parametrize("root", [PACKAGE, CORE], ids=["python", "core"])
+def test_no_room_is_crowded(root: Path) -> None:
+    for room in [p for p in root.rglob("*") if p.is_dir() and p.name != "__pycache__"]:
+        files = [p for p in room.iterdir() if p.suffix in (".py", ".hpp", ".cpp")]
+        units = {p.stem for p in files} - {"__init__"}
+        assert len(units) <= MOST_FILES, f"{room.name}: {len(units)} files"
+
+
+def test_matplotlib_and_rich_live_in_show() -> None:
+    for path in PACKAGE.rglob("*.py"):
+        if "show" not in path.parts and "bench" not in path.parts and "commands" not in path.parts:
+            assert not re.search(r"(from|import) (matplotlib|rich)\b", path.read_text()), path
+
+
+def test_the_checks_see_what_they_look_for() -> None:
+    """A circle, an arrow that runs up, and a file in no room are found."""
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}}) == [["a", "b", "c"]]
+    assert uphill({"model.x": {"show.y"}}, ROOMS, ".") == ["model.x -> show.y"]
+    assert uphill({"attic.x": {"model.y"}}, ROOMS, ".") == ["attic.x -> model.y"]
