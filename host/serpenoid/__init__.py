@@ -13,8 +13,11 @@ if TYPE_CHECKING:
     from .calibration.session import Session, load_session
     from .gaits.least_power import LeastPower, least_power_gait
     from .model.drives import Servo, TorqueTable
-    from .model.link_state import Acceleration, AngleDrive, LinkState, TorqueDrive, acceleration
-    from .model.robot import Gait, Ground, Robot
+    from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
+    from .model.gait import Gait
+    from .model.ground import Ground
+    from .model.link_state import LinkState
+    from .model.robot import Robot
     from .periodic.steady import Steady, Sweep, steady_gait, sweep
     from .simulation.gait_batch import GaitRuns, simulate_gaits
     from .simulation.scene import Scene
@@ -28,8 +31,11 @@ _HOMES = {
     "calibration.friction_result": ("FrictionFit",),
     "calibration.session": ("Session", "load_session"),
     "model.drives": ("Servo", "TorqueTable"),
-    "model.link_state": ("Acceleration", "AngleDrive", "LinkState", "TorqueDrive", "acceleration"),
-    "model.robot": ("Gait", "Ground", "Robot"),
+    "model.evaluation": ("Acceleration", "AngleDrive", "TorqueDrive", "acceleration"),
+    "model.gait": ("Gait",),
+    "model.ground": ("Ground",),
+    "model.link_state": ("LinkState",),
+    "model.robot": ("Robot",),
     "gaits.least_power": ("LeastPower", "least_power_gait"),
     "periodic.steady": ("Steady", "Sweep", "steady_gait", "sweep"),
     "simulation.steady_springs": ("SteadySprings", "steady_springs"),

@@ -10,8 +10,10 @@ from types import EllipsisType
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.gait import Gait
+from ..model.ground import Ground
 from ..model.link_state import LinkState
-from ..model.robot import Gait, Ground, Robot
+from ..model.robot import Robot
 from ..simulation.scene import Scene
 from ..simulation.simulate import Run, start_state
 

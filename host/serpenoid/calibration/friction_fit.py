@@ -34,8 +34,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.errors import BadInput, NotConverged, check_choice
-from ..model.robot import Ground
+from ..model.checks import check_choice
+from ..model.errors import BadInput, NotConverged
+from ..model.ground import Ground
 from .friction_result import DOUBTFUL, LEVEL, NAMES, UNITS, Estimate, Floats, FrictionFit, notes_on
 from .session import Session
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.robot import Ground
+from ..model.ground import Ground
 from .session import Session
 
 Floats = NDArray[np.float64]

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.robot import Gait, Ground, Robot
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
 from ..simulation.scene import Scene
 from ..simulation.simulate import Run, simulate

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from ..model.errors import BadInput, check_choice, check_number
+from ..model.checks import check_choice, check_number
+from ..model.errors import BadInput
 from ..model.robot import Robot
 from ..model.toml_table import Table, check_names, located, read_text
 

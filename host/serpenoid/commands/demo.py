@@ -13,7 +13,9 @@ from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint, as_json, one_cycle, predict_all
 from ..calibration.session import load_session
-from ..model.robot import Gait, Ground, Robot
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
 from ..show import plot, report
 from .options import finite
 

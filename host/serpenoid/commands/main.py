@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from ..model.errors import BadInput, SerpenoidError
-from ..simulation.methods import FORMULATIONS
+from ..model.words import FORMULATIONS
 from .bench import BENCH_GROUP
 from .options import (
     AS_JSON,

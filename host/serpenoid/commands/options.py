@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from ..model.errors import check_number
+from ..model.checks import check_number
 
 if TYPE_CHECKING:
-    from ..model.robot import Gait, Ground, Robot
+    from ..model.gait import Gait
+    from ..model.ground import Ground
+    from ..model.robot import Robot
 
 T = TypeVar("T")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON.")
@@ -74,7 +76,8 @@ def make_robot(
     given: dict[str, Any], base: tuple[Robot, Ground] | None = None
 ) -> tuple[Robot, Ground]:
     """Take robot and ground from the preset, or else `base`, and what overrides it."""
-    from ..model.robot import Ground, Robot
+    from ..model.ground import Ground
+    from ..model.robot import Robot
 
     preset = given.pop("preset")
     if preset is not None or base is None:
@@ -89,7 +92,7 @@ def make_robot(
 
 def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     """Take a gait from degrees and either rate or frequency, over `base` if there is one."""
-    from ..model.robot import Gait
+    from ..model.gait import Gait
 
     degrees = _take(given, {name: f"{name}_deg" for name in _DEGREES})
     changes = {

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..model.errors import BadInput
-from ..simulation.methods import DRIVES, FORMULATIONS, GAPS, METHODS, STARTS
+from ..model.words import DRIVES, FORMULATIONS, GAPS, STARTS
+from ..simulation.methods import METHODS
 from .options import (
     AS_JSON,
     describe,

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.errors import NotConverged, SerpenoidError, check_choice, check_number
-from ..model.robot import Gait, Ground, Robot
+from ..model.checks import check_choice, check_number
+from ..model.errors import NotConverged, SerpenoidError
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait, sweep
 
 COSTS = ("power", "abs_power", "positive_power")

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import BadInput, check_number
+from .checks import check_number
+from .errors import BadInput
 
 
 @dataclass(frozen=True, slots=True)

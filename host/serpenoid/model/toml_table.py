@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .errors import BadInput, check_number
+from .checks import check_number
+from .errors import BadInput
 
 if sys.version_info >= (3, 11):
     import tomllib

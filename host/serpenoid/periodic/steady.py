@@ -11,8 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from ..model.errors import BadInput, NotConverged, check_number
-from ..model.robot import Gait, Ground, Robot, core_model
+from ..model.checks import check_number
+from ..model.core_model import core_model
+from ..model.errors import BadInput, NotConverged
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
 
 MAX_ELEMENTS = 1024
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
+from ..model.checks import check_number
 from ..model.errors import (
     BadInput,
     CommandRefused,
@@ -20,7 +21,6 @@ from ..model.errors import (
     ProtocolMismatch,
     RobotClosed,
     RobotError,
-    check_number,
 )
 from .signals import SignalGuard
 from .wire.clock import Drift
@@ -33,7 +33,7 @@ from .wire.record import Recorder
 from .wire.reports import JOINTS, Status, Trim, settings_of, status_of, trims_of
 
 if TYPE_CHECKING:
-    from ..model.robot import Gait
+    from ..model.gait import Gait
 
 FLASH = "`serpenoid flash --port {port}`"
 BOOT_S = 2.0  # in which a board that opening has reset greets of itself

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..model.errors import NotConverged, check_number
+from ..model.checks import check_number
+from ..model.errors import NotConverged
 from .error import exact_scene, largest_stable_step_s, stiffer_scene
 from .scene import Scene
 

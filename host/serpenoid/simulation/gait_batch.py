@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.errors import BadInput
+from ..model.gait import Gait
 from ..model.link_state import LinkState
-from ..model.robot import Gait
 from .scene import STARTS, Scene
 from .simulate import start_state
 from .stability import check_step

@@ -1,15 +1,10 @@
-"""The words a scene is told in, and every method: what it runs, its order, where it picks steps."""
+"""Every method: what it runs, its order, where it picks steps."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-FORMULATIONS = ("explicit", "implicit")
-DRIVES = ("angle", "torque", "servo")
-LAWS = ("viscous", "smoothed", "dry")
-STARTS = ("link1_at_rest", "zero_momentum", "steady")
-GAPS = ("slow_manifold", "zero")
-RECORDS = ("joints", "friction", "energy")
+from ..model.words import DRIVES, FORMULATIONS, LAWS, RECORDS
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,16 @@ from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
+from ..model.checks import check_choice, check_number
 from ..model.drives import Servo, TorqueTable
-from ..model.errors import BadInput, check_choice, check_number
-from ..model.link_state import LinkState, finite_vector
-from ..model.robot import Gait, Ground, Robot
-from .methods import DRIVES, FORMULATIONS, GAPS, METHODS, RECORDS, STARTS
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.link_state import LinkState
+from ..model.robot import Robot
+from ..model.vectors import finite_vector
+from ..model.words import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
+from .methods import METHODS
 
 MAX_LINK_STEPS = 10**11
 MAX_RECORDED_BYTES = 4_000_000_000

@@ -12,10 +12,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ..model.checks import check_number
 from ..model.drives import Servo, TorqueTable
-from ..model.errors import BadInput, SerpenoidError, check_number
+from ..model.errors import BadInput, SerpenoidError
+from ..model.gait import Gait
+from ..model.ground import Ground
 from ..model.link_state import LinkState
-from ..model.robot import Gait, Ground, Robot
+from ..model.robot import Robot
 from ..model.toml_table import Table, located
 from .scene import Scene
 

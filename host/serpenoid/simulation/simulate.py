@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..model.core_model import core_model
 from ..model.drives import TorqueTable
 from ..model.errors import BadInput, Diverged
-from ..model.link_state import LinkState, finite_vector
-from ..model.robot import core_model
+from ..model.link_state import LinkState
+from ..model.vectors import finite_vector
 from ..periodic.steady import steady_gait
 from .accuracy import simulate_to
 from .error import RunError, estimate, warnings_of

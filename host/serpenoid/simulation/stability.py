@@ -24,8 +24,10 @@ from numpy.typing import NDArray
 
 from ..model.drives import Servo
 from ..model.errors import StepTooLarge
-from ..model.link_state import LinkState, TorqueDrive, acceleration
-from ..model.robot import Gait, Ground
+from ..model.evaluation import TorqueDrive, acceleration
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.link_state import LinkState
 from .methods import METHODS
 from .scene import Scene
 

@@ -8,8 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..model.errors import NotConverged, check_number
-from ..model.robot import Gait, Ground, Robot
+from ..model.checks import check_number
+from ..model.errors import NotConverged
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
 from ..periodic.steady import steady_gait
 from .error import largest_stable_step_s
 from .scene import Scene

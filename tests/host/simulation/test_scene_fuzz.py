@@ -18,7 +18,8 @@ import pytest
 import serpenoid as sn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from serpenoid.simulation.methods import DRIVES, FORMULATIONS, GAPS, METHODS, RECORDS, STARTS
+from serpenoid.model.words import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
+from serpenoid.simulation.methods import METHODS
 from serpenoid.simulation.scene_file import load_scene
 
 EXAMPLES = int(os.environ.get("SERPENOID_FUZZ_EXAMPLES", "150"))

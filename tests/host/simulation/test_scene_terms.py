@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from oracle.scenes import slow_run
-from serpenoid.simulation.methods import FORMULATIONS, METHODS
+from serpenoid.model.words import FORMULATIONS
+from serpenoid.simulation.methods import METHODS
 
 G = 9.80665
 GAIT = sn.Gait(math.radians(40), math.radians(70), 4.0, 0.1)

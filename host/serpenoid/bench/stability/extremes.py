@@ -18,7 +18,9 @@ from functools import lru_cache
 from importlib.util import find_spec
 
 from ...model.errors import BadInput, Diverged, StepTooLarge
-from ...model.robot import Gait, Ground, Robot
+from ...model.gait import Gait
+from ...model.ground import Ground
+from ...model.robot import Robot
 from ...simulation.methods import METHODS
 from ...simulation.simulate import simulate
 from ..child_process import Crashed, Failed, Limited, Overran

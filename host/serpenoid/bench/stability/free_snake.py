@@ -13,8 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...model.errors import BadInput, Diverged, StepTooLarge
+from ...model.gait import Gait
+from ...model.ground import Ground
 from ...model.link_state import LinkState
-from ...model.robot import Gait, Ground, Robot
+from ...model.robot import Robot
 from ...simulation.methods import METHODS
 from ...simulation.scene import Scene
 from ...simulation.simulate import Run, simulate

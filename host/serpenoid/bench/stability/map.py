@@ -15,8 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ... import _core
+from ...model.gait import Gait
+from ...model.ground import Ground
 from ...model.link_state import LinkState
-from ...model.robot import Gait, Ground, Robot
+from ...model.robot import Robot
 from ...simulation.methods import METHODS
 from ...simulation.scene import Scene
 from ...simulation.simulate import core_request, start_state

@@ -12,7 +12,7 @@ from ..robot import Robot
 from ..wire.protocol import Telemetry
 
 if TYPE_CHECKING:
-    from ...model.robot import Gait
+    from ...model.gait import Gait
 
 FRAME_S = 0.02
 SILENCE_S = 2.0

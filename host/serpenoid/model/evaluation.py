@@ -1,0 +1,106 @@
+"""One evaluation of either formulation: accelerations, friction, joint forces and torques."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .checks import check_choice, check_number
+from .core_model import core_model
+from .errors import BadInput
+from .gait import Gait
+from .ground import Ground
+from .link_state import LinkState
+from .robot import Robot
+from .vectors import finite_vector
+from .words import FORMULATIONS
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueDrive:
+    """Impose joint torques T_i on link i from link i+1, (n-1,), N m; Eqs. 3, 6, 9."""
+
+    torque_nm: Array
+
+
+@dataclass(frozen=True, slots=True)
+class AngleDrive:
+    """Impose the second derivatives phi_i'' of the joint angles, (n-1,), rad/s^2."""
+
+    bend_rad_s2: Array
+
+    @classmethod
+    def of(cls, robot: Robot, gait: Gait, t_s: float) -> AngleDrive:
+        """Take them from a gait at time t_s (Eq. 57)."""
+        phase = gait.omega_rad_s * t_s + gait.beta_rad * np.arange(robot.links - 1)
+        return cls(-(gait.omega_rad_s**2) * gait.alpha_rad * np.sin(phase))
+
+
+@dataclass(frozen=True, slots=True)
+class Acceleration:
+    """Hold what one evaluation gives; arrays over links (n,) or joints (n-1,), ground frame.
+
+    ax_m_s2, ay_m_s2, alpha_rad_s2: accelerations of the centres and angles. friction_x_n,
+    friction_y_n: force of the ground on each link. joint_force_x_n, joint_force_y_n,
+    joint_torque_nm: on link i from link i+1.
+    """
+
+    ax_m_s2: Array
+    ay_m_s2: Array
+    alpha_rad_s2: Array
+    friction_x_n: Array
+    friction_y_n: Array
+    joint_force_x_n: Array
+    joint_force_y_n: Array
+    joint_torque_nm: Array
+
+    @property
+    def qddot(self) -> Array:
+        """Return (x'', y'' of link 1, theta_1''..theta_n''), (n+2,)."""
+        return np.concatenate((self.ax_m_s2[:1], self.ay_m_s2[:1], self.alpha_rad_s2))
+
+
+def acceleration(
+    robot: Robot,
+    ground: Ground,
+    state: LinkState | tuple[ArrayLike, ArrayLike],
+    *,
+    drive: TorqueDrive | AngleDrive,
+    formulation: str = "explicit",
+    joint_stiffness_n_m: float = 1e3,
+    joint_damping_n_s_m: float = 1.0,
+    smoothing_m_s: float = 0.0,
+) -> Acceleration:
+    """Evaluate a formulation once: Eqs. 1-9 with pinned joints (explicit) or Eqs. 51-56 (implicit).
+
+    state: a LinkState, or (q, qdot) as LinkState.joined takes them; the explicit model uses only
+    link 1's position and velocity and all angles and rates. drive: TorqueDrive or AngleDrive. Dry
+    friction is taken with sgn 0 = 0, or as v / sqrt(v^2 + w^2) with w = smoothing_m_s > 0. Raises
+    BadInput.
+    """
+    check_choice("formulation", formulation, FORMULATIONS)
+    if not isinstance(state, LinkState):
+        state = LinkState.joined(robot, *state)
+    if state.links != robot.links:
+        raise BadInput(f"state has {state.links} links, the robot has {robot.links}")
+    torque = isinstance(drive, TorqueDrive)
+    name, values = ("torque_nm", drive.torque_nm) if torque else ("bend_rad_s2", drive.bend_rad_s2)
+    request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
+    request.formulation = getattr(_core.Formulation, formulation)
+    request.drive = _core.Drive.torque if torque else _core.Drive.angle
+    request.set_spring(
+        check_number("joint_stiffness_n_m", joint_stiffness_n_m, 0.0),
+        check_number("joint_damping_n_s_m", joint_damping_n_s_m, 0.0),
+    )
+    request.smoothing_m_s = check_number("smoothing_m_s", smoothing_m_s, 0.0)
+    out: dict[str, Any] = _core.evaluate(
+        request, state.packed(), finite_vector(name, values, robot.links - 1)
+    )
+    names = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
+    return Acceleration(*(out[n] for n in names))
