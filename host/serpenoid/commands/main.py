@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 import threading
@@ -13,20 +12,19 @@ from typing import Any
 import click
 
 from ..model.errors import BadInput, SerpenoidError
-from ..model.words import FORMULATIONS
 from .bench import BENCH_GROUP
 from .options import (
     AS_JSON,
     describe,
-    gait_options,
     interruptible,
-    make_gait,
     make_robot,
     robot_options,
     show_json,
 )
 from .robot import COMMANDS as ROBOT_COMMANDS
 from .simulate import simulate
+from .steady import steady
+from .sweep import sweep
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -46,97 +44,6 @@ def demo(out: Path) -> None:
     from .demo import run_demo
 
     run_demo(out)
-
-
-@cli.command()
-@robot_options
-@gait_options
-@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
-@click.option(
-    "--formulation",
-    type=click.Choice(FORMULATIONS),
-    default="explicit",
-    show_default=True,
-    help="Exact model, or the paper's springs.",
-)
-@click.option("--stiffness-n-m", type=float, default=1000.0, show_default=True, help="Implicit: k.")
-@click.option("--damping-n-s-m", type=float, default=1.0, show_default=True, help="Implicit: c.")
-@AS_JSON
-def steady(
-    as_json: bool,
-    rtol: float,
-    formulation: str,
-    stiffness_n_m: float,
-    damping_n_s_m: float,
-    **given: Any,
-) -> None:
-    """Find the periodic state of one gait: speed, powers, settling time."""
-    from ..periodic.steady import steady_gait
-    from ..show import report
-
-    robot, ground = make_robot(given)
-    gait = make_gait(given)
-    if formulation == "implicit":
-        from ..simulation.steady_springs import steady_springs
-
-        soft = steady_springs(
-            robot,
-            ground,
-            gait,
-            joint_stiffness_n_m=stiffness_n_m,
-            joint_damping_n_s_m=damping_n_s_m,
-            rtol=rtol,
-        )
-        as_dict = {"gait": describe(gait)} | soft.to_dict()
-        return show_json(as_dict) if as_json else report.steady_springs(soft)
-    s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
-    return show_json({"gait": describe(gait)} | s.to_dict()) if as_json else report.steady(s)
-
-
-def _span(text: str, name: str) -> list[float]:
-    """Read FIRST:LAST:STEP, or one number."""
-    try:
-        numbers = [float(part) for part in text.split(":")]
-        if not all(math.isfinite(v) for v in numbers) or len(numbers) not in (1, 3):
-            raise ValueError
-        if len(numbers) == 1:
-            return numbers
-        first, last, step = numbers
-        if not (step > 0 and last >= first and (last - first) / step < 1e5):
-            raise ValueError
-    except ValueError:
-        raise click.BadParameter(f"{text!r} is not FIRST:LAST:STEP", param_hint=name) from None
-    return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
-
-
-@cli.command()
-@robot_options
-@click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
-@click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
-@click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="CSV file to write.")
-@AS_JSON
-def sweep(
-    as_json: bool, out: Path | None, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: Any
-) -> None:
-    """Solve every gait of a grid (the paper's 4500 unless told), into a CSV file or as JSON."""
-    from ..periodic.steady import sweep as run_sweep
-    from ..show import report
-
-    if out is None and not as_json:
-        raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
-    robot, ground = make_robot(given)
-    alpha, beta = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
-    omega = _span(omega_rad_s, "--omega-rad-s")
-    with report.progress(len(alpha) * len(beta) * len(omega), "gaits") as advance:
-        found = run_sweep(
-            robot, ground, alpha_rad=[math.radians(a) for a in alpha],
-            beta_rad=[math.radians(b) for b in beta], omega_rad_s=omega, progress=advance,
-        )  # fmt: skip
-    if out is not None:
-        report.write_sweep(found, out)
-    if as_json:
-        show_json(report.sweep_values(found))
 
 
 @cli.command()
@@ -189,7 +96,8 @@ def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
 
 
 cli.add_command(BENCH_GROUP)
-cli.add_command(simulate)
+for command in (simulate, steady, sweep):
+    cli.add_command(command)
 for robot_command in ROBOT_COMMANDS:
     cli.add_command(robot_command)
 

@@ -1,0 +1,57 @@
+"""The command `serpenoid sweep`: every gait of a grid."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .options import AS_JSON, make_robot, robot_options, show_json
+
+
+def _span(text: str, name: str) -> list[float]:
+    """Read FIRST:LAST:STEP, or one number."""
+    try:
+        numbers = [float(part) for part in text.split(":")]
+        if not all(math.isfinite(v) for v in numbers) or len(numbers) not in (1, 3):
+            raise ValueError
+        if len(numbers) == 1:
+            return numbers
+        first, last, step = numbers
+        if not (step > 0 and last >= first and (last - first) / step < 1e5):
+            raise ValueError
+    except ValueError:
+        raise click.BadParameter(f"{text!r} is not FIRST:LAST:STEP", param_hint=name) from None
+    return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
+
+
+@click.command()
+@robot_options
+@click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="CSV file to write.")
+@AS_JSON
+def sweep(
+    as_json: bool, out: Path | None, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: Any
+) -> None:
+    """Solve every gait of a grid (the paper's 4500 unless told), into a CSV file or as JSON."""
+    from ..periodic.steady import sweep as run_sweep
+    from ..show import report
+
+    if out is None and not as_json:
+        raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
+    robot, ground = make_robot(given)
+    alpha, beta = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
+    omega = _span(omega_rad_s, "--omega-rad-s")
+    with report.progress(len(alpha) * len(beta) * len(omega), "gaits") as advance:
+        found = run_sweep(
+            robot, ground, alpha_rad=[math.radians(a) for a in alpha],
+            beta_rad=[math.radians(b) for b in beta], omega_rad_s=omega, progress=advance,
+        )  # fmt: skip
+    if out is not None:
+        report.write_sweep(found, out)
+    if as_json:
+        show_json(report.sweep_values(found))
