@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import serpenoid as sn
 from matplotlib.figure import Figure
 
@@ -10,8 +9,8 @@ robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
 ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
 run = sn.simulate(sn.Scene(robot, ground, gait, method="nonsmooth", start="zero_momentum"))
-x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
-print(f"{np.hypot(x[-1] - x[0], y[-1] - y[0]):.3f} m away after {run.t_s[-1]:g} s")
+x, y = run.centre_m.T
+print(f"{run.travel_m:.3f} m away after {run.t_s[-1]:g} s")
 
 figure = Figure(figsize=(6, 4.5), layout="constrained")
 ax = figure.subplots()

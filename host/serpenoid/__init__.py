@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from .model.robot import Robot
     from .periodic.steady import Steady, Sweep, steady_gait, sweep
     from .simulation.gait_batch import GaitRuns, simulate_gaits
+    from .simulation.run import Run
     from .simulation.scene import Scene
     from .simulation.scene_file import load_scene, save_scene
-    from .simulation.simulate import Run, simulate
+    from .simulation.simulate import simulate
     from .simulation.steady_springs import SteadySprings, steady_springs
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
@@ -42,7 +43,8 @@ _HOMES = {
     "simulation.gait_batch": ("GaitRuns", "simulate_gaits"),
     "simulation.scene": ("Scene",),
     "simulation.scene_file": ("load_scene", "save_scene"),
-    "simulation.simulate": ("Run", "simulate"),
+    "simulation.run": ("Run",),
+    "simulation.simulate": ("simulate",),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

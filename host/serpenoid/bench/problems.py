@@ -14,8 +14,9 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
+from ..simulation.run import Run
 from ..simulation.scene import Scene
-from ..simulation.simulate import Run, start_state
+from ..simulation.starts import start_state
 
 Array = NDArray[np.float64]
 

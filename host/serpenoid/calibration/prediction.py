@@ -16,8 +16,9 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
+from ..simulation.run import Run
 from ..simulation.scene import Scene
-from ..simulation.simulate import Run, simulate
+from ..simulation.simulate import simulate
 from .friction_result import NAMES, FrictionFit
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's

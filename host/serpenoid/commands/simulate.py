@@ -28,8 +28,8 @@ from .options import (
 
 if TYPE_CHECKING:
     from ..model.drives import Servo
+    from ..simulation.run import Run
     from ..simulation.scene import Scene
-    from ..simulation.simulate import Run
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 

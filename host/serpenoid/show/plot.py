@@ -14,7 +14,7 @@ from ..calibration.friction_fit import friction_points
 from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint
 from ..calibration.session import Session
-from ..simulation.simulate import Run
+from ..simulation.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -127,7 +127,7 @@ def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> No
 
 def along_travel(run: Run) -> Run:
     """Turn a run so that it travels along x and starts at the origin."""
-    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
+    x, y = run.centre_m.T
     angle = np.arctan2(y[-1] - y[0], x[-1] - x[0])
     c, s = np.cos(angle), np.sin(angle)
     rx, ry = run.x_m - x[0], run.y_m - y[0]
@@ -151,7 +151,7 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
 
 
 def _paths(ax: Axes, run: Run) -> None:
-    centre = (run.x_m.mean(axis=1), run.y_m.mean(axis=1))
+    centre = tuple(run.centre_m.T)
     for name, (x, y), colour, width, end, shift, side in (
         ("tail", (run.x_m[:, 0], run.y_m[:, 0]), ORANGE, 1.4, 0, (-6, 0), "right"),
         ("head", (run.x_m[:, -1], run.y_m[:, -1]), BLUE, 1.4, -1, (6, 0), "left"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..simulation.simulate import ENERGY_COLUMNS, Run
+from ..simulation.run import ENERGY_COLUMNS, Run
 from .plot import BLUE, GREEN, GREY, ORANGE, RED, draw_links, figure
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def _path(ax: Axes, run: Run) -> None:
     for name, x, y, colour, width in (
         ("tail", run.x_m[:, 0], run.y_m[:, 0], ORANGE, 1.0),
         ("head", run.x_m[:, -1], run.y_m[:, -1], BLUE, 1.0),
-        ("centre of mass", run.x_m.mean(axis=1), run.y_m.mean(axis=1), "black", 2.0),
+        ("centre of mass", *run.centre_m.T, "black", 2.0),
     ):
         ax.plot(x, y, color=colour, lw=width, label=name)
     for index in np.unique(np.linspace(0, run.t_s.size - 1, _POSES).astype(int)):
@@ -52,13 +52,11 @@ def _path(ax: Axes, run: Run) -> None:
 def _speed(ax: Axes, run: Run) -> None:
     """Draw the centre of mass's speed, and how far it came in the period before, by its length."""
     t, period = run.t_s, run.scene.gait.period_s
-    ax.plot(t, np.hypot(run.vx_m_s.mean(axis=1), run.vy_m_s.mean(axis=1)), color=GREY, lw=1.0,
+    ax.plot(t, np.hypot(*run.centre_velocity_m_s.T), color=GREY, lw=1.0,
             label="at the moment")  # fmt: skip
     if t[-1] > period:
-        late = t[t >= period]
-        x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
-        dx, dy = (np.interp(late, t, v) - np.interp(late - period, t, v) for v in (x, y))
-        ax.plot(late, np.hypot(dx, dy) / period, color=BLUE, label="over the last period")
+        mean = run.mean_speed_m_s(period)
+        ax.plot(t[-mean.size :], mean, color=BLUE, label="over the last period")
     ax.set(title="speed of the centre of mass", ylabel="speed (m/s)")
     ax.set_ylim(bottom=0)
     ax.legend(loc="best")

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..simulation.run import ENERGY_COLUMNS
 from ..simulation.scene_file import scene_values
-from ..simulation.simulate import ENERGY_COLUMNS
 from .report import console, notices, table, write_csv
 
 if TYPE_CHECKING:
     from ..simulation.error import RunError
-    from ..simulation.simulate import Run
+    from ..simulation.run import Run
 
 STATE = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
 FORCES = (
@@ -23,11 +23,8 @@ FORCES = (
 
 def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
     """Return what a run came to; errors=False leaves out what costs more runs."""
-    t, x, y = run.t_s, run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     scene = run.scene
-    period = scene.gait.period_s
-    whole = t[-1] >= period
-    dx, dy = (v[-1] - np.interp(t[-1] - period, t, v) for v in (x, y))
+    mean_speed = run.mean_speed_m_s(scene.gait.period_s)
     summary = {
         "formulation": scene.formulation,
         "method": scene.method,
@@ -35,8 +32,8 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
         "duration_s": float(run.t_s[-1]),
         "steps": run.steps,
         "local_error": run.local_error if scene.adaptive else None,
-        "displacement_m": float(np.hypot(x[-1] - x[0], y[-1] - y[0])),
-        "speed_over_last_period_m_s": float(np.hypot(dx, dy) / period) if whole else None,
+        "displacement_m": run.travel_m,
+        "speed_over_last_period_m_s": float(mean_speed[-1]) if mean_speed.size else None,
         "end": {name: getattr(run, name)[-1].tolist() for name in STATE},
         "scene": scene_values(scene),
     }

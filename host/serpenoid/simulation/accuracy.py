@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ..model.checks import check_number
 from ..model.errors import NotConverged
-from .error import exact_scene, largest_stable_step_s, stiffer_scene
+from .related_scenes import exact_scene, largest_stable_step_s, stiffer_scene
+from .run import Run
 from .scene import Scene
-
-if TYPE_CHECKING:
-    from .simulate import Run
 
 _TRIES = 6
 _MOST_LINK_STEPS = 10**8  # some ten seconds
@@ -68,7 +65,7 @@ def simulate_to(accuracy: float, scene: Scene, simulate: Callable[[Scene], Run])
                 f"formulation {tried.formulation!r}, method {tried.method!r}, {step}: {why}; "
                 f"estimated error {worst:.2g} of the {accuracy:g} asked for"
             )
-            return replace(run, picked=picked)
+            return run.picked_because(picked)
         tried = _finer(tried, run, min(worst / accuracy, 1e3))
         if not tried.adaptive and tried.steps * scene.robot.links > _MOST_LINK_STEPS:
             break

@@ -13,8 +13,8 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.link_state import LinkState
 from .scene import STARTS, Scene
-from .simulate import start_state
 from .stability import check_step
+from .starts import start_state
 
 Array = NDArray[np.float64]
 _RUNS_AS = {

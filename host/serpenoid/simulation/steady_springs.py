@@ -14,9 +14,10 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import steady_gait
-from .error import largest_stable_step_s
+from .related_scenes import largest_stable_step_s
+from .run import Run
 from .scene import Scene
-from .simulate import Run, simulate
+from .simulate import simulate
 
 _MOST_CYCLES = 4096
 _STEPS_A_CYCLE = 1000
@@ -52,19 +53,13 @@ def _cycle_scene(scene: Scene) -> Scene:
     return replace(scene, dt_s=period / steps, record_every=steps)
 
 
-def _speeds(run: Run) -> np.ndarray:
-    """Return the speed of every cycle, from a run that recorded the ends of cycles."""
-    x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
-    return np.hypot(np.diff(x), np.diff(y)) / run.scene.gait.period_s
-
-
 def _settled(scene: Scene, rtol: float, floor_m_s: float) -> tuple[Run, float, float, int]:
     """Return the last run, its mean speed, how much that still varies, and the cycles it took."""
     cycles, count, spread = 0, 8, math.inf
     while cycles < _MOST_CYCLES:
         run = simulate(replace(scene, duration_s=count * scene.gait.period_s))
         cycles += count
-        late = _speeds(run)[count // 2 :]
+        late = run.mean_speed_m_s(scene.gait.period_s)[count // 2 :]
         spread = float(np.ptp(late))
         if spread <= rtol * max(late.mean(), floor_m_s):
             return run, float(late.mean()), spread, cycles
@@ -105,8 +100,7 @@ def steady_springs(
     once = replace(scene, start=run.state(), duration_s=gait.period_s)
     last = simulate(replace(once, record=("joints",), record_every=1))
     finer = simulate(replace(once, dt_s=scene.dt_s / 2, record_every=2 * scene.every))
-    ends = replace(last, x_m=last.x_m[[0, -1]], y_m=last.y_m[[0, -1]])
-    steps = abs(float(_speeds(ends)[0] - _speeds(finer)[0])) * (2.0 if ground.dry else 16 / 15)
+    steps = abs(last.travel_m - finer.travel_m) / gait.period_s * (2.0 if ground.dry else 16 / 15)
     power = last.joint_power_w[1:]  # a period's samples: the mean is as good as the steps
     return SteadySprings(
         speed, float(power.sum(axis=1).mean()), float(np.abs(power).sum(axis=1).mean()),

@@ -13,7 +13,7 @@ from oracle import explicit, implicit
 from oracle.params import Array, Gait, Params
 from serpenoid.model.errors import Diverged
 from serpenoid.model.link_state import LinkState
-from serpenoid.simulation.simulate import start_state
+from serpenoid.simulation.starts import start_state
 
 BOTH = ("dop853", "collocation")
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)

@@ -13,8 +13,8 @@ import pytest
 import serpenoid as sn
 from serpenoid import _core
 from serpenoid.simulation.gait_batch import gait_rows, lane_scene, lane_state
-from serpenoid.simulation.simulate import start_state
 from serpenoid.simulation.stability import joint_modes
+from serpenoid.simulation.starts import start_state
 
 CORE = Path(__file__).resolve().parents[3] / "host" / "core"
 LINK_FIELDS = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")

@@ -10,8 +10,8 @@ import pytest
 import serpenoid as sn
 from serpenoid import _core
 from serpenoid.simulation import stability
+from serpenoid.simulation.core_run import core_request
 from serpenoid.simulation.methods import METHODS
-from serpenoid.simulation.simulate import core_request
 
 ROBOT, GROUND = sn.Robot(4, 0.08, 0.09, 2.5e-4), sn.Ground(0.3, 3.0)
 GAIT = sn.Gait(math.radians(40), math.radians(70), 4.0)

@@ -14,7 +14,8 @@ from scipy.integrate import solve_ivp
 from serpenoid import _core
 from serpenoid.bench.peers.numpy_equations import rate_of
 from serpenoid.bench.problems import PAPER_GROUND, Problem
-from serpenoid.simulation.simulate import core_request, start_state
+from serpenoid.simulation.core_run import core_request
+from serpenoid.simulation.starts import start_state
 
 THREE, SIX = sn.Robot(3, 1.0, 0.12), sn.Robot(6, 1.0, 0.12)
 THREE_GAIT = sn.Gait(math.radians(30), math.radians(90), 3.0)

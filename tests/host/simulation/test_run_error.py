@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 import serpenoid as sn
-from serpenoid.simulation.error import Difference, difference
+from serpenoid.simulation.error import Difference
+from serpenoid.simulation.judge import difference
 
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)

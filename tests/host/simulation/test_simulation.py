@@ -10,7 +10,7 @@ import pytest
 import serpenoid as sn
 from serpenoid import _core
 from serpenoid.simulation import stability
-from serpenoid.simulation.simulate import core_request
+from serpenoid.simulation.core_run import core_request
 
 THREE, SIX, VISCOUS = sn.Robot(3, 1.0, 0.12), sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 THREE_GAIT = sn.Gait(math.radians(30), math.radians(90), 3.0)

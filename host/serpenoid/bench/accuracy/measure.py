@@ -18,9 +18,10 @@ from functools import lru_cache
 import numpy as np
 
 from ..child_process import Crashed, Failed, Limited, Overran
+from ..contender import Contender, Work
 from ..problems import Problem, problems
 from ..reference import reference
-from .contenders import Contender, Work, contenders
+from .contenders import contenders
 
 NOT_TRIED = "not tried"
 LEAST_TIMED_S = 2e-3  # shorter work is repeated within a round

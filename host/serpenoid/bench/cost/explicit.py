@@ -21,7 +21,7 @@ import serpenoid as sn
 from serpenoid import _core
 from serpenoid.bench.peers.numba_equations import dop853_run, parameters, rate_array
 from serpenoid.bench.problems import Array, Problem, problems
-from serpenoid.simulation.simulate import core_request
+from serpenoid.simulation.core_run import core_request
 
 WANTED = 1e-6  # largest error of the end state, scaled as in Problem.error
 TOLERANCES = 10.0 ** np.arange(-3.0, -10.0, -0.5)

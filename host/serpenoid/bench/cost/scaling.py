@@ -11,7 +11,8 @@ import numpy as np
 
 import serpenoid as sn
 from serpenoid import _core
-from serpenoid.simulation.simulate import core_request, start_state
+from serpenoid.simulation.core_run import core_request
+from serpenoid.simulation.starts import start_state
 
 LINKS = (20, 50, 100, 300, 1000)
 GAIT, GROUND = sn.Gait(math.radians(20), math.radians(25), 5.0), sn.Ground(0.1, 10.0)

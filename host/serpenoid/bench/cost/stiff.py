@@ -5,6 +5,7 @@ Times are those of the processor, so that a busy machine does not lengthen the l
 
 from __future__ import annotations
 
+import math
 import statistics
 import sys
 import time
@@ -17,7 +18,8 @@ from serpenoid import _core
 from serpenoid.bench.peers import compiled as peers
 from serpenoid.bench.peers.numba_equations import dop853_run, parameters
 from serpenoid.bench.problems import PAPER_GROUND, Array, Problem, problems
-from serpenoid.simulation.simulate import core_request
+from serpenoid.simulation.core_run import core_request
+from serpenoid.simulation.starts import start_state
 
 WANTED = 1e-6  # largest error of the end state, scaled as in Problem.error
 TOLERANCES = tuple(10.0 ** np.arange(-3.0, -11.5, -0.5))
@@ -65,7 +67,7 @@ def good_enough(problem: Problem, solve: Solve, exact: Array) -> tuple[float, fl
 
     The next tighter one must be as good, so that no lucky hit counts.
     """
-    hit = None
+    hit, error, tol = None, math.inf, TOLERANCES[0]
     for tol in TOLERANCES:
         begin = time.perf_counter()
         try:
@@ -88,11 +90,12 @@ def report(problem: Problem) -> float:
     )[0]
     solvers = {**dict(own(problem)), **dict(others(problem))}
     found = {name: good_enough(problem, solve, exact) for name, solve in solvers.items()}
-    times = {name: [] for name, hit in found.items() if not isinstance(hit, str)}
+    hits = {name: hit[0] for name, hit in found.items() if not isinstance(hit, str)}
+    times: dict[str, list[float]] = {name: [] for name in hits}
     for _ in range(ROUNDS):
         for name, taken in times.items():
             begin = time.process_time()
-            solvers[name](found[name][0])
+            solvers[name](hits[name])
             taken.append(time.process_time() - begin)
     median = {name: statistics.median(taken) for name, taken in times.items()}
     print(f"\nk = {problem.stiffness_n_m:g} N/m, c = {problem.damping_n_s_m:g} N s/m, 6 links, 1 s",
@@ -120,7 +123,7 @@ def links() -> None:
         request = core_request(scene)
         request.tolerance, request.dt_s, request.duration_s = 0.0, 1e-4, steps * 1e-4
         request.steps = request.every = steps
-        start = sn.simulation.start_state(scene).packed()
+        start = start_state(scene).packed()
         taken = []
         for _ in range(9):
             begin = time.process_time()

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..accuracy.contenders import STEPS_S, TOLERANCES, Contender, Work, even_step_s
+from ..contender import STEPS_S, TOLERANCES, Contender, Work, even_step_s
 from ..problems import Array, Problem
 from . import numba_equations as q
 

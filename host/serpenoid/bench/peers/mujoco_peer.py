@@ -13,7 +13,7 @@ from __future__ import annotations
 import mujoco as mj  # pyright: ignore[reportMissingImports] (an optional extra)
 import numpy as np
 
-from ..accuracy.contenders import Contender, Work, even_step_s
+from ..contender import Contender, Work, even_step_s
 from ..problems import Array, Problem
 
 STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)

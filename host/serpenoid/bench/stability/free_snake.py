@@ -18,8 +18,9 @@ from ...model.ground import Ground
 from ...model.link_state import LinkState
 from ...model.robot import Robot
 from ...simulation.methods import METHODS
+from ...simulation.run import Run
 from ...simulation.scene import Scene
-from ...simulation.simulate import Run, simulate
+from ...simulation.simulate import simulate
 
 ROBOT = Robot(6, 1.0, 0.12)
 PLACE = (0.0, 0.0, 0.1, 0.5, -0.3, 0.2, 0.6, -0.1)

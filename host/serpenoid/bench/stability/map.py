@@ -19,10 +19,11 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.link_state import LinkState
 from ...model.robot import Robot
+from ...simulation.core_run import core_request
 from ...simulation.methods import METHODS
 from ...simulation.scene import Scene
-from ...simulation.simulate import core_request, start_state
 from ...simulation.stability import largest_step_s, stability_test
+from ...simulation.starts import start_state
 from ..child_process import Crashed, Failed, Limited, Overran
 from ..problems import Array
 

@@ -1,0 +1,87 @@
+"""One call of the compiled core: a scene as the core takes it, and what comes back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from .. import _core
+from ..model.core_model import core_model
+from ..model.drives import TorqueTable
+from ..model.errors import Diverged
+from ..model.link_state import LinkState
+from ..model.vectors import finite_vector
+from .scene import MAX_LINK_STEPS, Scene
+
+STANDARD_GRAVITY_M_S2 = 9.80665
+
+
+def _torque(request: Any, scene: Scene) -> None:
+    torque, joints = scene.torque, scene.robot.links - 1
+    if isinstance(torque, TorqueTable):
+        request.set_torque_table(torque.t_s.tolist(), torque.torque_nm.ravel().tolist())
+    elif callable(torque):
+        request.set_torque_function(
+            lambda t: finite_vector(f"torque at {t:g} s", torque(t), joints)
+        )
+    elif torque is not None:
+        request.set_torque_table([0.0], finite_vector("torque", torque, joints).tolist())
+
+
+def _faults(scene: Scene) -> tuple[list[Any], list[float]]:
+    """Return what is wrong with each joint, and the angles of the locked; empty if nothing is."""
+    if not scene.limp and not scene.locked:
+        return [], []
+    kinds = dict.fromkeys(scene.limp, _core.Fault.limp)
+    kinds |= dict.fromkeys(scene.locked, _core.Fault.locked)
+    numbers = range(1, scene.robot.links)
+    return [kinds.get(j, _core.Fault.none) for j in numbers], [
+        scene.locked.get(j, 0.0) for j in numbers
+    ]
+
+
+def core_request(scene: Scene) -> Any:
+    """Return a scene as the core takes it."""
+    q = _core.RunRequest(core_model(scene.robot, scene.ground, scene.gait))
+    q.formulation = getattr(_core.Formulation, scene.formulation)
+    q.drive = getattr(_core.Drive, scene.drive)
+    q.set_spring(scene.joint_stiffness_n_m, scene.joint_damping_n_s_m)
+    if scene.incline_rad > 0:
+        downhill = -STANDARD_GRAVITY_M_S2 * math.sin(scene.incline_rad)
+        direction = scene.incline_direction_rad
+        q.set_slope(downhill * math.cos(direction), downhill * math.sin(direction))
+    _torque(q, scene)
+    if scene.servo is not None:
+        q.set_servo(*(getattr(scene.servo, name) for name in scene.servo.__slots__))
+    q.faults, q.locked_rad = _faults(scene)
+    q.smoothing_m_s = scene.smoothing_m_s
+    q.method, q.dt_s, q.tolerance = scene.method, scene.dt_s, scene.tolerance
+    q.duration_s, q.steps, q.every = scene.duration_s, scene.steps, scene.every
+    q.most_steps = MAX_LINK_STEPS // scene.robot.links
+    q.record_joints = "joints" in scene.record
+    q.record_friction = "friction" in scene.record
+    q.record_energy = "energy" in scene.record
+    return q
+
+
+def run_core(
+    scene: Scene, start: LinkState, progress: Callable[[float], object] | None = None
+) -> dict[str, Any]:
+    """Run a scene from a start and return Run's arrays by name (module.cpp); or raise Diverged."""
+    out = _core.run(core_request(scene), start.packed(), progress)
+    failed_at, why = out.pop("failed_at"), out.pop("why")
+    if failed_at >= 0:
+        raise Diverged(_what_failed(scene, failed_at, why))
+    return out
+
+
+def _what_failed(scene: Scene, t_s: float, why: str) -> str:
+    what = why or "the state left the finite numbers"
+    if "stiff" in why and scene.formulation == "implicit":
+        cure = "take method 'radau', which is made for stiff springs"
+    elif scene.adaptive:
+        cure = f"loosen tolerance {scene.tolerance:g}, or look whether the scene is physical"
+    else:
+        cure = f"take a smaller dt_s than {scene.dt_s:g} (a tenth is a good try)"
+    return f"the run ended by t = {t_s:g} s with method {scene.method}: {what}; {cure}"

@@ -1,0 +1,129 @@
+"""A run: everything that was recorded, and what follows from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.link_state import LinkState
+from .error import RunError
+from .scene import Scene
+
+Array = NDArray[np.float64]
+ENERGY_COLUMNS = (
+    "kinetic_j", "springs_j", "height_j", "joint_work_j", "friction_heat_j", "damper_heat_j",
+    "positive_work_j",
+)  # fmt: skip
+
+
+class Judge(Protocol):
+    """Find out how far runs are off (judge.py)."""
+
+    def error(self, run: Run) -> RunError:
+        """Return what is known of a run's error."""
+        ...
+
+    def warnings(self, run: Run) -> tuple[str, ...]:
+        """Return what somebody who uses a run must know."""
+        ...
+
+
+@dataclass(frozen=True)
+class Run:
+    """Hold a run: T recorded times t_s (T,), and (T, n) arrays over links counted from the tail.
+
+    x_m, y_m: link centres, theta_rad: angles, vx_m_s, vy_m_s, omega_rad_s: their rates, ground
+    frame. Empty unless recorded: joint_force_x_n, joint_force_y_n, joint_torque_nm, (T, n-1), on
+    link i from link i+1 ("joints"); friction_x_n, friction_y_n, (T, n), of the ground on each link
+    ("friction"); energy_j, (T, 7), columns ENERGY_COLUMNS: three stores, then what joints, friction
+    and dampers did since t = 0 and the work of joints that do not regenerate ("energy").
+    judge: finds the run's error. picked: what an accuracy that was asked for chose, and why (else
+    empty).
+    steps: how many the method took. local_error: sum of the errors that an adaptive method thinks
+    its steps made, in the scale of scene.tolerance (0: it has no idea).
+    """
+
+    scene: Scene
+    t_s: Array
+    x_m: Array
+    y_m: Array
+    theta_rad: Array
+    vx_m_s: Array
+    vy_m_s: Array
+    omega_rad_s: Array
+    joint_force_x_n: Array
+    joint_force_y_n: Array
+    joint_torque_nm: Array
+    friction_x_n: Array
+    friction_y_n: Array
+    energy_j: Array
+    steps: int
+    local_error: float
+    judge: Judge
+    picked: str = ""
+
+    def state(self, index: int = -1) -> LinkState:
+        """Return the state of all links at one recorded time."""
+        return LinkState.row(self, index)
+
+    @cached_property
+    def error_estimate(self) -> RunError:
+        """Return what is known of this run's error; the first use costs one or two more runs."""
+        return self.judge.error(self)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Return what somebody who uses this run must know; costs what error_estimate costs."""
+        return self.judge.warnings(self)
+
+    @property
+    def centre_m(self) -> Array:
+        """Return where the centre of mass was, x and y, (T, 2)."""
+        return np.stack([self.x_m.mean(axis=1), self.y_m.mean(axis=1)], axis=1)
+
+    @property
+    def centre_velocity_m_s(self) -> Array:
+        """Return how the centre of mass moved, x and y, (T, 2)."""
+        return np.stack([self.vx_m_s.mean(axis=1), self.vy_m_s.mean(axis=1)], axis=1)
+
+    @property
+    def travel_m(self) -> float:
+        """Return how far the centre of mass is from where it started, m."""
+        return float(np.hypot(*(self.centre_m[-1] - self.centre_m[0])))
+
+    def mean_speed_m_s(self, period_s: float) -> Array:
+        """Return |displacement of the centre of mass| / period over the period before each time.
+
+        At the recorded times from one period after the start on, (times,); a time between two
+        recorded ones is interpolated. Empty for a run shorter than a period.
+        """
+        late = self.t_s[self.t_s >= self.t_s[0] + period_s * (1 - 1e-9)]
+        ways = [np.interp(late, self.t_s, v) - np.interp(late - period_s, self.t_s, v)
+                for v in self.centre_m.T]  # fmt: skip
+        return np.hypot(*ways) / period_s
+
+    def picked_because(self, picked: str) -> Run:
+        """Return the same run, its estimate kept, that says what chose its method and why."""
+        run = replace(self, picked=picked)
+        vars(run).update({k: v for k, v in vars(self).items() if k == "error_estimate"})
+        return run
+
+    @property
+    def joint_power_w(self) -> Array:
+        """Return -T_i phi_i', the mechanical power of each joint, (T, n-1)."""
+        return -self.joint_torque_nm * np.diff(self.omega_rad_s, axis=1)
+
+    @property
+    def gap_m(self) -> Array:
+        """Return Delta_i, how far each joint is open (Eqs. 53-56), (T, n-1, 2)."""
+        half = self.scene.robot.link_length_m / 2
+
+        def open_by(centre: Array, along: Array) -> Array:
+            return np.diff(centre, axis=1) - half * (along[:, 1:] + along[:, :-1])
+
+        gap_x = open_by(self.x_m, np.cos(self.theta_rad))
+        return np.stack([gap_x, open_by(self.y_m, np.sin(self.theta_rad))], axis=2)

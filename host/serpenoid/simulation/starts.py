@@ -1,0 +1,130 @@
+"""The state that a scene starts from: at rest, without momentum, in the periodic state, in gaps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.errors import BadInput
+from ..model.link_state import LinkState
+from ..periodic.steady import steady_gait
+from .core_run import run_core
+from .scene import Scene
+
+Array = NDArray[np.float64]
+_FORWARD = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # derivative from five points, order 4
+
+
+def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
+    """Return angles and rates of the joints at t = 0: the gait's, locked ones where they stay."""
+    gait, joints = scene.gait, np.arange(scene.robot.links - 1)
+    phase = gait.beta_rad * joints
+    phi = gait.offset_rad + gait.alpha_rad * np.sin(phase)
+    rate = gait.omega_rad_s * gait.alpha_rad * np.cos(phase)
+    for joint, angle in scene.locked.items():
+        phi[joint - 1], rate[joint - 1] = angle, 0.0
+    return phi, rate
+
+
+def _placed(scene: Scene, vx_m_s: float, vy_m_s: float, omega_rad_s: float) -> LinkState:
+    """Return the state with link 1 at the origin along x, moving as given."""
+    phi, rate = _joints_at_start(scene)
+    q, qdot = np.zeros(scene.robot.links + 2), np.empty(scene.robot.links + 2)
+    q[3:] = phi.cumsum()
+    qdot[:3] = vx_m_s, vy_m_s, omega_rad_s
+    qdot[3:] = omega_rad_s + rate.cumsum()
+    return LinkState.joined(scene.robot, q, qdot)
+
+
+def _zero_momentum(scene: Scene) -> LinkState:
+    """Return the start in which neither the centre of mass moves nor the whole chain turns."""
+    robot = scene.robot
+    at_rest = _placed(scene, 0, 0, 0)
+    m, inertia = robot.link_mass_kg, robot.inertia_kg_m2
+    x, y = at_rest.x_m - at_rest.x_m.mean(), at_rest.y_m - at_rest.y_m.mean()
+    vx, vy = at_rest.vx_m_s - at_rest.vx_m_s.mean(), at_rest.vy_m_s - at_rest.vy_m_s.mean()
+    momentum = m * (x @ vy - y @ vx) + inertia * at_rest.omega_rad_s.sum()
+    turn = -momentum / (robot.links * inertia + m * (x @ x + y @ y))
+    shift_x, shift_y = -at_rest.vx_m_s.mean() - turn * y[0], -at_rest.vy_m_s.mean() + turn * x[0]
+    return _placed(scene, shift_x, shift_y, turn)
+
+
+def _steady_start(scene: Scene) -> LinkState:
+    """Return the explicit model's periodic state, link 1 at the origin heading along x."""
+    robot, gait = scene.robot, scene.gait
+    u = steady_gait(robot, scene.ground, gait, powers=False).body_velocity
+    at_rest = _placed(scene, 0, 0, 0)
+    # link 1 moves as the centre of mass does, turned about it, less what the shape adds
+    dx, dy = at_rest.x_m[0] - at_rest.x_m.mean(), at_rest.y_m[0] - at_rest.y_m.mean()
+    vx = u[0] - u[2] * dy - at_rest.vx_m_s.mean()
+    vy = u[1] + u[2] * dx - at_rest.vy_m_s.mean()
+    return _placed(scene, vx, vy, u[2])
+
+
+def check_imposed(scene: Scene, start: LinkState) -> None:
+    """Raise BadInput unless a start has the angles and rates of the joints that are imposed."""
+    phi, rate = _joints_at_start(scene)
+    for i in range(scene.robot.links - 1):
+        if (scene.drive != "angle" or i + 1 in scene.limp) and i + 1 not in scene.locked:
+            continue
+        found = (start.theta_rad[i + 1] - start.theta_rad[i],
+                 start.omega_rad_s[i + 1] - start.omega_rad_s[i])  # fmt: skip
+        for what, unit, has, wants in zip(
+            ("angle", "rate"), ("rad", "rad/s"), found, (phi[i], rate[i]), strict=True
+        ):
+            if abs(has - wants) > 1e-6 * (1 + abs(wants)):
+                raise BadInput(
+                    f"start has joint {i + 1} at {what} {has:.6g} {unit}, where it is imposed to "
+                    f"be {wants:.6g}; take the state from LinkState.in_gait, or another drive"
+                )
+
+
+def _explicit_start(scene: Scene) -> LinkState:
+    if isinstance(scene.start, LinkState):
+        return scene.start
+    if scene.start == "zero_momentum":
+        return _zero_momentum(scene)
+    if scene.start == "steady":
+        return _steady_start(scene)
+    return _placed(scene, 0, 0, 0)
+
+
+def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
+    """Open the joints by what their springs need to carry the explicit model's forces.
+
+    Gap (F - c F'/k)/k and gap rate F'/k: the motion then has no ringing part to order 1/k^2. The
+    centre of mass stays where it is. F' comes from five evaluations along the explicit motion.
+    """
+    h = 1e-3 / scene.gait.omega_rad_s
+    if scene.drive != "angle":
+        h = min(h, 1e-5)
+    exact = replace(
+        scene, formulation="explicit", method="rk4", start=start, dt_s=h, duration_s=4 * h,
+        record=("joints",), record_every=1,
+    )  # fmt: skip
+    out = run_core(exact, start)
+    force = np.stack([out["joint_force_x_n"], out["joint_force_y_n"]], axis=2)  # (5, n-1, 2)
+    rate = np.tensordot(_FORWARD, force, axes=1) / h
+    k, c = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
+    gap, gap_rate = (force[0] - c * rate / k) / k, rate / k
+
+    def opened(values: Array, gaps: Array) -> Array:
+        shift = np.concatenate(([0.0], np.cumsum(gaps)))
+        return values + shift - shift.mean()
+
+    return LinkState(
+        opened(start.x_m, gap[:, 0]), opened(start.y_m, gap[:, 1]), start.theta_rad,
+        opened(start.vx_m_s, gap_rate[:, 0]), opened(start.vy_m_s, gap_rate[:, 1]),
+        start.omega_rad_s,
+    )  # fmt: skip
+
+
+def start_state(scene: Scene) -> LinkState:
+    """Return the state that a scene starts from, all links, ground frame."""
+    start = _explicit_start(scene)
+    soft = scene.formulation == "implicit" and scene.joint_stiffness_n_m > 0
+    if soft and scene.gap == "slow_manifold" and not isinstance(scene.start, LinkState):
+        return _on_slow_manifold(scene, start)
+    return start
