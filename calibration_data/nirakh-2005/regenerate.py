@@ -12,7 +12,8 @@ import math
 from itertools import count
 from pathlib import Path
 
-from serpenoid.calibration.session import COLUMNS, Setup, load_setup
+from serpenoid.calibration.session import Setup
+from serpenoid.calibration.session_file import COLUMNS, load_setup
 
 CT_N_S_M, FT0_N = 0.084, 0.14  # Eq. 59, whole snake
 CN_N_S_M, FN0_N = 1.2, 0.27  # Eq. 62, whole snake

@@ -10,7 +10,8 @@ from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, Step
 if TYPE_CHECKING:
     from .calibration.friction_fit import fit_friction
     from .calibration.friction_result import FrictionFit
-    from .calibration.session import Session, load_session
+    from .calibration.session import Session
+    from .calibration.session_file import load_session
     from .gaits.least_power import LeastPower, least_power_gait
     from .model.drives import Servo, TorqueTable
     from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "calibration.friction_fit": ("fit_friction",),
     "calibration.friction_result": ("FrictionFit",),
-    "calibration.session": ("Session", "load_session"),
+    "calibration.session": ("Session",),
+    "calibration.session_file": ("load_session",),
     "model.drives": ("Servo", "TorqueTable"),
     "model.evaluation": ("Acceleration", "AngleDrive", "TorqueDrive", "acceleration"),
     "model.gait": ("Gait",),

@@ -12,7 +12,7 @@ from .. import _core
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint, as_json, one_cycle, predict_all
-from ..calibration.session import load_session
+from ..calibration.session_file import load_session
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot

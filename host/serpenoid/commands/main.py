@@ -80,7 +80,7 @@ def optimize(as_json: bool, speed_m_s: float, cost: str, **given: Any) -> None:
 def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
     """Fit friction to the treadmill readings of a session folder (Eqs. 58-62)."""
     from ..calibration.friction_fit import fit_friction
-    from ..calibration.session import load_session
+    from ..calibration.session_file import load_session
     from ..show import report
 
     try:

@@ -23,7 +23,7 @@ from serpenoid.calibration.friction_fit import (
     friction_points,
 )
 from serpenoid.calibration.friction_result import NAMES
-from serpenoid.calibration.session import load_session
+from serpenoid.calibration.session_file import load_session
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 TRUTH = np.array([getattr(WHOLE_BODY_2005, name) for name in NAMES])

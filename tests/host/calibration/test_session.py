@@ -11,7 +11,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from serpenoid import BadInput, Robot
-from serpenoid.calibration.session import COLUMNS, Reading, load_session, load_setup
+from serpenoid.calibration.session import Reading
+from serpenoid.calibration.session_file import COLUMNS, load_session, load_setup
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 ROW_1 = "1,,0.0,2.0,0.181468,0.0,kept,regenerated from Eq. 59 through Eq. 58"
@@ -136,7 +137,7 @@ def test_bad_readings_name_file_line_and_range(folder, old, new, says):
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("format = 1", "format = 2", r":2: format is 2; .*up to 1; install a newer"),
+        ("format = 1", "format = 3", r":2: format is 3; .*up to 2; install a newer"),
         ("format = 1", 'format = "1"', r":2: format is '1'; it must be a whole number"),
         ("format = 1", "", r"toml: format is None"),
         ("links = 6", "links = 1", r":\d+: links is 1; .*2"),

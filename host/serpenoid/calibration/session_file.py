@@ -1,0 +1,286 @@
+"""The calibration session on disk, read strictly: session.toml says how, readings.csv what.
+
+A folder's files speak degrees, as people type them; the session that is made of them speaks SI.
+Format 1 has one file of stations; format 2 (session_rows) has readings of every kind and events.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..model.checks import check_choice
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from ..model.robot import Robot
+from ..model.toml_table import Table, check_names, located, read_text
+from .session import (
+    KINDS,
+    MAX_GRAVITY_M_S2,
+    MAX_INCLINE_DEG,
+    MAX_LAMBDA_DEG,
+    MAX_SPEED_M_S,
+    Procedure,
+    Reading,
+    Session,
+    Setup,
+    Stopwatch,
+    TreadmillSteps,
+    Uncertainty,
+)
+from .session_rows import cell, read_format_2, time_of
+
+FORMAT = 2
+COLUMNS = (
+    "reading", "time_utc", "lambda_deg", "incline_deg", "belt_speed_m_s", "drift_m_s", "status",
+    "comment",
+)  # fmt: skip
+STATUSES = ("kept", "void")
+_SIGMAS = (
+    "incline_sigma_deg", "incline_zero_sigma_deg", "belt_speed_sigma_m_s", "lambda_sigma_deg",
+)  # fmt: skip
+_STEPS = (
+    "incline_step_percent", "belt_speed_step_m_s", "belt_speed_least_m_s", "distance_sigma_m",
+    "time_sigma_s",
+)  # fmt: skip
+_PLAN = ("lambda_deg", "incline_start_deg", "incline_step_deg", "belt_speed_max_m_s")
+
+
+def load_session(folder: str | Path) -> Session:
+    """Read a session's folder, of either format.
+
+    Raises BadInput, naming file, line, value and allowed range, for anything that is missing,
+    unknown, in other units, out of range or of a newer format, and for no reading to use.
+    """
+    session = read_session(folder)
+    if not session.kept and not session.kept_gait_runs:
+        raise BadInput(
+            f"{session.where}: no reading to use among {len(session.readings)}; take some"
+        )
+    return session
+
+
+def read_session(folder: str | Path) -> Session:
+    """Read a session's folder as load_session does, one that has no readings yet, too."""
+    folder = Path(folder)
+    top = _load_toml(folder)
+    setup = _setup(top)
+    path = folder / "readings.csv"
+    if top.whole("format") == 1:
+        return Session(setup, _load_readings(path), str(path), folder=folder)
+    return read_format_2(setup, folder, amended)
+
+
+def load_setup(folder: str | Path) -> Setup:
+    """Read a session's session.toml alone; raises BadInput as load_session does."""
+    return _setup(_load_toml(folder))
+
+
+def amended(setup: Setup, change: Table) -> Setup:
+    """Return a set-up with some entries of [instruments] or [plan] changed; raises BadInput."""
+    change.only(optional=("instruments", "plan"))
+    if "instruments" in change.values:
+        table = change.table("instruments")
+        table.only(optional=_SIGMAS + _STEPS)
+        setup = replace(setup, **_instruments(table, setup))
+    if "plan" in change.values:
+        table = change.table("plan")
+        table.only(optional=(*_PLAN, "gaits", "gait_runs"))
+        setup = replace(setup, procedure=_plan(table, setup.procedure))
+    return setup
+
+
+def _load_toml(folder: str | Path) -> Table:
+    top = Table.load(Path(folder) / "session.toml")
+    top.check_format(FORMAT)
+    return top
+
+
+def _setup(top: Table) -> Setup:
+    old = top.whole("format") == 1
+    if old:
+        top.only("format", "name", "provenance", "robot", "procedure", "uncertainty")
+    else:
+        tables = ("provenance", "robot", "laboratory", "instruments", "plan")
+        top.only("format", "name", "program", "created_utc", *tables)
+    provenance = top.table("provenance")
+    provenance.only("kind", "source", "note")
+    with located(provenance.where("kind")):
+        kind = check_choice("kind", provenance.values["kind"], KINDS)
+    words = {
+        "name": top.string("name"),
+        "kind": kind,
+        "source": provenance.string("source"),
+        "note": provenance.string("note"),
+        "robot": _robot(top.table("robot")),
+    }
+    return _setup_1(top, words) if old else _setup_2(top, words)
+
+
+def _setup_1(top: Table, words: dict[str, Any]) -> Setup:
+    procedure, uncertainty = top.table("procedure"), top.table("uncertainty")
+    procedure.only(*_PLAN, "gravity_m_s2")
+    uncertainty.only(*_SIGMAS)
+    plan = _plan(procedure, replace(_NO_PLAN, gravity_m_s2=_gravity(procedure)))
+    return Setup(procedure=plan, uncertainty=_uncertainty(uncertainty), **words)
+
+
+def _setup_2(top: Table, words: dict[str, Any]) -> Setup:
+    laboratory, plan = top.table("laboratory"), top.table("plan")
+    instruments = top.table("instruments")
+    laboratory.only("surface", "place", "people", "gravity_m_s2")
+    plan.only(*_PLAN, optional=("gaits", "gait_runs"))
+    instruments.only(*_SIGMAS, optional=_STEPS)
+    procedure = _plan(plan, replace(_NO_PLAN, gravity_m_s2=_gravity(laboratory)))
+    setup = Setup(
+        procedure=procedure,
+        uncertainty=_uncertainty(instruments),
+        **{name: laboratory.string(name) for name in ("surface", "place", "people")},
+        **words,
+    )
+    return replace(setup, **_instruments(instruments, setup))
+
+
+def _gravity(table: Table) -> float:
+    return table.number("gravity_m_s2", 0.0, MAX_GRAVITY_M_S2, open_low=True)
+
+
+_NO_PLAN = Procedure((), 0.0, 0.0, 0.0, 0.0)
+
+
+def _robot(table: Table) -> Robot:
+    table.only("links", "link_mass_kg", "link_length_m")
+    links = table.whole("links")
+    mass_kg = table.number("link_mass_kg", 0.0, open_low=True)
+    length_m = table.number("link_length_m", 0.0, open_low=True)
+    with located(table.where("links")):
+        return Robot(links, mass_kg, length_m)
+
+
+def _plan(table: Table, before: Procedure) -> Procedure:
+    """Return a plan with what the table has of it changed."""
+    found: dict[str, Any] = {}
+    if "lambda_deg" in table.values:
+        bends_deg = table.numbers("lambda_deg", 0.0, MAX_LAMBDA_DEG)
+        found["lambda_rad"] = tuple(map(math.radians, bends_deg))
+    for name in ("incline_start", "incline_step"):
+        if f"{name}_deg" in table.values:
+            value_deg = table.number(f"{name}_deg", 0.0, MAX_INCLINE_DEG, open_low=True)
+            found[f"{name}_rad"] = math.radians(value_deg)
+    if "belt_speed_max_m_s" in table.values:
+        most_m_s = table.number("belt_speed_max_m_s", 0.0, MAX_SPEED_M_S, open_low=True)
+        found["belt_speed_max_m_s"] = most_m_s
+    if "gait_runs" in table.values:
+        found["gait_runs"] = table.whole("gait_runs")
+    if "gaits" in table.values:
+        found["gaits"] = _gaits(table)
+    return replace(before, **found)
+
+
+def _gaits(table: Table) -> tuple[Gait, ...]:
+    given = table.values["gaits"]
+    where = table.where("gaits")
+    if not isinstance(given, list) or not all(isinstance(g, dict) for g in given):
+        raise BadInput(f"{where}: gaits must be a list of {{alpha_deg, beta_deg, omega_rad_s}}")
+    found = []
+    for values in given:
+        one = Table(values, table.path, table.text, table.start)
+        one.only("alpha_deg", "beta_deg", "omega_rad_s")
+        alpha, beta = (one.number(f"{n}_deg", -360.0, 360.0) for n in ("alpha", "beta"))
+        with located(where):
+            omega_rad_s = one.number("omega_rad_s", 0.0, open_low=True)
+            found.append(Gait(math.radians(alpha), math.radians(beta), omega_rad_s))
+    return tuple(found)
+
+
+def _uncertainty(table: Table, before: Uncertainty | None = None) -> Uncertainty:
+    """Return the uncertainties with what the table has of them changed."""
+    found: dict[str, float] = {}
+    for name, most, above_0 in (
+        ("incline_sigma_deg", MAX_INCLINE_DEG, True),
+        ("incline_zero_sigma_deg", MAX_INCLINE_DEG, False),
+        ("belt_speed_sigma_m_s", MAX_SPEED_M_S, True),
+        ("lambda_sigma_deg", MAX_LAMBDA_DEG, False),
+    ):
+        if name in table.values:
+            value = table.number(name, 0.0, most, open_low=above_0)
+            in_degrees = name.endswith("_deg")
+            field = name.replace("_deg", "_rad") if in_degrees else name
+            found[field] = math.radians(value) if in_degrees else value
+    return replace(before, **found) if before else Uncertainty(**found)
+
+
+def _instruments(table: Table, setup: Setup) -> dict[str, Any]:
+    """Return the fields of a set-up that a table of instruments changes."""
+    given = {name: table.number(name, 0.0) for name in _STEPS if name in table.values}
+    steps, watch = setup.treadmill, setup.stopwatch
+    with located(table.heading):
+        return {
+            "uncertainty": _uncertainty(table, setup.uncertainty),
+            "treadmill": TreadmillSteps(
+                given.get("incline_step_percent", 100 * steps.incline_step_rad) / 100,
+                given.get("belt_speed_step_m_s", steps.belt_step_m_s),
+                given.get("belt_speed_least_m_s", steps.belt_least_m_s),
+            ),
+            "stopwatch": Stopwatch(
+                given.get("distance_sigma_m", watch.distance_sigma_m),
+                given.get("time_sigma_s", watch.time_sigma_s),
+            ),
+        }
+
+
+def _load_readings(path: Path) -> tuple[Reading, ...]:
+    rows = csv.reader(io.StringIO(read_text(path), newline=""), strict=True)
+    found: dict[int, Reading] = {}
+    try:
+        header = next(rows, [])
+        check_names(header, COLUMNS, f"{path}:1", "column")
+        for cells in rows:
+            with located(f"{path}:{rows.line_num}"):
+                reading = _reading(header, cells)
+                _check_repeat(found.get(reading.number), reading)
+            found[reading.number] = reading
+    except csv.Error as error:
+        raise BadInput(f"{path}:{rows.line_num}: not CSV: {error}") from error
+    return tuple(found.values())
+
+
+def _reading(header: list[str], cells: list[str]) -> Reading:
+    if len(cells) != len(header):
+        raise BadInput(
+            f"{len(cells)} cells where the header has {len(header)}; a row cut short by a "
+            "power cut may be deleted, and decimals take a point, not a comma"
+        )
+    row = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
+    if not re.fullmatch("[1-9][0-9]{0,8}", row["reading"]):
+        raise BadInput(f"reading is {row['reading']!r}; it must be a whole number from 1")
+    return Reading(
+        number=int(row["reading"]),
+        lambda_rad=math.radians(cell(row, "lambda_deg", 0.0, MAX_LAMBDA_DEG)),
+        incline_rad=math.radians(cell(row, "incline_deg", 0.0, MAX_INCLINE_DEG, open_low=True)),
+        belt_speed_m_s=cell(row, "belt_speed_m_s", 0.0, MAX_SPEED_M_S),
+        drift_m_s=cell(row, "drift_m_s", -MAX_SPEED_M_S, MAX_SPEED_M_S),
+        voided=check_choice("status", row["status"], STATUSES) == "void",
+        comment=row["comment"],
+        time_utc=time_of(row["time_utc"]),
+    )
+
+
+def _check_repeat(earlier: Reading | None, later: Reading) -> None:
+    """Let a row repeat an earlier one only to void it: the file is appended to, never rewritten."""
+    if earlier is None:
+        return
+
+    def measured(r: Reading) -> tuple[float, ...]:
+        return r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s
+
+    if earlier.voided or not later.voided or measured(earlier) != measured(later):
+        raise BadInput(
+            f"reading {later.number} is there already; a row may repeat it only to void it, once, "
+            "with the same values; give a new reading a new number"
+        )

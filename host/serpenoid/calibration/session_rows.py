@@ -1,0 +1,297 @@
+"""Format 2: readings of every kind and events, one line each, read as an append-only journal.
+
+A line that has no end was cut short while it was written (a kill, a power cut) and does not
+count; the writer later closes it with the mark TORN. Lines are never changed: a reading is voided,
+restored or amended by an event, and redone by a later reading that says which one it replaces.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from ..model.checks import check_choice, check_number
+from ..model.errors import BadInput
+from ..model.toml_table import Table, check_names, located, read_text, tomllib
+from .session import (
+    MAX_INCLINE_DEG,
+    MAX_LAMBDA_DEG,
+    MAX_SPEED_M_S,
+    BendCheck,
+    GaitRun,
+    Reading,
+    Session,
+    Setup,
+    ZeroReading,
+)
+
+TORN = "#torn"
+READING_COLUMNS = (
+    "reading", "kind", "time_utc", "setup", "replaces", "lambda_deg", "incline_deg",
+    "belt_speed_m_s", "drift_m_s", "reversed_deg", "between_links_deg", "alpha_deg", "beta_deg",
+    "omega_rad_s", "distance_m", "duration_s", "speed_m_s", "speed_sigma_m_s", "more", "comment",
+)  # fmt: skip
+EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
+EVENTS = (
+    "start", "end", "pause", "resume", "amend", "void", "restore", "skip", "note", "connect",
+)  # fmt: skip
+Row = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Event:
+    """One line of events.csv; reading is 0 where none is meant."""
+
+    time_utc: str
+    event: str
+    reading: int
+    detail: str
+
+
+@dataclass
+class _Found:
+    """What the lines have told so far."""
+
+    rows: dict[int, tuple[Row, str]] = field(default_factory=dict)
+    voided: dict[int, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+
+def read_format_2(setup: Setup, folder: Path, amend: Callable[[Setup, Table], Setup]) -> Session:
+    """Return the session of a folder; amend(setup, change) applies one amendment."""
+    path = folder / "readings.csv"
+    found = _Found()
+    setups = [setup]
+    events = read_events(folder, found.notes)
+    for event in events:
+        if event.event == "amend":
+            setups.append(amend(setups[-1], _change(event, folder / "events.csv")))
+    for row, where in _rows(path, READING_COLUMNS, found.notes):
+        with located(where):
+            _take(row, where, found)
+    for event in events:
+        _apply(event, found, folder / "events.csv")
+    return _session(setups, found, folder)
+
+
+def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
+    """Return a session's events in the order they were written; raises BadInput."""
+    path = folder / "events.csv"
+    found = []
+    for row, where in _rows(path, EVENT_COLUMNS, [] if notes is None else notes):
+        with located(where):
+            event = check_choice("event", row["event"], EVENTS)
+            number = _whole("reading", row["reading"]) if row["reading"] else 0
+            found.append(Event(time_of(row["time_utc"]), event, number, row["detail"]))
+    return found
+
+
+def _change(event: Event, path: Path) -> Table:
+    try:
+        return Table(tomllib.loads(event.detail), path, event.detail)
+    except ValueError as error:
+        raise BadInput(f"{path}: the amendment {event.detail!r} is not TOML: {error}") from error
+
+
+def _rows(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[tuple[Row, str]]:
+    """Yield the whole lines below the header as dictionaries, and where each stands."""
+    text = read_text(path)
+    lines = text.split("\n")
+    if lines[-1].strip():
+        notes.append(
+            f"{path}:{len(lines)}: the last line has no end: it was cut short while it was "
+            "written, and does not count"
+        )
+    header = _cells(lines[0]) if len(lines) > 1 else []
+    if len(header) == 1 and ";" in lines[0]:
+        raise BadInput(
+            f"{path}:1: the cells are parted by semicolons; a spreadsheet did that: save the file "
+            "as CSV with commas, and decimals with a point"
+        )
+    check_names(header, columns, f"{path}:1", "column")
+    for number, line in enumerate(lines[1:-1], 2):
+        if not line.strip() or "\0" in line or line.rstrip("\r").endswith(TORN):
+            continue
+        where = f"{path}:{number}"
+        with located(where):
+            yield _row(header, line), where
+
+
+def _cells(line: str) -> list[str]:
+    try:
+        return next(csv.reader([line.rstrip("\r")], strict=True), [])
+    except csv.Error as error:
+        raise BadInput(f"not CSV: {error}") from error
+
+
+def _row(header: list[str], line: str) -> Row:
+    cells = _cells(line)
+    if len(cells) != len(header):
+        raise BadInput(
+            f"{len(cells)} cells where the header has {len(header)}; decimals take a point, not a "
+            f"comma; a line that is beyond repair is left out if it ends in {TORN}"
+        )
+    return {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
+
+
+def _take(row: Row, where: str, found: _Found) -> None:
+    number = _whole("reading", row["reading"])
+    if number in found.rows:
+        raise BadInput(
+            f"reading {number} is there already, at {found.rows[number][1]}; give a new reading a "
+            "new number, and name in `replaces` the one it replaces"
+        )
+    if row["replaces"]:
+        old = _whole("replaces", row["replaces"])
+        if old not in found.rows:
+            raise BadInput(f"replaces is {old}, but there is no such reading before this one")
+        found.voided[old] = f"redone as {number}"
+    _check_clock(row, where, found)
+    found.rows[number] = row, where
+
+
+def _check_clock(row: Row, where: str, found: _Found) -> None:
+    time_of(row["time_utc"])
+    earlier = next((r["time_utc"] for r, _ in reversed(found.rows.values()) if r["time_utc"]), "")
+    if row["time_utc"] and row["time_utc"] < earlier:
+        found.notes.append(
+            f"{where}: the clock went back, from {earlier} to {row['time_utc']}; the order of the "
+            "lines counts"
+        )
+
+
+def _apply(event: Event, found: _Found, path: Path) -> None:
+    if event.event not in ("void", "restore"):
+        return
+    if event.reading not in found.rows:
+        raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
+    if event.event == "void":
+        found.voided[event.reading] = event.detail
+    else:
+        found.voided.pop(event.reading, None)
+
+
+def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
+    parts: dict[str, list[Any]] = {kind: [] for kind in _MAKE}
+    unknown: list[str] = []
+    for row, where in found.rows.values():
+        kind = row["kind"]
+        if kind not in _MAKE:
+            unknown.append(kind)
+            continue
+        with located(where):
+            made = _MAKE[kind](row, _common(row, found))
+            if kind in ("station", "zero"):
+                made = replace(made, uncertainty=_setup_of(row, setups).uncertainty)
+            if kind == "zero":
+                made = replace(made, before=not parts["station"])
+        parts[kind].append(made)
+    if unknown:
+        kinds = ", ".join(sorted(set(unknown)))
+        found.notes.append(f"{len(unknown)} reading(s) of kinds not used here ({kinds}) left out")
+    return Session(
+        setups[-1],
+        tuple(parts["station"]),
+        str(folder / "readings.csv"),
+        gait_runs=tuple(parts["gait"]),
+        zeros=tuple(parts["zero"]),
+        bends=tuple(parts["bend"]),
+        folder=folder,
+        notes=tuple(found.notes),
+    )
+
+
+def _setup_of(row: Row, setups: list[Setup]) -> Setup:
+    number = _whole("setup", row["setup"])
+    if number > len(setups):
+        raise BadInput(
+            f"setup is {number}, but events.csv tells of {len(setups) - 1} amendment(s), so the "
+            f"last is {len(setups)}; has a line been taken out of events.csv?"
+        )
+    return setups[number - 1]
+
+
+def _common(row: Row, found: _Found) -> dict[str, Any]:
+    number = int(row["reading"])
+    why = found.voided.get(number)
+    comment = row["comment"] if why is None else "; ".join(filter(None, [why, row["comment"]]))
+    return {
+        "number": number,
+        "voided": why is not None,
+        "comment": comment,
+        "time_utc": row["time_utc"],
+    }
+
+
+def _station(row: Row, common: dict[str, Any]) -> Reading:
+    return Reading(
+        lambda_rad=math.radians(cell(row, "lambda_deg", 0.0, MAX_LAMBDA_DEG)),
+        incline_rad=math.radians(cell(row, "incline_deg", 0.0, MAX_INCLINE_DEG, open_low=True)),
+        belt_speed_m_s=cell(row, "belt_speed_m_s", 0.0, MAX_SPEED_M_S),
+        drift_m_s=cell(row, "drift_m_s", -MAX_SPEED_M_S, MAX_SPEED_M_S),
+        **common,
+    )
+
+
+def _zero(row: Row, common: dict[str, Any]) -> ZeroReading:
+    limits = (-MAX_INCLINE_DEG, MAX_INCLINE_DEG)
+    return ZeroReading(
+        shown_rad=math.radians(cell(row, "incline_deg", *limits)),
+        reversed_rad=math.radians(cell(row, "reversed_deg", *limits)),
+        **common,
+    )
+
+
+def _bend(row: Row, common: dict[str, Any]) -> BendCheck:
+    return BendCheck(
+        lambda_rad=math.radians(cell(row, "lambda_deg", 0.0, MAX_LAMBDA_DEG)),
+        between_links_rad=math.radians(cell(row, "between_links_deg", 0.0, 180.0)),
+        **common,
+    )
+
+
+def _gait(row: Row, common: dict[str, Any]) -> GaitRun:
+    return GaitRun(
+        alpha_rad=math.radians(cell(row, "alpha_deg", 0.0, 180.0)),
+        beta_rad=math.radians(cell(row, "beta_deg", -360.0, 360.0)),
+        omega_rad_s=cell(row, "omega_rad_s", 0.0, open_low=True),
+        speed_m_s=cell(row, "speed_m_s", 0.0, MAX_SPEED_M_S),
+        speed_sigma_m_s=cell(row, "speed_sigma_m_s", 0.0, MAX_SPEED_M_S, open_low=True),
+        **common,
+    )
+
+
+_MAKE: dict[str, Callable[[Row, dict[str, Any]], Any]] = {
+    "station": _station, "gait": _gait, "zero": _zero, "bend": _bend,
+}  # fmt: skip
+
+
+def cell(row: Row, name: str, *limits: float, open_low: bool = False) -> float:
+    """Return a row's number between limits, or raise BadInput naming column, value and range."""
+    value: object = row[name]
+    with suppress(ValueError):  # check_number then says what is there instead of a number
+        value = float(row[name])
+    return check_number(name, value, *limits, open_low=open_low)
+
+
+def _whole(name: str, text: str) -> int:
+    if not re.fullmatch("[1-9][0-9]{0,8}", text):
+        raise BadInput(f"{name} is {text!r}; it must be a whole number from 1")
+    return int(text)
+
+
+def time_of(text: str) -> str:
+    """Return a time as it stands if it is ISO 8601 or empty, else raise BadInput."""
+    try:
+        if text:
+            datetime.fromisoformat(text.removesuffix("Z"))
+    except ValueError:
+        raise BadInput(f"time_utc is {text!r}; it must be ISO 8601 or empty") from None
+    return text

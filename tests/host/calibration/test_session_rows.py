@@ -1,0 +1,226 @@
+"""Format 2 on disk: readings of every kind, amendments, voids, and lines that were cut short."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+from serpenoid import BadInput, load_session
+from serpenoid.calibration.session import Session, Uncertainty, ZeroReading
+from serpenoid.calibration.session_file import read_session
+from serpenoid.calibration.session_rows import EVENT_COLUMNS, READING_COLUMNS, read_events
+
+SETUP = """
+format = 2
+name = "made up"
+program = "serpenoid 0.2.0"
+created_utc = "2026-05-01T12:00:00Z"
+[provenance]
+kind = "measured"
+source = "a test"
+note = "a test"
+[robot]
+links = 6
+link_mass_kg = 0.0756
+link_length_m = 0.076
+[laboratory]
+surface = "rubber belt"
+place = "a bench"
+people = "nobody"
+gravity_m_s2 = 9.80665
+[instruments]
+incline_sigma_deg = 0.03
+incline_zero_sigma_deg = 0.1
+belt_speed_sigma_m_s = 0.01
+lambda_sigma_deg = 0.5
+belt_speed_least_m_s = 0.2
+[plan]
+lambda_deg = [0.0, 15.0]
+incline_start_deg = 2.0
+incline_step_deg = 0.3
+belt_speed_max_m_s = 1.0
+gaits = [{ alpha_deg = 70.0, beta_deg = 75.0, omega_rad_s = 3.0 }]
+"""
+STATION = {"kind": "station", "setup": "1", "lambda_deg": "0", "incline_deg": "2.5",
+           "belt_speed_m_s": "0.4", "drift_m_s": "0"}  # fmt: skip
+
+
+def line(columns, **cells):
+    return ",".join(str(cells.get(name, "")) for name in columns) + "\n"
+
+
+def reading(number, **cells):
+    return line(READING_COLUMNS, reading=number, **STATION | cells)
+
+
+def event(what, number="", detail=""):
+    return line(EVENT_COLUMNS, event=what, reading=number, detail=detail)
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    (tmp_path / "session.toml").write_text(SETUP)
+    (tmp_path / "readings.csv").write_text(",".join(READING_COLUMNS) + "\n")
+    (tmp_path / "events.csv").write_text(",".join(EVENT_COLUMNS) + "\n")
+    return tmp_path
+
+
+def append(folder, *lines, to="readings.csv"):
+    with (folder / to).open("a") as file:
+        file.write("".join(lines))
+
+
+def test_every_kind_of_reading_lands_in_its_place(folder):
+    append(
+        folder,
+        reading(1, kind="zero", incline_deg="0.3", reversed_deg="-0.1"),
+        reading(2),
+        reading(3, kind="bend", lambda_deg="15", between_links_deg="149"),
+        reading(4, lambda_deg="15.5"),
+        reading(5, kind="gait", alpha_deg=70, beta_deg=75, omega_rad_s=3, speed_m_s=0.1,
+                speed_sigma_m_s=0.002),
+        reading(6, kind="coastdown", more="height_mm=3"),
+        reading(7, kind="zero", incline_deg="0.1", reversed_deg="0.3"),
+    )  # fmt: skip
+    session = load_session(folder)
+    assert [r.number for r in session.readings] == [2, 4]
+    assert [b.number for b in session.bends] == [3]
+    assert math.degrees(session.bends[0].found_rad) == pytest.approx(15.5)
+    assert [z.before for z in session.zeros] == [True, False]
+    run = session.gait_runs[0]
+    assert (run.omega_rad_s, run.speed_m_s, run.speed_sigma_m_s) == (3.0, 0.1, 0.002)
+    assert math.degrees(run.gait.beta_rad) == pytest.approx(75)
+    assert re.search(r"1 reading\(s\) of kinds not used here \(coastdown\)", session.notes[0])
+    assert session.setup.surface == "rubber belt"
+    assert session.setup.treadmill.belt_least_m_s == 0.2
+    assert session.folder == folder
+
+
+def test_the_zero_is_the_mean_and_doubts_what_moved(folder):
+    assert read_session(folder).zero == (read_session(folder).zero)
+    assert math.degrees(read_session(folder).zero.sigma_rad) == pytest.approx(0.1)  # as declared
+    before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
+    after = ZeroReading(2, math.radians(0.1), math.radians(0.3), before=False)
+    session = Session(read_session(folder).setup, (), zeros=(before, after))
+    assert math.degrees(session.zero.value_rad) == pytest.approx(0.15)
+    # Each zero has 0.03 / sqrt(2), their mean 0.015; half of what moved is 0.05.
+    assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.05))
+
+
+def test_a_reading_knows_the_instruments_it_was_taken_with(folder):
+    append(folder, reading(1), reading(2, setup=2))
+    append(folder, event("amend", detail='"instruments.belt_speed_sigma_m_s = 0.05"'),
+           to="events.csv")  # fmt: skip
+    session = load_session(folder)
+    assert [r.uncertainty.belt_speed_sigma_m_s for r in session.readings] == [0.01, 0.05]
+    assert isinstance(session.readings[0].uncertainty, Uncertainty)
+    assert session.setup.uncertainty.belt_speed_sigma_m_s == 0.05
+    assert session.setup.uncertainty.lambda_sigma_rad == math.radians(0.5)  # left as it was
+
+
+def test_the_plan_may_be_amended(folder):
+    append(folder, event("amend", detail='"plan.lambda_deg = [0, 30]"'), to="events.csv")
+    plan = read_session(folder).setup.procedure
+    assert plan.lambda_rad == (0.0, math.radians(30))
+    assert math.degrees(plan.incline_step_rad) == pytest.approx(0.3)
+
+
+def test_void_restore_and_redo(folder):
+    append(folder, reading(1), reading(2), reading(3), reading(4, replaces=2, belt_speed_m_s=0.5))
+    append(folder, event("void", 1, "slipped"), event("void", 3, "slip"), event("restore", 3),
+           to="events.csv")  # fmt: skip
+    session = load_session(folder)
+    assert [(r.number, r.comment) for r in session.readings if r.voided] == [
+        (1, "slipped"),
+        (2, "redone as 4"),
+    ]
+    assert [r.number for r in session.kept] == [3, 4]
+
+
+def test_the_hash_tells_what_a_fit_rests_on(folder):
+    append(folder, reading(1), reading(2))
+    first = load_session(folder).sha256
+    append(folder, event("note", detail="hello"), to="events.csv")
+    append(folder, reading(3, kind="gait", alpha_deg=70, beta_deg=75, omega_rad_s=3,
+                           speed_m_s=0.1, speed_sigma_m_s=0.002))  # fmt: skip
+    assert load_session(folder).sha256 == first
+    append(folder, event("void", 2), to="events.csv")
+    assert load_session(folder).sha256 != first
+
+
+@pytest.mark.parametrize("kept", range(0, len(reading(2)), 7))
+def test_a_line_cut_short_does_not_count(folder, kept):
+    append(folder, reading(1), reading(2)[:kept])
+    session = load_session(folder)
+    assert [r.number for r in session.readings] == [1]
+    assert bool(session.notes) == bool(kept)
+    append(folder, "#torn\n", reading(2))
+    assert [r.number for r in load_session(folder).readings] == [1, 2]
+    assert not load_session(folder).notes
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (",2.5,", ",nan,", r"readings.csv:2: incline_deg is nan"),
+        (",2.5,", ',"2,5",', r"readings.csv:2: incline_deg is '2,5'"),
+        (",2.5,", ",2,5,", r"readings.csv:2: 21 cells where the header has 20; .*comma"),
+        ("\n1,station", "\n0,station", r"readings.csv:2: reading is '0'"),
+        ("station,,1,", "station,,2,", r"readings.csv:2: setup is 2, but events.csv .* 0 amend"),
+        ("station,,1,,", "station,,1,9,", r"readings.csv:2: replaces is 9, but there is no"),
+        ("station,,1", "station,noon,1", r"readings.csv:2: time_utc is 'noon'"),
+        ("incline_deg", "incline_percent", r"readings.csv:1: unknown column 'incline_percent'"),
+    ],
+)
+def test_bad_cells_name_file_line_and_range(folder, old, new, says):
+    append(folder, reading(1))
+    path = folder / "readings.csv"
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(BadInput, match=says):
+        load_session(folder)
+
+
+def test_other_damage_is_told(folder):
+    append(folder, reading(1), reading(1))
+    with pytest.raises(BadInput, match=r"csv:3: reading 1 is there already, at .*csv:2"):
+        load_session(folder)
+    path = folder / "readings.csv"
+    path.write_text(path.read_text().replace(",", ";"))
+    with pytest.raises(BadInput, match="semicolons; a spreadsheet did that"):
+        load_session(folder)
+    path.write_text("")
+    with pytest.raises(BadInput, match="no column reading"):
+        load_session(folder)
+
+
+def test_a_clock_set_back_is_noted_and_the_order_stays(folder):
+    append(folder, reading(1, time_utc="2026-05-01T12:00:00Z"),
+           reading(2, time_utc="2026-05-01T11:00:00Z"))  # fmt: skip
+    session = load_session(folder)
+    assert [r.number for r in session.kept] == [1, 2]
+    assert "csv:3: the clock went back" in session.notes[0]
+
+
+def test_events_are_held_to_the_same(folder):
+    append(folder, event("start", detail="firmware 0.1"), to="events.csv")
+    assert read_events(folder)[0].detail == "firmware 0.1"
+    append(folder, event("void", 7), to="events.csv")
+    with pytest.raises(BadInput, match="void of reading 7, which is not there"):
+        load_session(folder)
+    append(folder, event("dance"), to="events.csv")
+    with pytest.raises(BadInput, match=r"events.csv:4: event is 'dance'"):
+        load_session(folder)
+
+
+def test_amendments_are_read_strictly(folder):
+    for detail, says in (
+        ('"robot.links = 5"', "unknown key 'robot'"),
+        ('"instruments.lambda_sigma = 1"', "kept as 'lambda_sigma_deg'"),
+        ('"plan.lambda_deg = [90]"', "lambda_deg is 90"),
+        ("hm", "is not TOML"),
+    ):
+        path = folder / "events.csv"
+        path.write_text(",".join(EVENT_COLUMNS) + "\n" + event("amend", detail=detail))
+        with pytest.raises(BadInput, match=says):
+            read_session(folder)
