@@ -57,6 +57,8 @@ class RunRequest:
     drive: Drive
     faults: list[Fault]
     locked_rad: list[float]
+    joint_stiffness_n_m: float
+    joint_damping_n_s_m: float
     smoothing_m_s: float
     method: str
     dt_s: float
@@ -68,7 +70,6 @@ class RunRequest:
     record_joints: bool
     record_friction: bool
     record_energy: bool
-    def set_spring(self, k: float, c: float, /) -> None: ...
     def set_slope(self, gx: float, gy: float, /) -> None: ...
     def set_servo(
         self, stiffness: float, damping: float, torque: float, speed: float, dead_band: float, /
@@ -76,6 +77,9 @@ class RunRequest:
     def set_torque_function(self, f: Callable[[float], Array], /) -> None: ...
     def set_torque_table(self, t_s: list[float], torque_nm: list[float], /) -> None: ...
 
+SCENE_FIELDS: tuple[str, ...]
+
+def method_table() -> list[dict[str, Any]]: ...
 def evaluate(request: RunRequest, links: Array, drive: Array, /) -> dict[str, Array]: ...
 def run(
     request: RunRequest, start: Array, progress: Callable[[float], object] | None, /

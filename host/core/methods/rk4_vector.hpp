@@ -14,7 +14,7 @@ class Rk4Lanes final : public FixedStep {
   public:
     // Whether the kernels have all that a scene asks for.
     static bool runs(const RunRequest& q) {
-        return q.method == "rk4" && q.formulation == Formulation::implicit &&
+        return q.method.is("rk4") && q.formulation == Formulation::implicit &&
                q.drive == Drive::angle && q.faults.empty() && !q.slope.tilted() && !q.record_energy;
     }
 

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "periodic/dry.hpp"
@@ -136,6 +138,26 @@ nb::dict run(RunRequest& q, Vector start, nb::object progress) {
     return out;
 }
 
+void set_method(RunRequest& q, const std::string& name) {
+    for (const MethodKind& kind : kMethods)
+        if (kind.is(name)) return void(q.method = kind);
+    throw nb::value_error("no such method");
+}
+
+nb::list method_table() {
+    nb::list rows;
+    for (const MethodKind& k : kMethods) {
+        nb::dict row;
+        row["name"] = k.name, row["order"] = k.order, row["stability"] = k.stability;
+        row["formulations"] = k.formulations, row["adaptive"] = k.adaptive;
+        row["drives"] = k.drives, row["laws"] = k.laws, row["records"] = k.records;
+        row["plain"] = k.plain, row["plain_records"] = k.plain_records;
+        row["plain_incline"] = k.plain_incline, row["faults"] = k.faults;
+        rows.append(row);
+    }
+    return rows;
+}
+
 void bind_run(nb::module_& m) {
     nb::enum_<Formulation>(m, "Formulation")
         .value("explicit", Formulation::explicit_)
@@ -148,7 +170,8 @@ void bind_run(nb::module_& m) {
         .value("none", Fault::none)
         .value("limp", Fault::limp)
         .value("locked", Fault::locked);
-    nb::class_<RunRequest>(m, "RunRequest")
+    nb::class_<RunRequest> request(m, "RunRequest");
+    request
         .def("__init__",
              [](RunRequest* self, const Model& model) {
                  new (self) RunRequest;
@@ -158,18 +181,12 @@ void bind_run(nb::module_& m) {
         .def_rw("drive", &RunRequest::drive)
         .def_rw("faults", &RunRequest::faults)
         .def_rw("locked_rad", &RunRequest::locked_rad)
-        .def_rw("smoothing_m_s", &RunRequest::smoothing)
-        .def_rw("method", &RunRequest::method)
-        .def_rw("dt_s", &RunRequest::dt)
-        .def_rw("tolerance", &RunRequest::tolerance)
-        .def_rw("duration_s", &RunRequest::duration)
-        .def_rw("steps", &RunRequest::steps)
+        .def_prop_rw(
+            "method", [](const RunRequest& q) { return q.method.name; }, &set_method)
         .def_rw("most_steps", &RunRequest::most_steps)
-        .def_rw("every", &RunRequest::every)
         .def_rw("record_joints", &RunRequest::record_joints)
         .def_rw("record_friction", &RunRequest::record_friction)
         .def_rw("record_energy", &RunRequest::record_energy)
-        .def("set_spring", [](RunRequest& q, double k, double c) { q.spring = {k, c}; })
         .def("set_slope", [](RunRequest& q, double gx, double gy) { q.slope = {gx, gy}; })
         .def("set_servo",
              [](RunRequest& q, double stiffness, double damping, double torque, double speed,
@@ -178,8 +195,18 @@ void bind_run(nb::module_& m) {
         .def("set_torque_table", [](RunRequest& q, std::vector<double> t, std::vector<double> T) {
             q.table = {std::move(t), std::move(T)};
         });
+    std::vector<std::string> names;
+    each_scene_field([&](const char* name, auto of) {
+        using Value = std::remove_reference_t<decltype(of(std::declval<RunRequest&>()))>;
+        names.push_back(name);
+        request.def_prop_rw(
+            name, [of](RunRequest& q) { return of(q); },
+            [of](RunRequest& q, Value value) { of(q) = value; });
+    });
+    m.attr("SCENE_FIELDS") = nb::tuple(nb::cast(names));
     m.def("run", &run, nb::arg(), nb::arg(), nb::arg().none());
     m.def("evaluate", &evaluate_links);
+    m.def("method_table", &method_table);
 }
 
 Array three(const Vec3& v) { return to_numpy({v.begin(), v.end()}, {3}); }

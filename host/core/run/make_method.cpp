@@ -1,8 +1,10 @@
-// The table of methods, and what adaptive ones weigh errors by.
+// How every method of the registry is made, and what adaptive ones weigh errors by.
 #include "run/make_method.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
+#include <string_view>
 
 #include "methods/adaptive/collocation.hpp"
 #include "methods/adaptive/dop853.hpp"
@@ -31,23 +33,56 @@ std::vector<double> error_scale(const RunRequest& q, const System& system) {
     return error_scale(system, length * q.robot.n, rate, energy);
 }
 
+using Made = std::unique_ptr<Method>;
+
+template <class OfFixedStep>
+Made fixed(const RunRequest& q, System& system) {
+    return std::make_unique<OfFixedStep>(system, q.dt);
+}
+Made rk4(const RunRequest& q, System& system) {
+    if (Rk4Lanes::runs(q)) return std::make_unique<Rk4Lanes>(system, q);
+    return fixed<Rk4>(q, system);
+}
+Made dop853(const RunRequest& q, System& system) {
+    return std::make_unique<Dop853>(system, error_scale(q, system), q.tolerance);
+}
+Made collocation(const RunRequest& q, System&) {
+    return std::make_unique<Collocation>(q.robot, q.ground, q.gait, q.tolerance);
+}
+Made nonsmooth(const RunRequest& q, System& system) {
+    if (q.formulation == Formulation::explicit_) return std::make_unique<SetValuedMotion>(q);
+    return std::make_unique<StickSlip>(system, q.robot, q.ground, q.dt);
+}
+
+struct Maker {
+    std::string_view name;
+    Made (*make)(const RunRequest&, System&);
+};
+constexpr Maker kMakers[] = {
+    {"rk4", rk4},
+    {"euler", fixed<Euler>},
+    {"semi_implicit_euler", fixed<SemiImplicitEuler>},
+    {"paper", fixed<PaperScheme>},
+    {"dop853", dop853},
+    {"collocation", collocation},
+    {"radau", make_radau},
+    {"nonsmooth", nonsmooth},
+};
+
+constexpr bool every_method_has_its_maker() {
+    if (std::size(kMakers) != std::size(kMethods)) return false;
+    for (std::size_t i = 0; i < std::size(kMethods); ++i)
+        if (!kMethods[i].is(kMakers[i].name)) return false;
+    return true;
+}
+static_assert(every_method_has_its_maker());
+
 }  // namespace
 
 std::unique_ptr<Method> make_method(const RunRequest& q, System& system) {
-    if (Rk4Lanes::runs(q)) return std::make_unique<Rk4Lanes>(system, q);
-    if (q.method == "rk4") return std::make_unique<Rk4>(system, q.dt);
-    if (q.method == "euler") return std::make_unique<Euler>(system, q.dt);
-    if (q.method == "semi_implicit_euler") return std::make_unique<SemiImplicitEuler>(system, q.dt);
-    if (q.method == "paper") return std::make_unique<PaperScheme>(system, q.dt);
-    if (q.method == "dop853")
-        return std::make_unique<Dop853>(system, error_scale(q, system), q.tolerance);
-    if (q.method == "collocation")
-        return std::make_unique<Collocation>(q.robot, q.ground, q.gait, q.tolerance);
-    if (q.method == "radau") return make_radau(q, system);
-    if (q.method != "nonsmooth") throw std::invalid_argument("no such method: " + q.method);
-    if (q.formulation == Formulation::implicit)
-        return std::make_unique<StickSlip>(system, q.robot, q.ground, q.dt);
-    return std::make_unique<SetValuedMotion>(q);
+    for (const Maker& maker : kMakers)
+        if (q.method.is(maker.name)) return maker.make(q, system);
+    throw std::logic_error("a method that is not in the table");
 }
 
 }  // namespace serpenoid

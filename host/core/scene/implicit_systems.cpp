@@ -19,7 +19,7 @@ static std::unique_ptr<System> with_damper(const RunRequest& q) {
 }
 
 std::unique_ptr<System> make_implicit(const RunRequest& q) {
-    return q.method == "paper" ? with_damper<HeldDamper>(q) : with_damper<LiveDamper>(q);
+    return q.method.holds_dampers ? with_damper<HeldDamper>(q) : with_damper<LiveDamper>(q);
 }
 
 }  // namespace serpenoid

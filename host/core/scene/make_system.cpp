@@ -5,7 +5,7 @@ namespace serpenoid {
 
 std::unique_ptr<System> make_system(const RunRequest& q) {
     if (q.formulation == Formulation::explicit_) return make_explicit(q);
-    if (q.method != "nonsmooth") return make_implicit(q);
+    if (!q.method.makes_friction) return make_implicit(q);
     RunRequest bare = q;  // the method itself applies the friction
     bare.ground = {0, 0, 0, 0};
     return make_implicit(bare);

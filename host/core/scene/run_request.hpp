@@ -9,6 +9,7 @@
 #include "drive/torque_source.hpp"
 #include "model/implicit_model.hpp"
 #include "model/params.hpp"
+#include "scene/method_table.hpp"
 
 namespace serpenoid {
 
@@ -29,7 +30,7 @@ struct RunRequest {
     Servo servo{};
     std::vector<Fault> faults;       // one a joint; empty: all sound
     std::vector<double> locked_rad;  // angles of the locked joints
-    std::string method = "rk4";
+    MethodKind method = kMethods[0];
     double dt = 1e-3;         // s; fixed step, and grid of the recorded times
     double tolerance = 1e-6;  // of adaptive methods
     double duration = 0;      // s; the last step is shorter where dt does not divide it
@@ -40,6 +41,20 @@ struct RunRequest {
     std::vector<double> start;            // x, y, theta, vx, vy, omega: n values each
     std::function<bool(double t)> go_on;  // asked now and then; false stops the run
 };
+
+// The fields that a Scene of Python has as plain numbers, under its names: handed over as they are.
+template <class Visit>
+void each_scene_field(const Visit& field) {
+    using Q = RunRequest&;
+    field("joint_stiffness_n_m", [](Q q) -> double& { return q.spring.k; });
+    field("joint_damping_n_s_m", [](Q q) -> double& { return q.spring.c; });
+    field("smoothing_m_s", [](Q q) -> double& { return q.smoothing; });
+    field("dt_s", [](Q q) -> double& { return q.dt; });
+    field("tolerance", [](Q q) -> double& { return q.tolerance; });
+    field("duration_s", [](Q q) -> double& { return q.duration; });
+    field("steps", [](Q q) -> long& { return q.steps; });
+    field("every", [](Q q) -> long& { return q.every; });
+}
 
 // Rows of n (or n-1, or 6) values, one row a recorded time; SI units, ground frame.
 struct RunResult {

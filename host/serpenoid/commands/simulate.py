@@ -59,8 +59,8 @@ def _pairs(parts: list[str]) -> list[tuple[str, float]]:
 scene_options = stacked([
     click.option("--formulation", type=click.Choice(FORMULATIONS),
                  help="Exact model (explicit, unless given), or the paper's springs."),
-    click.option("--stiffness-n-m", type=float, help="Implicit: k of the joints; 1000."),
-    click.option("--damping-n-s-m", type=float, help="Implicit: c of the joints; 1."),
+    click.option("--stiffness-n-m", "joint_stiffness_n_m", type=float, help="Implicit: k of the joints; 1000."),
+    click.option("--damping-n-s-m", "joint_damping_n_s_m", type=float, help="Implicit: c of the joints; 1."),
     click.option("--smoothing-m-s", type=float, help="Width over which dry friction is smoothed."),
     click.option("--incline-deg", type=float, help="Slope of the ground."),
     click.option("--incline-direction-deg", type=float, help="Uphill, from the x axis."),
@@ -73,7 +73,7 @@ scene_options = stacked([
                  help="Constant torque of every joint, in place of the gait."),
     click.option("--limp", metavar="2,4", help="Joints without torque; from 1, at the tail.",
                  callback=_reader(lambda parts: tuple(int(part) for part in parts), "2,4")),
-    click.option("--locked-deg", metavar="3=10,5=-20", help="Joints that stay at an angle.",
+    click.option("--locked-deg", "locked", metavar="3=10,5=-20", help="Joints that stay at an angle.",
                  callback=_reader(lambda parts: {int(n): math.radians(v) for n, v in _pairs(parts)},
                                   "3=10,5=-20")),
     click.option("--method", type=click.Choice(list(METHODS)),
@@ -89,9 +89,7 @@ scene_options = stacked([
                  help="Time steps between records; 1, more where that is beyond 20 000 rows."),
 ])  # fmt: skip
 
-# Options whose values are fields of Scene as they stand, and angles to be converted.
-_FIELDS = {"stiffness_n_m": "joint_stiffness_n_m", "damping_n_s_m": "joint_damping_n_s_m",
-           "locked_deg": "locked"}  # fmt: skip
+# Options that are angles; the values of all others are fields of Scene as they stand.
 _ANGLES = ("incline_deg", "incline_direction_deg")
 
 
@@ -151,7 +149,7 @@ def make_scene(given: dict[str, Any], base: Scene | None) -> Scene:
     for name in _ANGLES:
         if name in told:
             told[f"{name.removesuffix('_deg')}_rad"] = math.radians(told.pop(name))
-    parts |= {_FIELDS.get(name, name): value for name, value in told.items()}
+    parts |= told
     return replace(base, **parts) if base is not None else _by_method(parts)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from ..simulation.methods import FORMULATIONS
+from ..model.words import FORMULATIONS
 from .options import (
     AS_JSON,
     describe,

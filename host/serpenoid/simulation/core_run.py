@@ -46,7 +46,8 @@ def core_request(scene: Scene) -> Any:
     q = _core.RunRequest(core_model(scene.robot, scene.ground, scene.gait))
     q.formulation = getattr(_core.Formulation, scene.formulation)
     q.drive = getattr(_core.Drive, scene.drive)
-    q.set_spring(scene.joint_stiffness_n_m, scene.joint_damping_n_s_m)
+    for name in _core.SCENE_FIELDS:
+        setattr(q, name, getattr(scene, name))
     if scene.incline_rad > 0:
         downhill = -STANDARD_GRAVITY_M_S2 * math.sin(scene.incline_rad)
         direction = scene.incline_direction_rad
@@ -55,9 +56,7 @@ def core_request(scene: Scene) -> Any:
     if scene.servo is not None:
         q.set_servo(*(getattr(scene.servo, name) for name in scene.servo.__slots__))
     q.faults, q.locked_rad = _faults(scene)
-    q.smoothing_m_s = scene.smoothing_m_s
-    q.method, q.dt_s, q.tolerance = scene.method, scene.dt_s, scene.tolerance
-    q.duration_s, q.steps, q.every = scene.duration_s, scene.steps, scene.every
+    q.method = scene.method
     q.most_steps = MAX_LINK_STEPS // scene.robot.links
     q.record_joints = "joints" in scene.record
     q.record_friction = "friction" in scene.record

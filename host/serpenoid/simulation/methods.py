@@ -1,64 +1,43 @@
-"""Every method: what it runs, its order, where it picks steps."""
+"""Every method: what it runs, its order, where it picks steps; read from the core's registry."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-from ..model.words import DRIVES, FORMULATIONS, LAWS, RECORDS
+from .. import _core
 
 
 @dataclass(frozen=True, slots=True)
 class MethodKind:
-    """Say which scenes a method runs.
+    """Say which scenes a method runs; a row of host/core/scene/method_table.hpp.
 
-    order: of convergence at recorded times, for smooth motion. adaptive: formulations in which it
-    takes steps of its own to scene.tolerance; in the others steps of dt_s. records: what it can
-    record besides the motion. plain: formulations in which it runs with drive "angle", with all
-    joints sound, on the level unless plain_incline, and can record no more than plain_records.
-    faults: whether it runs with limp or locked joints.
+    order: of convergence at recorded times, for smooth motion. stability: the rule for its fixed
+    steps (stability.py), empty for methods without. adaptive: formulations in which it takes steps
+    of its own to scene.tolerance; in the others steps of dt_s. records: what it can record besides
+    the motion. plain: formulations in which it runs with drive "angle", with all joints sound, on
+    the level unless plain_incline, and can record no more than plain_records. faults: whether it
+    runs with limp or locked joints.
     """
 
     order: int
-    formulations: tuple[str, ...] = FORMULATIONS
-    adaptive: tuple[str, ...] = ()
-    drives: tuple[str, ...] = DRIVES
-    laws: tuple[str, ...] = LAWS
-    records: tuple[str, ...] = RECORDS
-    plain: tuple[str, ...] = ()
-    plain_records: tuple[str, ...] = ()
-    plain_incline: bool = False
-    faults: bool = True
+    stability: str
+    formulations: tuple[str, ...]
+    adaptive: tuple[str, ...]
+    drives: tuple[str, ...]
+    laws: tuple[str, ...]
+    records: tuple[str, ...]
+    plain: tuple[str, ...]
+    plain_records: tuple[str, ...]
+    plain_incline: bool
+    faults: bool
 
 
-METHODS = {
-    "rk4": MethodKind(4),
-    "euler": MethodKind(1),
-    "semi_implicit_euler": MethodKind(1),
-    "paper": MethodKind(1, formulations=("implicit",)),
-    "dop853": MethodKind(8, adaptive=FORMULATIONS, laws=("viscous", "smoothed")),
-    "collocation": MethodKind(
-        7,
-        formulations=("explicit",),
-        adaptive=("explicit",),
-        drives=("angle",),
-        laws=("viscous",),
-        plain=("explicit",),
-        plain_records=("joints", "friction"),
-    ),
-    "radau": MethodKind(
-        5,
-        formulations=("implicit",),
-        adaptive=("implicit",),
-        laws=("viscous", "smoothed"),
-        faults=False,
-    ),
-    "nonsmooth": MethodKind(
-        2,
-        adaptive=("explicit",),
-        laws=("viscous", "dry"),
-        records=("joints", "friction"),
-        plain=("explicit",),
-        plain_records=("joints", "friction"),
-        plain_incline=True,
-    ),
-}
+_WORDS = ("formulations", "adaptive", "drives", "laws", "records", "plain", "plain_records")
+
+
+def _kind(row: dict[str, Any]) -> MethodKind:
+    return MethodKind(**{k: tuple(v.split()) if k in _WORDS else v for k, v in row.items()})
+
+
+METHODS = {row.pop("name"): _kind(row) for row in _core.method_table()}

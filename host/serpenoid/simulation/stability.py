@@ -120,8 +120,14 @@ def _amplification_rk4(z: Complex) -> Complex:
     return 1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))
 
 
-def _euler_stable(rates: Complex, dt_s: float) -> bool:
+def _rk4_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
+    rates = _oscillator_rates(stiff, damped)
+    return bool(np.all(abs(_amplification_rk4(rates * dt_s)) <= 1 + _SLACK))
+
+
+def _euler_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
     """|1 + h s|^2 <= 1 without its rounding: an undamped mode grows, however slowly."""
+    rates = _oscillator_rates(stiff, damped)
     return bool(np.all(dt_s * np.abs(rates) ** 2 <= -2 * rates.real * (1 + _SLACK)))
 
 
@@ -145,7 +151,7 @@ def _stick_slip_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
     return bool(np.all(np.abs(np.linalg.eigvals(step)) <= 1 + _SLACK))
 
 
-def _paper_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
+def _held_dampers_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
     """Spectral radius of one RK4 step of x'' = -stiff x - g, g = damped v of the step before."""
     z2 = stiff * dt_s**2
     even, odd = 1 - z2 / 2 + z2**2 / 24, 1 - z2 / 6  # of RK4's polynomial in h A
@@ -157,6 +163,15 @@ def _paper_stable(stiff: Array, damped: Array, dt_s: float) -> bool:
     step[:, 1, 2] = push * odd
     step[:, 2, 1] = 1
     return bool(np.all(np.abs(np.linalg.eigvals(step)) <= 1 + _SLACK))
+
+
+_RULES = {
+    "rk4": _rk4_stable,
+    "euler": _euler_stable,
+    "semi_implicit": _semi_implicit_stable,
+    "stick_slip": _stick_slip_stable,
+    "held_dampers": _held_dampers_stable,
+}
 
 
 def modes(scene: Scene, any_shape: bool = False) -> tuple[Array, Array]:
@@ -189,16 +204,8 @@ def stability_test(scene: Scene, any_shape: bool = False) -> Callable[[float], b
     if scene.adaptive:
         return None
     stiff, damped = modes(scene, any_shape)
-    if scene.method == "semi_implicit_euler":
-        return lambda dt: _semi_implicit_stable(stiff, damped, dt)
-    if scene.method == "nonsmooth":
-        return lambda dt: _stick_slip_stable(stiff, damped, dt)
-    if scene.method == "paper":
-        return lambda dt: _paper_stable(stiff, damped, dt)
-    rates = _oscillator_rates(stiff, damped)
-    if scene.method == "euler":
-        return lambda dt: _euler_stable(rates, dt)
-    return lambda dt: bool(np.all(abs(_amplification_rk4(rates * dt)) <= 1 + _SLACK))
+    rule = _RULES[METHODS[scene.method].stability]
+    return lambda dt_s: rule(stiff, damped, dt_s)
 
 
 def largest_step_s(stable: Callable[[float], bool], dt_s: float) -> float:

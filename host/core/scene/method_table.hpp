@@ -1,0 +1,69 @@
+// Every method of runs in time: which scenes it runs, its order, its rule of stability.
+//
+// The one registry. Python reads it (simulation/methods.py), and refuses with it what a method does
+// not run; run/make_method.cpp has how each is made, in the same order.
+#pragma once
+
+#include <string_view>
+
+namespace serpenoid {
+
+// Lists are words (host/serpenoid/model/words.py) with a blank between them.
+struct MethodKind {
+    const char* name;
+    int order;                   // of convergence at recorded times, for smooth motion
+    const char* stability = "";  // rule for fixed steps, in simulation/stability.py
+    const char* formulations = "explicit implicit";
+    const char* adaptive = "";  // formulations in which it picks its steps; in the others dt_s
+    const char* drives = "angle torque servo";
+    const char* laws = "viscous smoothed dry";
+    const char* records = "joints friction energy";  // beside the motion
+    // Formulations in which all joints must follow the gait, on the level unless plain_incline, and
+    // no more than plain_records is recorded.
+    const char* plain = "";
+    const char* plain_records = "";
+    bool plain_incline = false;
+    bool faults = true;           // runs with limp or locked joints
+    bool holds_dampers = false;   // dampers take the rates of the step before
+    bool makes_friction = false;  // implicit: applies the friction itself, to a system without
+
+    constexpr bool is(std::string_view other) const { return other == name; }
+};
+
+inline constexpr MethodKind kMethods[] = {
+    {.name = "rk4", .order = 4, .stability = "rk4"},
+    {.name = "euler", .order = 1, .stability = "euler"},
+    {.name = "semi_implicit_euler", .order = 1, .stability = "semi_implicit"},
+    {.name = "paper",
+     .order = 1,
+     .stability = "held_dampers",
+     .formulations = "implicit",
+     .holds_dampers = true},
+    {.name = "dop853", .order = 8, .adaptive = "explicit implicit", .laws = "viscous smoothed"},
+    {.name = "collocation",
+     .order = 7,
+     .formulations = "explicit",
+     .adaptive = "explicit",
+     .drives = "angle",
+     .laws = "viscous",
+     .plain = "explicit",
+     .plain_records = "joints friction"},
+    {.name = "radau",
+     .order = 5,
+     .formulations = "implicit",
+     .adaptive = "implicit",
+     .laws = "viscous smoothed",
+     .faults = false},
+    {.name = "nonsmooth",
+     .order = 2,
+     .stability = "stick_slip",
+     .adaptive = "explicit",
+     .laws = "viscous dry",
+     .records = "joints friction",
+     .plain = "explicit",
+     .plain_records = "joints friction",
+     .plain_incline = true,
+     .makes_friction = true},
+};
+
+}  // namespace serpenoid
