@@ -37,7 +37,8 @@ _WORDS = ("formulations", "adaptive", "drives", "laws", "records", "plain", "pla
 
 
 def _kind(row: dict[str, Any]) -> MethodKind:
-    return MethodKind(**{k: tuple(v.split()) if k in _WORDS else v for k, v in row.items()})
+    words: dict[str, Any] = {name: tuple(row[name].split()) for name in _WORDS}
+    return MethodKind(**{**row, **words})
 
 
 METHODS = {row.pop("name"): _kind(row) for row in _core.method_table()}
