@@ -67,7 +67,7 @@ inline void Shape::chain(double l, const GaitTable& gait, double sin_tau, double
         x += l * c, y += l * s, x1 -= l * s1 * s, y1 += l * s1 * c;
         x2 -= l * (s2 * s + s1 * s1 * c), y2 += l * (s2 * c - s1 * s1 * s);
         const GaitTable::Joint j = gait.at(i, sin_tau, cos_tau);
-        angle += j.angle, s1 += j.rate, s2 += j.curvature;
+        angle += j.angle, s1 += j.slope, s2 += j.curvature;
         c = std::cos(angle), s = std::sin(angle);
         x += l * c, y += l * s, x1 -= l * s1 * s, y1 += l * s1 * c;
         x2 -= l * (s2 * s + s1 * s1 * c), y2 += l * (s2 * c - s1 * s1 * s);

@@ -13,7 +13,7 @@ namespace serpenoid {
 // All joints follow the gait (Eq. 57).
 class GaitDrive {
   public:
-    GaitDrive(int links, const Gait& g) : omega_(g.omega), table_(links, g), bend_(links - 1) {}
+    GaitDrive(int links, const Gait& g) : omega_(g.omega), table_(links, g), accel_(links - 1) {}
 
     // Stages of a step share their times: a wave is kept until another time is asked for.
     const GaitWave& wave(double t) {
@@ -29,17 +29,17 @@ class GaitDrive {
             const GaitWave::Joint j = now.at(i);
             k.theta[i + 1] = k.theta[i] + j.angle;
             k.omega[i + 1] = k.omega[i] + j.rate;
-            bend_[i] = j.bend;
+            accel_[i] = j.acceleration;
         }
         k.directions();
     }
-    const double* bend() const { return bend_.data(); }
+    const double* joint_accel() const { return accel_.data(); }
 
   private:
     double omega_, t_ = std::numeric_limits<double>::quiet_NaN();
     GaitTable table_;
     GaitWave wave_{};
-    std::vector<double> bend_;
+    std::vector<double> accel_;
 };
 
 // What a joint may do instead of what the drive asks of all.
@@ -52,7 +52,7 @@ class MixedDrive {
                const std::vector<double>& locked_rad)
         : omega_(g.omega),
           table_(links, g),
-          bend_(links - 1),
+          accel_(links - 1),
           fault_(faults),
           locked_(locked_rad),
           imposed_(links - 1) {
@@ -65,7 +65,7 @@ class MixedDrive {
     int free_joints() const { return static_cast<int>(free_.size()); }
     const std::vector<int>& free() const { return free_; }
     const std::vector<char>& imposed() const { return imposed_; }
-    const double* bend() const { return bend_.data(); }
+    const double* joint_accel() const { return accel_.data(); }
 
     // Angles and rates of all links from those of link 1 and of the free joints; keeps phi''.
     void place(double t, double theta1, double omega1, const double* angle, const double* rate,
@@ -74,12 +74,12 @@ class MixedDrive {
         k.theta[0] = theta1, k.omega[0] = omega1;
         for (int i = 0, f = 0; i + 1 < k.n(); ++i) {
             double phi = locked_[i], speed = 0;
-            bend_[i] = 0;
+            accel_[i] = 0;
             if (!imposed_[i]) {
                 phi = angle[f], speed = rate[f], ++f;
             } else if (fault_[i] == Fault::none) {
                 const GaitWave::Joint j = now.at(i);
-                phi = j.angle, speed = j.rate, bend_[i] = j.bend;
+                phi = j.angle, speed = j.rate, accel_[i] = j.acceleration;
             }
             k.theta[i + 1] = k.theta[i] + phi;
             k.omega[i + 1] = k.omega[i] + speed;
@@ -95,7 +95,7 @@ class MixedDrive {
   private:
     double omega_;
     GaitTable table_;
-    std::vector<double> bend_;
+    std::vector<double> accel_;
     std::vector<Fault> fault_;
     std::vector<double> locked_;
     std::vector<char> imposed_;

@@ -48,7 +48,7 @@ LaneTask::LaneTask(const LaneScene& scene, const std::vector<Gait>& gaits, bool 
         for (int i = 1; i < n; ++i)
             at(lanes::kStiffness, i, lane) = scene.spring.k,
                                      at(lanes::kDamping, i, lane) = scene.spring.c;
-        bend(lane, gaits[std::min<std::size_t>(lane, gaits.size() - 1)]);
+        take_gait(lane, gaits[std::min<std::size_t>(lane, gaits.size() - 1)]);
     }
 }
 
@@ -60,7 +60,7 @@ double& LaneTask::at(int what, int link, int gait) const {
 double& LaneTask::one(int which, int gait) const { return memory_[which * width_ + gait]; }
 
 // theta_i - theta_1, the sum of the joint angles (Eq. 57) up to link i, and its sum over links.
-void LaneTask::bend(int lane, const Gait& gait) {
+void LaneTask::take_gait(int lane, const Gait& gait) {
     double a = 0, b = 0, sum_a = 0, sum_b = 0;
     for (int i = 0; i < task_.robot.n; ++i) {
         if (i > 0) {

@@ -46,7 +46,7 @@ class LaneTask {
     };
     double& at(int what, int link, int gait) const;
     double& one(int which, int gait) const;
-    void bend(int lane, const Gait& gait);
+    void take_gait(int lane, const Gait& gait);
 
     lanes::Task task_;
     lanes::Kernel kernel_;

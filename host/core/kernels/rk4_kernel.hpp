@@ -17,7 +17,7 @@ namespace {
 
 // Lanes are links: the neighbour is a lane away, and what is summed over links is so over lanes.
 template <int W>
-struct Chain {
+struct PackedChain {
     using V = Pack<W>;
     static V before(V previous, V current) {
         if constexpr (W == 4) return V{previous[3], current[0], current[1], current[2]};
@@ -42,8 +42,8 @@ struct Batch {
 };
 
 template <class V>
-struct Viscous {
-    explicit Viscous(const Task& q) : ct(all<V>(-q.ground.ct)), cn(all<V>(-q.ground.cn)) {}
+struct PackedViscous {
+    explicit PackedViscous(const Task& q) : ct(all<V>(-q.ground.ct)), cn(all<V>(-q.ground.cn)) {}
     V along(V v) const { return ct * v; }
     V across(V v) const { return cn * v; }
     V ct, cn;
@@ -51,9 +51,9 @@ struct Viscous {
 
 // -(c v + F0 sgn v), sgn 0 = 0.
 template <class V>
-struct Dry : Viscous<V> {
+struct Dry : PackedViscous<V> {
     explicit Dry(const Task& q)
-        : Viscous<V>(q), ft0(all<V>(-q.ground.ft0)), fn0(all<V>(-q.ground.fn0)) {}
+        : PackedViscous<V>(q), ft0(all<V>(-q.ground.ft0)), fn0(all<V>(-q.ground.fn0)) {}
     static V sgn(V v) { return choose<V>(v > 0, all<V>(1), choose<V>(v < 0, all<V>(-1), v)); }
     V along(V v) const { return fused(this->ct, v, ft0 * sgn(v)); }
     V across(V v) const { return fused(this->cn, v, fn0 * sgn(v)); }
@@ -62,8 +62,8 @@ struct Dry : Viscous<V> {
 
 // sgn v replaced by v / sqrt(v^2 + width^2).
 template <class V>
-struct Smoothed : Dry<V> {
-    explicit Smoothed(const Task& q) : Dry<V>(q), square(all<V>(q.smoothing * q.smoothing)) {}
+struct PackedSmoothed : Dry<V> {
+    explicit PackedSmoothed(const Task& q) : Dry<V>(q), square(all<V>(q.smoothing * q.smoothing)) {}
     V soft(V v) const { return v / square_root(fused(v, v, square)); }
     V along(V v) const { return fused(this->ct, v, this->ft0 * soft(v)); }
     V across(V v) const { return fused(this->cn, v, this->fn0 * soft(v)); }
@@ -230,10 +230,10 @@ template <int W>
 constexpr Set set_of(const char* name) {
     return {name,
             W,
-            {kernel_of<Chain<W>, Viscous>(), kernel_of<Chain<W>, Dry>(),
-             kernel_of<Chain<W>, Smoothed>()},
-            {kernel_of<Batch<W>, Viscous>(), kernel_of<Batch<W>, Dry>(),
-             kernel_of<Batch<W>, Smoothed>()},
+            {kernel_of<PackedChain<W>, PackedViscous>(), kernel_of<PackedChain<W>, Dry>(),
+             kernel_of<PackedChain<W>, PackedSmoothed>()},
+            {kernel_of<Batch<W>, PackedViscous>(), kernel_of<Batch<W>, Dry>(),
+             kernel_of<Batch<W>, PackedSmoothed>()},
             sincos_packs<W>};
 }
 

@@ -23,7 +23,7 @@ class SetValuedMotion : public Method {
           tolerance_(q.tolerance),
           table_(q.robot.n, q.gait),
           motion_(q.robot, q.ground, q.gait, q.slope, kLeastBend),
-          bend_(q.robot.n - 1) {}
+          accel_(q.robot.n - 1) {}
 
     void restart(double t, const double* y) override {
         shape_at(t);
@@ -59,9 +59,9 @@ class SetValuedMotion : public Method {
             k.fx[i] = k.c[i] * ft - k.s[i] * fn + robot_.m * slope_.gx;
             k.fy[i] = k.s[i] * ft + k.c[i] * fn + robot_.m * slope_.gy;
             if (i + 1 < robot_.n)
-                bend_[i] = omega_ * omega_ * table_.at(i, sin_tau, cos_tau).curvature;
+                accel_[i] = omega_ * omega_ * table_.at(i, sin_tau, cos_tau).curvature;
         }
-        explicit_angle(robot_, bend_.data(), k, system.joints);
+        explicit_angle(robot_, accel_.data(), k, system.joints);
     }
 
   private:
@@ -84,7 +84,7 @@ class SetValuedMotion : public Method {
     GaitTable table_;
     Shape shape_;
     DryMotion motion_;
-    std::vector<double> bend_, wheel_force_;
+    std::vector<double> accel_, wheel_force_;
     DryState dry_{};
     std::array<double, 6> y_{};
 };

@@ -7,13 +7,13 @@
 
 namespace serpenoid {
 
-void explicit_angle(const Robot& robot, const double* bend, Chain& k, Joints& joints) {
+void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k, Joints& joints) {
     TailSums sums{k.fx[0], k.fy[0]};
     Along at{};
     HalfLink before = HalfLink::of(robot.l, k.c[0], k.s[0], k.omega[0]);
     k.ax[0] = k.ay[0] = k.alpha[0] = 0;
     for (int i = 1; i < k.n(); ++i) {
-        at.turn += bend[i - 1];
+        at.turn += joint_accel[i - 1];
         const HalfLink now = HalfLink::of(robot.l, k.c[i], k.s[i], k.omega[i], at.turn);
         at.pass(before, now);
         before = now;
@@ -132,13 +132,14 @@ JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double
 
 }  // namespace
 
-void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* bend,
+void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* joint_accel,
                     Chain& k, Joints& joints) {
     const int last = k.n() - 2;
     std::vector<double> upper(9 * (last + 1));
     std::vector<Vec3> found(last + 1);
     for (int i = 0; i <= last; ++i) {
-        JointRows rows = joint_rows(robot, k, i, imposed[i], imposed[i] ? bend[i] : joints.T[i]);
+        JointRows rows =
+            joint_rows(robot, k, i, imposed[i], imposed[i] ? joint_accel[i] : joints.T[i]);
         double rhs[12];  // (block to the next joint, right side)
         for (int p = 0; p < 3; ++p) {
             for (int q = 0; q < 3; ++q) rhs[4 * p + q] = i < last ? rows.after[3 * p + q] : 0;

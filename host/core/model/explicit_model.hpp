@@ -8,9 +8,9 @@ namespace serpenoid {
 // These take a chain whose angles, rates, positions, velocities, directions and friction are
 // filled, and fill its accelerations; joints gets what holds it together.
 
-// Joint angles imposed: `bend[j]` = phi_j'' for j = 0..n-2. Torques are recovered. The equations
-// are those of tail_acceleration.hpp.
-void explicit_angle(const Robot& robot, const double* bend, Chain& chain, Joints& joints);
+// Joint angles imposed: `joint_accel[j]` = phi_j'' for j = 0..n-2. Torques are recovered. The
+// equations are those of tail_acceleration.hpp.
+void explicit_angle(const Robot& robot, const double* joint_accel, Chain& chain, Joints& joints);
 
 // Joint torques imposed: joints.T is input, joints.F is found. Equal accelerations of both sides
 // of each joint give a symmetric positive definite block-tridiagonal system (2 x 2 blocks):
@@ -19,12 +19,13 @@ void explicit_angle(const Robot& robot, const double* bend, Chain& chain, Joints
 // N = n n^T, tau_i = T_i - T_{i-1}.
 void explicit_torque(const Robot& robot, Chain& chain, Joints& joints);
 
-// Some joints imposed (imposed[j]: bend[j] = phi_j'' is input, its torque is found), the others
-// free (joints.T[j] is input). The equations above with the torques among the unknowns, three a
-// joint, and as a third row for an imposed one the difference of both links' angular equations:
+// Some joints imposed (imposed[j]: joint_accel[j] = phi_j'' is input, its torque is found), the
+// others free (joints.T[j] is input). The equations above with the torques among the unknowns,
+// three a joint, and as a third row for an imposed one the difference of both links' angular
+// equations:
 //     (2T_i - T_{i-1} - T_{i+1})/I + (l/I)[n_i . (F_{i-1} + F_i) - n_{i+1} . (F_i + F_{i+1})]
 //   = -phi_i''.
-void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* bend,
+void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* joint_accel,
                     Chain& chain, Joints& joints);
 
 }  // namespace serpenoid

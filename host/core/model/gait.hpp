@@ -15,7 +15,7 @@ struct GaitWave {
     double offset, minus_ww;  // -omega^2
     const double *cos, *sin;  // of i beta
     struct Joint {
-        double angle, rate, bend;  // phi, phi', phi''
+        double angle, rate, acceleration;  // phi, phi', phi'' by time
     };
     INLINED Joint at(int i) const {
         const double swing = sin_a * cos[i] + cos_a * sin[i];
@@ -35,7 +35,7 @@ class GaitTable {
     }
 
     struct Joint {
-        double angle, rate, curvature;  // phi, dphi/dtau, d2phi/dtau2
+        double angle, slope, curvature;  // phi, dphi/dtau, d2phi/dtau2
     };
 
     Joint at(int i, double sin_tau, double cos_tau) const {

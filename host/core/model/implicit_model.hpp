@@ -72,11 +72,13 @@ inline double link_balance(const Robot& r, Chain& k, const Joints& joints, int i
 
 // The four below take a chain and the joint forces, and fill its accelerations.
 
-// Angles imposed: bend[j] = phi_j''. Returns theta_1''; k.alpha gets the couples of the links.
-inline double implicit_turn(const Robot& r, const double* bend, Chain& k, const Joints& joints) {
+// Angles imposed: joint_accel[j] = phi_j''. Returns theta_1''; k.alpha gets the couples of the
+// links.
+inline double implicit_turn(const Robot& r, const double* joint_accel, Chain& k,
+                            const Joints& joints) {
     double turn = 0, turns = 0, couples = 0;
     for (int i = 0; i < k.n(); ++i) {
-        if (i > 0) turn += bend[i - 1];
+        if (i > 0) turn += joint_accel[i - 1];
         turns += turn;
         k.alpha[i] = link_balance(r, k, joints, i);
         couples += k.alpha[i];
@@ -85,10 +87,10 @@ inline double implicit_turn(const Robot& r, const double* bend, Chain& k, const 
 }
 
 // The same, and the torques, which follow from the angular equation of each link.
-inline void implicit_angle(const Robot& r, const double* bend, Chain& k, Joints& joints) {
-    double angular = implicit_turn(r, bend, k, joints), T = 0;
+inline void implicit_angle(const Robot& r, const double* joint_accel, Chain& k, Joints& joints) {
+    double angular = implicit_turn(r, joint_accel, k, joints), T = 0;
     for (int i = 0; i < k.n(); ++i) {
-        if (i > 0) angular += bend[i - 1];
+        if (i > 0) angular += joint_accel[i - 1];
         T += r.I * angular - k.alpha[i];
         k.alpha[i] = angular;
         if (i + 1 < k.n()) joints.T[i] = T;
@@ -105,8 +107,9 @@ inline void implicit_torque(const Robot& r, Chain& k, Joints& joints) {
 
 // Some joints imposed, the others free, as explicit_mixed; the imposed torques solve
 //     (2T_i - T_{i-1} - T_{i+1})/I = (couple_{i+1} - couple_i)/I - phi_i''.
-inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed, const double* bend,
-                           std::vector<double>& scratch, Chain& k, Joints& joints) {
+inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed,
+                           const double* joint_accel, std::vector<double>& scratch, Chain& k,
+                           Joints& joints) {
     const int n = k.n();
     for (int i = 0; i < n; ++i) k.alpha[i] = link_balance(r, k, joints, i);  // couples, for now
     double ratio = 0;  // what the elimination left beside the diagonal of the row before
@@ -115,7 +118,7 @@ inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed, con
             scratch[i] = ratio = 0;
             continue;
         }
-        const double right = k.alpha[i + 1] - k.alpha[i] - r.I * bend[i];
+        const double right = k.alpha[i + 1] - k.alpha[i] - r.I * joint_accel[i];
         const double diagonal = 2 - ratio;
         joints.T[i] = (right + (i > 0 ? joints.T[i - 1] : 0)) / diagonal;
         scratch[i] = ratio = 1 / diagonal;

@@ -21,9 +21,9 @@ struct HalfLink {
         const double x = l * c, y = l * s, square = rate * rate;
         return {x, y, -rate * y, rate * x, -square * x, -square * y};
     }
-    INLINED static HalfLink of(double l, double c, double s, double rate, double bend) {
+    INLINED static HalfLink of(double l, double c, double s, double rate, double accel) {
         const double x = l * c, y = l * s, square = rate * rate;
-        return {x, y, -rate * y, rate * x, -bend * y - square * x, bend * x - square * y};
+        return {x, y, -rate * y, rate * x, -accel * y - square * x, accel * x - square * y};
     }
 };
 

@@ -57,7 +57,7 @@ class ExplicitAngle final : public PairedSystem {
         TailSums sums{first.x, first.y};
         for (int i = 0; i + 1 < r.n; ++i) {
             const GaitWave::Joint j = wave.at(i);
-            theta += j.angle, rate += j.rate, at.turn += j.bend;
+            theta += j.angle, rate += j.rate, at.turn += j.acceleration;
             c = std::cos(theta), s = std::sin(theta);
             const HalfLink now = HalfLink::of(r.l, c, s, rate, at.turn);
             at.pass(before, now);
@@ -72,7 +72,7 @@ class ExplicitAngle final : public PairedSystem {
     void forces(double t, const double* y) override {
         fill(t, y);
         force(chain);
-        explicit_angle(robot, drive.bend(), chain, joints);
+        explicit_angle(robot, drive.joint_accel(), chain, joints);
     }
 
   private:
@@ -157,7 +157,7 @@ class ExplicitMixed final : public PairedSystem {
         force(chain);
         source->torques(t, chain, joints.T.data());
         drive.limp(joints.T.data());
-        explicit_mixed(robot, drive.imposed(), drive.bend(), chain, joints);
+        explicit_mixed(robot, drive.imposed(), drive.joint_accel(), chain, joints);
     }
     void rate(double t, const double* y, double* dy) override {
         forces(t, y);

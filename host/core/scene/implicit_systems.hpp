@@ -82,14 +82,15 @@ class ImplicitAngle final : public ImplicitSystem<Force, Damper> {
     void rate(double t, const double* y, double* dy) override {
         fill(t, y);
         this->act();
-        const double turn = implicit_turn(this->robot, drive.bend(), this->chain, this->joints);
+        const double turn =
+            implicit_turn(this->robot, drive.joint_accel(), this->chain, this->joints);
         this->give_centres(y, dy);
         this->angles(dy)[0] = this->angles(y)[1], this->angles(dy)[1] = turn;
     }
     void forces(double t, const double* y) override {
         fill(t, y);
         this->act();
-        implicit_angle(this->robot, drive.bend(), this->chain, this->joints);
+        implicit_angle(this->robot, drive.joint_accel(), this->chain, this->joints);
     }
 
   private:
@@ -170,7 +171,7 @@ class ImplicitMixed final : public ImplicitSystem<Force, Damper> {
         double* T = this->joints.T.data();
         source->torques(t, this->chain, T);
         drive.limp(T);
-        implicit_mixed(this->robot, drive.imposed(), drive.bend(), scratch, this->chain,
+        implicit_mixed(this->robot, drive.imposed(), drive.joint_accel(), scratch, this->chain,
                        this->joints);
     }
     void rate(double t, const double* y, double* dy) override {

@@ -14,6 +14,7 @@ from .core_model import core_model
 from .errors import BadInput
 from .gait import Gait
 from .ground import Ground
+from .kinematics import joint_motion
 from .link_state import LinkState
 from .robot import Robot
 from .vectors import finite_vector
@@ -33,13 +34,12 @@ class TorqueDrive:
 class AngleDrive:
     """Impose the second derivatives phi_i'' of the joint angles, (n-1,), rad/s^2."""
 
-    bend_rad_s2: Array
+    acceleration_rad_s2: Array
 
     @classmethod
     def of(cls, robot: Robot, gait: Gait, t_s: float) -> AngleDrive:
         """Take them from a gait at time t_s (Eq. 57)."""
-        phase = gait.omega_rad_s * t_s + gait.beta_rad * np.arange(robot.links - 1)
-        return cls(-(gait.omega_rad_s**2) * gait.alpha_rad * np.sin(phase))
+        return cls(joint_motion(gait, robot.links - 1, t_s).acceleration_rad_s2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ def acceleration(
     if state.links != robot.links:
         raise BadInput(f"state has {state.links} links, the robot has {robot.links}")
     torque = isinstance(drive, TorqueDrive)
-    name, values = ("torque_nm", drive.torque_nm) if torque else ("bend_rad_s2", drive.bend_rad_s2)
+    name = "torque_nm" if torque else "acceleration_rad_s2"
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
     request.formulation = getattr(_core.Formulation, formulation)
     request.drive = _core.Drive.torque if torque else _core.Drive.angle
@@ -99,7 +99,7 @@ def acceleration(
     for field, value in given.items():
         setattr(request, field, check_number(field, value, 0.0))
     out: dict[str, Any] = _core.evaluate(
-        request, state.packed(), finite_vector(name, values, robot.links - 1)
+        request, state.packed(), finite_vector(name, getattr(drive, name), robot.links - 1)
     )
     names = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
     return Acceleration(*(out[n] for n in names))

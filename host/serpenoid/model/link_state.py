@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .gait import Gait
+from .kinematics import joint_motion
 from .robot import Robot
 from .vectors import finite_vector
 
@@ -67,10 +68,7 @@ class LinkState:
         cls, robot: Robot, gait: Gait, t_s: float, tail: ArrayLike, tail_rate: ArrayLike
     ) -> LinkState:
         """Place all links from link 1, (x, y, theta_1) and its rates, and the gait at time t_s."""
-        n = robot.links
-        phase = gait.omega_rad_s * t_s + gait.beta_rad * np.arange(n - 1)
-        phi = gait.offset_rad + gait.alpha_rad * np.sin(phase)
-        rate = gait.omega_rad_s * gait.alpha_rad * np.cos(phase)
+        phi, rate, _ = joint_motion(gait, robot.links - 1, t_s)
         p, v = finite_vector("tail", tail, 3), finite_vector("tail_rate", tail_rate, 3)
         theta = p[2] + np.concatenate(([0.0], np.cumsum(phi)))
         omega = v[2] + np.concatenate(([0.0], np.cumsum(rate)))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model.errors import BadInput
 from ..model.gait import Gait
+from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
 from .scene import STARTS, Scene
 from .stability import check_step
@@ -92,14 +93,13 @@ def gait_rows(gaits: Sequence[Gait]) -> Array:
     return np.array([[g.alpha_rad, g.beta_rad, g.omega_rad_s, g.offset_rad] for g in gaits])
 
 
-def _angles(rows: Array, t_s: Array, tail: Array, links: int) -> tuple[Array, Array]:
+def _angles(gaits: Sequence[Gait], t_s: Array, tail: Array, links: int) -> tuple[Array, Array]:
     """Return theta and omega of all links, (G, n), from those of link 1, (G, 2), and Eq. 57."""
-    alpha, beta, rate, offset = (column[:, None] for column in rows.T)
-    phase = rate * t_s[:, None] + beta * np.arange(links - 1)
-    bends = np.cumsum(offset + alpha * np.sin(phase), axis=1)
-    turns = np.cumsum(rate * alpha * np.cos(phase), axis=1)
-    theta = tail[:, :1] + np.pad(bends, ((0, 0), (1, 0)))
-    return theta, tail[:, 1:] + np.pad(turns, ((0, 0), (1, 0)))
+    moves = [joint_motion(gait, links - 1, t) for gait, t in zip(gaits, t_s, strict=True)]
+    theta = np.cumsum([move.angle_rad for move in moves], axis=1)
+    omega = np.cumsum([move.rate_rad_s for move in moves], axis=1)
+    to_all = ((0, 0), (1, 0))
+    return tail[:, :1] + np.pad(theta, to_all), tail[:, 1:] + np.pad(omega, to_all)
 
 
 def simulate_gaits(scene: Scene, gaits: Sequence[Gait]) -> GaitRuns:
@@ -126,7 +126,7 @@ def simulate_gaits(scene: Scene, gaits: Sequence[Gait]) -> GaitRuns:
     ]  # fmt: skip
     ends, t_s = np.concatenate([p[0] for p in parts]), np.concatenate([p[1][:, 0] for p in parts])
     x, y, vx, vy = np.split(ends[:, : 4 * n], 4, axis=1)
-    theta, omega = _angles(rows, t_s, ends[:, 4 * n :], n)
+    theta, omega = _angles(gaits, t_s, ends[:, 4 * n :], n)
     way = np.stack([x.mean(axis=1), y.mean(axis=1)], axis=1)
     way -= np.stack([starts[:, :n].mean(axis=1), starts[:, n : 2 * n].mean(axis=1)], axis=1)
     speed = np.hypot(*way.T) / np.where(t_s > 0, t_s, np.inf)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.errors import BadInput
+from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
 from ..periodic.steady import steady_gait
 from .core_run import run_core
@@ -19,10 +20,7 @@ _FORWARD = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # derivative from 
 
 def _joints_at_start(scene: Scene) -> tuple[Array, Array]:
     """Return angles and rates of the joints at t = 0: the gait's, locked ones where they stay."""
-    gait, joints = scene.gait, np.arange(scene.robot.links - 1)
-    phase = gait.beta_rad * joints
-    phi = gait.offset_rad + gait.alpha_rad * np.sin(phase)
-    rate = gait.omega_rad_s * gait.alpha_rad * np.cos(phase)
+    phi, rate, _ = joint_motion(scene.gait, scene.robot.links - 1)
     for joint, angle in scene.locked.items():
         phi[joint - 1], rate[joint - 1] = angle, 0.0
     return phi, rate

@@ -29,7 +29,7 @@ class SpringAngle {
           w_(q.gait.omega),
           law_(q.ground, q.smoothing),
           gait_(r_.n, q.gait),
-          shapes_(kMoments + 1, Shape(r_.n)),
+          shapes_(kMoments + 1, Pose(r_.n)),
           friction_(r_.n),
           arm_(r_.n - 1) {}
 
@@ -69,16 +69,16 @@ class SpringAngle {
 
     // Tabulate what depends on the time alone.
     void at(int moment, double t) {
-        Shape& shape = shapes_[moment];
+        Pose& shape = shapes_[moment];
         const double sin_tau = std::sin(w_ * t), cos_tau = std::cos(w_ * t);
-        double angle = 0, rate = 0, bend = 0;
-        shape.bends = 0;
+        double angle = 0, rate = 0, accel = 0;
+        shape.accels = 0;
         for (int i = 0;; ++i) {
-            shape.link[i] = {std::cos(angle), std::sin(angle), rate, bend};
-            shape.bends += bend;
+            shape.link[i] = {std::cos(angle), std::sin(angle), rate, accel};
+            shape.accels += accel;
             if (i + 1 == r_.n) return;
             const GaitTable::Joint joint = gait_.at(i, sin_tau, cos_tau);
-            angle += joint.angle, rate += w_ * joint.rate, bend += w_ * w_ * joint.curvature;
+            angle += joint.angle, rate += w_ * joint.slope, accel += w_ * w_ * joint.curvature;
         }
     }
     void keep_last_moment() { std::swap(shapes_[0], shapes_[kMoments - 1]); }
@@ -103,7 +103,7 @@ class SpringAngle {
             couple += r_.l * (py * (front.c + back.c) - px * (front.s + back.s));
             back = front;
         }
-        r[2 * n] = r_.I * (n * a[2 * n] + shapes_[moment].bends) - couple;
+        r[2 * n] = r_.I * (n * a[2 * n] + shapes_[moment].accels) - couple;
     }
 
     // Note the derivatives at a state, with the gaps of another: predicted ones are of the size of
@@ -182,19 +182,19 @@ class SpringAngle {
 
   private:
     struct LinkAngle {
-        double c, s, rate, bend;  // of theta_i - theta_1
+        double c, s, rate, accel;  // of theta_i - theta_1
     };
-    struct Shape {
-        explicit Shape(int n) : link(n) {}
+    struct Pose {
+        explicit Pose(int n) : link(n) {}
         std::vector<LinkAngle> link;
-        double bends = 0;  // sum of theta_i'' - theta_1''
+        double accels = 0;  // sum of theta_i'' - theta_1''
     };
     // How link 1 turns, and so all others.
     struct Turn {
         Turn(double angle, double w, double dw)
             : c(std::cos(angle)), s(std::sin(angle)), w(w), dw(dw) {}
         LinkMotion of(const LinkAngle& a) const {
-            return {c * a.c - s * a.s, s * a.c + c * a.s, w + a.rate, dw + a.bend, 0, 0, 0, 0};
+            return {c * a.c - s * a.s, s * a.c + c * a.s, w + a.rate, dw + a.accel, 0, 0, 0, 0};
         }
         double c, s, w, dw;
     };
@@ -216,7 +216,7 @@ class SpringAngle {
     double k_, c_, weight_x_, weight_y_, w_;
     Law law_;
     GaitTable gait_;
-    std::vector<Shape> shapes_;
+    std::vector<Pose> shapes_;
     std::vector<FrictionSlope> friction_;
     std::vector<std::array<double, 2>> arm_;  // l (n_i + n_{i+1}), what a turn moves a gap by
     double pull_ = 0;                         // what turning the arms under the forces adds

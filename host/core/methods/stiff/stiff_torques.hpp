@@ -220,7 +220,7 @@ class SpringTorque {
         }
         source_->torques(time_[moment], chain_, to.data());
     }
-    // A servo's torque depends on its own joint alone: bend all joints at once. Differences, as
+    // A servo's torque depends on its own joint alone: turn all joints at once. Differences, as
     // limits and dead band have kinks.
     void servo_slopes(int moment, const double* q, const double* v) {
         constexpr double kAngle = 1e-6, kRate = 1e-5;
