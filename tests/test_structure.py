@@ -35,6 +35,8 @@ CORE_ROOMS = [
     "run",
     "python",
 ]
+FIRMWARE = ROOT / "firmware" / "lib"
+FIRMWARE_ROOMS = ("avr", "gait", "protocol", "settings", "controller")
 MOST_FILES = 14  # a room whose files a reader can hold; `__init__` is not counted
 Graph = dict[str, set[str]]
 
@@ -70,6 +72,18 @@ def core_graph() -> Graph:
         unit = path.relative_to(CORE).with_suffix("").as_posix()
         own = re.findall(r'#include "([\w/]+/\w+)\.hpp"', path.read_text())
         graph.setdefault(unit, set()).update(set(own) - {unit})
+    return graph
+
+
+def firmware_graph() -> Graph:
+    """Return the firmware's units as room/unit; its headers are included by their bare names."""
+    files = [*FIRMWARE.rglob("*.h"), *FIRMWARE.rglob("*.cpp")]
+    unit_of = {p.name: p.relative_to(FIRMWARE).with_suffix("").as_posix() for p in files}
+    graph: Graph = {}
+    for path in files:
+        unit = unit_of[path.name]
+        named = re.findall(r'#include "([\w.]+)"', path.read_text())
+        graph.setdefault(unit, set()).update({unit_of[n] for n in named if n in unit_of} - {unit})
     return graph
 
 
@@ -116,7 +130,13 @@ def test_core_arrows_run_down() -> None:
     assert uphill(core_graph(), CORE_ROOMS, "/") == []
 
 
-@pytest.mark.parametrize("graph", [python_graph, core_graph], ids=["python", "core"])
+def test_firmware_arrows_run_down() -> None:
+    assert uphill(firmware_graph(), FIRMWARE_ROOMS, "/") == []
+
+
+@pytest.mark.parametrize(
+    "graph", [python_graph, core_graph, firmware_graph], ids=["python", "core", "firmware"]
+)
 def test_no_circles(graph) -> None:
     assert circles(graph()) == []
 

@@ -28,6 +28,6 @@ def joint_motion(gait: Gait, joints: int, t_s: ArrayLike = 0.0) -> JointMotion:
     rate = gait.omega_rad_s
     phase = np.asarray(rate * np.asarray(t_s))[..., None] + gait.beta_rad * np.arange(joints)
     swing = gait.alpha_rad * np.sin(phase)
-    return JointMotion(
-        gait.offset_rad + swing, rate * gait.alpha_rad * np.cos(phase), -rate * (rate * swing)
-    )
+    with np.errstate(over="ignore"):  # of a rate beyond any robot's: an infinite acceleration
+        acceleration = -rate * (rate * swing)
+    return JointMotion(gait.offset_rad + swing, rate * gait.alpha_rad * np.cos(phase), acceleration)
