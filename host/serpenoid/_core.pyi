@@ -101,15 +101,15 @@ class firmware:  # a submodule; the checker takes its names from here
         @property
         def setpoints_rad(self) -> list[float]: ...
 
-class LaneScene:
+class BatchScene:
     def __init__(
         self, n: int, mass: float, half_length: float, inertia: float,
         ct: float, cn: float, ft0: float, fn0: float, k: float, c: float, smoothing: float, /,
     ) -> None: ...  # fmt: skip
 
-def lane_sets() -> list[str]: ...
-def lane_run(
-    scene: LaneScene, gaits: Array, starts: Array, dt: float, duration: float, steps: int,
+def instruction_sets() -> list[str]: ...
+def run_batch(
+    scene: BatchScene, gaits: Array, starts: Array, dt: float, duration: float, steps: int,
     kernels: str, batch: bool, /,
 ) -> tuple[Array, Array]: ...  # fmt: skip
-def lane_sincos(kernels: str, x: Array, /) -> Array: ...
+def kernel_sincos(kernels: str, x: Array, /) -> Array: ...

@@ -1,10 +1,10 @@
 // The kernels for x86 processors with AVX2 and FMA; the build compiles this file alone for those.
 #include "kernels/rk4_kernel.hpp"
 
-namespace serpenoid::lanes {
+namespace serpenoid::kernels {
 #ifdef __AVX2__
 const Set avx2 = set_of<4>("avx2");
 #else
 const Set avx2 = {};  // another kind of processor
 #endif
-}  // namespace serpenoid::lanes
+}  // namespace serpenoid::kernels

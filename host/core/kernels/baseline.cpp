@@ -2,7 +2,7 @@
 // to.
 #include "kernels/rk4_kernel.hpp"
 
-namespace serpenoid::lanes {
+namespace serpenoid::kernels {
 const Set baseline = set_of<2>("baseline");
 const Set scalar = set_of<1>("scalar");
-}  // namespace serpenoid::lanes
+}  // namespace serpenoid::kernels

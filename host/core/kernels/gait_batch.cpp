@@ -10,32 +10,32 @@
 
 namespace serpenoid {
 
-std::vector<const lanes::Set*> lane_sets() {
-    std::vector<const lanes::Set*> found;
+std::vector<const kernels::Set*> instruction_sets() {
+    std::vector<const kernels::Set*> found;
 #if defined(__x86_64__) || defined(__i386__)
-    if (lanes::avx2.width && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-        found.push_back(&lanes::avx2);
+    if (kernels::avx2.width && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        found.push_back(&kernels::avx2);
 #endif
-    found.push_back(&lanes::baseline), found.push_back(&lanes::scalar);
+    found.push_back(&kernels::baseline), found.push_back(&kernels::scalar);
     return found;
 }
 
 namespace {
 
-lanes::Law law_of(const LaneScene& scene) {
-    if (!scene.ground.dry()) return lanes::Law::viscous;
-    return scene.smoothing > 0 ? lanes::Law::smoothed : lanes::Law::dry;
+kernels::Law law_of(const BatchScene& scene) {
+    if (!scene.ground.dry()) return kernels::Law::viscous;
+    return scene.smoothing > 0 ? kernels::Law::smoothed : kernels::Law::dry;
 }
 
 }  // namespace
 
-void LaneTask::Free::operator()(double* p) const { std::free(p); }
+void PackedRuns::Free::operator()(double* p) const { std::free(p); }
 
-LaneTask::LaneTask(const LaneScene& scene, const std::vector<Gait>& gaits, bool batch,
-                   const lanes::Set& set)
+PackedRuns::PackedRuns(const BatchScene& scene, const std::vector<Gait>& gaits, bool batch,
+                       const kernels::Set& set)
     : width_(set.width), batch_(batch) {
     const int n = scene.robot.n, rows = batch ? n : (n + width_ - 1) / width_;
-    const std::size_t packs = lanes::kOnes + std::size_t{lanes::kRow} * rows;
+    const std::size_t packs = kernels::kOnes + std::size_t{kernels::kRow} * rows;
     const std::size_t bytes = (packs * width_ * sizeof(double) + 63) / 64 * 64;
     memory_.reset(static_cast<double*>(std::aligned_alloc(64, bytes)));
     if (!memory_) throw std::bad_alloc();
@@ -46,50 +46,50 @@ LaneTask::LaneTask(const LaneScene& scene, const std::vector<Gait>& gaits, bool 
     kernel_ = batch ? set.batch[law] : set.chain[law];
     for (int lane = 0; lane < (batch ? width_ : 1); ++lane) {
         for (int i = 1; i < n; ++i)
-            at(lanes::kStiffness, i, lane) = scene.spring.k,
-                                     at(lanes::kDamping, i, lane) = scene.spring.c;
+            at(kernels::kStiffness, i, lane) = scene.spring.k,
+                                       at(kernels::kDamping, i, lane) = scene.spring.c;
         take_gait(lane, gaits[std::min<std::size_t>(lane, gaits.size() - 1)]);
     }
 }
 
-double& LaneTask::at(int what, int link, int gait) const {
+double& PackedRuns::at(int what, int link, int gait) const {
     const std::size_t row = batch_ ? link : link / width_, lane = batch_ ? gait : link % width_;
-    return memory_[(lanes::kOnes + row * lanes::kRow + what) * width_ + lane];
+    return memory_[(kernels::kOnes + row * kernels::kRow + what) * width_ + lane];
 }
 
-double& LaneTask::one(int which, int gait) const { return memory_[which * width_ + gait]; }
+double& PackedRuns::one(int which, int gait) const { return memory_[which * width_ + gait]; }
 
 // theta_i - theta_1, the sum of the joint angles (Eq. 57) up to link i, and its sum over links.
-void LaneTask::take_gait(int lane, const Gait& gait) {
+void PackedRuns::take_gait(int lane, const Gait& gait) {
     double a = 0, b = 0, sum_a = 0, sum_b = 0;
     for (int i = 0; i < task_.robot.n; ++i) {
         if (i > 0) {
             a += gait.alpha * std::cos((i - 1) * gait.beta);
             b += gait.alpha * std::sin((i - 1) * gait.beta);
         }
-        at(lanes::kAngleSin, i, lane) = a, at(lanes::kAngleCos, i, lane) = b;
-        at(lanes::kAngleOffset, i, lane) = i * gait.offset;
+        at(kernels::kAngleSin, i, lane) = a, at(kernels::kAngleCos, i, lane) = b;
+        at(kernels::kAngleOffset, i, lane) = i * gait.offset;
         sum_a += a, sum_b += b;
     }
     for (int j = lane; j < (batch_ ? lane + 1 : width_); ++j) {
-        one(lanes::kGaitOmega, j) = gait.omega;
-        one(lanes::kTurnSin, j) = sum_a, one(lanes::kTurnCos, j) = sum_b;
+        one(kernels::kGaitOmega, j) = gait.omega;
+        one(kernels::kTurnSin, j) = sum_a, one(kernels::kTurnCos, j) = sum_b;
     }
 }
 
-void LaneTask::set(int gait, const double* y) {
+void PackedRuns::set(int gait, const double* y) {
     const int n = task_.robot.n;
     for (int part = 0; part < 4; ++part)
-        for (int i = 0; i < n; ++i) at(lanes::kX + part, i, gait) = y[part * n + i];
+        for (int i = 0; i < n; ++i) at(kernels::kX + part, i, gait) = y[part * n + i];
     for (int j = gait; j < (batch_ ? gait + 1 : width_); ++j)
-        one(lanes::kTheta, j) = y[4 * n], one(lanes::kOmega, j) = y[4 * n + 1];
+        one(kernels::kTheta, j) = y[4 * n], one(kernels::kOmega, j) = y[4 * n + 1];
 }
 
-void LaneTask::get(int gait, double* y) const {
+void PackedRuns::get(int gait, double* y) const {
     const int n = task_.robot.n;
     for (int part = 0; part < 4; ++part)
-        for (int i = 0; i < n; ++i) y[part * n + i] = at(lanes::kX + part, i, gait);
-    y[4 * n] = one(lanes::kTheta, gait), y[4 * n + 1] = one(lanes::kOmega, gait);
+        for (int i = 0; i < n; ++i) y[part * n + i] = at(kernels::kX + part, i, gait);
+    y[4 * n] = one(kernels::kTheta, gait), y[4 * n + 1] = one(kernels::kOmega, gait);
 }
 
 namespace {
@@ -103,8 +103,8 @@ class GaitBlock {
   public:
     static constexpr long kLook = 64;
 
-    GaitBlock(const LaneScene& scene, const std::vector<Gait>& gaits, bool batch,
-              const lanes::Set& set)
+    GaitBlock(const BatchScene& scene, const std::vector<Gait>& gaits, bool batch,
+              const kernels::Set& set)
         : task_(scene, gaits, batch, set),
           count_(static_cast<int>(gaits.size())),
           y_(task_.dim()) {}
@@ -137,7 +137,7 @@ class GaitBlock {
         return any;
     }
 
-    LaneTask task_;
+    PackedRuns task_;
     int count_;
     std::vector<double> y_;
     std::vector<bool> alive_;
@@ -145,9 +145,9 @@ class GaitBlock {
 
 }  // namespace
 
-GaitEnds run_gaits(const LaneScene& scene, const std::vector<Gait>& gaits,
+GaitEnds run_gaits(const BatchScene& scene, const std::vector<Gait>& gaits,
                    const std::vector<double>& starts, double dt, double duration, long steps,
-                   const lanes::Set& set, bool batch) {
+                   const kernels::Set& set, bool batch) {
     const std::size_t dim = 4 * scene.robot.n + 2, block = batch ? set.width : 1;
     GaitEnds ends{starts, std::vector<double>(gaits.size())};
     for (std::size_t g = 0; g < gaits.size(); g += block) {

@@ -12,10 +12,10 @@
 namespace serpenoid {
 
 // The sets of kernels that this processor runs, the fastest first.
-std::vector<const lanes::Set*> lane_sets();
+std::vector<const kernels::Set*> instruction_sets();
 
 // What all trajectories of a task share.
-struct LaneScene {
+struct BatchScene {
     Robot robot;
     Ground ground;
     JointSpring spring;
@@ -24,13 +24,13 @@ struct LaneScene {
 
 // One task of the kernels with its memory; states as ImplicitAngle has them (systems.hpp):
 // x, y, vx, vy of every link, n values each, then theta and omega of link 1.
-class LaneTask {
+class PackedRuns {
   public:
     // One gait: links side by side. More, at most set.width: gaits side by side.
-    LaneTask(const LaneScene& scene, const std::vector<Gait>& gaits, bool batch,
-             const lanes::Set& set);
-    LaneTask(const LaneTask&) = delete;
-    LaneTask& operator=(const LaneTask&) = delete;
+    PackedRuns(const BatchScene& scene, const std::vector<Gait>& gaits, bool batch,
+               const kernels::Set& set);
+    PackedRuns(const PackedRuns&) = delete;
+    PackedRuns& operator=(const PackedRuns&) = delete;
 
     int dim() const { return 4 * task_.robot.n + 2; }
     void set(int gait, const double* y);
@@ -48,8 +48,8 @@ class LaneTask {
     double& one(int which, int gait) const;
     void take_gait(int lane, const Gait& gait);
 
-    lanes::Task task_;
-    lanes::Kernel kernel_;
+    kernels::Task task_;
+    kernels::Kernel kernel_;
     int width_;
     bool batch_;
     std::unique_ptr<double[], Free> memory_;
@@ -64,8 +64,8 @@ struct GaitEnds {
 // Run every gait from its start (dim values each) by steps of dt, the last one to `duration`. Gaits
 // run side by side, or one after the other with their links side by side. A gait's numbers do not
 // depend on which others run with it.
-GaitEnds run_gaits(const LaneScene& scene, const std::vector<Gait>& gaits,
+GaitEnds run_gaits(const BatchScene& scene, const std::vector<Gait>& gaits,
                    const std::vector<double>& starts, double dt, double duration, long steps,
-                   const lanes::Set& set, bool batch);
+                   const kernels::Set& set, bool batch);
 
 }  // namespace serpenoid

@@ -7,7 +7,7 @@
 
 #include "model/params.hpp"
 
-namespace serpenoid::lanes {
+namespace serpenoid::kernels {
 
 enum class Law { viscous, dry, smoothed };
 
@@ -77,4 +77,4 @@ struct Set {
 
 extern const Set scalar, baseline, avx2;
 
-}  // namespace serpenoid::lanes
+}  // namespace serpenoid::kernels

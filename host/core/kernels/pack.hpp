@@ -9,7 +9,7 @@
 #include <immintrin.h>
 #endif
 
-namespace serpenoid::lanes {
+namespace serpenoid::kernels {
 namespace {
 
 template <int W>
@@ -134,4 +134,4 @@ inline void sincos(V x, V& sine, V& cosine) {
 }
 
 }  // namespace
-}  // namespace serpenoid::lanes
+}  // namespace serpenoid::kernels

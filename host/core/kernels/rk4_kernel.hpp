@@ -12,7 +12,7 @@
 #include "kernels/kernel_table.hpp"
 #include "kernels/pack.hpp"
 
-namespace serpenoid::lanes {
+namespace serpenoid::kernels {
 namespace {
 
 // Lanes are links: the neighbour is a lane away, and what is summed over links is so over lanes.
@@ -238,4 +238,4 @@ constexpr Set set_of(const char* name) {
 }
 
 }  // namespace
-}  // namespace serpenoid::lanes
+}  // namespace serpenoid::kernels

@@ -10,7 +10,7 @@
 
 namespace serpenoid {
 
-class Rk4Lanes final : public FixedStep {
+class Rk4Vector final : public FixedStep {
   public:
     // Whether the kernels have all that a scene asks for.
     static bool runs(const RunRequest& q) {
@@ -18,9 +18,10 @@ class Rk4Lanes final : public FixedStep {
                q.drive == Drive::angle && q.faults.empty() && !q.slope.tilted() && !q.record_energy;
     }
 
-    Rk4Lanes(System& system, const RunRequest& q)
+    Rk4Vector(System& system, const RunRequest& q)
         : FixedStep(system, q.dt),
-          task_({q.robot, q.ground, q.spring, q.smoothing}, {q.gait}, false, *lane_sets().front()),
+          task_({q.robot, q.ground, q.spring, q.smoothing}, {q.gait}, false,
+                *instruction_sets().front()),
           y_(task_.dim()) {}
 
     void restart(double t, const double* y) override {
@@ -39,7 +40,7 @@ class Rk4Lanes final : public FixedStep {
     void advance(double t, double dt, double*) override { task_.step(t, t + dt); }
 
   private:
-    LaneTask task_;
+    PackedRuns task_;
     mutable std::vector<double> y_;
 };
 

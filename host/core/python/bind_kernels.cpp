@@ -21,12 +21,12 @@ using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cp
 
 std::vector<std::string> set_names() {
     std::vector<std::string> names;
-    for (const lanes::Set* set : lane_sets()) names.emplace_back(set->name);
+    for (const kernels::Set* set : instruction_sets()) names.emplace_back(set->name);
     return names;
 }
 
-const lanes::Set& set_called(const std::string& name) {
-    for (const lanes::Set* set : lane_sets())
+const kernels::Set& set_called(const std::string& name) {
+    for (const kernels::Set* set : instruction_sets())
         if (name == set->name) return *set;
     throw nb::value_error("no such kernels on this processor");
 }
@@ -40,9 +40,9 @@ auto to_numpy(const std::vector<double>& values, std::size_t rows) {
 }
 
 // gaits (G, 4): alpha, beta, omega, offset; starts (G, 4 n + 2). Ends, and the times reached.
-nb::tuple run(const LaneScene& scene, Rows gaits, Rows starts, double dt, double duration,
+nb::tuple run(const BatchScene& scene, Rows gaits, Rows starts, double dt, double duration,
               long steps, const std::string& set_name, bool batch) {
-    const lanes::Set& set = set_called(set_name);
+    const kernels::Set& set = set_called(set_name);
     const std::size_t count = gaits.shape(0);
     std::vector<Gait> list(count);
     for (std::size_t g = 0; g < count; ++g)
@@ -57,8 +57,8 @@ nb::tuple run(const LaneScene& scene, Rows gaits, Rows starts, double dt, double
 }
 
 // Rows: sine, cosine; as many values as a multiple of the packs' width.
-auto lane_sincos(const std::string& set_name, Vector x) {
-    const lanes::Set& set = set_called(set_name);
+auto kernel_sincos(const std::string& set_name, Vector x) {
+    const kernels::Set& set = set_called(set_name);
     const std::size_t count = x.shape(0);
     if (count % set.width) throw nb::value_error("the packs must be full");
     const auto aligned = [&] { return new (std::align_val_t{64}) double[count]; };
@@ -75,15 +75,15 @@ auto lane_sincos(const std::string& set_name, Vector x) {
 
 }  // namespace
 
-void bind_lanes(nb::module_& m) {
-    nb::class_<LaneScene>(m, "LaneScene")
-        .def("__init__", [](LaneScene* self, int n, double mass, double half_length, double inertia,
-                            double ct, double cn, double ft0, double fn0, double k, double c,
-                            double smoothing) {
+void bind_kernels(nb::module_& m) {
+    nb::class_<BatchScene>(m, "BatchScene")
+        .def("__init__", [](BatchScene* self, int n, double mass, double half_length,
+                            double inertia, double ct, double cn, double ft0, double fn0, double k,
+                            double c, double smoothing) {
             new (self)
-                LaneScene{{n, mass, half_length, inertia}, {ct, cn, ft0, fn0}, {k, c}, smoothing};
+                BatchScene{{n, mass, half_length, inertia}, {ct, cn, ft0, fn0}, {k, c}, smoothing};
         });
-    m.def("lane_sets", &set_names);
-    m.def("lane_run", &run);
-    m.def("lane_sincos", &lane_sincos);
+    m.def("instruction_sets", &set_names);
+    m.def("run_batch", &run);
+    m.def("kernel_sincos", &kernel_sincos);
 }

@@ -24,7 +24,7 @@ namespace nb = nanobind;
 using namespace serpenoid;
 
 void bind_firmware(nb::module_& m);  // bind_firmware.cpp
-void bind_lanes(nb::module_& m);     // bind_kernels.cpp
+void bind_kernels(nb::module_& m);   // bind_kernels.cpp
 
 namespace {
 
@@ -251,5 +251,5 @@ NB_MODULE(_core, m) {
     m.def("steady_row", &steady_row);
     bind_run(m);
     bind_firmware(m);
-    bind_lanes(m);
+    bind_kernels(m);
 }

@@ -40,7 +40,7 @@ Made fixed(const RunRequest& q, System& system) {
     return std::make_unique<OfFixedStep>(system, q.dt);
 }
 Made rk4(const RunRequest& q, System& system) {
-    if (Rk4Lanes::runs(q)) return std::make_unique<Rk4Lanes>(system, q);
+    if (Rk4Vector::runs(q)) return std::make_unique<Rk4Vector>(system, q);
     return fixed<Rk4>(q, system);
 }
 Made dop853(const RunRequest& q, System& system) {

@@ -72,17 +72,17 @@ def _check(scene: Scene, gaits: Sequence[Gait]) -> None:
         raise BadInput(f"gaits is {gaits!r:.80}; it must be a list of at least one Gait")
 
 
-def lane_scene(scene: Scene) -> _core.LaneScene:
+def batch_scene(scene: Scene) -> _core.BatchScene:
     """Hand what all gaits share to the compiled core."""
     robot, ground = scene.robot, scene.ground
-    return _core.LaneScene(
+    return _core.BatchScene(
         robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
         ground.ct, ground.cn, ground.ft0, ground.fn0, scene.joint_stiffness_n_m,
         scene.joint_damping_n_s_m, scene.smoothing_m_s,
     )  # fmt: skip
 
 
-def lane_state(state: LinkState) -> Array:
+def batch_state(state: LinkState) -> Array:
     """Return x, y, vx, vy of all links, then theta and omega of link 1, (4 n + 2,)."""
     tail = [state.theta_rad[0], state.omega_rad_s[0]]
     return np.concatenate([state.x_m, state.y_m, state.vx_m_s, state.vy_m_s, tail])
@@ -115,12 +115,12 @@ def simulate_gaits(scene: Scene, gaits: Sequence[Gait]) -> GaitRuns:
     scenes = [replace(scene, gait=gait) for gait in gaits]
     for one in scenes:
         check_step(one)
-    starts = np.array([lane_state(start_state(one)) for one in scenes])
+    starts = np.array([batch_state(start_state(one)) for one in scenes])
     rows, n = gait_rows(gaits), scene.robot.links
     parts = [
-        _core.lane_run(
-            lane_scene(scene), rows[i : i + _AT_ONCE], starts[i : i + _AT_ONCE], scene.dt_s,
-            scene.duration_s, scene.steps, _core.lane_sets()[0], True,
+        _core.run_batch(
+            batch_scene(scene), rows[i : i + _AT_ONCE], starts[i : i + _AT_ONCE], scene.dt_s,
+            scene.duration_s, scene.steps, _core.instruction_sets()[0], True,
         )
         for i in range(0, len(gaits), _AT_ONCE)
     ]  # fmt: skip

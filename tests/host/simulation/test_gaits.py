@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from serpenoid import _core
-from serpenoid.simulation.gait_batch import gait_rows, lane_scene, lane_state
+from serpenoid.simulation.gait_batch import batch_scene, batch_state, gait_rows
 from serpenoid.simulation.stability import joint_modes
 from serpenoid.simulation.starts import start_state
 
 CORE = Path(__file__).resolve().parents[3] / "host" / "core"
 LINK_FIELDS = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
-SETS = _core.lane_sets()
+SETS = _core.instruction_sets()
 WIDTH = {"avx2": 4, "baseline": 2, "scalar": 1}
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
 GROUNDS = {
@@ -34,12 +34,12 @@ def scene_of(links: int, ground: str = "viscous", **changes: object) -> sn.Scene
     return sn.Scene(sn.Robot(links, 1.0, 0.12), law, GAIT, **fields)  # type: ignore[arg-type]
 
 
-def lane_run(scene, gaits, starts, kernels, batch, dt=None, duration=None):
+def run_batch(scene, gaits, starts, kernels, batch, dt=None, duration=None):
     """Run the core's kernels of one name on given starts (G, 4 n + 2); return the ends."""
     dt, duration = dt or scene.dt_s, duration or scene.duration_s
     steps = math.ceil(duration / dt - 1e-9)
-    return _core.lane_run(
-        lane_scene(scene), gait_rows(gaits), starts, dt, duration, steps, kernels, batch
+    return _core.run_batch(
+        batch_scene(scene), gait_rows(gaits), starts, dt, duration, steps, kernels, batch
     )
 
 
@@ -100,13 +100,13 @@ def test_sine_and_cosine_err_by_a_few_units(kernels: str, far: float, units: flo
         rng.uniform(-far, far, 100_000), far * 10.0 ** rng.uniform(-300, 0, 1000),
         quarter, np.nextafter(quarter, 9e9), [far, -far, 0.0, 1.0],
     ])  # fmt: skip
-    sine, cosine = _core.lane_sincos(kernels, x)
+    sine, cosine = _core.kernel_sincos(kernels, x)
     for found, exact in ((sine, np.sin), (cosine, np.cos)):
         truth = exact(x.astype(np.longdouble))  # 64 bits: 2^-11 units of a double
         unit = np.spacing(np.abs(truth.astype(float)))
         assert np.abs((found - truth) / unit).max() < units
     broken = np.array([math.inf, -math.inf, math.nan, 1.0])
-    assert np.isnan(_core.lane_sincos(kernels, broken)).sum() == 6
+    assert np.isnan(_core.kernel_sincos(kernels, broken)).sum() == 6
 
 
 @pytest.mark.parametrize("kernels", SETS)
@@ -115,12 +115,12 @@ def test_kernels_agree_with_numpy(kernels: str, ground: str) -> None:
     """200 steps: a few hundred roundings of 1e-16, which the springs pass on but do not grow."""
     gaits = [GAIT, sn.Gait(math.radians(170), 0.3, 7.0, -0.4), sn.Gait(0.0, 0.0, 1.0)]
     scene = scene_of(5, ground, duration_s=0.2)
-    starts = np.array([lane_state(start_state(replace(scene, gait=g))) for g in gaits])
+    starts = np.array([batch_state(start_state(replace(scene, gait=g))) for g in gaits])
     starts[:, -2] += [0.3, -40.0, 2e6]  # a heading far from 0, and one beyond the fast sine
     starts[:, 10:20] += 0.1
     exact = [numpy_rk4(scene, g, y, scene.dt_s, 200) for g, y in zip(gaits, starts, strict=True)]
     for batch in (False, True):
-        found, reached = lane_run(scene, gaits, starts, kernels, batch)
+        found, reached = run_batch(scene, gaits, starts, kernels, batch)
         assert (reached == 0.2).all()
         for one, truth in zip(found, exact, strict=True):
             assert off(one, truth) < 3e-12
@@ -132,21 +132,21 @@ def test_every_number_of_links_fits(links: int) -> None:
     scene = scene_of(links, duration_s=0.2 if links < 100 else 0.02)
     start = start_state(scene_of(links, gap="zero"))
     rng = np.random.default_rng(links)
-    starts = lane_state(start)[None] + 1e-3 * rng.normal(size=(1, 4 * links + 2))
-    exact = lane_run(scene, [GAIT], starts, "scalar", False)[0][0]
+    starts = batch_state(start)[None] + 1e-3 * rng.normal(size=(1, 4 * links + 2))
+    exact = run_batch(scene, [GAIT], starts, "scalar", False)[0][0]
     for kernels in SETS:
         for batch in (False, True):
-            found = lane_run(scene, [GAIT], starts, kernels, batch)[0][0]
+            found = run_batch(scene, [GAIT], starts, kernels, batch)[0][0]
             assert off(found, exact) < 1e-12
 
 
 @pytest.mark.parametrize("kernels", SETS)
 def test_rk4_of_the_kernels_has_order_four(kernels: str) -> None:
     scene = scene_of(7, duration_s=1.0)
-    starts = lane_state(start_state(scene))[None]
+    starts = batch_state(start_state(scene))[None]
     for batch in (False, True):
         ends = [
-            lane_run(scene, [GAIT], starts, kernels, batch, dt=1 / steps)[0][0]
+            run_batch(scene, [GAIT], starts, kernels, batch, dt=1 / steps)[0][0]
             for steps in (1000, 2000, 4000, 32_000)
         ]
         errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
@@ -263,7 +263,7 @@ def test_no_code_for_newer_processors_is_shared(tmp_path: Path) -> None:
     symbols = subprocess.run(["nm", "-C", "--defined-only", "--extern-only", str(unit)],
                              check=True, capture_output=True, text=True).stdout  # fmt: skip
     assert [line.split(maxsplit=2)[2] for line in symbols.splitlines()] == [
-        "serpenoid::lanes::avx2"
+        "serpenoid::kernels::avx2"
     ]
 
 
@@ -298,10 +298,10 @@ def turned(y: np.ndarray, angle: float) -> np.ndarray:
 @pytest.mark.parametrize("batch", [False, True])
 def test_the_ground_has_no_preferred_direction(batch: bool) -> None:
     scene = scene_of(7)
-    start = lane_state(start_state(scene))
+    start = batch_state(start_state(scene))
     for angle in (1.0, math.pi / 2, 200.0):
         starts = np.array([start, turned(start, angle)])
-        straight, askew = lane_run(scene, [GAIT] * 2, starts, SETS[0], batch)[0]
+        straight, askew = run_batch(scene, [GAIT] * 2, starts, SETS[0], batch)[0]
         assert off(askew, turned(straight, angle)) < 1e-12
 
 
@@ -309,9 +309,9 @@ def test_the_ground_has_no_preferred_direction(batch: bool) -> None:
 def test_without_friction_springs_change_no_momentum(batch: bool) -> None:
     """Whatever they do, their forces come in pairs: the sum of velocities keeps to round-off."""
     scene = replace(scene_of(7), ground=sn.Ground(0.0, 0.0), gap="zero")
-    start = lane_state(start_state(scene))
+    start = batch_state(start_state(scene))
     start[14:28] += np.random.default_rng(2).normal(size=14)
-    end = lane_run(scene, [GAIT], start[None], SETS[0], batch, duration=20.0)[0][0]
+    end = run_batch(scene, [GAIT], start[None], SETS[0], batch, duration=20.0)[0][0]
     for part in (slice(14, 21), slice(21, 28)):
         # 2e4 steps, each rounding seven velocities of some m/s: a walk of 2e-16 sqrt(1.4e5)
         assert abs(end[part].sum() - start[part].sum()) < 1e-12

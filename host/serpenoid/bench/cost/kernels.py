@@ -16,7 +16,7 @@ import numpy as np
 from serpenoid import _core
 from serpenoid.bench.peers import numba_equations as q  # needs the extra `bench`
 from serpenoid.bench.problems import Problem, problems
-from serpenoid.simulation.gait_batch import gait_rows, lane_scene, lane_state
+from serpenoid.simulation.gait_batch import batch_scene, batch_state, gait_rows
 
 DT_S, ROUNDS = 1e-3, 201
 # Operations of rk4_kernel.hpp a step, by sort, for every row of links: load() and finish() four
@@ -50,10 +50,10 @@ def lanes(
     problem: Problem, kernels: str, batch: bool, count: int, steps: int
 ) -> Callable[[], object]:
     """Return the call that runs `count` equal gaits, links or gaits side by side."""
-    scene, gaits = lane_scene(problem.scene()), gait_rows([problem.gait] * count)
-    starts = np.tile(lane_state(problem.start), (count, 1))
+    scene, gaits = batch_scene(problem.scene()), gait_rows([problem.gait] * count)
+    starts = np.tile(batch_state(problem.start), (count, 1))
     end = steps * DT_S
-    return lambda: _core.lane_run(scene, gaits, starts, DT_S, end, steps, kernels, batch)
+    return lambda: _core.run_batch(scene, gaits, starts, DT_S, end, steps, kernels, batch)
 
 
 def contenders(problem: Problem, steps: int) -> dict[str, tuple[Callable[[], object], int]]:
@@ -62,7 +62,7 @@ def contenders(problem: Problem, steps: int) -> dict[str, tuple[Callable[[], obj
     found = {
         "Numba RK4, by hand": (lambda: q.rk4(True, first, p, DT_S, steps), 1),
     }
-    for kernels in _core.lane_sets():
+    for kernels in _core.instruction_sets():
         found[f"{kernels}, one run"] = (lanes(problem, kernels, False, 1, steps), 1)
         found[f"{kernels}, batch"] = (lanes(problem, kernels, True, 4, steps), 4)
     return found
@@ -85,7 +85,7 @@ def show(problem: Problem) -> None:
     print(f"\n{problem.title}; per step and trajectory, medians of {ROUNDS} interleaved rounds")
     for name, one in each.items():
         print(f"  {name:22s} {one * 1e9:8.1f} ns  {each['Numba RK4, by hand'] / one:5.2f} x Numba")
-    floor, best = operations(links) / matrix_product_rate(), f"{_core.lane_sets()[0]}, batch"
+    floor, best = operations(links) / matrix_product_rate(), f"{_core.instruction_sets()[0]}, batch"
     print(
         f"  floor of a batch: {operations(links)} operations (a fused one counts two) at the rate "
         f"of a matrix\n  product here, {floor * 1e9:.1f} ns; it takes {each[best] / floor:.1f} "
