@@ -51,6 +51,22 @@ class RobotLost(RobotError):
     """The wire to the board broke while it was in use: unplugged, hung, or silent."""
 
 
+class StopUnconfirmed(RobotLost):
+    """The board did not confirm that it stopped, or refused to: it may be moving still."""
+
+
+class FramesMissing(RobotError):
+    """Telemetry that was asked for did not come, or too little of it."""
+
+
+class StateUnasked(RobotError):
+    """The board left the motion that was asked for, though this program told it nothing."""
+
+
+class ClockWrong(RobotError):
+    """The board's clock is further off than a resonator can be: its rates mean nothing here."""
+
+
 class RobotReset(RobotError):
     """The board started again in mid-run: it forgot its motion and stands idle."""
 

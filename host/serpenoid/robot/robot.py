@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -17,33 +16,31 @@ from ..model.errors import (
     BadInput,
     CommandRefused,
     DamagedLine,
-    NoAnswer,
-    ProtocolMismatch,
     RobotClosed,
     RobotError,
+    RobotLost,
 )
 from .signals import SignalGuard
 from .wire.clock import Drift
 from .wire.dialogue import Answer, Dialogue, Farewell
-from .wire.error_table import ERRORS
+from .wire.error_table import refused
+from .wire.greeting import greet
 from .wire.inbox import Losses
-from .wire.link import BAUD, open_link
-from .wire.protocol import PROTOCOL, Data, Hello, Telemetry, Verdict
+from .wire.link import open_link
+from .wire.protocol import Data, Hello, Telemetry, Verdict
 from .wire.record import Recorder
 from .wire.reports import JOINTS, Status, Trim, settings_of, status_of, trims_of
+from .wire.written import degrees, digits, word
 
 if TYPE_CHECKING:
     from ..model.gait import Gait
 
-FLASH = "`serpenoid flash --port {port}`"
-BOOT_S = 2.0  # in which a board that opening has reset greets of itself
-ASK_S = 0.5
 ATTEMPTS = 5
 T = TypeVar("T")
 
 
 class Robot:
-    """Drive one robot, inside `with Robot(port) as robot:` only.
+    """A board to drive, inside `with Robot(port) as robot:` only; serpenoid.Robot is its body.
 
     port: such as "/dev/ttyACM0"; None finds the board by its USB id; "virtual" is the firmware's
     own controller in this process, "virtual:fast" the same as fast as it goes. record: a file
@@ -52,11 +49,15 @@ class Robot:
     as calling), it is taken to hang: the robot is stopped and the next call raises.
 
     However the block is left - by an exception, Ctrl-C, SIGTERM, SIGHUP - the robot is stopped
-    first. Signals are caught in the main thread only: elsewhere, after a kill, the board's own
-    silence time has to do. A fork of the process cannot use the robot. Opening raises
-    PortMissing, PortBusy, NoAnswer or ProtocolMismatch; any call may raise RobotLost (unplugged
-    or hung), RobotReset (it started again), RecordingFailed (disk full) or RobotUnattended.
-    Angles are in radians; joints count from the tail.
+    first, and StopUnconfirmed is raised if the board did not confirm it (beside an error of the
+    program itself: a warning). Signals are caught in the main thread only: elsewhere, after a
+    kill, the board's own silence time has to do. A fork of the process cannot use the robot.
+
+    Opening raises PortMissing, PortBusy, NoAnswer or ProtocolMismatch; any call may raise
+    RobotLost (unplugged or hung), RobotReset (it started again), StateUnasked (it left the motion
+    that was asked for), RecordingFailed (disk full) or RobotUnattended. stop() may be called from
+    any thread at any time; other calls wait for one another. Angles are in radians; joints count
+    from the tail.
     """
 
     def __init__(
@@ -100,7 +101,8 @@ class Robot:
     def hello(self) -> Hello:
         """Return the board's greeting: firmware, board, boot id, cause of its last reset."""
         hello = self._dialogue.inbox.hello
-        assert hello is not None  # or opening had failed
+        if hello is None:
+            raise RobotClosed("opening the robot failed before its greeting came")
         return hello
 
     @property
@@ -137,14 +139,14 @@ class Robot:
         The lag is taken modulo a full turn, which changes nothing.
         """
         lag_rad = math.remainder(gait.beta_rad, 2 * math.pi)
-        fields = [_degrees(gait.alpha_rad), _degrees(lag_rad), _digits(gait.omega_rad_s)]
-        self._obeyed(" ".join(["gait", *fields, _degrees(gait.offset_rad)]))
+        fields = [degrees(gait.alpha_rad), degrees(lag_rad), digits(gait.omega_rad_s)]
+        self._obeyed(" ".join(["gait", *fields, degrees(gait.offset_rad)]))
 
     def pose(self, angles_rad: Sequence[float]) -> None:
         """Move the five joints, tail first, to angles at the board's `pose_speed`."""
         if len(angles_rad) != JOINTS:
             raise BadInput(f"a pose has {JOINTS} angles, one a joint, not {len(angles_rad)}")
-        self._obeyed(" ".join(["pose", *(_degrees(a) for a in angles_rad)]))
+        self._obeyed(" ".join(["pose", *(degrees(a) for a in angles_rad)]))
 
     def straight(self) -> None:
         """Move all joints to 0."""
@@ -152,11 +154,11 @@ class Robot:
 
     def bent(self, lambda_rad: float) -> None:
         """Move the joints to +lambda, -lambda, +lambda, ..., as the calibration needs it."""
-        self._obeyed(f"pose bent {_degrees(lambda_rad)}")
+        self._obeyed(f"pose bent {degrees(lambda_rad)}")
 
     def stop(self) -> None:
         """Freeze all joints now; return when the board has confirmed it."""
-        _accept("stop", self._dialogue.stop())
+        _obey("stop", self._dialogue.stop())
 
     def idle(self) -> None:
         """Stop and let the servos go limp."""
@@ -171,7 +173,7 @@ class Robot:
 
     def set(self, name: str, value: float) -> None:
         """Change a setting, in the unit of PROTOCOL.md; save() makes it outlive the power."""
-        self._obeyed(f"set {_word(name)} {_digits(value)}")
+        self._obeyed(f"set {word(name)} {digits(value)}")
 
     def trims(self) -> tuple[Trim, ...]:
         """Return the five servos' trims, tail first."""
@@ -179,7 +181,7 @@ class Robot:
 
     def trim(self, joint: int, field: str, value: float) -> None:
         """Change one field (centre, scale, dir, low, high) of joint 1 to 5; units: PROTOCOL.md."""
-        self._obeyed(f"trim {joint:d} {_word(field)} {_digits(value)}")
+        self._obeyed(f"trim {joint:d} {word(field)} {digits(value)}")
 
     def save(self) -> None:
         """Write settings and trims to the board's EEPROM; return when they were read back."""
@@ -223,7 +225,7 @@ class Robot:
         return self._talk
 
     def _obeyed(self, text: str) -> None:
-        _accept(text, self._command(text))
+        _obey(text, self._command(text))
 
     def _command(self, text: str) -> Answer:
         answer = self._dialogue.command(text)
@@ -235,7 +237,7 @@ class Robot:
         """Ask until every line of the answer came whole; verdicts are repeated, data are not."""
         for _ in range(ATTEMPTS):
             answer = self._dialogue.command(text)
-            _accept(text, answer)
+            _obey(text, answer)
             with suppress(DamagedLine):
                 return read(answer.data)
         raise DamagedLine(f"{ATTEMPTS} answers to {text!r} came damaged; check cable and ground")
@@ -255,36 +257,26 @@ class Robot:
             raise
         self._talk = Dialogue(link, self._recorder, self._unattended_s)
         self._talk.start()
-        self._greet(self._talk, link.name)
+        greet(self._talk, self._timeout_s)
         try:
             self.settings()
         except (DamagedLine, CommandRefused):  # missed frames are counted by the default then
             self._talk.inbox.every = 1
 
-    def _greet(self, talk: Dialogue, port: str) -> None:
-        """Wait for the greeting, which most boards give when opened, and ask for it."""
-        link = talk.link
-        end_s = link.now_s() + self._timeout_s
-        talk.wait(lambda: _heard(talk), link.now_s() + min(BOOT_S, self._timeout_s / 2))
-        while link.now_s() < end_s:
-            _check_protocol(talk, port)
-            if talk.open_session(min(ASK_S, end_s - link.now_s())):
-                _check_protocol(talk, port)
-                return
-        raise _no_answer(talk, port, self._timeout_s)
-
     def _leave(self, error: BaseException | None) -> None:
         self._signals.held = True
         talk, farewell = self._talk, None
+        told: RobotError | None = None
         try:
             if talk is not None:
                 farewell = talk.leave()
                 talk.link.close()
             self._end_recording(error)
+            told = _told(farewell, error) if farewell else None
         finally:
-            self._signals.restore()
-        if talk is not None and farewell is not None:
-            _tell(talk, farewell, error)
+            self._signals.restore(forget=told is not None)
+        if told:
+            raise told from error
 
     def _end_recording(self, error: BaseException | None) -> None:
         why = error or (self._talk.failure if self._talk else None)
@@ -297,71 +289,18 @@ class Robot:
             self._recorder.discard()
 
 
-def _tell(talk: Dialogue, farewell: Farewell, error: BaseException | None) -> None:
-    """Raise what went wrong unseen, unless another error is on its way already."""
-    if error is None and farewell.unseen:
-        raise farewell.unseen
-    if not farewell.stopped and error is not talk.failure:
-        warnings.warn(
-            f"the board on {talk.link.name} did not confirm the stop: it stops by itself within "
-            "its silence time, if that is not off; otherwise cut its power",
-            RuntimeWarning,
-            stacklevel=4,
-        )
+def _told(farewell: Farewell, error: BaseException | None) -> RobotError | None:
+    """Return what went wrong and no call has told, if it may be raised in place of error.
+
+    An error of the program itself is not replaced: then a stop that is not sure is a warning.
+    """
+    if error is None or isinstance(error, (KeyboardInterrupt, SystemExit)):
+        return farewell.unseen or farewell.unstopped
+    if farewell.unstopped and not isinstance(error, RobotLost):
+        warnings.warn(str(farewell.unstopped), RuntimeWarning, stacklevel=4)
+    return None
 
 
-def _heard(talk: Dialogue) -> bool:
-    return talk.inbox.heard or b"hello: " in talk.inbox.foreign
-
-
-def _check_protocol(talk: Dialogue, port: str) -> None:
-    hello, foreign = talk.inbox.hello, talk.inbox.foreign
-    found = hello.protocol if hello else None
-    if not hello and (said := re.search(rb"hello: serpenoid.* protocol=(\d+)", foreign)):
-        found = int(said[1])
-    if found is not None and found != PROTOCOL:
-        raise ProtocolMismatch(
-            f"the board speaks protocol {found}, this program protocol {PROTOCOL}; flash the "
-            f"firmware that belongs to it: {FLASH.format(port=port)}"
-        )
-
-
-def _no_answer(talk: Dialogue, port: str, timeout_s: float) -> NoAnswer:
-    flash = FLASH.format(port=port)
-    if talk.inbox.heard:
-        what = "lines came, but no greeting for ours: another program may write to it too"
-    elif talk.inbox.foreign:
-        what = (
-            f"what came is not of this firmware at {BAUD} baud, such as "
-            f"{talk.inbox.foreign[:40]!r}; if this is the robot, flash it: {flash}"
-        )
-    else:
-        what = f"nothing came; is this the robot's port, and is it flashed? {flash}"
-    return NoAnswer(f"no greeting from {port} within {timeout_s:g} s: {what}")
-
-
-def _accept(text: str, answer: Answer) -> None:
-    verdict = answer.verdict
-    if verdict.accepted:
-        return
-    known = ERRORS.get(verdict.error)
-    detail = verdict.detail or (f"- {known.cause}; {known.cure}" if known else "")
-    raise CommandRefused(f"the board refuses {text!r}: {verdict.error} {detail}", verdict.error)
-
-
-def _digits(value: float) -> str:
-    """Write a number as the wire takes it: at most 6 decimals, no exponent."""
-    if not math.isfinite(value):
-        raise BadInput(f"{value} cannot be sent; every number must be finite")
-    text = f"{value:.6f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
-
-
-def _degrees(angle_rad: float) -> str:
-    return _digits(math.degrees(angle_rad))
-
-
-def _word(name: str) -> str:
-    if not re.fullmatch(r"[a-z_]+", name):
-        raise BadInput(f"{name!r} is no name of a setting or field; see firmware/PROTOCOL.md")
-    return name
+def _obey(text: str, answer: Answer) -> None:
+    if not answer.verdict.accepted:
+        raise refused(text, answer.verdict)

@@ -39,13 +39,13 @@ class SignalGuard:
             self._before[number] = before
             signal.signal(number, self._on_signal)
 
-    def restore(self) -> None:
-        """Give the signals back, and send the one that was kept."""
+    def restore(self, *, forget: bool = False) -> None:
+        """Give the signals back, and send the one that was kept unless it is to be forgotten."""
         for number, before in self._before.items():
             signal.signal(number, before)
         self._before.clear()
-        if self._kept is not None:
-            kept, self._kept = self._kept, None
+        kept, self._kept = self._kept, None
+        if kept is not None and not forget:
             os.kill(os.getpid(), kept)
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:

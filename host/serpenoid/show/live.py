@@ -65,13 +65,12 @@ def _facts(run: Drive) -> list[tuple[str, str]]:
         ("frames", f"{run.frames}, missed {losses.missed_frames}"),
         ("damaged lines", str(losses.damaged_lines)),
         ("board's clock", f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm"),
-        ("true frequency", "{:.5f} ± {:.5f} Hz".format(*run.frequency_hz())),
+        ("true frequency", _frequency(*run.frequency())),
     ]
 
 
 def show_summary(found: Summary) -> None:
     """Print what a run came to."""
-    frequency = f"{found.frequency_hz:.5f} ± {found.frequency_sd_hz:.5f} Hz"
     rows = [
         ("board", f"{found.board}, firmware {found.firmware}"),
         ("driven", f"{found.duration_s:.2f} s"),
@@ -79,10 +78,14 @@ def show_summary(found: Summary) -> None:
         ("damaged lines", f"{found.damaged_lines}, commands sent again {found.resent_commands}"),
         ("latest frame", f"{found.latest_us} us"),
         ("board's clock", f"{found.drift_ppm:+.0f} ± {found.drift_sd_ppm:.0f} ppm"),
-        ("true gait frequency", frequency),
+        ("true gait frequency", _frequency(found.frequency_hz, found.frequency_sd_hz)),
         ("recording", found.recording or "none (--record FILE)"),
     ]
     Console().print(_rows(rows))
+
+
+def _frequency(hz: float | None, sd_hz: float | None) -> str:
+    return "unknown" if hz is None else f"{hz:.5f} ± {sd_hz:.5f} Hz"
 
 
 def _rows(rows: list[tuple[str, str]]) -> Table:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from serpenoid.model.errors import ClockWrong
 from serpenoid.robot.wire.clock import TOLERANCE_PPM, BoardClock
 
 
@@ -50,11 +51,25 @@ def test_before_there_is_enough_it_is_the_data_sheets():
 
 
 @pytest.mark.parametrize("us", [lambda frame: 0, lambda frame: frame * 12_345_679 % 2**32])
-def test_a_clock_that_stands_or_runs_wild_tells_nothing(us):
+def once_in_a_frame(us_per_frame: float):
     clock = BoardClock()
     for frame in range(500):
-        clock.add(frame * 0.02, frame, us(frame))
-        assert clock.drift().sd_ppm == TOLERANCE_PPM
+        clock.add(frame * 0.02, frame, round(us_per_frame * frame) % 2**32)
+    return clock.drift()
+
+
+@pytest.mark.parametrize("us_per_frame", [0.0, 12_345_679.0, 8_000.0, 20_600.0, 50_000.0])
+def test_a_clock_further_off_than_a_resonator_is_an_error(us_per_frame):
+    """It stands, runs wild, at 0.4, 1.03 and 2.5 times its pace."""
+    drift = once_in_a_frame(us_per_frame)
+    assert not drift.believable
+    with pytest.raises(ClockWrong, match="5000 ppm off"):
+        drift.true_rate(5.0)
+
+
+def test_a_clock_as_far_off_as_a_resonator_may_be_is_believed():
+    drift = once_in_a_frame(20_000 * (1 + 4000e-6))
+    assert drift.true_rate(5.0)[0] == pytest.approx(5.0 * (1 + 4000e-6), rel=1e-6)
 
 
 def test_wraps_and_gaps_longer_than_a_wrap_are_undone():

@@ -18,6 +18,7 @@ from rich.console import Console
 from robot.fake_board import FakeBoard, eeprom_after, sealed
 from serpenoid import Gait
 from serpenoid.robot.tools.driven_run import Drive
+from serpenoid.robot.wire.protocol import PROTOCOL
 from serpenoid.robot.wire.record import load_stream
 from serpenoid.show import live
 
@@ -95,7 +96,7 @@ def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
 
 def test_a_reset_in_mid_run_has_a_summary_and_an_error(serpenoid, tmp_path):
     hello = sealed(
-        "hello: serpenoid fw=0.1.0 protocol=1 board=uno boot=9 reset=brownout settings=ok"
+        f"hello: serpenoid fw=0.1.0 protocol={PROTOCOL} board=uno boot=9 reset=brownout settings=ok"
     )
     gaits = itertools.count()
 

@@ -59,7 +59,6 @@ def test_a_wrong_baud_rate():
     [
         sealed("hello: serpenoid fw=0.0.9 protocol=0 board=uno boot=3 reset=power settings=ok"),
         sealed("hello: serpenoid fw=9.0.0 protocol=0 name=snake"),
-        b"hello: serpenoid fw=0.0.1 protocol=0\n",
     ],
 )
 def test_another_protocol_is_refused_with_both_numbers_and_the_cure(greeting):
@@ -67,6 +66,28 @@ def test_another_protocol_is_refused_with_both_numbers_and_the_cure(greeting):
         FakeBoard(lambda line: greeting if line.startswith(b"hello") else b"") as fake,
         pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 1.*serpenoid flash --port"),
         Robot(fake.port, timeout_s=1.0),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("protocol", ["3", "9" * 5000])
+def test_a_damaged_greeting_is_not_believed_but_asked_for_again(protocol):
+    damaged = itertools.chain([True] * 2, itertools.repeat(False))
+
+    def spoil(line: bytes) -> bytes:
+        if not line.startswith(b"hello") or not next(damaged):
+            return line
+        return re.sub(rb"protocol=\d+", b"protocol=" + protocol.encode(), line)
+
+    with FakeBoard(spoil) as fake, Robot(fake.port) as robot:
+        assert robot.hello.board == "virtual"
+
+
+def test_greetings_that_are_always_damaged_are_told_as_such():
+    with (
+        FakeBoard(lambda line: line.replace(b" *", b" *0")) as fake,
+        pytest.raises(NoAnswer, match=r"greetings came damaged.*cable"),
+        Robot(fake.port, timeout_s=0.5),
     ):
         pass
 
@@ -279,7 +300,7 @@ def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment
 
 
 def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
-    with FakeBoard() as fake, pytest.warns(RuntimeWarning, match="did not confirm the stop"):
+    with FakeBoard() as fake, pytest.warns(RuntimeWarning, match="stop was not confirmed"):
         with pytest.raises(ZeroDivisionError):
             with Robot(fake.port) as robot:
                 robot.gait(GAIT)

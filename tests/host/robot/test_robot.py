@@ -11,13 +11,14 @@ from serpenoid import Gait
 from serpenoid.model.errors import BadInput, CommandRefused, RobotClosed, RobotLost, RobotReset
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import inbox
+from serpenoid.robot.wire.protocol import PROTOCOL
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
 
 def test_a_run_from_opening_to_stop(any_port):
     with Robot(any_port) as robot:
-        assert robot.hello.protocol == 1
+        assert robot.hello.protocol == PROTOCOL
         assert robot.settings()["silence"] == 2.0
         robot.gait(GAIT)
         frames = list(robot.frames(0.5))

@@ -11,7 +11,6 @@ from typing import Literal
 from ...model.errors import NoAnswer, ProtocolMismatch, RobotError
 from ..robot import Robot
 from ..wire import culprit, link
-from ..wire.clock import TOLERANCE_PPM
 from ..wire.dialogue import Losses
 from ..wire.ports import allowed, users
 from ..wire.protocol import PROTOCOL, Hello
@@ -178,7 +177,7 @@ def _drift(robot: Robot) -> Finding:
     if not drift.span_s:
         return Finding("clock", "note", "not measured", "listen longer: --listen-s 5")
     found = f"{drift.ppm:+.0f} ± {drift.sd_ppm:.0f} ppm against this computer"
-    if abs(drift.ppm) > TOLERANCE_PPM + 3 * drift.sd_ppm:
+    if not drift.believable:
         return Finding("clock", "fix", found, "beyond any resonator: is the right board flashed?")
     return Finding("clock", "ok", found)
 

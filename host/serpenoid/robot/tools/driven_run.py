@@ -8,14 +8,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...model.errors import ClockWrong, FramesMissing
 from ..robot import Robot
+from ..wire.dialogue import FRAME_S
 from ..wire.protocol import Telemetry
 
 if TYPE_CHECKING:
     from ...model.gait import Gait
 
-FRAME_S = 0.02
 SILENCE_S = 2.0
+MOST_MISSED = 0.1  # of the frames due: of a run that has lost more, little can be said
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class Summary:
 
     frames: that arrived; missed, damaged and resent: as in Losses. latest_us: the latest frame.
     drift_ppm: board's clock against this computer's, with its s.d. frequency_hz: of the settled
-    gait in this computer's seconds, with its s.d.
+    gait in this computer's seconds, with its s.d.; None where the board's clock is unbelievable.
     """
 
     board: str
@@ -37,8 +39,8 @@ class Summary:
     latest_us: int
     drift_ppm: float
     drift_sd_ppm: float
-    frequency_hz: float
-    frequency_sd_hz: float
+    frequency_hz: float | None
+    frequency_sd_hz: float | None
     recording: str | None
 
     def to_dict(self) -> dict[str, object]:
@@ -60,7 +62,8 @@ class Drive:
     def run(self, duration_s: float | None, watch: Callable[[Drive], None]) -> None:
         """Drive for a time or without end, calling watch after every frame.
 
-        Raises what Robot raises; whatever happens the robot is stopped first.
+        Raises what Robot raises, FramesMissing if too few frames came, ClockWrong if the board's
+        clock cannot be believed; whatever happens the robot is stopped first.
         """
         with self.robot as robot:
             _make_watchable(robot)
@@ -68,6 +71,8 @@ class Drive:
             for frame in robot.frames(duration_s):
                 self._count(frame)
                 watch(self)
+        self._check_frames()
+        self.robot.clock.check()
 
     @property
     def elapsed_s(self) -> float:
@@ -76,9 +81,15 @@ class Drive:
             return 0.0
         return FRAME_S * ((self.last.frame - self.first.frame) & 0xFFFFFFFF)
 
-    def frequency_hz(self) -> tuple[float, float]:
-        """Return the settled gait's frequency in this computer's seconds, and its s.d."""
-        rate, sd = self.robot.true_rate_rad_s(self.gait.omega_rad_s)
+    def frequency(self) -> tuple[float, float] | tuple[None, None]:
+        """Return the settled gait's frequency in this computer's seconds, in Hz, and its s.d.
+
+        (None, None) if the board's clock cannot be believed.
+        """
+        try:
+            rate, sd = self.robot.true_rate_rad_s(self.gait.omega_rad_s)
+        except ClockWrong:
+            return None, None
         return rate / (2 * math.pi), sd / (2 * math.pi)
 
     def summary(self) -> Summary | None:
@@ -86,13 +97,21 @@ class Drive:
         if self.last is None:
             return None
         hello, losses, drift = self.robot.hello, self.robot.losses, self.robot.clock
-        frequency_hz, frequency_sd_hz = self.frequency_hz()
+        frequency_hz, frequency_sd_hz = self.frequency()
         return Summary(
             hello.board, hello.firmware, self.elapsed_s, self.frames, losses.missed_frames,
             losses.damaged_lines, losses.resent, self.latest_us, drift.ppm,
             drift.sd_ppm, frequency_hz, frequency_sd_hz,
             None if self._record is None else str(self._record),
         )  # fmt: skip
+
+    def _check_frames(self) -> None:
+        missed = self.robot.losses.missed_frames
+        if missed >= MOST_MISSED * (self.frames + missed):
+            raise FramesMissing(
+                f"{self.frames} frames came and {missed} did not; use a shorter or better USB "
+                "cable, and no hub; `serpenoid doctor` counts what is lost"
+            )
 
     def _count(self, frame: Telemetry) -> None:
         self.first = self.first or frame

@@ -5,22 +5,26 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-FRAME_US = 20_000
+from ..._core import firmware
+from ...model.errors import ClockWrong
+
+FRAME_US = round(firmware.FRAME_S * 1e6)
 TOLERANCE_PPM = 5000.0  # of a Uno's ceramic resonator, before anything is measured
+MOST_SD_PPM = 200_000.0  # a host may be busy; arrivals more scattered follow no clock
+BUSY_S = 0.05  # by which even the least delay may change over a run
 BLOCK_S = 0.25
 MOST_BLOCKS = 64
 FEWEST_BLOCKS = 6
 STEP_US = 4.0  # of the board's micros()
-MOST_OFF = 2.0  # a clock so many times too fast or too slow is not off but wrong
 
 
 @dataclass(frozen=True)
 class Drift:
     """How much faster than the host's the board's clock runs, in parts per million, and its s.d.
 
-    span_s: host seconds from which it was found. Until there are enough, or if they make no
-    sense, it is what the data sheet says of the resonator: 0 +- 5000 ppm. The host's own clock is
-    good to some 50 ppm alone and to a few when it follows a time server; that is not in sd_ppm.
+    span_s: host seconds from which it was found. Until there are enough, it is 0 and the drift
+    what the data sheet says of the resonator: 0 +- 5000 ppm. The host's own clock is good to some
+    50 ppm alone and to a few when it follows a time server; that is not in sd_ppm.
     """
 
     ppm: float
@@ -28,8 +32,28 @@ class Drift:
     span_s: float
 
     def true_rate(self, rate: float) -> tuple[float, float]:
-        """Return what a rate per second of the board is per second of the host, and its s.d."""
+        """Return what a rate per second of the board is per second of the host, and its s.d.
+
+        Raises ClockWrong as check() does.
+        """
+        self.check()
         return rate * (1 + self.ppm * 1e-6), abs(rate) * self.sd_ppm * 1e-6
+
+    @property
+    def believable(self) -> bool:
+        """Tell whether a resonator can be so far off, or a host that got busier meanwhile."""
+        busy_ppm = BUSY_S / self.span_s * 1e6 if self.span_s else 0.0
+        known = self.sd_ppm <= MOST_SD_PPM
+        return known and abs(self.ppm) <= TOLERANCE_PPM + busy_ppm + 3 * self.sd_ppm
+
+    def check(self) -> None:
+        """Raise ClockWrong if no resonator can be so far off."""
+        if not self.believable:
+            raise ClockWrong(
+                f"the board's clock runs {self.ppm:+.0f} ± {self.sd_ppm:.0f} ppm against this "
+                f"computer's; its resonator may be {TOLERANCE_PPM:.0f} ppm off: is the firmware "
+                "built for this board, is this computer too busy to hear it in time?"
+            )
 
 
 @dataclass(frozen=True)
@@ -85,11 +109,13 @@ class BoardClock:
     def drift(self) -> Drift:
         """Return the drift found so far."""
         blocks = self._blocks
-        slope, sd = _line(blocks) if len(blocks) >= FEWEST_BLOCKS else (0.0, 0.0)
-        if not 1 / MOST_OFF < slope < MOST_OFF:
+        if len(blocks) < FEWEST_BLOCKS:
             return Drift(0.0, TOLERANCE_PPM, 0.0)
+        slope, sd = _line(blocks)
         span_s = blocks[-1].host_s - blocks[0].host_s
-        return Drift((1 / slope - 1) * 1e6, sd * 1e6, span_s)
+        if not 0 < slope < math.inf:  # it runs backwards, or stands
+            return Drift(-1e6, 0.0, span_s)
+        return Drift((1 / slope - 1) * 1e6, sd / slope**2 * 1e6, span_s)
 
     def _delay(self, a: _Arrival) -> float:
         return a.host_s - a.board_s / self._rate
@@ -98,7 +124,8 @@ class BoardClock:
         if self._best is not None:
             self._blocks.append(self._best)
         self._best = None
-        self._rate = 1 + self.drift().ppm * 1e-6
+        drift = self.drift()
+        self._rate = 1 + drift.ppm * 1e-6 if drift.believable else 1.0
         if len(self._blocks) == MOST_BLOCKS:
             pairs = zip(self._blocks[::2], self._blocks[1::2], strict=True)
             self._blocks = [min(pair, key=self._delay) for pair in pairs]

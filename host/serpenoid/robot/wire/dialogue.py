@@ -15,8 +15,17 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
-from ...model.errors import RobotClosed, RobotError, RobotLost, RobotUnattended
-from .inbox import Inbox, Losses, Pending
+from ..._core import firmware
+from ...model.errors import (
+    FramesMissing,
+    RobotClosed,
+    RobotError,
+    RobotLost,
+    RobotUnattended,
+    StopUnconfirmed,
+)
+from .error_table import refused
+from .inbox import Inbox, Losses
 from .link import Link
 from .protocol import Data, Telemetry, Verdict, seal
 from .record import Recorder
@@ -24,6 +33,9 @@ from .record import Recorder
 RETRY_S = 0.1
 PATIENCE_S = 2.0
 PING_S = 0.4
+FRAME_S: float = firmware.FRAME_S
+QUIET_S = 1.0  # without a frame, and the two next ones, telemetry has ended
+LAST_QUIET_S = 0.5  # the same at the end of a run, when nothing more will show
 PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
 LONGEST_LINE = 4096
 STOP = b"\n!\n"
@@ -39,9 +51,9 @@ class Answer:
 
 @dataclass(frozen=True)
 class Farewell:
-    """How a run was left: whether the board confirmed the stop, an error no call has raised."""
+    """How a run was left: why the stop is not sure, if so; an error that no call has raised."""
 
-    stopped: bool
+    unstopped: StopUnconfirmed | None
     unseen: RobotError | None
 
 
@@ -90,6 +102,8 @@ class Dialogue:
 
     def halt(self) -> None:
         """Stop the robot at once, whatever else is under way; the verdict is not waited for."""
+        with self._changed:
+            self.inbox.expected.halting()
         self._write(STOP)
 
     def stop(self) -> Answer:
@@ -132,27 +146,50 @@ class Dialogue:
             if self.link.lockstep:
                 self._ping_if_quiet()
             now_s = self.link.now_s()
-            if self.wait(lambda: bool(unread), min(until_s, now_s + self._ping_s)):
-                with self._changed:
+            with self._changed:  # kept between the look and the taking
+                if self.wait(lambda: bool(unread), min(until_s, now_s + self._ping_s)):
                     return unread.popleft()
+            self._check_telemetry(QUIET_S if now_s < until_s else LAST_QUIET_S)
             if now_s >= until_s:
                 return None
+
+    def _check_telemetry(self, most_s: float) -> None:
+        """Raise FramesMissing if frames should come and do not, in time spent listening."""
+        quiet_s, every = self.inbox.quiet_s, self.inbox.every
+        if every and quiet_s > most_s + 2 * FRAME_S * every:
+            raise FramesMissing(
+                f"no telemetry for {quiet_s:.1f} s, though the board should tell every "
+                f"{every * FRAME_S:g} s: is it this firmware, does it hang, is the cable sound? "
+                "`serpenoid doctor` tells"
+            )
 
     def leave(self) -> Farewell:
         """Stop the robot and close the session; what fails after the stop no longer matters."""
         self._leaving = True
-        stopped = not self.inbox.in_session  # before a session nothing was set in motion
-        with suppress(RobotError):
-            self.halt()
-            stopped = stopped or self._command("stop", PATIENCE_S / 2).verdict.accepted
         unseen = self.inbox.notice if self._failure_told else self._failure or self.inbox.notice
+        unstopped = self._stop_surely()
+        unseen = unseen or self.inbox.notice
         with suppress(RobotError):
             if self.inbox.in_session:
                 self._command("bye", PATIENCE_S / 4)
         self._closing.set()
         for thread in self._threads:
             thread.join(PATIENCE_S)
-        return Farewell(stopped, unseen)
+        return Farewell(unstopped, unseen)
+
+    def _stop_surely(self) -> StopUnconfirmed | None:
+        """Stop the robot; return why it may be moving still, None if this is sure."""
+        try:
+            self.halt()
+            if not self.inbox.in_session:  # nothing was set in motion by this program
+                return None
+            verdict = self._command("stop", PATIENCE_S).verdict
+            if verdict.accepted:
+                return None
+            why = f"{refused('stop', verdict)}; if the robot moves, cut its power"
+        except RobotError as error:
+            why = str(error)
+        return StopUnconfirmed(f"the robot's stop was not confirmed: {why}")
 
     @property
     def losses(self) -> Losses:
@@ -196,10 +233,9 @@ class Dialogue:
 
     def _exchange(self, text: str, patience_s: float) -> Answer | None:
         """Send until a verdict comes: again after 100 ms, or when the line came damaged."""
-        pending = Pending(self._number, text)
         line, end_s = seal(text, self._number), self.link.now_s() + patience_s
         with self._changed:
-            self.inbox.pending = pending
+            pending = self.inbox.ask(self._number, text)
         while True:
             pending.damaged = False
             self._write(line)
@@ -234,6 +270,7 @@ class Dialogue:
         """End the run with its first error: stop the robot if the wire still carries that."""
         with self._changed:
             first, self._failure = self._failure, self._failure or error
+            self.inbox.expected.halting()
             self._changed.notify_all()
         if not first:
             with suppress(RobotError):
@@ -270,6 +307,7 @@ class Dialogue:
 
     def _step(self, timeout_s: float) -> None:
         """Read once and deal with every line that is complete."""
+        begun_s = self.link.now_s()
         try:
             *lines, self._rest = (self._rest + self.link.read(timeout_s)).split(b"\n")
         except RobotError as error:
@@ -277,6 +315,9 @@ class Dialogue:
             return
         if len(self._rest) > LONGEST_LINE:
             lines, self._rest = [*lines, self._rest], b""
+        # A process that slept did not listen: it counts no more than it meant to wait.
+        with self._changed:
+            self.inbox.quiet_s += min(self.link.now_s() - begun_s, timeout_s)
         for line in lines:
             self._take(line, self.link.now_s())
 

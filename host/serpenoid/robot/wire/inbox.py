@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import deque
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
-from ...model.errors import DamagedLine, RobotReset, RobotUnattended
+from ...model.errors import DamagedLine, RobotError, RobotReset
 from .clock import BoardClock
-from .protocol import Data, Hello, Telemetry, Verdict, parse
+from .expected import Expected
+from .protocol import Data, Hello, Telemetry, Verdict, parse, unseal
 
 MOST_UNREAD = 15_000  # frames: five minutes
 LATE_GREETING_S = 0.5  # after a session opened, a greeting may still answer an earlier asking
@@ -52,8 +54,11 @@ class Inbox:
         self.hello: Hello | None = None
         self.heard = False  # a line of this protocol came
         self.foreign = b""  # one that made no sense, a greeting rather than any other
+        self.protocol: int | None = None  # that of a greeting with a right CRC, of any form
         self.pending: Pending | None = None
-        self.notice: RobotUnattended | None = None
+        self.notice: RobotError | None = None
+        self.expected = Expected()
+        self.quiet_s = 0.0  # listened to since the last frame
         self.clock = BoardClock()
         self.losses = Losses()
         self.latest: Telemetry | None = None
@@ -71,13 +76,19 @@ class Inbox:
     @every.setter
     def every(self, frames: int | None) -> None:
         if frames != self._every:
-            self._every, self._counted = frames, None
+            self._every, self._counted, self.quiet_s = frames, None, 0.0
+
+    def ask(self, number: int, text: str) -> Pending:
+        """Note the command that goes out now; what comes for it is put into what is returned."""
+        self.pending = Pending(number, text)
+        self.expected.asking(text)
+        return self.pending
 
     def open_session(self, host_s: float) -> None:
         """From now on a greeting means a reset; counts start anew."""
         self.in_session, self._session_s = True, host_s
         self.clock, self.losses, self.latest = BoardClock(), Losses(), None
-        self._counted = None
+        self._counted, self.quiet_s = None, 0.0
         self.unread.clear()
 
     def lose(self, **counts: int) -> None:
@@ -106,10 +117,13 @@ class Inbox:
         self.lose(damaged_lines=1)
         if not self.foreign or b"hello: " in line:
             self.foreign = line
+        with suppress(DamagedLine):
+            said = re.match(r"hello: serpenoid.* protocol=(\d{1,5})\b", unseal(line), re.ASCII)
+            self.protocol = int(said[1]) if said else self.protocol
 
     def _take_hello(self, hello: Hello, host_s: float) -> None:
         if not self.in_session:
-            self.hello = hello
+            self.hello, self.protocol = hello, hello.protocol
         elif hello != self.hello or not self._asked(host_s):
             raise self._started_again(hello.boot, hello.reset)
 
@@ -127,6 +141,7 @@ class Inbox:
             return
         if verdict.number == pending.number:
             pending.verdict = verdict
+            self.expected.answered(pending.text, verdict.accepted)
             if verdict.accepted and " ".join(pending.text.split()).startswith(CHANGES_CADENCE):
                 self.every = None
         elif verdict.mark == "?":
@@ -136,14 +151,17 @@ class Inbox:
         boot = re.search(r"\bboot=(\d{1,5})\b", data.text) if data.word == "status" else None
         if boot and self.in_session and self.hello and int(boot[1]) != self.hello.boot:
             raise self._started_again(int(boot[1]), "its greeting was lost")
-        if data.word != "state":
-            if self.pending:
-                self.pending.data.append(data)
-        elif data.text.endswith("why=silence"):
-            self.notice = RobotUnattended(
-                "the board heard nothing from this program for its silence time and went to its "
-                "safe pose; was the program or the computer asleep?"
-            )
+        if data.word == "state":
+            state, _, why = data.text.partition(" ")
+            self._judge(state, by_silence=why == "why=silence")
+        elif self.pending:
+            self.pending.data.append(data)
+
+    def _judge(self, state: str, *, by_silence: bool = False) -> None:
+        """Keep the first surprise for the program's next call."""
+        if self.in_session:
+            surprise = self.expected.surprise(state, by_silence=by_silence)
+            self.notice = self.notice or surprise
 
     def _take_frame(self, frame: Telemetry, host_s: float) -> None:
         last = self.latest
@@ -154,7 +172,8 @@ class Inbox:
             self.lose(repeated_frames=1)
             return
         self._count_missed(frame.frame)
-        self.latest = frame
+        self.latest, self.quiet_s = frame, 0.0
+        self._judge(frame.state)
         self.clock.add(host_s, frame.frame, frame.board_us)
         if len(self.unread) == MOST_UNREAD:
             self.lose(unread_frames=1)

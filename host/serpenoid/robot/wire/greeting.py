@@ -1,0 +1,51 @@
+"""Wait for a board's greeting, ask for it, and refuse one that speaks another protocol."""
+
+from __future__ import annotations
+
+from ...model.errors import NoAnswer, ProtocolMismatch
+from .dialogue import Dialogue
+from .link import BAUD
+from .protocol import PROTOCOL
+
+FLASH = "`serpenoid flash --port {port}`"
+BOOT_S = 2.0  # in which a board that opening has reset greets of itself
+ASK_S = 0.5
+
+
+def greet(talk: Dialogue, timeout_s: float) -> None:
+    """Open a session; raise ProtocolMismatch or NoAnswer."""
+    link = talk.link
+    end_s = link.now_s() + timeout_s
+    talk.wait(lambda: talk.inbox.heard, link.now_s() + min(BOOT_S, timeout_s / 2))
+    while link.now_s() < end_s:
+        _check_protocol(talk)
+        if talk.open_session(min(ASK_S, end_s - link.now_s())):
+            _check_protocol(talk)
+            return
+    raise _no_answer(talk, timeout_s)
+
+
+def _check_protocol(talk: Dialogue) -> None:
+    found = talk.inbox.protocol
+    if found not in (None, PROTOCOL):
+        raise ProtocolMismatch(
+            f"the board speaks protocol {found}, this program protocol {PROTOCOL}; flash the "
+            f"firmware that belongs to it: {FLASH.format(port=talk.link.name)}"
+        )
+
+
+def _no_answer(talk: Dialogue, timeout_s: float) -> NoAnswer:
+    flash = FLASH.format(port=talk.link.name)
+    foreign = talk.inbox.foreign
+    if talk.inbox.heard:
+        what = "lines came, but no greeting for ours: another program may write to it too"
+    elif b"hello: serpenoid" in foreign:
+        what = f"greetings came damaged, such as {foreign[:80]!r}: check cable and ground"
+    elif foreign:
+        what = (
+            f"what came is not of this firmware at {BAUD} baud, such as {foreign[:40]!r}; if this "
+            f"is the robot, flash it: {flash}"
+        )
+    else:
+        what = f"nothing came; is this the robot's port, and is it flashed? {flash}"
+    return NoAnswer(f"no greeting from {talk.link.name} within {timeout_s:g} s: {what}")

@@ -1,0 +1,265 @@
+"""Whatever is lost - the stop, frames, the state asked for, the clock - no run ends as if well."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import signal
+import threading
+import time
+from collections.abc import Callable
+
+import pytest
+from robot.fake_board import FakeBoard, nothing, sealed
+from serpenoid import Gait
+from serpenoid.model.errors import (
+    FramesMissing,
+    RobotLost,
+    RobotUnattended,
+    StateUnasked,
+    StopUnconfirmed,
+)
+from serpenoid.robot import Robot
+from serpenoid.robot.wire import dialogue
+from serpenoid.robot.wire.record import load_stream
+
+GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
+DRIVE = ["drive", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
+
+
+@pytest.fixture(autouse=True)
+def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dialogue, "PATIENCE_S", 0.6)
+
+
+def resealed(line: bytes, pattern: bytes, by: bytes) -> bytes:
+    """Return a line with its body changed and its CRC right again."""
+    body = line.rpartition(b" *")[0]
+    changed = re.sub(pattern, by, body)
+    return line if changed == body else sealed(changed.decode())
+
+
+def after_gait_frames(count: int, tamper: Callable[[bytes], bytes]) -> Callable[[bytes], bytes]:
+    """Return a tamper that acts from the count-th frame of a gait on."""
+    seen = 0
+
+    def pass_on(line: bytes) -> bytes:
+        nonlocal seen
+        seen += b" st=gait" in line
+        return tamper(line) if seen > count else line
+
+    return pass_on
+
+
+def refusing_stop(line: bytes) -> bytes:
+    """Change the verdict on the stop, and on it alone, into a refusal."""
+    return resealed(line, rb"^ok: (#\d+)$", rb"err: \1 saving - settings are being saved")
+
+
+def test_a_board_gone_mute_has_not_confirmed_its_stop():
+    with (
+        FakeBoard() as fake,
+        pytest.raises(StopUnconfirmed, match=r"not confirmed: no verdict.*power"),
+    ):
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            fake.to_host = nothing
+
+
+def test_a_refused_stop_is_told():
+    with (
+        FakeBoard() as fake,
+        pytest.raises(StopUnconfirmed, match=r"refuses 'stop': saving.*power"),
+    ):
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            fake.to_host = refusing_stop
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_does_not_hide_that_the_stop_is_not_sure(number):
+    with FakeBoard() as fake, pytest.raises(StopUnconfirmed) as told:
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            fake.to_host = nothing
+            os.kill(os.getpid(), number)
+            time.sleep(1.0)
+    assert isinstance(told.value.__cause__, (KeyboardInterrupt, SystemExit))
+
+
+def test_a_lost_stop_is_told_though_its_loss_was_caught():
+    with FakeBoard() as fake, pytest.raises(StopUnconfirmed):
+        with Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            fake.unplug()
+            with pytest.raises(RobotLost):
+                list(robot.frames(5.0))
+
+
+def test_telemetry_that_ends_is_missed_in_the_hosts_time():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        fake.to_host = lambda line: b"" if line.startswith(b"t:") else line
+        begun_s = time.monotonic()
+        with pytest.raises(FramesMissing, match=r"no telemetry for 1\.\d s.*0\.02 s"):
+            list(robot.frames(30.0))
+        assert time.monotonic() - begun_s < 5.0
+        fake.to_host = lambda line: line
+
+
+def test_thin_or_no_telemetry_is_not_missed():
+    with Robot("virtual:fast") as robot:
+        for every in (100, 0):
+            robot.set("every", every)
+            list(robot.frames(5.0))
+        robot.set("every", 1)
+        assert len(list(robot.frames(1.0))) > 45
+
+
+@pytest.mark.parametrize("state", ["hold", "idle"])
+def test_a_state_that_nobody_asked_for_ends_the_frames(state):
+    by_itself = after_gait_frames(
+        5, lambda line: resealed(line, b" st=gait", f" st={state}".encode())
+    )
+    with FakeBoard(by_itself) as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        with pytest.raises(StateUnasked, match=f"'{state}', asked for was 'gait'"):
+            list(robot.frames(5.0))
+        fake.to_host = lambda line: line
+
+
+def test_a_key_that_somebody_else_sent_is_told_once():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        fake.board.write(b"\n!\n")
+        with pytest.raises(StateUnasked, match="'hold'"):
+            list(robot.frames(2.0))
+        list(robot.frames(0.1))
+        robot.straight()
+        list(robot.frames(0.1))
+
+
+def test_a_safe_pose_shows_in_the_frames_alone_too():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        fake.to_host = lambda line: b"" if line.startswith(b"state:") else line
+        with robot._dialogue._talking:
+            robot._dialogue._ping_s = 1e3
+            fake.board.write(b"")
+            assert fake.await_state("safing", 5.0)
+        with pytest.raises(RobotUnattended, match="silence time"):
+            list(robot.frames(1.0))
+        robot._dialogue._ping_s = dialogue.PING_S
+        robot.status()
+
+
+def test_what_the_program_asks_for_is_no_surprise():
+    with Robot("virtual:fast") as robot:
+        for ask in (
+            robot.stop,
+            lambda: robot.gait(GAIT),
+            robot.straight,
+            robot.stop,
+            lambda: robot.command("  gait  20 30 5"),
+            robot.idle,
+            robot.stop,
+            lambda: robot.bent(0.1),
+            robot._dialogue.halt,
+            robot.idle,
+        ):
+            ask()
+            assert list(robot.frames(0.2))
+
+
+def test_a_stop_from_another_thread_is_no_surprise_to_the_one_that_drives():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        for _ in range(5):
+            robot.gait(GAIT)
+            other = threading.Thread(target=robot.stop)
+            other.start()
+            list(robot.frames(0.1))
+            other.join()
+            assert fake.state == "hold"
+
+
+def stopping(line: bytes) -> bool:
+    return b" stop *" in line
+
+
+def cut_at_the_stop(fake: FakeBoard) -> None:
+    def watch(line: bytes) -> bytes:
+        if stopping(line):
+            fake.unplug()
+            return b""
+        return line
+
+    fake.to_board = watch
+
+
+def mute_soon(fake: FakeBoard) -> None:
+    fake.to_host = after_gait_frames(25, nothing)
+
+
+def no_usable_frame(fake: FakeBoard) -> None:
+    fake.to_host = lambda line: line[:20] + b"\n" if line.startswith(b"t:") else line
+
+
+def frames_end(fake: FakeBoard) -> None:
+    fake.to_host = after_gait_frames(50, lambda line: b"" if line.startswith(b"t:") else line)
+
+
+def every_fifth_lost(fake: FakeBoard) -> None:
+    fake.to_host = lambda line: b"" if re.match(rb"t:\d*[05] ", line) else line
+
+
+def goes_limp(fake: FakeBoard) -> None:
+    fake.to_host = after_gait_frames(25, lambda line: resealed(line, b" st=gait", b" st=idle"))
+
+
+def clock_at_double_pace(fake: FakeBoard) -> None:
+    def faster(line: bytes) -> bytes:
+        us = re.search(rb" us=(\d+)", line)
+        return resealed(line, rb" us=\d+", b" us=%d" % (2 * int(us[1]))) if us else line
+
+    fake.to_host = faster
+
+
+@pytest.mark.parametrize(
+    ("harm", "said"),
+    [
+        (mute_soon, "no telemetry|no verdict for 'ping'"),
+        (cut_at_the_stop, "went away"),
+        (no_usable_frame, "no telemetry"),
+        (frames_end, "no telemetry"),
+        (every_fifth_lost, "frames came and"),
+        (goes_limp, "state 'idle', asked for was 'gait'"),
+        (clock_at_double_pace, "clock runs"),
+    ],
+)
+def test_drive_tells_a_loss_once_and_keeps_the_recording(serpenoid, tmp_path, harm, said):
+    file = tmp_path / "run.wire"
+    with FakeBoard() as fake:
+        harm(fake)
+        args = ["--port", fake.port, "--duration-s", "2.5", "--record", str(file), "--json"]
+        status, out, errors = serpenoid(*DRIVE, *args)
+    assert status == 1, errors
+    told = [line for line in errors.splitlines() if re.search(said, line)]
+    assert len(told) == 1, errors
+    assert "Traceback" not in errors
+    assert load_stream(file).end is not None
+    if harm is clock_at_double_pace:
+        assert json.loads(out)["frequency_hz"] is None
+
+
+def test_drive_interrupted_without_a_sure_stop_has_failed(serpenoid):
+    def interrupt(line: bytes) -> bytes:
+        fake.to_host = nothing
+        os.kill(os.getpid(), signal.SIGINT)
+        return line
+
+    with FakeBoard() as fake:
+        fake.to_host = after_gait_frames(20, interrupt)
+        status, _, errors = serpenoid(*DRIVE, "--port", fake.port)
+    assert (status, "stop was not confirmed" in errors) == (1, True)
