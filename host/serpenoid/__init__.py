@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from .model.ground import Ground
     from .model.link_state import LinkState
     from .model.robot import Robot
-    from .periodic.steady import Steady, Sweep, steady_gait, sweep
+    from .periodic.steady import Steady, steady_gait
+    from .periodic.sweep import Sweep, sweep
     from .simulation.gait_batch import GaitRuns, simulate_gaits
     from .simulation.run import Run
     from .simulation.scene import Scene
@@ -40,7 +41,8 @@ _HOMES = {
     "model.link_state": ("LinkState",),
     "model.robot": ("Robot",),
     "gaits.least_power": ("LeastPower", "least_power_gait"),
-    "periodic.steady": ("Steady", "Sweep", "steady_gait", "sweep"),
+    "periodic.steady": ("Steady", "steady_gait"),
+    "periodic.sweep": ("Sweep", "sweep"),
     "simulation.steady_springs": ("SteadySprings", "steady_springs"),
     "simulation.gait_batch": ("GaitRuns", "simulate_gaits"),
     "simulation.scene": ("Scene",),

@@ -19,6 +19,7 @@ class Model:
 
 class SteadyState:
     speed: float
+    chord: float
     power: float
     abs_power: float
     positive_power: float
@@ -26,6 +27,9 @@ class SteadyState:
     direction: float
     speed_error: float
     power_error: float
+    positive_power_error: float
+    slowest: float
+    slowest_error: float
     elements: int
     iterations: int
     converged: bool

@@ -22,8 +22,9 @@ struct BodyMotion {
     }
 };
 
-// Call each(i, power) for joints i = 0..n-2 with P_i = -T_i phi_i', W, given the friction on every
-// link along and across it: friction(i) returns {f_t, f_n}. The shape needs second derivatives.
+// Call each(i, T_i, phi_i') for joints i = 0..n-2, N m and rad/s; P_i = -T_i phi_i'. Given is the
+// friction on every link along and across it: friction(i) returns {f_t, f_n}. The shape needs
+// second derivatives.
 template <class Friction, class Each>
 void joint_powers(const Robot& r, const Shape& s, double omega, const BodyMotion& b,
                   Friction friction, Each each) {
@@ -38,7 +39,7 @@ void joint_powers(const Robot& r, const Shape& s, double omega, const BodyMotion
         const auto [ft, fn] = friction(i);
         sums.add(r, k.n.x, k.n.y, ax, ay, wdot + oo * k.s2, ft * k.t.x + fn * k.n.x,
                  ft * k.t.y + fn * k.n.y);
-        each(i, -sums.T * omega * (s.link[i + 1].s1 - k.s1));
+        each(i, sums.T, omega * (s.link[i + 1].s1 - k.s1));
     }
 }
 

@@ -98,7 +98,7 @@ void DryMotion::joint_power(const DryState& state, double tau, double* power, in
     }
     joint_powers(robot_, shape_, omega_,
                  BodyMotion::from_forces(robot_, shape_, omega_, u.data(), force), friction,
-                 [&](int i, double p) { power[i * stride] = p; });
+                 [&](int i, double T, double rate) { power[i * stride] = -T * rate; });
 }
 
 // Integrate sum P_i^+ over a step that is smooth, in pieces short enough for six points each.

@@ -1,4 +1,4 @@
-// Mean over an element of the positive part of a polynomial known at the Gauss nodes.
+// Mean over an element of the positive part of a product known at the Gauss nodes.
 #pragma once
 
 #include <algorithm>
@@ -25,6 +25,13 @@ class NodePolynomial {
         double sum = coefficient_[s - 1];
         for (int k = s - 2; k >= 0; --k) sum = sum * z + coefficient_[k];
         return sum;
+    }
+
+    // True only if it has no root in [-1, 1]: the constant outweighs all the rest.
+    bool one_sign() const {
+        double rest = 0;
+        for (int k = 1; k < s; ++k) rest += std::fabs(coefficient_[k]);
+        return std::fabs(coefficient_[0]) > rest;
     }
 
     // Integral from 0 to z.
@@ -93,6 +100,98 @@ double mean_positive_part(const std::array<double, s>& values) {
         from = to;
     }
     if (v[s + 1] > 0) sum += p.primitive(1) - from;
+    return sum / 2;
+}
+
+// Signs of a polynomial on [-1, 1]: the places where it changes, in order. Looked for between twice
+// as many points as nodes, and at the bottom of every dip between them, so that a close pair of
+// roots is not overlooked.
+template <int s>
+class SignChanges {
+  public:
+    static constexpr int kMost = 2 * s;
+
+    explicit SignChanges(const NodePolynomial<s>& p) : p_(p), first_(p(-1)) {
+        if (p.one_sign()) return;
+        const auto& z = points();
+        double z0 = z[0], v0 = first_, z1 = z[1], v1 = p(z1);
+        for (int k = 2; k <= 2 * s + 2; ++k) {
+            const double z2 = z[k], v2 = p(z2);
+            dip(z0, v0, z1, v1, z2, v2);
+            between(z0, v0, z1, v1);
+            z0 = z1, v0 = v1, z1 = z2, v1 = v2;
+        }
+        between(z0, v0, z1, v1);
+    }
+
+    double first() const { return first_; }  // the value at -1
+    int count = 0;
+    std::array<double, kMost> at;
+
+  private:
+    // Ends, nodes and the middles of the gaps.
+    static const std::array<double, 2 * s + 3>& points() {
+        static const std::array<double, 2 * s + 3> all = [] {
+            const Gauss<s>& rule = Gauss<s>::get();
+            std::array<double, 2 * s + 3> z{};
+            z[0] = -1, z[2 * s + 2] = 1;
+            for (int k = 0; k < s; ++k) z[2 * k + 2] = 2 * rule.c[k] - 1;
+            for (int k = 1; k < 2 * s + 2; k += 2)
+                z[k] = ((k > 1 ? z[k - 1] : -1) + (k < 2 * s ? z[k + 1] : 1)) / 2;
+            return z;
+        }();
+        return all;
+    }
+
+    void between(double a, double fa, double b, double fb) {
+        if ((fa > 0) != (fb > 0) && count < kMost) at[count++] = bracketed_root(p_, a, fa, b, fb);
+    }
+
+    // Three values of one sign, the middle one nearest to zero: look at the bottom of the parabola.
+    void dip(double a, double fa, double& m, double& fm, double b, double fb) {
+        if ((fa > 0) != (fm > 0) || (fm > 0) != (fb > 0)) return;
+        const double s0 = (fm - fa) / (m - a), s1 = (fb - fm) / (b - m), sign = fm > 0 ? 1 : -1;
+        if (sign * s0 >= 0 || sign * s1 <= 0) return;
+        const double bend = (s1 - s0) / (b - a);
+        const double z = (a + m) / 2 - s0 / (2 * bend), v = p_(z);
+        if (!(z > a && z < b) || (v > 0) == (fm > 0)) return;
+        if (z > m) {
+            m = z, fm = v;  // the gaps on both sides find their roots
+        } else if (count + 2 <= kMost) {
+            at[count++] = bracketed_root(p_, a, fa, z, v);
+            at[count++] = bracketed_root(p_, z, v, m, fm);
+        }
+    }
+
+    const NodePolynomial<s>& p_;
+    double first_;
+};
+
+// Mean of max(-a b, 0) over an element: a by its values at the nodes, b one that changes sign at
+// `turn` (in [-1, 1], or beyond) and has the sign of `before` there to the left. The product is
+// integrated exactly as a polynomial between the changes of sign, which are those of the factors:
+// next to each other they would be missed in the product.
+template <int s>
+double mean_positive_product(const std::array<double, s>& a, const std::array<double, s>& b,
+                             double turn, double before) {
+    std::array<double, s> product;
+    for (int k = 0; k < s; ++k) product[k] = -a[k] * b[k];
+    const NodePolynomial<s> p(product), factor(a);
+    const SignChanges<s> changes(factor);
+    double sign = (changes.first() > 0) == (before > 0) ? -1 : 1, sum = 0;
+    if (turn <= -1) sign = -sign, turn = 2;
+    double from = p.primitive(-1);
+    const auto piece = [&](double z) {
+        const double to = p.primitive(z);
+        if (sign > 0) sum += to - from;
+        from = to, sign = -sign;
+    };
+    for (int k = 0; k < changes.count; ++k) {
+        if (turn < changes.at[k]) piece(turn), turn = 2;
+        piece(changes.at[k]);
+    }
+    if (turn < 1) piece(turn);
+    piece(1);
     return sum / 2;
 }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "body/sticking_motion.hpp"
+#include "numerics/matrix_product.hpp"
 
 namespace serpenoid {
 
@@ -177,7 +178,8 @@ void report(HalfCycle& map, const FixedPoint& fixed, const Gait& gait, SteadySta
         x += mx, y += my, turn = 0, M = multiply(M, M);
     }
     out.monodromy = M;
-    out.speed = std::hypot(x, y) * gait.omega / (2 * M_PI);
+    out.slowest = log_spectral_radius(M);
+    out.speed = out.chord = std::hypot(x, y) * gait.omega / (2 * M_PI);
     out.direction = std::atan2(y, x);
     out.turn = turn;
     const double time = map.span() / gait.omega;
@@ -211,11 +213,13 @@ SteadyState steady_dry(const Robot& robot, const Ground& ground, const Gait& gai
         change = std::fabs(out.speed - coarse.speed);
         out.speed_error = change + 0.03 * before + fixed.last_step * map.scale()[0];
         before = first ? 0 : change;
-        out.power_error = std::max(std::fabs(out.power - coarse.power),
-                                   std::fabs(out.positive_power - coarse.positive_power));
+        out.slowest_error = first ? std::fabs(out.slowest) : std::fabs(out.slowest - coarse.slowest);
+        out.power_error = std::fabs(out.power - coarse.power);
+        out.positive_power_error = std::fabs(out.positive_power - coarse.positive_power);
         out.converged =
             !first && out.speed_error <= options.rtol * out.speed + floor &&
-            out.power_error <= 10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
+            std::max(out.power_error, out.positive_power_error) <=
+                10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
         if (out.converged) break;
         coarse = out, first = false;
     }

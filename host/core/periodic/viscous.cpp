@@ -6,13 +6,36 @@
 #include <utility>
 
 #include "body/joint_power.hpp"
-#include "numerics/mean_positive_part.hpp"
+#include "numerics/matrix_product.hpp"
+#include "periodic/positive_power.hpp"
 
 namespace serpenoid {
 
 namespace {
 
 double rate(double L, double omega, double K, double J) { return (L - omega * K) / J; }
+
+// Sums over the joints. Between meshes every joint's change counts, so that no luck of signs hides
+// one; a kink limits the gain of a finer mesh to some 2^6, and where it is lost among the nodes to
+// much less.
+void add_positive(const std::vector<double>& fine, const std::vector<double>& coarse,
+                  SteadyState& out) {
+    constexpr double kGain = 4;
+    out.positive_power = out.positive_power_error = 0;
+    for (std::size_t i = 0; i < fine.size(); ++i) {
+        out.positive_power += fine[i];
+        if (!coarse.empty()) out.positive_power_error += std::fabs(fine[i] - coarse[i]) / kGain;
+    }
+    out.abs_power = 2 * out.positive_power - out.power;
+}
+
+// Size of what six-stage Gauss collocation makes of exp(z), z < 0: its Pade approximant.
+double gauss_growth(double z) {
+    constexpr double c[7] = {1, 1. / 2, 5. / 44, 1. / 66, 1. / 792, 1. / 15840, 1. / 665280};
+    double up = c[6], down = c[6];
+    for (int k = 5; k >= 0; --k) up = up * z + c[k], down = down * -z + c[k];
+    return std::max(std::fabs(up / down), 1e-300);
+}
 
 }  // namespace
 
@@ -190,11 +213,12 @@ bool SteadyViscous::newton(const Mesh& m, double omega, SteadyState& result) {
     return false;
 }
 
-// Speed, turn and dissipation: appended integrals, of the same order as the state.
-void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) const {
+// Path over the mesh, in axes that turn by `spin` rad per rad of phase: displacement (x, y) and
+// change of heading. Appended integrals, of the same order as the state.
+Vec3 SteadyViscous::travel(const Mesh& m, double omega, double spin) const {
     constexpr int s = kStages;
     const Rule& rule = Rule::get();
-    double theta = 0, x = 0, y = 0, energy = 0;
+    double theta = 0, x = 0, y = 0;
     for (int e = 0; e < m.elements; ++e) {
         std::array<double, s> w;
         for (int j = 0; j < s; ++j) {
@@ -202,40 +226,58 @@ void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) cons
             w[j] = rate(now_.stage[e * s + j][2], omega, k.K, k.J);
         }
         for (int j = 0; j < s; ++j) {
-            const Node& k = m.nodes[e * s + j];
             const Vec3& Y = now_.stage[e * s + j];
-            double angle = theta;
+            double angle = theta - spin * (e + rule.c[j]) * m.h;
             for (int i = 0; i < s; ++i) angle += m.h / omega * rule.a[j * s + i] * w[i];
             const double c = std::cos(angle), n = std::sin(angle), dt = m.h / omega * rule.b[j];
             x += dt * (c * Y[0] - n * Y[1]), y += dt * (n * Y[0] + c * Y[1]);
-            const double* D = k.D;
-            energy += dt * (Y[0] * (D[0] * Y[0] + 2 * D[1] * Y[1] + 2 * D[2] * w[j]) +
-                            Y[1] * (D[3] * Y[1] + 2 * D[4] * w[j]) + D[5] * w[j] * w[j] +
-                            2 * omega * (k.d[0] * Y[0] + k.d[1] * Y[1] + k.d[2] * w[j]) +
-                            omega * omega * k.dd);
         }
         for (int j = 0; j < s; ++j) theta += m.h / omega * rule.b[j] * w[j];
     }
-    double span = 2 * M_PI / omega;
-    out.turn = theta;
+    return {x, y, theta};
+}
+
+// Speed, turn and dissipation.
+void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) const {
+    constexpr int s = kStages;
+    const Rule& rule = Rule::get();
+    double energy = 0;
+    for (int e = 0; e < m.elements; ++e)
+        for (int j = 0; j < s; ++j) {
+            const Node& k = m.nodes[e * s + j];
+            const Vec3& Y = now_.stage[e * s + j];
+            const double w = rate(Y[2], omega, k.K, k.J), *D = k.D;
+            energy += m.h / omega * rule.b[j] *
+                      (Y[0] * (D[0] * Y[0] + 2 * D[1] * Y[1] + 2 * D[2] * w) +
+                       Y[1] * (D[3] * Y[1] + 2 * D[4] * w) + D[5] * w * w +
+                       2 * omega * (k.d[0] * Y[0] + k.d[1] * Y[1] + k.d[2] * w) +
+                       omega * omega * k.dd);
+        }
+    const double span = 2 * M_PI / omega;
+    out.power = energy / m.elements / m.h * omega;
+    const Vec3 chord = travel(m, omega, 0);
     if (mirrored_) {  // the second half is the mirror image, seen from the heading then
-        const double c = std::cos(theta), n = std::sin(theta), mx = c * x + n * y,
-                     my = n * x - c * y;
-        x += mx, y += my, out.turn = 0;
-        energy *= 2;
+        const double c = std::cos(chord[2]), n = std::sin(chord[2]);
+        const double x = chord[0] + c * chord[0] + n * chord[1],
+                     y = chord[1] + n * chord[0] - c * chord[1];
+        out.speed = out.chord = std::hypot(x, y) / span;
+        out.direction = std::atan2(y, x), out.turn = 0;
+    } else {
+        const Vec3 arc = travel(m, omega, chord[2] / (2 * M_PI));
+        out.speed = std::hypot(arc[0], arc[1]) / span;
+        out.chord = std::hypot(chord[0], chord[1]) / span;
+        out.direction = std::atan2(arc[1], arc[0]), out.turn = chord[2];
     }
-    out.speed = std::hypot(x, y) / span;
-    out.direction = std::atan2(y, x);
-    out.power = energy / span;
     const Shape shape = node(0).shape;
     out.start = {now_.start[0], now_.start[1], rate(now_.start[2], omega, shape.K, shape.J)};
 }
 
-// Means of |P_i| and of P_i^+, summed over the joints: sum |P| = 2 sum P^+ - sum P.
-void SteadyViscous::joint_averages(const Mesh& m, double omega, SteadyState& out) const {
+// Mean of P_i^+ of every joint. Torque and joint rate change sign at places of their own; that of
+// the rate is known, phi_i' = 0 where tau + i beta is an odd multiple of pi/2.
+std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) const {
     constexpr int s = kStages;
-    std::vector<std::array<double, s>> power(robot_.n - 1);
-    double positive = 0;
+    std::vector<std::array<double, s>> torque(robot_.n - 1), bend(robot_.n - 1);
+    std::vector<double> mean(robot_.n - 1, 0.0);
     for (int e = 0; e < m.elements; ++e) {
         for (int j = 0; j < s; ++j) {
             const Node& k = m.nodes[e * s + j];
@@ -252,16 +294,73 @@ void SteadyViscous::joint_averages(const Mesh& m, double omega, SteadyState& out
             };
             joint_powers(robot_, k.shape, omega,
                          BodyMotion::from_forces(robot_, k.shape, omega, u, force), friction,
-                         [&](int i, double p) { power[i][j] = p; });
+                         [&](int i, double T, double v) { torque[i][j] = T, bend[i][j] = v; });
         }
-        for (const auto& p : power) positive += mean_positive_part<s>(p);
+        for (int i = 0; i + 1 < robot_.n; ++i)
+            mean[i] +=
+                mean_positive_swing<s>(torque[i], bend[i], e * m.h, m.h, i * gait_.beta, gait_.alpha) /
+                m.elements;
     }
-    out.positive_power = positive / m.elements;
-    out.abs_power = 2 * out.positive_power - out.power;
+    return mean;
+}
+
+// The state at the fraction x of an element, by its stages.
+Vec3 SteadyViscous::between(int e, double x) const {
+    const auto weight = Rule::get().lagrange(x);
+    Vec3 y{};
+    for (int k = 0; k < kStages; ++k)
+        for (int i = 0; i < 3; ++i) y[i] += weight[k] * now_.stage[e * kStages + k][i];
+    return y;
+}
+
+// Logarithm of the largest multiplier over the mesh, by products of exponentials: whatever decays
+// however fast, each factor is right to second order in the change of the matrix over a piece.
+double SteadyViscous::followed_slowest(const Mesh& m, double omega, int pieces) const {
+    Mat3 P = identity3();
+    double scale = 0;
+    for (int e = 0; e < m.elements; ++e)
+        for (int k = 0; k < pieces; ++k) {
+            const double x = (k + 0.5) / pieces;
+            Mat3 A;
+            derivative(node((e + x) * m.h), between(e, x), omega, A);
+            for (double& a : A) a *= m.h / pieces;
+            scale += multiply_exponential(A, P);
+        }
+    if (mirrored_)
+        for (int r = 3; r < 9; ++r) P[r] = -P[r];
+    return (scale + log_spectral_radius(P)) * (mirrored_ ? 2 : 1);
+}
+
+// The transfer matrices of collocation are exact to order 12 while a mode decays by less than e^3
+// or so in an element. What decays faster comes out too large (by Gauss's rule, up to 1), which is
+// harmless while it stays far below the slowest.
+void SteadyViscous::slowest(const Mesh& m, double omega, SteadyState& out) const {
+    constexpr double kFair = 3;
+    const int halves = mirrored_ ? 2 : 1;
+    const double log_radius = log_spectral_radius(out.monodromy);
+    double false_ones = 0;
+    for (int e = 0; e < m.elements; ++e) {
+        Mat3 A;
+        const int middle = e * kStages + kStages / 2;
+        derivative(m.nodes[middle], now_.stage[middle], omega, A);
+        false_ones += halves * std::log(gauss_growth(m.h * (A[0] + A[4] + A[8])));
+    }
+    out.slowest = log_radius, out.slowest_error = 0;
+    if (-log_radius < kFair * m.elements * halves && false_ones < log_radius - 5) return;
+    double before = followed_slowest(m, omega, 2);
+    for (int pieces = 4; pieces <= 64; pieces *= 2) {
+        const double next = followed_slowest(m, omega, pieces);
+        out.slowest = next + (next - before) / 3;
+        out.slowest_error = std::fabs(next - before) / 3;
+        before = next;
+        if (out.slowest_error < 1e-4 * std::fabs(out.slowest)) break;
+    }
 }
 
 SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
     SteadyState result, coarse;
+    std::vector<double> positive, positive_before;
+    double log_before = 0;
     for (int elements = mirrored_ ? 2 : 4; elements <= options.max_elements; elements *= 2) {
         const Mesh& m = mesh(elements);
         guess(m, omega);
@@ -271,21 +370,28 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
             continue;
         }
         averages(m, omega, result);
-        if (options.powers) joint_averages(m, omega, result);
         const bool first = coarse.elements == 0;
         result.speed_error = std::fabs(result.speed - coarse.speed) / 63;
         result.power_error = std::fabs(result.power - coarse.power) / 63;
-        if (options.powers)
-            result.power_error = std::max(
-                result.power_error, std::fabs(result.positive_power - coarse.positive_power) / 3);
+        if (options.powers) {
+            positive = positive_powers(m, omega);
+            add_positive(positive, positive_before, result);
+            positive_before = positive;
+        }
         const double speed_floor =
             std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
         result.converged =
             !first && result.speed_error <= options.rtol * result.speed + speed_floor &&
-            result.power_error <=
+            std::max(result.power_error, result.positive_power_error) <=
                 options.rtol * std::max(result.power, result.positive_power) + 1e-300;
         if (result.converged) break;
+        log_before = log_spectral_radius(result.monodromy);
         coarse = result;
+    }
+    if (now_.elements > 0) {
+        slowest(mesh(now_.elements), omega, result);
+        if (result.slowest_error == 0)
+            result.slowest_error = std::fabs(result.slowest - log_before) / 63;
     }
     return result;
 }

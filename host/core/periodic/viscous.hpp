@@ -69,7 +69,11 @@ class SteadyViscous {
     double newton_step(const Mesh& mesh, double omega, Mat3& half);
     Vec3 derivative(const Node& node, const Vec3& y, double omega, Mat3& jacobian) const;
     void averages(const Mesh& mesh, double omega, SteadyState& result) const;
-    void joint_averages(const Mesh& mesh, double omega, SteadyState& result) const;
+    Vec3 travel(const Mesh& mesh, double omega, double spin) const;
+    std::vector<double> positive_powers(const Mesh& mesh, double omega) const;
+    void slowest(const Mesh& mesh, double omega, SteadyState& result) const;
+    double followed_slowest(const Mesh& mesh, double omega, int pieces) const;
+    Vec3 between(int e, double x) const;
 
     Robot robot_;
     Ground ground_;

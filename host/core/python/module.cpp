@@ -229,6 +229,7 @@ NB_MODULE(_core, m) {
         });
     nb::class_<SteadyState>(m, "SteadyState")
         .def_ro("speed", &SteadyState::speed)
+        .def_ro("chord", &SteadyState::chord)
         .def_ro("power", &SteadyState::power)
         .def_ro("abs_power", &SteadyState::abs_power)
         .def_ro("positive_power", &SteadyState::positive_power)
@@ -236,6 +237,9 @@ NB_MODULE(_core, m) {
         .def_ro("direction", &SteadyState::direction)
         .def_ro("speed_error", &SteadyState::speed_error)
         .def_ro("power_error", &SteadyState::power_error)
+        .def_ro("positive_power_error", &SteadyState::positive_power_error)
+        .def_ro("slowest", &SteadyState::slowest)
+        .def_ro("slowest_error", &SteadyState::slowest_error)
         .def_ro("elements", &SteadyState::elements)
         .def_ro("iterations", &SteadyState::iterations)
         .def_ro("converged", &SteadyState::converged)

@@ -38,7 +38,7 @@ def sweep(
     as_json: bool, out: Path | None, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: Any
 ) -> None:
     """Solve every gait of a grid (the paper's 4500 unless told), into a CSV file or as JSON."""
-    from ..periodic.steady import sweep as run_sweep
+    from ..periodic.sweep import sweep as run_sweep
     from ..show import report
 
     if out is None and not as_json:

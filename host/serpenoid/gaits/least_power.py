@@ -12,7 +12,8 @@ from ..model.errors import NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.steady import Steady, steady_gait, sweep
+from ..periodic.steady import Steady, steady_gait
+from ..periodic.sweep import sweep
 
 COSTS = ("power", "abs_power", "positive_power")
 _GRID_ALPHA = np.radians(np.arange(10.0, 81.0, 10.0))

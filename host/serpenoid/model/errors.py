@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class SerpenoidError(Exception):
     """Base of every error raised on purpose: what happened, the value, the limits, the way out."""
@@ -12,7 +14,14 @@ class BadInput(SerpenoidError, ValueError):
 
 
 class NotConverged(SerpenoidError, ArithmeticError):
-    """An iteration ended without reaching the accuracy that was asked for."""
+    """An iteration ended without reaching the accuracy that was asked for.
+
+    best: the best result there is, with the error that it has; None where there is none.
+    """
+
+    def __init__(self, message: str, best: Any = None):
+        super().__init__(message)
+        self.best = best
 
 
 class StepTooLarge(SerpenoidError, ArithmeticError):

@@ -23,7 +23,8 @@ from rich.table import Table
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
-    from ..periodic.steady import Steady, Sweep
+    from ..periodic.steady import Steady
+    from ..periodic.sweep import Sweep
     from ..simulation.steady_springs import SteadySprings
 
 console = Console(width=100) if not Console().is_terminal else Console()
@@ -85,6 +86,7 @@ def steady(s: Steady) -> None:
         ["power, each joint's absolute value", f"{s.abs_power_w:.6g} W"],
         ["power, no regeneration", f"{s.positive_power_w:.6g} W"],
         ["turn per cycle", f"{math.degrees(s.turn_rad_per_cycle):.4g} deg"],
+        ["radius of the path", f"{s.radius_m:.4g} m"],
         ["settling time (to 1/e)", f"{s.settling_time_s:.3g} s"],
         ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
     ]
