@@ -16,6 +16,7 @@ class Model:
         ct: float, cn: float, ft0: float, fn0: float,
         alpha: float, beta: float, omega: float, offset: float, /,
     ) -> None: ...  # fmt: skip
+    def set_joints(self, gain: Array, shift: Array, /) -> None: ...
 
 class SteadyState:
     speed: float

@@ -8,6 +8,8 @@
 #include <limits>
 #include <new>
 
+#include "model/gait.hpp"
+
 namespace serpenoid {
 
 std::vector<const kernels::Set*> instruction_sets() {
@@ -61,11 +63,12 @@ double& PackedRuns::one(int which, int gait) const { return memory_[which * widt
 
 // theta_i - theta_1, the sum of the joint angles (Eq. 57) up to link i, and its sum over links.
 void PackedRuns::take_gait(int lane, const Gait& gait) {
+    const GaitTable table(task_.robot.n, gait);
     double a = 0, b = 0, sum_a = 0, sum_b = 0;
     for (int i = 0; i < task_.robot.n; ++i) {
         if (i > 0) {
-            a += gait.alpha * std::cos((i - 1) * gait.beta);
-            b += gait.alpha * std::sin((i - 1) * gait.beta);
+            a += gait.alpha * table.cosine(i - 1);
+            b += gait.alpha * table.sine(i - 1);
         }
         at(kernels::kAngleSin, i, lane) = a, at(kernels::kAngleCos, i, lane) = b;
         at(kernels::kAngleOffset, i, lane) = i * gait.offset;

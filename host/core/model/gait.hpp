@@ -13,7 +13,7 @@ struct GaitWave {
     double sin_a, cos_a;      // alpha sin(omega t), alpha cos(omega t)
     double sin_w, cos_w;      // omega times these
     double offset, minus_ww;  // -omega^2
-    const double *cos, *sin;  // of i beta
+    const double *cos, *sin;  // of i beta + shift_i, times gain_i
     struct Joint {
         double angle, rate, acceleration;  // phi, phi', phi'' by time
     };
@@ -24,13 +24,16 @@ struct GaitWave {
 };
 
 // phi_i and its first two derivatives by the phase tau = omega t, for joints 0..n-2.
-// sin(tau + i beta) = sin tau cos(i beta) + cos tau sin(i beta), so a time costs one sine pair.
+// sin(tau + i beta) = sin tau cos(i beta) + cos tau sin(i beta), so a time costs one sine pair;
+// a joint with a gain or a shift of its own (Gait) has them in its cosine and sine.
 class GaitTable {
   public:
     GaitTable(int links, const Gait& g) : alpha_(g.alpha), offset_(g.offset) {
         for (int i = 0; i + 1 < links; ++i) {
-            cos_.push_back(std::cos(i * g.beta));
-            sin_.push_back(std::sin(i * g.beta));
+            const double gain = g.gain.empty() ? 1 : g.gain[i];
+            const double phase = i * g.beta + (g.shift.empty() ? 0 : g.shift[i]);
+            cos_.push_back(gain * std::cos(phase));
+            sin_.push_back(gain * std::sin(phase));
         }
     }
 
@@ -48,6 +51,10 @@ class GaitTable {
         const double s = alpha_ * std::sin(omega * t), c = alpha_ * std::cos(omega * t);
         return {s, c, omega * s, omega * c, offset_, -omega * omega, cos_.data(), sin_.data()};
     }
+
+    // gain_i cos(i beta + shift_i), and the sine.
+    double cosine(int i) const { return cos_[i]; }
+    double sine(int i) const { return sin_[i]; }
 
     int joints() const { return static_cast<int>(cos_.size()); }
 

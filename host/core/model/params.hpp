@@ -1,6 +1,8 @@
 // The three things every model is made of, in SI units and radians; Python has checked the ranges.
 #pragma once
 
+#include <vector>
+
 // The small parts of which a right-hand side is composed: with dozens of compositions in one
 // translation unit the compiler's own judgement leaves calls in the loops (a tenth of their cost).
 #define INLINED [[gnu::always_inline]] inline
@@ -29,11 +31,13 @@ struct Slope {
     bool tilted() const { return gx != 0 || gy != 0; }
 };
 
-// Joint angles phi_i = offset + alpha sin(omega t + (i - 1) beta), i = 1..n-1; Eq. 57.
+// Joint angles phi_i = offset + gain_i alpha sin(omega t + (i - 1) beta + shift_i), i = 1..n-1;
+// Eq. 57, where every gain is 1 and every shift 0 (empty lists).
 struct Gait {
     double alpha, beta;  // rad
     double omega;        // rad/s
     double offset;       // rad
+    std::vector<double> gain{}, shift{};
 };
 
 }  // namespace serpenoid

@@ -226,6 +226,10 @@ NB_MODULE(_core, m) {
                             double omega, double offset) {
             new (self) Model{
                 {n, mass, half_length, inertia}, {ct, cn, ft0, fn0}, {alpha, beta, omega, offset}};
+        })
+        .def("set_joints", [](Model& model, Vector gain, Vector shift) {
+            model.gait.gain.assign(gain.data(), gain.data() + gain.shape(0));
+            model.gait.shift.assign(shift.data(), shift.data() + shift.shape(0));
         });
     nb::class_<SteadyState>(m, "SteadyState")
         .def_ro("speed", &SteadyState::speed)

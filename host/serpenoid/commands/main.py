@@ -7,18 +7,14 @@ import sys
 import threading
 import warnings
 from pathlib import Path
-from typing import Any
 
 import click
 
 from ..model.errors import BadInput, SerpenoidError
 from .bench import BENCH_GROUP
+from .optimize import optimize
 from .options import (
     AS_JSON,
-    describe,
-    interruptible,
-    make_robot,
-    robot_options,
     show_json,
 )
 from .robot import COMMANDS as ROBOT_COMMANDS
@@ -47,30 +43,6 @@ def demo(out: Path) -> None:
 
 
 @cli.command()
-@robot_options
-@click.option("--speed-m-s", type=float, required=True, help="Wanted speed.")
-@click.option("--cost", type=click.Choice(["power", "abs_power", "positive_power"]),
-              default="power", show_default=True, help="Mean power to make least.")  # fmt: skip
-@AS_JSON
-def optimize(as_json: bool, speed_m_s: float, cost: str, **given: Any) -> None:
-    """Find the gait that costs least power at a speed."""
-    from ..gaits.least_power import least_power_gait
-    from ..periodic.steady import steady_gait
-    from ..show import report
-
-    robot, ground = make_robot(given)
-    with report.busy("searching (up to a minute on dry ground)"):
-        best = interruptible(
-            lambda: least_power_gait(robot, ground, speed_m_s=speed_m_s, cost=cost)
-        )
-        s = steady_gait(robot, ground, best.gait)  # the search may leave out the other powers
-    if as_json:
-        show_json({"gait": describe(best.gait), "cost": cost} | s.to_dict())
-    else:
-        report.steady(s)
-
-
-@cli.command()
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--method", type=click.Choice(["joint", "naive"]), default="joint",
               show_default=True, help="Honest intervals, or the paper's two lines.")  # fmt: skip
@@ -96,7 +68,7 @@ def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
 
 
 cli.add_command(BENCH_GROUP)
-for command in (simulate, steady, sweep):
+for command in (optimize, simulate, steady, sweep):
     cli.add_command(command)
 for robot_command in ROBOT_COMMANDS:
     cli.add_command(robot_command)

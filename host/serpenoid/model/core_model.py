@@ -10,8 +10,11 @@ from .robot import Robot
 
 def core_model(robot: Robot, ground: Ground, gait: Gait) -> _core.Model:
     """Hand the three to the compiled core (which counts length by halves, as the paper does)."""
-    return _core.Model(
+    model = _core.Model(
         robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
         ground.ct, ground.cn, ground.ft0, ground.fn0,
         gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad,
     )  # fmt: skip
+    if gait.joint_gain or gait.joint_shift_rad:
+        model.set_joints(*gait.joint_factors(robot.links - 1))
+    return model

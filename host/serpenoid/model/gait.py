@@ -5,7 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .checks import check_number
+from .errors import BadInput
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,13 +20,19 @@ class Gait:
 
     phi_i = theta_{i+1} - theta_i is the angle of joint i, i = 1..n-1 counted from the tail.
     alpha_rad: amplitude, 0..pi. beta_rad: phase lag from joint to joint. omega_rad_s: angular
-    rate, above 0. offset_rad: constant bend of every joint, which steers. Raises BadInput.
+    rate, above 0. offset_rad: constant bend of every joint, which steers.
+
+    What real servos make of it: joint_gain, a factor of each joint's amplitude, 0..2, and
+    joint_shift_rad, added to each joint's phase; one value a joint, tail first, or () for none.
+    Raises BadInput.
     """
 
     alpha_rad: float
     beta_rad: float
     omega_rad_s: float
     offset_rad: float = 0.0
+    joint_gain: tuple[float, ...] = ()
+    joint_shift_rad: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         checked = {
@@ -31,8 +43,21 @@ class Gait:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        for name, low, high in (("joint_gain", 0.0, 2.0), ("joint_shift_rad", -math.pi, math.pi)):
+            each = tuple(check_number(name, value, low, high) for value in getattr(self, name))
+            object.__setattr__(self, name, each)
 
     @property
     def period_s(self) -> float:
         """Return 2 pi / omega."""
         return 2 * math.pi / self.omega_rad_s
+
+    def joint_factors(self, joints: int) -> tuple[Array, Array]:
+        """Return gain and phase shift of each joint, (joints,). Raises BadInput: a wrong number."""
+        for name in ("joint_gain", "joint_shift_rad"):
+            count = len(getattr(self, name))
+            if count not in (0, joints):
+                raise BadInput(f"{name} has {count} values; the robot has {joints} joints")
+        gain = np.array(self.joint_gain) if self.joint_gain else np.ones(joints)
+        shift = np.array(self.joint_shift_rad) if self.joint_shift_rad else np.zeros(joints)
+        return gain, shift

@@ -23,11 +23,14 @@ class JointMotion(NamedTuple):
 def joint_motion(gait: Gait, joints: int, t_s: ArrayLike = 0.0) -> JointMotion:
     """Return how the joints move, from the tail: phi_i = offset + alpha sin(omega t + (i-1) beta).
 
-    t_s: a time, or times of any shape; the joints are the last axis of what comes back.
+    Each joint has its own gain and shift where the gait has them. t_s: a time, or times of any
+    shape; the joints are the last axis of what comes back.
     """
-    rate = gait.omega_rad_s
-    phase = np.asarray(rate * np.asarray(t_s))[..., None] + gait.beta_rad * np.arange(joints)
-    swing = gait.alpha_rad * np.sin(phase)
+    rate, (gain, shift) = gait.omega_rad_s, gait.joint_factors(joints)
+    lag = gait.beta_rad * np.arange(joints) + shift
+    phase = np.asarray(rate * np.asarray(t_s))[..., None] + lag
+    swing = gain * gait.alpha_rad * np.sin(phase)
     with np.errstate(over="ignore"):  # of a rate beyond any robot's: an infinite acceleration
         acceleration = -rate * (rate * swing)
-    return JointMotion(gait.offset_rad + swing, rate * gait.alpha_rad * np.cos(phase), acceleration)
+    speed = rate * gain * gait.alpha_rad * np.cos(phase)
+    return JointMotion(gait.offset_rad + swing, speed, acceleration)

@@ -138,6 +138,8 @@ class Robot:
 
         The lag is taken modulo a full turn, which changes nothing.
         """
+        if gait.joint_gain or gait.joint_shift_rad:
+            raise BadInput("a board's gait has no joint_gain or joint_shift_rad; leave them out")
         lag_rad = math.remainder(gait.beta_rad, 2 * math.pi)
         fields = [degrees(gait.alpha_rad), degrees(lag_rad), digits(gait.omega_rad_s)]
         self._obeyed(" ".join(["gait", *fields, degrees(gait.offset_rad)]))

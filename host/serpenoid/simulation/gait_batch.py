@@ -70,6 +70,11 @@ def _check(scene: Scene, gaits: Sequence[Gait]) -> None:
         )
     if not gaits or not all(isinstance(gait, Gait) for gait in gaits):
         raise BadInput(f"gaits is {gaits!r:.80}; it must be a list of at least one Gait")
+    if any(gait.joint_gain or gait.joint_shift_rad for gait in gaits):
+        raise BadInput(
+            "a gait has joint_gain or joint_shift_rad; simulate_gaits runs gaits without, take "
+            "simulate for each gait instead"
+        )
 
 
 def batch_scene(scene: Scene) -> _core.BatchScene:

@@ -92,6 +92,7 @@ class Scene:
             check_choice("record", name, RECORDS)
         self._check_numbers()
         self._check_counts()
+        self.gait.joint_factors(self.robot.links - 1)
         self._check_drive()
         self._check_faults()
         self._check_method()
@@ -157,6 +158,8 @@ class Scene:
             raise BadInput(f"robot has {joints} joints; the firmware's gait serves at most 255")
         for name, most in _FIRMWARE_LIMITS.items():
             check_number(f"with drive 'servo', gait.{name}", getattr(self.gait, name), -most, most)
+        if self.gait.joint_gain or self.gait.joint_shift_rad:
+            raise BadInput("the firmware's gait has no joint_gain or joint_shift_rad; leave them")
 
     def _check_faults(self) -> None:
         joints = self.robot.links - 1
