@@ -84,3 +84,33 @@ def scenes(out: Path) -> None:
         title = RUNGS[r.rung]
         click.echo(f"{r.formulation:10}{title:40}{r.instructions_per_step:10.0f}{r.ratio:8.2f}")
     click.echo(f"written to {out / 'scenes.csv'}; the last column is relative to the first line")
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option(
+    "--runs",
+    type=click.IntRange(1),
+    default=100,
+    show_default=True,
+    help="Random runs of every kind.",
+)
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the scenes.")  # fmt: skip
+def errors(out: Path, runs: int, seed: int) -> None:
+    """Hold what random runs say of their own error against the truth; exit status 1 below 99 %."""
+    import csv
+
+    from ..bench.errors import coverage_rows, judge_class
+    from ..show.report import table
+
+    rows = coverage_rows(list(judge_class(runs, seed, _tell)))
+    out.mkdir(parents=True, exist_ok=True)
+    with (out / "errors.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    texts = [[v if isinstance(v, str) else f"{v:.4g}" for v in row.values()] for row in rows]
+    head = [name.replace("_", " ") for name in rows[0]]
+    table(f"runs whose true error is within their estimate; in {out / 'errors.csv'}", head, texts)
+    if rows[-1]["unwarned_misses"] > 0.01 * float(rows[-1]["runs"]):
+        raise SystemExit(1)

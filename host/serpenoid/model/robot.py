@@ -50,3 +50,8 @@ class Robot:
         """Return the moment of inertia I_c of one link, given or not."""
         assert self.link_inertia_kg_m2 is not None  # set above
         return self.link_inertia_kg_m2
+
+    @property
+    def body_length_m(self) -> float:
+        """Return the length of the straight chain, m."""
+        return self.links * self.link_length_m

@@ -24,18 +24,38 @@ class Difference:
             factor * self.position_m, factor * self.angle_rad, factor * self.mean_speed
         )
 
+    def beside(self, other: Difference) -> Difference:
+        """Return the same with another difference's sizes added to each size, signs kept."""
+        speed, more = self.mean_speed, abs(other.mean_speed)
+        return Difference(
+            self.position_m + other.position_m,
+            self.angle_rad + other.angle_rad,
+            speed + (more if speed >= 0 else -more),
+        )
+
+    def size(self, body_m: float) -> float:
+        """Return the larger of position in body lengths and angle in radians."""
+        return max(self.position_m / body_m, self.angle_rad)
+
 
 @dataclass(frozen=True, slots=True)
 class RunError:
     """Split what is known of a run's error.
 
-    integration: of the method, from a second run (Richardson). modelling: of the springs, from a
-    run of the exact model; None for the explicit formulation, which has none. How: in words.
+    integration: of the method, from two runs that are finer than it (judge.py). modelling: of the
+    springs, from a run of the exact model; None for the explicit formulation, which has none. How:
+    in words. settled: whether the finer runs agree among themselves; where they do not, the figures
+    are the size of the disagreement and no bound: the run cannot be told to be better than that.
+    believed_s: the time up to which the finer runs agree with this one to a hundredth of a body
+    length and of a radian. chaotic: whether they part because neighbouring motions do.
     """
 
     integration: Difference
     modelling: Difference | None
     how: str
+    settled: bool = True
+    believed_s: float = 0.0
+    chaotic: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         """Return it for a JSON answer."""
@@ -44,4 +64,4 @@ class RunError:
     def worst(self, body_m: float) -> float:
         """Return the largest error, positions in body lengths and angles in radians."""
         parts = [self.integration] + ([self.modelling] if self.modelling else [])
-        return sum(max(p.position_m / body_m, p.angle_rad) for p in parts)
+        return sum(part.size(body_m) for part in parts)

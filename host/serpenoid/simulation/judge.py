@@ -1,22 +1,36 @@
-"""How far a run may be off: a run at another step, and the exact model beside the springs."""
+"""How far a run may be off: two finer runs beside it, and the exact model beside the springs.
+
+A run is held against a much finer one, by another method where another runs the scene: their
+difference is the run's error, whether or not its steps are short enough for an order to show. A
+third run between the two checks the finest: what these two differ by is added, and where it is
+not small the figures are no bound. RunError.settled then says so, and chaos is named.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model.errors import Diverged, StepTooLarge
 from .error import Difference, RunError
-from .methods import METHODS
+from .finer_scenes import FinerScenes, finer_scenes
 from .related_scenes import exact_scene, stiffer_scene
 from .run import Run
 from .scene import Scene
-from .stability import stability_test
 
+Array = NDArray[np.float64]
 _PRESENT_AT = 0.01  # errors of the mean speed that a warning names
+_AGREE = 0.3  # of a run's error: by how much finer runs may differ
+_WILD = 3.0  # body lengths and radians: beyond, runs are apart by chance
+_TOO_LITTLE = 1e-3  # for the finest run to be far off, when it differs by no more from the finer
+_FAR = 0.1  # body lengths and radians that a warning names
+_BELIEVED = 0.01  # body lengths and radians
+_CHAOS = 1e4  # times its tolerance: what a smooth motion of a few cycles does not make of it
+_UNKNOWN = Difference(math.inf, math.inf, math.inf)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +40,7 @@ class RunJudge:
     simulate: Callable[[Scene], Run]
 
     def error(self, run: Run) -> RunError:
-        """Estimate the error of a run by one more run, or two for the implicit formulation."""
+        """Estimate the error of a run by two more runs, or three for the implicit formulation."""
         return estimate(run, self.simulate)
 
     def warnings(self, run: Run) -> tuple[str, ...]:
@@ -34,62 +48,102 @@ class RunJudge:
         return warnings_of(run, run.error_estimate)
 
 
-def difference(run: Run, other: Run) -> Difference:
-    """Return how far two runs are apart at the times that both recorded."""
+def _common(run: Run, other: Run) -> tuple[Array, Array]:
+    """Return the indices of the times that both runs recorded, in each."""
     at = np.searchsorted(other.t_s, run.t_s - 1e-9 * run.t_s[-1])
     at = np.minimum(at, other.t_s.size - 1)
     both = np.abs(other.t_s[at] - run.t_s) <= 1e-9 * max(run.t_s[-1], 1e-300)
-    a, b = np.nonzero(both)[0], at[both]
+    return np.nonzero(both)[0], at[both]
+
+
+def _apart(run: Run, other: Run) -> tuple[Array, Array, Array]:
+    """Return the common times, and how far links' centres (m) and angles (rad) are apart then."""
+    a, b = _common(run, other)
     position = np.hypot(run.x_m[a] - other.x_m[b], run.y_m[a] - other.y_m[b])
     angle = np.abs(run.theta_rad[a] - other.theta_rad[b])
+    return run.t_s[a], position.max(axis=1), angle.max(axis=1)
+
+
+def difference(run: Run, other: Run) -> Difference:
+    """Return how far two runs are apart at the times that both recorded."""
+    _, position, angle = _apart(run, other)
     goes = other.travel_m
     speed = (run.travel_m - goes) / goes if goes > 0 else math.nan
     return Difference(float(position.max()), float(angle.max()), speed)
 
 
-def _order(scene: Scene) -> int:
-    """Return the order by which to trust two steps: kinks of friction or servos leave the first."""
-    return 1 if scene.law == "dry" or scene.servo else METHODS[scene.method].order
+def _believed_s(run: Run, other: Run) -> float:
+    """Return the time up to which two runs agree to a hundredth of a body length and radian."""
+    t, position, angle = _apart(run, other)
+    body = run.scene.robot.body_length_m
+    beyond = np.nonzero(np.maximum(position / body, angle) > _BELIEVED)[0]
+    return float(t[-1] if beyond.size == 0 else t[max(beyond[0] - 1, 0)])
 
 
-def _other_step(scene: Scene) -> tuple[Scene, float, str]:
-    """Return the scene at another step, by what to multiply the difference, and a word on it."""
-    if scene.adaptive:
-        loose = min(10 * scene.tolerance, 0.1)
-        return replace(scene, tolerance=loose, record=()), 0.25, f"tolerance {loose:g}"
-    power, every = 2 ** _order(scene), scene.every
-    stable = stability_test(scene)
-    if every % 2 == 0 or every == 1:
-        double = replace(scene, dt_s=2 * scene.dt_s, record_every=max(every // 2, 1), record=())
-        if double.steps >= 4 and (stable is None or stable(double.dt_s)):
-            return double, 1 / (power - 1), f"dt_s {double.dt_s:g}"
-    half = replace(scene, dt_s=scene.dt_s / 2, record_every=2 * every, record=())
-    return half, power / (power - 1), f"dt_s {half.dt_s:g}"
+def _held_against(run: Run, finer: Run, finest: Run, how: FinerScenes) -> RunError:
+    """Return what two finer runs say of a run's error by its time steps."""
+    body = run.scene.robot.body_length_m
+    off, doubt = difference(run, finest), difference(finer, finest)
+    error, rest = off.size(body), doubt.size(body)
+    chaotic = False
+    if how.near > 0:
+        settled = rest <= max(_AGREE * min(error, _WILD), _TOO_LITTLE)
+        chaotic = not settled and rest > _CHAOS * how.near
+        off = off.beside(doubt)
+    else:  # of order 1 the steps' errors are 2, 1, 1/2 or 1, 1/2, 1/4 of the run's
+        settled = rest >= 1.5 * error - 1e-12 if how.coarser else rest <= 0.6 * error + 1e-12
+        off = off.scaled(how.factor)
+    word = f"integration: difference to {how.word}"
+    return RunError(off, None, word, settled, _believed_s(run, finest), chaotic)
+
+
+def _integration(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
+    for how in finer_scenes(run.scene):
+        try:
+            return _held_against(run, simulate(how.finer), simulate(how.finest), how)
+        except (Diverged, StepTooLarge):
+            continue
+    return RunError(_UNKNOWN, None, "integration: no finer run comes to its end", False, 0.0)
 
 
 def estimate(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
-    """Estimate the error of a run by one more run, or two for the implicit formulation."""
-    scene = run.scene
-    other, factor, word = _other_step(scene)
-    try:
-        integration = difference(run, simulate(other)).scaled(factor)
-    except (Diverged, StepTooLarge):
-        integration = Difference(math.inf, math.inf, math.inf)
-    how = f"integration: {factor:.3g} of the difference to a run at {word}"
+    """Estimate the error of a run by two more runs, or three for the implicit formulation."""
+    scene, found = run.scene, _integration(run, simulate)
     if scene.formulation == "explicit":
-        return RunError(integration, None, how)
+        return found
     exact = exact_scene(scene, min(scene.tolerance, 1e-6))
     if exact is not None:
-        how += f"; modelling: difference to the explicit formulation by {exact.method}"
-        return RunError(integration, difference(run, simulate(exact)), how)
-    stiffer = stiffer_scene(scene, 4.0)
-    how += f"; modelling: 4/3 of the difference to k = {stiffer.joint_stiffness_n_m:g} N/m"
-    return RunError(integration, difference(run, simulate(stiffer)).scaled(4 / 3), how)
+        word = f"modelling: difference to the explicit formulation by {exact.method}"
+        springs = difference(run, simulate(exact))
+    else:
+        stiffer = stiffer_scene(scene, 4.0)
+        word = f"modelling: 4/3 of the difference to k = {stiffer.joint_stiffness_n_m:g} N/m"
+        springs = difference(run, simulate(stiffer)).scaled(4 / 3)
+    return RunError(
+        found.integration, springs, f"{found.how}; {word}",
+        found.settled, found.believed_s, found.chaotic,
+    )  # fmt: skip
+
+
+def _unsettled(run: Run, error: RunError) -> str:
+    """Return what to say of a run whose finer runs do not agree."""
+    until = f"believe it up to t = {error.believed_s:.3g} s"
+    if error.chaotic:
+        return (
+            "the motion is chaotic: neighbouring ones part, so that finer runs disagree as much "
+            f"among themselves as with this one; {until}, and beyond that only its statistics"
+        )
+    return (
+        "the error estimate is no bound: finer runs disagree as much among themselves as with "
+        f"this one; {until}, or take a smaller " + ("tolerance" if run.scene.adaptive else "dt_s")
+    )
 
 
 def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
     """Return what somebody who uses this run must know."""
     scene, found = run.scene, []
+    if not error.settled:
+        found.append(_unsettled(run, error))
     if error.modelling is not None and abs(error.modelling.mean_speed) > _PRESENT_AT:
         percent = 100 * error.modelling.mean_speed
         exact = exact_scene(scene, scene.tolerance) is not None
@@ -99,12 +153,7 @@ def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
             f"{scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %"
             + (", or formulation 'explicit'" if exact else "")
         )
-    if not abs(error.integration.mean_speed) <= _PRESENT_AT and run.travel_m > 0:
-        percent = 100 * abs(error.integration.mean_speed)
-        found.append(
-            f"the time steps change the mean speed by about {percent:.2g} %; take a smaller "
-            + ("tolerance" if scene.adaptive else "dt_s")
-        )
+    found += _steps_too_long(run, error.integration)
     if scene.law == "dry" and scene.method != "nonsmooth":
         found.append(
             f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
@@ -116,3 +165,17 @@ def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
             "'nonsmooth' with smoothing_m_s 0"
         )
     return tuple(found)
+
+
+def _steps_too_long(run: Run, off: Difference) -> list[str]:
+    """Return what the time steps do to a run, where it is much."""
+    take = "take a smaller " + ("tolerance" if run.scene.adaptive else "dt_s")
+    if not abs(off.mean_speed) <= _PRESENT_AT and run.travel_m > 0:
+        percent = 100 * abs(off.mean_speed)
+        return [f"the time steps change the mean speed by about {percent:.2g} %; {take}"]
+    if not off.size(run.scene.robot.body_length_m) <= _FAR:
+        return [
+            f"the time steps put links off by up to {off.position_m:.2g} m and "
+            f"{off.angle_rad:.2g} rad; {take}"
+        ]
+    return []

@@ -64,6 +64,49 @@ def test_an_accuracy_is_kept(name: str, accuracy: float) -> None:
     assert run.scene.method in run.picked
 
 
+def test_steps_too_long_for_their_order_to_show_are_judged_all_the_same() -> None:
+    """Steps of 5 ms: a double step differs by 0.25 m, of which a 15th proves little."""
+    scene = sn.Scene(
+        sn.Robot(6, 0.251, 0.1), sn.Ground(0.0056, 0.704), sn.Gait(0.5, 1, 1), drive="torque",
+        torque=[0.003, -0.0005, -0.0023, 0.0014, -0.0012], method="rk4", dt_s=0.005,
+        duration_s=10.0, incline_rad=0.1,
+    )  # fmt: skip
+    run = sn.simulate(scene)
+    true = difference(run, sn.simulate(replace(scene, method="dop853", tolerance=1e-13)))
+    said = run.error_estimate
+    assert true.angle_rad > 8
+    assert said.settled
+    assert true.angle_rad <= said.integration.angle_rad < 1.2 * true.angle_rad
+    assert true.position_m <= said.integration.position_m < 1.2 * true.position_m
+    assert any("put links off by up to 0.5" in w for w in run.warnings)
+
+
+def test_chaos_is_named() -> None:
+    """Springs without friction swing as a pendulum chain does: nobody can say where it is."""
+    scene = sn.Scene(
+        sn.Robot(4, 0.2, 0.1), sn.Ground(1e-4, 1e-3), sn.Gait(1.0, 1.0, 3.0), drive="servo",
+        servo=sn.Servo(0.05, 0.0, 1.0, 100.0), method="dop853", tolerance=1e-3, duration_s=100.0,
+        dt_s=0.01,
+    )  # fmt: skip
+    run = sn.simulate(scene)
+    assert not run.error_estimate.settled
+    assert run.error_estimate.chaotic
+    assert 0 < run.error_estimate.believed_s < 100
+    assert any("the motion is chaotic" in w and "believe it up to" in w for w in run.warnings)
+
+
+@pytest.mark.parametrize("method", ["collocation", "nonsmooth"])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-7])
+def test_methods_in_the_body_frame_know_their_error(method: str, tolerance: float) -> None:
+    """Both may take the same steps at two tolerances: that they agree then proves nothing."""
+    scene = replace(SCENES["plain"], method=method, tolerance=tolerance)
+    run = sn.simulate(scene)
+    true = difference(run, sn.simulate(replace(scene, method="dop853", tolerance=1e-13)))
+    said = run.error_estimate.integration
+    assert true.position_m < 1.1 * said.position_m
+    assert said.position_m < 2 * true.position_m + 1e-8
+
+
 def test_the_springs_error_is_the_difference_to_the_exact_model() -> None:
     soft = replace(SCENES["plain"], formulation="implicit", joint_stiffness_n_m=1e3)
     run = sn.simulate(soft)
