@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from ..model.errors import Diverged, StepTooLarge
 from .error import Difference, RunError
-from .finer_scenes import FinerScenes, finer_scenes
-from .related_scenes import exact_scene, stiffer_scene
+from .related_scenes import FinerScenes, exact_scene, finer_scenes, stiffer_scene
 from .run import Run
 from .scene import Scene
 
