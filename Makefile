@@ -1,24 +1,61 @@
-# `make demo` and `make test` do all their own set-up; every other target is one line.
+# `make demo` and `make test` do all their own set-up; `make help` lists the targets.
 PYTHON ?= python3
 VENV := .venv
 PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*') \
 	pyproject.toml host/CMakeLists.txt
+# Rooms whose tests take long and which a change elsewhere hardly breaks; `make test` has them all.
+LONG := tests/avr tests/end_to_end tests/firmware tests/docs tests/host/bench \
+	tests/host/calibration/test_friction.py tests/host/commands
+
+help:
+	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"
+	@echo "make test       lint, and every test but the slow ones (some eight minutes)"
+	@echo "make quick      lint, and the tests of a minute: before each commit"
+	@echo "make test-slow  the long studies"
+	@echo "make format     settle the style of Python and C++"
+	@echo "make docs       the documentation site, into build/docs/html"
+	@echo "make figures    draw the stored figures anew"
+	@echo "make bench      measure again what README.md quotes"
+	@echo "make wheel      wheel and sdist, into dist/"
 
 demo: $(VENV)/built
 	$(VENV)/bin/serpenoid demo --out demo-out
 
-test: $(VENV)/built $(VENV)/dev
+test: $(VENV)/built lint
 	@sh .ci/need $$(cat tests/avr/packages.txt) || echo "without these the AVR tests are skipped"
-	$(VENV)/bin/python -m pytest
+	$(VENV)/bin/python -m pytest -m "not slow"
+
+quick: $(VENV)/built lint
+	$(VENV)/bin/python -m pytest -q -m "not slow" $(addprefix --ignore=,$(LONG))
+
+test-slow: $(VENV)/built $(VENV)/dev
+	@sh .ci/need chromium=chromium $$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
+	$(VENV)/bin/python -m pytest -m slow
 
 build: $(VENV)/built
 
 lint: $(VENV)/dev
 	.ci/lint
 
+format: $(VENV)/dev
+	.ci/format
+
+docs: $(VENV)/built $(VENV)/docs
+	.ci/docs
+
+figures: $(VENV)/built
+	$(VENV)/bin/python docs/figures.py
+
+bench: $(VENV)/built $(VENV)/bench
+	$(VENV)/bin/serpenoid bench accuracy --out bench-out
+	$(VENV)/bin/serpenoid bench scenes --out bench-out
+
+wheel: $(VENV)/built $(VENV)/dev
+	.ci/wheel
+
 clean:
-	rm -rf build .pio demo-out $(VENV)
+	rm -rf build dist .pio demo-out bench-out $(VENV)
 
 $(VENV)/bin/python:
 	@sh .ci/need $(PYTHON)=python3 g++=g++
@@ -31,8 +68,8 @@ $(VENV)/run: constraints/run.txt | $(VENV)/bin/python
 	@$(PIP) install --require-hashes --only-binary :all: -r $<
 	@touch $@
 
-$(VENV)/dev: constraints/dev.txt | $(VENV)/run
-	@echo "installing the packages that the tests need ..."
+$(VENV)/dev $(VENV)/docs $(VENV)/bench: $(VENV)/%: constraints/%.txt | $(VENV)/run
+	@echo "installing the packages for $* ..."
 	@$(PIP) install --require-hashes -r $<
 	@touch $@
 
@@ -41,4 +78,4 @@ $(VENV)/built: $(SOURCES) | $(VENV)/run
 	@PATH="$$PWD/$(VENV)/bin:$$PATH" $(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: demo test build lint clean
+.PHONY: help demo test quick test-slow build lint format docs figures bench wheel clean
