@@ -4,8 +4,9 @@ from pathlib import Path
 
 import serpenoid as sn
 
-folder = Path(__file__).resolve().parents[2] / "calibration_data" / "nirakh-2005"
-session = sn.load_session(folder)
+here = Path(__file__).resolve().parent
+places = [here / "calibration_data", here.parents[1] / "calibration_data"]
+session = sn.load_session(next(p for p in places if p.exists()) / "nirakh-2005")
 fit = sn.fit_friction(session)
 for row in fit.rows():
     print(f"{row.name}: {row.value:.4g} {row.unit} ({row.low:.3g} to {row.high:.3g})")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
 
 if TYPE_CHECKING:
+    __version__: str
     from .calibration.friction_fit import fit_friction
     from .calibration.friction_result import FrictionFit
     from .calibration.session import Session
@@ -92,6 +93,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import a public name from its module when it is first asked for."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version(__name__)
     if name not in _HOME_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(importlib.import_module(f".{_HOME_OF[name]}", __name__), name)

@@ -12,6 +12,7 @@ import click
 
 from ..model.errors import BadInput, SerpenoidError
 from .bench import BENCH_GROUP
+from .examples import examples
 from .optimize import optimize
 from .options import (
     AS_JSON,
@@ -68,7 +69,7 @@ def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
 
 
 cli.add_command(BENCH_GROUP)
-for command in (optimize, simulate, steady, sweep):
+for command in (examples, optimize, simulate, steady, sweep):
     cli.add_command(command)
 for robot_command in ROBOT_COMMANDS:
     cli.add_command(robot_command)

@@ -10,8 +10,10 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from importlib.metadata import version
 from pathlib import Path
 
+from ... import _core
 from ...model.errors import BadInput, FlashFailed
 from ..robot import Robot
 from ..signals import SignalGuard
@@ -86,7 +88,20 @@ def find_project(given: Path | None) -> Path:
         if (place / "platformio.ini").exists() and (place / "firmware" / "src").is_dir():
             return place
     looked = str(given) if given else f"{here} or above it"
+    if given is None and (installed := installed_project()):
+        return installed
     raise BadInput(f"no firmware in {looked}; name the folder of serpenoid's source with --project")
+
+
+def installed_project() -> Path | None:
+    """Return a copy of the firmware that came with the package, where PlatformIO may build it."""
+    brought = Path(_core.__file__).parent / "board"
+    if not (brought / "platformio.ini").exists():
+        return None
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    place = cache / "serpenoid" / f"board-{version('serpenoid')}"
+    shutil.copytree(brought, place, dirs_exist_ok=True)
+    return place
 
 
 def board_at(port: str) -> str:

@@ -1,0 +1,30 @@
+"""The command `serpenoid examples`: copy out the examples and sessions that came along."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import click
+
+from .. import _core
+from .options import AS_JSON, show_json
+
+BROUGHT = Path(_core.__file__).parent
+
+
+@click.command()
+@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@AS_JSON
+def examples(folder: Path, as_json: bool) -> None:
+    """Copy example scripts, example scenes and the 2005 session into a new FOLDER."""
+    if folder.exists():
+        raise click.UsageError(f"{folder} exists already; name a new folder")
+    shutil.copytree(BROUGHT / "examples", folder)
+    shutil.copytree(BROUGHT / "calibration_data", folder / "calibration_data")
+    files = sorted(str(path) for path in folder.rglob("*") if path.is_file())
+    if as_json:
+        return show_json({"files": files})
+    for name in files:
+        click.echo(name)
+    click.echo(f"try: serpenoid simulate --scene {folder}/limping_on_a_slope.toml --plot run.png")
