@@ -4,9 +4,10 @@ VENV := .venv
 PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*') \
 	pyproject.toml host/CMakeLists.txt
-# Rooms whose tests take long and which a change elsewhere hardly breaks; `make test` has them all.
-LONG := tests/avr tests/end_to_end tests/firmware tests/docs tests/host/bench \
-	tests/host/calibration/test_friction.py tests/host/commands
+# What takes long beside what it finds before a commit; `make test` has it all.
+LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden/test_dialogue.py) \
+	$(addprefix tests/host/,bench calibration/test_friction.py calibration/test_prediction.py \
+	commands gaits periodic robot/test_drive.py simulation/test_stability.py)
 
 help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"

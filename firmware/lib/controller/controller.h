@@ -4,10 +4,10 @@
 
 #include "command.h"
 #include "fields.h"
-#include "progmem.h"
 #include "hardware.h"
 #include "line_reader.h"
 #include "motion.h"
+#include "progmem.h"
 #include "settings.h"
 #include "store.h"
 #include "telemetry.h"

@@ -4,8 +4,8 @@
 #include <stdint.h>
 
 #include "error_codes.h"
-#include "progmem.h"
 #include "gait.h"
+#include "progmem.h"
 
 namespace firmware {
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from ..model.checks import check_choice, check_number
 from ..model.errors import BadInput
-from ..model.toml_table import Table, check_names, located, read_text, tomllib
+from ..model.toml_table import Table, check_names, located, read_text
 from .session import (
     MAX_INCLINE_DEG,
     MAX_LAMBDA_DEG,
@@ -95,7 +95,7 @@ def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
 
 def _change(event: Event, path: Path) -> Table:
     try:
-        return Table(tomllib.loads(event.detail), path, event.detail)
+        return Table.parsed(event.detail, path)
     except ValueError as error:
         raise BadInput(f"{path}: the amendment {event.detail!r} is not TOML: {error}") from error
 

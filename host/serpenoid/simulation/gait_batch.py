@@ -13,7 +13,8 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
-from .scene import STARTS, Scene
+from ..model.words import STARTS
+from .scene import Scene
 from .stability import check_step
 from .starts import start_state
 
