@@ -6,7 +6,9 @@ from pathlib import Path
 
 import click
 
-OUT = click.option("--out", type=click.Path(file_okay=False, path_type=Path), show_default=True,
+from .paths import OutFolder
+
+OUT = click.option("--out", type=OutFolder(), show_default=True,
                    default=Path("bench-out"), help="Folder for figures and numbers.")  # fmt: skip
 
 

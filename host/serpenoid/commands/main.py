@@ -18,6 +18,7 @@ from .options import (
     AS_JSON,
     show_json,
 )
+from .paths import FIGURES, OutFile, OutFolder
 from .robot import COMMANDS as ROBOT_COMMANDS
 from .simulate import simulate
 from .steady import steady
@@ -34,7 +35,7 @@ def cli() -> None:
 
 
 @cli.command()
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path("demo-out"),
+@click.option("--out", type=OutFolder(), default=Path("demo-out"),
               show_default=True, help="Folder for figures and figures' numbers.")  # fmt: skip
 def demo(out: Path) -> None:
     """Go from the 2005 treadmill to a predicted speed: fit, predict, draw."""
@@ -47,8 +48,8 @@ def demo(out: Path) -> None:
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--method", type=click.Choice(["joint", "naive"]), default="joint",
               show_default=True, help="Honest intervals, or the paper's two lines.")  # fmt: skip
-@click.option("--plot", "figure", type=click.Path(dir_okay=False, path_type=Path),
-              help="Draw the lines and readings into this PNG.")  # fmt: skip
+@click.option("--plot", "figure", type=OutFile(*FIGURES),
+              help="Draw the lines and readings into this PNG, PDF or SVG.")  # fmt: skip
 @AS_JSON
 def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
     """Fit friction to the treadmill readings of a session folder (Eqs. 58-62)."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .options import AS_JSON, describe, gait_options, make_gait, show_json
+from .paths import OutFile
 
 if TYPE_CHECKING:
     from ..robot.tools.driven_run import Drive
@@ -69,7 +70,7 @@ def doctor(port: str | None, listen_s: float, as_json: bool) -> None:
 @click.option("--duration-s", type=click.FloatRange(0, min_open=True),
               help="How long; until Ctrl-C unless given.")  # fmt: skip
 @PORT
-@click.option("--record", type=click.Path(dir_okay=False, path_type=Path),
+@click.option("--record", type=OutFile(),
               help="New file for every line of the run.")  # fmt: skip
 @AS_JSON
 def drive(

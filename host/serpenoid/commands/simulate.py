@@ -25,6 +25,7 @@ from .options import (
     show_json,
     stacked,
 )
+from .paths import FIGURES, OutFile
 
 if TYPE_CHECKING:
     from ..model.drives import Servo
@@ -98,7 +99,9 @@ _ANGLES = ("incline_deg", "incline_direction_deg")
 
 @click.command()
 @click.option("--scene", "scene_path", type=_FILE, help="Scene file; other options override it.")
-@click.option("--save-scene", "saved_path", type=_FILE, help="Write the scene to this file too.")
+@click.option(
+    "--save-scene", "saved_path", type=OutFile(".toml"), help="Write the scene to this file too."
+)
 @robot_options
 @gait_options
 @scene_options
@@ -108,8 +111,13 @@ _ANGLES = ("incline_deg", "incline_direction_deg")
     help="Pick formulation, method and step for this error (body lengths, radians).",
 )
 @click.option("--no-error", is_flag=True, help="Save the one or two runs that tell the error.")
-@click.option("--out", type=_FILE, help="CSV of all links at all recorded times.")
-@click.option("--plot", "figure", type=_FILE, help="PNG of path, speed and energy if recorded.")
+@click.option("--out", type=OutFile(".csv"), help="CSV of all links at all recorded times.")
+@click.option(
+    "--plot",
+    "figure",
+    type=OutFile(*FIGURES),
+    help="PNG, PDF or SVG of path, speed and energy if recorded.",
+)
 @AS_JSON
 def simulate(
     scene_path: Path | None,

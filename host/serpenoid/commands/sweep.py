@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from .options import AS_JSON, make_robot, robot_options, show_json
+from .paths import OutFile
 
 
 def _span(text: str, name: str) -> list[float]:
@@ -32,7 +33,7 @@ def _span(text: str, name: str) -> list[float]:
 @click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="CSV file to write.")
+@click.option("--out", type=OutFile(".csv"), help="CSV file to write.")
 @AS_JSON
 def sweep(
     as_json: bool, out: Path | None, alpha_deg: str, beta_deg: str, omega_rad_s: str, **given: Any

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model.checks import check_choice, check_number
+from ..model.core_model import check_parts
 from ..model.errors import NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -120,6 +121,7 @@ def least_power_gait(
     """
     from scipy.optimize import minimize
 
+    check_parts(robot, ground)
     check_number("speed_m_s", speed_m_s, 0.0, open_low=True)
     check_choice("cost", cost, COSTS)
     if rtol is None:

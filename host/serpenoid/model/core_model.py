@@ -3,9 +3,24 @@
 from __future__ import annotations
 
 from .. import _core
+from .errors import BadInput
 from .gait import Gait
 from .ground import Ground
 from .robot import Robot
+
+
+def check_parts(robot: object, ground: object, gait: object = None) -> None:
+    """Raise BadInput unless robot, ground and (if any) gait came in this order."""
+    for name, value, kind in (
+        ("robot", robot, Robot),
+        ("ground", ground, Ground),
+        ("gait", gait, Gait),
+    ):
+        if not isinstance(value, kind) and not (name == "gait" and value is None):
+            raise BadInput(
+                f"{name} is a {type(value).__name__}; it must be a serpenoid.{kind.__name__}: "
+                "the order is robot, ground, gait"
+            )
 
 
 def core_model(robot: Robot, ground: Ground, gait: Gait) -> _core.Model:

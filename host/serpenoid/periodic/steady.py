@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.checks import check_number
-from ..model.core_model import core_model
+from ..model.core_model import check_parts, core_model
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -129,6 +129,7 @@ def steady_gait(
     powers=False leaves abs_power_w and positive_power_w out (0) and is faster. Raises BadInput, and
     NotConverged whose `best` is the best Steady found, with the error that it has.
     """
+    check_parts(robot, ground, gait)
     check_ground(ground, rtol)
     s = _core.steady(core_model(robot, ground, gait), rtol, powers, MAX_ELEMENTS)
     error = relative_error(s.speed_error, s.speed, robot, gait)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from ..model.core_model import core_model
+from ..model.core_model import check_parts, core_model
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -55,6 +55,7 @@ def sweep(
     reached (the value then is the best that was found). progress is called with the number of
     gaits done since its last call. Raises BadInput.
     """
+    check_parts(robot, ground)
     check_ground(ground, rtol)
     a, b = _axis("alpha_rad", alpha_rad), _axis("beta_rad", beta_rad)
     w = _axis("omega_rad_s", omega_rad_s)

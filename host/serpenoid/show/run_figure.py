@@ -27,7 +27,7 @@ def draw_run(run: Run, path: Path) -> None:
         if ledger:
             _energy(axes[2], run)
         axes[-1].set_xlabel("time (s)")
-        fig.savefig(path, format="png")
+        fig.savefig(path)
 
 
 def _path(ax: Axes, run: Run) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..simulation.run import ENERGY_COLUMNS
 from ..simulation.scene_file import scene_values
-from .report import console, notices, table, write_csv
+from .report import console, notices, table
 
 if TYPE_CHECKING:
     from ..simulation.error import RunError
@@ -94,22 +94,6 @@ def show_run(run: Run, summary: dict[str, Any]) -> None:
 
 
 def write_run(run: Run, path: Path) -> None:
-    """Write a run as CSV: time; x, y, theta and their rates of every link; what was recorded."""
-    header, columns = ["t_s"], [run.t_s[:, None]]
-    for names in (STATE[:3], STATE[3:], FORCES[:3], FORCES[3:]):
-        arrays = [getattr(run, name) for name in names]
-        if arrays[0].size:
-            columns.append(np.stack(arrays, axis=2).reshape(run.t_s.size, -1))
-            header += [_numbered(n, i + 1) for i in range(arrays[0].shape[1]) for n in names]
-    if run.energy_j.size:
-        columns.append(run.energy_j)
-        header += ENERGY_COLUMNS
-    write_csv(path, header, np.hstack(columns).tolist())
+    """Write a run as CSV and say so."""
+    run.to_csv(path)
     notices.print(f"wrote {path}")
-
-
-def _numbered(name: str, number: int) -> str:
-    """Put the number of a link or joint before the unit: vx_m_s of link 2 is vx2_m_s."""
-    units = ("_m_s", "_rad_s", "_nm", "_rad", "_m", "_n")
-    unit = next(unit for unit in units if name.endswith(unit))
-    return f"{name.removesuffix(unit)}{number}{unit}"

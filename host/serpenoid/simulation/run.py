@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +19,11 @@ Array = NDArray[np.float64]
 ENERGY_COLUMNS = (
     "kinetic_j", "springs_j", "height_j", "joint_work_j", "friction_heat_j", "damper_heat_j",
     "positive_work_j",
+)  # fmt: skip
+
+_CSV_GROUPS = (
+    ("x_m", "y_m", "theta_rad"), ("vx_m_s", "vy_m_s", "omega_rad_s"),
+    ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"), ("friction_x_n", "friction_y_n"),
 )  # fmt: skip
 
 
@@ -112,6 +119,24 @@ class Run:
         vars(run).update({k: v for k, v in vars(self).items() if k == "error_estimate"})
         return run
 
+    def to_csv(self, path: Path | str) -> None:
+        """Write a CSV file: t_s; x, y, theta and their rates of each link; what was recorded.
+
+        A row for each recorded time. Links and joints count from 1 at the tail: vx2_m_s is vx_m_s
+        of link 2; joint_force_x3_n is that on link 3 from link 4.
+        """
+        header, columns = ["t_s"], [self.t_s[:, None]]
+        for names in _CSV_GROUPS:
+            arrays = [getattr(self, name) for name in names]
+            if arrays[0].size:
+                columns.append(np.stack(arrays, axis=2).reshape(self.t_s.size, -1))
+                header += [_numbered(n, i + 1) for i in range(arrays[0].shape[1]) for n in names]
+        if self.energy_j.size:
+            columns.append(self.energy_j)
+            header += ENERGY_COLUMNS
+        with Path(path).open("w", newline="") as file:
+            csv.writer(file).writerows([header, *np.hstack(columns).tolist()])
+
     @property
     def joint_power_w(self) -> Array:
         """Return -T_i phi_i', the mechanical power of each joint, (T, n-1)."""
@@ -127,3 +152,10 @@ class Run:
 
         gap_x = open_by(self.x_m, np.cos(self.theta_rad))
         return np.stack([gap_x, open_by(self.y_m, np.sin(self.theta_rad))], axis=2)
+
+
+def _numbered(name: str, number: int) -> str:
+    """Put the number of a link or joint before the unit: vx_m_s of link 2 is vx2_m_s."""
+    units = ("_m_s", "_rad_s", "_nm", "_rad", "_m", "_n")
+    unit = next(unit for unit in units if name.endswith(unit))
+    return f"{name.removesuffix(unit)}{number}{unit}"

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from numpy.typing import ArrayLike
 
 from ..model.checks import check_choice, check_number
+from ..model.core_model import check_parts
 from ..model.drives import Servo, TorqueTable
 from ..model.errors import BadInput
 from ..model.gait import Gait
@@ -82,6 +83,7 @@ class Scene:
     record_every: int | None = None
 
     def __post_init__(self) -> None:
+        check_parts(self.robot, self.ground, self.gait)
         check_choice("formulation", self.formulation, FORMULATIONS)
         check_choice("drive", self.drive, DRIVES)
         check_choice("method", self.method, tuple(METHODS))

@@ -1,0 +1,30 @@
+"""Robot, ground and gait in a wrong order are named, wherever they are taken."""
+
+from __future__ import annotations
+
+import pytest
+import serpenoid as sn
+
+ROBOT, GROUND, GAIT = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), sn.Gait(0.5, 1.4, 5.0)
+ONE = {"alpha_rad": 0.5, "beta_rad": 1.4, "omega_rad_s": 5.0}
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: sn.steady_gait(ROBOT, GAIT, GROUND),
+        lambda: sn.simulate(sn.Scene(ROBOT, GAIT, GROUND)),
+        lambda: sn.sweep(ROBOT, GAIT, **ONE),
+        lambda: sn.least_power_gait(ROBOT, GAIT, speed_m_s=0.1),
+        lambda: sn.steady_springs(ROBOT, GAIT, GROUND),
+    ],
+    ids=["steady_gait", "scene", "sweep", "least_power_gait", "steady_springs"],
+)
+def test_ground_and_gait_exchanged(call) -> None:
+    with pytest.raises(sn.BadInput, match=r"ground is a Gait; .* robot, ground, gait"):
+        call()
+
+
+def test_robot_last() -> None:
+    with pytest.raises(sn.BadInput, match="robot is a Ground"):
+        sn.steady_gait(GROUND, ROBOT, GAIT)
