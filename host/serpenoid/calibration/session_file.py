@@ -33,7 +33,7 @@ from .session import (
     TreadmillSteps,
     Uncertainty,
 )
-from .session_rows import cell, read_format_2, time_of
+from .session_rows import cell, change_of, read_format_2, time_of
 
 FORMAT = 2
 COLUMNS = (
@@ -93,6 +93,11 @@ def amended(setup: Setup, change: Table) -> Setup:
         table.only(optional=(*_PLAN, "gaits", "gait_runs"))
         setup = replace(setup, procedure=_plan(table, setup.procedure))
     return setup
+
+
+def check_amendment(setup: Setup, text: str, folder: Path) -> Setup:
+    """Return a set-up with an amendment's line of TOML applied, or raise BadInput."""
+    return amended(setup, change_of(text, folder / "events.csv"))
 
 
 def _load_toml(folder: str | Path) -> Table:

@@ -40,7 +40,8 @@ READING_COLUMNS = (
 )  # fmt: skip
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
 EVENTS = (
-    "start", "end", "pause", "resume", "amend", "void", "restore", "skip", "note", "connect",
+    "start", "end", "pause", "resume", "amend", "void", "restore", "undo", "skip", "note",
+    "connect",
 )  # fmt: skip
 Row = Mapping[str, str]
 
@@ -72,7 +73,7 @@ def read_format_2(setup: Setup, folder: Path, amend: Callable[[Setup, Table], Se
     events = read_events(folder, found.notes)
     for event in events:
         if event.event == "amend":
-            setups.append(amend(setups[-1], _change(event, folder / "events.csv")))
+            setups.append(amend(setups[-1], change_of(event.detail, folder / "events.csv")))
     for row, where in _rows(path, READING_COLUMNS, found.notes):
         with located(where):
             _take(row, where, found)
@@ -93,11 +94,12 @@ def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
     return found
 
 
-def _change(event: Event, path: Path) -> Table:
+def change_of(text: str, path: Path) -> Table:
+    """Return an amendment's line of TOML as a table; raises BadInput, naming the path."""
     try:
-        return Table.parsed(event.detail, path)
+        return Table.parsed(text, path)
     except ValueError as error:
-        raise BadInput(f"{path}: the amendment {event.detail!r} is not TOML: {error}") from error
+        raise BadInput(f"{path}: the amendment {text!r} is not TOML: {error}") from error
 
 
 def _rows(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[tuple[Row, str]]:
@@ -168,14 +170,17 @@ def _check_clock(row: Row, where: str, found: _Found) -> None:
 
 
 def _apply(event: Event, found: _Found, path: Path) -> None:
-    if event.event not in ("void", "restore"):
+    if event.event not in ("void", "restore", "undo"):
         return
     if event.reading not in found.rows:
         raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
-    if event.event == "void":
-        found.voided[event.reading] = event.detail
-    else:
+    if event.event == "restore":
         found.voided.pop(event.reading, None)
+        return
+    found.voided[event.reading] = event.detail or "undone"
+    replaced = found.rows[event.reading][0]["replaces"]
+    if event.event == "undo" and replaced:
+        found.voided.pop(int(replaced), None)
 
 
 def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
@@ -187,7 +192,7 @@ def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
             unknown.append(kind)
             continue
         with located(where):
-            made = _MAKE[kind](row, _common(row, found))
+            made = make(row, _common(row, found))
             if kind in ("station", "zero"):
                 made = replace(made, uncertainty=_setup_of(row, setups).uncertainty)
             if kind == "zero":
@@ -271,6 +276,19 @@ def _gait(row: Row, common: dict[str, Any]) -> GaitRun:
 _MAKE: dict[str, Callable[[Row, dict[str, Any]], Any]] = {
     "station": _station, "gait": _gait, "zero": _zero, "bend": _bend,
 }  # fmt: skip
+
+
+KINDS_OF_READING = tuple(_MAKE)
+
+
+def reading_rows(folder: Path) -> list[Row]:
+    """Return the rows of all readings there are, of whatever kind, voided or not."""
+    return [row for row, _ in _rows(folder / "readings.csv", READING_COLUMNS, [])]
+
+
+def make(row: Row, common: dict[str, Any]) -> Reading | GaitRun | ZeroReading | BendCheck:
+    """Return the reading that a row of a known kind holds; raises BadInput."""
+    return _MAKE[row["kind"]](row, common)
 
 
 def cell(row: Row, name: str, *limits: float, open_low: bool = False) -> float:

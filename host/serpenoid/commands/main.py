@@ -12,6 +12,7 @@ import click
 
 from ..model.errors import BadInput, SerpenoidError
 from .bench import BENCH_GROUP
+from .calibrate import calibrate
 from .examples import examples
 from .optimize import optimize
 from .options import (
@@ -70,7 +71,7 @@ def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
 
 
 cli.add_command(BENCH_GROUP)
-for command in (examples, optimize, simulate, steady, sweep):
+for command in (calibrate, examples, optimize, simulate, steady, sweep):
     cli.add_command(command)
 for robot_command in ROBOT_COMMANDS:
     cli.add_command(robot_command)

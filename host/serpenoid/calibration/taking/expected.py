@@ -1,0 +1,85 @@
+"""What the readings so far let expect of the next: a line through those of the same bend."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..session import Reading, Session
+
+SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
+DOUBT = 0.12  # of the speed: stations are expected from few readings, and wheels are not ideal
+
+
+@dataclass(frozen=True)
+class Line:
+    """Belt speed past the snake against sin(incline), with what is needed for its doubt."""
+
+    slope: float
+    mean_sine: float
+    mean_m_s: float
+    sigma_m_s: float
+    spread: float
+    count: int
+
+    def at(self, sine: float) -> tuple[float, float]:
+        """Return the speed expected and its standard deviation, a new reading's own noise in it."""
+        off = sine - self.mean_sine
+        speed = self.mean_m_s + self.slope * off
+        part = 1 / self.count + (off * off / self.spread if self.spread else 0.0)
+        return speed, self.sigma_m_s * math.sqrt(1 + part) + DOUBT * abs(speed - self.mean_m_s)
+
+    def sine_at(self, speed_m_s: float) -> float:
+        """Return the sine of the incline that needs a speed."""
+        return self.mean_sine + (speed_m_s - self.mean_m_s) / self.slope
+
+
+def planned_bend(session: Session, lambda_rad: float) -> float:
+    """Return the plan's bend that is nearest to one that the protractor showed, rad."""
+    plan = session.setup.procedure.lambda_rad
+    return min(plan, key=lambda planned: abs(planned - lambda_rad))
+
+
+def of_bend(session: Session, lambda_rad: float) -> list[Reading]:
+    """Return the kept stations of one of the plan's bends."""
+    aim = planned_bend(session, lambda_rad)
+    return [r for r in session.kept if planned_bend(session, r.lambda_rad) == aim]
+
+
+def line_of(session: Session, lambda_rad: float) -> Line | None:
+    """Return the line through a bend's stations, None with fewer than two inclines."""
+    stations = of_bend(session, lambda_rad)
+    sines = [math.sin(r.incline_rad) for r in stations]
+    if len(stations) < 2 or max(sines) - min(sines) < 1e-4:
+        return None
+    speeds = [r.slip_speed_m_s for r in stations]
+    x, y = sum(sines) / len(sines), sum(speeds) / len(speeds)
+    spread = sum((s - x) ** 2 for s in sines)
+    slope = sum((s - x) * (v - y) for s, v in zip(sines, speeds, strict=True)) / spread
+    if slope <= 0.0:
+        return None
+    unsure = session.setup.uncertainty
+    noise = math.hypot(unsure.belt_speed_sigma_m_s, slope * unsure.incline_sigma_rad)
+    return Line(slope, x, y, noise, spread, len(stations))
+
+
+def expected_speed(
+    session: Session, lambda_rad: float, incline_rad: float
+) -> tuple[float, float] | None:
+    """Return the range of the belt's speed past the snake at a station, m/s; None if unknown."""
+    line = line_of(session, lambda_rad)
+    if line is not None:
+        speed, sigma = line.at(math.sin(incline_rad))
+        return max(speed - SIGMAS * sigma, 0.0), max(speed + SIGMAS * sigma, 0.0)
+    most = session.setup.procedure.belt_speed_max_m_s
+    stations = of_bend(session, lambda_rad)
+    if stations:  # steeper is faster
+        last = max(stations, key=lambda r: r.incline_rad)
+        noise = SIGMAS * session.setup.uncertainty.belt_speed_sigma_m_s
+        if incline_rad >= last.incline_rad:
+            return max(last.slip_speed_m_s - noise, 0.0), 1.5 * most
+    straight = line_of(session, 0.0) if lambda_rad else None
+    if straight is not None:  # a bent snake needs less speed than a straight one
+        speed, sigma = straight.at(math.sin(incline_rad))
+        return 0.0, max(speed + SIGMAS * sigma, 0.05)
+    return None

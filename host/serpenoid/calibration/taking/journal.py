@@ -1,0 +1,199 @@
+"""A session's folder, written to: one line a reading, on the disk before anything else happens.
+
+Files are only ever appended to, by one process at a time. A line that was cut short by a kill or
+a power cut is closed with a mark before the next one; a line that the disk has no room for is
+taken back whole.
+"""
+
+from __future__ import annotations
+
+import csv
+import errno
+import fcntl
+import io
+import os
+from collections.abc import Mapping
+from datetime import datetime, timezone
+from pathlib import Path
+from types import TracebackType
+
+from ...model.errors import BadInput, RecordingFailed
+from ..session import Session
+from ..session_file import check_amendment, read_session
+from ..session_rows import (
+    EVENT_COLUMNS,
+    KINDS_OF_READING,
+    READING_COLUMNS,
+    TORN,
+    Event,
+    make,
+    read_events,
+    reading_rows,
+)
+
+Cell = str | float | int
+LOCK = ".lock"
+
+
+def utc_now() -> str:
+    """Return the time as the files hold it."""
+    return datetime.now(timezone.utc).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+class Journal:
+    """Append to one session, inside `with Journal(folder) as journal:` only.
+
+    session: what the files hold now. Raises BadInput for files that cannot be read, a format 1
+    session (finished, never added to) and a session that another process has open, named by its
+    number; RecordingFailed where the disk takes no more: nothing is then half written.
+    """
+
+    def __init__(self, folder: str | Path):
+        self.folder = Path(folder)
+        self._lock = -1
+        self.session: Session
+        self.events: list[Event]
+        self.numbers: list[int]
+
+    def __enter__(self) -> Journal:
+        if not (self.folder / "session.toml").exists():
+            raise BadInput(
+                f"{self.folder}: no session here (no session.toml); begin one with "
+                f"`serpenoid calibrate new {self.folder}`"
+            )
+        self._take_lock()
+        try:
+            self._read()
+        except BaseException:
+            self._release()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._release()
+
+    def add(
+        self, kind: str, cells: Mapping[str, Cell], *, replaces: int = 0, comment: str = ""
+    ) -> int:
+        """Write one reading; return its number. cells: column -> value, in the file's units.
+
+        It is checked first, so that no line is ever written that could not be read.
+        """
+        number = max(self.numbers, default=0) + 1
+        if replaces and replaces not in self.numbers:
+            raise BadInput(f"there is no reading {replaces} to replace; see `calibrate status`")
+        setup = 1 + sum(e.event == "amend" for e in self.events)
+        row = reading_row(kind, cells) | {
+            "reading": str(number),
+            "time_utc": utc_now(),
+            "setup": str(setup),
+            "replaces": str(replaces or ""),
+            "comment": comment,
+        }
+        make(row, {"number": number})
+        self._append("readings.csv", READING_COLUMNS, row)
+        return number
+
+    def event(self, event: str, reading: int = 0, detail: str = "") -> None:
+        """Write one event; void, restore and undo need a reading that is there."""
+        if event in ("void", "restore", "undo") and reading not in self.numbers:
+            known = f"1 to {max(self.numbers)}" if self.numbers else "none yet"
+            raise BadInput(f"there is no reading {reading}; there are {known}")
+        if event == "amend":
+            check_amendment(self.session.setup, detail, self.folder)
+        row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
+        self._append("events.csv", EVENT_COLUMNS, row | {"detail": detail})
+
+    def _read(self) -> None:
+        self.session = read_session(self.folder)
+        if not (self.folder / "events.csv").exists():
+            raise BadInput(
+                f"{self.folder}: a session of format 1 is finished and not added to; begin a new "
+                f"one from its set-up: `serpenoid calibrate new DIR --template {self.folder}`"
+            )
+        self.events = read_events(self.folder)
+        self.numbers = [int(row["reading"]) for row in reading_rows(self.folder)]
+
+    def _take_lock(self) -> None:
+        path = self.folder / LOCK
+        try:
+            self._lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            raise RecordingFailed(f"{path}: {error.strerror}; is the folder yours?") from error
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            holder = os.pread(self._lock, 20, 0).decode("ascii", "replace").strip() or "unknown"
+            self._release()
+            raise BadInput(
+                f"{self.folder}: process {holder} is writing to this session already; leave it "
+                "there, or end that one first"
+            ) from None
+        try:
+            os.ftruncate(self._lock, 0)
+            os.pwrite(self._lock, f"{os.getpid()}\n".encode(), 0)
+        except OSError as error:
+            self._release()
+            raise _full(path, error) from error
+
+    def _release(self) -> None:
+        if self._lock >= 0:
+            os.close(self._lock)
+            self._lock = -1
+
+    def _append(self, name: str, columns: tuple[str, ...], row: Mapping[str, str]) -> None:
+        if self._lock < 0:
+            raise BadInput("the session is not open; use it inside `with Journal(folder)`")
+        append_line(self.folder / name, csv_line([row.get(column, "") for column in columns]))
+        self._read()
+
+
+def reading_row(kind: str, cells: Mapping[str, Cell]) -> dict[str, str]:
+    """Return a row of all columns; raises BadInput for a kind or a column that is not known."""
+    if kind not in KINDS_OF_READING:
+        raise BadInput(f"kind is {kind!r}; it must be one of {', '.join(KINDS_OF_READING)}")
+    unknown = next((name for name in cells if name not in READING_COLUMNS), None)
+    if unknown is not None:
+        raise BadInput(f"unknown column {unknown!r}; known are {', '.join(READING_COLUMNS)}")
+    written = {k: v if isinstance(v, str) else f"{v:.10g}" for k, v in cells.items()}
+    return dict.fromkeys(READING_COLUMNS, "") | {"kind": kind} | written
+
+
+def csv_line(cells: list[str]) -> str:
+    """Return one line of CSV; a cell's own line ends become spaces, one line being one row."""
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerow([" ".join(cell.split()) for cell in cells])
+    return out.getvalue()
+
+
+def append_line(path: Path, line: str) -> None:
+    """Put a line at a file's end and on the disk, whole or not at all; raises RecordingFailed."""
+    try:
+        fd = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
+    except OSError as error:
+        raise RecordingFailed(f"{path}: {error.strerror}; nothing was written") from error
+    try:
+        size = os.fstat(fd).st_size
+        torn = size > 0 and os.pread(fd, 1, size - 1) != b"\n"
+        data = (f"{TORN}\n" if torn else "").encode() + line.encode()
+        try:
+            if os.write(fd, data) < len(data):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            os.fsync(fd)
+        except OSError as error:
+            os.ftruncate(fd, size)
+            raise _full(path, error) from error
+    finally:
+        os.close(fd)
+
+
+def _full(path: Path, error: OSError) -> RecordingFailed:
+    return RecordingFailed(
+        f"{path}: {error.strerror}: this reading is not saved, all earlier ones are; make room on "
+        "the disk, then type it again"
+    )

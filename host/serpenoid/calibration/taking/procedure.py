@@ -1,0 +1,250 @@
+"""The procedure: from a session's readings to the next step. Pure; nothing is asked or shown here.
+
+Inclinometer zero by reversal; straight, stations from the first incline up to the top belt speed;
+each bend with its protractor check, then its stations; the zero again; gait runs. Where a session
+stands follows from its rows alone, so that resuming is nothing special.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from ..session import Session
+from ..session_rows import Event
+from .expected import expected_speed, line_of, of_bend, planned_bend
+from .steps import Field, Step
+
+ZERO_BEFORE, ZERO_AFTER = "zero before", "zero after"
+MOST_DEG = 12.0  # of incline: the snake starts to tumble, or the wheels to slide
+SETTLE_TIMES = 3.0  # of m / C_t, after which 5 % of a disturbance is left
+SERIES = 6  # stations of a bend from rest to the top speed
+FEWEST = 3  # stations of a bend before the top speed may end it
+REASON = "7.5 deg tells cn to 35 %, 15 deg to 10 %, 30 deg to 4 %"
+
+
+def skipped_keys(events: Iterable[Event]) -> frozenset[str]:
+    """Return the keys of all steps that were skipped."""
+    return frozenset(e.detail for e in events if e.event == "skip")
+
+
+def next_step(
+    session: Session, skipped: frozenset[str] = frozenset(), posed_deg: float | None = None
+) -> Step:
+    """Return what to do next; kind "done" when nothing is left.
+
+    posed_deg: how the robot lies now, the plan's bend in degrees; None when that is not known, as
+    at the start.
+    """
+    if not (_zero_read(session, True) or session.kept or ZERO_BEFORE in skipped):
+        return _zero(ZERO_BEFORE)
+    for lambda_rad in session.setup.procedure.lambda_rad:
+        bend_deg = round(math.degrees(lambda_rad), 3)
+        if f"bend {bend_deg:g}" in skipped:
+            continue
+        incline_deg = next_incline_deg(session, lambda_rad, skipped)
+        if incline_deg is not None:
+            shown_rad = _shown_bend(session, lambda_rad)
+            if posed_deg is None or abs(posed_deg - bend_deg) > 1e-6 or shown_rad is None:
+                return _pose(bend_deg)
+            return _station(session, bend_deg, incline_deg, shown_rad)
+    if session.kept and not (_zero_read(session, False) or ZERO_AFTER in skipped):
+        return _zero(ZERO_AFTER)
+    return _gait_step(session, skipped) or Step("done", "done", "all of the plan is done")
+
+
+def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tuple[str, str]]:
+    """Return the parts of the plan and how far each is, in words."""
+    rows = [("zero before", _done(_zero_read(session, True)))]
+    for lambda_rad in session.setup.procedure.lambda_rad:
+        bend_deg = math.degrees(lambda_rad)
+        count = len(of_bend(session, lambda_rad))
+        open_ = next_incline_deg(session, lambda_rad, skipped) is not None
+        open_ = open_ and f"bend {bend_deg:g}" not in skipped
+        name = f"bend {bend_deg:g} deg" if bend_deg else "straight"
+        rows.append((name, f"{count} stations{', more to come' if open_ else ', done'}"))
+    rows.append(("zero after", _done(_zero_read(session, False))))
+    wanted = len(session.setup.procedure.gaits) * session.setup.procedure.gait_runs
+    rows.append(("gait runs", f"{len(session.kept_gait_runs)} of {wanted}"))
+    return rows
+
+
+def _zero_read(session: Session, before: bool) -> bool:
+    return any(z.before is before and not z.voided for z in session.zeros)
+
+
+def _done(is_done: bool) -> str:
+    return "done" if is_done else "open"
+
+
+def next_incline_deg(
+    session: Session, lambda_rad: float, skipped: frozenset[str] = frozenset()
+) -> float | None:
+    """Return the incline of a bend's next station, None when it needs no more.
+
+    Inclines rise by the plan's step, or by more where that would change the speed by less than a
+    sixth of the top speed; a bend is done when its next station would pass the top speed, or the
+    incline at which the snake tumbles.
+    """
+    plan = session.setup.procedure
+    stations = of_bend(session, lambda_rad)
+    prefix = f"station {math.degrees(lambda_rad):g} "
+    passed = [float(k.removeprefix(prefix)) for k in skipped if k.startswith(prefix)]
+    tried = [*(math.degrees(r.incline_rad) for r in stations), *passed]
+    # At least what the treadmill can be raised by, or its rounding could stay below for ever.
+    step_deg = math.degrees(max(plan.incline_step_rad, session.setup.treadmill.incline_step_rad))
+    found_deg = max(tried) + step_deg if tried else _first_incline_deg(session, lambda_rad)
+    line = line_of(session, lambda_rad)
+    top_m_s = max((r.slip_speed_m_s for r in stations), default=0.0)
+    if line is not None and len(stations) >= FEWEST - 1:
+        faster = line.sine_at(top_m_s + plan.belt_speed_max_m_s / SERIES)
+        found_deg = max(found_deg, math.degrees(math.asin(min(faster, 1.0))))
+    next_m_s = line.at(math.sin(math.radians(found_deg)))[0] if line is not None else 0.0
+    if len(stations) >= FEWEST and next_m_s > plan.belt_speed_max_m_s:
+        return None
+    done = top_m_s >= plan.belt_speed_max_m_s or found_deg > MOST_DEG
+    return None if done else round(found_deg, 3)
+
+
+def _first_incline_deg(session: Session, lambda_rad: float) -> float:
+    """Return where a bend's series begins: the plan's start, or where lesser bends first held."""
+    plan = session.setup.procedure
+    lesser = [of_bend(session, x) for x in plan.lambda_rad if x < lambda_rad]
+    held = [min(r.incline_rad for r in stations) for stations in lesser if stations]
+    return math.degrees(max([plan.incline_start_rad, *held]))
+
+
+def doubts(
+    session: Session, step: Step, cells: Mapping[str, float | str]
+) -> list[tuple[Field, tuple[float, float]]]:
+    """Return the fields whose numbers are not where they were expected, and where that is.
+
+    A station's belt speed is judged at the incline that was typed, with the drift taken off.
+    """
+    found = []
+    for field in step.fields:
+        value, likely = float(cells[field.column]), field.likely
+        if field.column == "belt_speed_m_s":
+            likely = likely_belt(session, step, cells)
+        if likely is not None and not likely[0] <= value <= likely[1]:
+            found.append((field, likely))
+    return found
+
+
+def likely_belt(
+    session: Session, step: Step, cells: Mapping[str, float | str]
+) -> tuple[float, float] | None:
+    """Return the belt speeds expected at the incline and drift typed so far; None if unknown."""
+    incline_rad = math.radians(float(cells.get("incline_deg", step.incline_deg)))
+    range_m_s = expected_speed(session, math.radians(step.lambda_deg), incline_rad)
+    if range_m_s is None:
+        return None
+    drift_m_s = float(cells.get("drift_m_s", 0.0))
+    step_m_s = session.setup.treadmill.belt_step_m_s
+    return max(range_m_s[0] + drift_m_s - step_m_s, 0.0), range_m_s[1] + drift_m_s + step_m_s
+
+
+def settle_s(session: Session, lambda_rad: float) -> float:
+    """Return how long a station takes to settle: 3 m / A, by the readings so far or the paper's."""
+    line = line_of(session, lambda_rad) or line_of(session, 0.0)
+    mass_kg = session.setup.robot.links * session.setup.robot.link_mass_kg
+    # Where the balance is m g sin(gamma) = A v + B, the line's slope is m g / A.
+    if line is None:
+        return SETTLE_TIMES * mass_kg / 0.084
+    return SETTLE_TIMES * line.slope / session.setup.procedure.gravity_m_s2
+
+
+def _zero(key: str) -> Step:
+    say = (
+        "Inclinometer zero. Lay it on one spot of the treadmill, read it; turn it end for end on "
+        "the same spot, read it again (with the sign it shows)."
+    )
+    limits = (-5.0, 5.0)
+    return Step(
+        key, "zero", say,
+        (
+            Field("incline_deg", "it shows", "incline", -45.0, 45.0, limits),
+            Field("reversed_deg", "turned, it shows", "incline", -45.0, 45.0, limits),
+        ),
+    )  # fmt: skip
+
+
+def _pose(bend_deg: float) -> Step:
+    if not bend_deg:
+        return Step(
+            "straight", "straight",
+            "Robot straight, on the belt, head downhill, the belt running uphill.",
+        )  # fmt: skip
+    between = 180.0 - 2 * bend_deg
+    say = (
+        f"Bend {bend_deg:g} deg: every joint at {2 * bend_deg:g} deg, left and right in turn; a "
+        f"protractor between neighbouring links shows {between:g} deg. ({REASON}.)"
+    )
+    shows = Field(
+        "between_links_deg", "the protractor shows", "angle", 30.0, 180.0,
+        (between - 5.0, between + 5.0),
+    )  # fmt: skip
+    cells: dict[str, float | str] = {"lambda_deg": bend_deg}
+    return Step(f"bend {bend_deg:g}", "bend", say, (shows,), bend_deg, cells=cells)
+
+
+def _shown_bend(session: Session, lambda_rad: float) -> float | None:
+    """Return the bend that the last protractor check showed, None if it was of another bend."""
+    if lambda_rad == 0.0:
+        return 0.0
+    checks = [b for b in session.bends if not b.voided]
+    if not checks or planned_bend(session, checks[-1].found_rad) != lambda_rad:
+        return None
+    return checks[-1].found_rad
+
+
+def _station(session: Session, bend_deg: float, incline_deg: float, shown_rad: float) -> Step:
+    lambda_rad = math.radians(bend_deg)
+    wait_s = settle_s(session, lambda_rad)
+    step_deg = math.degrees(session.setup.procedure.incline_step_rad)
+    likely = expected_speed(session, lambda_rad, math.radians(incline_deg))
+    hint = "" if likely is None else f", about {likely[0]:.2f} to {likely[1]:.2f} m/s"
+    say = (
+        f"Incline to about {incline_deg:.1f} deg. Raise the belt until the robot holds its place"
+        f"{hint}; wait {wait_s:.0f} s."
+    )
+    drift = Field(
+        "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed", -1.0, 1.0,
+        (-0.06, 0.06), 0.0,
+    )  # fmt: skip
+    near_deg = (incline_deg - 2 * step_deg, incline_deg + 2 * step_deg)
+    shown = Field("incline_deg", "the inclinometer shows", "incline", 0.05, 45.0, near_deg)
+    belt = Field("belt_speed_m_s", "belt speed", "speed", 0.0, 10.0, likely)
+    return Step(
+        f"station {bend_deg:g} {incline_deg:.2f}", "station", say, (shown, belt, drift), bend_deg,
+        incline_deg, wait_s, cells={"lambda_deg": round(math.degrees(shown_rad), 4)},
+    )  # fmt: skip
+
+
+def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
+    plan = session.setup.procedure
+    for number, gait in enumerate(plan.gaits, 1):
+        runs = [
+            r for r in session.kept_gait_runs
+            if abs(r.alpha_rad - gait.alpha_rad) < 1e-3 and abs(r.beta_rad - gait.beta_rad) < 1e-3
+            and abs(r.omega_rad_s / gait.omega_rad_s - 1) < 0.05
+        ]  # fmt: skip
+        key = f"gait {number}.{len(runs) + 1}"
+        if len(runs) >= plan.gait_runs or key in skipped or f"gait {number}" in skipped:
+            continue
+        alpha, beta = math.degrees(gait.alpha_rad), math.degrees(gait.beta_rad)
+        say = (
+            f"Gait run {len(runs) + 1} of {plan.gait_runs}, level ground of the same surface: "
+            f"alpha {alpha:g} deg, beta {beta:g} deg, {gait.omega_rad_s / (2 * math.pi):.3g} Hz. "
+            "Time it between two marks, once it goes steadily."
+        )
+        fields = (
+            Field("distance_m", "distance between the marks", "length", 0.0, 100.0, (0.05, 10.0)),
+            Field("duration_s", "time taken", "time", 0.1, 3600.0, (1.0, 600.0)),
+        )
+        cells: dict[str, float | str] = {
+            "alpha_deg": round(alpha, 6), "beta_deg": round(beta, 6),
+            "omega_rad_s": gait.omega_rad_s,
+        }  # fmt: skip
+        return Step(key, "gait", say, fields, gait=gait, cells=cells)
+    return None

@@ -1,0 +1,101 @@
+"""A session taken without prompts: plan.toml says who answers, a simulation or a list of readings.
+
+[simulated]                       [[reading]]
+seed = 1                          kind = "station"
+ct = 0.084   # whole snake        lambda_deg = 0.0
+...                               incline_deg = 2.3
+                                  belt_speed_m_s = 0.45
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from ...model.errors import BadInput
+from ...model.ground import Ground
+from ...model.toml_table import Table, located
+from ..session import Setup
+from .journal import Journal
+from .simulated import GaitSpeed, SimulatedTreadmill, Truth
+from .steps import Step
+from .treadmill import MOST_STEPS, Posture, Treadmill, take_step
+
+_TRUTH = ("incline_zero_deg", "belt_scale", "joint_sigma_deg", "disturbance_m_s", "misreads",
+          "amplitude")  # fmt: skip
+Told = Callable[[Step], None]
+
+
+def load_script(path: Path) -> Table:
+    """Read a script; raises BadInput, naming file and line."""
+    top = Table.load(path)
+    top.only(optional=("simulated", "reading", "robot", "laboratory"))
+    if ("simulated" in top.values) == ("reading" in top.values):
+        raise BadInput(f"{path}: give either [simulated] or a list of [[reading]]")
+    return top
+
+
+def wanted_setup(top: Table, session: Setup) -> Setup:
+    """Return a session's set-up with what a script says of robot and laboratory put in."""
+    from dataclasses import replace
+
+    if "robot" in top.values:
+        table = top.table("robot")
+        table.only(optional=("links", "link_mass_kg", "link_length_m"))
+        with located(table.heading):
+            session = replace(session, robot=replace(session.robot, **dict(table.values)))
+    if "laboratory" in top.values:
+        table = top.table("laboratory")
+        table.only("surface")
+        session = replace(session, surface=table.string("surface"))
+    return session
+
+
+def simulated_treadmill(
+    top: Table, setup: Setup, gait_speed: GaitSpeed | None = None
+) -> SimulatedTreadmill:
+    """Return the treadmill that a script's [simulated] describes; raises BadInput."""
+    table = top.table("simulated")
+    table.only("seed", "ct", "cn", "ft0", "fn0", optional=_TRUTH)
+    ground = Ground(*(table.number(name, 0.0) for name in ("ct", "cn", "ft0", "fn0")))
+    given = {n: table.number(n) for n in _TRUTH if n in table.values}
+    truth = Truth(ground, **{
+        n.replace("_deg", "_rad"): math.radians(v) if n.endswith("_deg") else v
+        for n, v in given.items()
+    })  # fmt: skip
+    return SimulatedTreadmill(setup, truth, table.whole("seed"), gait_speed)
+
+
+def run_script(
+    journal: Journal, top: Table, told: Told, gait_speed: GaitSpeed | None = None
+) -> int:
+    """Take what is left of a session as a script says; return how many steps were done."""
+    if "reading" in top.values:
+        return _add_listed(journal, top)
+    treadmill = simulated_treadmill(top, journal.session.setup, gait_speed)
+    return _take(journal, treadmill, told)
+
+
+def _take(journal: Journal, treadmill: Treadmill, told: Told) -> int:
+    posture = Posture()
+    for done in range(MOST_STEPS):
+        step = take_step(journal, treadmill, posture)
+        if step.kind == "done":
+            return done
+        told(step)
+    raise BadInput(f"{journal.folder}: {MOST_STEPS} steps and no end; look at `calibrate status`")
+
+
+def _add_listed(journal: Journal, top: Table) -> int:
+    """Add listed readings from where the session stands: those it has already are not repeated."""
+    listed = top.values["reading"]
+    if not isinstance(listed, list) or not all(isinstance(row, dict) for row in listed):
+        raise BadInput(f"{top.where('reading')}: give readings as [[reading]] tables")
+    there = len(journal.numbers)
+    for number, row in enumerate(listed[there:], there + 1):
+        cells = dict(row)
+        with located(f"{top.path}: reading {number}"):
+            kind = str(cells.pop("kind", "station"))
+            journal.add(kind, cells, comment=str(cells.pop("comment", "")))
+    return len(listed[there:])

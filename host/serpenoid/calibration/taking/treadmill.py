@@ -1,0 +1,107 @@
+"""The treadmill as an interface: whoever sets it and reads it, a person or a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from ...model.errors import NotConverged
+from ..session import Session
+from ..session_rows import Event
+from .procedure import doubts, next_step, skipped_keys
+from .steps import Field, Step
+
+Cells = Mapping[str, float | str]
+MOST_STEPS = 1000
+
+
+class Treadmill(Protocol):
+    """Sets what a step says and answers with what was read, column -> number."""
+
+    def answer(self, step: Step, session: Session) -> Cells | None:
+        """Do a step; return its fields' numbers, or None if it cannot be done."""
+        ...
+
+    def look_again(
+        self, step: Step, doubtful: Sequence[tuple[Field, tuple[float, float]]], cells: Cells
+    ) -> Cells:
+        """Return the numbers after reading those again that are not where they were expected."""
+        ...
+
+
+class Record(Protocol):
+    """Where readings go: a journal on disk, or memory."""
+
+    @property
+    def session(self) -> Session:
+        """Return all readings so far."""
+        ...
+
+    @property
+    def events(self) -> Sequence[Event]:
+        """Return all events so far."""
+        ...
+
+    def add(self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "") -> int:
+        """Keep a reading; return its number."""
+        ...
+
+    def event(self, event: str, reading: int = 0, detail: str = "") -> None:
+        """Keep an event."""
+        ...
+
+
+class Posture:
+    """How the robot lies, in degrees of the plan's bend; None when that is not known."""
+
+    def __init__(self) -> None:
+        self.bend_deg: float | None = None
+
+    def after(self, step: Step) -> None:
+        """Note that a step was done."""
+        if step.kind in ("straight", "bend"):
+            self.bend_deg = step.lambda_deg
+        elif step.kind == "gait":
+            self.bend_deg = None
+
+
+def take_step(record: Record, treadmill: Treadmill, posture: Posture) -> Step:
+    """Do the next step of a session and record it; return it, kind "done" at the end."""
+    session = record.session
+    step = next_step(session, skipped_keys(record.events), posture.bend_deg)
+    if step.kind == "done":
+        return step
+    cells = treadmill.answer(step, session)
+    if cells is None:
+        record.event("skip", detail=step.key)
+        return step
+    doubtful = doubts(session, step, cells)
+    if doubtful:
+        cells = treadmill.look_again(step, doubtful, cells)
+    record_step(record, step, cells)
+    posture.after(step)
+    return step
+
+
+def record_step(record: Record, step: Step, cells: Cells, replaces: int = 0) -> int:
+    """Write what a step's fields came to; return the reading's number, 0 where none is kept."""
+    if step.kind == "straight":
+        return 0
+    written = dict(step.cells) | dict(cells)
+    if step.kind == "gait" and "speed_m_s" not in written:
+        watch = record.session.setup.stopwatch
+        distance_m, duration_s = (float(written[k]) for k in ("distance_m", "duration_s"))
+        written["speed_m_s"], written["speed_sigma_m_s"] = watch.speed(distance_m, duration_s)
+    return record.add(step.kind, written, replaces=replaces)
+
+
+def take_all(record: Record, treadmill: Treadmill) -> Session:
+    """Take every step that is left of a session; return the session. Raises NotConverged."""
+    posture = Posture()
+    for _ in range(MOST_STEPS):
+        if take_step(record, treadmill, posture).kind == "done":
+            return record.session
+    raise NotConverged(
+        f"{MOST_STEPS} steps and no end: does the treadmill's incline rise at all? Look at the "
+        "readings with `serpenoid calibrate status`"
+    )

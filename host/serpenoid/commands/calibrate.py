@@ -1,0 +1,273 @@
+"""`serpenoid calibrate`: a treadmill session, begun, taken, resumed and corrected."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..model.errors import BadInput
+from .options import AS_JSON, show_json
+
+if TYPE_CHECKING:
+    from ..calibration.session import Session
+    from ..calibration.taking.journal import Journal
+
+FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+TOML = click.Path(exists=True, path_type=Path)
+
+
+class _FolderOrCommand(click.Group):
+    """Take `calibrate DIR` for `calibrate take DIR`."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Put the command's name in where a folder or an option stands first."""
+        if args and args[0] not in self.commands and args[0] not in ("-h", "--help"):
+            args = ["take", *args]
+        return super().parse_args(ctx, args)
+
+
+@click.group(cls=_FolderOrCommand)
+def calibrate() -> None:
+    """Measure friction on a treadmill: `calibrate new DIR`, then `calibrate DIR`, any time again.
+
+    Every reading is on the disk before the next is asked for; nothing is ever overwritten.
+    """
+
+
+@calibrate.command()
+@FOLDER
+@click.option("--template", type=click.Path(exists=True, path_type=Path),
+              help="Another session's folder, whose set-up is taken over unasked.")  # fmt: skip
+@click.option("--defaults", is_flag=True, help="Ask nothing: 2005 robot, a home treadmill.")
+@click.option("--surface", help="What the wheels roll on.")
+@click.option("--mass-kg", type=float, help="Mass of the whole robot, as it crawls.")
+@click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
+def new(
+    folder: Path, template: Path | None, defaults: bool, simulated: bool, **answers: Any
+) -> None:
+    """Begin a session: asks for robot, surface and instruments, or takes them from a template."""
+    import dataclasses
+    import sys
+
+    from ..calibration.taking.new_session import (
+        answered,
+        create_session,
+        refuse_existing,
+        template_setup,
+    )
+
+    refuse_existing(folder)
+    setup = template_setup(template, folder.resolve().name)
+    if template is None and not defaults and not (answers["surface"] and answers["mass_kg"]):
+        if not sys.stdin.isatty():
+            raise BadInput(
+                "there is no terminal to ask at; give --template DIR, or --defaults with "
+                "--surface and --mass-kg"
+            )
+        answers = _asked(setup, answers)
+    setup = answered(setup, answers)
+    if simulated:
+        setup = dataclasses.replace(setup, kind="simulated", source="simulated treadmill")
+    create_session(folder, setup)
+    click.echo(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
+
+
+def _asked(setup: Any, answers: dict[str, Any]) -> dict[str, Any]:
+    """Ask what is not answered yet; Enter takes what stands in brackets."""
+    import math
+
+    from ..calibration.taking.new_session import QUESTIONS
+
+    usual: dict[str, Any] = {
+        "surface": setup.surface, "place": setup.place, "people": setup.people,
+        "links": setup.robot.links, "link_length_m": setup.robot.link_length_m,
+        "mass_kg": round(setup.robot.links * setup.robot.link_mass_kg, 6),
+        "incline_step_deg_shown": round(
+            math.degrees(setup.uncertainty.incline_sigma_rad) * math.sqrt(12), 2),
+        "belt_speed_step_km_h": round(3.6 * setup.treadmill.belt_step_m_s, 3),
+        "belt_speed_least_km_h": round(3.6 * setup.treadmill.belt_least_m_s, 3),
+    }  # fmt: skip
+    found = dict(answers)
+    for question in QUESTIONS:
+        if found.get(question.name) is None:
+            default = usual[question.name]
+            kind = type(default) if isinstance(default, (int, str)) else _Positive()
+            found[question.name] = click.prompt(question.words, default=default, type=kind)
+    return found
+
+
+class _Positive(click.ParamType):
+    """A number that may have a decimal comma."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> float:
+        """Return the number, or say what is wrong with it."""
+        import math
+
+        try:
+            number = float(str(value).replace(",", "."))
+        except ValueError:
+            number = math.nan
+        if not (math.isfinite(number) and number >= 0.0):
+            self.fail(f"{value!r} is no number of 0 or more; decimals take a point or a comma")
+        return number
+
+
+@calibrate.command()
+@FOLDER
+@click.option("--script", type=TOML, help="plan.toml that answers instead of a person.")
+@click.option("--dry-run", is_flag=True, help="Show the next steps; write nothing.")
+def take(folder: Path, script: Path | None, dry_run: bool) -> None:
+    """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
+    if dry_run:
+        return _dry_run(folder)
+    if script is None:
+        raise BadInput("give --script plan.toml")
+    return _scripted(folder, script)
+
+
+def _dry_run(folder: Path) -> None:
+    from ..calibration.session_file import read_session
+    from ..calibration.session_rows import read_events
+    from ..calibration.taking.procedure import next_step, progress, skipped_keys
+
+    session = read_session(folder)
+    skipped = skipped_keys(read_events(folder))
+    for name, state in progress(session, skipped):
+        click.echo(f"{name:14} {state}")
+    step = next_step(session, skipped)
+    click.echo(f"next: {step.say}")
+    for field in step.fields:
+        click.echo(f"  asks: {field.words} ({field.unit})")
+
+
+def _scripted(folder: Path, script: Path) -> None:
+    from ..calibration.taking.journal import Journal
+    from ..calibration.taking.script import load_script, run_script, wanted_setup
+
+    top = load_script(script)
+    with Journal(folder) as journal:
+        _refuse_another(journal, wanted_setup(top, journal.session.setup))
+        journal.event("start", detail=f"{_program()}, script {script.name}")
+        done = run_script(journal, top, lambda step: click.echo(f"done: {step.key}", err=True))
+        journal.event("end")
+        click.echo(f"{done} step(s) done; {_count(journal.session)}")
+
+
+def _refuse_another(journal: Journal, wanted: Any) -> None:
+    from ..calibration.taking.new_session import identity_differences
+
+    lines = identity_differences(journal.session.setup, wanted)
+    if lines:
+        raise BadInput(
+            f"{journal.folder} is a session of another robot or surface:\n  "
+            + "\n  ".join(lines)
+            + "\nbegin a new session for this one; if a value was mistyped, correct it in "
+            "session.toml by hand"
+        )
+
+
+def _program() -> str:
+    from importlib.metadata import version
+
+    return f"serpenoid {version('serpenoid')}"
+
+
+def _count(session: Session) -> str:
+    return (
+        f"{len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs kept, of "
+        f"{len(session.readings)} and {len(session.gait_runs)}"
+    )
+
+
+@calibrate.command()
+@FOLDER
+@click.argument("kind", type=click.Choice(["station", "gait", "zero", "bend"]))
+@click.argument("cells", nargs=-1, required=True, metavar="NAME=VALUE...")
+@click.option("--replaces", type=int, default=0, help="Number of the reading that this redoes.")
+@click.option("--comment", default="", help="What was odd.")
+def add(folder: Path, kind: str, cells: tuple[str, ...], replaces: int, comment: str) -> None:
+    """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`."""
+    from ..calibration.taking.journal import Journal
+    from ..calibration.taking.typed_cells import read_cells
+
+    with Journal(folder) as journal:
+        values = read_cells(kind, cells, journal.session.setup)
+        number = journal.add(kind, values, replaces=replaces, comment=comment)
+    click.echo(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
+
+
+@calibrate.command()
+@FOLDER
+@click.argument("number", type=int)
+@click.option("--reason", default="", help="Why it is not to be used.")
+@click.option("--restore", is_flag=True, help="Use it again.")
+def void(folder: Path, number: int, reason: str, restore: bool) -> None:
+    """Mark a reading as not to be used; its line stays."""
+    from ..calibration.taking.journal import Journal
+
+    with Journal(folder) as journal:
+        journal.event("restore" if restore else "void", number, reason)
+    click.echo(f"reading {number} is {'used again' if restore else 'void'}")
+
+
+@calibrate.command()
+@FOLDER
+@click.argument("number", type=int)
+@click.argument("cells", nargs=-1, required=True, metavar="NAME=VALUE...")
+@click.option("--comment", default="", help="What was odd.")
+def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> None:
+    """Take a reading anew: the old one is void, what is not named stays as it was."""
+    from ..calibration.session_rows import reading_rows
+    from ..calibration.taking.journal import Journal
+    from ..calibration.taking.typed_cells import read_cells, values_of
+
+    with Journal(folder) as journal:
+        rows = {int(row["reading"]): row for row in reading_rows(folder)}
+        if number not in rows:
+            raise BadInput(f"there is no reading {number}; see `serpenoid calibrate status`")
+        old = rows[number]
+        values = values_of(old) | read_cells(old["kind"], cells, journal.session.setup, old)
+        new_number = journal.add(old["kind"], values, replaces=number, comment=comment)
+    click.echo(f"reading {new_number} is kept; reading {number} is not")
+
+
+@calibrate.command()
+@FOLDER
+@click.argument("changes", nargs=-1, required=True, metavar="TABLE.ENTRY=VALUE...")
+def amend(folder: Path, changes: tuple[str, ...]) -> None:
+    """Change instruments or plan from here on: `instruments.lambda_sigma_deg=0.3`."""
+    from ..calibration.taking.journal import Journal
+
+    with Journal(folder) as journal:
+        for change in changes:
+            name, _, value = change.partition("=")
+            journal.event("amend", detail=f"{name.strip()} = {value.strip()}")
+    click.echo("amended; readings from here on are under this set-up, earlier ones under theirs")
+
+
+@calibrate.command()
+@FOLDER
+@AS_JSON
+def status(folder: Path, as_json: bool) -> None:
+    """Tell how far a session is, what was read, and the next step; writes nothing."""
+    from ..calibration.session_file import read_session
+    from ..calibration.session_rows import read_events
+    from ..calibration.taking.procedure import next_step, progress, skipped_keys
+    from ..show import session_table
+
+    session = read_session(folder)
+    try:
+        events = read_events(folder)
+    except BadInput:  # format 1 has none
+        events = []
+    skipped = skipped_keys(events)
+    parts, step = progress(session, skipped), next_step(session, skipped)
+    if as_json:
+        return show_json(session_table.as_dict(session, parts, step.say))
+    session_table.show(session, parts)
+    click.echo(f"next: {step.say}")
+    return None

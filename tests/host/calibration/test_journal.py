@@ -1,0 +1,188 @@
+"""The journal: kills, cut lines, two writers and full disks cost one reading at most."""
+
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from serpenoid.calibration.session_file import read_session
+from serpenoid.calibration.taking.journal import Journal, append_line
+from serpenoid.calibration.taking.new_session import (
+    create_session,
+    default_setup,
+    identity_differences,
+    template_setup,
+)
+from serpenoid.model.errors import BadInput, RecordingFailed
+
+FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
+STATION = {"lambda_deg": 0.0, "incline_deg": 2.5, "belt_speed_m_s": 0.4, "drift_m_s": 0.0}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return create_session(tmp_path / "session", default_setup("made up"))
+
+
+def child(folder, body):
+    """Run Python with an open journal; returns the process."""
+    script = (
+        "import sys, time\n"
+        "from serpenoid.calibration.taking.journal import Journal\n"
+        f"with Journal({str(folder)!r}) as journal:\n{body}"
+    )
+    return subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+
+
+def test_a_session_is_made_and_read_back_exactly(folder):
+    setup = read_session(folder).setup
+    proposed = default_setup("made up")
+    assert setup.robot == proposed.robot
+    assert setup.uncertainty.incline_sigma_rad == pytest.approx(
+        proposed.uncertainty.incline_sigma_rad, rel=1e-7
+    )
+    assert setup.procedure.lambda_rad == pytest.approx(proposed.procedure.lambda_rad, rel=1e-7)
+    assert setup.procedure.gaits[0].omega_rad_s == pytest.approx(1.5707963268, abs=1e-9)
+    before = (folder / "session.toml").read_text()
+    with pytest.raises(BadInput, match="nothing overwrites it"):
+        create_session(folder, proposed)
+    assert (folder / "session.toml").read_text() == before
+
+
+def test_a_set_up_is_taken_over_from_another_session(folder):
+    assert template_setup(folder, "b").robot == read_session(folder).setup.robot
+    old = template_setup(FOLDER_2005, "b")
+    assert (old.kind, len(old.procedure.lambda_rad)) == ("measured", 2)
+    assert not identity_differences(old, old)
+    lines = identity_differences(read_session(folder).setup, template_setup(FOLDER_2005, "b"))
+    assert not lines  # the same robot, both on a surface not said
+
+
+def test_what_is_added_is_on_disk_at_once(folder):
+    with Journal(folder) as journal:
+        assert journal.add("station", STATION, comment="two\nlines, with a comma") == 1
+        assert read_session(folder).kept[0].comment == "two lines, with a comma"
+        journal.add("station", STATION | {"belt_speed_m_s": 0.5}, replaces=1)
+        assert [r.number for r in journal.session.kept] == [2]
+        journal.event("undo", 2)
+        assert [r.number for r in journal.session.kept] == [1]
+    assert [r.number for r in read_session(folder).kept] == [1]
+
+
+@pytest.mark.parametrize(
+    ("kind", "cells", "says"),
+    [
+        ("station", STATION | {"incline_deg": float("nan")}, "incline_deg is nan"),
+        ("station", STATION | {"incline_deg": "two"}, "incline_deg is 'two'"),
+        ("station", STATION | {"drift_m_s": 0.4}, "must be more than 0"),
+        ("station", {"lambda_deg": 0.0}, "incline_deg is ''"),
+        ("dance", STATION, "kind is 'dance'"),
+        ("station", STATION | {"gamma": 1}, "unknown column 'gamma'"),
+    ],
+)
+def test_nothing_is_written_that_could_not_be_read(folder, kind, cells, says):
+    before = (folder / "readings.csv").read_bytes()
+    with Journal(folder) as journal, pytest.raises(BadInput, match=says):
+        journal.add(kind, cells)
+    assert (folder / "readings.csv").read_bytes() == before
+
+
+def test_corrections_of_what_is_not_there_are_refused(folder):
+    with Journal(folder) as journal:
+        with pytest.raises(BadInput, match="there is no reading 3"):
+            journal.event("void", 3)
+        with pytest.raises(BadInput, match="there is no reading 3 to replace"):
+            journal.add("station", STATION, replaces=3)
+        with pytest.raises(BadInput, match="unknown key 'robot'"):
+            journal.event("amend", detail="robot.links = 5")
+    assert len((folder / "events.csv").read_text().splitlines()) == 1
+
+
+def test_a_second_writer_is_refused_by_the_first_ones_number(folder):
+    process = child(folder, "    print('in', flush=True); time.sleep(60)\n")
+    try:
+        assert process.stdout.readline() == "in\n"
+        with pytest.raises(BadInput, match=f"process {process.pid} is writing"), Journal(folder):
+            pass
+        assert read_session(folder).setup.name == "made up"  # reading is free
+    finally:
+        process.kill()
+        process.wait()
+    with Journal(folder) as journal:  # a killed writer's lock is gone
+        journal.add("station", STATION)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_killed_at_any_moment_at_most_the_one_being_written_is_lost(folder, seed):
+    body = (
+        "    while True:\n"
+        f"        print(journal.add('station', {STATION!r}), flush=True)\n"
+    )  # fmt: skip
+    process = child(folder, body)
+    told = int(process.stdout.readline())
+    time.sleep(random.Random(seed).uniform(0.0, 0.1))
+    process.send_signal(signal.SIGKILL)
+    for line in process.stdout:
+        if line.endswith("\n"):
+            told = int(line)
+    process.wait()
+    kept = [r.number for r in read_session(folder).kept]
+    assert kept == list(range(1, len(kept) + 1))
+    assert len(kept) in (told, told + 1)
+    with Journal(folder) as journal:
+        assert journal.add("station", STATION) == len(kept) + 1
+
+
+@pytest.mark.parametrize("cut", [1, 2, 10, 30, 60])
+def test_a_line_that_was_cut_short_is_closed_and_the_next_one_whole(folder, cut):
+    with Journal(folder) as journal:
+        journal.add("station", STATION)
+        journal.add("station", STATION, comment="x")
+    path = folder / "readings.csv"
+    os.truncate(path, path.stat().st_size - cut)
+    with Journal(folder) as journal:
+        assert len(journal.session.kept) == 1
+        assert journal.add("station", STATION) == 2
+        assert len(journal.session.kept) == 2
+        assert not journal.session.notes
+
+
+def test_a_full_disk_leaves_every_earlier_reading_and_nothing_half_written(folder):
+    with Journal(folder) as journal:
+        journal.add("station", STATION)
+        path = folder / "readings.csv"
+        before = path.read_bytes()
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) + 10, hard))
+        try:
+            with pytest.raises(RecordingFailed, match="not saved, all earlier ones are; make room"):
+                journal.add("station", STATION)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert path.read_bytes() == before
+        assert journal.add("station", STATION) == 2
+
+
+def test_no_file_at_all_is_told(tmp_path):
+    with pytest.raises(RecordingFailed, match="nothing was written"):
+        append_line(tmp_path / "none.csv", "x\n")
+    with pytest.raises(BadInput, match=r"no session here.*calibrate new"), Journal(tmp_path):
+        pass
+
+
+def test_newer_and_finished_formats_are_refused(folder, tmp_path):
+    path = folder / "session.toml"
+    path.write_text(path.read_text().replace("format = 2", "format = 3"))
+    with pytest.raises(BadInput, match=r"format is 3; .*install a newer"), Journal(folder):
+        pass
+    old = tmp_path / "old"
+    old.mkdir()
+    for name in ("session.toml", "readings.csv"):
+        (old / name).write_text((FOLDER_2005 / name).read_text())
+    with pytest.raises(BadInput, match=r"format 1 is finished.*--template"), Journal(old):
+        pass

@@ -1,0 +1,182 @@
+"""The procedure as a state machine, and whole sessions of it on the simulated treadmill."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from serpenoid import Ground, fit_friction
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.procedure import (
+    doubts,
+    next_incline_deg,
+    next_step,
+    progress,
+    settle_s,
+    skipped_keys,
+)
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth, drawn_truth
+from serpenoid.calibration.taking.treadmill import Posture, take_all, take_step
+
+WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+
+
+def no_gaits(setup):
+    return replace(setup, procedure=replace(setup.procedure, gaits=()))
+
+
+@pytest.fixture
+def record():
+    return MemoryRecord(no_gaits(default_setup("made up")))
+
+
+def station(record, incline_deg, belt_m_s, lambda_deg=0.0):
+    cells = {"lambda_deg": lambda_deg, "incline_deg": incline_deg, "belt_speed_m_s": belt_m_s}
+    record.add("station", cells | {"drift_m_s": 0.0})
+
+
+def test_the_steps_come_in_order(record):
+    assert next_step(record.session).kind == "zero"
+    record.add("zero", {"incline_deg": 0.1, "reversed_deg": 0.0})
+    assert next_step(record.session).kind == "straight"
+    step = next_step(record.session, posed_deg=0.0)
+    assert (step.kind, step.incline_deg) == ("station", 2.0)
+    assert [f.column for f in step.fields] == ["incline_deg", "belt_speed_m_s", "drift_m_s"]
+    for incline, belt in ((2.0, 0.2), (2.3, 0.5), (2.6, 0.8)):
+        station(record, incline, belt)
+    bend = next_step(record.session, posed_deg=0.0)
+    assert (bend.kind, bend.lambda_deg) == ("bend", 7.5)
+    assert "every joint at 15 deg" in bend.say
+    assert "shows 165 deg" in bend.say
+    assert next_step(record.session, frozenset({"bend 7.5"}), 0.0).lambda_deg == 15.0
+
+
+def test_a_bend_counts_as_the_protractor_shows_it(record):
+    record.add("zero", {"incline_deg": 0.1, "reversed_deg": 0.0})
+    skipped = frozenset({"bend 0", "bend 7.5"})
+    record.add("bend", {"lambda_deg": 15.0, "between_links_deg": 148.0})
+    step = next_step(record.session, skipped, 15.0)
+    assert (step.kind, step.cells["lambda_deg"]) == ("station", 16.0)
+    # So far off that it is another bend of the plan: bend again.
+    record.add("bend", {"lambda_deg": 15.0, "between_links_deg": 163.0})
+    assert next_step(record.session, skipped, 15.0).kind == "bend"
+
+
+def test_the_zero_is_read_again_at_the_end(record):
+    station(record, 2.0, 0.2)
+    skipped = frozenset({"zero before", *(f"bend {b:g}" for b in (0, 7.5, 15, 30))})
+    assert next_step(record.session, skipped).key == "zero after"
+    record.add("zero", {"incline_deg": 0.1, "reversed_deg": 0.0})
+    assert next_step(record.session, skipped).kind == "done"
+    assert dict(progress(record.session, skipped))["zero after"] == "done"
+
+
+def test_inclines_rise_faster_where_the_belt_hardly_does(record):
+    for incline, belt in ((3.0, 0.05), (3.3, 0.10), (3.6, 0.15)):
+        station(record, incline, belt, 30.0)
+    # A sixth of 1 m/s is 1.0 deg on this line; the plan's step is 0.3.
+    found = next_incline_deg(record.session, math.radians(30.0))
+    assert found == pytest.approx(4.6, abs=0.02)
+    assert next_incline_deg(record.session, math.radians(15.0)) == 2.0
+    station(record, 2.6, 0.2, 15.0)  # where this bend held, the next one begins
+    assert next_incline_deg(replace(record.session, readings=record.session.readings[3:]),
+                            math.radians(30.0)) == pytest.approx(2.6)  # fmt: skip
+
+
+def test_a_skipped_station_is_passed_over(record):
+    assert next_incline_deg(record.session, 0.0, frozenset({"station 0 2.00"})) == 2.3
+    assert next_incline_deg(record.session, 0.0, frozenset({"station 0 11.90"})) is None
+
+
+def test_what_is_out_of_line_is_doubted_at_the_incline_that_was_typed(record):
+    for incline, belt in ((2.0, 0.2), (2.3, 0.5), (2.6, 0.8)):
+        station(record, incline, belt)
+    session = replace(record.session, readings=record.session.readings[:2])
+    step = next_step(session, frozenset({"zero before"}), 0.0)
+    good = {"incline_deg": 2.6, "belt_speed_m_s": 0.8, "drift_m_s": 0.0}
+    assert doubts(session, step, good) == []
+    assert [f.column for f, _ in doubts(session, step, good | {"belt_speed_m_s": 2.9})] == [
+        "belt_speed_m_s"
+    ]
+    assert doubts(session, step, good | {"incline_deg": 4.6})[0][0].column == "incline_deg"
+
+
+def test_the_settling_time_follows_the_readings(record):
+    assert settle_s(record.session, 0.0) == pytest.approx(3 * 0.4536 / 0.084)
+    for incline, belt in ((2.0, 0.2), (2.6, 0.8)):
+        station(record, incline, belt)
+    # A is m g / (dv / d sin gamma), so m / A is that slope over g.
+    slope = 0.6 / (math.sin(math.radians(2.6)) - math.sin(math.radians(2.0)))
+    assert settle_s(record.session, 0.0) == pytest.approx(3 * slope / 9.80665)
+
+
+def test_a_session_on_the_simulated_treadmill_finds_its_truth(record):
+    treadmill = SimulatedTreadmill(record.session.setup, Truth(WHOLE_BODY_2005, 0.002), seed=5)
+    session = take_all(record, treadmill)
+    bends = {round(math.degrees(b.lambda_rad), 1) for b in session.bends}
+    assert bends == {7.5, 15.0, 30.0}
+    assert 15 <= len(session.kept) <= 40
+    assert max(r.slip_speed_m_s for r in session.kept) < 1.3
+    # Inclinometer steps of 0.1 deg: 0.03 deg each of four readings.
+    assert session.zero.value_rad == pytest.approx(0.002, abs=4 * math.radians(0.03))
+    fit = fit_friction(session)
+    for name, truth in (("ct", 0.084), ("cn", 1.2), ("ft0", 0.14), ("fn0", 0.27)):
+        # One session's common bend error alone moves cn by 10 %.
+        assert fit.parameters[name].value == pytest.approx(truth, rel=0.3)
+
+
+def test_the_same_seed_takes_the_same_session():
+    setup = no_gaits(default_setup("made up"))
+    taken = [
+        take_all(MemoryRecord(setup), SimulatedTreadmill(setup, Truth(WHOLE_BODY_2005), 3))
+        for _ in range(2)
+    ]
+    assert taken[0].readings == taken[1].readings
+
+
+def test_misreadings_out_of_line_are_read_again():
+    """All of ten sessions: of what a person misreads, the dialogue catches most."""
+    setup = no_gaits(default_setup("made up"))
+    missed = typed_wrong = 0
+    for seed in range(10):
+        clean = SimulatedTreadmill(setup, Truth(WHOLE_BODY_2005, misreads=0.1), seed)
+        session = take_all(MemoryRecord(setup), clean)
+        typed_wrong += clean.misread
+        for r in session.kept:
+            slip = clean.true_slip_m_s(r.incline_rad, r.lambda_rad) or 0.0
+            missed += abs(r.slip_speed_m_s - slip) > 0.35
+    assert typed_wrong > 10
+    assert missed <= 0.3 * typed_wrong
+
+
+def test_belts_that_cannot_go_slowly_lose_stations_not_sessions():
+    setup = no_gaits(default_setup("made up"))
+    setup = replace(setup, treadmill=replace(setup.treadmill, belt_least_m_s=0.25))
+    record = MemoryRecord(setup)
+    session = take_all(record, SimulatedTreadmill(setup, Truth(WHOLE_BODY_2005), 1))
+    assert min(r.belt_speed_m_s for r in session.kept) == 0.25
+    assert skipped_keys(record.events)
+    assert fit_friction(session).dof > 5
+
+
+def test_gait_runs_come_last_with_a_speed_and_its_doubt():
+    setup = default_setup("made up")
+    record = MemoryRecord(setup)
+    treadmill = SimulatedTreadmill(
+        setup, Truth(WHOLE_BODY_2005), 1, gait_speed=lambda robot, ground, gait: 0.1
+    )
+    session = take_all(record, treadmill)
+    assert len(session.gait_runs) == 9
+    assert session.gait_runs[0].speed_m_s == pytest.approx(0.1, rel=0.1)
+    # 1 m within 5 mm, 10 s within 0.2 s.
+    assert session.gait_runs[0].speed_sigma_m_s == pytest.approx(0.1 * 0.0206, rel=0.15)
+    assert take_step(record, treadmill, Posture()).kind == "done"
+
+
+def test_shared_errors_are_drawn_as_the_set_up_states():
+    setup = default_setup("made up")
+    zeros = [drawn_truth(setup, WHOLE_BODY_2005, np.random.default_rng(s)).incline_zero_rad
+             for s in range(400)]  # fmt: skip
+    # A standard deviation from 400 is known to 3.5 %.
+    assert np.std(zeros) == pytest.approx(setup.uncertainty.incline_zero_sigma_rad, rel=0.12)

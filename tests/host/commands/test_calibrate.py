@@ -1,0 +1,143 @@
+"""`serpenoid calibrate` without a person: begun, scripted, corrected, looked at, misused."""
+
+import json
+from pathlib import Path
+
+import pytest
+from serpenoid import load_session
+from serpenoid.calibration.taking.journal import Journal
+
+PLAN = "[simulated]\nseed = 3\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n"
+
+
+@pytest.fixture
+def folder(tmp_path, serpenoid) -> Path:
+    path = tmp_path / "session"
+    options = ("--defaults", "--simulated", "--surface", "belt")
+    assert serpenoid("calibrate", "new", str(path), *options)[0] == 0
+    with Journal(path) as journal:
+        journal.event("amend", detail="plan.gaits = []")
+    return path
+
+
+@pytest.fixture
+def plan(tmp_path) -> Path:
+    path = tmp_path / "plan.toml"
+    path.write_text(PLAN)
+    return path
+
+
+def test_a_script_takes_the_session_and_ends(folder, plan, serpenoid):
+    status, out, _ = serpenoid("calibrate", str(folder), "--script", str(plan))
+    assert (status, "stations" in out) == (0, True)
+    before = (folder / "readings.csv").read_bytes()
+    assert len(load_session(folder).kept) > 12
+    assert load_session(folder).setup.kind == "simulated"
+    assert serpenoid("calibrate", str(folder), "--script", str(plan))[1].startswith("0 step(s)")
+    assert (folder / "readings.csv").read_bytes() == before
+    assert serpenoid("fit", str(folder))[0] == 0
+
+
+def test_a_session_cut_anywhere_is_resumed_from_its_rows(folder, plan, serpenoid):
+    assert serpenoid("calibrate", str(folder), "--script", str(plan))[0] == 0
+    path = folder / "readings.csv"
+    lines = path.read_text().splitlines(keepends=True)
+    for kept in (1, 2, 9):
+        path.write_text("".join(lines[:kept]) + lines[kept][:11])
+        assert serpenoid("calibrate", str(folder), "--script", str(plan))[0] == 0
+        assert len(load_session(folder).kept) > 12
+        assert path.read_text().startswith("".join(lines[:kept]))
+
+
+def test_another_robot_or_surface_is_refused_with_the_difference(folder, plan, serpenoid):
+    text = "[robot]\nlink_mass_kg = 0.08\n[laboratory]\nsurface = 'carpet'\n"
+    plan.write_text(text + PLAN)
+    status, _, err = serpenoid("calibrate", str(folder), "--script", str(plan))
+    assert status == 2
+    assert "link_mass_kg: the session has 0.0756, this has 0.08" in err
+    assert "surface: the session has 'belt', this has 'carpet'" in err
+
+
+def test_listed_readings_are_added_once(folder, tmp_path, serpenoid):
+    rows = [(0.0, 2.0, 0.2), (0.0, 2.3, 0.5)]
+    text = "".join(
+        f"[[reading]]\nlambda_deg = {bend}\nincline_deg = {incline}\nbelt_speed_m_s = {belt}\n"
+        "drift_m_s = 0.0\n" for bend, incline, belt in rows
+    )  # fmt: skip
+    path = tmp_path / "rows.toml"
+    path.write_text(text)
+    assert serpenoid("calibrate", str(folder), "--script", str(path))[1].startswith("2 step(s)")
+    assert serpenoid("calibrate", str(folder), "--script", str(path))[1].startswith("0 step(s)")
+    assert [r.belt_speed_m_s for r in load_session(folder).kept] == [0.2, 0.5]
+
+
+def test_readings_are_added_redone_voided_and_restored(folder, serpenoid):
+    cells = ("lambda_deg=0", "incline_deg=4%", "belt_speed_m_s=1,8km/h")
+    assert serpenoid("calibrate", "add", str(folder), "station", *cells)[0] == 0
+    reading = load_session(folder).kept[0]
+    assert reading.belt_speed_m_s == pytest.approx(0.5)
+    assert reading.incline_rad == pytest.approx(0.0399787, abs=1e-6)  # atan 0.04
+    status, out, _ = serpenoid("calibrate", "redo", str(folder), "1", "drift_m_s=0.02")
+    assert (status, out) == (0, "reading 2 is kept; reading 1 is not\n")
+    redone = load_session(folder).kept
+    assert [(r.number, r.drift_m_s, r.belt_speed_m_s) for r in redone] == [(2, 0.02, 0.5)]
+    serpenoid("calibrate", "void", str(folder), "2", "--reason", "slipped")
+    serpenoid("calibrate", "void", str(folder), "1", "--restore")
+    assert [r.number for r in load_session(folder).kept] == [1]
+    gait = ("alpha_deg=70", "beta_deg=75", "omega_rad_s=3.14", "distance_m=1", "duration_s=10")
+    assert serpenoid("calibrate", "add", str(folder), "gait", *gait)[0] == 0
+    assert load_session(folder).gait_runs[0].speed_m_s == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("cells", "says"),
+    [
+        (("incline_deg=two",), "'two' is no number; type a number in deg or %"),
+        (("incline_deg=nan",), "'nan' is no number"),
+        (("incline_deg=80",), "80 deg cannot be"),
+        (("incline_deg=2.3 m",), "'m' is no unit of this"),
+        (("gamma=2",), "'gamma=2' is not NAME=VALUE with a name of lambda_deg, incline_deg"),
+        (("lambda_deg=0",), "incline_deg is ''"),
+    ],
+)
+def test_what_makes_no_sense_is_told_and_not_kept(folder, serpenoid, cells, says):
+    before = (folder / "readings.csv").read_bytes()
+    status, _, err = serpenoid("calibrate", "add", str(folder), "station", *cells)
+    assert (status, says in err) == (2, True), err
+    assert (folder / "readings.csv").read_bytes() == before
+
+
+def test_amendments_hold_from_there_on(folder, serpenoid):
+    add = ("calibrate", "add", str(folder), "station", "lambda_deg=0", "incline_deg=2.3",
+           "belt_speed_m_s=0.5")  # fmt: skip
+    serpenoid(*add)
+    serpenoid("calibrate", "amend", str(folder), "instruments.belt_speed_sigma_m_s=0.05")
+    serpenoid(*add)
+    sigmas = [r.uncertainty.belt_speed_sigma_m_s for r in load_session(folder).kept]
+    assert sigmas == [0.01, 0.05]
+    assert serpenoid("calibrate", "amend", str(folder), "robot.links=5")[0] == 2
+
+
+def test_status_and_dry_run_tell_and_write_nothing(folder, serpenoid):
+    before = {p.name: p.read_bytes() for p in folder.iterdir()}
+    assert "next: Inclinometer zero" in serpenoid("calibrate", str(folder), "--dry-run")[1]
+    assert "bend 15 deg" in serpenoid("calibrate", "status", str(folder))[1]
+    found = json.loads(serpenoid("calibrate", "status", str(folder), "--json")[1])
+    assert found["parts"]["zero before"] == "open"
+    assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
+
+
+def test_a_new_session_needs_answers_and_a_free_place(tmp_path, folder, serpenoid):
+    status, _, err = serpenoid("calibrate", "new", str(folder), "--defaults")
+    assert (status, "nothing overwrites it" in err) == (2, True)
+    other = tmp_path / "other"
+    assert "no terminal to ask at" in serpenoid("calibrate", "new", str(other))[2]
+    assert serpenoid("calibrate", "new", str(other), "--template", str(folder))[0] == 0
+    assert load_setup_surface(other) == "belt"
+    assert "no session here" in serpenoid("calibrate", "void", str(tmp_path), "1")[2]
+
+
+def load_setup_surface(folder):
+    from serpenoid.calibration.session_file import load_setup
+
+    return load_setup(folder).surface
