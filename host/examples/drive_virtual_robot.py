@@ -5,7 +5,7 @@ from pathlib import Path
 
 from serpenoid import Gait
 from serpenoid.robot import Robot
-from serpenoid.robot.wire.record import load_stream
+from serpenoid.robot.recording.stream import load_stream
 
 recording = Path("run.wire")
 gait = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)

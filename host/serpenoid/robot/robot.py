@@ -16,10 +16,12 @@ from ..model.errors import (
     BadInput,
     CommandRefused,
     DamagedLine,
+    RecordingFailed,
     RobotClosed,
     RobotError,
     RobotLost,
 )
+from .recording.recorder import Recorder
 from .signals import SignalGuard
 from .wire.clock import Drift
 from .wire.dialogue import Answer, Dialogue, Farewell
@@ -28,7 +30,6 @@ from .wire.greeting import greet
 from .wire.inbox import Losses
 from .wire.link import open_link
 from .wire.protocol import Data, Hello, Telemetry, Verdict
-from .wire.record import Recorder
 from .wire.reports import JOINTS, Status, Trim, settings_of, status_of, trims_of
 from .wire.written import degrees, digits, word
 
@@ -267,40 +268,56 @@ class Robot:
 
     def _leave(self, error: BaseException | None) -> None:
         self._signals.held = True
-        talk, farewell = self._talk, None
+        talk, farewell = self._talk, Farewell(None, None)
         told: RobotError | None = None
         try:
             if talk is not None:
                 farewell = talk.leave()
                 talk.link.close()
-            self._end_recording(error)
-            told = _told(farewell, error) if farewell else None
+            told = _told(farewell, self._end_recording(error), error)
         finally:
             self._signals.restore(forget=told is not None)
         if told:
             raise told from error
 
-    def _end_recording(self, error: BaseException | None) -> None:
-        why = error or (self._talk.failure if self._talk else None)
+    def _end_recording(self, error: BaseException | None) -> RecordingFailed | None:
+        """Close the recording; return why it is not whole, if that is not told otherwise."""
         if self._recorder is None:
-            return
-        with suppress(RobotError):  # it is told already, or the end row alone is missing
-            text = " ".join(f"{type(why).__name__}: {why}".split())
-            self._recorder.close("closed" if why is None else text)
+            return None
+        failure = self._talk.failure if self._talk else None
+        why = error or failure
+        unwritten = None
+        try:
+            self._recorder.close("closed" if why is None else _described(why))
+        except RecordingFailed as failed:
+            unwritten = failed
         if self._talk is None or not self._talk.inbox.in_session:
             self._recorder.discard()
+        return None if unwritten is failure else unwritten
 
 
-def _told(farewell: Farewell, error: BaseException | None) -> RobotError | None:
+def _told(
+    farewell: Farewell, unwritten: RecordingFailed | None, error: BaseException | None
+) -> RobotError | None:
     """Return what went wrong and no call has told, if it may be raised in place of error.
 
-    An error of the program itself is not replaced: then a stop that is not sure is a warning.
+    An error of the program itself is not replaced: beside it, what went wrong is a warning.
     """
     if error is None or isinstance(error, (KeyboardInterrupt, SystemExit)):
-        return farewell.unseen or farewell.unstopped
-    if farewell.unstopped and not isinstance(error, RobotLost):
-        warnings.warn(str(farewell.unstopped), RuntimeWarning, stacklevel=4)
+        return farewell.unseen or farewell.unstopped or unwritten
+    unstopped = None if isinstance(error, RobotLost) else farewell.unstopped
+    for problem in filter(None, (unstopped, unwritten)):
+        warnings.warn(str(problem), RuntimeWarning, stacklevel=4)
     return None
+
+
+def _described(error: BaseException) -> str:
+    """Return an error in one line, whatever its text is."""
+    try:
+        text = " ".join(str(error).split())
+    except Exception:  # a text that its own class cannot make
+        text = "without a text"
+    return f"{type(error).__name__}: {text}"
 
 
 def _obey(text: str, answer: Answer) -> None:

@@ -22,8 +22,8 @@ from serpenoid.model.errors import (
     StopUnconfirmed,
 )
 from serpenoid.robot import Robot
+from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.wire import dialogue
-from serpenoid.robot.wire.record import load_stream
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 DRIVE = ["drive", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]

@@ -17,9 +17,9 @@ import pytest
 from rich.console import Console
 from robot.fake_board import FakeBoard, eeprom_after, sealed
 from serpenoid import Gait
+from serpenoid.robot.recording.stream import load_stream
 from serpenoid.robot.tools.driven_run import Drive
 from serpenoid.robot.wire.protocol import PROTOCOL
-from serpenoid.robot.wire.record import load_stream
 from serpenoid.show import live
 
 GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]

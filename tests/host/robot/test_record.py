@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import fcntl
 import math
+import os
+import re
 import signal
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from robot.fake_board import FakeBoard
-from robot.test_leaving import drive
+from robot.test_leaving import DRIVER, drive
 from serpenoid import Gait
 from serpenoid.model.errors import BadInput, NoAnswer, RecordingFailed
 from serpenoid.robot import Robot
-from serpenoid.robot.wire.record import Recorder, load_stream
+from serpenoid.robot.recording import recorder
+from serpenoid.robot.recording.recorder import Recorder
+from serpenoid.robot.recording.stream import load_stream
 
+needs_pipe_size = pytest.mark.skipif(
+    not hasattr(fcntl, "F_SETPIPE_SZ"), reason="needs Linux, where a pipe can be made small"
+)
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
 
@@ -86,7 +93,7 @@ def test_what_holds_data_is_not_overwritten_and_what_is_no_recording_is_refused(
     with pytest.raises(BadInput, match="no recording"):
         load_stream(path)
     path.write_text("# serpenoid wire 1, begun 2026\nx < t:1\n")
-    with pytest.raises(BadInput, match="SECONDS"):
+    with pytest.raises(BadInput, match=r":2: .*no time"):
         load_stream(path)
     with pytest.raises(RecordingFailed, match="cannot read"):
         load_stream(tmp_path / "missing.txt")
@@ -130,11 +137,135 @@ def test_a_disk_that_fills_up_stops_the_robot_and_keeps_the_data(tmp_path):
     assert len(load_stream(path).frame) > 30
 
 
-def test_a_row_that_was_written_in_part_ends_the_recording(tmp_path):
-    recorder = Recorder(tmp_path / "run.txt", 0.0)
-    recorder._file = SimpleNamespace(write=lambda row: len(row) - 1)
-    with pytest.raises(RecordingFailed, match="part of a line"):
-        recorder.line(0.0, "<", b"t:1")
+@pytest.fixture
+def stalled(tmp_path):
+    """Return a FIFO whose reader takes nothing: it holds a page, then blocks who writes."""
+    path = tmp_path / "fifo"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    fcntl.fcntl(reader, fcntl.F_SETPIPE_SZ, 4096)
+    yield path, reader
+    end_s = time.monotonic() + 2.0
+    while reads(reader) and time.monotonic() < end_s:  # let the writer go
+        time.sleep(0.01)
+    os.close(reader)
+
+
+def reads(reader: int) -> bytes:
+    try:
+        return os.read(reader, 65536)
+    except BlockingIOError:
+        return b"\n"
+
+
+@needs_pipe_size
+def test_a_stalled_disk_stops_nothing_and_is_told(stalled, monkeypatch):
+    monkeypatch.setattr(recorder, "CLOSE_S", 0.2)
+    with pytest.raises(RecordingFailed, match=r"stalled, and \d+ rows could not be written"):
+        with Robot("virtual", record=stalled[0]) as robot:
+            robot.gait(GAIT)
+            frames = list(robot.frames(1.2))
+            begun_s = time.monotonic()
+            robot.stop()
+            assert time.monotonic() - begun_s < 0.5
+    assert len(frames) > 50
+    assert robot.losses.missed_frames == 0
+
+
+@needs_pipe_size
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_end_a_process_whose_disk_has_stalled(stalled, number):
+    program = DRIVER.replace("sys.argv[1])", f"sys.argv[1], record={str(stalled[0])!r})")
+    with FakeBoard() as fake:
+        child = drive(fake.port, "from pathlib import Path\n" + program)
+        time.sleep(0.5)
+        for _ in range(2):
+            child.send_signal(number)
+            time.sleep(0.1)
+        _, said = child.communicate(timeout=10)
+        assert fake.state == "hold"
+    assert "could not be written" in said
+    assert child.returncode == 1
+
+
+@needs_pipe_size
+def test_what_a_full_queue_cannot_take_is_counted_where_it_is_missing(stalled, monkeypatch):
+    monkeypatch.setattr(recorder, "MOST_WAITING", 20)
+    path, reader = stalled
+    record = Recorder(path, 0.0)
+    for k in range(100):
+        record.line(0.01 * k, "<", b"x" * 200)
+    text = reads(reader)
+    while not record._wait(0.05):
+        text += reads(reader)
+    record.line(2.0, "<", b"y")
+    with pytest.raises(RecordingFailed, match="rows could not be written"):
+        record.close()
+    text += reads(reader)
+    (lost,) = re.findall(rb"# lost: (\d+) lines\n2.000000 < y", text)
+    assert text.count(b"xxx\n") + int(lost) == 100
+    assert text.endswith(b"# end: closed\n")
+
+
+def test_threads_that_enter_out_of_turn_leave_time_running_forward(tmp_path):
+    record = Recorder(tmp_path / "run.txt", 0.0)
+    for host_s in (1.0, 0.999, 1.5):
+        record.line(host_s, ">", b"#1 ping *0000")
+    record.close()
+    assert [t for t, _ in load_stream(tmp_path / "run.txt").sent] == [1.0, 1.0, 1.5]
+
+
+def test_a_line_after_the_end_is_no_error(tmp_path):
+    """A signal may come between the closing of the recording and the giving back of handlers."""
+    path = tmp_path / "run.txt"
+    record = Recorder(path, 0.0)
+    record.close()
+    record.close()
+    record.line(9.0, ">", b"!", wait=False)
+    assert path.read_text().endswith("# end: closed\n")
+
+
+class Unsayable(Exception):
+    def __str__(self) -> str:
+        raise RuntimeError
+
+
+@pytest.mark.parametrize("error", [ValueError("caf\udce9 \ud800"), Unsayable()])
+def test_an_error_whose_text_cannot_be_written_is_passed_on(tmp_path, error):
+    path = tmp_path / "run.txt"
+    with pytest.raises(type(error)) as passed, Robot("virtual:fast", record=path):
+        raise error
+    assert passed.value is error
+    assert load_stream(path).end.startswith(type(error).__name__)
+
+
+TITLE = b"# serpenoid wire 1, begun 2026\n"
+
+
+@pytest.mark.parametrize(
+    ("rows", "where"),
+    [
+        (b"0.5 < a\n0.3 < b\n", r":3: .*backwards"),
+        (b"0.5 < a\nnan < b\n", r":3: .*nan is no time"),
+        (b"inf > a\n", ":2: "),
+        (b"0.1 x a\n", r":2: .*SECONDS < LINE"),
+        (b"0.1 < a\n# end: \xff\n", r":3: .*utf-8"),
+        (b"0.1 < \\xzz\n", r":2: .*escape"),
+        ("٣.٥ < a\n".encode(), r":2: .*no time"),
+        (b"1_0.0 < a\n", ":2: "),
+        (b"0.1 < a\n# lost: many lines\n", ":3: "),
+    ],
+)
+def test_a_recording_that_cannot_be_true_is_refused_by_line(tmp_path, rows, where):
+    path = tmp_path / "run.txt"
+    path.write_bytes(TITLE + rows)
+    with pytest.raises(BadInput, match=where):
+        load_stream(path)
+
+
+def test_what_is_no_file_is_not_read():
+    with pytest.raises(BadInput, match="no file"):
+        load_stream(Path("/dev/zero"))
 
 
 def test_a_killed_program_loses_at_most_the_last_line(tmp_path):

@@ -24,11 +24,11 @@ from ...model.errors import (
     RobotUnattended,
     StopUnconfirmed,
 )
+from ..recording.recorder import Recorder
 from .error_table import refused
 from .inbox import Inbox, Losses
 from .link import Link
 from .protocol import Data, Telemetry, Verdict, seal
-from .record import Recorder
 
 RETRY_S = 0.1
 PATIENCE_S = 2.0
@@ -205,13 +205,13 @@ class Dialogue:
         self.link.write(data)
         for line in data.split(b"\n"):
             if line:
-                self._record(self.link.now_s(), ">", line)
+                self._record(self.link.now_s(), ">", line, wait=data is not STOP)
 
-    def _record(self, host_s: float, direction: str, line: bytes) -> None:
+    def _record(self, host_s: float, direction: str, line: bytes, *, wait: bool = True) -> None:
         if not self._recorder:
             return
         try:
-            self._recorder.line(host_s, direction, line)
+            self._recorder.line(host_s, direction, line, wait=wait)
         except RobotError as error:
             self._recorder = None
             raise self._fail(error) from error

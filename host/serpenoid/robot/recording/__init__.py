@@ -1,0 +1,1 @@
+"""A run on disk: written line by line as it happens, and read back into arrays."""

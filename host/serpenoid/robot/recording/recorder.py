@@ -1,0 +1,148 @@
+"""Write a run to disk as it happens, line by line, by a thread that alone waits for the disk."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import queue
+import threading
+from datetime import datetime, timezone
+from pathlib import Path
+
+from ...model.errors import BadInput, RecordingFailed
+
+TITLE = "# serpenoid wire 1"
+COLUMNS = "# seconds since the start, < from or > to the board, the line with its CRC"
+MOST_WAITING = 60_000  # rows: some fifteen minutes of a run, 10 MB
+KEEP_UP_S = 0.01  # a disk that takes longer for a row is stalled: nobody waits for it then
+OPEN_S = CLOSE_S = 2.0
+Row = tuple[float, str, bytes] | str
+
+
+class Recorder:
+    """Write every line of a run to a file within milliseconds; a stalled disk stops nothing.
+
+    Each row is `SECONDS < LINE` or `SECONDS > LINE`; bytes that are not printable are escaped
+    as in Python. `# lost: N lines` stands where a stalled disk took none and too many waited
+    already. The last row, `# end: ...`, says how the run ended. Raises BadInput for a file that
+    has content already, RecordingFailed when the disk takes no more. Safe from any thread; with
+    wait=False from a signal handler, too.
+    """
+
+    def __init__(self, path: Path, start_s: float):
+        self.path = path
+        self._start_s = start_s
+        self._queue: queue.SimpleQueue[Row | None] = queue.SimpleQueue()
+        self._numbers = itertools.count(1)
+        self._last = self._written = 0
+        self._gap = self._lost = 0
+        self._stalled = self._closed = False
+        self._failure: RecordingFailed | None = None
+        self._progress = threading.Condition()
+        self._fd = _open(path)
+        self._thread = threading.Thread(target=self._write_on, name="serpenoid disk", daemon=True)
+        self._thread.start()
+        begun = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
+        self._put(f"{TITLE}, begun {begun}\n{COLUMNS}")
+        if not self._wait(OPEN_S) or self._failure:
+            self._queue.put(None)
+            raise self._failure or self._failed(f"it took nothing for {OPEN_S:g} s")
+
+    def line(self, host_s: float, direction: str, line: bytes, *, wait: bool = True) -> None:
+        """Add one line; direction is `<` or `>`. After close(), or on a full queue, it is lost."""
+        if self._failure:
+            raise self._failure
+        if self._closed:
+            return
+        if self._queue.qsize() >= MOST_WAITING:
+            with self._progress:  # reader, pinger and program may come at once
+                self._gap += 1
+            return
+        self._tell_gap()
+        self._put((host_s, direction, line))
+        if wait:
+            self._stalled = not self._wait(0.0 if self._stalled else KEEP_UP_S)
+        if self._failure:
+            raise self._failure
+
+    def close(self, how: str = "closed") -> None:
+        """Say how the run ended and close the file; harmless when done twice.
+
+        Raises RecordingFailed if lines were lost, or are not on the disk after two seconds.
+        """
+        if self._closed:
+            return
+        self._closed = True
+        self._tell_gap()
+        self._put(f"# end: {how}")
+        self._queue.put(None)
+        if self._wait(CLOSE_S):
+            self._thread.join(CLOSE_S)
+        if self._failure:
+            raise self._failure
+        if lost := self._lost + self._last - self._written:
+            raise self._failed(f"the disk stalled, and {lost} rows could not be written")
+
+    def discard(self) -> None:
+        """Remove the recording of a run that never began, so that its name is free again."""
+        if self.path.is_file():
+            self.path.unlink()
+
+    def _tell_gap(self) -> None:
+        with self._progress:
+            gap, self._gap = self._gap, 0
+        if gap:
+            self._lost += gap
+            self._put(f"# lost: {gap} lines")
+
+    def _put(self, row: Row) -> None:
+        self._last = next(self._numbers)
+        self._queue.put(row)
+
+    def _wait(self, most_s: float) -> bool:
+        """Wait until all that was put so far is written; return whether it is."""
+        number = self._last
+        with self._progress:
+            return self._progress.wait_for(lambda: self._written >= number, most_s)
+
+    def _write_on(self) -> None:
+        last_s = 0.0
+        while (row := self._queue.get()) is not None:
+            if isinstance(row, str):
+                text = f"{row}\n".encode("utf-8", "backslashreplace")
+            else:
+                last_s = max(last_s, row[0] - self._start_s)  # threads may enter out of turn
+                text = _formatted(last_s, *row[1:])
+            if not self._failure:
+                self._write(text)
+            with self._progress:
+                self._written += 1
+                self._progress.notify_all()
+        os.close(self._fd)
+
+    def _write(self, text: bytes) -> None:
+        try:
+            while text:
+                text = text[os.write(self._fd, text) :]
+        except OSError as error:
+            self._failure = self._failed(str(error))
+
+    def _failed(self, why: str) -> RecordingFailed:
+        return RecordingFailed(
+            f"recording to {self.path} ended: {why}; what is in it is whole: free some space or "
+            "record to another disk"
+        )
+
+
+def _open(path: Path) -> int:
+    if path.is_file() and path.stat().st_size:
+        raise BadInput(f"{path} holds something already; give the recording another name")
+    try:
+        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+    except OSError as error:
+        raise RecordingFailed(f"cannot record to {path}: {error}; choose another") from error
+
+
+def _formatted(seconds: float, direction: str, line: bytes) -> bytes:
+    text = line.rstrip(b"\r\n").decode("latin-1").encode("unicode_escape")
+    return b"%.6f %b %b\n" % (seconds, direction.encode(), text)
