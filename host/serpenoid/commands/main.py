@@ -24,6 +24,7 @@ from .robot import COMMANDS as ROBOT_COMMANDS
 from .simulate import simulate
 from .steady import steady
 from .sweep import sweep
+from .view import view
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -71,7 +72,15 @@ def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
 
 
 cli.add_command(BENCH_GROUP)
-for command in (calibrate, examples, optimize, simulate, steady, sweep):
+for command in (
+    calibrate,
+    examples,
+    optimize,
+    simulate,
+    steady,
+    sweep,
+    view,
+):  # fmt: skip
     cli.add_command(command)
 for robot_command in ROBOT_COMMANDS:
     cli.add_command(robot_command)

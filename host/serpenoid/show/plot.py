@@ -131,7 +131,11 @@ def along_travel(run: Run) -> Run:
     angle = np.arctan2(y[-1] - y[0], x[-1] - x[0])
     c, s = np.cos(angle), np.sin(angle)
     rx, ry = run.x_m - x[0], run.y_m - y[0]
-    return replace(run, x_m=c * rx + s * ry, y_m=-s * rx + c * ry, theta_rad=run.theta_rad - angle)
+    vx, vy = run.vx_m_s, run.vy_m_s
+    return replace(
+        run, x_m=c * rx + s * ry, y_m=-s * rx + c * ry, theta_rad=run.theta_rad - angle,
+        vx_m_s=c * vx + s * vy, vy_m_s=-s * vx + c * vy,
+    )  # fmt: skip
 
 
 def path_and_poses(run: Run, title: str, path: Path) -> None:

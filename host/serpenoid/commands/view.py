@@ -1,0 +1,99 @@
+"""The command `serpenoid view`: a scene, a recording or the virtual robot as a page to watch."""
+
+from __future__ import annotations
+
+import math
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..model.errors import BadInput
+from .options import AS_JSON, describe, interruptible, make_robot, robot_options, show_json
+from .paths import OutFile
+
+if TYPE_CHECKING:
+    from ..model.gait import Gait
+    from ..robot.recording.stream import Stream
+
+_VIRTUAL_S = 8.0
+
+
+@click.command()
+@click.argument("what", metavar="SCENE|RECORDING|virtual")
+@robot_options
+@click.option("--out", type=OutFile(".html"), default=Path("view.html"), show_default=True,
+              help="Page to write; it needs no other file.")  # fmt: skip
+@click.option("--open", "open_it", is_flag=True, help="Open the page in the browser.")
+@AS_JSON
+def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> None:
+    """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
+
+    WHAT is a scene file, a recording of `serpenoid drive --record` (shown beside what the model
+    predicts of that gait, for the robot and ground of the options), or `virtual`, eight seconds of
+    the virtual robot.
+    """
+    from ..show.view_page import write_page
+
+    if what.endswith(".toml"):
+        gait, title, about, shown = _scene(Path(what), given)
+    else:
+        gait, title, about, shown = _recording(what, given)
+    write_page(out, title, about, shown)
+    if open_it:
+        webbrowser.open(out.resolve().as_uri())
+    if as_json:
+        show_json({"page": str(out), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
+    else:
+        click.echo(f"wrote {out}; open it in a browser")
+
+
+def _gait_words(gait: Gait) -> str:
+    return (f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
+            f"ω = {gait.omega_rad_s:.3g} rad/s")  # fmt: skip
+
+
+def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
+    from ..show.view_page import of_run
+    from ..simulation.scene_file import load_scene
+    from ..simulation.simulate import simulate
+
+    if any(value is not None for value in given.values()):
+        raise click.UsageError("a scene file has its own robot and ground; leave the options out")
+    scene = load_scene(path)
+    run = interruptible(lambda: simulate(scene))
+    about = (f"{_gait_words(scene.gait)}; {scene.robot.links} links, {scene.formulation} model, "
+             f"method {scene.method}")  # fmt: skip
+    return scene.gait, path.stem.replace("_", " "), about, of_run(run)
+
+
+def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
+    from ..robot.recording.stream import load_stream
+    from ..show.view_page import of_recording
+
+    preset = given["preset"] or "2005"
+    robot, ground = make_robot(given)
+    stream = _virtual_stream() if what == "virtual" else load_stream(Path(what))
+    gait, shown = interruptible(lambda: of_recording(stream, robot, ground))
+    title = "the virtual robot" if what == "virtual" else Path(what).name
+    about = (f"{_gait_words(gait)}; the path is predicted for the {preset} robot and ground, the "
+             "set-points are the firmware's own")  # fmt: skip
+    return gait, title, about, shown
+
+
+def _virtual_stream() -> Stream:
+    """Drive the virtual robot, as fast as it computes, and return its recording."""
+    import tempfile
+
+    from ..model.gait import Gait
+    from ..robot import Robot
+    from ..robot.recording.stream import load_stream
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.wire"
+        with Robot("virtual:fast", record=path) as robot:
+            robot.gait(Gait(math.radians(70), math.radians(75), 5.0))
+            if not sum(1 for _ in robot.frames(_VIRTUAL_S)):
+                raise BadInput("the virtual robot sent no frames")
+        return load_stream(path)
