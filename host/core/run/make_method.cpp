@@ -9,6 +9,7 @@
 #include "methods/adaptive/collocation.hpp"
 #include "methods/adaptive/dop853.hpp"
 #include "methods/adaptive/error_scale.hpp"
+#include "methods/adaptive/mode_steps.hpp"
 #include "methods/euler.hpp"
 #include "methods/paper_scheme.hpp"
 #include "methods/rk4.hpp"
@@ -22,10 +23,9 @@ namespace serpenoid {
 
 namespace {
 
-// A gait's motion has its rate as unit; other drives know no such time, and a second is theirs.
 // Energies: of links that move by their length, and what friction takes from them, in that time.
 std::vector<double> error_scale(const RunRequest& q, const System& system) {
-    const double rate = q.drive == Drive::angle ? q.gait.omega : std::max(q.gait.omega, 1.0);
+    const double rate = rate_unit(q);
     const double length = 2 * q.robot.l, speed = length * rate;
     const Ground& g = q.ground;
     const double link = (q.robot.m + (g.ct + g.cn) / rate) * speed * speed;
@@ -50,8 +50,13 @@ Made collocation(const RunRequest& q, System&) {
     return std::make_unique<Collocation>(q.robot, q.ground, q.gait, q.tolerance);
 }
 Made nonsmooth(const RunRequest& q, System& system) {
-    if (q.formulation == Formulation::explicit_) return std::make_unique<SetValuedMotion>(q);
-    return std::make_unique<StickSlip>(system, q.robot, q.ground, q.dt);
+    if (q.formulation == Formulation::implicit)
+        return std::make_unique<StickSlip>(system, q.robot, q.ground, q.dt);
+    if (in_body_frame(q)) return std::make_unique<SetValuedMotion>(q);
+    Modes* modes = system.modes();
+    if (!modes) return dop853(q, system);
+    return std::make_unique<ModeSteps>(system, *modes, error_scale(q, system), q.tolerance,
+                                       1e-12 / rate_unit(q));
 }
 
 struct Maker {

@@ -57,6 +57,7 @@ class EnergyLedger final : public System {
     }
     double next_jump(double t) const override { return inner_->next_jump(t); }
     void enter(double t) override { inner_->enter(t); }
+    Modes* modes() override { return inner_->modes(); }
     void latch() override { inner_->latch(); }
 
     // One row of the ledger; the chain must have been filled from y.

@@ -17,6 +17,15 @@ class PairedSystem : public System {
   public:
     PairedSystem(int links, int coordinates) : System(links), half(coordinates) {}
     int dim() const override { return 2 * half; }
+
+    // forces() in two parts: the chain with the forces of the ground, and what drives the joints;
+    // then from the forces that stand in the chain the accelerations, and what the joints bear.
+    virtual void load(double t, const double* y) = 0;
+    virtual void accelerate() = 0;
+    void forces(double t, const double* y) final { load(t, y), accelerate(); }
+    // dy/dt by the accelerations that stand in the chain.
+    virtual void derivative(const double* y, double* dy) const = 0;
+
     std::vector<int> rate_of() const override {
         std::vector<int> of(2 * half, -1);
         for (int i = 0; i < half; ++i) of[i] = half + i;
@@ -69,10 +78,11 @@ class ExplicitAngle final : public PairedSystem {
         dy[0] = y[3], dy[1] = y[4], dy[2] = y[5];
         dy[3] = tail.ax, dy[4] = tail.ay, dy[5] = tail.alpha;
     }
-    void forces(double t, const double* y) override {
-        fill(t, y);
-        force(chain);
-        explicit_angle(robot, drive.joint_accel(), chain, joints);
+    void load(double t, const double* y) override { fill(t, y), force(chain); }
+    void accelerate() override { explicit_angle(robot, drive.joint_accel(), chain, joints); }
+    void derivative(const double* y, double* dy) const override {
+        std::copy_n(y + 3, 3, dy);
+        dy[3] = chain.ax[0], dy[4] = chain.ay[0], dy[5] = chain.alpha[0];
     }
 
   private:
@@ -102,14 +112,14 @@ class ExplicitTorque final : public PairedSystem {
         chain.directions();
         chain.follow(robot.l);
     }
-    void forces(double t, const double* y) override {
+    void load(double t, const double* y) override {
         fill(t, y);
         force(chain);
         source->torques(t, chain, joints.T.data());
-        explicit_torque(robot, chain, joints);
     }
-    void rate(double t, const double* y, double* dy) override {
-        forces(t, y);
+    void accelerate() override { explicit_torque(robot, chain, joints); }
+    void rate(double t, const double* y, double* dy) override { forces(t, y), derivative(y, dy); }
+    void derivative(const double* y, double* dy) const override {
         std::copy_n(y + half, half, dy);
         dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0];
         for (int i = 0; i < robot.n; ++i) dy[half + 2 + i] = chain.alpha[i];
@@ -152,15 +162,17 @@ class ExplicitMixed final : public PairedSystem {
         chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[half], chain.vy[0] = y[half + 1];
         chain.follow(robot.l);
     }
-    void forces(double t, const double* y) override {
+    void load(double t, const double* y) override {
         fill(t, y);
         force(chain);
         source->torques(t, chain, joints.T.data());
         drive.limp(joints.T.data());
+    }
+    void accelerate() override {
         explicit_mixed(robot, drive.imposed(), drive.joint_accel(), chain, joints);
     }
-    void rate(double t, const double* y, double* dy) override {
-        forces(t, y);
+    void rate(double t, const double* y, double* dy) override { forces(t, y), derivative(y, dy); }
+    void derivative(const double* y, double* dy) const override {
         std::copy_n(y + half, half, dy);
         dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0], dy[half + 2] = chain.alpha[0];
         for (int f = 0; f < drive.free_joints(); ++f) {
@@ -178,5 +190,7 @@ class ExplicitMixed final : public PairedSystem {
     MixedDrive drive;
     std::unique_ptr<TorqueSource> source;
 };
+
+std::unique_ptr<PairedSystem> make_paired(const RunRequest& request);
 
 }  // namespace serpenoid

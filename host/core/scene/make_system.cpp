@@ -1,10 +1,29 @@
 // Formulation first, then the terms (explicit_systems.cpp, implicit_systems.cpp).
 #include "scene/make_system.hpp"
 
+#include "scene/sticking_system.hpp"
+
 namespace serpenoid {
 
+namespace {
+
+// The method makes sticking of what moves on ground without dry friction.
+std::unique_ptr<System> make_sticking(const RunRequest& q) {
+    constexpr double kAtRest = 1e-3;  // of what a step may err by
+    RunRequest slippery = q;
+    slippery.ground.ft0 = slippery.ground.fn0 = 0;
+    const double speed = 2 * q.robot.l * q.robot.n * rate_unit(q);
+    return std::make_unique<StickingSystem>(make_paired(slippery), q.ground,
+                                            kAtRest * q.tolerance * speed);
+}
+
+}  // namespace
+
 std::unique_ptr<System> make_system(const RunRequest& q) {
-    if (q.formulation == Formulation::explicit_) return make_explicit(q);
+    const bool pinned = q.formulation == Formulation::explicit_;
+    if (pinned && q.method.makes_friction && q.ground.dry() && !in_body_frame(q))
+        return make_sticking(q);
+    if (pinned) return make_explicit(q);
     if (!q.method.makes_friction) return make_implicit(q);
     RunRequest bare = q;  // the method itself applies the friction
     bare.ground = {0, 0, 0, 0};

@@ -17,12 +17,9 @@ struct MethodKind {
     const char* adaptive = "";  // formulations in which it picks its steps; in the others dt_s
     const char* drives = "angle torque servo";
     const char* laws = "viscous smoothed dry";
-    const char* records = "joints friction energy";  // beside the motion
-    // Formulations in which all joints must follow the gait, on the level unless plain_incline, and
-    // no more than plain_records is recorded.
-    const char* plain = "";
-    const char* plain_records = "";
-    bool plain_incline = false;
+    const char* records = "joints friction energy";           // beside the motion: explicit,
+    const char* implicit_records = "joints friction energy";  // and implicit
+    bool plain = false;           // all joints must follow the gait, on the level
     bool faults = true;           // runs with limp or locked joints
     bool holds_dampers = false;   // dampers take the rates of the step before
     bool makes_friction = false;  // implicit: applies the friction itself, to a system without
@@ -46,8 +43,8 @@ inline constexpr MethodKind kMethods[] = {
      .adaptive = "explicit",
      .drives = "angle",
      .laws = "viscous",
-     .plain = "explicit",
-     .plain_records = "joints friction"},
+     .records = "joints friction",
+     .plain = true},
     {.name = "radau",
      .order = 5,
      .formulations = "implicit",
@@ -59,10 +56,7 @@ inline constexpr MethodKind kMethods[] = {
      .stability = "stick_slip",
      .adaptive = "explicit",
      .laws = "viscous dry",
-     .records = "joints friction",
-     .plain = "explicit",
-     .plain_records = "joints friction",
-     .plain_incline = true,
+     .implicit_records = "joints friction",
      .makes_friction = true},
 };
 

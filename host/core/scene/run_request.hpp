@@ -1,6 +1,7 @@
 // What a run is asked to be and what it gives back.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -41,6 +42,18 @@ struct RunRequest {
     std::vector<double> start;            // x, y, theta, vx, vy, omega: n values each
     std::function<bool(double t)> go_on;  // asked now and then; false stops the run
 };
+
+// What a motion has as its unit of time, 1/s: its gait, and where other drives move it a second.
+inline double rate_unit(const RunRequest& q) {
+    return q.drive == Drive::angle ? q.gait.omega : std::max(q.gait.omega, 1.0);
+}
+
+// Whether sticking can be followed in the body frame, three unknowns (body/sticking_motion.hpp).
+inline bool in_body_frame(const RunRequest& q) {
+    const bool straight = q.gait.alpha == 0 && q.gait.offset == 0;
+    return q.drive == Drive::angle && q.faults.empty() && !q.record_energy &&
+           !(straight && q.slope.tilted());
+}
 
 // The fields that a Scene of Python has as plain numbers, under its names: handed over as they are.
 template <class Visit>

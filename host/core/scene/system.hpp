@@ -12,6 +12,18 @@
 
 namespace serpenoid {
 
+// The modes of a system whose motion is smooth while they last: wheels that rest or slide.
+class Modes {
+  public:
+    virtual ~Modes() = default;
+    // Find the modes that follow on a state; what rests in them is put to rest in it.
+    virtual void find(double t, double* y) = 0;
+    // How far each part is from the end of its mode: negative beyond, -1 the aim when it ends.
+    virtual void margins(double t, const double* y, std::vector<double>& margin) = 0;
+    // Whether what rests has crept by the errors of the steps, and is to be found anew.
+    virtual bool creeps(double t, const double* y) = 0;
+};
+
 class System {
   public:
     explicit System(int links)
@@ -41,6 +53,9 @@ class System {
     // reached: the motion between two jumps is smooth.
     virtual double next_jump(double) const { return std::numeric_limits<double>::infinity(); }
     virtual void enter(double) {}
+
+    // Those that its motion has, for a method that follows them.
+    virtual Modes* modes() { return nullptr; }
 
     // The paper's scheme: keep the rates of the gaps as they are, for the dampers of the next step.
     virtual void latch() {}

@@ -12,8 +12,8 @@
 namespace serpenoid {
 
 // Call make.template operator()<Force>() with the ground force that a request asks for.
-template <class Make>
-std::unique_ptr<System> with_force(const RunRequest& q, const Make& make) {
+template <class Made = System, class Make>
+std::unique_ptr<Made> with_force(const RunRequest& q, const Make& make) {
     const auto plane = [&]<class Law>() {
         return q.slope.tilted() ? make.template operator()<GroundForce<Law, Tilted>>()
                                 : make.template operator()<GroundForce<Law, Flat>>();

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..model.errors import Diverged, StepTooLarge
 from .error import Difference, RunError
-from .related_scenes import FinerScenes, exact_scene, finer_scenes, stiffer_scene
+from .related_scenes import FinerScenes, exact_scene, finer_scenes
 from .run import Run
 from .scene import Scene
 
@@ -111,13 +111,8 @@ def estimate(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
     if scene.formulation == "explicit":
         return found
     exact = exact_scene(scene, min(scene.tolerance, 1e-6))
-    if exact is not None:
-        word = f"modelling: difference to the explicit formulation by {exact.method}"
-        springs = difference(run, simulate(exact))
-    else:
-        stiffer = stiffer_scene(scene, 4.0)
-        word = f"modelling: 4/3 of the difference to k = {stiffer.joint_stiffness_n_m:g} N/m"
-        springs = difference(run, simulate(stiffer)).scaled(4 / 3)
+    word = f"modelling: difference to the explicit formulation by {exact.method}"
+    springs = difference(run, simulate(exact))
     return RunError(
         found.integration, springs, f"{found.how}; {word}",
         found.settled, found.believed_s, found.chaotic,
@@ -145,12 +140,10 @@ def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
         found.append(_unsettled(run, error))
     if error.modelling is not None and abs(error.modelling.mean_speed) > _PRESENT_AT:
         percent = 100 * error.modelling.mean_speed
-        exact = exact_scene(scene, scene.tolerance) is not None
         found.append(
             f"the springs (k = {scene.joint_stiffness_n_m:g} N/m) change the mean speed by "
             f"{percent:+.2g} %; the error falls as 1/k: take k = "
-            f"{scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %"
-            + (", or formulation 'explicit'" if exact else "")
+            f"{scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %, or formulation 'explicit'"
         )
     found += _steps_too_long(run, error.integration)
     if scene.law == "dry" and scene.method != "nonsmooth":

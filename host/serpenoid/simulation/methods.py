@@ -15,9 +15,8 @@ class MethodKind:
     order: of convergence at recorded times, for smooth motion. stability: the rule for its fixed
     steps (stability.py), empty for methods without. adaptive: formulations in which it takes steps
     of its own to scene.tolerance; in the others steps of dt_s. records: what it can record besides
-    the motion. plain: formulations in which it runs with drive "angle", with all joints sound, on
-    the level unless plain_incline, and can record no more than plain_records. faults: whether it
-    runs with limp or locked joints.
+    the motion, implicit_records: with the implicit formulation. plain: whether all joints must
+    follow the gait, on the level. faults: whether it runs with limp or locked joints.
     """
 
     order: int
@@ -27,13 +26,12 @@ class MethodKind:
     drives: tuple[str, ...]
     laws: tuple[str, ...]
     records: tuple[str, ...]
-    plain: tuple[str, ...]
-    plain_records: tuple[str, ...]
-    plain_incline: bool
+    implicit_records: tuple[str, ...]
+    plain: bool
     faults: bool
 
 
-_WORDS = ("formulations", "adaptive", "drives", "laws", "records", "plain", "plain_records")
+_WORDS = ("formulations", "adaptive", "drives", "laws", "records", "implicit_records")
 
 
 def _kind(row: dict[str, Any]) -> MethodKind:

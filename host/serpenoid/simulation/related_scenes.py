@@ -1,8 +1,7 @@
-"""Scenes beside a scene: its exact model, stiffer springs, and finer ones that tell its error."""
+"""Scenes beside a scene: its exact model, and finer ones that tell its error."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -23,32 +22,13 @@ def follows_gait(scene: Scene) -> bool:
     return scene.drive == "angle" and not (scene.limp or scene.locked)
 
 
-def exact_scene(scene: Scene, tolerance: float) -> Scene | None:
-    """Return a scene in the explicit formulation, by the best method for it; None if none is good.
-
-    (Dry friction needs exact sticking; the explicit formulation has it if all joints follow the
-    gait.)
-    """
+def exact_scene(scene: Scene, tolerance: float) -> Scene:
+    """Return a scene in the explicit formulation, by the most accurate method for it."""
     if scene.law == "dry":
         method = "nonsmooth"
-        if not follows_gait(scene) or scene.gait.alpha_rad == scene.gait.offset_rad == 0:
-            return None
     else:
         method = "collocation" if plain(scene) and scene.law == "viscous" else "dop853"
     return replace(scene, formulation="explicit", tolerance=tolerance, record=(), method=method)
-
-
-def stiffer_scene(scene: Scene, factor: float) -> Scene:
-    """Return an implicit scene with springs and dampers stiffer by a factor, at a stable step."""
-    scene = replace(
-        scene, record=(), joint_stiffness_n_m=factor * scene.joint_stiffness_n_m,
-        joint_damping_n_s_m=factor * scene.joint_damping_n_s_m,
-    )  # fmt: skip
-    limit = largest_stable_step_s(scene) / 2
-    if scene.adaptive or scene.dt_s <= limit:
-        return scene
-    split = math.ceil(scene.dt_s / limit)
-    return replace(scene, dt_s=scene.dt_s / split, record_every=split * scene.every)
 
 
 def largest_stable_step_s(scene: Scene) -> float:
@@ -84,9 +64,7 @@ def finer_scenes(scene: Scene) -> Iterator[FinerScenes]:
         yield from _by_tolerance(bare, scene.tolerance)
         return
     if scene.formulation == "explicit":
-        exact = exact_scene(bare, _TIGHT)
-        if exact is not None:
-            yield _pair(exact, _TIGHT, _TIGHTEST)
+        yield _pair(exact_scene(bare, _TIGHT), _TIGHT, _TIGHTEST)
     elif scene.law != "dry":
         yield _pair(replace(bare, method="dop853"), _TIGHT, _TIGHTEST)
         if not (scene.limp or scene.locked):
@@ -106,8 +84,8 @@ def _by_tolerance(scene: Scene, tolerance: float) -> Iterator[FinerScenes]:
     tight, tightest = min(tolerance / 10, _TIGHT), min(tolerance / 1000, _TIGHTEST)
     if tightest < _LEAST:  # rounding is all that is left: looser runs tell as much
         tight, tightest = max(100 * tolerance, 1e-11), max(10 * tolerance, 1e-12)
-    exact = exact_scene(scene, tight) if scene.formulation == "explicit" else None
-    if exact is not None and exact.method != scene.method:
+    exact = exact_scene(scene, tight)
+    if scene.formulation == "explicit" and exact.method != scene.method:
         yield _pair(exact, tight, tightest)
     if scene.method == "radau":  # of low order: each digit is dear
         tight, tightest = max(tolerance / 10, _LEAST), max(tolerance / 1000, _LEAST)

@@ -195,29 +195,23 @@ class Scene:
             raise BadInput(
                 f"method {self.method!r} does not run with limp or locked joints; take method 'rk4'"
             )
-        plain = self.formulation in kind.plain
+        can = kind.implicit_records if self.formulation == "implicit" else kind.records
         for name in self.record:
-            if name in (kind.plain_records if plain else kind.records):
+            if name in can:
                 continue
             raise BadInput(
                 f"method {self.method!r} in formulation {self.formulation!r} cannot record "
                 f"{name!r}; leave it out, or take method 'rk4'"
             )
-        if not plain:
-            return
         extras = {
             f"drive {self.drive!r}": self.drive != "angle",
-            "an incline": self.incline_rad > 0 and not kind.plain_incline,
+            "an incline": self.incline_rad > 0,
             "limp or locked joints": bool(self.limp or self.locked),
-            "a straight chain (alpha_rad 0, offset_rad 0) on an incline": self.incline_rad > 0
-            and self.gait.alpha_rad == self.gait.offset_rad == 0,
         }
-        way_out = ", or formulation 'implicit'" if "implicit" in kind.formulations else ""
         for what, there in extras.items():
-            if there:
+            if there and kind.plain:
                 raise BadInput(
-                    f"method {self.method!r} in formulation {self.formulation!r} does not run "
-                    f"with {what}; take method 'rk4'{way_out}"
+                    f"method {self.method!r} does not run with {what}; take method 'rk4'"
                 )
 
     def _check_start(self) -> None:

@@ -176,7 +176,8 @@ def test_what_is_printed() -> None:
 def test_dry_ground_takes_the_method_that_runs_the_scene() -> None:
     dry = [*GAIT, "--duration-s", "0.01"]
     assert answer(*dry)["method"] == "nonsmooth"
-    assert answer(*dry, "--record", "energy")["method"] == "rk4"
+    assert answer(*dry, "--record", "energy")["method"] == "nonsmooth"
+    assert answer(*dry, "--servo")["method"] == "nonsmooth"
     assert answer(*dry, "--smoothing-m-s", "1e-3")["method"] == "rk4"
     assert answer(*SHORT)["method"] == "rk4"
 

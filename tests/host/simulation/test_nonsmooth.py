@@ -37,7 +37,14 @@ def sliding_rod(v0: float, pull: float, kappa: float, mu: float, t: float) -> fl
 
 
 @pytest.mark.parametrize(
-    ("formulation", "incline"), [("explicit", 0.0), ("implicit", 0.02), ("implicit", 0.4)]
+    ("formulation", "incline"),
+    [
+        ("explicit", 0.0),
+        ("explicit", 0.02),
+        ("explicit", 0.4),
+        ("implicit", 0.02),
+        ("implicit", 0.4),
+    ],
 )
 def test_thrown_uphill_it_stops_and_stays_or_slides_back(formulation: str, incline: float) -> None:
     """All links alike: m v' = -m g sin - ct v - ft0 sgn v, which is solved exactly."""

@@ -195,7 +195,7 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
         ({"dt_s": 1e-6, "duration_s": 1e3, "record_every": 1}, "recording would take 144 GB"),
         ({"formulation": "both"}, "formulation is 'both'"),
         ({"drive": "torque"}, "give torque with drive"),
-        ({"drive": "torque", "torque": [0.0] * 2, "method": "nonsmooth"}, "take method 'rk4'"),
+        ({"drive": "torque", "torque": [0.0] * 2, "method": "collocation"}, "drive 'torque'"),
         ({"smoothing_m_s": 1e-3, "method": "nonsmooth"}, "law 'smoothed'"),
         ({"method": "heun"}, "method is 'heun'"),
         ({"record": ("power",)}, "record is 'power'"),

@@ -30,6 +30,12 @@ void Dop853::restart(double t, const double* y) {
     h_next_ = 0;
 }
 
+void Dop853::go_on(double t, const double* y) {
+    const double pace = h_next_;
+    restart(t, y);
+    h_next_ = pace;
+}
+
 // y_old + h (the row's sum of rates); zeros of the table are gone at compile time.
 template <int stage>
 void Dop853::combine(double h, double* to) const {

@@ -26,6 +26,8 @@ class Dop853 final : public Method {
     Dop853(System& system, const std::vector<double>& scale, double tolerance);
 
     void restart(double t, const double* y) override;
+    // The same, with a first step as long as the next one would have been.
+    void go_on(double t, const double* y);
     StepOutcome step(double t_limit) override;
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }

@@ -1,0 +1,120 @@
+// The active-set method of box_quadratic.hpp.
+#include "numerics/box_quadratic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+
+namespace serpenoid {
+
+namespace {
+
+using Vector = std::vector<double>;
+constexpr double kInside = 1 - 1e-15;  // what is not at its bound
+
+// Lower triangle of the factor of a positive definite matrix, in place; rows of `size`.
+void cholesky(Vector& m, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) {
+        for (std::size_t j = 0; j <= i; ++j) {
+            double sum = m[i * size + j];
+            for (std::size_t k = 0; k < j; ++k) sum -= m[i * size + k] * m[j * size + k];
+            m[i * size + j] = i == j ? std::sqrt(sum) : sum / m[j * size + j];
+        }
+    }
+}
+
+void solve_factored(const Vector& m, std::size_t size, Vector& x) {
+    for (std::size_t i = 0; i < size; ++i) {
+        for (std::size_t k = 0; k < i; ++k) x[i] -= m[i * size + k] * x[k];
+        x[i] /= m[i * size + i];
+    }
+    for (std::size_t i = size; i-- > 0;) {
+        for (std::size_t k = i + 1; k < size; ++k) x[i] -= m[k * size + i] * x[k];
+        x[i] /= m[i * size + i];
+    }
+}
+
+}  // namespace
+
+// matrix_ x_ = right_ by a matrix that is a little larger, and thrice what is left over: from zero
+// this goes to the smallest solution, and is as good as exact wherever there is one.
+void BoxQuadratic::solve() {
+    const std::size_t size = right_.size();
+    double most = 0;
+    for (std::size_t i = 0; i < size; ++i) most = std::max(most, matrix_[i * size + i]);
+    factor_ = matrix_;
+    for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] += 1e-9 * most;
+    cholesky(factor_, size);
+    x_.assign(size, 0.0);
+    for (int again = 0; again < 3; ++again) {
+        rest_ = right_;
+        for (std::size_t i = 0; i < size; ++i)
+            for (std::size_t j = 0; j < size; ++j) rest_[i] -= matrix_[i * size + j] * x_[j];
+        solve_factored(factor_, size, rest_);
+        for (std::size_t i = 0; i < size; ++i) x_[i] += rest_[i];
+    }
+}
+
+void BoxQuadratic::minimise_free(const Vector& A, const Vector& b, Vector& z) {
+    matrix_ = A, right_ = b;
+    for (double& r : right_) r = -r;
+    solve();
+    z = x_;
+}
+
+bool BoxQuadratic::minimise(const Vector& A, const Vector& b, Vector& z) {
+    const std::size_t n = b.size();
+    double scale = 1e-300;
+    for (std::size_t i = 0; i < n; ++i) scale = std::max({scale, A[i * n + i], std::fabs(b[i])});
+    const auto slope = [&](std::size_t i) {
+        return std::inner_product(z.begin(), z.end(), A.begin() + static_cast<long>(i * n), b[i]);
+    };
+    free_.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+        z[i] = std::clamp(z[i], -1.0, 1.0);
+        if (std::fabs(z[i]) < 1) free_.push_back(static_cast<int>(i));
+    }
+    for (std::size_t moves = 0; moves < 100 + 20 * n; ++moves) {
+        const std::size_t size = free_.size();
+        matrix_.resize(size * size), right_.resize(size);
+        for (std::size_t i = 0; i < size; ++i) {
+            right_[i] = -b[free_[i]];
+            for (std::size_t j = 0; j < n; ++j)
+                if (std::fabs(z[j]) == 1) right_[i] -= A[free_[i] * n + j] * z[j];
+            for (std::size_t j = 0; j < size; ++j)
+                matrix_[i * size + j] = A[free_[i] * n + free_[j]];
+        }
+        solve();
+        double part = 1;
+        int stop = -1;
+        for (std::size_t i = 0; i < size; ++i) {
+            const double from = z[free_[i]], to = x_[i];
+            if (std::fabs(to) <= 1) continue;
+            const double here = (std::copysign(1.0, to) - from) / (to - from);
+            if (here < part || stop < 0) part = std::min(part, here), stop = static_cast<int>(i);
+        }
+        for (std::size_t i = 0; i < size; ++i) {
+            double& to = z[free_[i]];
+            to = std::clamp(to + part * (x_[i] - to), -kInside, kInside);
+        }
+        if (stop >= 0) {
+            z[free_[stop]] = std::copysign(1.0, x_[stop]);
+            free_.erase(free_.begin() + stop);
+            continue;
+        }
+        int worst = -1;
+        double most = 1e-11 * scale;
+        for (std::size_t i = 0; i < n; ++i) {
+            if (std::fabs(z[i]) != 1) continue;
+            const double pull = z[i] * slope(i);
+            if (pull > most) most = pull, worst = static_cast<int>(i);
+        }
+        if (worst < 0) return true;
+        free_.push_back(worst);
+        z[worst] *= kInside;
+    }
+    return false;
+}
+
+}  // namespace serpenoid

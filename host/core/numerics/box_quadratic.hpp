@@ -1,0 +1,31 @@
+// Minimum of a convex quadratic over a box: forces that hold a body at rest, each within its bound.
+//
+//     minimise  1/2 z.A z + b.z  over |z_i| <= 1,     A symmetric, positive semidefinite.
+//
+// A is singular where more holds than is needed to hold; of all solutions of a linear system the
+// smallest is taken then, which spreads the load. Active-set method: the minimum with some z at
+// their bounds, as far towards it as the box allows, one more at its bound; or, when it is inside,
+// the bound that pulls inwards most is let go. The value falls at every move.
+#pragma once
+
+#include <vector>
+
+namespace serpenoid {
+
+class BoxQuadratic {
+  public:
+    // A by rows; z is where to start, and then the minimum. False when rounding makes it cycle.
+    bool minimise(const std::vector<double>& A, const std::vector<double>& b,
+                  std::vector<double>& z);
+
+    // The smallest z of those that minimise without any bounds.
+    void minimise_free(const std::vector<double>& A, const std::vector<double>& b,
+                       std::vector<double>& z);
+
+  private:
+    void solve();
+    std::vector<int> free_;
+    std::vector<double> matrix_, factor_, right_, x_, rest_;
+};
+
+}  // namespace serpenoid

@@ -1,0 +1,166 @@
+// The forces and modes of sticking_system.hpp.
+#include "scene/sticking_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace serpenoid {
+
+namespace {
+constexpr double kOverBound = 1e-6;  // of its bound: by how much a force exceeds it when it ends
+constexpr double kBackwards = 0.1;   // of at_rest: how fast a wheel goes back when its slide ends
+constexpr double kCreep = 100;       // times at_rest: how fast one that rests may become
+}  // namespace
+
+StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const Ground& ground,
+                               double at_rest)
+    : System(*slippery), inner_(std::move(slippery)), at_rest_(at_rest) {
+    for (int i = 0; i < chain.n(); ++i) {
+        if (ground.ft0 > 0) ways_.push_back({i, false, ground.ft0});
+        if (ground.fn0 > 0) ways_.push_back({i, true, ground.fn0});
+    }
+    for (std::size_t w = 0; w < ways_.size(); ++w) resting_.push_back(static_cast<int>(w));
+}
+
+double StickingSystem::speed(const Way& w) const {
+    const int i = w.link;
+    return w.across ? chain.c[i] * chain.vy[i] - chain.s[i] * chain.vx[i]
+                    : chain.c[i] * chain.vx[i] + chain.s[i] * chain.vy[i];
+}
+
+// d/dt of speed(), the turning of the direction included.
+double StickingSystem::acceleration(const Way& w) const {
+    const int i = w.link;
+    const double c = chain.c[i], s = chain.s[i], turn = chain.omega[i];
+    if (w.across)
+        return c * chain.ay[i] - s * chain.ax[i] - turn * (c * chain.vx[i] + s * chain.vy[i]);
+    return c * chain.ax[i] + s * chain.ay[i] + turn * (c * chain.vy[i] - s * chain.vx[i]);
+}
+
+// A force of a part of the bound on a link in one of its directions.
+void StickingSystem::push(const Way& w, double part) {
+    const int i = w.link;
+    const double f = part * w.dry;
+    chain.fx[i] += f * (w.across ? -chain.s[i] : chain.c[i]);
+    chain.fy[i] += f * (w.across ? chain.c[i] : chain.s[i]);
+}
+
+// All forces but those of what rests, and the accelerations by them.
+void StickingSystem::slide(double t, const double* y) {
+    inner_->load(t, y);
+    for (const Way& w : ways_)
+        if (w.sign != 0) push(w, -w.sign);
+    inner_->accelerate();
+    free_x_ = chain.fx, free_y_ = chain.fy;
+}
+
+// W by columns and rows, each times its bound, and a times the bound; slide() has been called.
+void StickingSystem::respond(const std::vector<int>& ways) {
+    const std::size_t k = ways.size();
+    response_.resize(k * k), pull_.resize(k), still_.resize(k);
+    for (std::size_t i = 0; i < k; ++i) still_[i] = acceleration(ways_[ways[i]]);
+    for (std::size_t j = 0; j < k; ++j) {
+        chain.fx = free_x_, chain.fy = free_y_;
+        push(ways_[ways[j]], 1);
+        inner_->accelerate();
+        for (std::size_t i = 0; i < k; ++i) {
+            const Way& w = ways_[ways[i]];
+            response_[i * k + j] = w.dry * (acceleration(w) - still_[i]);
+        }
+    }
+    for (std::size_t i = 0; i < k; ++i) {
+        pull_[i] = ways_[ways[i]].dry * still_[i];
+        for (std::size_t j = 0; j < i; ++j)
+            response_[i * k + j] = response_[j * k + i] =
+                0.5 * (response_[i * k + j] + response_[j * k + i]);
+    }
+}
+
+// Add share_ to the forces, and take the accelerations by all of them.
+void StickingSystem::hold(const std::vector<int>& ways) {
+    chain.fx = free_x_, chain.fy = free_y_;
+    for (std::size_t i = 0; i < ways.size(); ++i) push(ways_[ways[i]], share_[i]);
+    inner_->accelerate();
+}
+
+void StickingSystem::forces(double t, const double* y) {
+    slide(t, y);
+    if (resting_.empty()) return;
+    respond(resting_);
+    box_.minimise_free(response_, pull_, share_);
+    hold(resting_);
+}
+
+// Impulses that leave no speed: the response to a force for a second is that to its impulse.
+void StickingSystem::put_to_rest(const std::vector<int>& ways, double* y) {
+    const std::size_t k = ways.size();
+    std::vector<double> moving(k);
+    for (std::size_t i = 0; i < k; ++i) moving[i] = ways_[ways[i]].dry * speed(ways_[ways[i]]);
+    chain.fx = free_x_, chain.fy = free_y_;
+    inner_->accelerate();
+    const std::vector<double> ax = chain.ax, ay = chain.ay, alpha = chain.alpha;
+    box_.minimise_free(response_, moving, share_);
+    hold(ways);
+    for (int i = 0; i < chain.n(); ++i) {
+        chain.vx[i] += chain.ax[i] - ax[i], chain.vy[i] += chain.ay[i] - ay[i];
+        chain.omega[i] += chain.alpha[i] - alpha[i];
+    }
+    inner_->set(chain, y);
+}
+
+void StickingSystem::find(double t, double* y) {
+    inner_->fill(t, y);
+    std::vector<int> slow;
+    std::vector<double> share;
+    for (std::size_t w = 0; w < ways_.size(); ++w) {
+        const double v = speed(ways_[w]);
+        const bool rested = ways_[w].sign == 0 && known_;
+        if (rested || std::fabs(v) <= at_rest_) {
+            slow.push_back(static_cast<int>(w));
+            share.push_back(rested ? ways_[w].share : -ways_[w].sign);
+            ways_[w].sign = 0;
+        } else {
+            ways_[w].sign = v > 0 ? 1 : -1;
+        }
+    }
+    known_ = true;
+    resting_.clear();
+    if (slow.empty()) return;
+    slide(t, y);
+    respond(slow);
+    put_to_rest(slow, y);
+    slide(t, y);
+    respond(slow);
+    box_.minimise(response_, pull_, share);
+    for (std::size_t i = 0; i < slow.size(); ++i) {
+        Way& w = ways_[slow[i]];
+        w.share = share[i];
+        if (std::fabs(share[i]) == 1)
+            w.sign = share[i] > 0 ? -1 : 1;
+        else
+            resting_.push_back(slow[i]);
+    }
+}
+
+void StickingSystem::margins(double t, const double* y, std::vector<double>& margin) {
+    forces(t, y);
+    margin.assign(ways_.size(), 0.0);
+    for (std::size_t w = 0; w < ways_.size(); ++w)
+        if (ways_[w].sign != 0)
+            margin[w] = 1 + ways_[w].sign * speed(ways_[w]) / (kBackwards * at_rest_);
+    for (std::size_t i = 0; i < resting_.size(); ++i) {
+        ways_[resting_[i]].share = share_[i];
+        margin[resting_[i]] = 1 + (1 - std::fabs(share_[i])) / kOverBound;
+    }
+}
+
+bool StickingSystem::creeps(double t, const double* y) {
+    inner_->fill(t, y);
+    return std::any_of(resting_.begin(), resting_.end(), [&](int w) {
+        return std::fabs(speed(ways_[w])) > kCreep * at_rest_;
+    });
+}
+
+}  // namespace serpenoid

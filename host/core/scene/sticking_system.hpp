@@ -1,0 +1,72 @@
+// Dry ground as the set-valued law it is, for any explicit system: wheels that rest, or slide.
+//
+// Every link has two directions, along and across, in which it rests or slides one way or the
+// other: the mode. A direction that slides has its dry force; those that rest have the forces z mu,
+// |z| <= 1, that keep them at rest. Accelerations are linear in the forces, so with G the wheels'
+// directions, W = G M^-1 G^T (one solution of the system for each resting direction) and a the
+// acceleration of the directions without those forces, they solve  W mu z = -a:  in a mode the
+// motion is smooth, and methods of high order step it.
+//
+// At the end of a mode all that is at rest is asked anew: the forces minimise
+//     1/2 (mu z).W (mu z) + (mu z).a  over |z| <= 1     (box_quadratic.hpp),
+// which is Gauss's principle of least constraint with dry friction in it. What is inside its bound
+// rests, what is at it slides, its acceleration against the force. There is no smoothing width.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "numerics/box_quadratic.hpp"
+#include "scene/explicit_systems.hpp"
+
+namespace serpenoid {
+
+class StickingSystem final : public System, public Modes {
+  public:
+    // The system has all but the dry friction. Slower than `at_rest`, m/s, a wheel may rest.
+    StickingSystem(std::unique_ptr<PairedSystem> slippery, const Ground& ground, double at_rest);
+
+    int dim() const override { return inner_->dim(); }
+    void set(const Chain& from, double* y) const override { inner_->set(from, y); }
+    void fill(double t, const double* y) override { inner_->fill(t, y); }
+    void rate(double t, const double* y, double* dy) override {
+        forces(t, y), inner_->derivative(y, dy);
+    }
+    void forces(double t, const double* y) override;
+    bool rate_fills_forces() const override { return true; }
+    std::vector<int> rate_of() const override { return inner_->rate_of(); }
+    double next_jump(double t) const override { return inner_->next_jump(t); }
+    void enter(double t) override { inner_->enter(t); }
+    Modes* modes() override { return this; }
+
+    void find(double t, double* y) override;
+    void margins(double t, const double* y, std::vector<double>& margin) override;
+    bool creeps(double t, const double* y) override;
+
+  private:
+    // Direction 2 i is along link i, 2 i + 1 across it.
+    struct Way {
+        int link;
+        bool across;
+        double dry;        // bound of its force, N
+        int sign = 0;      // 0 rests, else which way it slides
+        double share = 0;  // of the bound, while it rests
+    };
+    double speed(const Way& w) const;
+    double acceleration(const Way& w) const;
+    void push(const Way& w, double part);
+    void slide(double t, const double* y);
+    void respond(const std::vector<int>& ways);
+    void hold(const std::vector<int>& ways);
+    void put_to_rest(const std::vector<int>& ways, double* y);
+
+    std::unique_ptr<PairedSystem> inner_;
+    double at_rest_;
+    bool known_ = false;  // modes have been found before
+    std::vector<Way> ways_;
+    std::vector<int> resting_;
+    BoxQuadratic box_;
+    std::vector<double> response_, pull_, share_, free_x_, free_y_, still_;
+};
+
+}  // namespace serpenoid

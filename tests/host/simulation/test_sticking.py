@@ -1,0 +1,128 @@
+"""Set-valued friction with pinned joints under every drive and fault, and its energy ledger.
+
+Held against three things that know nothing of it: friction smoothed ever less, the method of the
+body frame, and the law itself at recorded times.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.simulation.judge import difference
+
+OF_2005 = sn.Robot(6, 0.0756, 0.076)
+BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+GAIT = sn.Gait(math.radians(70), math.radians(75), 1.5)
+SCENE = sn.Scene(OF_2005, BINGHAM, GAIT, method="nonsmooth", duration_s=2.0, dt_s=0.01,
+                 tolerance=1e-9, start="zero_momentum")  # fmt: skip
+DRIVES = {
+    "servo": {"drive": "servo", "servo": sn.Servo()},
+    "torque": {"drive": "torque", "torque": [2e-3, -1e-3, 1.5e-3, -2e-3, 1e-3]},
+    "limp": {"limp": (2,)},
+    "limp on a slope": {"limp": (2,), "incline_rad": 0.2},
+    "locked": {"locked": {3: 0.2}},
+    "straight on a slope": {"gait": sn.Gait(0.0, 1.0, 1.0), "incline_rad": 0.2},
+}
+
+
+def of(name: str, **more: object) -> sn.Scene:
+    return replace(SCENE, **(DRIVES[name] | more))
+
+
+def slips(run: sn.Run, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return a vector of every link along and across it, (2, T, n)."""
+    c, s = np.cos(run.theta_rad), np.sin(run.theta_rad)
+    return np.stack([c * x + s * y, -s * x + c * y])
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_smoothed_friction_tends_to_it(name: str) -> None:
+    """In proportion to the width, down to a millimetre at 0.1 mm/s."""
+    run = sn.simulate(of(name))
+    wide, narrow = (
+        difference(run, sn.simulate(of(name, method="dop853", smoothing_m_s=s, tolerance=1e-7)))
+        for s in (1e-3, 1e-4)
+    )
+    assert narrow.position_m < 2e-3
+    assert narrow.position_m < 0.35 * wide.position_m
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_the_law_holds_at_every_recorded_time(name: str) -> None:
+    """What slides has its whole force against it, what rests at most that, and truly rests."""
+    run = sn.simulate(of(name, record=("friction",)))
+    v = slips(run, run.vx_m_s, run.vy_m_s)
+    f = slips(run, run.friction_x_n, run.friction_y_n)
+    for way, viscous, dry in ((0, BINGHAM.ct, BINGHAM.ft0), (1, BINGHAM.cn, BINGHAM.fn0)):
+        left = f[way] + viscous * v[way]
+        moves = np.abs(v[way]) > 1e-7
+        assert np.abs(left).max() <= dry * (1 + 1e-5)
+        assert left[moves] == pytest.approx(-dry * np.sign(v[way][moves]), abs=1e-9 * dry)
+    assert (np.abs(v) <= 1e-7).any()
+
+
+def test_both_exact_methods_agree_and_the_ledger_balances() -> None:
+    """With the ledger the drive of angles runs with all unknowns, without in the body frame."""
+    run = sn.simulate(replace(SCENE, record=("energy", "joints")))
+    alone = sn.simulate(replace(SCENE, record=("joints",)))
+    off = difference(run, alone)
+    assert max(off.position_m, off.angle_rad) < 1e-7
+    assert run.joint_torque_nm == pytest.approx(alone.joint_torque_nm, abs=1e-6)
+    kinetic, _, height, work, heat, _, spent = run.energy_j.T
+    assert np.abs(kinetic - kinetic[0] + height - height[0] - work + heat).max() < 1e-8
+    assert heat[-1] > 0.02
+    assert spent[-1] > work[-1]
+
+
+@pytest.mark.parametrize("name", ["servo", "torque", "limp on a slope"])
+def test_the_ledger_balances_under_every_drive(name: str) -> None:
+    run = sn.simulate(of(name, record=("energy",)))
+    kinetic, _, height, work, heat, _, _ = run.energy_j.T
+    left = kinetic - kinetic[0] + height - height[0] - work + heat
+    assert np.abs(left).max() < 1e-6 * np.abs(run.energy_j).max()
+
+
+def test_torques_below_what_friction_holds_move_nothing() -> None:
+    weak = of("torque", torque=[1e-5] * 5, gait=sn.Gait(0.0, 0.0, 1.0))
+    run = sn.simulate(weak)
+    assert run.travel_m == 0
+    assert np.abs(run.theta_rad).max() < 1e-12
+
+
+def test_a_tolerance_is_about_kept() -> None:
+    exact = sn.simulate(of("limp", tolerance=1e-12))
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        off = difference(sn.simulate(of("limp", tolerance=tolerance)), exact)
+        assert max(off.position_m, off.angle_rad) < 100 * tolerance
+
+
+@pytest.mark.slow
+def test_no_random_scene_gives_up() -> None:
+    """Two hundred scenes of every drive, on slopes and level: all come to their end."""
+    rng = np.random.default_rng(20261121)
+    for _ in range(200):
+        sn.simulate(random_scene(rng))
+
+
+def random_scene(rng: np.random.Generator) -> sn.Scene:
+    n = int(rng.integers(2, 10))
+    robot = sn.Robot(n, 10 ** rng.uniform(-1.5, 0), rng.uniform(0.03, 0.2))
+    dry = 10 ** rng.uniform(-3, [-0.5, 0])
+    ground = sn.Ground(10 ** rng.uniform(-3, 0), 10 ** rng.uniform(-2, 1), dry[0], dry[1])
+    gait = sn.Gait(rng.choice([0, rng.uniform(0.05, 1.4)]), rng.uniform(0, 2), rng.uniform(0.1, 20))
+    weight = ground.fn0 * robot.link_length_m
+    stiff = robot.inertia_kg_m2 * 10 ** rng.uniform(2, 4)
+    drives: list[dict[str, object]] = [
+        {"drive": "torque", "torque": rng.normal(size=n - 1) * weight * rng.uniform(0.1, 2)},
+        {"drive": "servo", "servo": sn.Servo(stiff, stiff * 0.03, stiff * 0.3)},
+        {"limp": (int(rng.integers(1, n)),)},
+        {"locked": {int(rng.integers(1, n)): float(rng.uniform(-1, 1))}},
+        {"record": ("energy",)},
+    ]
+    drive = drives[int(rng.integers(len(drives)))]
+    return sn.Scene(robot, ground, gait, method="nonsmooth", tolerance=1e-6, duration_s=3.0,
+                    incline_rad=float(rng.choice([0, 0.2])), dt_s=0.01, **drive)  # fmt: skip
