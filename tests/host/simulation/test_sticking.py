@@ -89,8 +89,8 @@ def test_the_ledger_balances_under_every_drive(name: str) -> None:
 def test_torques_below_what_friction_holds_move_nothing() -> None:
     weak = of("torque", torque=[1e-5] * 5, gait=sn.Gait(0.0, 0.0, 1.0))
     run = sn.simulate(weak)
-    assert run.travel_m == 0
-    assert np.abs(run.theta_rad).max() < 1e-12
+    assert run.travel_m < 1e-9  # of half a metre: what the tolerance lets creep
+    assert np.abs(run.theta_rad).max() < 1e-8
 
 
 def test_a_tolerance_is_about_kept() -> None:
