@@ -7,34 +7,10 @@
 #include "model/explicit_model.hpp"
 #include "model/ground_force.hpp"
 #include "model/tail_acceleration.hpp"
+#include "scene/paired_system.hpp"
 #include "scene/run_request.hpp"
-#include "scene/system.hpp"
 
 namespace serpenoid {
-
-// Places first, then their rates in the same order: what the systems here have in common.
-class PairedSystem : public System {
-  public:
-    PairedSystem(int links, int coordinates) : System(links), half(coordinates) {}
-    int dim() const override { return 2 * half; }
-
-    // forces() in two parts: the chain with the forces of the ground, and what drives the joints;
-    // then from the forces that stand in the chain the accelerations, and what the joints bear.
-    virtual void load(double t, const double* y) = 0;
-    virtual void accelerate() = 0;
-    void forces(double t, const double* y) final { load(t, y), accelerate(); }
-    // dy/dt by the accelerations that stand in the chain.
-    virtual void derivative(const double* y, double* dy) const = 0;
-
-    std::vector<int> rate_of() const override {
-        std::vector<int> of(2 * half, -1);
-        for (int i = 0; i < half; ++i) of[i] = half + i;
-        return of;
-    }
-
-  protected:
-    int half;
-};
 
 // All angles imposed. State: x, y, theta of link 1, then their rates.
 template <class Force>
@@ -190,7 +166,5 @@ class ExplicitMixed final : public PairedSystem {
     MixedDrive drive;
     std::unique_ptr<TorqueSource> source;
 };
-
-std::unique_ptr<PairedSystem> make_paired(const RunRequest& request);
 
 }  // namespace serpenoid

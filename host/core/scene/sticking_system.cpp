@@ -158,9 +158,8 @@ void StickingSystem::margins(double t, const double* y, std::vector<double>& mar
 
 bool StickingSystem::creeps(double t, const double* y) {
     inner_->fill(t, y);
-    return std::any_of(resting_.begin(), resting_.end(), [&](int w) {
-        return std::fabs(speed(ways_[w])) > kCreep * at_rest_;
-    });
+    return std::any_of(resting_.begin(), resting_.end(),
+                       [&](int w) { return std::fabs(speed(ways_[w])) > kCreep * at_rest_; });
 }
 
 }  // namespace serpenoid

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "numerics/box_quadratic.hpp"
-#include "scene/explicit_systems.hpp"
+#include "scene/paired_system.hpp"
 
 namespace serpenoid {
 

@@ -87,10 +87,19 @@ def test_the_ledger_balances_under_every_drive(name: str) -> None:
 
 
 def test_torques_below_what_friction_holds_move_nothing() -> None:
-    weak = of("torque", torque=[1e-5] * 5, gait=sn.Gait(0.0, 0.0, 1.0))
-    run = sn.simulate(weak)
+    straight = sn.Gait(0.0, 0.0, 1.0)
+    run = sn.simulate(of("torque", torque=[1e-5, 1e-5, 0, 0, 0], gait=straight))
     assert run.travel_m < 1e-9  # of half a metre: what the tolerance lets creep
     assert np.abs(run.theta_rad).max() < 1e-8
+
+
+def test_a_zigzag_shortens_until_friction_has_its_energy() -> None:
+    """Angles +-a move no centre but along, by L a^2/2 a link: 2 T a = ft0 L (9 a^2/2), at rest."""
+    torque, straight = 1e-5, sn.Gait(0.0, 0.0, 1.0)
+    run = sn.simulate(of("torque", torque=[torque, 0, 0, 0, 0], gait=straight))
+    angle = 4 * torque / (9 * BINGHAM.ft0 * OF_2005.link_length_m)
+    assert np.abs(run.theta_rad[-1]) == pytest.approx([angle] * 6, rel=3e-3)
+    assert np.abs(run.omega_rad_s[-1]).max() < 1e-8
 
 
 def test_a_tolerance_is_about_kept() -> None:

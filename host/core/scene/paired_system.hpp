@@ -1,0 +1,37 @@
+// What explicit systems have in common: places first, then their rates in the same order.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "scene/run_request.hpp"
+#include "scene/system.hpp"
+
+namespace serpenoid {
+
+class PairedSystem : public System {
+  public:
+    PairedSystem(int links, int coordinates) : System(links), half(coordinates) {}
+    int dim() const override { return 2 * half; }
+
+    // forces() in two parts: the chain with the forces of the ground, and what drives the joints;
+    // then from the forces that stand in the chain the accelerations, and what the joints bear.
+    virtual void load(double t, const double* y) = 0;
+    virtual void accelerate() = 0;
+    void forces(double t, const double* y) final { load(t, y), accelerate(); }
+    // dy/dt by the accelerations that stand in the chain.
+    virtual void derivative(const double* y, double* dy) const = 0;
+
+    std::vector<int> rate_of() const override {
+        std::vector<int> of(2 * half, -1);
+        for (int i = 0; i < half; ++i) of[i] = half + i;
+        return of;
+    }
+
+  protected:
+    int half;
+};
+
+std::unique_ptr<PairedSystem> make_paired(const RunRequest& request);
+
+}  // namespace serpenoid
