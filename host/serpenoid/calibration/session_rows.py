@@ -40,7 +40,7 @@ READING_COLUMNS = (
 )  # fmt: skip
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
 EVENTS = (
-    "start", "end", "pause", "resume", "amend", "void", "restore", "undo", "skip", "note",
+    "start", "end", "pause", "resume", "amend", "void", "restore", "undo", "skip", "unskip", "note",
     "connect",
 )  # fmt: skip
 Row = Mapping[str, str]

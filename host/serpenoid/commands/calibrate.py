@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.errors import BadInput
+from ..model.errors import BadInput, SerpenoidError
 from .options import AS_JSON, show_json
 
 if TYPE_CHECKING:
@@ -120,13 +120,64 @@ class _Positive(click.ParamType):
 @FOLDER
 @click.option("--script", type=TOML, help="plan.toml that answers instead of a person.")
 @click.option("--dry-run", is_flag=True, help="Show the next steps; write nothing.")
-def take(folder: Path, script: Path | None, dry_run: bool) -> None:
+@click.option("--port", help="The robot's serial port, to bend and drive it; `virtual` needs none. "
+              "By hand unless given.")  # fmt: skip
+@click.option("--patience-s", type=click.FloatRange(1, 86400), default=300.0, show_default=True,
+              help="With nobody answering for so long, the servos are let go.")  # fmt: skip
+def take(
+    folder: Path, script: Path | None, dry_run: bool, port: str | None, patience_s: float
+) -> None:
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
     if dry_run:
         return _dry_run(folder)
-    if script is None:
-        raise BadInput("give --script plan.toml")
-    return _scripted(folder, script)
+    if script is not None:
+        return _scripted(folder, script)
+    return _with_a_person(folder, port, patience_s)
+
+
+def _with_a_person(folder: Path, port: str | None, patience_s: float) -> None:
+    from contextlib import ExitStack
+
+    from ..calibration.taking.dialogue import Dialogue, held_dialogue
+    from ..calibration.taking.journal import Journal
+    from ..calibration.taking.prompt import Console
+    from ..calibration.taking.seat import Seat
+
+    console = Console()
+    with ExitStack() as stack:
+        journal = stack.enter_context(Journal(folder))
+        seat = None if port is None else stack.enter_context(Seat(port))
+        robot = "by hand" if seat is None else seat.greeting
+        journal.event("start", detail=f"{_program()}; {robot}")
+        setup = journal.session.setup
+        mass_g = 1000 * setup.robot.links * setup.robot.link_mass_kg
+        console.say(
+            f"{setup.name}: {setup.robot.links} links, {mass_g:.1f} g, "
+            f"on {setup.surface}; robot {robot}. {_count(journal.session)}."
+        )
+        for note in journal.session.notes:
+            console.say(f"note: {note}")
+        dialogue = Dialogue(journal, console, seat, _pictures(console), patience_s)
+        well = held_dialogue(dialogue, console)
+        journal.event("end")
+    if not well:
+        raise SystemExit(1)
+
+
+def _pictures(console: Any) -> Any:
+    """Return a function that draws the session after each new station."""
+    from ..show.session_plot import picture
+
+    shown = [-1]
+
+    def told(session: Session, step: Any) -> None:
+        drawn = picture(session) if len(session.kept) != shown[0] else ""
+        if drawn and shown[0] >= 0:
+            console.say(drawn)
+            console.say(_so_far(session))
+        shown[0] = len(session.kept)
+
+    return told
 
 
 def _dry_run(folder: Path) -> None:
@@ -180,6 +231,19 @@ def _count(session: Session) -> str:
     return (
         f"{len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs kept, of "
         f"{len(session.readings)} and {len(session.gait_runs)}"
+    )
+
+
+def _so_far(session: Session) -> str:
+    """Return the running fit in a line, or what it still needs."""
+    from ..calibration.friction_fit import fit_friction
+
+    try:
+        fit = fit_friction(session)
+    except SerpenoidError as error:
+        return f"no fit yet: {str(error).split(': ', 1)[-1].split(';')[0]}"
+    return "so far, whole snake: " + ", ".join(
+        f"{row.name} {row.value:.3g} ± {row.sigma:.1g} {row.unit}" for row in fit.rows()
     )
 
 

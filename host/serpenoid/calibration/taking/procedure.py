@@ -24,8 +24,14 @@ REASON = "7.5 deg tells cn to 35 %, 15 deg to 10 %, 30 deg to 4 %"
 
 
 def skipped_keys(events: Iterable[Event]) -> frozenset[str]:
-    """Return the keys of all steps that were skipped."""
-    return frozenset(e.detail for e in events if e.event == "skip")
+    """Return the keys of all steps that were skipped, and not taken up again."""
+    keys: set[str] = set()
+    for e in events:
+        if e.event == "skip":
+            keys.add(e.detail)
+        elif e.event == "unskip":
+            keys.discard(e.detail)
+    return frozenset(keys)
 
 
 def next_step(

@@ -1,0 +1,60 @@
+"""A line from a person, with a limit on how long nobody answers."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+TICK_S = 0.5
+
+
+class Terminal(Protocol):
+    """Where a dialogue is held."""
+
+    def say(self, text: str) -> None:
+        """Show a line or more."""
+        ...
+
+    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
+        """Return a line, None if none came in time; raises EOFError at the end of the input.
+
+        tick is called twice a second while waiting.
+        """
+        ...
+
+
+class Console:
+    """Standard input and output; works behind a pipe, too."""
+
+    def __init__(self) -> None:
+        self._pending = b""
+        self._ended = False
+
+    def say(self, text: str) -> None:
+        """Print."""
+        print(text, flush=True)
+
+    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
+        """Print the prompt and wait for a line."""
+        print(prompt, end="", flush=True)
+        end_s = time.monotonic() + patience_s
+        while b"\n" not in self._pending and not self._ended:
+            if time.monotonic() > end_s:
+                print(flush=True)
+                return None
+            if select.select([sys.stdin], [], [], min(TICK_S, patience_s))[0]:
+                data = os.read(sys.stdin.fileno(), 4096)
+                self._pending += data
+                self._ended = not data
+            else:
+                tick()
+        if self._ended and not self._pending:
+            raise EOFError
+        line, _, self._pending = self._pending.partition(b"\n")
+        if not sys.stdin.isatty():
+            print(flush=True)
+        return line.decode("utf-8", "replace").strip()

@@ -1,0 +1,82 @@
+"""The robot of a session: bent as a step says, idle whenever nobody is there to see it."""
+
+from __future__ import annotations
+
+import math
+import time
+
+from ...model.errors import RobotError, RobotLost
+from ...model.gait import Gait
+from ...robot.robot import Robot
+
+JOINTS = 5
+MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
+SILENCE_S = 2.0
+HOURS_S = 6 * 3600.0
+
+
+class Seat:
+    """Hold one open robot. Joints move only in pose() and go(); `powered` tells whether they hold.
+
+    Inside `with Seat(port) as seat:` only. Raises what Robot raises.
+    """
+
+    def __init__(self, port: str | None):
+        self._robot = Robot(port, unattended_s=HOURS_S)
+        self.powered = False
+        self.stopped = False  # by the page's Stop button
+
+    def __enter__(self) -> Seat:
+        self._robot.__enter__()
+        if not self._robot.settings()["silence"]:
+            self._robot.set("silence", SILENCE_S)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.powered = False
+        self._robot.__exit__(*error)  # type: ignore[arg-type]
+
+    @property
+    def greeting(self) -> str:
+        """Return board and firmware in words."""
+        hello = self._robot.hello
+        return f"{hello.board}, firmware {hello.firmware}, protocol {hello.protocol}"
+
+    def pose(self, bend_deg: float) -> None:
+        """Turn every link by the bend, left and right in turn: joints at twice that angle."""
+        self.stopped, self.powered = False, True
+        joint_rad = math.radians(2 * bend_deg)
+        self._robot.pose([joint_rad * (-1) ** j for j in range(JOINTS)])
+        end_s = time.monotonic() + MOVED_S
+        while self._robot.status().moving:
+            if time.monotonic() > end_s:
+                raise RobotLost(f"the robot is not there after {MOVED_S:g} s; ask for `status`")
+            time.sleep(0.05)
+
+    def go(self, gait: Gait) -> None:
+        """Start a gait."""
+        self.stopped, self.powered = False, True
+        self._robot.gait(gait)
+
+    def halt(self) -> None:
+        """Stop now, joints held; from any thread."""
+        self.stopped = True
+        self._robot.stop()
+
+    def idle(self) -> None:
+        """Stop, and let the servos go limp."""
+        if self.powered:
+            self._robot.idle()
+            self.powered = False
+
+    def tick(self) -> None:
+        """Show that the program is alive; raises RobotLost and the like when the robot is not."""
+        self._robot.status()
+
+    def rate(self, gait: Gait) -> float:
+        """Return the gait's true rate by the board's clock, rad/s; nominal where that is unsure."""
+        try:
+            rate, sd = self._robot.true_rate_rad_s(gait.omega_rad_s)
+        except RobotError:
+            return gait.omega_rad_s
+        return rate if sd < 0.002 * rate else gait.omega_rad_s

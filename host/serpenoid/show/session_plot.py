@@ -1,0 +1,57 @@
+"""A session's points and lines in a terminal's characters: belt speed against incline."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ..calibration.taking.expected import line_of, planned_bend
+
+if TYPE_CHECKING:
+    from ..calibration.session import Session
+
+MARKS = "ox+*#@"
+WIDE, HIGH = 64, 14
+
+
+def picture(session: Session) -> str:
+    """Return belt speed against incline, a mark a bend and dots for its line; "" without two."""
+    plan = session.setup.procedure.lambda_rad
+    points = []
+    for r in session.kept:
+        bend = plan.index(planned_bend(session, r.lambda_rad))
+        points.append((math.degrees(r.incline_rad), r.slip_speed_m_s, bend))
+    if len(points) < 2:
+        return ""
+    low, high = min(p[0] for p in points) - 0.2, max(p[0] for p in points) + 0.2
+    top = 1.08 * max(p[1] for p in points)
+    grid = [[" "] * WIDE for _ in range(HIGH)]
+
+    def put(incline_deg: float, speed: float, mark: str) -> None:
+        x = round((incline_deg - low) / (high - low) * (WIDE - 1))
+        y = HIGH - 1 - round(speed / top * (HIGH - 1))
+        if 0 <= x < WIDE and 0 <= y < HIGH:
+            grid[y][x] = mark
+
+    for lambda_rad in plan:
+        line = line_of(session, lambda_rad)
+        for k in range(WIDE if line else 0):
+            incline = low + (high - low) * k / (WIDE - 1)
+            assert line is not None  # or the range is empty
+            put(incline, line.at(math.sin(math.radians(incline)))[0], "·")
+    for incline, speed, bend in points:
+        put(incline, speed, MARKS[bend % len(MARKS)])
+    return _framed(grid, low, high, top, session)
+
+
+def _framed(grid: list[list[str]], low: float, high: float, top: float, session: Session) -> str:
+    lines = [f"{top:6.2f} │" + "".join(grid[0])]
+    lines += ["       │" + "".join(row) for row in grid[1:-1]]
+    lines += [f"{0:6.2f} │" + "".join(grid[-1]), "   m/s └" + "─" * WIDE]
+    left = f"{low:.1f}"
+    lines.append(f"        {left}{high:>{WIDE - len(left)}.1f} deg of incline")
+    names = [
+        f"{MARKS[k % len(MARKS)]} {f'{math.degrees(x):g} deg' if x else 'straight'}"
+        for k, x in enumerate(session.setup.procedure.lambda_rad)
+    ]
+    return "\n".join([*lines, "        " + "   ".join(names)])

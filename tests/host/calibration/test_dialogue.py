@@ -1,0 +1,202 @@
+"""The dialogue with a made-up person: every word at every prompt, typos, nobody there, a robot."""
+
+import math
+from collections import deque
+from pathlib import Path
+
+import pytest
+from serpenoid.calibration.session_rows import read_events
+from serpenoid.calibration.taking.dialogue import Dialogue, held_dialogue
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.calibration.taking.seat import Seat
+from serpenoid.model.errors import RobotLost
+
+
+class Person:
+    """Types prepared lines, then leaves; None stands for not answering in time."""
+
+    def __init__(self, *lines):
+        self.lines = deque(lines)
+        self.heard = ""
+
+    def say(self, text):
+        self.heard += text + "\n"
+
+    def ask(self, prompt, patience_s, tick):
+        self.heard += prompt + "\n"
+        tick()
+        if not self.lines:
+            raise EOFError
+        line = self.lines.popleft()
+        return line() if callable(line) else line
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    return create_session(tmp_path / "session", default_setup("made up"))
+
+
+def talk(folder, *lines, seat=None):
+    """Return what a person heard, and the session afterwards."""
+    person = Person(*lines)
+    with Journal(folder) as journal:
+        held_dialogue(Dialogue(journal, person, seat, patience_s=5), person)
+        return person.heard, journal.session
+
+
+ZERO = ("0,1", "-0.1")
+STATION = ("2.0", "0.2", "", "")  # incline, belt, drift, "only 0 s of 16" kept
+
+
+def test_a_few_steps_by_hand(folder):
+    heard, session = talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "0.01", "")
+    assert [z.zero_rad for z in session.zeros] == [0.0]
+    assert [(r.belt_speed_m_s, r.drift_m_s) for r in session.kept] == [(0.2, 0.0), (0.5, 0.01)]
+    assert "head downhill" in heard
+    assert "wait 16 s" in heard
+    assert "only 0 s of 16" in heard
+    assert heard.endswith("Everything read so far is kept; the same command goes on from here.\n")
+    heard, _ = talk(folder)
+    assert "Inclinometer zero" not in heard  # it goes on, posing anew
+
+
+def test_comma_decimals_units_and_nonsense(folder):
+    talk(folder, *ZERO, "", *STATION, "2.3", "1,8 km/h", "", "")
+    heard, session = talk(
+        folder, "", "two", "nan", "2;6", "2.6", "8000", "1e3", "2.9 knots", "0.8", "", ""
+    )
+    assert "'two' is no number; type a number in deg or %, such as 2.3 or 4 %" in heard
+    assert heard.count("is no number") == 2
+    assert heard.count("is no unit of this") == 3
+    assert "8000 m/s cannot be: belt speed is 0 to 10 m/s" in heard
+    assert [r.belt_speed_m_s for r in session.kept] == [0.2, 0.5, 0.8]
+
+
+def test_a_slip_of_units_is_seen_by_its_range_and_asked(folder):
+    talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "", "")
+    heard, session = talk(folder, "", "4.5", "y", "2.8", "y", "", "")
+    assert "did you mean 4.5 % = 2.577 deg?" in heard
+    assert "did you mean 2.8 km/h = 0.7778 m/s?" in heard
+    reading = session.kept[-1]
+    assert math.degrees(reading.incline_rad) == pytest.approx(2.5766, abs=1e-4)
+    assert reading.belt_speed_m_s == pytest.approx(0.77778, abs=1e-5)
+
+
+def test_what_is_out_of_line_is_asked_about_and_may_be_kept(folder):
+    talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "", "")
+    heard, session = talk(folder, "", "2.6", "0.05", "", "", "")
+    assert "belt speed 0.05 m/s: expected" in heard
+    assert session.kept[-1].belt_speed_m_s == 0.05
+    heard, session = talk(folder, "undo", "", "2.6", "0.05", "", "", "0.8")
+    assert session.kept[-1].belt_speed_m_s == 0.8
+
+
+def test_undo_redo_void_and_restore(folder):
+    _, session = talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "", "", "undo")
+    assert [r.number for r in session.kept] == [2]
+    heard, session = talk(folder, "redo 2", "", "", "0.25", "")
+    assert [(r.number, r.belt_speed_m_s) for r in session.kept] == [(4, 0.25)]
+    assert session.kept[0].incline_rad == pytest.approx(math.radians(2.0))
+    _, session = talk(folder, "undo")  # brings back the one that was redone
+    assert [r.number for r in session.kept] == [2]
+    _, session = talk(folder, "void 2 slipped", "restore 3")
+    assert [r.number for r in session.kept] == [3]
+    heard, _ = talk(folder, "void seven", "redo 77", "void")
+    assert heard.count("is no reading's number; there are 1 to 4") == 3
+    assert "'seven'" in heard
+
+
+def test_skip_and_its_undoing(folder):
+    heard, _ = talk(folder, "skip", "", "skip", "undo", "2.0", "0.2", "", "")
+    assert "left out: zero before" in heard
+    assert "no longer left out: station 0 2.00" in heard
+    assert [e.event for e in read_events(folder)] == ["skip", "skip", "unskip"]
+
+
+def test_pause_note_status_help_and_quit(folder):
+    heard, _ = talk(folder, *ZERO, "note warm room", "status", "help", "pause", "", "quit", "2.0")
+    assert "zero before    done" in heard
+    assert "redo [N]" in heard
+    assert "paused. Enter goes on" in heard
+    found = [(e.event, e.detail) for e in read_events(folder)]
+    assert found == [("note", "warm room"), ("pause", ""), ("resume", "")]
+
+
+def test_undoing_nothing_is_told(folder):
+    assert "there is no reading yet" in talk(folder, "undo")[0]
+
+
+def test_a_full_disk_is_told_and_the_next_reading_kept(folder, monkeypatch):
+    from serpenoid.calibration.taking import journal as module
+
+    real, full = module.append_line, [True]
+
+    def append(path, line):
+        if full.pop() if full else False:
+            raise module._full(path, OSError(28, "No space left on device"))
+        real(path, line)
+
+    monkeypatch.setattr(module, "append_line", append)
+    heard, session = talk(folder, *ZERO, *ZERO)
+    assert "No space left on device: this reading is not saved, all earlier ones are" in heard
+    assert len(session.zeros) == 1
+
+
+def test_the_robot_is_bent_by_the_tool_and_let_go_at_the_end(folder):
+    with Seat("virtual:fast") as seat:
+        joints = []
+
+        def look():
+            frame = next(iter(seat._robot.frames(1.0)))
+            joints.extend(math.degrees(a) for a in frame.setpoint_rad)
+            return "165"
+
+        with Journal(folder) as journal:
+            journal.event("skip", detail="bend 0")
+        heard, session = talk(folder, *ZERO, "", look, seat=seat)
+        assert not seat.powered
+        assert seat._robot.status().state == "idle"
+    # Links at 7.5 deg, left and right in turn: joints at twice that.
+    assert joints == pytest.approx([15.0, -15.0, 15.0, -15.0, 15.0], abs=0.01)
+    assert len(session.bends) == 1
+    assert "Enter bends the robot" in heard
+
+
+def test_when_nobody_answers_the_servos_are_let_go_and_the_pose_taken_again(folder):
+    with Seat("virtual:fast") as seat:
+        heard, _ = talk(folder, *ZERO, "", None, lambda: str(seat.powered), seat=seat)
+        assert not seat.powered
+    assert "nobody answered for 5 s: servos off; the pose is to be taken again" in heard
+    assert heard.count("Enter straightens the robot") == 2
+    assert "servos off" in read_events(folder)[0].detail
+
+
+def test_a_robot_that_is_lost_loses_no_reading(folder):
+    with Seat("virtual:fast") as seat:
+
+        def lost():
+            raise RobotLost("unplugged")
+
+        heard, session = talk(folder, *ZERO, "", *STATION, lost, seat=seat)
+    assert "! the robot: unplugged" in heard
+    assert len(session.kept) == 1
+
+
+def test_a_gait_run_with_the_robot(folder):
+    with Journal(folder) as journal:
+        for bend in ("0", "7.5", "15", "30"):
+            journal.event("skip", detail=f"bend {bend}")
+    with Seat("virtual:fast") as seat:
+        moved = []
+
+        def time_taken():
+            moved.append(seat._robot.status().state)
+            return "10"
+
+        heard, session = talk(folder, *ZERO, "", "1.0", time_taken, seat=seat)
+        assert seat._robot.status().state == "idle"
+    assert moved == ["gait"]
+    assert session.gait_runs[0].speed_m_s == pytest.approx(0.1)
+    assert session.gait_runs[0].omega_rad_s == pytest.approx(math.pi / 2, rel=0.01)
+    assert "Enter starts the robot" in heard

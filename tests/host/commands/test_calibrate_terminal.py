@@ -1,0 +1,69 @@
+"""`serpenoid calibrate DIR` at a terminal, driven as a person would; killed, and resumed."""
+
+import signal
+
+import pytest
+from robot.terminal import Person
+from serpenoid import load_session
+from serpenoid.calibration.session_file import read_session
+
+
+@pytest.fixture
+def folder(tmp_path, serpenoid):
+    path = tmp_path / "session"
+    serpenoid("calibrate", "new", str(path), "--defaults", "--surface", "belt")
+    return path
+
+
+def test_taken_killed_and_resumed_at_a_terminal(folder):
+    with Person("calibrate", str(folder), "--port", "virtual") as person:
+        person.sees("it shows")
+        person.presses("0,1\n0.0\n")
+        person.sees("Enter straightens the robot")
+        person.presses("\n")
+        person.sees("the inclinometer shows")
+        person.presses("2.0\n")
+        person.sees("belt speed")
+        person.presses("0.2\n")
+        person.sees("drift left over")
+        person.presses("\n")
+        person.sees("n reads again")
+        person.presses("\n")
+        person.sees("kept as reading 2")
+        person.sends(signal.SIGKILL)
+        person.leaves()
+    assert len(load_session(folder).kept) == 1
+    with Person("calibrate", str(folder)) as person:
+        person.sees("1 stations")
+        person.sees("Robot straight")
+        person.presses("quit\n")
+        person.sees("Everything read so far is kept")
+        assert person.leaves() == 0
+
+
+def test_the_end_of_the_input_and_ctrl_c_leave_the_session_whole(folder):
+    with Person("calibrate", str(folder)) as person:
+        person.sees("it shows")
+        person.presses("\x04")
+        person.sees("Left.")
+        assert person.leaves() == 0
+    with Person("calibrate", str(folder), "--port", "virtual") as person:
+        person.sees("it shows")
+        person.sends(signal.SIGINT)
+        assert person.leaves() == 130
+    assert read_session(folder).notes == ()
+
+
+def test_a_new_session_asks_what_it_needs(tmp_path):
+    with Person("calibrate", "new", str(tmp_path / "asked")) as person:
+        person.sees("what the wheels roll on")
+        person.presses("rubber belt\n\n\n\n")
+        person.sees("mass of the whole robot")
+        person.presses("heavy\n")
+        person.sees("is no number of 0 or more")
+        person.presses("0,48\n\n\n\n\n")
+        person.sees("begun:")
+        assert person.leaves() == 0
+    setup = read_session(tmp_path / "asked").setup
+    assert setup.surface == "rubber belt"
+    assert setup.robot.link_mass_kg == pytest.approx(0.08)
