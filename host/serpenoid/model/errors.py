@@ -84,6 +84,10 @@ class RobotClosed(RobotError):
     """The robot was used outside its `with` block."""
 
 
+class RobotHeld(RobotError):
+    """A motion was asked for after stop(stay=True) and before release()."""
+
+
 class RobotUnattended(RobotError):
     """The motion was ended because the program gave no sign of life for too long."""
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NoReturn, TypeVar
 
 from ..model.checks import check_number
 from ..model.errors import (
@@ -98,6 +98,10 @@ class Robot:
         if os.getpid() == self._process:  # a fork that leaves must not stop its parent's robot
             self._leave(error)
 
+    def __reduce_ex__(self, protocol: object) -> NoReturn:
+        """Refuse to be copied or pickled: a copy would close the port when it goes."""
+        raise BadInput("a Robot cannot be copied or pickled: it has its port to itself; pass it on")
+
     @property
     def hello(self) -> Hello:
         """Return the board's greeting: firmware, board, boot id, cause of its last reset."""
@@ -159,9 +163,18 @@ class Robot:
         """Move the joints to +lambda, -lambda, +lambda, ..., as the calibration needs it."""
         self._obeyed(f"pose bent {degrees(lambda_rad)}")
 
-    def stop(self) -> None:
-        """Freeze all joints now; return when the board has confirmed it."""
-        _obey("stop", self._dialogue.stop())
+    def stop(self, *, stay: bool = False) -> None:
+        """Freeze all joints now; return when the board has confirmed it. Safe from any thread.
+
+        The key goes out at once, before whatever other threads are waiting for; the confirmation
+        comes after their commands. stay: a gait or pose that another thread asks for, now or
+        later, raises RobotHeld there until release(): what a Stop button wants.
+        """
+        _obey("stop", self._dialogue.stop(stay=stay))
+
+    def release(self) -> None:
+        """Allow motion again after stop(stay=True); nothing moves by this itself."""
+        self._dialogue.release()
 
     def idle(self) -> None:
         """Stop and let the servos go limp."""

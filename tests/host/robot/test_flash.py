@@ -83,21 +83,26 @@ def test_without_platformio(serpenoid, monkeypatch):
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, number, status):
-    pio(f"{BUILT}; sleep 60 & echo $! > {tmp_path}/child; wait")
+    child = tmp_path / "child"
+    pio(f"sleep 60 & echo $! > {child}; {BUILT}; wait")
     with FakeBoard() as board:
         run = subprocess.Popen(
             [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port",
              board.port], stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
-        end = time.monotonic() + 10
-        while not (tmp_path / "child").exists() and time.monotonic() < end:
-            time.sleep(0.02)
-        time.sleep(0.1)
+        shown = ""
+        while "Uploading" not in shown:  # so the child runs, and who would end it listens
+            line = run.stderr.readline()
+            assert line, f"it ended with {shown!r}"
+            shown += line
         run.send_signal(number)
-        _, said = run.communicate(timeout=20)
+        _, said = run.communicate(timeout=60)
     assert run.returncode == status
     assert "flash it again" in said
-    assert not alive(int((tmp_path / "child").read_text()))
+    pid, end_s = int(child.read_text()), time.monotonic() + 20
+    while alive(pid) and time.monotonic() < end_s:
+        time.sleep(0.01)
+    assert not alive(pid)
 
 
 def alive(pid: int) -> bool:

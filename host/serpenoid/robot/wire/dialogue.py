@@ -20,6 +20,7 @@ from ...model.errors import (
     FramesMissing,
     RobotClosed,
     RobotError,
+    RobotHeld,
     RobotLost,
     RobotUnattended,
     StopUnconfirmed,
@@ -39,6 +40,7 @@ LAST_QUIET_S = 0.5  # the same at the end of a run, when nothing more will show
 PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
 LONGEST_LINE = 4096
 STOP = b"\n!\n"
+MOTIONS = ("gait", "pose")
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,8 @@ class Dialogue:
         self._closing = threading.Event()
         self._changed = threading.Condition()  # guards the inbox
         self._talking = threading.RLock()  # one command at a time
+        self._sending = threading.RLock()  # no motion slips out behind a stop that is to stay
+        self._held = False
         self._threads: list[threading.Thread] = []
 
     def start(self) -> None:
@@ -106,11 +110,20 @@ class Dialogue:
             self.inbox.expected.halting()
         self._write(STOP)
 
-    def stop(self) -> Answer:
-        """Stop the robot at once and return once the board has confirmed it."""
-        if not self._closing.is_set():  # what is closed is not lost
-            self.halt()
+    def stop(self, *, stay: bool = False) -> Answer:
+        """Stop the robot at once and return once the board has confirmed it; from any thread.
+
+        stay: until release(), whoever asks for a motion gets RobotHeld; one under way is given up.
+        """
+        with self._sending:
+            self._held = self._held or stay
+            if not self._closing.is_set():  # what is closed is not lost
+                self.halt()
         return self._command("stop", PATIENCE_S)
+
+    def release(self) -> None:
+        """Allow motion again after stop(stay=True)."""
+        self._held = False
 
     def feed(self, silence_s: float) -> None:
         """Ping often enough for a board whose silence time is this; 0 is none."""
@@ -238,7 +251,9 @@ class Dialogue:
             pending = self.inbox.ask(self._number, text)
         while True:
             pending.damaged = False
-            self._write(line)
+            with self._sending:
+                self._check_held(text)
+                self._write(line)
             self._spoken_s = self.link.now_s()
             retry_s = min(self._spoken_s + RETRY_S, end_s)
             self.wait(lambda: pending.verdict is not None or pending.damaged, retry_s)
@@ -250,6 +265,12 @@ class Dialogue:
                 return None
             with self._changed:
                 self.inbox.lose(resent=1)
+
+    def _check_held(self, text: str) -> None:
+        if self._held and text.split(maxsplit=1)[0] in MOTIONS:
+            raise RobotHeld(
+                f"{text!r} is not sent: the robot was told to stop and stay; call release() first"
+            )
 
     def _attend(self) -> None:
         self._attended_s = self.link.now_s()

@@ -1,0 +1,109 @@
+"""One robot, many threads: stop from any of them, frames to all, and no copies."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+import threading
+import time
+
+import pytest
+from robot.fake_board import FakeBoard, nothing
+from serpenoid import Gait
+from serpenoid.model.errors import BadInput, NoAnswer, RobotClosed, RobotHeld
+from serpenoid.robot import Robot
+from serpenoid.robot.wire import dialogue
+
+GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
+
+
+def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        fake.to_host = lambda line: b"" if line.startswith(b"ok: #") else line  # it waits long
+        waiting = threading.Thread(target=robot.status)
+        waiting.start()
+        time.sleep(0.05)
+        stopper = threading.Thread(target=robot.stop)
+        begun_s = time.monotonic()
+        stopper.start()
+        assert fake.await_state("hold", 1.0)
+        assert time.monotonic() - begun_s < 0.5  # 0.02 s when the machine is idle
+        assert waiting.is_alive()
+        fake.to_host = lambda line: line
+        stopper.join(5.0)
+        waiting.join(5.0)
+
+
+def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        held = threading.Event()
+
+        def press() -> None:
+            robot.stop(stay=True)
+            held.set()
+
+        threading.Thread(target=press).start()
+        with pytest.raises(RobotHeld, match="release"):
+            while True:
+                robot.gait(GAIT)
+        assert held.wait(5.0)
+        assert fake.state == "hold"
+        with pytest.raises(RobotHeld):
+            robot.straight()
+        assert robot.status().state == "hold"
+        robot.release()
+        robot.straight()
+        assert fake.await_state("pose")
+
+
+def test_a_motion_that_waits_for_its_verdict_is_not_sent_again_after_such_a_stop(monkeypatch):
+    monkeypatch.setattr(dialogue, "RETRY_S", 0.3)
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        robot.gait(GAIT)
+        fake.to_board = lambda line: b"" if b" pose " in line else line
+        stopper = threading.Timer(0.1, lambda: robot.stop(stay=True))
+        stopper.start()
+        with pytest.raises(RobotHeld):
+            robot.straight()
+        stopper.join()
+        assert fake.received.count(b"pose straight") == 1
+
+
+def test_eight_threads_share_the_frames():
+    seen: list[int] = []
+    wrong: list[BaseException] = []
+
+    def watch(robot: Robot) -> None:
+        try:
+            seen.extend(frame.frame for frame in robot._frames(0.6))
+        except BaseException as error:
+            wrong.append(error)
+
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        threads = [threading.Thread(target=watch, args=(robot,)) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert not wrong
+    assert len(seen) == len(set(seen)) > 10
+
+
+@pytest.mark.parametrize("how", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_a_robot_is_not_copied(how):
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        with pytest.raises(BadInput, match="copied"):
+            how(robot)
+        robot.gait(GAIT)
+
+
+def test_a_robot_that_did_not_open_has_no_greeting():
+    with FakeBoard(nothing) as fake:
+        robot = Robot(fake.port, timeout_s=0.2)
+        with pytest.raises(NoAnswer), robot:
+            pass
+        with pytest.raises(RobotClosed, match="failed before"):
+            robot.hello  # noqa: B018
