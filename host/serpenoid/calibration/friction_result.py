@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.checks import check_number
 from ..model.ground import Ground
+from ..model.robot import Robot
+from .fitting.influence import Influence
 from .session import Session
 
 Floats = NDArray[np.float64]
+T = TypeVar("T")
 
 NAMES = ("ct", "cn", "ft0", "fn0")
 UNITS = MappingProxyType({"ct": "N s/m", "cn": "N s/m", "ft0": "N", "fn0": "N"})
 LEVEL = 0.95
+WHOLE = "_whole"
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
 
 
@@ -26,6 +31,29 @@ class Estimate(NamedTuple):
 
     value: float
     sigma: float
+
+
+class WholeSnake(Mapping[str, T]):
+    """Map ct_whole, cn_whole, ft0_whole, fn0_whole to what is known of them, whole snake.
+
+    Iterates under these names, so that none is mistaken for `ground`'s per-link values; the short
+    ones (ct, cn, ft0, fn0), whole snake too, still find their value.
+    """
+
+    def __init__(self, values: Mapping[str, T]) -> None:
+        self._values = {name.removesuffix(WHOLE): value for name, value in values.items()}
+
+    def __getitem__(self, name: str) -> T:
+        return self._values[name.removesuffix(WHOLE)]
+
+    def __iter__(self) -> Iterator[str]:
+        return (name + WHOLE for name in self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __repr__(self) -> str:
+        return f"WholeSnake({dict(self)})"
 
 
 class Row(NamedTuple):
@@ -43,14 +71,16 @@ class Row(NamedTuple):
 class FrictionFit:
     """Hold the friction fitted to one session.
 
-    parameters: name -> (value, sigma) for ct, cn (N s/m), ft0, fn0 (N), of the whole snake.
-    intervals: name -> (low, high) at 95 %; none reaches below 0, where friction cannot be.
-    covariance: (4, 4), of the whole snake's values in the order of parameters. ground: the same
-    friction per link. sigma: "absolute" when it follows from the stated uncertainties of the
-    instruments alone, "rescaled" when from the scatter of the readings alone. chi2, dof: of the
-    readings and priors under the stated uncertainties. nuisances: lambda_offset_rad and
-    incline_zero_rad as fitted (joint only). residuals: per kept reading, in standard deviations.
-    notes: what a reader of the numbers should know, in words.
+    parameters: name -> (value, sigma) for ct_whole, cn_whole (N s/m), ft0_whole, fn0_whole (N), of
+    the whole snake. intervals: name -> (low, high) at 95 %; none reaches below 0, where friction
+    cannot be. covariance: (4, 4), of the whole snake's values in the order of parameters. robot:
+    the one measured. ground: the same friction per link, as every simulation takes it. sigma:
+    "absolute" when it follows from the stated uncertainties of the instruments alone, "rescaled"
+    when from the scatter of the readings alone. chi2, dof: of the readings (outliers left out) and
+    priors under the stated uncertainties. nuisances: lambda_offset_rad_at_..._deg of every bend and
+    incline_zero_rad as fitted (not naive). residuals: per kept reading, in standard deviations.
+    outliers: numbers of the readings that a robust fit holds for misread. influence: of every kept
+    reading (not naive). notes: what a reader of the numbers should know, in words.
     """
 
     method: str
@@ -58,17 +88,49 @@ class FrictionFit:
     parameters: Mapping[str, Estimate]
     intervals: Mapping[str, tuple[float, float]]
     covariance: Floats
+    robot: Robot
     ground: Ground
     chi2: float
     dof: int
     nuisances: Mapping[str, Estimate]
     residuals: tuple[float, ...]
+    outliers: tuple[int, ...]
+    influence: tuple[Influence, ...]
     notes: tuple[str, ...]
 
     @property
-    def whole_body(self) -> dict[str, float]:
-        """Return name -> value of the whole snake, as Ground.whole_body takes them."""
-        return {name: estimate.value for name, estimate in self.parameters.items()}
+    def whole_snake(self) -> dict[str, float]:
+        """Return ct, cn, ft0, fn0 of the whole snake, as Ground.whole_body takes them."""
+        return {name: self.parameters[name].value for name in NAMES}
+
+    def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
+        """Draw (count, 4) frictions of the whole snake that the readings allow, never below 0.
+
+        From the fit's normal distribution, cut where friction cannot be; correlated as the fit is.
+        Scrambled Sobol points: as even as count numbers can be, the same for the same seed.
+        """
+        from scipy.special import ndtri
+        from scipy.stats import qmc
+
+        check_number("count", count, 1, 2**20)
+        centre = np.array(list(self.whole_snake.values()))
+        scale = np.linalg.cholesky(self.covariance)
+        sobol = qmc.Sobol(len(NAMES), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
+        drawn = np.empty((0, len(NAMES)))
+        while len(drawn) < count:
+            size = 1 << (count - 1).bit_length()
+            more = centre + ndtri(sobol.random(size)) @ scale.T
+            drawn = np.vstack([drawn, more[(more > 0.0).all(axis=1)]])
+        return drawn[:count]
+
+    def sample(self, count: int = 64, seed: int = 2005) -> tuple[Ground, ...]:
+        """Draw frictions per link that the readings allow, as every simulation takes them.
+
+        The same draws as sample_whole: positive, correlated as the fit is, skewing what follows
+        from them as it is skewed.
+        """
+        draws = self.sample_whole(count, seed).tolist()
+        return tuple(Ground.whole_body(self.robot.links, *draw) for draw in draws)
 
     @property
     def p_value(self) -> float | None:
@@ -78,9 +140,10 @@ class FrictionFit:
         return float(chdtrc(self.dof, self.chi2)) if self.dof > 0 else None
 
     def rows(self) -> list[Row]:
-        """Return a table's lines, one a parameter."""
+        """Return a table's lines, one a parameter of the whole snake."""
         return [
-            Row(name, UNITS[name], *self.parameters[name], *self.intervals[name]) for name in NAMES
+            Row(name + WHOLE, UNITS[name], *self.parameters[name], *self.intervals[name])
+            for name in NAMES
         ]
 
     def to_dict(self) -> dict[str, Any]:
@@ -98,13 +161,21 @@ class FrictionFit:
                 }
                 for row in self.rows()
             },
-            "covariance": {"order": list(NAMES), "values": self.covariance.tolist()},
+            "covariance": {"order": list(self.parameters), "values": self.covariance.tolist()},
+            "robot": {
+                "links": self.robot.links,
+                "link_mass_kg": self.robot.link_mass_kg,
+                "link_length_m": self.robot.link_length_m,
+                "link_inertia_kg_m2": self.robot.inertia_kg_m2,
+            },
             "ground_per_link": {name: getattr(self.ground, name) for name in NAMES},
             "chi2": self.chi2,
             "dof": self.dof,
             "p_value": self.p_value,
             "nuisances": {name: e._asdict() for name, e in self.nuisances.items()},
             "residuals": list(self.residuals),
+            "outliers": list(self.outliers),
+            "influence": [i.to_dict() for i in self.influence],
             "notes": list(self.notes),
         }
 
@@ -125,6 +196,12 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "Naive intervals leave out the errors that readings share (bend, inclinometer zero, "
             "tangential friction in Eq. 61) and are too narrow."
         )
+    if fit.outliers:
+        named = ", ".join(map(str, fit.outliers))
+        notes.append(
+            f"Reading(s) {named} held for misread: they count next to nothing. Look them up, and "
+            "void or correct them."
+        )
     if fit.p_value is not None and fit.p_value < DOUBTFUL:
         notes.append(
             f"chi2 is {fit.chi2:.1f} for {fit.dof} degrees of freedom (p = {fit.p_value:.1g}): the "
@@ -136,7 +213,8 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
 
 def _weak(fit: FrictionFit) -> list[str]:
     notes = []
-    for name, (value, sigma) in fit.parameters.items():
+    for name in NAMES:
+        value, sigma = fit.parameters[name]
         if value < 1e-3 * sigma:
             notes.append(f"{name} ends at its limit of 0; its interval is rough.")
         elif sigma > 0.25 * value:

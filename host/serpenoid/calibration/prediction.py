@@ -19,7 +19,7 @@ from ..periodic.steady import Steady, steady_gait
 from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
-from .friction_result import NAMES, FrictionFit
+from .friction_result import FrictionFit
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 # The implicit model's steps: so short, and at least so many a period (the speed errs by 1e-5).
@@ -90,23 +90,8 @@ def implicit_speed(
     return float(last.mean()), float(np.ptp(last) / 2)
 
 
-def friction_samples(fit: FrictionFit, count: int = SAMPLES) -> Array:
-    """Draw (count, 4) whole-body frictions from a fit's normal distribution, always the same ones.
-
-    Scrambled Sobol points, seeded; a value that would fall below 0, where friction cannot be, is 0.
-    """
-    from scipy.stats import norm, qmc
-
-    sobol = qmc.Sobol(len(NAMES), seed=2005)  # pyright: ignore[reportCallIssue] (older SciPy)
-    points = norm.ppf(sobol.random(count))
-    scale = np.linalg.cholesky(fit.covariance)
-    centre = np.array([fit.parameters[name].value for name in NAMES])
-    return np.maximum(centre + points @ scale.T, 0.0)
-
-
-def _speeds(robot: Robot, samples: Array, gait: Gait) -> Array:
+def _speeds(robot: Robot, grounds: Sequence[Ground], gait: Gait) -> Array:
     """Return the exact model's speed for each sampled friction, m/s."""
-    grounds = (Ground.whole_body(robot.links, **dict(zip(NAMES, s, strict=True))) for s in samples)
     return np.array(
         [steady_gait(robot, g, gait, rtol=1e-3, powers=False).speed_m_s for g in grounds]
     )
@@ -119,7 +104,7 @@ def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
     hangs on friction only once it is weak enough for them to slip.
     """
     s = steady_gait(robot, fit.ground, gait, powers=False)
-    sampled = _speeds(robot, friction_samples(fit), gait)
+    sampled = _speeds(robot, fit.sample(SAMPLES), gait)
     low, high = np.quantile(sampled, [0.025, 0.975])
     implicit, spread = implicit_speed(robot, fit.ground, gait)
     coarse, _ = implicit_speed(robot, fit.ground, gait, implicit_steps(gait) // 2)

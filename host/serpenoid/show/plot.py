@@ -55,7 +55,7 @@ def figure(width_in: float, height_in: float, columns: int = 1) -> Iterator[tupl
 
 def _line(ax: Axes, fit: FrictionFit, slope: str, rest: str, most: float, colour: str) -> None:
     """Draw F = slope v + rest and its 95 % band."""
-    order = list(fit.parameters)
+    order = list(fit.whole_snake)
     picked = [order.index(slope), order.index(rest)]
     cov = fit.covariance[np.ix_(picked, picked)]
     v = np.linspace(0, most, 60)

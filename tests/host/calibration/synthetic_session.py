@@ -33,13 +33,23 @@ def setup(*lambdas_deg: float) -> Setup:
     )
 
 
-def session(setup: Setup, truth: Ground, rng: np.random.Generator | None = None) -> Session:
-    """Take a session's readings; rng errs as the set-up's uncertainties say, None not at all."""
+def session(
+    setup: Setup,
+    truth: Ground,
+    rng: np.random.Generator | None = None,
+    offset_sigma: float = 1.0,
+) -> Session:
+    """Take a session's readings; rng errs as the set-up's uncertainties say, None not at all.
+
+    offset_sigma: how far bends err, each alone, in the set-up's standard deviations.
+    """
     unit = setup.uncertainty
-    offset, zero = (0.0, 0.0) if rng is None else rng.normal(size=2)
+    bends = np.zeros(sum(x > 0 for x in setup.procedure.lambda_rad))
+    offsets = iter(bends if rng is None else offset_sigma * rng.normal(size=len(bends)))
+    zero = 0.0 if rng is None else rng.normal()
     readings: list[Reading] = []
     for nominal in setup.procedure.lambda_rad:
-        bend = nominal + (offset * unit.lambda_sigma_rad if nominal else 0.0)
+        bend = nominal + (next(offsets) * unit.lambda_sigma_rad if nominal else 0.0)
         for incline, speed in _stations(setup, truth, bend, rng):
             shown = incline + zero * unit.incline_zero_sigma_rad
             noise = 0.0

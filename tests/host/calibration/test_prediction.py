@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from serpenoid.calibration.prediction import (
-    friction_samples,
     implicit_speed,
     implicit_steps,
     mean_speeds,
@@ -56,12 +55,15 @@ def test_the_papers_springs_are_off_by_what_is_known(omega, off) -> None:
 
 
 def test_samples_follow_the_fit_and_stay_physical(fit) -> None:
-    samples = friction_samples(fit, 1024)
-    assert np.array_equal(samples, friction_samples(fit, 1024))
-    assert samples.min() >= 0
+    samples = fit.sample_whole(1024)
+    assert np.array_equal(samples, fit.sample_whole(1024))
+    assert samples.min() > 0
+    assert not np.array_equal(samples[:8], fit.sample_whole(8, seed=1))
+    whole = sn.Ground.whole_body(6, *samples[7])
+    assert fit.sample(1024)[7] == whole
     sigmas = np.sqrt(np.diag(fit.covariance))
     centre = [p.value for p in fit.parameters.values()]
-    # 1024 scrambled Sobol points: moments to a few per cent (cn, cut at 0 at -2.9 sigma, too)
+    # 1024 scrambled Sobol points: moments to a few per cent (cn is cut at 0, -2.9 sigma)
     assert np.abs((samples.mean(axis=0) - centre) / sigmas).max() < 0.02
     assert samples.std(axis=0) == pytest.approx(sigmas, rel=0.03)
     assert np.corrcoef(samples.T) == pytest.approx(

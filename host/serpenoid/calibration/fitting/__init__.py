@@ -1,0 +1,1 @@
+"""The fit's mathematics: readings as arrays, gate, joint, naive, robust, influence."""

@@ -1,0 +1,132 @@
+"""The joint fit: errors in variables, all readings at once, as one small least-squares problem.
+
+Unknown are the four parameters, the true belt speed v_i of every reading, an offset d_p of lambda
+for every posture p, set independently of the others, and the inclinometer's zero z; the offsets and
+the zero have priors. A straight snake is taken to be straight. The fit minimises
+
+    sum ((v_i' - v_i) / sv)^2 + ((gamma_i' - z - gamma(v_i)) / sg)^2 + |W (d / sd)|^2 + (z / sz)^2,
+
+where W whitens what the bends' offsets have in common (`data.TOGETHER`).
+
+Because the balance is linear in v_i, and m g sin(gamma) is over a reading's sg, every v_i can be
+solved for by hand; what is left of a reading is one residual, the distance to the line:
+
+    r_i = (m g sin(gamma_i' - z) - A v_i' - B) / s_i,
+    s_i^2 = (m g cos(gamma_i' - z) sg)^2 + (A sv)^2,
+
+and 5 + P unknowns. The full problem's covariance is kept: eliminating the v_i by hand is the Schur
+complement that a solver would form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...model.errors import NotConverged
+from .data import FitData, Floats
+
+PARAMETERS = 4  # ct, cn, ft0, fn0 come first among the unknowns
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """A least sum of squares: x the unknowns, the nuisances in sigmas of their priors.
+
+    residuals: of the readings (not weighted), then of the priors. jacobian: d residuals / d x.
+    chi2: their (weighted) sum of squares. information: the (weighted) normal matrix.
+    """
+
+    x: Floats
+    residuals: Floats
+    jacobian: Floats
+    chi2: float
+    information: Floats
+
+
+def minimise(data: FitData, start: Floats, weights: Floats | None = None) -> Minimum:
+    """Return the least sum of squares from a start, each reading's square weighted if told.
+
+    No parameter below 0: the bounds are the physics. Raises NotConverged.
+    """
+    from scipy.optimize import least_squares
+
+    unknowns = PARAMETERS + data.nuisances
+    root = np.ones(len(data) + data.nuisances)
+    if weights is not None:
+        root[: len(data)] = np.sqrt(weights)
+    low = np.full(unknowns, -np.inf)
+    low[:PARAMETERS] = 0.0
+    found = least_squares(
+        lambda x: root * residuals(x, data),
+        start,
+        jac=lambda x: root[:, None] * jacobian(x, data),  # pyright: ignore[reportArgumentType]
+        bounds=(low, np.inf),
+        x_scale="jac",
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-12,
+    )
+    if not found.success:
+        raise NotConverged(
+            f"the joint fit stopped with {found.message!r} at chi2 = {2 * found.cost:.3g}; look "
+            "for a misread value, or compare with method='naive'"
+        )
+    slopes = jacobian(found.x, data)
+    return Minimum(
+        found.x, residuals(found.x, data), slopes, 2 * float(found.cost),
+        slopes.T @ (root[:, None] ** 2 * slopes),
+    )  # fmt: skip
+
+
+def starting_point(values: Floats, data: FitData) -> Floats:
+    """Return unknowns from four values; one below 0 starts from its mirror image, inside."""
+    return np.concatenate([np.abs(values), np.zeros(data.nuisances)])
+
+
+def residuals(x: Floats, data: FitData) -> Floats:
+    """Return r_i of the readings, then those of the priors."""
+    return np.concatenate([balance(x, data)[0], data.whitening @ x[PARAMETERS:]])
+
+
+def _offsets(x: Floats, data: FitData) -> tuple[Floats, Floats]:
+    """Return each reading's offset of lambda and its prior's sigma, 0 where straight."""
+    sigma = np.append(data.posture_sigma_rad, 0.0)  # -1, a straight reading's, picks the 0
+    unit = np.append(x[PARAMETERS : PARAMETERS + len(data.posture_sigma_rad)], 0.0)
+    return sigma[data.posture] * unit[data.posture], sigma[data.posture]
+
+
+def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:
+    """Return r_i, s_i and what the Jacobian needs besides: see the head of this file."""
+    ct, cn, ft0, fn0 = x[:PARAMETERS]
+    angle = data.lambda_rad + _offsets(x, data)[0]
+    cos, sin = np.cos(angle), np.sin(angle)
+    slope = ct * cos**2 + cn * sin**2
+    incline = data.incline_rad - data.zero_sigma_rad * x[-1]
+    excess_n = data.weight_n * np.sin(incline) - slope * data.slip_m_s - (ft0 * cos + fn0 * sin)
+    per_incline_n = data.weight_n * np.cos(incline)
+    spread_n = np.hypot(per_incline_n * data.incline_sigma_rad, slope * data.speed_sigma_m_s)
+    return excess_n / spread_n, spread_n, cos, sin, slope, incline, per_incline_n
+
+
+def jacobian(x: Floats, data: FitData) -> Floats:
+    """Return d r / d x, (readings + nuisances, unknowns).
+
+    dr = (d excess - r ds) / s with s ds = A sv^2 dA (+ the incline's part), so that a change of A
+    acts at the fitted speed v_i = v_i' + r A sv^2 / s and one of B as it is.
+    """
+    ct, cn, ft0, fn0 = x[:PARAMETERS]
+    r, spread, cos, sin, slope, incline, per_incline = balance(x, data)
+    speed = data.slip_m_s + r * slope * data.speed_sigma_m_s**2 / spread
+    by_offset = _offsets(x, data)[1] * (2 * (cn - ct) * sin * cos * speed + fn0 * cos - ft0 * sin)
+    spread_by_zero = per_incline * data.incline_sigma_rad**2 * data.weight_n * np.sin(incline)
+    by_zero = data.zero_sigma_rad * (per_incline + r * spread_by_zero / spread)
+    out = np.zeros((len(data) + data.nuisances, len(x)))
+    out[: len(data), :PARAMETERS] = np.column_stack([cos**2 * speed, sin**2 * speed, cos, sin])
+    bent = np.flatnonzero(data.bent)
+    out[bent, PARAMETERS + data.posture[bent]] = by_offset[bent]
+    out[: len(data), -1] = by_zero
+    out[: len(data)] /= -spread[:, None]
+    out[len(data) :, PARAMETERS:] = data.whitening
+    return out

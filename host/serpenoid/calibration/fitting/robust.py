@@ -1,0 +1,116 @@
+"""The robust fit: a reading may be a misreading, and the chance of that is marginalised over.
+
+A residual's density is (1 - e) N(r; 0, 1) + e N(r; 0, K^2): good as stated, or, with chance e, a
+misreading that is K times as far out. The likelihood is climbed by expectation and maximisation:
+g_i, the chance that reading i is good, weighs its square in the next joint fit. It has several
+summits, since a line follows its outlier; so it is climbed from all readings, from those left
+when the worst one, two, ... are taken out in turn, and without each of the worst few. Each summit
+is taken for a normal distribution by its curvature, and the answer is their mixture's mean and
+covariance: a reading in doubt, or a choice between two stories, widens the intervals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .data import FitData, Floats
+from .influence import leave_one_out
+from .joint import Minimum, minimise
+
+BAD_CHANCE, BAD_WIDTH = 0.05, 12.0
+_ROUNDS, _SETTLED, _MOST_TAKEN_OUT, _SHARE_TAKEN_OUT, _SUSPECTS = 80, 1e-6, 5, 0.3, 4
+
+
+@dataclass(frozen=True)
+class Summit:
+    """One summit of the likelihood: the weighted minimum and each reading's chance to be good.
+
+    height: log of its share of the whole likelihood, but for a constant.
+    """
+
+    minimum: Minimum
+    good: Floats
+    height: float
+
+
+def robust_minimum(data: FitData, plain: Minimum) -> Summit:
+    """Return the mixture of the summits found, about the best one; raises NotConverged."""
+    summits: list[Summit] = []
+    for x, good in _starts(data, plain):
+        summit = _climb(data, x, good)
+        if all(np.abs(summit.minimum.x - s.minimum.x).max() > 1e-4 for s in summits):
+            summits.append(summit)
+    return _mixture(summits)
+
+
+def _starts(data: FitData, plain: Minimum) -> list[tuple[Floats, Floats]]:
+    everything = np.arange(len(data))
+    sets = [np.delete(everything, k) for k in _worst_first(plain, len(data))[1:_SUSPECTS]]
+    starts = [(plain.x, np.ones(len(data)))]
+    keep, found = everything, plain
+    for _ in range(min(_MOST_TAKEN_OUT, int(_SHARE_TAKEN_OUT * len(data)))):
+        keep = np.delete(keep, _worst_first(found, len(keep))[0])
+        found = minimise(data.picked(keep), found.x)
+        starts.append((found.x, np.isin(everything, keep).astype(float)))
+    return starts + [(plain.x, np.isin(everything, keep).astype(float)) for keep in sets]
+
+
+def _worst_first(found: Minimum, count: int) -> list[int]:
+    return np.argsort(leave_one_out(found, count).chi2).tolist()
+
+
+def _mixture(summits: list[Summit]) -> Summit:
+    """Return mean and covariance of all summits; what is no number stays the best one's."""
+    best = max(summits, key=lambda s: s.height)
+    share = np.exp([s.height - best.height for s in summits])
+    share /= share.sum()
+    xs = np.array([s.minimum.x for s in summits])
+    mean = share @ xs
+    spread = np.einsum("s,si,sj->ij", share, xs - mean, xs - mean)
+    within = sum(
+        part * np.linalg.inv(s.minimum.information) for part, s in zip(share, summits, strict=True)
+    )
+    minimum = replace(best.minimum, x=mean, information=np.linalg.inv(within + spread))
+    return replace(best, minimum=minimum, good=share @ np.array([s.good for s in summits]))
+
+
+def _climb(data: FitData, x: Floats, good: Floats) -> Summit:
+    for _ in range(_ROUNDS):
+        found = minimise(data, x, _weights(good))
+        x, before = found.x, good
+        good, densities = _chances(found.residuals[: len(data)])
+        if np.abs(good - before).max() < _SETTLED:
+            break
+    curved = _curved(found, good)
+    priors = float(np.sum(found.residuals[len(data) :] ** 2)) / 2
+    volume = float(np.linalg.slogdet(curved.information)[1]) / 2
+    return Summit(curved, good, float(np.log(densities).sum()) - priors - volume)
+
+
+def _weights(good: Floats) -> Floats:
+    return good + (1.0 - good) / BAD_WIDTH**2
+
+
+def _chances(r: Floats) -> tuple[Floats, Floats]:
+    """Return each reading's chance to be good, and its density (but for a common factor)."""
+    fine = (1.0 - BAD_CHANCE) * np.exp(-0.5 * r**2)
+    misread = BAD_CHANCE / BAD_WIDTH * np.exp(-0.5 * (r / BAD_WIDTH) ** 2)
+    return fine / (fine + misread), fine + misread
+
+
+def _curved(found: Minimum, good: Floats) -> Minimum:
+    """Return the minimum with the marginal likelihood's curvature as its information.
+
+    -log p has the second derivative w - g (1 - g) r^2 (1 - 1/K^2)^2 in r. If what readings in doubt
+    take away left it without a minimum, they count as nothing.
+    """
+    r, slopes = found.residuals[: len(good)], found.jacobian
+    pull = good * (1.0 - good) * r**2 * (1.0 - BAD_WIDTH**-2) ** 2
+    for curvature in (_weights(good) - pull, np.maximum(_weights(good) - pull, 0.0)):
+        each = np.concatenate([curvature, np.ones(len(found.residuals) - len(good))])
+        information = slopes.T @ (each[:, None] * slopes)
+        if np.linalg.eigvalsh(information)[0] > 0.0:
+            break
+    return Minimum(found.x, found.residuals, slopes, found.chi2, information)
