@@ -9,6 +9,7 @@ from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, Step
 
 if TYPE_CHECKING:
     __version__: str
+    from .calibration.fit_file import load_fit, save_fit
     from .calibration.friction_fit import fit_friction
     from .calibration.friction_result import FrictionFit
     from .calibration.session import Session
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
+    "calibration.fit_file": ("load_fit", "save_fit"),
     "calibration.friction_fit": ("fit_friction",),
     "calibration.friction_result": ("FrictionFit",),
     "calibration.session": ("Session",),
@@ -80,8 +82,10 @@ __all__ = [
     "acceleration",
     "fit_friction",
     "least_power_gait",
+    "load_fit",
     "load_scene",
     "load_session",
+    "save_fit",
     "save_scene",
     "simulate",
     "simulate_gaits",

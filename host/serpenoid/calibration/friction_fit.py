@@ -175,6 +175,8 @@ def _result(session: Session, data: FitData, raw: _Raw, method: str) -> Friction
         outliers=tuple(n for n, good in zip(numbers, raw.good, strict=True) if good <= 0.5),
         influence=raw.influence,
         notes=(),
+        session_name=session.setup.name,
+        session_sha256=session.sha256,
     )
     return replace(fit, notes=(*notes_on(fit, session), *_zero_note(data), *bend_note(data)))
 

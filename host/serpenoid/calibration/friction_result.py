@@ -80,7 +80,8 @@ class FrictionFit:
     priors under the stated uncertainties. nuisances: lambda_offset_rad_at_..._deg of every bend and
     incline_zero_rad as fitted (not naive). residuals: per kept reading, in standard deviations.
     outliers: numbers of the readings that a robust fit holds for misread. influence: of every kept
-    reading (not naive). notes: what a reader of the numbers should know, in words.
+    reading (not naive). notes: what a reader of the numbers should know, in words. session_name,
+    session_sha256: the session fitted, and the hash of what the fit rests on.
     """
 
     method: str
@@ -97,6 +98,8 @@ class FrictionFit:
     outliers: tuple[int, ...]
     influence: tuple[Influence, ...]
     notes: tuple[str, ...]
+    session_name: str = ""
+    session_sha256: str = ""
 
     @property
     def whole_snake(self) -> dict[str, float]:
@@ -149,6 +152,7 @@ class FrictionFit:
     def to_dict(self) -> dict[str, Any]:
         """Return plain lists, numbers and text, fit for JSON."""
         return {
+            "session": {"name": self.session_name, "sha256": self.session_sha256},
             "method": self.method,
             "sigma": self.sigma,
             "interval_level": LEVEL,

@@ -14,12 +14,9 @@ from ..model.errors import BadInput, SerpenoidError
 from .bench import BENCH_GROUP
 from .calibrate import calibrate
 from .examples import examples
+from .fit import fit
 from .optimize import optimize
-from .options import (
-    AS_JSON,
-    show_json,
-)
-from .paths import FIGURES, OutFile, OutFolder
+from .paths import OutFolder
 from .robot import COMMANDS as ROBOT_COMMANDS
 from .simulate import simulate
 from .steady import steady
@@ -46,35 +43,11 @@ def demo(out: Path) -> None:
     run_demo(out)
 
 
-@cli.command()
-@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--method", type=click.Choice(["joint", "naive"]), default="joint",
-              show_default=True, help="Honest intervals, or the paper's two lines.")  # fmt: skip
-@click.option("--plot", "figure", type=OutFile(*FIGURES),
-              help="Draw the lines and readings into this PNG, PDF or SVG.")  # fmt: skip
-@AS_JSON
-def fit(session: Path, method: str, figure: Path | None, as_json: bool) -> None:
-    """Fit friction to the treadmill readings of a session folder (Eqs. 58-62)."""
-    from ..calibration.friction_fit import fit_friction
-    from ..calibration.session_file import load_session
-    from ..show import report
-
-    try:
-        loaded = load_session(session)
-        found = fit_friction(loaded, method=method)
-    except BadInput as error:  # the file's fault, not the arguments'
-        raise SerpenoidError(str(error)) from error
-    if figure is not None:
-        from ..show.plot import friction_lines
-
-        friction_lines(loaded, found, figure)
-    show_json(found.to_dict()) if as_json else report.fit(found)
-
-
 cli.add_command(BENCH_GROUP)
 for command in (
     calibrate,
     examples,
+    fit,
     optimize,
     simulate,
     steady,

@@ -7,11 +7,13 @@ import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from ..model.checks import check_number
+from .fitted import take_fit
 
 if TYPE_CHECKING:
     from ..model.gait import Gait
@@ -47,6 +49,10 @@ def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
 robot_options = stacked([
     click.option("--robot", "preset", type=click.Choice(list(PRESETS)),
                  help="Robot and ground to start from; 2005 unless given."),
+    click.option("--session", type=click.Path(path_type=Path),
+                 help="Calibration session whose robot and fitted friction to take."),
+    click.option("--ground", "ground_file", type=click.Path(path_type=Path),
+                 help="fit.json whose robot and friction to take."),
     click.option("--links", type=int, help="Number of links; 6 unless given."),
     click.option("--mass-kg", type=float, help="Mass of a link."),
     click.option("--length-m", type=float, help="Length of a link, joint to joint."),
@@ -75,11 +81,15 @@ def _take(given: dict[str, Any], options: Mapping[str, str]) -> dict[str, Any]:
 def make_robot(
     given: dict[str, Any], base: tuple[Robot, Ground] | None = None
 ) -> tuple[Robot, Ground]:
-    """Take robot and ground from the preset, or else `base`, and what overrides it."""
+    """Take robot and ground from the preset, a fit, or else `base`, and what overrides it."""
     from ..model.ground import Ground
     from ..model.robot import Robot
 
-    preset = given.pop("preset")
+    preset, fit = given.pop("preset"), take_fit(given)
+    if fit is not None:
+        if preset is not None:
+            raise click.UsageError("--robot and a fit both name robot and ground; give one of them")
+        base = fit.robot, fit.ground
     if preset is not None or base is None:
         mass, length, *friction = PRESETS[preset or "2005"]
         base = Robot(6, mass, length), Ground(*friction)

@@ -111,18 +111,31 @@ def steady_springs(s: SteadySprings) -> None:
 
 
 def fit(found: FrictionFit) -> None:
-    """Print fitted friction with its intervals."""
+    """Print fitted friction with its intervals, of the whole snake and of one link."""
+    links = found.robot.links
     rows = [
-        [r.name, r.unit, f"{r.value:.4g}", f"{r.sigma:.2g}", f"{r.low:.3g} to {r.high:.3g}"]
+        [r.name, r.unit, f"{r.value:.4g}", f"{r.sigma:.2g}", f"{r.low:.3g} to {r.high:.3g}",
+         f"{r.value / links:.4g}"]
         for r in found.rows()
-    ]
-    columns = ["whole snake", "unit", "value", "sigma", "95 % interval"]
+    ]  # fmt: skip
+    columns = ["whole snake", "unit", "value", "sigma", "95 % interval", f"per link (of {links})"]
     table(f"friction, {found.method} fit", columns, rows)
     p_value = found.p_value
     chance = "" if p_value is None else f" (p = {p_value:.2g})"
     console.print(f"chi2 = {found.chi2:.3g} for {found.dof} degrees of freedom{chance}")
     for note in found.notes:
         console.print(f"note: {note}", highlight=False)
+
+
+def influence(found: FrictionFit) -> None:
+    """Print what every reading does: how the parameters would move without it."""
+    rows = [
+        [str(i.reading), f"{i.studentised:+.1f}", f"{i.leverage:.2f}", f"{i.chi2_without:.1f}"]
+        + [f"{shift:+.2f}" for shift in i.shift]
+        for i in found.influence
+    ]
+    columns = ["reading", "off by", "leverage", "chi2 without", "ct", "cn", "ft0", "fn0"]
+    table("without each reading, parameters would move by (in their sigmas)", columns, rows)
 
 
 def write_sweep(found: Sweep, path: Path) -> None:

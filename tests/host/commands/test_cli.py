@@ -76,7 +76,10 @@ def test_the_error_can_be_left_out() -> None:
 
 def test_fit_and_its_figure(tmp_path) -> None:
     got = answer("fit", "calibration_data/nirakh-2005", "--plot", str(tmp_path / "f.png"))
-    values = [got["parameters"][name]["value"] for name in ("ct", "ft0", "cn", "fn0")]
+    values = [
+        got["parameters"][name]["value"]
+        for name in ("ct_whole", "ft0_whole", "cn_whole", "fn0_whole")
+    ]
     assert values == pytest.approx([0.084, 0.14, 1.2, 0.27], rel=1e-5)
     assert (tmp_path / "f.png").read_bytes()[:4] == b"\x89PNG"
 

@@ -18,7 +18,7 @@ _NAMES = {"straight": ("ct", "ft0"), "bent": ("cn", "fn0")}
 def check_readings(session: Session, data: FitData, least: int) -> None:
     """Raise BadInput if the readings leave a parameter open; least: readings a part needs."""
     bend = _bend_advised(data)
-    sigma = float(data.speed_sigma_m_s.max(initial=0.0))
+    sigma = float(np.median(data.speed_sigma_m_s)) if len(data) else 0.0
     straight = data.slip_m_s[~data.bent]
     _check_part(session, "straight", straight, (sigma, 1.0), least, "straight (lambda_deg = 0)")
     across = np.sin(data.lambda_rad[data.bent])

@@ -1,0 +1,55 @@
+"""`serpenoid fit`: friction from a session's readings, kept as fit.json beside them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..model.errors import BadInput, SerpenoidError
+from .options import AS_JSON, show_json
+from .paths import FIGURES, OutFile
+
+
+@click.command()
+@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--method", type=click.Choice(["joint", "robust", "naive"]), default="joint",
+              show_default=True, help="Honest intervals; the same with misreadings in it; or the "
+              "paper's two lines.")  # fmt: skip
+@click.option("--plot", "figure", type=OutFile(*FIGURES),
+              help="Draw the lines and readings into this PNG, PDF or SVG.")  # fmt: skip
+@click.option("--influence", is_flag=True, help="List what every reading does to the fit.")
+@click.option("--save/--no-save", default=True, show_default=True,
+              help="Keep the fit as fit.json beside the readings (a naive one is not kept).")  # fmt: skip
+@AS_JSON
+def fit(
+    session: Path, method: str, figure: Path | None, influence: bool, save: bool, as_json: bool
+) -> None:
+    """Fit friction to the treadmill readings of a session folder (Eqs. 58-62).
+
+    Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
+    """
+    from ..calibration.fit_file import save_fit
+    from ..calibration.friction_fit import fit_friction
+    from ..calibration.session_file import load_session
+    from ..show import report
+
+    try:
+        loaded = load_session(session)
+        found = fit_friction(loaded, method=method)
+    except BadInput as error:  # the file's fault, not the arguments'
+        raise SerpenoidError(str(error)) from error
+    if figure is not None:
+        from ..show.plot import friction_lines
+
+        friction_lines(loaded, found, figure)
+    if save and method != "naive":
+        try:
+            save_fit(found, session)
+        except OSError as error:
+            click.echo(f"serpenoid: the fit is not kept: {error}", err=True)
+    if as_json:
+        return show_json(found.to_dict())
+    report.fit(found)
+    if influence:
+        report.influence(found)

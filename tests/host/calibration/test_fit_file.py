@@ -1,0 +1,89 @@
+"""fit.json: the same fit back, whole or not at all, and told when it is older than its readings."""
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.calibration import fit_file
+
+FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    copy = tmp_path / "session"
+    copy.mkdir()
+    for name in ("session.toml", "readings.csv"):
+        shutil.copy(FOLDER_2005 / name, copy)
+    return copy
+
+
+def test_a_fit_comes_back_as_it_was(folder):
+    fit = sn.fit_friction(sn.load_session(folder), method="robust")
+    path = sn.save_fit(fit, folder)
+    assert path == folder / "fit.json"
+    back = sn.load_fit(folder)
+    assert back.to_dict() == fit.to_dict()
+    assert back.ground == fit.ground
+    np.testing.assert_array_equal(back.sample_whole(16), fit.sample_whole(16))
+    first = path.read_bytes()
+    sn.save_fit(back, path)
+    assert path.read_bytes() == first
+    assert json.loads(first)["session"]["sha256"] == sn.load_session(folder).sha256
+
+
+def test_a_fit_that_is_older_than_its_readings_says_so(folder):
+    path = sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
+    text = (folder / "readings.csv").read_text().replace(",2,", ",2.1,", 1)
+    (folder / "readings.csv").write_text(text)
+    assert any("older than the readings" in note for note in sn.load_fit(path).notes)
+    assert not any("older" in note for note in sn.fit_friction(sn.load_session(folder)).notes)
+
+
+def test_a_write_that_fails_leaves_the_file_before(folder, monkeypatch):
+    fit = sn.fit_friction(sn.load_session(folder))
+    before = sn.save_fit(fit, folder).read_bytes()
+
+    def full(_number):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        sn.save_fit(fit, folder)
+    assert (folder / "fit.json").read_bytes() == before
+    assert {p.name for p in folder.iterdir()} == {"session.toml", "readings.csv", "fit.json"}
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda d: d.pop("covariance"), "'covariance' is missing"),
+        (lambda d: d.update(format=99), "format is 99"),
+        (lambda d: d["parameters"]["ct_whole"].update(value=-1.0), "ct_whole is -1"),
+        (lambda d: d["covariance"].update(values=[[1.0]]), "4 by 4"),
+        (lambda d: d["robot"].update(legs=4), "legs"),
+    ],
+)
+def test_what_is_no_fit_is_refused(folder, spoil, message):
+    path = sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
+    given = json.loads(path.read_text())
+    spoil(given)
+    path.write_text(json.dumps(given))
+    with pytest.raises(sn.BadInput, match=message):
+        sn.load_fit(path)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1, 2]", "null"])
+def test_half_a_file_is_refused(folder, text):
+    (folder / fit_file.NAME).write_text(text)
+    with pytest.raises(sn.BadInput, match="serpenoid fit DIR"):
+        sn.load_fit(folder)
+
+
+def test_no_file_says_what_writes_it(tmp_path):
+    with pytest.raises(sn.BadInput, match="no such file"):
+        sn.load_fit(tmp_path / "fit.json")

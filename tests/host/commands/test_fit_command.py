@@ -1,0 +1,71 @@
+"""`fit` and the friction that it hands to other commands."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import serpenoid as sn
+
+FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
+GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+
+
+def run(*args, check=True):
+    command = [sys.executable, "-m", "serpenoid", *map(str, args)]
+    return subprocess.run(command, check=check, capture_output=True, text=True)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    copy = tmp_path / "session"
+    copy.mkdir()
+    for name in ("session.toml", "readings.csv"):
+        shutil.copy(FOLDER_2005 / name, copy)
+    return copy
+
+
+def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
+    shown = run("fit", folder, "--influence").stdout
+    assert "ct_whole" in shown
+    assert "per link (of 6)" in shown
+    assert "0.084" in shown
+    assert "0.014" in shown
+    assert "chi2 without" in shown
+    kept = sn.load_fit(folder)
+    assert kept.parameters["ct_whole"].value == pytest.approx(0.084, rel=1e-4)
+    told = json.loads(run("fit", folder, "--no-save", "--method", "robust", "--json").stdout)
+    assert told["method"] == "robust"
+    assert sn.load_fit(folder).method == "joint"
+
+
+def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
+    asked = json.loads(run("steady", *GAIT, "--session", folder, "--json").stdout)["speed_m_s"]
+    # the speed that the paper's lines give, known to 1e-6
+    assert asked == pytest.approx(0.133205, rel=1e-4)
+    run("fit", folder)
+    file = folder / "fit.json"
+    again = json.loads(run("steady", *GAIT, "--ground", file, "--json").stdout)["speed_m_s"]
+    assert again == pytest.approx(asked, rel=1e-9)
+    firm = run("steady", *GAIT, "--ground", file, "--fn0", "0.1", "--json").stdout
+    assert json.loads(firm)["speed_m_s"] > 1.05 * asked
+    simulated = run("simulate", "--session", folder, *GAIT, "--duration-s", "0.1", "--json")
+    assert json.loads(simulated.stdout)
+
+
+@pytest.mark.parametrize(
+    ("extra", "said"),
+    [
+        (["--session", "a", "--ground", "b"], "one of --session and --ground"),
+        (["--ground", "nowhere.json"], "no such file"),
+        (["--ground", "fit.json", "--robot", "paper"], "both name robot and ground"),
+    ],
+)
+def test_friction_from_two_places_or_none_is_refused(folder, extra, said):
+    run("fit", folder)
+    extra = [str(folder / x) if x == "fit.json" else x for x in extra]
+    failed = run("steady", *GAIT, *extra, check=False)
+    assert failed.returncode == 2
+    assert said in " ".join(failed.stderr.split())
