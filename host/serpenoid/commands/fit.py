@@ -20,7 +20,7 @@ from .paths import FIGURES, OutFile
               help="Draw the lines and readings into this PNG, PDF or SVG.")  # fmt: skip
 @click.option("--influence", is_flag=True, help="List what every reading does to the fit.")
 @click.option("--save/--no-save", default=True, show_default=True,
-              help="Keep the fit as fit.json beside the readings (a naive one is not kept).")  # fmt: skip
+              help="Keep it as fit.json beside the readings (not if naive).")  # fmt: skip
 @AS_JSON
 def fit(
     session: Path, method: str, figure: Path | None, influence: bool, save: bool, as_json: bool

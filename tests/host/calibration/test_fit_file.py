@@ -38,7 +38,7 @@ def test_a_fit_comes_back_as_it_was(folder):
 
 def test_a_fit_that_is_older_than_its_readings_says_so(folder):
     path = sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
-    text = (folder / "readings.csv").read_text().replace(",2,", ",2.1,", 1)
+    text = (folder / "readings.csv").read_text().replace(",0.0,2.0,", ",0.0,2.1,", 1)
     (folder / "readings.csv").write_text(text)
     assert any("older than the readings" in note for note in sn.load_fit(path).notes)
     assert not any("older" in note for note in sn.fit_friction(sn.load_session(folder)).notes)
