@@ -118,7 +118,7 @@ def _raw(session: Session, data: FitData, found: Summit) -> _Raw:
     from scipy.special import ndtri
 
     x, count = found.minimum.x, len(data)
-    covariance = np.linalg.inv(found.minimum.information)
+    covariance = np.asarray(np.linalg.inv(found.minimum.information), dtype=np.float64)
     sigmas = np.sqrt(np.diag(covariance))
     residuals = found.minimum.residuals[:count]
     counted = found.good > 0.5

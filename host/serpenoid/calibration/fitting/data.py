@@ -86,7 +86,7 @@ class FitData:
         bends = self.nuisances - 1
         correlation = np.eye(self.nuisances)
         correlation[:bends, :bends] += TOGETHER * (1.0 - np.eye(bends))
-        return np.linalg.inv(np.linalg.cholesky(correlation))
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(correlation)), dtype=np.float64)
 
     def picked(self, index: Whole | NDArray[np.bool_]) -> FitData:
         """Return some of the readings, with the postures as they are."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from .data import FitData, Floats
 from .influence import leave_one_out
-from .joint import Minimum, minimise
+from .joint import Minimum, balance, minimise
 
 BAD_CHANCE, BAD_WIDTH = 0.05, 12.0
 _ROUNDS, _SETTLED, _MOST_TAKEN_OUT, _SHARE_TAKEN_OUT, _SUSPECTS = 80, 1e-6, 5, 0.3, 4
@@ -78,11 +78,12 @@ def _mixture(summits: list[Summit]) -> Summit:
 
 def _climb(data: FitData, x: Floats, good: Floats) -> Summit:
     for _ in range(_ROUNDS):
-        found = minimise(data, x, _weights(good))
-        x, before = found.x, good
-        good, densities = _chances(found.residuals[: len(data)])
+        x, before = minimise(data, x, _weights(good)).x, good
+        good, _ = _chances(balance(x, data)[0])
         if np.abs(good - before).max() < _SETTLED:
             break
+    found = minimise(data, x, _weights(good))
+    good, densities = _chances(found.residuals[: len(data)])
     curved = _curved(found, good)
     priors = float(np.sum(found.residuals[len(data) :] ** 2)) / 2
     volume = float(np.linalg.slogdet(curved.information)[1]) / 2
