@@ -14,7 +14,7 @@ from ..model.errors import BadInput, SerpenoidError
 from .bench import BENCH_GROUP
 from .calibrate import calibrate
 from .examples import examples
-from .fit import fit
+from .friction.fit import fit
 from .optimize import optimize
 from .paths import OutFolder
 from .robot import COMMANDS as ROBOT_COMMANDS

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..model.checks import check_number
-from .fitted import take_fit
+from .friction.given import take_fit
 
 if TYPE_CHECKING:
     from ..model.gait import Gait

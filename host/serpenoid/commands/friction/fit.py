@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from ..model.errors import BadInput, SerpenoidError
-from .options import AS_JSON, show_json
-from .paths import FIGURES, OutFile
+from ...model.errors import BadInput, SerpenoidError
+from ..options import AS_JSON, show_json
+from ..paths import FIGURES, OutFile
 
 
 @click.command()
@@ -29,10 +29,10 @@ def fit(
 
     Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
     """
-    from ..calibration.fit_file import save_fit
-    from ..calibration.friction_fit import fit_friction
-    from ..calibration.session_file import load_session
-    from ..show import report
+    from ...calibration.fit_file import save_fit
+    from ...calibration.friction_fit import fit_friction
+    from ...calibration.session_file import load_session
+    from ...show import report
 
     try:
         loaded = load_session(session)
@@ -40,7 +40,7 @@ def fit(
     except BadInput as error:  # the file's fault, not the arguments'
         raise SerpenoidError(str(error)) from error
     if figure is not None:
-        from ..show.plot import friction_lines
+        from ...show.plot import friction_lines
 
         friction_lines(loaded, found, figure)
     if save and method != "naive":
