@@ -1,0 +1,165 @@
+"""Write what the documentation takes from the program: commands, JSON, errors, API, pictures."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import chdir
+from pathlib import Path
+from typing import Any
+
+import click
+import serpenoid as sn
+from click.testing import CliRunner
+from serpenoid.commands.main import cli
+from serpenoid.model import errors
+from serpenoid.robot.wire.error_table import ERRORS
+
+HERE = Path(__file__).resolve().parent
+OUT = HERE / "generated"
+LIMPING = HERE.parent / "host" / "examples" / "limping_on_a_slope.toml"
+GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+SESSION = str(HERE.parent / "calibration_data" / "nirakh-2005")
+ANSWERS = {  # commands whose --json is shown key by key
+    "steady": ["steady", *GAIT],
+    "steady --formulation implicit": ["steady", *GAIT, "--formulation", "implicit"],
+    "sweep": ["sweep", "--alpha-deg", "60:70:10", "--beta-deg", "75", "--omega-rad-s", "5"],
+    "optimize": ["optimize", "--robot", "paper", "--speed-m-s", "0.1"],
+    "simulate": ["simulate", "--scene", str(LIMPING), "--duration-s", "0.5"],
+    "fit": ["fit", SESSION],
+    "drive": ["drive", "--port", "virtual:fast", *GAIT, "--duration-s", "1"],
+    "doctor": ["doctor", "--port", "virtual:fast", "--listen-s", "1"],
+}
+
+
+def invoke(arguments: list[str]) -> str:
+    """Return what a command prints; raise where it fails."""
+    done = CliRunner().invoke(cli, arguments, catch_exceptions=False)
+    if done.exit_code:
+        raise SystemExit(f"serpenoid {' '.join(arguments)}: {done.output}")
+    return done.stdout
+
+
+def commands(group: click.Group, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Yield every command below a group, as the words that call it."""
+    for name, command in sorted(group.commands.items()):
+        yield (*path, name)
+        if isinstance(command, click.Group):
+            yield from commands(command, (*path, name))
+
+
+def command_page() -> str:
+    """Return the help of every command."""
+    parts = ["# Commands\n\nAs `--help` prints them.\n"]
+    for words in commands(cli):
+        text = invoke([*words, "--help"]).replace("Usage: cli", "Usage: serpenoid")
+        parts.append(f"## serpenoid {' '.join(words)}\n\n```text\n{text.rstrip()}\n```\n")
+    return "\n".join(parts)
+
+
+def keys(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
+    """Yield every key in an answer with an example of its value; of a list, the first item's."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from keys(inner, f"{path}.{name}" if path else name)
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        yield from keys(value[0], f"{path}[]")
+    else:
+        text = json.dumps(value, ensure_ascii=False)
+        yield path, text if len(text) < 60 else f"{text[:56]} …"
+
+
+JSON_HEAD = """# JSON keys
+
+`--json` prints strict JSON: what is not finite is `null`. A key's ending is its unit: `_m_s` m/s,
+`_rad` radians, `_w` watts. The values are those of the command at this build.
+"""
+API_HEAD = """# Python
+
+`import serpenoid as sn`. SI units and radians; links and joints count from the tail.
+"""
+
+
+def table(columns: list[str], rows: list[list[Any]]) -> str:
+    """Return a table of MyST."""
+    lines = [columns, ["---"] * len(columns), *rows]
+    return "\n".join(f"| {' | '.join(str(cell) for cell in line)} |" for line in lines) + "\n"
+
+
+def json_page() -> str:
+    """Return the keys of every answer, with the value that this build got."""
+    parts = [JSON_HEAD]
+    for name, arguments in ANSWERS.items():
+        answer = json.loads(invoke([*arguments, "--json"]))
+        rows = [[f"`{key}`", f"`{shown}`"] for key, shown in keys(answer)]
+        typed = " ".join(Path(a).name if "/" in a else a for a in arguments)
+        parts.append(f"## {name}\n\n```text\nserpenoid {typed} --json\n```\n")
+        parts.append(table(["key", "value"], rows).replace(str(HERE.parent), ""))
+    return "\n".join(parts)
+
+
+def error_page() -> str:
+    """Return the exceptions, and why a board refuses."""
+    kinds = [
+        [f"`{name}`", " ".join((inspect.getdoc(kind) or "").split("\n\n")[0].split())]
+        for name, kind in vars(errors).items()
+        if inspect.isclass(kind) and issubclass(kind, sn.SerpenoidError)
+    ]
+    rows = [[e.number, f"`{word}`", e.cause, e.cure] for word, e in ERRORS.items()]
+    return (
+        f"## Exceptions\n\n{table(['exception', 'when'], kinds)}\n## What a board refuses\n\n"
+        + table(["number", "word", "what happened", "what to do"], sorted(rows))
+    )
+
+
+def directive(kind: str, name: str, members: bool) -> str:
+    """Return a block that documents one name."""
+    options = "   :members:\n" if members else ""
+    return f"```{{eval-rst}}\n.. {kind}:: {name}\n{options}```\n"
+
+
+def api_page() -> str:
+    """Return directives for everything public."""
+    groups: dict[str, list[str]] = {"Functions": [], "Classes": [], "Exceptions": []}
+    for name in sn.__all__:
+        value = getattr(sn, name)
+        kind = "Functions" if inspect.isfunction(value) else "Classes"
+        if inspect.isclass(value) and issubclass(value, Exception):
+            kind = "Exceptions"
+        groups[kind].append(f"serpenoid.{name}")
+    parts = [API_HEAD]
+    for title, names in groups.items():
+        kind = "autofunction" if title == "Functions" else "autoclass"
+        parts += [f"## {title}\n", *(directive(kind, n, title == "Classes") for n in names)]
+    parts.append("## The robot\n\n`from serpenoid.robot import Robot`\n")
+    return "\n".join([*parts, directive("autoclass", "serpenoid.robot.Robot", True)])
+
+
+def pictures(folder: Path) -> None:
+    """Draw every figure of the documentation, and the pages to watch."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as scratch, chdir(scratch):
+        invoke(["demo", "--out", "demo"])
+        for name in ("speed", "path", "friction"):
+            shutil.copy(f"demo/{name}.png", folder)
+        invoke(
+            ["simulate", "--scene", str(LIMPING), "--no-error", "--plot", str(folder / "run.png")]
+        )
+        invoke(["view", "virtual", "--out", str(folder / "virtual.html")])
+        invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])
+
+
+def main() -> None:
+    """Write all of it anew."""
+    shutil.rmtree(OUT, ignore_errors=True)
+    pictures(OUT / "static")
+    for name, text in (("commands", command_page()), ("json_keys", json_page()),
+                       ("errors", error_page()), ("api", api_page())):  # fmt: skip
+        (OUT / f"{name}.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

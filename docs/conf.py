@@ -1,0 +1,42 @@
+"""How the documentation is built; `.ci/docs` draws its figures and reference pages before."""
+
+from __future__ import annotations
+
+import re
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "ext"))
+
+project = "serpenoid"
+author = "The serpenoid authors"
+release = version = version_of("serpenoid")
+extensions = ["myst_parser", "sphinx.ext.autodoc", "mathtext"]
+html_math_renderer = "mathtext"
+myst_enable_extensions = ["dollarmath", "deflist"]
+myst_heading_anchors = 3
+exclude_patterns = ["_build", "ext"]
+html_theme = "furo"
+html_title = f"serpenoid {release}"
+html_static_path = ["_static", "generated/static"]
+html_css_files = ["serpenoid.css"]
+html_theme_options = {"top_of_page_buttons": []}
+html_copy_source = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
+# The repository's own pages, included as they are, link to files beside them.
+suppress_warnings = ["myst.xref_missing", "myst.header"]
+nitpicky = False
+
+
+def plain(_app, _what, _name, _obj, _options, lines: list[str]) -> None:
+    """Take docstrings as the plain text that they are: |P| and ct_ are no markup here."""
+    text = re.sub(r"([|*\\])|_(?=\W|$)", lambda m: "\\" + m[0], "\n".join(lines))
+    lines[:] = re.sub(r"`([^`\n]+)`", r"``\1``", text).split("\n")
+
+
+def setup(app) -> None:
+    """Register what is above with Sphinx."""
+    app.connect("autodoc-process-docstring", plain)

@@ -1,0 +1,62 @@
+"""What the documents tell a reader to type: commands in code blocks and backticks, and Python."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+from serpenoid.commands.main import cli
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    ROOT / "CODE_OVERVIEW.md",
+    ROOT / "firmware" / "README.md",
+    ROOT / "calibration_data" / "README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+]
+_FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
+
+
+def blocks(page: Path, kind: str) -> list[str]:
+    """Return the fenced blocks of one kind."""
+    return [body for name, body in _FENCE.findall(page.read_text()) if name == kind]
+
+
+def typed(page: Path) -> Iterator[str]:
+    """Yield the command lines `serpenoid ...` in a page's code blocks, comments taken off."""
+    text = page.read_text()
+    console = [line for body in blocks(page, "console") for line in body.splitlines()]
+    indented = re.findall(r"^ {4,}(serpenoid .*)$", _FENCE.sub("", text), re.M)
+    for line in [*console, *indented]:
+        bare = re.split(r"\s+#", line.strip())[0]
+        if bare.startswith("serpenoid "):
+            yield bare
+
+
+def mentioned(text: str) -> list[str]:
+    """Return what stands in backticks and begins with `serpenoid `."""
+    return [" ".join(found.split()) for found in re.findall(r"`(serpenoid [a-z][^`]*)`", text)]
+
+
+def unknown(line: str) -> str | None:
+    """Say what the command line does not have: a command, or an option."""
+    command: click.Command = cli
+    words = shlex.split(line.split("|", maxsplit=1)[0])[1:]
+    while words and isinstance(command, click.Group):
+        name = words.pop(0)
+        if name.startswith("-") or not name.isalpha() or not name.islower():
+            return None  # of the group itself, or a place for a name
+        if name not in command.commands:
+            return f"no command {name!r} in {line!r}"
+        command = command.commands[name]
+    known = {opt for p in command.params for opt in (*p.opts, *p.secondary_opts)}
+    for word in words:
+        option = word.split("=")[0]
+        if option.startswith("--") and option not in {*known, "--help"}:
+            return f"no option {option!r} in {line!r}"
+    return None

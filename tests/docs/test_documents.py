@@ -1,0 +1,108 @@
+"""Every command and every example that a document, a docstring or a message tells to type works."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
+
+PACKAGE = ROOT / "host" / "serpenoid"
+EXAMPLES = sorted((ROOT / "host" / "examples").glob("*"))
+# What takes a board or a person is tried elsewhere; what takes hours is asked for its help.
+NEED_A_ROBOT = ("flash", "trim", "monitor", "ports", "doctor", "report", "calibrate")
+LONG = ("bench", "figures", "advise")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_commands_of_a_page_exist(page) -> None:
+    lines = [*typed(page), *mentioned(page.read_text())]
+    assert [why for line in lines if (why := unknown(line))] == []
+
+
+def test_commands_in_docstrings_messages_and_examples_exist() -> None:
+    wrong = []
+    for path in [*PACKAGE.rglob("*.py"), *EXAMPLES, ROOT / "Makefile"]:
+        if path.is_file():
+            lines = mentioned(path.read_text()) + re.findall(
+                r"^#\s+(serpenoid .*)$", path.read_text(), re.M
+            )
+            wrong += [f"{path.name}: {why}" for line in lines if (why := unknown(line))]
+    assert wrong == []
+
+
+def test_make_targets_that_are_named_exist() -> None:
+    makefile = (ROOT / "Makefile").read_text()
+    targets = set(re.search(r"^\.PHONY: (.*)$", makefile, re.M)[1].split())
+    for page in PAGES:
+        text = page.read_text()
+        named = re.findall(r"`make ([\w-]+)`", text) + re.findall(r"^ {4}make ([\w-]+)", text, re.M)
+        assert set(named) <= targets, page.name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_paths_that_a_page_names_are_there(page) -> None:
+    named = re.findall(
+        r"`((?:host|tests|firmware|docs|calibration_data|\.ci)/[\w./-]+)`", page.read_text()
+    )
+    assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+def test_the_checks_see_what_they_look_for() -> None:
+    assert "no command 'crawl'" in unknown("serpenoid crawl --fast")
+    assert "no option '--sped'" in unknown("serpenoid optimize --sped 3")
+    assert unknown("serpenoid optimize --robot paper --speed-m-s 0.1") is None
+    assert mentioned("say `serpenoid doctor` now") == ["serpenoid doctor"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_commands_of_a_page_work(page, folder) -> None:
+    for line in typed(page):
+        done = run(runnable(line), folder)
+        assert done.returncode == 0, f"{line}\n{done.stderr}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_python_of_a_page_works(page, folder) -> None:
+    for body in blocks(page, "python"):
+        done = run([sys.executable, "-c", body], folder)
+        assert done.returncode == 0, f"{body}\n{done.stderr}"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """Return a folder that has what a clone's top has, to read from and to fill."""
+    made = tmp_path_factory.mktemp("clone")
+    for name in ("host", "calibration_data", "tests"):
+        (made / name).symlink_to(ROOT / name)
+    return made
+
+
+def runnable(line: str) -> list[str]:
+    """Return a command line's words, without what needs a board, hours or a person."""
+    words = shlex.split(line)
+    if words[1] in NEED_A_ROBOT or words[1] in LONG:
+        return [*words[:2], "--help"]
+    if words[1] == "drive":
+        words = [w for w in words if w not in ("--port", "virtual")]
+        words += ["--port", "virtual:fast"]
+        if "--duration-s" not in words:
+            words += ["--duration-s", "0.5"]
+        if "--record" in words:
+            Path(words[words.index("--record") + 1]).unlink(missing_ok=True)
+    return words
+
+
+def run(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    beside = Path(sys.executable).parent
+    environment = os.environ | {"PATH": f"{beside}:{os.environ['PATH']}", "MPLBACKEND": "agg"}
+    return subprocess.run(
+        words, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=300
+    )
