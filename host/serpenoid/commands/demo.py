@@ -6,8 +6,6 @@ import json
 import math
 from pathlib import Path
 
-from rich.markup import escape
-
 from .. import _core
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import FrictionFit
@@ -92,4 +90,4 @@ def _summary(fit: FrictionFit, points: list[SpeedPoint], files: list[Path]) -> N
     ]
     report.console.print()
     for line in lines:
-        report.console.print(escape(line), highlight=False)
+        report.console.print(line, highlight=False)

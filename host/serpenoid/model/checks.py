@@ -6,6 +6,10 @@ import math
 
 from .errors import BadInput
 
+# What is made of numbers (squares, quotients, products of several) must be finite as well. No
+# robot is larger than the universe (1e27 m) or lighter than an electron (1e-30 kg).
+MOST, LEAST = 1e30, 1e-30
+
 
 def check_number(
     name: str,
@@ -15,10 +19,14 @@ def check_number(
     *,
     open_low: bool = False,
 ) -> float:
-    """Return value as a float, or raise BadInput naming it and the range it must be in."""
+    """Return value as a float, or raise BadInput naming it and the range it must be in.
+
+    Without limits of its own it is at most 1e30 in magnitude; open_low, at least 1e-30 above low.
+    """
     limits = f"{'more than' if open_low else 'at least'} {low:g}" if low > -math.inf else ""
     if high < math.inf:
         limits += f"{' and ' if limits else ''}at most {high:g}"
+    low, high = max(low, -MOST), min(high, MOST)
     rule = f"a finite number{', ' + limits if limits else ''}"
     if isinstance(value, (bool, str, bytes)):
         raise BadInput(f"{name} is {value!r}; it must be {rule}")
@@ -26,8 +34,10 @@ def check_number(
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):  # an int may have 400 digits
         raise BadInput(f"{name} is {value!r}; it must be {rule}") from None
-    inside = (number > low if open_low else number >= low) and number <= high
-    if not (math.isfinite(number) and inside):
+    least = low + LEAST if open_low else low
+    if not (least <= number <= high and (number > low or not open_low)):
+        beyond = math.isfinite(number) and (abs(number) > MOST or 0 < abs(number) < LEAST)
+        rule += f", and {LEAST:g} to {MOST:g} in magnitude" if beyond else ""
         raise BadInput(f"{name} is {number!r}; it must be {rule}")
     return number
 

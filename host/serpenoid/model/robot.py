@@ -22,11 +22,12 @@ def check_links(links: object) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """Describe a chain of equal rigid links; link 1 is the tail, link n the head.
+    """Describe the body of a robot: equal rigid links; serpenoid.robot.Robot is a board to drive.
 
-    links: number of links n, 2 or more. link_mass_kg: mass m of one link. link_length_m: full
-    length 2l of one link, joint to joint. link_inertia_kg_m2: moment of inertia I_c of one link
-    about its centre; a uniform rod's m L^2 / 12 unless given. Raises BadInput.
+    Link 1 is the tail, link n the head. links: number of links n, 2 or more. link_mass_kg: mass m
+    of one link. link_length_m: full length 2l of one link, joint to joint. link_inertia_kg_m2:
+    moment of inertia I_c of one link about its centre; a uniform rod's m L^2 / 12 unless given.
+    Raises BadInput.
     """
 
     links: int

@@ -21,6 +21,11 @@ else:
 
 _UNIT = re.compile(r"_(deg|rad|percent|pct|m_s|mm_s|cm_s|km_h|kmh|kph|mph|ft_s|kg|g|m|mm|cm|utc)$")
 
+MOST_BYTES = 16_000_000
+MOST_PARTS = 16
+_POINT = re.compile(r"\d\.\d")  # of a number
+_DEEP = re.compile(rf"([\w\"'-]+\s*\.\s*){{{MOST_PARTS}}}")
+
 
 @dataclass(frozen=True)
 class Table:
@@ -35,6 +40,7 @@ class Table:
     def load(cls, path: Path) -> Table:
         """Read a whole file as its top table; raises BadInput."""
         text = read_text(path)
+        _check_depth(path, text)
         try:
             return cls.parsed(text, path)
         except (ValueError, RecursionError) as error:  # ValueError: a number of 5000 digits, too
@@ -116,11 +122,30 @@ class Table:
 def read_text(path: Path) -> str:
     """Return a UTF-8 file's text, or raise BadInput saying why it cannot be read."""
     try:
-        return path.read_text(encoding="utf-8-sig")
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+        if len(data) > MOST_BYTES:
+            raise BadInput(
+                f"{path}: the file is larger than {MOST_BYTES} bytes; is it the right one?"
+            )
+        return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except OSError as error:
         raise BadInput(f"{path}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise BadInput(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from error
+
+
+def _check_depth(path: Path, text: str) -> None:
+    """Raise BadInput for a key of many parts: to parse it takes time and memory as its square."""
+    for number, line in enumerate(text.split("\n"), 1):
+        dots = line.count(".")
+        if dots > MOST_PARTS and (
+            _DEEP.search(line) or dots - len(_POINT.findall(line)) > MOST_PARTS
+        ):
+            raise BadInput(
+                f"{path}:{number}: a key has more than {MOST_PARTS} parts joined by dots; the keys "
+                "of these files have one or two"
+            )
 
 
 @contextmanager

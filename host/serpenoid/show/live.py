@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rich.console import Console, Group
+from rich.console import Group
 from rich.live import Live
 from rich.table import Table
 
 from ..robot.tools.driven_run import Drive, Summary
+from .screen import screen
 
 FRAMES_A_TABLE = 5
 FRAMES_A_LINE = 50
@@ -20,7 +21,7 @@ View = Callable[[Drive], None]
 @contextmanager
 def view() -> Iterator[View]:
     """Give a function that shows the state of a run; call it after every frame."""
-    console = Console()
+    console = screen()
     if not console.is_terminal:
         yield _thinned(FRAMES_A_LINE, lambda run: print(line(run), flush=True))
         return
@@ -81,7 +82,7 @@ def show_summary(found: Summary) -> None:
         ("true gait frequency", _frequency(found.frequency_hz, found.frequency_sd_hz)),
         ("recording", found.recording or "none (--record FILE)"),
     ]
-    Console().print(_rows(rows))
+    screen().print(_rows(rows))
 
 
 def _frequency(hz: float | None, sd_hz: float | None) -> str:
@@ -90,6 +91,8 @@ def _frequency(hz: float | None, sd_hz: float | None) -> str:
 
 def _rows(rows: list[tuple[str, str]]) -> Table:
     table = Table(show_header=False)
+    table.add_column()
+    table.add_column(overflow="fold")
     for row in rows:
         table.add_row(*row)
     return table

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -21,19 +20,21 @@ from rich.progress import (
 )
 from rich.table import Table
 
+from .screen import screen
+
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
     from ..periodic.steady import Steady
     from ..periodic.sweep import Sweep
     from ..simulation.steady_springs import SteadySprings
 
-console = Console(width=100) if not Console().is_terminal else Console()
-notices = Console(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
+console = screen(width=100) if not screen().is_terminal else screen()
+notices = screen(stderr=True, soft_wrap=True, highlight=False)  # what is no answer
 
 
 def _bar(columns: tuple[ProgressColumn, ...]) -> Progress:
     """Return a bar on standard error that leaves no trace, and none at all off a terminal."""
-    errors = Console(stderr=True)
+    errors = screen(stderr=True)
     return Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
 
 
@@ -63,7 +64,7 @@ def simulated_time(duration_s: float, what: str) -> Iterator[Callable[[float], N
 @contextmanager
 def busy(what: str) -> Iterator[None]:
     """Show on standard error, where that is a terminal, that work of unknown length goes on."""
-    with Console(stderr=True).status(what):
+    with screen(stderr=True).status(what):
         yield
 
 

@@ -88,9 +88,9 @@ def show_run(run: Run, summary: dict[str, Any]) -> None:
     title = f"{scene.formulation} model, {scene.method}, {step}, {run.t_s[-1]:g} s long"
     table(title, ["run", "value"], rows)
     if run.picked:
-        console.print(f"picked {run.picked}", highlight=False, markup=False)
+        console.print(f"picked {run.picked}", highlight=False)
     for warning in summary["warnings"]:
-        notices.print(f"warning: {warning}", markup=False)
+        notices.print(f"warning: {warning}")
 
 
 def write_run(run: Run, path: Path) -> None:

@@ -65,7 +65,7 @@ def test_plain_lines_where_there_is_no_terminal(serpenoid):
 def test_a_live_table_where_there_is_one(monkeypatch):
     screen = io.StringIO()
     terminal = Console(force_terminal=True, file=screen, width=80)
-    monkeypatch.setattr(live, "Console", lambda: terminal)
+    monkeypatch.setattr(live, "screen", lambda: terminal)
     run = Drive(Gait(0.5, 1.0, 5.0), "virtual:fast", None)
     with live.view() as watch:
         run.run(1.0, watch)

@@ -10,6 +10,7 @@ from pathlib import Path
 PROC = Path("/proc")
 PSEUDO_TERMINALS = range(136, 144)  # Linux's device numbers
 MOST_NAMED = 3
+PRIVILEGED = ("root", "wheel", "admin", "sudo", "shadow", "disk")
 USB = Path("/sys/bus/usb/devices")
 BRLTTY = (
     "brltty, the driver for Braille displays, takes boards with a CH340 for one of them: "
@@ -76,6 +77,12 @@ def why_forbidden(port: str) -> str:
         import grp
 
         group = grp.getgrgid(os.stat(port).st_gid).gr_name
+    if group in PRIVILEGED:  # to join these would give away the whole computer
+        return (
+            f"this user may not open {port}, which belongs to {group} alone: give the port to "
+            'dialout with a udev rule (KERNEL=="ttyACM*", GROUP="dialout"), join that group '
+            "(`sudo usermod -aG dialout $USER`), plug the board in again and log in again"
+        )
     return (
         f"this user may not open {port}, which belongs to the group {group}: "
         f"`sudo usermod -aG {group} $USER`, then log out and in again"

@@ -127,7 +127,7 @@ class Dialogue:
 
     def feed(self, silence_s: float) -> None:
         """Ping often enough for a board whose silence time is this; 0 is none."""
-        self._ping_s = min(PING_S, silence_s / PINGS_A_SILENCE or PING_S)
+        self._ping_s = min(PING_S, max(silence_s, 0.0) / PINGS_A_SILENCE or PING_S)
 
     def wait(self, done: Callable[[], bool], until_s: float) -> bool:
         """Wait until done() or the host's time until_s; return done(). Raises what ended the run.

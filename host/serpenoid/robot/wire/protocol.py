@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass
 
 from ...model.errors import BadInput, DamagedLine
+from .written import check_frame
 
 PROTOCOL = 1
 LINE_LIMIT = 80  # bytes to the board, before the line end
@@ -136,6 +137,7 @@ def _telemetry(body: str) -> Telemetry:
     setpoints = tuple(math.radians(float(x)) for x in f[1:6])
     pulses = tuple(int(x) for x in f[8:13])
     phase_rad = math.radians(float(f[7]))
+    check_frame(setpoints, pulses, phase_rad)
     return Telemetry(
         int(f[0]), setpoints, int(f[6]), phase_rad, pulses, int(f[13]), int(f[14]), f[15]
     )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
+from ..._core import firmware
 from ...model.errors import DamagedLine
 from .protocol import Data
+from .written import said, said_field
+
+MOST_COUNT = 2**32 - 1
 
 SETTINGS = ("angle_ramp", "rate_ramp", "pose_speed", "servo_speed", "silence", "every")
 JOINTS = 5
@@ -57,15 +60,15 @@ class Trim:
 
 def status_of(data: list[Data]) -> Status:
     """Return the status in the three lines that answer `status`; raise DamagedLine."""
-    said: dict[str, str] = {}
+    told: dict[str, str] = {}
     for line in data:
-        said |= _values(line.text)
+        told |= _values(line.text)
     try:
         return Status(
-            state=said["state"],
-            moving=said["moving"] == "1",
-            stack_bytes=int(said["stack"]),
-            **{n: int(said[n]) for n in Status.__dataclass_fields__ if n not in _OTHERS},
+            state=told["state"],
+            moving=told["moving"] == "1",
+            stack_bytes=int(said("stack", told["stack"], 0, MOST_COUNT)),
+            **{n: int(said(n, told[n], 0, MOST_COUNT)) for n in _COUNTS},
         )
     except (KeyError, ValueError) as error:
         raise DamagedLine(f"the board's status lacks {error}; ask again") from None
@@ -74,11 +77,9 @@ def status_of(data: list[Data]) -> Status:
 def settings_of(data: list[Data]) -> dict[str, float]:
     """Return name -> value from the lines that answer `set`; raise DamagedLine."""
     try:
-        found = {d.text.split()[0]: float(_values(d.text)["value"]) for d in data}
+        found = {n: said_field(firmware.SETTINGS, n, v) for n, v in map(_setting, data)}
     except (KeyError, IndexError, ValueError) as error:
         raise DamagedLine(f"a setting of the board lacks {error}; ask again") from None
-    if not all(map(math.isfinite, found.values())):
-        raise DamagedLine(f"settings must be finite, not {found}; ask again")
     if missing := [name for name in SETTINGS if name not in found]:
         raise DamagedLine(f"the board's list of settings lacks {', '.join(missing)}; ask again")
     return found
@@ -95,19 +96,24 @@ def trims_of(data: list[Data]) -> tuple[Trim, ...]:
     return tuple(found)
 
 
-_OTHERS = ("state", "moving", "stack_bytes")
+_COUNTS = [n for n in Status.__dataclass_fields__ if n not in ("state", "moving", "stack_bytes")]
 
 
 def _trim(text: str) -> Trim:
-    said = _values(text)
+    told = _values(text)
+    value = {name: said_field(firmware.TRIM, name, told[name]) for name in firmware.TRIM}
     return Trim(
-        int(text.split(maxsplit=1)[0].removeprefix("#")),
-        float(said["centre"]),
-        float(said["scale"]),
-        int(said["dir"]),
-        float(said["low"]),
-        float(said["high"]),
+        int(said("joint", text.split(maxsplit=1)[0].removeprefix("#"), 1, 99)),
+        value["centre"],
+        value["scale"],
+        int(value["dir"]),
+        value["low"],
+        value["high"],
     )
+
+
+def _setting(line: Data) -> tuple[str, str]:
+    return line.text.split()[0], _values(line.text)["value"]
 
 
 def _values(text: str) -> dict[str, str]:

@@ -1,11 +1,16 @@
-"""Numbers and names as the wire takes them."""
+"""Numbers and names as the wire takes them, and as a board can say them."""
 
 from __future__ import annotations
 
 import math
 import re
 
-from ...model.errors import BadInput
+from ...model.errors import BadInput, DamagedLine
+
+NUMBER = re.compile(r"-?\d{1,10}(\.\d{1,6})?", re.ASCII)
+CAN_BE_OFF = ("silence", "limp")
+FARTHEST_DEG = 180.0  # beyond any joint's limits
+PULSES_US = range(500, 2501)
 
 
 def digits(value: float) -> str:
@@ -26,3 +31,33 @@ def word(name: str) -> str:
     if not re.fullmatch(r"[a-z_]+", name):
         raise BadInput(f"{name!r} is no name of a setting or field; see firmware/PROTOCOL.md")
     return name
+
+
+def said(name: str, text: str, low: float, high: float) -> float:
+    """Return a number that a board said, or raise DamagedLine if it can say no such number."""
+    if not NUMBER.fullmatch(text) or not low <= float(text) <= high:
+        raise DamagedLine(
+            f"{name} is {text[:40]!r}; a board says a number from {low:g} to {high:g}"
+        )
+    return float(text)
+
+
+def said_field(fields: dict[str, tuple[str, float, float, float]], name: str, text: str) -> float:
+    """Return the value of a setting or trim, within the limits that the firmware has for it."""
+    if name not in fields:
+        return said(name, text, -2147.0, 2147.0)  # of a newer firmware of this protocol
+    _, low, high, _ = fields[name]
+    off = name in CAN_BE_OFF and text == "0"
+    return 0.0 if off else said(name, text, low, high)
+
+
+def check_frame(
+    setpoint_rad: tuple[float, ...], pulse_us: tuple[int, ...], phase_rad: float
+) -> None:
+    """Raise DamagedLine for a frame that no board can send, however right its CRC is."""
+    if any(abs(angle) > math.radians(FARTHEST_DEG) for angle in setpoint_rad):
+        raise DamagedLine(f"a setpoint is beyond {FARTHEST_DEG:g} degrees")
+    if any(pulse and pulse not in PULSES_US for pulse in pulse_us):
+        raise DamagedLine(f"pulses are {pulse_us}; a board sends 0 or 500 to 2500 us")
+    if not 0.0 <= phase_rad <= 2 * math.pi:
+        raise DamagedLine(f"the phase is {math.degrees(phase_rad):.0f} degrees; a turn has 360")

@@ -1,0 +1,152 @@
+"""One gate for what comes from outside: no such number, line, name or file passes it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import serpenoid as sn
+from robot.fake_board import FakeBoard, sealed
+from serpenoid.model.errors import BadInput, DamagedLine
+from serpenoid.model.toml_table import Table
+from serpenoid.robot import Robot
+from serpenoid.robot.wire import culprit
+from serpenoid.robot.wire.protocol import Data, parse
+from serpenoid.robot.wire.reports import settings_of, status_of, trims_of
+
+GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
+
+
+@pytest.fixture(scope="module")
+def lines() -> dict[str, list[bytes]]:
+    """Return what a board says, by its first word."""
+    with Robot("virtual:fast") as robot:
+        said: list[bytes] = []
+        take = robot._dialogue.inbox.take
+        robot._dialogue.inbox.take = lambda line, host_s: (said.append(line), take(line, host_s))
+        robot.straight()
+        list(robot.frames(0.2))
+        robot.status(), robot.settings(), robot.trims()
+    return {w: [x for x in said if x.startswith(w.encode())] for w in ("t:", "set:", "trim:")}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "by"),
+    [
+        (rb"j1:\S+", b"j1:180.01"),
+        (rb"j1:\S+", b"j1:-999.99"),
+        (rb"ph=\S+", b"ph=361.000"),
+        (rb"p=\d+", b"p=99"),
+        (rb"p=\d+", b"p=2501"),
+        (rb"p=\d+", b"p=1_5"),
+    ],
+)
+def test_frames_that_no_board_can_send_are_damage(lines, pattern, by):
+    whole = lines["t:"][-1]
+    parse(whole)
+    changed = re.sub(pattern, by, whole.rpartition(b" *")[0], count=1)
+    with pytest.raises(DamagedLine):
+        parse(sealed(changed.decode()))
+
+
+@pytest.mark.parametrize("value", ["-1", "0.05", "601", "1_0", "nan", "inf", "1e2", "", "9" * 5000])
+def test_settings_that_no_board_can_have_are_damage(lines, value):
+    data = [Data("set", x.decode().partition(": ")[2]) for x in lines["set:"]]
+    assert settings_of(data)["silence"] == 2.0
+    wrong = [
+        Data("set", re.sub("^silence value=2", f"silence value={value}", d.text)) for d in data
+    ]
+    assert wrong != data
+    with pytest.raises(DamagedLine):
+        settings_of(wrong)
+
+
+def test_trims_and_counters_that_no_board_can_have_are_damage(lines):
+    data = [Data("trim", x.decode().partition(": ")[2].rpartition(" *")[0]) for x in lines["trim:"]]
+    for old, new in (("centre=1500", "centre=2_0"), ("dir=1", "dir=7"), ("#1 ", "#x ")):
+        with pytest.raises(DamagedLine):
+            trims_of([Data("trim", d.text.replace(old, new)) for d in data])
+    with pytest.raises(DamagedLine):
+        status_of([Data("status", "state=idle moving=0 boot=1e3 frame=1")])
+
+
+def test_pings_do_not_follow_a_silence_that_no_board_has():
+    with Robot("virtual:fast") as robot:
+        robot._dialogue.feed(-1.0)
+        assert robot._dialogue._ping_s == 0.4
+        robot._dialogue.feed(0.1)
+        assert robot._dialogue._ping_s == pytest.approx(0.025)
+
+
+def test_markup_in_a_path_and_in_a_greeting_is_text(serpenoid, tmp_path):
+    file = tmp_path / "[" / "b]run[bold].wire"
+    file.parent.mkdir()
+
+    def bracketed(line: bytes) -> bytes:
+        body = re.sub(rb"board=\S+", b"board=[/b]", line.rpartition(b" *")[0])
+        return sealed(body.decode()) if line.startswith(b"hello:") else line
+
+    with FakeBoard(bracketed) as fake:
+        args = ["--port", fake.port, "--duration-s", "0.3", "--record", str(file)]
+        status, said, errors = serpenoid("drive", *GAIT, *args)
+    assert (status, "Traceback" in errors) == (0, False), errors
+    assert "[/b], firmware" in said
+    assert "run[bold].wire" in re.sub(r"[\s│]", "", said)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: sn.Robot(6, 0.1, 1e200),
+        lambda: sn.Robot(6, 1e308, 0.1),
+        lambda: sn.Robot(6, 1e-320, 0.1),
+        lambda: sn.Robot(6, 0.1, 1e-200),
+        lambda: sn.Ground(1e300, 1.0),
+        lambda: sn.Gait(0.5, 1.0, 5e-324),
+        lambda: sn.Gait(0.5, 1.0, 1e200),
+        lambda: sn.Servo(speed_limit_rad_s=1e-320),
+    ],
+)
+def test_numbers_whose_consequences_are_not_finite_are_refused(make):
+    with pytest.raises(BadInput, match="magnitude"):
+        make()
+
+
+@pytest.mark.parametrize("option", [["--length-m", "1e200"], ["--mass-kg", "1e308"]])
+def test_the_command_line_refuses_them_too(serpenoid, option):
+    status, _, errors = serpenoid("steady", *GAIT, *option)
+    assert (status, "Traceback" in errors) == (2, False)
+
+
+@pytest.mark.parametrize(
+    "key",
+    [".".join("a" * 30_000), " . ".join(["'a b'"] * 300), ".".join("1" * 30_000),
+     f"[{'.'.join('a' * 100)}]\nx", f"x = {{{'.'.join('a' * 100)}"],
+    ids=["bare", "quoted", "digits", "table", "inline"],
+)  # fmt: skip
+def test_a_key_of_very_many_parts_is_refused_before_it_is_parsed(tmp_path, key):
+    path = tmp_path / "scene.toml"
+    path.write_text(f"format = 1\n{key} = 1\n")
+    with pytest.raises(BadInput, match=r"scene.toml:2: a key has more than 16 parts"):
+        Table.load(path)
+
+
+def test_long_lists_of_numbers_and_prose_pass(tmp_path):
+    path = tmp_path / "scene.toml"
+    numbers = ", ".join(["-1.5e-3"] * 500)
+    path.write_text(f'x = [{numbers}]\ny = "{"It is. " * 10}"\n')
+    assert len(Table.load(path).values["x"]) == 500
+
+
+def test_a_file_without_end_is_refused():
+    with pytest.raises(BadInput, match="larger than"):
+        Table.load(Path("/dev/zero"))
+
+
+def test_nobody_is_told_to_join_root(monkeypatch):
+    monkeypatch.setattr("grp.getgrgid", lambda _: SimpleNamespace(gr_name="root"))
+    said = culprit.why_forbidden("/dev/null")
+    assert "usermod -aG root" not in said
+    assert "udev" in said
