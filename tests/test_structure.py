@@ -17,6 +17,7 @@ ROOMS = [
     "periodic",
     "simulation",
     "gaits",
+    "exchange",
     "robot",
     "calibration",
     "show",

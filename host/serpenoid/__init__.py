@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .calibration.friction_result import FrictionFit
     from .calibration.session import Session
     from .calibration.session_file import load_session
+    from .exchange.mjcf import to_mjcf
     from .gaits.least_power import LeastPower, least_power_gait
     from .model.drives import Servo, TorqueTable
     from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
@@ -43,6 +44,7 @@ _HOMES = {
     "model.ground": ("Ground",),
     "model.link_state": ("LinkState",),
     "model.robot": ("Robot",),
+    "exchange.mjcf": ("to_mjcf",),
     "gaits.least_power": ("LeastPower", "least_power_gait"),
     "periodic.steady": ("Steady", "steady_gait"),
     "periodic.sweep": ("Sweep", "sweep"),
@@ -92,6 +94,7 @@ __all__ = [
     "steady_gait",
     "steady_springs",
     "sweep",
+    "to_mjcf",
 ]
 
 

@@ -1,0 +1,79 @@
+"""A robot and its ground in MuJoCo's language (MJCF), with the friction that it can say."""
+
+from __future__ import annotations
+
+import warnings
+from xml.etree import ElementTree as ET
+
+from ..model.checks import check_number
+from ..model.core_model import check_parts
+from ..model.ground import Ground
+from ..model.robot import Robot
+
+
+def to_mjcf(robot: Robot, ground: Ground, *, timestep_s: float = 1e-3) -> str:
+    """Return a robot as an MJCF document: planar, hinged at the joints, a motor on each.
+
+    Link 1, the tail, moves on two slides and a hinge, `x`, `y`, `turn`, from the origin along x;
+    joint i is the hinge `joint<i>` with the motor `torque<i>`, N m on link i from link i+1 as in
+    serpenoid (that is, minus MuJoCo's sign). Viscous friction is exact: two actuators without a
+    control at each link's centre. Dry friction that differs along and across is more than MuJoCo
+    can say: it is left out with a warning. Raises BadInput.
+    """
+    check_parts(robot, ground)
+    check_number("timestep_s", timestep_s, 0.0, open_low=True)
+    if ground.dry:
+        warnings.warn(
+            f"MuJoCo has no dry friction that differs along and across: ft0 {ground.ft0:g} N and "
+            f"fn0 {ground.fn0:g} N are left out",
+            stacklevel=2,
+        )
+    root = ET.Element("mujoco", model="serpenoid")
+    option = ET.SubElement(
+        root, "option", timestep=f"{timestep_s!r}", gravity="0 0 0", integrator="RK4"
+    )
+    ET.SubElement(option, "flag", contact="disable")
+    world, actuators = ET.SubElement(root, "worldbody"), ET.Element("actuator")
+    parent = world
+    for link in range(1, robot.links + 1):
+        parent = _link(parent, robot, link)
+        _drag(actuators, f"wheels{link}", ground)
+    for joint in range(1, robot.links):
+        ET.SubElement(actuators, "motor", name=f"torque{joint}", joint=f"joint{joint}", gear="-1")
+    root.append(actuators)
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _link(parent: ET.Element, robot: Robot, link: int) -> ET.Element:
+    """Add one link at the end of the one before it."""
+    length, inertia = robot.link_length_m, robot.inertia_kg_m2
+    place = f"{length!r} 0 0" if link > 1 else "0 0 0"
+    body = ET.SubElement(parent, "body", name=f"link{link}", pos=place)
+    if link == 1:
+        ET.SubElement(body, "joint", name="x", type="slide", axis="1 0 0")
+        ET.SubElement(body, "joint", name="y", type="slide", axis="0 1 0")
+        ET.SubElement(body, "joint", name="turn", type="hinge", axis="0 0 1")
+    else:
+        ET.SubElement(
+            body, "joint", name=f"joint{link - 1}", type="hinge", axis="0 0 1",
+            pos=f"{-length / 2!r} 0 0",
+        )  # fmt: skip
+    ET.SubElement(
+        body, "inertial", pos="0 0 0", mass=f"{robot.link_mass_kg!r}",
+        diaginertia=f"{inertia!r} {inertia!r} {inertia!r}",
+    )  # fmt: skip
+    ET.SubElement(
+        body, "geom", type="capsule", size=f"{length / 10!r}",
+        fromto=f"{-0.4 * length!r} 0 0 {0.4 * length!r} 0 0",
+    )  # fmt: skip
+    ET.SubElement(body, "site", name=f"wheels{link}")
+    return body
+
+
+def _drag(actuators: ET.Element, site: str, ground: Ground) -> None:
+    for name, axis, c in (("along", "1 0 0", ground.ct), ("across", "0 1 0", ground.cn)):
+        ET.SubElement(
+            actuators, "general", name=f"{site}_{name}", site=site, gear=f"{axis} 0 0 0",
+            gainprm="0", biastype="affine", biasprm=f"0 0 {-c!r}",
+        )  # fmt: skip
