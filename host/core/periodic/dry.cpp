@@ -1,228 +1,179 @@
-// Periodic state on dry ground: Newton's method on the half-cycle map of sticking_motion.hpp.
-//
-// The map takes (Vx, Vy, L) at phase 0 to its mirror image half a cycle later (a whole cycle later,
-// as it is, for a gait that steers); three unknowns, so its derivative is measured by differences
-// and then kept up to date by Broyden's rule. The whole is repeated with tighter steps until the
-// speed stops changing: the last change is the error estimate.
+// Newton's method and tolerances of dry.hpp.
 #include "periodic/dry.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "body/sticking_motion.hpp"
 #include "numerics/matrix_product.hpp"
+#include "periodic/dry_by_steps.hpp"
 
 namespace serpenoid {
 
 namespace {
 
-class HalfCycle {
-  public:
-    HalfCycle(const Robot& robot, const Ground& ground, const Gait& gait)
-        : motion_(robot, ground, gait),
-          span_(gait.offset == 0 ? M_PI : 2 * M_PI),
-          flip_(gait.offset == 0 ? -1 : 1) {
-        const double v = motion_.speed_scale();
-        scale_ = {v, v, robot.n * robot.m * v * robot.n * robot.l};
-        start_ = {0, 0, motion_.momentum(0, 0)};
-        motion_.limit(40'000'000 / robot.n);  // a few seconds, for whatever is asked
-    }
-
-    // z: state over scale. False when the steps fail.
-    bool apply(const Vec3& z, double tolerance, Vec3& image) {
-        end_ = {};
-        for (int i = 0; i < 3; ++i) end_.v[i] = z[i] * scale_[i];
-        if (!motion_.advance(end_, 0, span_, tolerance)) return false;
-        const double sign[3] = {1, flip_, flip_};
-        for (int i = 0; i < 3; ++i) image[i] = sign[i] * end_.v[i] / scale_[i];
-        return true;
-    }
-
-    // Integral of sum P_i^+ over the map from z, J; negative when the steps fail.
-    double positive_work(const Vec3& z, double tolerance) {
-        DryState state{};
-        for (int i = 0; i < 3; ++i) state.v[i] = z[i] * scale_[i];
-        double work = 0;
-        return motion_.advance_with_power(state, 0, span_, tolerance, work) ? work : -1;
-    }
-
-    Vec3 rest() const {
-        return {start_[0] / scale_[0], start_[1] / scale_[1], start_[2] / scale_[2]};
-    }
-    const DryState& end() const { return end_; }
-    const Vec3& scale() const { return scale_; }
-    double rate(double L) { return motion_.rate(L, 0); }
-    double span() const { return span_; }
-
-  private:
-    DryMotion motion_;
-    double span_, flip_;
-    Vec3 scale_, start_;
-    DryState end_;
-};
-
 double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2])}); }
-
-// Solves image(z) = z; keeps z and the measured derivative M of the image from one level to the
-// next.
-class FixedPoint {
-  public:
-    explicit FixedPoint(HalfCycle& map) : map_(map), z_(map.rest()) {}
-
-    // Follow the motion until a cycle changes it little, or for so many cycles.
-    bool wander(int cycles, double tolerance) {
-        constexpr double kNear = 0.02;
-        for (int i = 0; i < cycles; ++i) {
-            Vec3 image, change;
-            if (!map_.apply(z_, tolerance, image)) return false;
-            ++evaluations;
-            for (int k = 0; k < 3; ++k) change[k] = image[k] - z_[k];
-            z_ = image;
-            if (size(change) < kNear) break;
-        }
-        return true;
-    }
-
-    // Newton's method until the next step would be below `goal`. False when the steps fail or the
-    // residual stalls. A step that does not bring the residual down is halved.
-    bool solve(double tolerance, double goal) {
-        if (!measured_ && !measure(tolerance)) return false;
-        Vec3 r, step;
-        if (!residual(z_, tolerance, r)) return false;
-        for (int i = 0; i < 30; ++i) {
-            if (!newton(r, step)) return false;
-            last_step = size(step);
-            if (last_step <= goal) return true;
-            Vec3 next, trial;
-            double part = 1;
-            for (; part > 0.05; part /= 2) {
-                for (int k = 0; k < 3; ++k) next[k] = z_[k] + part * step[k];
-                if (!residual(next, tolerance, trial)) return false;
-                if (size(trial) < size(r)) break;
-            }
-            if (part <= 0.05) {  // the derivative has lost the way
-                if (!measure(tolerance)) return false;
-                if (++lost_ > 6) return false;
-                continue;
-            }
-            for (int k = 0; k < 3; ++k) step[k] *= part;
-            broyden(step, r, trial);
-            z_ = next, r = trial;
-        }
-        return false;
-    }
-
-    const Mat3& derivative() const { return M_; }
-    const Vec3& point() const { return z_; }
-    int evaluations = 0;
-    double last_step = 0;  // of Newton's method, as a fraction of the speed scale
-
-  private:
-    bool measure(double tolerance) {
-        Vec3 base, moved;
-        const double delta = std::max(1e-6, std::sqrt(tolerance) * 0.1);
-        if (!map_.apply(z_, tolerance, base)) return false;
-        for (int j = 0; j < 3; ++j) {
-            Vec3 z = z_;
-            z[j] += delta;
-            if (!map_.apply(z, tolerance, moved)) return false;
-            for (int i = 0; i < 3; ++i) M_[3 * i + j] = (moved[i] - base[i]) / delta;
-        }
-        evaluations += 4;
-        return measured_ = true;
-    }
-
-    bool residual(const Vec3& z, double tolerance, Vec3& r) {
-        Vec3 image;
-        if (!map_.apply(z, tolerance, image)) return false;
-        ++evaluations;
-        for (int k = 0; k < 3; ++k) r[k] = image[k] - z[k];
-        return true;
-    }
-
-    // After a step the residual went from r to r_new: M then maps the step to r_new - r + step.
-    void broyden(const Vec3& step, const Vec3& r, const Vec3& r_new) {
-        const Vec3 predicted = multiply(M_, step);
-        double norm = 0;
-        for (const double v : step) norm += v * v;
-        if (norm == 0) return;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                M_[3 * i + j] += (r_new[i] - r[i] + step[i] - predicted[i]) * step[j] / norm;
-    }
-
-    bool newton(const Vec3& r, Vec3& step) const {
-        Mat3 A = identity3();
-        for (int i = 0; i < 9; ++i) A[i] -= M_[i];
-        step = r;
-        return solve_dense<3, 1>(A.data(), step.data()) && std::isfinite(size(step));
-    }
-
-    HalfCycle& map_;
-    Vec3 z_;
-    Mat3 M_{};
-    bool measured_ = false;
-    int lost_ = 0;
-};
-
-void report(HalfCycle& map, const FixedPoint& fixed, const Gait& gait, SteadyState& out) {
-    const auto& v = map.end().v;
-    double x = v[DryState::x], y = v[DryState::y], turn = v[DryState::theta];
-    const bool mirrored = gait.offset == 0;
-    Mat3 M = fixed.derivative();
-    const Vec3& scale = map.scale();
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) M[3 * i + j] *= scale[i] / scale[j];
-    if (mirrored) {
-        const double c = std::cos(turn), s = std::sin(turn), mx = c * x + s * y, my = s * x - c * y;
-        x += mx, y += my, turn = 0, M = multiply(M, M);
-    }
-    out.monodromy = M;
-    out.slowest = log_spectral_radius(M);
-    out.speed = out.chord = std::hypot(x, y) * gait.omega / (2 * M_PI);
-    out.direction = std::atan2(y, x);
-    out.turn = turn;
-    const double time = map.span() / gait.omega;
-    out.power = v[DryState::dissipated] / time;
-    const Vec3& z = fixed.point();
-    out.start = {z[0] * scale[0], z[1] * scale[1], map.rate(z[2] * scale[2])};
-    out.iterations = fixed.evaluations;
-}
 
 }  // namespace
 
-SteadyState steady_dry(const Robot& robot, const Ground& ground, const Gait& gait,
-                       const SteadyOptions& options) {
-    HalfCycle map(robot, ground, gait);
-    FixedPoint fixed(map);
-    SteadyState out, coarse;
-    const double floor = options.rtol * 1e-4 * gait.omega * 2 * robot.l * robot.n;
-    if (!fixed.wander(200, 1e-3)) return out;
-    bool first = true;
-    double change = 0, before = 0;
-    for (double tolerance = 1e-4; tolerance > 1e-11; tolerance *= 0.03) {
-        if (!fixed.solve(tolerance, std::max(3 * tolerance, 1e-12))) return out;
-        report(map, fixed, gait, out);
-        if (options.powers) {
-            const double work = map.positive_work(fixed.point(), tolerance);
-            if (work < 0) return out;
-            out.positive_power = work * gait.omega / map.span();
-            out.abs_power = 2 * out.positive_power - out.power;
+// The mirror image of the end less the start, over the scales, and its derivative.
+void SteadyDry::image(const CycleState& end, Vec3& r) {
+    const double flip = gait_.offset == 0 ? -1 : 1, sign[3] = {1, flip, flip};
+    for (int i = 0; i < 3; ++i) {
+        r[i] = sign[i] * end.p[i];
+        for (int j = 0; j < 3; ++j) M_[3 * i + j] = sign[i] * end.by_start[i][j];
+    }
+}
+
+bool SteadyDry::step(const Vec3& r, Vec3& d) const {
+    Mat3 A = identity3();
+    for (int i = 0; i < 9; ++i) A[i] -= M_[i];
+    d = r;
+    return solve_dense<3, 1>(A.data(), d.data()) && std::isfinite(size(d));
+}
+
+// Follow the motion until a cycle changes it little, or for so many cycles.
+bool SteadyDry::wander(DryCycle& cycle, int most, double near, double tolerance) {
+    for (int i = 0; i < most; ++i) {
+        Vec3 p, r;
+        for (int k = 0; k < 3; ++k) p[k] = z_[k] * cycle.scale()[k];
+        if (!cycle.follow(p, span(), tolerance, 0, end_)) return false;
+        image(end_, r);
+        double change = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double z = r[k] / cycle.scale()[k];
+            change = std::max(change, std::fabs(z - z_[k])), z_[k] = z;
         }
-        // the last change, and what a lucky one would hide: part of the one before, Newton's rest
-        change = std::fabs(out.speed - coarse.speed);
-        out.speed_error = change + 0.03 * before + fixed.last_step * map.scale()[0];
-        before = first ? 0 : change;
-        out.slowest_error = first ? std::fabs(out.slowest) : std::fabs(out.slowest - coarse.slowest);
+        if (change < near) break;
+    }
+    return true;
+}
+
+// A step that does not bring the residual down is halved; when that does not help, a few cycles
+// are followed instead.
+SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goal,
+                                   SteadyState& out) {
+    constexpr int kMost = 40;
+    const Vec3& scale = cycle.scale();
+    Vec3 last_z = z_, last_d{};
+    double last = HUGE_VAL, part = 1;
+    for (int i = 0; i < kMost; ++i) {
+        Vec3 p, r, d;
+        for (int k = 0; k < 3; ++k) p[k] = z_[k] * scale[k];
+        if (!cycle.follow(p, span(), tolerance, 0, end_)) return Ended::broken;
+        ++out.iterations;
+        image(end_, r);
+        for (int k = 0; k < 3; ++k) r[k] = (r[k] - p[k]) / scale[k];
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) M_[3 * a + b] *= scale[b] / scale[a];
+        const double now = size(r);
+        if (now > last && now > goal) {
+            part /= 2;
+            if (part > 0.1) {
+                for (int k = 0; k < 3; ++k) z_[k] = last_z[k] + part * last_d[k];
+            } else {
+                z_ = last_z, last = HUGE_VAL, part = 1;
+                if (!wander(cycle, 4, goal, tolerance)) return Ended::broken;
+            }
+            continue;
+        }
+        if (!step(r, d)) return Ended::stalled;
+        if (size(d) <= goal) {
+            report(cycle, d, tolerance, out);
+            for (int k = 0; k < 3; ++k) z_[k] += d[k];
+            return Ended::converged;
+        }
+        last = now, last_z = z_, last_d = d, part = 1;
+        for (int k = 0; k < 3; ++k) z_[k] += d[k];
+    }
+    return Ended::stalled;
+}
+
+// Speed, turn and power at z + d: those of the motion from z, and what d changes by derivatives.
+void SteadyDry::report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyState& out) {
+    const Vec3& scale = cycle.scale();
+    const auto moved = [&](int row, double value) {
+        for (int k = 0; k < 3; ++k) value += end_.by_start[row][k] * d[k] * scale[k];
+        return value;
+    };
+    double x = moved(4, end_.x), y = moved(5, end_.y), turn = moved(3, end_.theta);
+    const double time = span() / gait_.omega, nm = robot_.n * robot_.m;
+    Mat3 M = M_;
+    const double unit[3] = {scale[0] / nm, scale[1] / nm, scale[2]};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) M[3 * i + j] *= unit[i] / unit[j];
+    if (gait_.offset == 0) {  // the second half is the mirror image, seen from the heading then
+        const double c = std::cos(turn), s = std::sin(turn), mx = c * x + s * y, my = s * x - c * y;
+        x += mx, y += my, turn = 0, M = multiply(M, M);
+        out.chord = std::hypot(x, y) * gait_.omega / (2 * M_PI);
+    } else {
+        out.chord = std::hypot(x, y) * gait_.omega / (2 * M_PI);
+        Vec3 p;
+        for (int k = 0; k < 3; ++k) p[k] = (z_[k] + d[k]) * scale[k];
+        CycleState arc;
+        if (cycle.follow(p, span(), tolerance, turn / (2 * M_PI), arc)) x = arc.x, y = arc.y;
+    }
+    out.speed = std::hypot(x, y) * gait_.omega / (2 * M_PI);
+    out.direction = std::atan2(y, x), out.turn = turn;
+    out.monodromy = M, out.slowest = log_spectral_radius(M);
+    out.power = end_.dissipated / time;
+    out.start = {(z_[0] + d[0]) * scale[0] / nm, (z_[1] + d[1]) * scale[1] / nm,
+                 cycle.rate((z_[2] + d[2]) * scale[2], 0)};
+}
+
+SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options) {
+    SteadyState out, coarse;
+    const double floor = options.rtol * 1e-4 * gait_.omega * 2 * robot_.l * robot_.n;
+    double before = 0;
+    std::vector<double> positive, positive_before;
+    bool first = true;
+    for (double tolerance = std::clamp(0.3 * options.rtol, 1e-6, 3e-4); tolerance > 1e-11;
+         tolerance *= 0.05) {
+        const Ended ended = newton(cycle, tolerance, std::max(30 * tolerance, 1e-9), out);
+        if (ended == Ended::broken || (ended == Ended::stalled && first)) break;
+        if (options.powers) {
+            Vec3 p;
+            for (int k = 0; k < 3; ++k) p[k] = z_[k] * cycle.scale()[k];
+            CycleState end;
+            if (!cycle.follow_powers(p, span(), tolerance, end, positive)) break;
+            out.power = end.dissipated * gait_.omega / span();
+            out.positive_power = out.positive_power_error = 0;
+            for (std::size_t i = 0; i < positive.size(); ++i) {
+                const double watts = positive[i] * gait_.omega / span();
+                out.positive_power += watts;
+                if (!first)
+                    out.positive_power_error +=
+                        std::fabs(watts - positive_before[i] * gait_.omega / span());
+            }
+            out.abs_power = 2 * out.positive_power - out.power;
+            positive_before = positive;
+        }
+        const double change = std::fabs(out.speed - coarse.speed);
+        out.speed_error = change + 0.05 * before;
         out.power_error = std::fabs(out.power - coarse.power);
-        out.positive_power_error = std::fabs(out.positive_power - coarse.positive_power);
+        out.slowest_error = std::fabs(out.slowest - coarse.slowest);
         out.converged =
-            !first && out.speed_error <= options.rtol * out.speed + floor &&
+            ended == Ended::converged && !first &&
+            out.speed_error <= options.rtol * out.speed + floor &&
             std::max(out.power_error, out.positive_power_error) <=
                 10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
-        if (out.converged) break;
+        if (out.converged || ended != Ended::converged) break;
+        before = first ? 0 : change;
         coarse = out, first = false;
     }
+    return out;
+}
+
+SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
+    gait_.omega = omega;
+    DryCycle cycle(robot_, ground_, gait_);
+    cycle.limit(3'000'000 / robot_.n);
+    if (!started_) z_ = {0, 0, cycle.momentum(0, 0) / cycle.scale()[2]};
+    SteadyState out;
+    if (started_ || wander(cycle, 200, 0.02, 1e-3)) out = by_pieces(cycle, options);
+    started_ = out.converged;
+    if (out.converged) return out;
+    const SteadyState slow = steady_dry_by_steps(robot_, ground_, gait_, options);
+    if (slow.converged || !(out.speed > 0)) return slow;
     return out;
 }
 

@@ -1,11 +1,43 @@
-// Periodic state on dry ground: Newton's method on the half-cycle map of sticking_motion.hpp.
+// Periodic state on dry ground: Newton's method on the map of dry_cycle.hpp, which brings its
+// derivative with it.
+//
+// Unknown is the state at phase 0; its image is the mirror image half a cycle later (a whole cycle
+// later, as it is, for a gait that steers). At a tolerance Newton's method runs until its next step
+// is small enough for the derivatives to stand for it; then the tolerance is tightened until the
+// speed stops changing: the last change is the error estimate. Where the pieces run out the
+// implicit steps of dry_by_steps.hpp take over, and where they fail, too, plain following.
 #pragma once
 
+#include "periodic/dry_cycle.hpp"
 #include "periodic/periodic_state.hpp"
 
 namespace serpenoid {
 
-SteadyState steady_dry(const Robot& robot, const Ground& ground, const Gait& gait,
-                       const SteadyOptions& options);
+// Solves for one shape and any number of rates; each starts from the one before.
+class SteadyDry {
+  public:
+    SteadyDry(const Robot& robot, const Ground& ground, const Gait& gait)
+        : robot_(robot), ground_(ground), gait_(gait) {}
+
+    SteadyState solve(double omega, const SteadyOptions& options);
+
+  private:
+    enum class Ended { converged, stalled, broken };
+    SteadyState by_pieces(DryCycle& cycle, const SteadyOptions& options);
+    bool wander(DryCycle& cycle, int most, double near, double tolerance);
+    Ended newton(DryCycle& cycle, double tolerance, double goal, SteadyState& out);
+    bool step(const Vec3& r, Vec3& d) const;
+    void image(const CycleState& end, Vec3& r);
+    void report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyState& out);
+    double span() const { return gait_.offset == 0 ? M_PI : 2 * M_PI; }
+
+    Robot robot_;
+    Ground ground_;
+    Gait gait_;
+    bool started_ = false;
+    Vec3 z_{};         // state at phase 0, over the scales
+    CycleState end_;   // of the last map
+    Mat3 M_{};         // derivative of the image by the state, over the scales
+};
 
 }  // namespace serpenoid

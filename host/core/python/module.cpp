@@ -48,7 +48,8 @@ struct Model {
 
 SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
     const SteadyOptions options{rtol, powers, max_elements};
-    if (m.ground.dry()) return steady_dry(m.robot, m.ground, m.gait, options);
+    if (m.ground.dry())
+        return SteadyDry(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
     return SteadyViscous(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
 }
 
@@ -60,10 +61,11 @@ Array steady_row(const Model& m, Vector omegas, double rtol, bool powers, int ma
         nb::gil_scoped_release release;
         const SteadyOptions options{rtol, powers, max_elements};
         SteadyViscous viscous(m.robot, m.ground, m.gait);
+        SteadyDry dry(m.robot, m.ground, m.gait);
         for (std::size_t i = 0; i < count; ++i) {
             Gait gait = m.gait;
             gait.omega = omegas.data()[i];
-            const SteadyState s = m.ground.dry() ? steady_dry(m.robot, m.ground, gait, options)
+            const SteadyState s = m.ground.dry() ? dry.solve(gait.omega, options)
                                                  : viscous.solve(gait.omega, options);
             const double row[5] = {s.speed, s.power, s.abs_power, s.positive_power,
                                    s.converged ? 1.0 : 0.0};

@@ -1,0 +1,101 @@
+// A piece of the motion on dry ground during which every wheel keeps to what it does: slides
+// forwards, backwards, or sticks. Joint angles imposed; flat ground.
+//
+// With p = (nm Vx, nm Vy, L) and u = (Vx, Vy, w) of body_shape.hpp the motion obeys, by phase,
+//
+//     omega p' = -(D u + omega d) - sum_sliding mu s g - sum_stuck lambda g + w (p_y, -p_x, 0),
+//     g_a . u + omega e_a = 0 for every stuck wheel a,
+//
+// g and e being a wheel's row. Radau collocation (radau_collocation.hpp) on the piece: p is a
+// polynomial that satisfies at every stage the constraints, and of the first equation the part that
+// no lambda enters, so that there are three unknowns a stage however many wheels stick. The rest of
+// it gives lambda. Newton's matrix gives the derivative by the start as well, and the polynomial
+// the state between the stages, where a mode may end.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "body/body_shape.hpp"
+#include "body/viscous_drag.hpp"
+#include "model/gait.hpp"
+#include "model/params.hpp"
+#include "numerics/dense.hpp"
+#include "numerics/radau_collocation.hpp"
+
+namespace serpenoid {
+
+// What wheel 2i (along link i) and 2i + 1 (across it) do: sign of sliding, or 0 where it sticks.
+struct SlidingMode {
+    std::vector<double> sign;
+    std::array<int, 3> stuck{};
+    int count = 0;  // of stuck ones
+    bool operator==(const SlidingMode&) const = default;
+};
+
+class SlidingPiece {
+  public:
+    static constexpr int kStages = 5;
+    using Rule = RadauRule<kStages>;
+    using Stages = std::array<double, kStages>;
+
+    // What is known of one phase: sums over the wheels, and the wheels.
+    struct Node : ViscousSums {
+        double J, K;
+        std::vector<Row> row;  // by wheel
+        Vec3 dry;              // sum of mu s g over sliding wheels
+        double dry_e;          // and of mu s e
+    };
+
+    SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait);
+
+    void fill(Node& node, double tau);
+    Vec3 velocity(const Node& node, const Vec3& p) const;
+    double mu(int wheel) const { return wheel % 2 ? ground_.fn0 : ground_.ft0; }
+
+    // Solve over h of phase from tau, where node(0) has been filled. False when Newton's method
+    // does not come to a step below `close` (of the scales).
+    bool solve(const SlidingMode& mode, double tau, double h, const Vec3& p0, const Vec3& scale,
+               double close);
+
+    double error(const Vec3& scale) const;  // of the polynomial, as a fraction of the scales
+    Vec3 at(double x) const;                // p at a fraction of the piece
+    Vec3 rate(double x) const;              // and dp/dtau
+    Mat3 tangent(double x) const;           // dp(x)/dp0
+    double stuck_force(int a, double x) const;  // lambda of the a-th stuck wheel
+
+    Node& node(int j) { return node_[j]; }  // 0 is the start, the stages follow
+    const Vec3& stage(int j) const { return Y_[j]; }
+    const Mat3& stage_tangent(int j) const { return T_[j]; }
+    double stage_force(int j, int a) const { return lambda_[j][a]; }
+    void carry_on() { std::swap(node_[0], node_[kStages]); }  // the end becomes the start
+
+  private:
+    static constexpr int s = kStages, N = 3 * s;
+    void sum_mode(Node& node, const SlidingMode& mode) const;
+    Vec3 free_rate(const Node& node, const Vec3& p) const;
+    Mat3 free_jacobian(const Node& node, const Vec3& p) const;
+    void rows(int j, const Vec3& Q, const Mat3& A, double* matrix, double* right) const;
+    bool step(bool tangents);
+    void stuck_forces(const SlidingMode& mode);
+    Vec3 stage_rate(int j) const;
+    std::array<Vec3, 3> split(const Node& node, int& constraints) const;
+
+    Robot robot_;
+    Ground ground_;
+    double omega_, nm_;
+    GaitTable table_;
+    Shape shape_;
+    std::array<Node, kStages + 1> node_;
+    const SlidingMode* mode_ = nullptr;
+    double h_ = 0;
+    Vec3 p0_{};
+    std::array<Vec3, kStages> Y_{};   // p at the stages
+    std::array<Mat3, kStages> T_{};   // dp/dp0 there
+    std::array<Vec3, kStages> lambda_{};
+    std::array<double, N * N> M_;
+    std::array<double, N * 4> R_;
+    double change_[3] = {0, 0, 0};
+};
+
+}  // namespace serpenoid

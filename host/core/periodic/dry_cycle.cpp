@@ -1,0 +1,396 @@
+// Pieces, changes of mode and derivative of dry_cycle.hpp.
+#include "periodic/dry_cycle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "body/joint_power.hpp"
+#include "periodic/positive_power.hpp"
+
+namespace serpenoid {
+
+namespace {
+
+constexpr int s = SlidingPiece::kStages;
+using Rule = SlidingPiece::Rule;
+
+// Polynomial through (0, v0) and the values at the stages: value and slope at x.
+std::pair<double, double> polynomial(double v0, const SlidingPiece::Stages& v, double x) {
+    const auto& c = Rule::get().c;
+    // Neville's scheme with its derivative, s + 1 points
+    double p[s + 1], d[s + 1], z[s + 1];
+    p[0] = v0, z[0] = 0;
+    for (int k = 0; k < s; ++k) p[k + 1] = v[k], z[k + 1] = c[k];
+    std::fill_n(d, s + 1, 0.0);
+    for (int m = 1; m <= s; ++m)
+        for (int k = 0; k + m <= s; ++k) {
+            const double w = 1 / (z[k] - z[k + m]), a = (x - z[k + m]) * w, b = (z[k] - x) * w;
+            d[k] = a * d[k] + b * d[k + 1] + w * (p[k] - p[k + 1]);
+            p[k] = a * p[k] + b * p[k + 1];
+        }
+    return {p[0], d[0]};
+}
+
+// Integral from 0 to x of the polynomial through values at the stages, as weights.
+SlidingPiece::Stages weights_to(double x) {
+    const Rule& rule = Rule::get();
+    SlidingPiece::Stages b{};
+    if (x == 1) {
+        for (int k = 0; k < s; ++k) b[k] = rule.a[(s - 1) * s + k];
+        return b;
+    }
+    const Gauss<3>& gauss = Gauss<3>::get();  // exact for degree 5 > s - 1
+    for (int q = 0; q < 3; ++q) {
+        const double z = x * gauss.c[q];
+        const auto w = rule.dense(z);
+        for (int k = 0; k < s; ++k) b[k] += x * gauss.b[q] * w[k] * rule.c[k] / z;
+    }
+    return b;
+}
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+}  // namespace
+
+DryCycle::DryCycle(const Robot& robot, const Ground& ground, const Gait& gait)
+    : robot_(robot),
+      ground_(ground),
+      gait_(gait),
+      omega_(gait.omega),
+      nm_(robot.n * robot.m),
+      table_(robot.n, gait),
+      piece_(robot, ground, gait) {
+    const double v = gait.omega * robot.l * std::max(gait.alpha, 1e-9), arm = robot.n * robot.l;
+    scale_ = {nm_ * v, nm_ * v, robot.n * (robot.I + robot.m * arm * arm / 12) * v / arm};
+    mode_.sign.assign(2 * robot.n, 1.0);
+}
+
+double DryCycle::momentum(double w, double tau) {
+    shape_.set(robot_, table_, std::sin(tau), std::cos(tau), false);
+    return shape_.J * w + omega_ * shape_.K;
+}
+
+double DryCycle::rate(double L, double tau) {
+    shape_.set(robot_, table_, std::sin(tau), std::cos(tau), false);
+    return (L - omega_ * shape_.K) / shape_.J;
+}
+
+// One implicit Euler step of `length` rad without a mode; node 0 of the piece is filled at its end.
+// Wheels of a straight chain have one and the same kink, where an active-set method could cycle:
+// each kink is moved by its own 1e-11 or less of the speed scale.
+bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double length) {
+    const double dtau = std::min(length, tau_end - tau), h = dtau / omega_;
+    SlidingPiece::Node& k = piece_.node(0);
+    piece_.fill(k, tau);
+    const Vec3 u0 = piece_.velocity(k, state.p);
+    piece_.fill(k, tau + dtau);
+    const double *D = k.D, speed = scale_[0] / nm_;
+    const Mat3 H = {nm_ + h * D[0], h * D[1], h * D[2], h * D[1], nm_ + h * D[3],
+                    h * D[4],       h * D[2], h * D[4], k.J + h * D[5]};
+    const double c = std::cos(h * u0[2]), n = std::sin(h * u0[2]);
+    const Vec3 b = {c * state.p[0] + n * state.p[1] - h * omega_ * k.d[0],
+                    c * state.p[1] - n * state.p[0] - h * omega_ * k.d[1],
+                    state.p[2] - omega_ * k.K - h * omega_ * k.d[2]};
+    kinks_.clear(), wheel_of_kink_.clear();
+    for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
+        const double mu = piece_.mu(wheel);
+        if (mu == 0) continue;
+        const Row& g = k.row[wheel];
+        const double apart = std::fmod(0.6180339887 * static_cast<double>(kinks_.size() + 1), 1.0);
+        kinks_.push_back({{g.x, g.y, g.r}, omega_ * g.e + 1e-11 * speed * apart, h * mu});
+        wheel_of_kink_.push_back(wheel);
+    }
+    if (!convex_.solve(H, b, kinks_)) {
+        convex_.forget();
+        if (!convex_.solve(H, b, kinks_)) return false;
+    }
+    const Vec3& u = convex_.minimum();
+    state.p = {nm_ * u[0], nm_ * u[1], k.J * u[2] + omega_ * k.K};
+    state.theta += h * u[2];
+    const double heading = state.theta - spin_ * (tau + dtau);
+    state.x += h * (std::cos(heading) * u[0] - std::sin(heading) * u[1]);
+    state.y += h * (std::sin(heading) * u[0] + std::cos(heading) * u[1]);
+    tau = dtau == tau_end - tau ? tau_end : tau + dtau;
+    set_mode();
+    return true;
+}
+
+void DryCycle::set_mode() {
+    mode_.count = 0;
+    for (std::size_t c = 0; c < kinks_.size(); ++c) {
+        const int wheel = wheel_of_kink_[c];
+        if (convex_.held(static_cast<int>(c)) && mode_.count < 3) {
+            mode_.sign[wheel] = 0, mode_.stuck[mode_.count++] = wheel;
+        } else {
+            mode_.sign[wheel] = convex_.sign(static_cast<int>(c)) < 0 ? -1 : 1;
+        }
+    }
+}
+
+// How far a wheel is from the end of its mode at stage j (-1: the start), in units of the aim.
+double DryCycle::margin_at(const SlidingPiece& piece, int wheel, int a, int j) const {
+    auto& p = const_cast<SlidingPiece&>(piece);
+    if (a >= 0) {
+        const double f = j < 0 ? piece.stuck_force(a, 0) : piece.stage_force(j, a);
+        return (1 - std::fabs(f) / piece.mu(wheel)) / force_eps_;
+    }
+    const SlidingPiece::Node& k = p.node(j + 1);
+    const Vec3 u = piece.velocity(k, j < 0 ? piece.at(0) : piece.stage(j));
+    return mode_.sign[wheel] * k.row[wheel].speed(u.data(), omega_) / speed_eps_;
+}
+
+// The first end of a mode in the piece: between the first pair of points of which the second is
+// beyond it, or in a dip between three.
+DryCycle::Ending DryCycle::ending(const SlidingPiece& piece) const {
+    constexpr double kBeyond = -2;
+    const auto& c = Rule::get().c;
+    Ending first;
+    for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
+        if (piece.mu(wheel) == 0) continue;
+        int a = -1;
+        for (int b = 0; b < mode_.count; ++b)
+            if (mode_.stuck[b] == wheel) a = b;
+        SlidingPiece::Stages m;
+        double before = margin_at(piece, wheel, a, -1), z = 0;
+        const double m0 = before;
+        bool beyond = false;
+        for (int j = 0; j < s; ++j) {
+            m[j] = margin_at(piece, wheel, a, j);
+            beyond = beyond || m[j] < kBeyond;
+        }
+        for (int j = 0; j < s && z < first.at; ++j) {
+            double end = c[j], value = m[j];
+            if (value >= kBeyond && j + 1 < s && value < before && value < m[j + 1]) {
+                // lowest near here: look at the bottom of the parabola
+                const double s0 = (value - before) / (end - z),
+                             s1 = (m[j + 1] - value) / (c[j + 1] - end);
+                const double bend = (s1 - s0) / (c[j + 1] - z);
+                const double low = (z + end) / 2 - s0 / (2 * bend);
+                const double there = polynomial(m0, m, low).first;
+                if (there < kBeyond) end = low, value = there, beyond = true;
+            }
+            if (value < kBeyond) {
+                if (before <= -1) {
+                    first = {z, wheel, a < 0};
+                    break;
+                }
+                const auto f = [&](double x) { return polynomial(m0, m, x).first + 1; };
+                const double at = bracketed_root(f, z, before + 1, end, value + 1);
+                if (at < first.at) first = {at, wheel, a < 0};
+                break;
+            }
+            before = m[j], z = c[j];
+        }
+    }
+    return first;
+}
+
+// Remember what the derivative needs of the moment when a sliding wheel stops.
+void DryCycle::await_jump(const Ending& end, double h) {
+    SlidingPiece::Stages m;
+    for (int j = 0; j < s; ++j) m[j] = margin_at(piece_, end.wheel, -1, j);
+    const double m0 = margin_at(piece_, end.wheel, -1, -1);
+    jump_.slope = polynomial(m0, m, end.at).second * speed_eps_ / h;
+    jump_.rate = piece_.rate(end.at), jump_.waits = true;
+}
+
+void DryCycle::jump(const Vec3& after, CycleState& state) {
+    jump_.waits = false;
+    if (!(std::fabs(jump_.slope) > 1e-6 * scale_[0] / nm_)) return;
+    Vec3 row;
+    for (int c = 0; c < 3; ++c)
+        row[c] = (jump_.gradient[0] * state.by_start[0][c] + jump_.gradient[1] * state.by_start[1][c] +
+                  jump_.gradient[2] * state.by_start[2][c]) / jump_.slope;
+    for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 3; ++c) state.by_start[i][c] += (after[i] - jump_.rate[i]) * row[c];
+}
+
+// Find the mode that follows the end of one; the kick is lengthened until the wheel has changed.
+bool DryCycle::change_mode(CycleState& state, double& tau, double tau_end, const Ending& end) {
+    const CycleState before = state;
+    const double from = tau, was = end.wheel < 0 ? 2 : mode_.sign[end.wheel];
+    double length = shortest_kick_;
+    for (int attempt = 0; attempt < 6; ++attempt) {
+        state = before, tau = from;
+        if (!kick(state, tau, tau_end, length)) return false;
+        if (end.wheel < 0 || mode_.sign[end.wheel] != was || length >= longest_kick_) return true;
+        length = std::min(8 * length, longest_kick_);
+    }
+    return true;
+}
+
+// Integrals over the first x of a piece of h, and the state there.
+void DryCycle::accumulate(double h, double x, CycleState& state) {
+    const Rule& rule = Rule::get();
+    const SlidingPiece::Stages b = weights_to(x);
+    const double dt = h / omega_;
+    double turn[s];
+    Vec3 turn_by[s], w_by[s];
+    const CycleState from = state;
+    for (int j = 0; j < s; ++j) {
+        const Mat3& T = piece_.stage_tangent(j);
+        for (int c = 0; c < 3; ++c)
+            w_by[j][c] = (T[6] * from.by_start[0][c] + T[7] * from.by_start[1][c] +
+                          T[8] * from.by_start[2][c]) / piece_.node(j + 1).J;
+    }
+    for (int j = 0; j < s; ++j) {
+        turn[j] = from.theta, turn_by[j] = from.by_start[3];
+        for (int k = 0; k < s; ++k) {
+            const double w = dt * rule.a[j * s + k];
+            turn[j] += w * piece_.velocity(piece_.node(k + 1), piece_.stage(k))[2];
+            for (int c = 0; c < 3; ++c) turn_by[j][c] += w * w_by[k][c];
+        }
+    }
+    for (int j = 0; j < s; ++j) {
+        const SlidingPiece::Node& k = piece_.node(j + 1);
+        const Vec3 u = piece_.velocity(k, piece_.stage(j));
+        const Mat3& T = piece_.stage_tangent(j);
+        const double w = dt * b[j], heading = turn[j] - spin_ * (tau_start_ + h * rule.c[j]);
+        const double cn = std::cos(heading), sn = std::sin(heading);
+        state.theta += w * u[2];
+        state.x += w * (cn * u[0] - sn * u[1]), state.y += w * (sn * u[0] + cn * u[1]);
+        const double *D = k.D;
+        state.dissipated +=
+            w * (u[0] * (D[0] * u[0] + 2 * D[1] * u[1] + 2 * D[2] * u[2]) +
+                 u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
+                 2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
+                 omega_ * omega_ * k.dd + dot(k.dry, u) + omega_ * k.dry_e);
+        for (int c = 0; c < 3; ++c) {
+            double vx = 0, vy = 0;
+            for (int i = 0; i < 3; ++i)
+                vx += T[i] * from.by_start[i][c] / nm_, vy += T[3 + i] * from.by_start[i][c] / nm_;
+            state.by_start[3][c] += w * w_by[j][c];
+            state.by_start[4][c] +=
+                w * (cn * vx - sn * vy - (sn * u[0] + cn * u[1]) * turn_by[j][c]);
+            state.by_start[5][c] +=
+                w * (sn * vx + cn * vy + (cn * u[0] - sn * u[1]) * turn_by[j][c]);
+        }
+    }
+    state.p = x == 1 ? piece_.stage(s - 1) : piece_.at(x);
+    const Mat3 T = x == 1 ? piece_.stage_tangent(s - 1) : piece_.tangent(x);
+    for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 3; ++c) {
+            state.by_start[i][c] = 0;
+            for (int k = 0; k < 3; ++k) state.by_start[i][c] += T[3 * i + k] * from.by_start[k][c];
+        }
+}
+
+// Add the integrals of P_i^+ over the first x of a piece, from the joints' torques at Gauss points.
+bool DryCycle::add_positive(double tau, double h, double x) {
+    constexpr int g = 5;
+    const Gauss<g>& rule = Gauss<g>::get();
+    std::vector<std::array<double, g>> torque(robot_.n - 1), rate(robot_.n - 1);
+    for (int q = 0; q < g; ++q) {
+        const double z = x * rule.c[q];
+        shape_.set(robot_, table_, std::sin(tau + h * z), std::cos(tau + h * z), true);
+        const Vec3 p = piece_.at(z);
+        const double u[3] = {p[0] / nm_, p[1] / nm_, (p[2] - omega_ * shape_.K) / shape_.J};
+        const auto push = [&](int wheel, const Row& row) {
+            const double c = wheel % 2 ? ground_.cn : ground_.ct;
+            double dry = piece_.mu(wheel) * mode_.sign[wheel];
+            for (int a = 0; a < mode_.count; ++a)
+                if (mode_.stuck[a] == wheel) dry = piece_.stuck_force(a, z);
+            return -c * row.speed(u, omega_) - dry;
+        };
+        double force[3] = {0, 0, 0};
+        std::vector<std::pair<double, double>> friction(robot_.n);
+        for (int i = 0; i < robot_.n; ++i) {
+            const LinkShape& k = shape_.link[i];
+            const double ft = push(2 * i, k.t), fn = push(2 * i + 1, k.n);
+            friction[i] = {ft, fn};
+            force[0] += ft * k.t.x + fn * k.n.x;
+            force[1] += ft * k.t.y + fn * k.n.y;
+            force[2] += ft * k.t.r + fn * k.n.r;
+        }
+        joint_powers(robot_, shape_, omega_,
+                     BodyMotion::from_forces(robot_, shape_, omega_, u, force),
+                     [&](int i) { return friction[i]; },
+                     [&](int i, double T, double v) { torque[i][q] = T, rate[i][q] = v; });
+    }
+    for (int i = 0; i + 1 < robot_.n; ++i)
+        (*positive_)[i] += h * x / omega_ *
+                           mean_positive_swing<g>(torque[i], rate[i], tau, h * x, i * gait_.beta,
+                                                  gait_.alpha);
+    return true;
+}
+
+bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
+    constexpr double kShortest = 1e-10;
+    double tau = 0;
+    speed_eps_ = std::max(0.01 * tolerance, 1e-12) * scale_[0] / nm_;
+    force_eps_ = std::max(0.1 * tolerance, 1e-7);
+    const double least = std::min(ground_.ft0 > 0 ? ground_.ft0 : ground_.fn0,
+                                  ground_.fn0 > 0 ? ground_.fn0 : ground_.ft0);
+    longest_kick_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
+    shortest_kick_ = std::clamp(20 * speed_eps_ * nm_ * omega_ / least, 1e-7, longest_kick_);
+    jump_.waits = false;
+    convex_.forget();
+    if (!change_mode(state, tau, tau_end, {})) return false;
+    int stalled = 0;
+    while (tau < tau_end) {
+        if (++pieces_ > most_) return false;
+        double h = std::min(step_, tau_end - tau);
+        if (tau_end - tau - h < 1e-9) h = tau_end - tau;
+        tau_start_ = tau;
+        if (!piece_.solve(mode_, tau, h, state.p, scale_, 0.1 * tolerance)) {
+            step_ = h / 4;
+            if (step_ < kShortest) return false;
+            continue;
+        }
+        const double error = piece_.error(scale_) / tolerance;
+        const double grow = std::clamp(0.8 * std::pow(error + 1e-30, -1.0 / (s + 1)), 0.1, 3.0);
+        if (!(error < 1e30)) return false;
+        if (error > 1.5) {
+            step_ = h * std::min(grow, 0.7);
+            if (step_ < kShortest) return false;
+            continue;
+        }
+        if (jump_.waits) jump(piece_.rate(0), state);
+        const Ending end = ending(piece_);
+        if (end.wheel >= 0 && h * end.at < 1e-12) {
+            if (++stalled > 40) return false;
+            if (!change_mode(state, tau, tau_end, end)) return false;
+            continue;
+        }
+        stalled = 0;
+        if (positive_) add_positive(tau, h, end.at);
+        accumulate(h, end.at, state);
+        step_ = std::min(h * grow, 0.8);
+        if (end.wheel < 0) {
+            tau = h == tau_end - tau ? tau_end : tau + h;
+            piece_.carry_on();
+            continue;
+        }
+        if (end.sliding) await_jump(end, h);
+        tau += h * end.at;
+        if (end.sliding) {
+            SlidingPiece::Node& k = piece_.node(0);
+            piece_.fill(k, tau);
+            const Row& g = k.row[end.wheel];
+            const double sign = mode_.sign[end.wheel];
+            jump_.gradient = {sign * g.x / nm_, sign * g.y / nm_, sign * g.r / k.J};
+        }
+        if (tau < tau_end && !change_mode(state, tau, tau_end, end)) return false;
+    }
+    return true;
+}
+
+bool DryCycle::follow(const Vec3& p, double tau_end, double tolerance, double spin,
+                      CycleState& to) {
+    to = {};
+    to.p = p, spin_ = spin;
+    for (int i = 0; i < 3; ++i) to.by_start[i][i] = 1;
+    return advance(to, tau_end, tolerance);
+}
+
+bool DryCycle::follow_powers(const Vec3& p, double tau_end, double tolerance, CycleState& to,
+                             std::vector<double>& positive) {
+    positive.assign(robot_.n - 1, 0.0);
+    positive_ = &positive;
+    const bool done = follow(p, tau_end, tolerance, 0, to);
+    positive_ = nullptr;
+    return done;
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,87 @@
+// The map of a cycle (or half of one) on dry ground, with its derivative: smooth pieces
+// (sliding_piece.hpp) from one change of mode to the next.
+//
+// A mode ends where a sliding speed reaches zero or a stuck wheel's force its bound; the piece's
+// polynomial tells where. One very short implicit step there, a convex problem (kinked_quadratic.hpp)
+// that knows no mode, finds the next. At an end of sliding the rate of p jumps from f- to f+, and a
+// trajectory that starts beside this one gets there a little earlier or later: the derivative is
+// multiplied by 1 + (f+ - f-) grad(v) / v', v being the speed that reaches zero. Where a wheel
+// breaks loose the rate is continuous, and nothing happens to the derivative.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "body/sliding_piece.hpp"
+#include "numerics/kinked_quadratic.hpp"
+
+namespace serpenoid {
+
+struct CycleState {
+    Vec3 p{};                                    // nm Vx, nm Vy, L
+    double theta = 0, x = 0, y = 0;              // heading, and place in axes that turn by `spin`
+    double dissipated = 0;                       // J
+    std::array<Vec3, 6> by_start{};              // derivatives of p, theta, x, y by the first p
+};
+
+class DryCycle {
+  public:
+    DryCycle(const Robot& robot, const Ground& ground, const Gait& gait);
+
+    // Follow from p at phase 0 to tau_end. Local errors stay below `tolerance` of the scales.
+    // spin: turning of the axes in which x, y are counted, rad a rad. Returns false when the pieces
+    // run out or get too short: stiff or wild motion.
+    bool follow(const Vec3& p, double tau_end, double tolerance, double spin, CycleState& to);
+
+    // The same, and the time integrals of each P_i^+ , J.
+    bool follow_powers(const Vec3& p, double tau_end, double tolerance, CycleState& to,
+                       std::vector<double>& positive);
+
+    const Vec3& scale() const { return scale_; }  // of p
+    double rate(double L, double tau);            // w for a given L
+    double momentum(double w, double tau);
+    long pieces() const { return pieces_; }
+    void limit(long pieces) { most_ = pieces; }   // of all calls together
+
+  private:
+    struct Ending {
+        double at = 1;  // fraction of the piece
+        int wheel = -1;
+        bool sliding = false;
+    };
+    struct Jump {  // of the derivative, waiting for the rate after the event
+        bool waits = false;
+        Vec3 rate, gradient;
+        double slope;
+    };
+    bool kick(CycleState& state, double& tau, double tau_end, double length);
+    bool change_mode(CycleState& state, double& tau, double tau_end, const Ending& ending);
+    void set_mode();
+    Ending ending(const SlidingPiece& piece) const;
+    double margin_at(const SlidingPiece& piece, int wheel, int a, int j) const;
+    void jump(const Vec3& rate_after, CycleState& state);
+    void await_jump(const Ending& ending, double h);
+    void accumulate(double h, double x, CycleState& state);
+    bool add_positive(double tau, double h, double x);
+    bool advance(CycleState& state, double tau_end, double tolerance);
+    std::pair<double, double> margin_line(int wheel, double x) const;
+
+    Robot robot_;
+    Ground ground_;
+    Gait gait_;
+    double omega_, nm_, spin_ = 0, tau_start_ = 0;
+    Vec3 scale_;
+    GaitTable table_;
+    Shape shape_;
+    SlidingPiece piece_;
+    SlidingMode mode_;
+    Convex3 convex_;
+    std::vector<Kink> kinks_;
+    std::vector<int> wheel_of_kink_;
+    Jump jump_;
+    std::vector<double>* positive_ = nullptr;
+    double step_ = 0.3, speed_eps_ = 0, force_eps_ = 0, shortest_kick_ = 0, longest_kick_ = 0;
+    long pieces_ = 0, most_ = 1'000'000;
+};
+
+}  // namespace serpenoid
