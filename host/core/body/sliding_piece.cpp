@@ -93,9 +93,8 @@ Vec3 SlidingPiece::free_rate(const Node& k, const Vec3& p) const {
 Mat3 SlidingPiece::free_jacobian(const Node& k, const Vec3& p) const {
     const double io = 1 / omega_, im = io / nm_, iJ = io / k.J, *D = k.D;
     const double w = io * (p[2] - omega_ * k.K) / k.J;
-    return {-D[0] * im, -D[1] * im + w, (-D[2] + p[1]) * iJ,
-            -D[1] * im - w, -D[3] * im, (-D[4] - p[0]) * iJ,
-            -D[2] * im, -D[4] * im, -D[5] * iJ};
+    return {-D[0] * im,          -D[1] * im + w, (-D[2] + p[1]) * iJ, -D[1] * im - w, -D[3] * im,
+            (-D[4] - p[0]) * iJ, -D[2] * im,     -D[4] * im,          -D[5] * iJ};
 }
 
 // Three directions: first those in which no stuck wheel pushes, then the stuck wheels' rows.
@@ -155,8 +154,8 @@ bool SlidingPiece::step(bool tangents) {
                 for (int i = 0; i < 3; ++i) right[1 + i] = -own[i];
         }
     }
-    const bool solved =
-        tangents ? solve_dense<N, 4>(M_.data(), R_.data()) : solve_dense<N, 1>(M_.data(), R_.data());
+    const bool solved = tangents ? solve_dense<N, 4>(M_.data(), R_.data())
+                                 : solve_dense<N, 1>(M_.data(), R_.data());
     if (!solved) return false;
     change_[0] = change_[1] = change_[2] = 0;
     for (int j = 0; j < s; ++j)
@@ -205,8 +204,10 @@ void SlidingPiece::stuck_forces(const SlidingMode& mode) {
     }
 }
 
-// What the polynomial's rate at the start is off by, but for what a stuck wheel's force takes up.
+// What the polynomial's rate at the start is off by, but for what a stuck wheel's force takes up;
+// and how far that force is from the one that the stages tell.
 double SlidingPiece::error(const Vec3& scale) const {
+    constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it
     const Rule& rule = Rule::get();
     const Vec3 F = free_rate(node_[0], p0_), slope = rate(0);
     Vec3 Q, g[3];
@@ -216,12 +217,14 @@ double SlidingPiece::error(const Vec3& scale) const {
         for (int i = 0; i < 3; ++i) g[a][i] /= scale[i];
     }
     const Vec3 x = least_squares(g, mode_->count, Q);
-    double most = 0;
+    double most = 0, force = 0;
+    for (int a = 0; a < mode_->count; ++a)
+        force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / mu(mode_->stuck[a]));
     for (int i = 0; i < 3; ++i) {
         for (int a = 0; a < mode_->count; ++a) Q[i] += x[a] * g[a][i];
         most = std::max(most, std::fabs(Q[i]));
     }
-    return h_ * most * rule.bump_height;
+    return std::max(h_ * most * rule.bump_height, kForce * force);
 }
 
 Vec3 SlidingPiece::at(double x) const {
@@ -258,7 +261,7 @@ double SlidingPiece::stuck_force(int a, double x) const {
     const auto w = rule.dense(x);
     double sum = 0;
     for (int j = 0; j < s; ++j)
-        sum += (x > 0 ? w[j] * rule.c[j] / x : rule.at0[j]) * lambda_[j][a];
+        sum += (x != 0 ? w[j] * rule.c[j] / x : rule.at0[j]) * lambda_[j][a];
     return sum;
 }
 

@@ -58,10 +58,10 @@ class SlidingPiece {
     bool solve(const SlidingMode& mode, double tau, double h, const Vec3& p0, const Vec3& scale,
                double close);
 
-    double error(const Vec3& scale) const;  // of the polynomial, as a fraction of the scales
-    Vec3 at(double x) const;                // p at a fraction of the piece
-    Vec3 rate(double x) const;              // and dp/dtau
-    Mat3 tangent(double x) const;           // dp(x)/dp0
+    double error(const Vec3& scale) const;      // of the polynomial, as a fraction of the scales
+    Vec3 at(double x) const;                    // p at a fraction of the piece
+    Vec3 rate(double x) const;                  // and dp/dtau
+    Mat3 tangent(double x) const;               // dp(x)/dp0
     double stuck_force(int a, double x) const;  // lambda of the a-th stuck wheel
 
     Node& node(int j) { return node_[j]; }  // 0 is the start, the stages follow
@@ -90,8 +90,8 @@ class SlidingPiece {
     const SlidingMode* mode_ = nullptr;
     double h_ = 0;
     Vec3 p0_{};
-    std::array<Vec3, kStages> Y_{};   // p at the stages
-    std::array<Mat3, kStages> T_{};   // dp/dp0 there
+    std::array<Vec3, kStages> Y_{};  // p at the stages
+    std::array<Mat3, kStages> T_{};  // dp/dp0 there
     std::array<Vec3, kStages> lambda_{};
     std::array<double, N * N> M_;
     std::array<double, N * 4> R_;

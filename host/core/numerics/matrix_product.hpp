@@ -1,4 +1,5 @@
-// Products of many 3x3 matrices, some of which shrink all they meet: exponential, largest eigenvalue.
+// Products of many 3x3 matrices, some of which shrink all they meet: exponential, largest
+// eigenvalue.
 #pragma once
 
 #include <algorithm>

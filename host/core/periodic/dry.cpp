@@ -13,6 +13,9 @@ namespace {
 
 double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2])}); }
 
+// Of two logarithms, either of which may be that of zero.
+double change_of(double a, double b) { return a == b ? 0 : std::fabs(a - b); }
+
 }  // namespace
 
 // The mirror image of the end less the start, over the scales, and its derivative.
@@ -29,6 +32,18 @@ bool SteadyDry::step(const Vec3& r, Vec3& d) const {
     for (int i = 0; i < 9; ++i) A[i] -= M_[i];
     d = r;
     return solve_dense<3, 1>(A.data(), d.data()) && std::isfinite(size(d));
+}
+
+// How many times an error of the map moves its fixed point: the norm of (1 - M)^-1.
+double SteadyDry::slackness() const {
+    Mat3 A = identity3(), inverse = identity3();
+    for (int i = 0; i < 9; ++i) A[i] -= M_[i];
+    if (!solve_dense<3, 3>(A.data(), inverse.data())) return HUGE_VAL;
+    double most = 0;
+    for (int i = 0; i < 3; ++i)
+        most = std::max(most, std::fabs(inverse[3 * i]) + std::fabs(inverse[3 * i + 1]) +
+                                  std::fabs(inverse[3 * i + 2]));
+    return most;
 }
 
 // Follow the motion until a cycle changes it little, or for so many cycles.
@@ -50,7 +65,7 @@ bool SteadyDry::wander(DryCycle& cycle, int most, double near, double tolerance)
 
 // A step that does not bring the residual down is halved; when that does not help, a few cycles
 // are followed instead.
-SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goal,
+SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goal, bool powers,
                                    SteadyState& out) {
     constexpr int kMost = 40;
     const Vec3& scale = cycle.scale();
@@ -59,14 +74,19 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
     for (int i = 0; i < kMost; ++i) {
         Vec3 p, r, d;
         for (int k = 0; k < 3; ++k) p[k] = z_[k] * scale[k];
-        if (!cycle.follow(p, span(), tolerance, 0, end_)) return Ended::broken;
+        const bool watched = powers && (i > 0 || near_);
+        cycle.watch_powers(watched ? &positive_ : nullptr);
+        const bool done = cycle.follow(p, span(), tolerance, 0, end_);
+        cycle.watch_powers(nullptr);
+        net_work_ = cycle.net_work();
+        if (!done) return Ended::broken;
         ++out.iterations;
         image(end_, r);
         for (int k = 0; k < 3; ++k) r[k] = (r[k] - p[k]) / scale[k];
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) M_[3 * a + b] *= scale[b] / scale[a];
         const double now = size(r);
-        if (now > last && now > goal) {
+        if (now > last && now > 0.1 * goal) {
             part /= 2;
             if (part > 0.1) {
                 for (int k = 0; k < 3; ++k) z_[k] = last_z[k] + part * last_d[k];
@@ -77,7 +97,7 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
             continue;
         }
         if (!step(r, d)) return Ended::stalled;
-        if (size(d) <= goal) {
+        if (size(d) <= goal && watched == powers) {
             report(cycle, d, tolerance, out);
             for (int k = 0; k < 3; ++k) z_[k] += d[k];
             return Ended::converged;
@@ -120,42 +140,51 @@ void SteadyDry::report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyS
                  cycle.rate((z_[2] + d[2]) * scale[2], 0)};
 }
 
+// Sums over the joints; every joint's change from the level before counts as an error, and so does
+// what the joints' net work is off from what friction took.
+void SteadyDry::add_positive(bool first, std::vector<double>& before, SteadyState& out) const {
+    const double rate = gait_.omega / span();
+    out.positive_power = 0;
+    out.positive_power_error = std::fabs(net_work_ - end_.dissipated) * rate;
+    for (std::size_t i = 0; i < positive_.size(); ++i) {
+        out.positive_power += positive_[i] * rate;
+        if (!first) out.positive_power_error += std::fabs(positive_[i] - before[i]) * rate;
+    }
+    out.abs_power = 2 * out.positive_power - out.power;
+    before = positive_;
+}
+
 SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options) {
     SteadyState out, coarse;
     const double floor = options.rtol * 1e-4 * gait_.omega * 2 * robot_.l * robot_.n;
+    constexpr double kHidden = 0.4;
     double before = 0;
-    std::vector<double> positive, positive_before;
+    Vec3 last_z = z_;
+    std::vector<double> before_positive;
     bool first = true;
-    for (double tolerance = std::clamp(0.3 * options.rtol, 1e-6, 3e-4); tolerance > 1e-11;
+    near_ = false;
+    for (double tolerance = std::clamp(options.rtol, 1e-6, 3e-4); tolerance > 1e-11;
          tolerance *= 0.05) {
-        const Ended ended = newton(cycle, tolerance, std::max(30 * tolerance, 1e-9), out);
+        const Ended ended =
+            newton(cycle, tolerance, std::max(10 * tolerance, 1e-9), options.powers, out);
         if (ended == Ended::broken || (ended == Ended::stalled && first)) break;
-        if (options.powers) {
-            Vec3 p;
-            for (int k = 0; k < 3; ++k) p[k] = z_[k] * cycle.scale()[k];
-            CycleState end;
-            if (!cycle.follow_powers(p, span(), tolerance, end, positive)) break;
-            out.power = end.dissipated * gait_.omega / span();
-            out.positive_power = out.positive_power_error = 0;
-            for (std::size_t i = 0; i < positive.size(); ++i) {
-                const double watts = positive[i] * gait_.omega / span();
-                out.positive_power += watts;
-                if (!first)
-                    out.positive_power_error +=
-                        std::fabs(watts - positive_before[i] * gait_.omega / span());
-            }
-            out.abs_power = 2 * out.positive_power - out.power;
-            positive_before = positive;
-        }
+        if (options.powers) add_positive(first, before_positive, out);
+        near_ = true;
         const double change = std::fabs(out.speed - coarse.speed);
-        out.speed_error = change + 0.05 * before;
+        // beside the change of the speed that of the state, and what an error of the map moves it
+        // by: a lucky change would hide them
+        Vec3 moved;
+        for (int k = 0; k < 3; ++k) moved[k] = z_[k] - last_z[k];
+        out.speed_error = change + 0.05 * before +
+                          kHidden * (size(moved) + tolerance * slackness()) * cycle.scale()[0] /
+                              (robot_.n * robot_.m);
+        last_z = z_;
         out.power_error = std::fabs(out.power - coarse.power);
-        out.slowest_error = std::fabs(out.slowest - coarse.slowest);
-        out.converged =
-            ended == Ended::converged && !first &&
-            out.speed_error <= options.rtol * out.speed + floor &&
-            std::max(out.power_error, out.positive_power_error) <=
-                10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
+        out.slowest_error = change_of(out.slowest, coarse.slowest);
+        out.converged = ended == Ended::converged && !first &&
+                        out.speed_error <= std::max(options.rtol * out.speed, floor) &&
+                        std::max(out.power_error, out.positive_power_error) <=
+                            10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
         if (out.converged || ended != Ended::converged) break;
         before = first ? 0 : change;
         coarse = out, first = false;

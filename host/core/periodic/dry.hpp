@@ -25,19 +25,23 @@ class SteadyDry {
     enum class Ended { converged, stalled, broken };
     SteadyState by_pieces(DryCycle& cycle, const SteadyOptions& options);
     bool wander(DryCycle& cycle, int most, double near, double tolerance);
-    Ended newton(DryCycle& cycle, double tolerance, double goal, SteadyState& out);
+    Ended newton(DryCycle& cycle, double tolerance, double goal, bool powers, SteadyState& out);
     bool step(const Vec3& r, Vec3& d) const;
     void image(const CycleState& end, Vec3& r);
     void report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyState& out);
+    void add_positive(bool first, std::vector<double>& before, SteadyState& out) const;
+    double slackness() const;
     double span() const { return gait_.offset == 0 ? M_PI : 2 * M_PI; }
 
     Robot robot_;
     Ground ground_;
     Gait gait_;
-    bool started_ = false;
-    Vec3 z_{};         // state at phase 0, over the scales
-    CycleState end_;   // of the last map
-    Mat3 M_{};         // derivative of the image by the state, over the scales
+    bool started_ = false, near_ = false;  // a state is known; it is good to a tolerance
+    Vec3 z_{};                             // state at phase 0, over the scales
+    CycleState end_;                       // of the last map
+    std::vector<double> positive_;         // and its integrals of P_i^+, J
+    double net_work_ = 0;                  // and the joints' work, J
+    Mat3 M_{};                             // derivative of the image by the state, over the scales
 };
 
 }  // namespace serpenoid

@@ -1,4 +1,5 @@
-// Periodic state on dry ground by implicit steps: a secant method on the map of sticking_motion.hpp.
+// Periodic state on dry ground by implicit steps: a secant method on the map of
+// sticking_motion.hpp.
 //
 // The map takes (Vx, Vy, L) at phase 0 to its mirror image half a cycle later (a whole cycle later,
 // as it is, for a gait that steers); three unknowns, so its derivative is measured by differences
@@ -192,7 +193,7 @@ void report(HalfCycle& map, const FixedPoint& fixed, const Gait& gait, SteadySta
 }  // namespace
 
 SteadyState steady_dry_by_steps(const Robot& robot, const Ground& ground, const Gait& gait,
-                       const SteadyOptions& options) {
+                                const SteadyOptions& options) {
     HalfCycle map(robot, ground, gait);
     FixedPoint fixed(map);
     SteadyState out, coarse;
@@ -213,13 +214,14 @@ SteadyState steady_dry_by_steps(const Robot& robot, const Ground& ground, const 
         change = std::fabs(out.speed - coarse.speed);
         out.speed_error = change + 0.03 * before + fixed.last_step * map.scale()[0];
         before = first ? 0 : change;
-        out.slowest_error = first ? std::fabs(out.slowest) : std::fabs(out.slowest - coarse.slowest);
+        out.slowest_error =
+            first ? std::fabs(out.slowest)
+                  : (out.slowest == coarse.slowest ? 0 : std::fabs(out.slowest - coarse.slowest));
         out.power_error = std::fabs(out.power - coarse.power);
         out.positive_power_error = std::fabs(out.positive_power - coarse.positive_power);
-        out.converged =
-            !first && out.speed_error <= options.rtol * out.speed + floor &&
-            std::max(out.power_error, out.positive_power_error) <=
-                10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
+        out.converged = !first && out.speed_error <= std::max(options.rtol * out.speed, floor) &&
+                        std::max(out.power_error, out.positive_power_error) <=
+                            10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
         if (out.converged) break;
         coarse = out, first = false;
     }

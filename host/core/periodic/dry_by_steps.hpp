@@ -1,4 +1,5 @@
-// Periodic state on dry ground by implicit steps: slower than dry.hpp, for what is too stiff for it.
+// Periodic state on dry ground by implicit steps: slower than dry.hpp, for what is too stiff for
+// it.
 #pragma once
 
 #include "periodic/periodic_state.hpp"

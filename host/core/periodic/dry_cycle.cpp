@@ -86,7 +86,7 @@ bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double lengt
     const Vec3 u0 = piece_.velocity(k, state.p);
     piece_.fill(k, tau + dtau);
     const double *D = k.D, speed = scale_[0] / nm_;
-    const Mat3 H = {nm_ + h * D[0], h * D[1], h * D[2], h * D[1], nm_ + h * D[3],
+    const Mat3 H = {nm_ + h * D[0], h * D[1], h * D[2], h * D[1],      nm_ + h * D[3],
                     h * D[4],       h * D[2], h * D[4], k.J + h * D[5]};
     const double c = std::cos(h * u0[2]), n = std::sin(h * u0[2]);
     const Vec3 b = {c * state.p[0] + n * state.p[1] - h * omega_ * k.d[0],
@@ -111,7 +111,15 @@ bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double lengt
     const double heading = state.theta - spin_ * (tau + dtau);
     state.x += h * (std::cos(heading) * u[0] - std::sin(heading) * u[1]);
     state.y += h * (std::sin(heading) * u[0] + std::cos(heading) * u[1]);
+    double watts = u[0] * (D[0] * u[0] + 2 * D[1] * u[1] + 2 * D[2] * u[2]) +
+                   u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
+                   2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
+                   omega_ * omega_ * k.dd;
+    for (std::size_t c = 0; c < kinks_.size(); ++c)
+        watts += piece_.mu(wheel_of_kink_[c]) * std::fabs(kinks_[c].at(u));
+    state.dissipated += h * watts;
     tau = dtau == tau_end - tau ? tau_end : tau + dtau;
+    skipped_ += dtau;
     set_mode();
     return true;
 }
@@ -200,22 +208,26 @@ void DryCycle::jump(const Vec3& after, CycleState& state) {
     if (!(std::fabs(jump_.slope) > 1e-6 * scale_[0] / nm_)) return;
     Vec3 row;
     for (int c = 0; c < 3; ++c)
-        row[c] = (jump_.gradient[0] * state.by_start[0][c] + jump_.gradient[1] * state.by_start[1][c] +
-                  jump_.gradient[2] * state.by_start[2][c]) / jump_.slope;
+        row[c] =
+            (jump_.gradient[0] * state.by_start[0][c] + jump_.gradient[1] * state.by_start[1][c] +
+             jump_.gradient[2] * state.by_start[2][c]) /
+            jump_.slope;
     for (int i = 0; i < 3; ++i)
         for (int c = 0; c < 3; ++c) state.by_start[i][c] += (after[i] - jump_.rate[i]) * row[c];
 }
 
-// Find the mode that follows the end of one; the kick is lengthened until the wheel has changed.
+// Find the mode that follows the end of one; the kick is lengthened until the wheel has changed,
+// and from one end to the next when they come in quick succession: two wheels of an almost straight
+// chain may take turns in stopping, for so short a time as cannot stop both.
 bool DryCycle::change_mode(CycleState& state, double& tau, double tau_end, const Ending& end) {
     const CycleState before = state;
-    const double from = tau, was = end.wheel < 0 ? 2 : mode_.sign[end.wheel];
-    double length = shortest_kick_;
+    const double skipped = skipped_, from = tau, was = end.wheel < 0 ? 2 : mode_.sign[end.wheel];
+    double length = kick_ = std::clamp(4 * kick_, shortest_kick_, 10 * longest_kick_);
     for (int attempt = 0; attempt < 6; ++attempt) {
-        state = before, tau = from;
+        state = before, tau = from, skipped_ = skipped;
         if (!kick(state, tau, tau_end, length)) return false;
         if (end.wheel < 0 || mode_.sign[end.wheel] != was || length >= longest_kick_) return true;
-        length = std::min(8 * length, longest_kick_);
+        length = std::min(8 * length, std::max(kick_, longest_kick_));
     }
     return true;
 }
@@ -232,7 +244,8 @@ void DryCycle::accumulate(double h, double x, CycleState& state) {
         const Mat3& T = piece_.stage_tangent(j);
         for (int c = 0; c < 3; ++c)
             w_by[j][c] = (T[6] * from.by_start[0][c] + T[7] * from.by_start[1][c] +
-                          T[8] * from.by_start[2][c]) / piece_.node(j + 1).J;
+                          T[8] * from.by_start[2][c]) /
+                         piece_.node(j + 1).J;
     }
     for (int j = 0; j < s; ++j) {
         turn[j] = from.theta, turn_by[j] = from.by_start[3];
@@ -250,12 +263,11 @@ void DryCycle::accumulate(double h, double x, CycleState& state) {
         const double cn = std::cos(heading), sn = std::sin(heading);
         state.theta += w * u[2];
         state.x += w * (cn * u[0] - sn * u[1]), state.y += w * (sn * u[0] + cn * u[1]);
-        const double *D = k.D;
-        state.dissipated +=
-            w * (u[0] * (D[0] * u[0] + 2 * D[1] * u[1] + 2 * D[2] * u[2]) +
-                 u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
-                 2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
-                 omega_ * omega_ * k.dd + dot(k.dry, u) + omega_ * k.dry_e);
+        const double* D = k.D;
+        state.dissipated += w * (u[0] * (D[0] * u[0] + 2 * D[1] * u[1] + 2 * D[2] * u[2]) +
+                                 u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
+                                 2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
+                                 omega_ * omega_ * k.dd + dot(k.dry, u) + omega_ * k.dry_e);
         for (int c = 0; c < 3; ++c) {
             double vx = 0, vy = 0;
             for (int i = 0; i < 3; ++i)
@@ -276,13 +288,15 @@ void DryCycle::accumulate(double h, double x, CycleState& state) {
         }
 }
 
-// Add the integrals of P_i^+ over the first x of a piece, from the joints' torques at Gauss points.
-bool DryCycle::add_positive(double tau, double h, double x) {
+// Add the integrals of P_i^+ over the first x of a piece, from the joints' torques at Gauss points;
+// the piece is drawn out backwards over the kick before it.
+void DryCycle::add_positive(double tau, double h, double x) {
     constexpr int g = 5;
+    const double start = -skipped_ / h, span = h * (x - start);
     const Gauss<g>& rule = Gauss<g>::get();
     std::vector<std::array<double, g>> torque(robot_.n - 1), rate(robot_.n - 1);
     for (int q = 0; q < g; ++q) {
-        const double z = x * rule.c[q];
+        const double z = start + (x - start) * rule.c[q];
         shape_.set(robot_, table_, std::sin(tau + h * z), std::cos(tau + h * z), true);
         const Vec3 p = piece_.at(z);
         const double u[3] = {p[0] / nm_, p[1] / nm_, (p[2] - omega_ * shape_.K) / shape_.J};
@@ -303,16 +317,18 @@ bool DryCycle::add_positive(double tau, double h, double x) {
             force[1] += ft * k.t.y + fn * k.n.y;
             force[2] += ft * k.t.r + fn * k.n.r;
         }
-        joint_powers(robot_, shape_, omega_,
-                     BodyMotion::from_forces(robot_, shape_, omega_, u, force),
-                     [&](int i) { return friction[i]; },
-                     [&](int i, double T, double v) { torque[i][q] = T, rate[i][q] = v; });
+        joint_powers(
+            robot_, shape_, omega_, BodyMotion::from_forces(robot_, shape_, omega_, u, force),
+            [&](int i) { return friction[i]; },
+            [&](int i, double T, double v) { torque[i][q] = T, rate[i][q] = v; });
     }
-    for (int i = 0; i + 1 < robot_.n; ++i)
-        (*positive_)[i] += h * x / omega_ *
-                           mean_positive_swing<g>(torque[i], rate[i], tau, h * x, i * gait_.beta,
-                                                  gait_.alpha);
-    return true;
+    for (int i = 0; i + 1 < robot_.n; ++i) {
+        for (int q = 0; q < g; ++q)
+            net_work_ -= span / omega_ * rule.b[q] * torque[i][q] * rate[i][q];
+        (*positive_)[i] += span / omega_ *
+                           mean_positive_swing<g>(torque[i], rate[i], tau + start * h, span,
+                                                  i * gait_.beta, gait_.alpha);
+    }
 }
 
 bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
@@ -324,7 +340,7 @@ bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
                                   ground_.fn0 > 0 ? ground_.fn0 : ground_.ft0);
     longest_kick_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
     shortest_kick_ = std::clamp(20 * speed_eps_ * nm_ * omega_ / least, 1e-7, longest_kick_);
-    jump_.waits = false;
+    jump_.waits = false, kick_ = 0, skipped_ = 0;
     convex_.forget();
     if (!change_mode(state, tau, tau_end, {})) return false;
     int stalled = 0;
@@ -355,8 +371,10 @@ bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
         }
         stalled = 0;
         if (positive_) add_positive(tau, h, end.at);
+        skipped_ = 0;
         accumulate(h, end.at, state);
         step_ = std::min(h * grow, 0.8);
+        if (h * end.at > 100 * kick_) kick_ = 0;
         if (end.wheel < 0) {
             tau = h == tau_end - tau ? tau_end : tau + h;
             piece_.carry_on();
@@ -380,17 +398,10 @@ bool DryCycle::follow(const Vec3& p, double tau_end, double tolerance, double sp
                       CycleState& to) {
     to = {};
     to.p = p, spin_ = spin;
+    if (positive_) positive_->assign(robot_.n - 1, 0.0);
+    net_work_ = 0;
     for (int i = 0; i < 3; ++i) to.by_start[i][i] = 1;
     return advance(to, tau_end, tolerance);
-}
-
-bool DryCycle::follow_powers(const Vec3& p, double tau_end, double tolerance, CycleState& to,
-                             std::vector<double>& positive) {
-    positive.assign(robot_.n - 1, 0.0);
-    positive_ = &positive;
-    const bool done = follow(p, tau_end, tolerance, 0, to);
-    positive_ = nullptr;
-    return done;
 }
 
 }  // namespace serpenoid

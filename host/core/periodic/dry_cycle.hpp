@@ -2,11 +2,11 @@
 // (sliding_piece.hpp) from one change of mode to the next.
 //
 // A mode ends where a sliding speed reaches zero or a stuck wheel's force its bound; the piece's
-// polynomial tells where. One very short implicit step there, a convex problem (kinked_quadratic.hpp)
-// that knows no mode, finds the next. At an end of sliding the rate of p jumps from f- to f+, and a
-// trajectory that starts beside this one gets there a little earlier or later: the derivative is
-// multiplied by 1 + (f+ - f-) grad(v) / v', v being the speed that reaches zero. Where a wheel
-// breaks loose the rate is continuous, and nothing happens to the derivative.
+// polynomial tells where. One very short implicit step there, a convex problem
+// (kinked_quadratic.hpp) that knows no mode, finds the next. At an end of sliding the rate of p
+// jumps from f- to f+, and a trajectory that starts beside this one gets there a little earlier or
+// later: the derivative is multiplied by 1 + (f+ - f-) grad(v) / v', v being the speed that reaches
+// zero. Where a wheel breaks loose the rate is continuous, and nothing happens to the derivative.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@
 namespace serpenoid {
 
 struct CycleState {
-    Vec3 p{};                                    // nm Vx, nm Vy, L
-    double theta = 0, x = 0, y = 0;              // heading, and place in axes that turn by `spin`
-    double dissipated = 0;                       // J
-    std::array<Vec3, 6> by_start{};              // derivatives of p, theta, x, y by the first p
+    Vec3 p{};                        // nm Vx, nm Vy, L
+    double theta = 0, x = 0, y = 0;  // heading, and place in axes that turn by `spin`
+    double dissipated = 0;           // J
+    std::array<Vec3, 6> by_start{};  // derivatives of p, theta, x, y by the first p
 };
 
 class DryCycle {
@@ -33,15 +33,15 @@ class DryCycle {
     // run out or get too short: stiff or wild motion.
     bool follow(const Vec3& p, double tau_end, double tolerance, double spin, CycleState& to);
 
-    // The same, and the time integrals of each P_i^+ , J.
-    bool follow_powers(const Vec3& p, double tau_end, double tolerance, CycleState& to,
-                       std::vector<double>& positive);
+    // From here on `follow` adds up the time integrals of each P_i^+, J, too; null: no more.
+    void watch_powers(std::vector<double>* positive) { positive_ = positive; }
+    double net_work() const { return net_work_; }  // of the joints then, J
 
     const Vec3& scale() const { return scale_; }  // of p
     double rate(double L, double tau);            // w for a given L
     double momentum(double w, double tau);
     long pieces() const { return pieces_; }
-    void limit(long pieces) { most_ = pieces; }   // of all calls together
+    void limit(long pieces) { most_ = pieces; }  // of all calls together
 
   private:
     struct Ending {
@@ -62,7 +62,7 @@ class DryCycle {
     void jump(const Vec3& rate_after, CycleState& state);
     void await_jump(const Ending& ending, double h);
     void accumulate(double h, double x, CycleState& state);
-    bool add_positive(double tau, double h, double x);
+    void add_positive(double tau, double h, double x);
     bool advance(CycleState& state, double tau_end, double tolerance);
     std::pair<double, double> margin_line(int wheel, double x) const;
 
@@ -80,7 +80,9 @@ class DryCycle {
     std::vector<int> wheel_of_kink_;
     Jump jump_;
     std::vector<double>* positive_ = nullptr;
-    double step_ = 0.3, speed_eps_ = 0, force_eps_ = 0, shortest_kick_ = 0, longest_kick_ = 0;
+    double net_work_ = 0;
+    double step_ = 0.3, speed_eps_ = 0, force_eps_ = 0, shortest_kick_ = 0, longest_kick_ = 0,
+           kick_ = 0, skipped_ = 0;
     long pieces_ = 0, most_ = 1'000'000;
 };
 

@@ -20,10 +20,10 @@ struct SteadyOptions {
 
 // Speeds in m/s, powers in W, averaged over a period once the start is forgotten.
 struct SteadyState {
-    double speed = 0;           // along the mean circle (a straight line when the gait does not turn)
-    double chord = 0;           // |displacement over the period from phase 0| / period
-    double power = 0;           // net mean of -sum T_i phi_i'; equals the mean dissipation
-    double abs_power = 0;       // mean of sum |T_i phi_i'|
+    double speed = 0;      // along the mean circle (a straight line when the gait does not turn)
+    double chord = 0;      // |displacement over the period from phase 0| / period
+    double power = 0;      // net mean of -sum T_i phi_i'; equals the mean dissipation
+    double abs_power = 0;  // mean of sum |T_i phi_i'|
     double positive_power = 0;  // mean of sum max(-T_i phi_i', 0)
     double turn = 0;            // change of heading per cycle, rad
     double direction = 0;       // direction of travel from the heading of link 1 at phase 0, rad

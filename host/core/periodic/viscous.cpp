@@ -247,11 +247,11 @@ void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) cons
             const Node& k = m.nodes[e * s + j];
             const Vec3& Y = now_.stage[e * s + j];
             const double w = rate(Y[2], omega, k.K, k.J), *D = k.D;
-            energy += m.h / omega * rule.b[j] *
-                      (Y[0] * (D[0] * Y[0] + 2 * D[1] * Y[1] + 2 * D[2] * w) +
-                       Y[1] * (D[3] * Y[1] + 2 * D[4] * w) + D[5] * w * w +
-                       2 * omega * (k.d[0] * Y[0] + k.d[1] * Y[1] + k.d[2] * w) +
-                       omega * omega * k.dd);
+            energy +=
+                m.h / omega * rule.b[j] *
+                (Y[0] * (D[0] * Y[0] + 2 * D[1] * Y[1] + 2 * D[2] * w) +
+                 Y[1] * (D[3] * Y[1] + 2 * D[4] * w) + D[5] * w * w +
+                 2 * omega * (k.d[0] * Y[0] + k.d[1] * Y[1] + k.d[2] * w) + omega * omega * k.dd);
         }
     const double span = 2 * M_PI / omega;
     out.power = energy / m.elements / m.h * omega;
@@ -297,9 +297,9 @@ std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) 
                          [&](int i, double T, double v) { torque[i][j] = T, bend[i][j] = v; });
         }
         for (int i = 0; i + 1 < robot_.n; ++i)
-            mean[i] +=
-                mean_positive_swing<s>(torque[i], bend[i], e * m.h, m.h, i * gait_.beta, gait_.alpha) /
-                m.elements;
+            mean[i] += mean_positive_swing<s>(torque[i], bend[i], e * m.h, m.h, i * gait_.beta,
+                                              gait_.alpha) /
+                       m.elements;
     }
     return mean;
 }
@@ -381,7 +381,7 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
         const double speed_floor =
             std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
         result.converged =
-            !first && result.speed_error <= options.rtol * result.speed + speed_floor &&
+            !first && result.speed_error <= std::max(options.rtol * result.speed, speed_floor) &&
             std::max(result.power_error, result.positive_power_error) <=
                 options.rtol * std::max(result.power, result.positive_power) + 1e-300;
         if (result.converged) break;

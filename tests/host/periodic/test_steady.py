@@ -189,6 +189,79 @@ def test_settling_time_on_stiff_ground() -> None:
     assert straight.settling_error < 1e-4
 
 
+def test_dry_gaits_that_used_to_fail() -> None:
+    """No tolerance solved the first, the second had powers 0.8 % off, the third settled late."""
+    robot = sn.Robot(6, 0.0756, 0.076)
+    ground = sn.Ground.whole_body(6, 0.083459, 1.684392, 0.1344398, 0.2558096)
+    s = sn.steady_gait(robot, ground, gait_deg(70, 75, 5.0265482), rtol=1e-5)
+    assert s.speed_m_s == pytest.approx(0.1387597, rel=1e-5)  # and as simulate has it
+    robot, ground = sn.Robot(8, 0.137, 0.0475), sn.Ground(0.00947, 0.0464, 0.037, 0.0597)
+    s = sn.steady_gait(robot, ground, gait_deg(57.96875, 50.59375, 0.9348278534))
+    assert s.abs_power_w == pytest.approx(0.015111, abs=5e-7)
+    robot, ground = sn.Robot(9, 0.374, 0.121), sn.Ground(0.0014, 0.0194, 0.0029, 0.0058)
+    s = sn.steady_gait(robot, ground, gait_deg(55.42, 66.03, 4.847), powers=False)
+    assert s.settling_time_s == pytest.approx(17.8, rel=0.005)
+    assert s.settling_error < 1e-3
+
+
+def plausible(rng: np.random.Generator) -> tuple[sn.Robot, sn.Ground, sn.Gait]:
+    """Return a robot on dry ground as one might be built."""
+    robot = sn.Robot(int(rng.integers(3, 11)), rng.uniform(0.03, 0.4), rng.uniform(0.04, 0.15))
+    across = robot.link_mass_kg * 9.81 * rng.uniform(0.04, 0.3)
+    ground = sn.Ground(
+        rng.uniform(0, 0.05), rng.uniform(0.02, 0.5), across * rng.uniform(0.1, 0.8), across
+    )
+    gait = sn.Gait(rng.uniform(0.2, 1.4), rng.uniform(0.4, 1.6), rng.uniform(0.5, 12))
+    return robot, ground, gait
+
+
+def test_plausible_dry_robots_all_have_an_answer_that_is_as_right_as_it_claims() -> None:
+    rng = np.random.default_rng(11)
+    low = 0
+    for _ in range(25):
+        robot, ground, gait = plausible(rng)
+        s = sn.steady_gait(robot, ground, gait, rtol=1e-4)
+        fine = sn.steady_gait(robot, ground, gait, rtol=1e-6)
+        scale = max(fine.speed_m_s, 1e-4 * gait.omega_rad_s * robot.links * robot.link_length_m)
+        error = abs(s.speed_m_s - fine.speed_m_s) / scale
+        low += error > s.error_estimate + 1e-6
+        assert error <= 1e-4
+        slack = 1e-5 * fine.abs_power_w
+        assert abs(s.power_w - fine.power_w) <= s.power_error_w + slack
+        assert abs(s.abs_power_w - fine.abs_power_w) <= s.abs_power_error_w + slack
+    assert low <= 1  # an estimate from two tolerances: one in some 200 is too low
+
+
+def test_the_derivative_of_a_dry_cycle_is_that_of_runs_beside_it() -> None:
+    """Kicked from its periodic state the robot comes back as the multipliers say."""
+    gait = gait_deg(70, 75, 8)
+    s = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-7)
+    slowest = abs(s.floquet_multipliers[0])
+    assert slowest == pytest.approx(math.exp(-gait.period_s / s.settling_time_s), rel=1e-9)
+    run = sn.simulate(
+        sn.Scene(OF_2005, BINGHAM, gait, method="nonsmooth", tolerance=1e-8, start="zero_momentum",
+                 dt_s=gait.period_s, duration_s=9 * gait.period_s)
+    )  # fmt: skip
+    spin = run.omega_rad_s[:, 0] - run.omega_rad_s[-1, 0]
+    seen = spin[2:6] / spin[1:5]
+    assert seen[-1] == pytest.approx(slowest, rel=0.03)
+
+
+def test_an_answer_that_is_not_good_enough_is_not_thrown_away() -> None:
+    robot = sn.Robot(12, 1.365937994132707, 0.32328297960297653)
+    ground = sn.Ground(0.0004378879, 0.00245681837, 0.00092033547, 0.00356983622)
+    gait = sn.Gait(0.33716459706929736, 2.084156615093622, 10.052010358475314)
+    truth = sn.steady_gait(robot, ground, gait, rtol=1e-3, powers=False)
+    with pytest.raises(sn.NotConverged) as error:
+        sn.steady_gait(robot, ground, gait, rtol=1e-7, powers=False)
+    best = error.value.best
+    assert isinstance(best, sn.Steady)
+    assert best.error_estimate > 1e-7
+    assert best.speed_m_s == pytest.approx(
+        truth.speed_m_s, rel=best.error_estimate + truth.error_estimate
+    )
+
+
 def test_the_path_of_a_turning_gait_hangs_on_no_phase() -> None:
     """Mirror images start half a cycle apart: same circle, other chords."""
     robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2)
