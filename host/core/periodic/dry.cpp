@@ -180,6 +180,8 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options) 
                               (robot_.n * robot_.m);
         last_z = z_;
         out.power_error = std::fabs(out.power - coarse.power);
+        if (options.powers)  // what the joints' work and the friction's are apart
+            out.power_error += std::fabs(net_work_ - end_.dissipated) * gait_.omega / span();
         out.slowest_error = change_of(out.slowest, coarse.slowest);
         out.converged = ended == Ended::converged && !first &&
                         out.speed_error <= std::max(options.rtol * out.speed, floor) &&
