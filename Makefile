@@ -24,7 +24,8 @@ demo: $(VENV)/built
 	$(VENV)/bin/serpenoid demo --out demo-out
 
 test: $(VENV)/built lint
-	@sh .ci/need $$(cat tests/avr/packages.txt) || echo "without these the AVR tests are skipped"
+	@sh .ci/need chromium=chromium chromedriver=chromium-driver $$(cat tests/avr/packages.txt) \
+		|| echo "what needs these is skipped"
 	$(VENV)/bin/python -m pytest -m "not slow"
 
 quick: $(VENV)/built lint

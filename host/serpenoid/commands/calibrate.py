@@ -13,6 +13,8 @@ from .options import AS_JSON, show_json
 if TYPE_CHECKING:
     from ..calibration.session import Session
     from ..calibration.taking.journal import Journal
+    from ..calibration.taking.prompt import Console
+    from ..calibration.taking.seat import Seat
 
 FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 TOML = click.Path(exists=True, path_type=Path)
@@ -124,18 +126,26 @@ class _Positive(click.ParamType):
               "By hand unless given.")  # fmt: skip
 @click.option("--patience-s", type=click.FloatRange(1, 86400), default=300.0, show_default=True,
               help="With nobody answering for so long, the servos are let go.")  # fmt: skip
+@click.option("--page", "with_page", is_flag=True,
+              help="Serve a page for whoever stands at the treadmill.")  # fmt: skip
+@click.option("--lan", is_flag=True, help="With --page: reachable from a phone in the same net.")
 def take(
-    folder: Path, script: Path | None, dry_run: bool, port: str | None, patience_s: float
-) -> None:
+    folder: Path, script: Path | None, dry_run: bool, port: str | None, patience_s: float,
+    with_page: bool, lan: bool,
+) -> None:  # fmt: skip
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
     if dry_run:
         return _dry_run(folder)
     if script is not None:
         return _scripted(folder, script)
-    return _with_a_person(folder, port, patience_s)
+    if lan and not with_page:
+        raise click.UsageError("--lan goes with --page")
+    return _with_a_person(folder, port, patience_s, with_page, lan)
 
 
-def _with_a_person(folder: Path, port: str | None, patience_s: float) -> None:
+def _with_a_person(
+    folder: Path, port: str | None, patience_s: float, with_page: bool, lan: bool
+) -> None:
     from contextlib import ExitStack
 
     from ..calibration.taking.dialogue import Dialogue, held_dialogue
@@ -157,11 +167,41 @@ def _with_a_person(folder: Path, port: str | None, patience_s: float) -> None:
         )
         for note in journal.session.notes:
             console.say(f"note: {note}")
-        dialogue = Dialogue(journal, console, seat, _pictures(console), patience_s)
+        told = [_pictures(console)]
+        if with_page:
+            told.append(_page(stack, journal, seat, lan, console))
+        dialogue = Dialogue(journal, console, seat, _each(told), patience_s)
         well = held_dialogue(dialogue, console)
         journal.event("end")
     if not well:
         raise SystemExit(1)
+
+
+def _each(told: list[Any]) -> Any:
+    def tell(session: Session, step: Any) -> None:
+        for one in told:
+            one(session, step)
+
+    return tell
+
+
+def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: Console) -> Any:
+    """Serve the page, say its address, and return a function that brings it up to date."""
+    from importlib.resources import files
+
+    from ..calibration.taking.page import Page
+    from ..calibration.taking.procedure import skipped_keys
+    from ..calibration.taking.state import state_of
+
+    html = files("serpenoid.show").joinpath("session_page.html").read_text(encoding="utf-8")
+    page = stack.enter_context(Page(html, seat and seat.halt, lan=lan))
+    console.say(f"page: {page.url}")
+
+    def told(session: Session, step: Any) -> None:
+        robot = "by hand" if seat is None else "holds" if seat.powered else "idle"
+        page.publish(state_of(session, step, skipped_keys(journal.events), robot))
+
+    return told
 
 
 def _pictures(console: Any) -> Any:

@@ -200,3 +200,16 @@ def test_a_gait_run_with_the_robot(folder):
     assert session.gait_runs[0].speed_m_s == pytest.approx(0.1)
     assert session.gait_runs[0].omega_rad_s == pytest.approx(math.pi / 2, rel=0.01)
     assert "Enter starts the robot" in heard
+
+
+def test_a_stop_from_the_page_lets_the_servos_go_and_says_so(folder):
+    with Seat("virtual:fast") as seat:
+
+        def stop():
+            seat.halt()
+            return "status"
+
+        heard, _ = talk(folder, *ZERO, "", stop, seat=seat)
+        assert not seat.powered
+    assert "stopped from the page: servos off; the pose is to be taken again" in heard
+    assert heard.count("Enter straightens the robot") == 2

@@ -202,8 +202,15 @@ class Dialogue:
         raise Again
 
     def _tick(self) -> None:
-        if self._seat is not None:
-            self._seat.tick()
+        if self._seat is None:
+            return
+        self._seat.tick()
+        if self._seat.stopped:
+            self._seat.stopped = False
+            self._let_go()
+            self._journal.event("note", detail="stopped from the page")
+            self._say("\n! stopped from the page: servos off; the pose is to be taken again")
+            raise Again
 
     def _let_go(self) -> None:
         """Let the servos go limp; the pose is then no longer known."""

@@ -29,6 +29,12 @@ class Line:
         part = 1 / self.count + (off * off / self.spread if self.spread else 0.0)
         return speed, self.sigma_m_s * math.sqrt(1 + part) + DOUBT * abs(speed - self.mean_m_s)
 
+    def through(self, sine: float) -> tuple[float, float]:
+        """Return the line's speed and what the readings leave it open by, one s.d."""
+        off = sine - self.mean_sine
+        part = 1 / self.count + off * off / self.spread
+        return self.mean_m_s + self.slope * off, self.sigma_m_s * math.sqrt(part)
+
     def sine_at(self, speed_m_s: float) -> float:
         """Return the sine of the incline that needs a speed."""
         return self.mean_sine + (speed_m_s - self.mean_m_s) / self.slope

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import select
+import shutil
 import sys
+import textwrap
 import time
 from collections.abc import Callable
 from typing import Protocol
@@ -35,8 +37,10 @@ class Console:
         self._ended = False
 
     def say(self, text: str) -> None:
-        """Print."""
-        print(text, flush=True)
+        """Print, long lines wrapped at words."""
+        width = max(shutil.get_terminal_size((100, 24)).columns - 1, 20)
+        for line in text.split("\n"):
+            print("\n".join(textwrap.wrap(line, width)) if len(line) > width else line, flush=True)
 
     def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
         """Print the prompt and wait for a line."""

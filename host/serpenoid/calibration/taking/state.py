@@ -1,0 +1,88 @@
+"""What a picture or a page shows of a session in progress, as plain values."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ...model.errors import SerpenoidError
+from ..session import Session
+from .expected import line_of, of_bend
+from .procedure import progress
+from .steps import Step
+
+CURVE = 24  # points of a line
+
+
+def state_of(session: Session, step: Step, skipped: frozenset[str], robot: str) -> dict[str, Any]:
+    """Return the step, progress, last reading, running fit, points, and lines with their band.
+
+    Degrees and SI, as people read them. robot: in words, such as "holds" or "by hand".
+    """
+    return {
+        "name": session.setup.name,
+        "kind": step.kind,
+        "say": step.say,
+        "aim": _aim(step),
+        "settle_s": round(step.settle_s),
+        "asks": [f"{f.words} ({f.unit})" for f in step.fields],
+        "progress": [list(row) for row in progress(session, skipped)],
+        "last": _last(session),
+        "fit": _fit(session),
+        "bends": [_bend(session, x) for x in session.setup.procedure.lambda_rad],
+        "robot": robot,
+    }
+
+
+def _aim(step: Step) -> str:
+    """Return the one thing to set now, to be read from afar."""
+    if step.kind == "station":
+        likely = step.fields[1].likely
+        belt = f"  belt {likely[0]:.2f} to {likely[1]:.2f} m/s" if likely else "  raise the belt"
+        return f"incline {step.incline_deg:.1f}°{belt}"
+    if step.kind == "bend":
+        return f"bend {step.lambda_deg:g}°: {180 - 2 * step.lambda_deg:g}° between links"
+    return {"zero": "inclinometer zero", "straight": "robot straight", "done": "all done",
+            "gait": "gait run"}[step.kind]  # fmt: skip
+
+
+def _last(session: Session) -> str:
+    if not session.readings:
+        return "none yet"
+    r = session.readings[-1]
+    return (
+        f"{r.number}: {math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "
+        f"drift {r.drift_m_s:+.3f} m/s{' (void)' if r.voided else ''}"
+    )
+
+
+def _fit(session: Session) -> list[dict[str, Any]]:
+    from ..friction_fit import fit_friction
+
+    try:
+        rows = fit_friction(session).rows()
+    except SerpenoidError:  # too few readings yet
+        return []
+    return [
+        {"name": r.name, "unit": r.unit, "value": r.value, "low": r.low, "high": r.high}
+        for r in rows
+    ]
+
+
+def _bend(session: Session, lambda_rad: float) -> dict[str, Any]:
+    stations = of_bend(session, lambda_rad)
+    found: dict[str, Any] = {
+        "name": f"{math.degrees(lambda_rad):g}°" if lambda_rad else "straight",
+        "points": [[math.degrees(r.incline_rad), r.slip_speed_m_s] for r in stations],
+        "line": [],
+    }
+    line = line_of(session, lambda_rad)
+    if line is None:
+        return found
+    low = min(r.incline_rad for r in stations)
+    wide = max(r.incline_rad for r in stations) - low
+    for k in range(CURVE):
+        incline = low - 0.1 * wide + 1.2 * wide * k / (CURVE - 1)
+        speed, sigma = line.through(math.sin(incline))
+        found["line"].append([math.degrees(incline), speed, 1.96 * sigma])
+    return found

@@ -1,0 +1,194 @@
+"""The page beside the treadmill: whom it answers, and what a real browser shows of it."""
+
+import http.client
+import json
+import math
+import threading
+import time
+from dataclasses import replace
+from importlib.resources import files
+
+import pytest
+from serpenoid import Ground
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.page import MOST_STREAMS, Page
+from serpenoid.calibration.taking.procedure import next_step
+from serpenoid.calibration.taking.seat import Seat
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.state import state_of
+from serpenoid.calibration.taking.treadmill import Posture, take_step
+from serpenoid.model.errors import RobotLost
+from webdriver import Browser
+
+HTML = files("serpenoid.show").joinpath("session_page.html").read_text(encoding="utf-8")
+
+
+def ask(page, method="GET", path=None, **headers):
+    """Return status and body of one request."""
+    connection = http.client.HTTPConnection("127.0.0.1", page.port, timeout=5)
+    path = f"/{page.token}/" if path is None else path
+    headers.setdefault("Host", f"127.0.0.1:{page.port}")
+    connection.request(method, path, headers=headers)
+    answer = connection.getresponse()
+    body = answer.read().decode()
+    connection.close()
+    return answer.status, body
+
+
+def session_in_progress(steps=12):
+    setup = default_setup("made up")
+    setup = replace(setup, procedure=replace(setup.procedure, gaits=()))
+    record = MemoryRecord(setup)
+    treadmill = SimulatedTreadmill(setup, Truth(Ground(0.084, 1.2, 0.14, 0.27)), seed=2)
+    posture = Posture()
+    for _ in range(steps):
+        take_step(record, treadmill, posture)
+    return record.session, next_step(record.session, posed_deg=posture.bend_deg)
+
+
+def test_the_state_holds_what_is_to_be_done_and_what_was_found():
+    session, step = session_in_progress(30)
+    state = state_of(session, step, frozenset(), "by hand")
+    json.dumps(state, allow_nan=False)
+    assert state["last"].startswith(f"{session.readings[-1].number}: ")
+    assert len(state["fit"]) == 4
+    straight = state["bends"][0]
+    assert len(straight["points"]) == sum(r.lambda_rad == 0 for r in session.kept)
+    # The line's band is narrowest near the middle of its points.
+    widths = [w for _, _, w in straight["line"]]
+    assert widths.index(min(widths)) not in (0, len(widths) - 1)
+
+
+def test_only_the_token_the_own_host_and_the_own_origin_are_answered():
+    stops = []
+    with Page(HTML, lambda: stops.append(1)) as page:
+        own = f"http://127.0.0.1:{page.port}"
+        assert ask(page)[0] == 200
+        assert ask(page, path="/")[0] == 404
+        assert ask(page, path="/wrong/")[0] == 404
+        assert ask(page, path=f"/{page.token}/../etc")[0] == 404
+        assert ask(page, Host="evil.example")[0] == 404
+        stop = f"/{page.token}/stop"
+        assert ask(page, "GET", stop)[0] == 404
+        assert ask(page, "POST", stop)[0] == 404
+        assert ask(page, "POST", stop, Origin="http://evil.example")[0] == 404
+        assert ask(page, "POST", "/wrong/stop", Origin=own)[0] == 404
+        assert not stops
+        assert ask(page, "POST", stop, Origin=own) == (200, '{"stopped": true}')
+        assert stops == [1]
+
+
+def test_a_stop_that_fails_says_so():
+    def lost():
+        raise RobotLost("unplugged")
+
+    with Page(HTML, lost) as page:
+        status, said = ask(page, "POST", f"/{page.token}/stop",
+                           Origin=f"http://127.0.0.1:{page.port}")  # fmt: skip
+        assert (status, json.loads(said)["error"]) == (500, "unplugged")
+
+
+def test_it_is_bound_to_this_machine_unless_told():
+    with Page(HTML) as page:
+        assert page._server.server_address[0] == "127.0.0.1"
+    with Page(HTML, lan=True) as page:
+        assert page._server.server_address[0] == "0.0.0.0"
+        assert ask(page, Host="evil.example")[0] == 404
+
+
+def test_streams_are_limited_and_end_with_the_page():
+    with Page(HTML) as page:
+        held = [page.streams.acquire(blocking=False) for _ in range(MOST_STREAMS)]
+        assert all(held)
+        assert ask(page, path=f"/{page.token}/states")[0] == 503
+    got = []
+    page = Page(HTML)
+    with page:
+        page.publish({"a": 1})
+        thread = threading.Thread(
+            target=lambda: got.append(ask(page, path=f"/{page.token}/states"))
+        )
+        thread.start()
+        time.sleep(0.2)
+    thread.join(5)
+    assert 'data: {"a": 1}' in got[0][1]
+
+
+def test_stop_reaches_the_moving_robot_within_200_ms():
+    """From the request to a board that moves no more, while the dialogue's thread talks to it."""
+    from serpenoid import Gait
+
+    with Seat("virtual") as seat, Page(HTML, seat.halt) as page:
+        seat.go(Gait(math.radians(30), math.radians(75), 2.0))
+        for _ in range(3):
+            seat.tick()
+        asked = threading.Thread(target=lambda: [seat.tick() for _ in range(20)])
+        asked.start()
+        begun = time.monotonic()
+        status, _ = ask(page, "POST", f"/{page.token}/stop",
+                        Origin=f"http://127.0.0.1:{page.port}")  # fmt: skip
+        took_s = time.monotonic() - begun
+        asked.join()
+        assert status == 200
+        assert seat._robot.status().state == "hold"
+        assert seat.stopped
+    assert took_s < 0.2
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with Browser() as made:
+        yield made
+
+
+def test_a_browser_follows_loses_and_finds_the_page_and_stops_the_robot(browser):
+    stops = []
+    session, step = session_in_progress()
+    with Page(HTML, lambda: stops.append(time.monotonic())) as page:
+        page.publish(state_of(session, step, frozenset(), "holds"))
+        browser.opens(page.url)
+        browser.sees("#link", "live")
+        browser.sees("#aim", "incline" if step.kind == "station" else "bend")
+        assert browser.runs("return document.querySelectorAll('circle').length") == len(
+            session.kept
+        )
+        session, step = session_in_progress(14)
+        page.publish(state_of(session, step, frozenset(), "holds"))
+        browser.sees("#last", session_last(session))
+        begun = time.monotonic()
+        browser.clicks("#stop")
+        browser.sees("#told", "the robot has stopped")
+        assert stops[0] - begun < 1.0  # the driver's own time is in it
+        port, token = page.port, page.token
+    browser.sees("#link", "connection lost")
+    again = Page(HTML, None, port=port)
+    again.token = token
+    with again:
+        again.publish(state_of(session, step, frozenset(), "by hand"))
+        browser.sees("#link", "live")
+        browser.sees("#stop", "robot by hand")
+        assert browser.runs("return document.querySelector('#stop').disabled")
+
+
+def session_last(session):
+    return f"{session.readings[-1].number}: "
+
+
+@pytest.mark.parametrize(("width", "dark"), [(390, False), (390, True)])
+def test_it_fits_a_phone_in_light_and_dark(tmp_path, width, dark):
+    session, step = session_in_progress(30)
+    with Page(HTML, lambda: None) as page, Browser(width, 844, dark) as phone:
+        page.publish(state_of(session, step, frozenset(), "holds"))
+        phone.opens(page.url)
+        phone.sees("#link", "live")
+        assert phone.runs("return document.documentElement.scrollWidth") <= width
+        size = phone.runs("return parseFloat(getComputedStyle(document.body).fontSize)")
+        assert size >= 18
+        red = phone.runs("return getComputedStyle(document.body).backgroundColor")
+        assert (red == "rgb(255, 255, 255)") is not dark
+        stop = phone.runs("const r = document.querySelector('#stop').getBoundingClientRect();"
+                          "return [r.bottom, r.height]")  # fmt: skip
+        assert stop[0] < 844  # to be reached without scrolling
+        assert stop[1] > 60
+        phone.picture(tmp_path / "phone.png")

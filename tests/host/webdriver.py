@@ -1,0 +1,101 @@
+"""A real browser that stays open: headless Chromium through chromedriver, spoken to over HTTP."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import re
+import shutil
+import subprocess
+import time
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # W3C WebDriver, section 11
+FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
+
+
+def programs() -> tuple[str, str]:
+    found = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
+    if all(found):
+        return found
+    if os.environ.get("CI"):
+        pytest.fail("CI needs chromium and chromium-driver: make test installs them")
+    return pytest.skip("needs chromium and chromium-driver")
+
+
+class Browser:
+    """One window; `with Browser() as browser:`."""
+
+    def __init__(self, width: int = 1100, height: int = 900, dark: bool = False):
+        self._chromium, driver = programs()
+        self._process = subprocess.Popen(
+            [driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+        self._size = width, height
+        self._dark = dark
+
+    def __enter__(self) -> Browser:
+        port = 0
+        while not port:
+            line = self._process.stdout.readline()
+            assert line, "chromedriver ended"
+            found = re.search(r"started successfully on port (\d+)", line)
+            port = int(found[1]) if found else 0
+        self._base = f"http://127.0.0.1:{port}/session"
+        flags = [*FLAGS, "--window-size={},{}".format(*self._size)]
+        if self._dark:
+            flags.append("--force-dark-mode")
+        options = {"binary": self._chromium, "args": flags}
+        wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
+        self._base += "/" + self._ask("", wanted)["sessionId"]
+        metrics = {"width": self._size[0], "height": self._size[1], "deviceScaleFactor": 1,
+                   "mobile": False}  # fmt: skip
+        self._devtools("Emulation.setDeviceMetricsOverride", metrics)
+        if self._dark:
+            features = [{"name": "prefers-color-scheme", "value": "dark"}]
+            self._devtools("Emulation.setEmulatedMedia", {"features": features})
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        try:
+            self._ask("", method="DELETE")
+        finally:
+            self._process.terminate()
+            self._process.wait(10)
+            self._process.stdout.close()
+
+    def opens(self, url: str) -> None:
+        self._ask("/url", {"url": url})
+
+    def runs(self, script: str):
+        """Return what a script's `return` gives."""
+        return self._ask("/execute/sync", {"script": script, "args": []})
+
+    def text(self, selector: str) -> str:
+        return self.runs(f"return document.querySelector({selector!r}).textContent")
+
+    def sees(self, selector: str, text: str, timeout_s: float = 10.0) -> None:
+        end = time.monotonic() + timeout_s
+        while text not in (found := self.text(selector)):
+            assert time.monotonic() < end, f"{selector} shows {found!r}, not {text!r}"
+            time.sleep(0.02)
+
+    def clicks(self, selector: str) -> None:
+        found = self._ask("/element", {"using": "css selector", "value": selector})
+        self._ask(f"/element/{found[ELEMENT]}/click", {})
+
+    def picture(self, path: Path) -> None:
+        path.write_bytes(base64.b64decode(self._ask("/screenshot")))
+
+    def _devtools(self, command: str, parameters: dict) -> None:
+        self._ask("/goog/cdp/execute", {"cmd": command, "params": parameters})
+
+    def _ask(self, path: str, body: dict | None = None, method: str | None = None):
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(self._base + path, data, method=method)
+        with urllib.request.urlopen(request, timeout=60) as answer:
+            return json.loads(answer.read())["value"]
