@@ -13,8 +13,8 @@ from .options import AS_JSON, show_json
 if TYPE_CHECKING:
     from ..calibration.session import Session
     from ..calibration.taking.journal import Journal
-    from ..calibration.taking.prompt import Console
-    from ..calibration.taking.seat import Seat
+    from ..calibration.taking.person.prompt import Console
+    from ..calibration.taking.person.seat import Seat
 
 FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 TOML = click.Path(exists=True, path_type=Path)
@@ -148,10 +148,10 @@ def _with_a_person(
 ) -> None:
     from contextlib import ExitStack
 
-    from ..calibration.taking.dialogue import Dialogue, held_dialogue
     from ..calibration.taking.journal import Journal
-    from ..calibration.taking.prompt import Console
-    from ..calibration.taking.seat import Seat
+    from ..calibration.taking.person.dialogue import Dialogue, held_dialogue
+    from ..calibration.taking.person.prompt import Console
+    from ..calibration.taking.person.seat import Seat
 
     console = Console()
     with ExitStack() as stack:
@@ -189,9 +189,9 @@ def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: C
     """Serve the page, say its address, and return a function that brings it up to date."""
     from importlib.resources import files
 
-    from ..calibration.taking.page import Page
+    from ..calibration.taking.person.page import Page
+    from ..calibration.taking.person.state import state_of
     from ..calibration.taking.procedure import skipped_keys
-    from ..calibration.taking.state import state_of
 
     html = files("serpenoid.show").joinpath("session_page.html").read_text(encoding="utf-8")
     page = stack.enter_context(Page(html, seat and seat.halt, lan=lan))
@@ -296,7 +296,7 @@ def _so_far(session: Session) -> str:
 def add(folder: Path, kind: str, cells: tuple[str, ...], replaces: int, comment: str) -> None:
     """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`."""
     from ..calibration.taking.journal import Journal
-    from ..calibration.taking.typed_cells import read_cells
+    from ..calibration.taking.person.typed_cells import read_cells
 
     with Journal(folder) as journal:
         values = read_cells(kind, cells, journal.session.setup)
@@ -327,7 +327,7 @@ def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> Non
     """Take a reading anew: the old one is void, what is not named stays as it was."""
     from ..calibration.session_rows import reading_rows
     from ..calibration.taking.journal import Journal
-    from ..calibration.taking.typed_cells import read_cells, values_of
+    from ..calibration.taking.person.typed_cells import read_cells, values_of
 
     with Journal(folder) as journal:
         rows = {int(row["reading"]): row for row in reading_rows(folder)}

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 from serpenoid.calibration.session_rows import read_events
-from serpenoid.calibration.taking.dialogue import Dialogue, held_dialogue
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.calibration.taking.seat import Seat
+from serpenoid.calibration.taking.person.dialogue import Dialogue, held_dialogue
+from serpenoid.calibration.taking.person.seat import Seat
 from serpenoid.model.errors import RobotLost
 
 

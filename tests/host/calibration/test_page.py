@@ -12,11 +12,11 @@ import pytest
 from serpenoid import Ground
 from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.page import MOST_STREAMS, Page
+from serpenoid.calibration.taking.person.page import MOST_STREAMS, Page
+from serpenoid.calibration.taking.person.seat import Seat
+from serpenoid.calibration.taking.person.state import state_of
 from serpenoid.calibration.taking.procedure import next_step
-from serpenoid.calibration.taking.seat import Seat
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
-from serpenoid.calibration.taking.state import state_of
 from serpenoid.calibration.taking.treadmill import Posture, take_step
 from serpenoid.model.errors import RobotLost
 from webdriver import Browser

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...model.errors import SerpenoidError
-from ..session import Session
-from .expected import line_of, of_bend
-from .procedure import progress
-from .steps import Step
+from ....model.errors import SerpenoidError
+from ...session import Session
+from ..expected import line_of, of_bend
+from ..procedure import progress
+from ..steps import Step
 
 CURVE = 24  # points of a line
 
@@ -57,7 +57,7 @@ def _last(session: Session) -> str:
 
 
 def _fit(session: Session) -> list[dict[str, Any]]:
-    from ..friction_fit import fit_friction
+    from ...friction_fit import fit_friction
 
     try:
         rows = fit_friction(session).rows()

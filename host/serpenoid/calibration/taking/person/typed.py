@@ -10,8 +10,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from ...model.errors import BadInput
-from .steps import UNITS, Field
+from ....model.errors import BadInput
+from ..steps import UNITS, Field
 
 _NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+))\s*(\S*)")
 _SPELLINGS = {

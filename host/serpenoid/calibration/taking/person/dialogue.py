@@ -10,15 +10,15 @@ import math
 import time
 from collections.abc import Callable, Mapping
 
-from ...model.errors import BadInput, RecordingFailed, RobotError
-from ..session import Session
-from ..session_rows import reading_rows
-from .journal import Journal
-from .procedure import doubts, likely_belt, next_step, skipped_keys
+from ....model.errors import BadInput, RecordingFailed, RobotError
+from ...session import Session
+from ...session_rows import reading_rows
+from ..journal import Journal
+from ..procedure import doubts, likely_belt, next_step, skipped_keys
+from ..steps import Field, Step
+from ..treadmill import Posture, record_step
 from .prompt import Terminal
 from .seat import Seat
-from .steps import Field, Step
-from .treadmill import Posture, record_step
 from .typed import read_typed, span
 from .typed_cells import FIELDS, values_of
 
@@ -259,7 +259,7 @@ class Dialogue:
         self._journal.event("note", detail=rest)
 
     def _status(self, rest: str, step: Step) -> None:
-        from .procedure import progress
+        from ..procedure import progress
 
         session = self._journal.session
         for r in session.readings[-8:]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from ...model.errors import BadInput
-from ..session import Setup
-from .steps import Field
+from ....model.errors import BadInput
+from ...session import Setup
+from ..steps import Field
 from .typed import read_typed
 
 _INCLINE = (-45.0, 45.0)

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-from ...model.errors import BadInput, SerpenoidError
+from ....model.errors import BadInput, SerpenoidError
 
 BEAT_S = 1.0  # a stream that is silent for three of these is lost, the page says
 MOST_STREAMS = 16

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import time
 
-from ...model.errors import RobotError, RobotLost
-from ...model.gait import Gait
-from ...robot.robot import Robot
+from ....model.errors import RobotError, RobotLost
+from ....model.gait import Gait
+from ....robot.robot import Robot
 
 JOINTS = 5
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
