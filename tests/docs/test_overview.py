@@ -12,7 +12,7 @@ from docs.documents import ROOT
 SOURCES = ("host/serpenoid", "host/core", "firmware", "tests")
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*(?:(?:\.|::)[A-Za-z_]\w*)*")
 # Words in backticks that are no names in the code: options of a run, fields on the wire, make's.
-NOT_NAMES = {"main", "serpenoid", "pyproject", "slow"}
+NOT_NAMES = {"serpenoid", "slow", "uv", "platformio.ini"}
 
 
 @cache
@@ -37,13 +37,14 @@ def python_names(tree: ast.AST, owner: str = "") -> set[str]:
                 names |= python_names(node, f"{node.name}.")
         elif isinstance(node, (ast.Assign, ast.AnnAssign)):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            names |= {f"{owner}{t.id}" for t in targets if isinstance(t, ast.Name)}
+            found = {t.id for t in targets if isinstance(t, ast.Name)}
+            names |= found | {f"{owner}{name}" for name in found}
     return names
 
 
 def cpp_names(text: str) -> set[str]:
     kinds = set(re.findall(r"\b(?:class|struct|enum class)\s+(\w+)", text))
-    called = re.findall(r"\b((?:\w+::)?~?\w+)\([^;{}]*\)[\w\s]*(?::[^;{]*)?\{", text)
+    called = re.findall(r"\b((?:\w+::)?~?\w+)(?=\([^;{}]*\)[\w\s]*(?::[^;{]*)?\{)", text)
     return kinds | set(called) | {name.split("::")[-1] for name in called}
 
 
