@@ -1,5 +1,22 @@
-"""`python -m serpenoid` is the command `serpenoid`."""
+"""The command `serpenoid`, and `python -m serpenoid`: Ctrl-C ends even the importing quietly."""
 
-from .commands.main import main
+from __future__ import annotations
 
-main()
+import signal
+
+
+def main() -> None:
+    """Import the command line, and run it."""
+    # Meanwhile a Ctrl-C kills as it kills any program: there is nothing to leave in order yet.
+    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if usual:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from .commands.main import main as run
+
+    if usual:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    run()
+
+
+if __name__ == "__main__":
+    main()

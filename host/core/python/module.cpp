@@ -8,6 +8,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -75,8 +76,20 @@ Array steady_row(const Model& m, Vector omegas, double rtol, bool powers, int ma
     return to_numpy(std::move(out), {5, count});
 }
 
+// A request that would read or write beyond its arrays, or never end, is refused here; what makes
+// sense as a scene is Python's to say.
+void check_sizes(const RunRequest& q) {
+    const std::size_t joints = q.robot.n - 1;
+    if (!(q.faults.empty() || q.faults.size() == joints) ||
+        !(q.locked_rad.empty() || q.locked_rad.size() == joints))
+        throw nb::value_error("faults and locked_rad must have one value a joint, or none");
+}
+
 nb::dict evaluate_links(const RunRequest& q, Vector links, Vector drive) {
     const std::size_t n = q.robot.n;
+    check_sizes(q);
+    if (links.shape(0) != 6 * n) throw nb::value_error("links must have 6 values a link");
+    if (drive.shape(0) != n - 1) throw nb::value_error("drive must have one value a joint");
     Chain chain(q.robot.n);
     Joints joints(q.robot.n);
     std::vector<double>* part[6] = {&chain.x,  &chain.y,  &chain.theta,
@@ -114,7 +127,19 @@ bool go_on(const nb::object& progress, double t) {
     return true;
 }
 
+void check_run(const RunRequest& q, std::size_t start) {
+    check_sizes(q);
+    if (start != 6 * static_cast<std::size_t>(q.robot.n))
+        throw nb::value_error("start must have x, y, theta, vx, vy, omega: 6 values a link");
+    if (q.every < 1) throw nb::value_error("every must be 1 or more");
+    if (!(q.dt > 0) || !std::isfinite(q.dt)) throw nb::value_error("dt_s must be more than 0");
+    if (!(q.duration >= 0) || !std::isfinite(q.duration))
+        throw nb::value_error("duration_s must be 0 or more");
+    if (q.steps < 0 || q.most_steps < 0) throw nb::value_error("steps must be 0 or more");
+}
+
 nb::dict run(RunRequest& q, Vector start, nb::object progress) {
+    check_run(q, start.shape(0));
     q.start.assign(start.data(), start.data() + start.shape(0));
     q.go_on = [&](double t) { return go_on(progress, t); };
     RunResult r;

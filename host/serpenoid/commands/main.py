@@ -12,12 +12,12 @@ import click
 
 from ..model.errors import BadInput, SerpenoidError
 from .bench import BENCH_GROUP
+from .board import COMMANDS as BOARD_COMMANDS
 from .calibrate import calibrate
 from .examples import examples
 from .friction.fit import fit
 from .optimize import optimize
 from .paths import OutFolder
-from .robot import COMMANDS as ROBOT_COMMANDS
 from .simulate import simulate
 from .steady import steady
 from .sweep import sweep
@@ -55,8 +55,8 @@ for command in (
     view,
 ):  # fmt: skip
     cli.add_command(command)
-for robot_command in ROBOT_COMMANDS:
-    cli.add_command(robot_command)
+for board_command in BOARD_COMMANDS:
+    cli.add_command(board_command)
 
 
 def _show_warning(message: Warning | str, *_where: object) -> None:
@@ -74,7 +74,8 @@ def main() -> None:
     except (click.Abort, KeyboardInterrupt):
         click.echo("stopped", err=True)
         if threading.active_count() > 1:  # the core's loop cannot be ended, only left behind
-            sys.stdout.flush()
+            if sys.stdout:  # it may be closed
+                sys.stdout.flush()
             os._exit(130)
         status = 130
     except SerpenoidError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,10 +60,14 @@ def _error_rows(error: RunError) -> list[list[str]]:
     parts = {"integration": error.integration, "modelling (springs)": error.modelling}
     return [
         [f"error by {name}",
-         f"{part.position_m:.2g} m, {part.angle_rad:.2g} rad, mean speed {part.mean_speed:+.2g}"]
+         f"{part.position_m:.2g} m, {part.angle_rad:.2g} rad, mean speed {_share(part.mean_speed)}"]
         for name, part in parts.items()
         if part is not None
     ]  # fmt: skip
+
+
+def _share(relative: float) -> str:
+    return "of nothing: at rest" if math.isnan(relative) else f"{relative:+.2g}"
 
 
 def show_run(run: Run, summary: dict[str, Any]) -> None:

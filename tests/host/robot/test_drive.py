@@ -128,7 +128,7 @@ def test_a_board_that_tells_nothing_and_forgets_nobody_is_made_watchable(serpeno
         (GAIT[:4], 2, "give one of --omega-rad-s"),
         ([*GAIT, "--duration-s", "0"], 2, "duration-s"),
         ([*GAIT, "--record", __file__], 2, "another name"),
-        ([*GAIT, "--record", "/no-such-folder/x"], 1, "/no-such-folder"),
+        ([*GAIT, "--record", "/no-such-folder/x"], 2, "/no-such-folder"),
     ],
 )
 def test_refusals(serpenoid, args, status, said):

@@ -1,0 +1,38 @@
+"""`serpenoid flash`: the firmware onto the board."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..options import AS_JSON, show_json
+
+
+@click.command()
+@click.option("--board", type=click.Choice(["uno", "nano", "mega"]),
+              help="Needed where the USB id does not tell.")  # fmt: skip
+@click.option("--port", help="Serial port; found by its USB id unless given.")
+@click.option("--project", type=click.Path(file_okay=False, path_type=Path),
+              help="Folder of platformio.ini; found from here unless given.")  # fmt: skip
+@AS_JSON
+def flash(board: str | None, port: str | None, project: Path | None, as_json: bool) -> None:
+    """Build the firmware and put it on the board, by PlatformIO, then wait for its greeting."""
+    from dataclasses import asdict
+
+    from ...robot.tools.upload import flash as build_and_upload
+
+    try:
+        hello = build_and_upload(
+            board, port, project, lambda text: click.echo(text, nl=False, err=True)
+        )
+    except (KeyboardInterrupt, SystemExit):
+        click.echo("\nthe board may hold half a program: flash it again before use", err=True)
+        raise
+    if as_json:
+        show_json(asdict(hello))
+    else:
+        click.echo(
+            f"the {hello.board} runs firmware {hello.firmware}, protocol {hello.protocol}; "
+            "next: `serpenoid doctor`, then `serpenoid trim`"
+        )

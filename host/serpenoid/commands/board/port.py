@@ -1,0 +1,9 @@
+"""The option that names the port."""
+
+from __future__ import annotations
+
+import click
+
+PORT = click.option(
+    "--port", help="Serial port; found by its USB id unless given. `virtual` needs no robot."
+)

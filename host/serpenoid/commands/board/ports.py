@@ -1,0 +1,27 @@
+"""`serpenoid ports`: which serial port may be the robot."""
+
+from __future__ import annotations
+
+import click
+
+from ..options import AS_JSON, show_json
+
+
+@click.command()
+@AS_JSON
+def ports(as_json: bool) -> None:
+    """List the serial ports: which may be the robot, and who has them open."""
+    from ...robot.wire.culprit import why_no_port
+    from ...robot.wire.ports import port_states
+
+    found = port_states()
+    if as_json:
+        show_json({"ports": [port.to_dict() for port in found]})
+        return
+    for port in found:
+        about = [port.device, port.usb, port.chip and f"likely a board ({port.chip})"]
+        about += [port.description, *(f"open in {h.name} ({h.pid})" for h in port.held_by)]
+        about += [] if port.allowed else ["this user may not open it: try `serpenoid doctor`"]
+        click.echo("  ".join(part for part in about if part))
+    if not any(port.chip for port in found):
+        click.echo(f"no board found by its USB id. {why_no_port()}", err=True)
