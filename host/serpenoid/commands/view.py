@@ -72,12 +72,15 @@ def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[s
     from ..robot.recording.stream import load_stream
     from ..show.view_page import of_recording
 
-    preset = given["preset"] or "2005"
+    fitted = given["session"] or given["ground_file"]
+    whose = (
+        f"robot and ground of {fitted}" if fitted else f"{given['preset'] or 2005} robot and ground"
+    )
     robot, ground = make_robot(given)
     stream = _virtual_stream() if what == "virtual" else load_stream(Path(what))
     gait, shown = interruptible(lambda: of_recording(stream, robot, ground))
     title = "the virtual robot" if what == "virtual" else Path(what).name
-    about = (f"{_gait_words(gait)}; the path is predicted for the {preset} robot and ground, the "
+    about = (f"{_gait_words(gait)}; the path is predicted for the {whose}, the "
              "set-points are the firmware's own")  # fmt: skip
     return gait, title, about, shown
 
