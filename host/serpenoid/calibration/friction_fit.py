@@ -27,6 +27,7 @@ from .fitting.influence import Influence, influences, leave_one_out
 from .fitting.joint import PARAMETERS, Minimum, minimise, starting_point
 from .fitting.joint import residuals as residuals_at
 from .fitting.naive import points, two_lines
+from .fitting.profile import intervals
 from .fitting.robust import Summit, robust_minimum
 from .friction_result import (
     DOUBTFUL,
@@ -78,11 +79,11 @@ def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Float
 
 @dataclass(frozen=True)
 class _Raw:
-    """What a method found: values, covariance, half-widths of the intervals, in NAMES' order."""
+    """What a method found: values, covariance, (4, 2) intervals, in NAMES' order."""
 
     values: Floats
     covariance: Floats
-    widths: Floats
+    intervals: Floats
     residuals: Floats
     chi2: float
     good: Floats
@@ -99,7 +100,7 @@ def _naive(session: Session, data: FitData) -> FrictionFit:
     _check_signs(session, values)
     residuals = residuals_at(starting_point(values, data), data)[: len(data)]
     chi2 = float(residuals @ residuals)
-    raw = _Raw(values, covariance, widths, residuals, chi2, np.ones(len(data)), {})
+    raw = _Raw(values, covariance, _about(values, widths), residuals, chi2, np.ones(len(data)), {})
     fit = _result(session, data, raw, "naive")
     if not _doubtful(fit):
         return fit
@@ -121,17 +122,26 @@ def _raw(session: Session, data: FitData, found: Summit) -> _Raw:
     covariance = np.asarray(np.linalg.inv(found.minimum.information), dtype=np.float64)
     sigmas = np.sqrt(np.diag(covariance))
     residuals = found.minimum.residuals[:count]
+    quantile = float(ndtri(0.5 + LEVEL / 2))
+    if found.good.min() == 1.0:
+        ends = intervals(data, found.minimum, quantile**2)
+    else:
+        ends = _about(x[:PARAMETERS], quantile * sigmas[:PARAMETERS])
     counted = found.good > 0.5
     return _Raw(
         values=x[:PARAMETERS],
         covariance=covariance[:PARAMETERS, :PARAMETERS],
-        widths=ndtri(0.5 + LEVEL / 2) * sigmas[:PARAMETERS],
+        intervals=ends,
         residuals=residuals,
         chi2=float(np.sum(residuals[counted] ** 2) + np.sum(found.minimum.residuals[count:] ** 2)),
         good=found.good,
         nuisances=_nuisances(data, x, sigmas),
         influence=influences(found.minimum, [r.number for r in session.kept]),
     )
+
+
+def _about(values: Floats, widths: Floats) -> Floats:
+    return np.maximum(np.column_stack([values - widths, values + widths]), 0.0)
 
 
 def _nuisances(data: FitData, x: Floats, sigmas: Floats) -> dict[str, Estimate]:
@@ -157,14 +167,13 @@ def _result(session: Session, data: FitData, raw: _Raw, method: str) -> Friction
     covariance = raw.covariance.copy()
     covariance.flags.writeable = False
     values, sigmas = raw.values.tolist(), np.sqrt(np.diag(covariance)).tolist()
-    lows = np.maximum(raw.values - raw.widths, 0.0).tolist()
-    highs = (raw.values + raw.widths).tolist()
+    ends = map(tuple, raw.intervals.tolist())
     numbers = [r.number for r in session.kept]
     fit = FrictionFit(
         method=method,
         sigma="rescaled" if method == "naive" else "absolute",
         parameters=WholeSnake(dict(zip(NAMES, map(Estimate, values, sigmas), strict=True))),
-        intervals=WholeSnake(dict(zip(NAMES, zip(lows, highs, strict=True), strict=True))),
+        intervals=WholeSnake(dict(zip(NAMES, ends, strict=True))),
         covariance=covariance,
         robot=session.setup.robot,
         ground=Ground.whole_body(session.setup.robot.links, *values),

@@ -1,0 +1,66 @@
+"""Intervals from the likelihood's own shape: how far chi2 may rise, all other unknowns following.
+
+A normal distribution by the covariance misses the skew of cn: at a small bend it goes as 1 / sin^2
+of an uncertain angle, and the slope of a line is uncertain too. The ends of the interval of unknown
+k are where it is extreme among all x with chi2(x) = least + rise. With residuals r and Jacobian J
+at a point, chi2 at x + d is about |r + J d|^2; x_k + d_k is extreme on the wanted level for
+
+    d = -C J' r + t C e_k,    C = (J' J)^-1,    t = +- sqrt((level - |r|^2 + r' J C J' r) / C_kk),
+
+and this is repeated from there until it stays: a few small solves, no fit within a search.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .data import FitData, Floats
+from .joint import PARAMETERS, Minimum, jacobian, residuals
+
+_ROUNDS, _SETTLED = 60, 1e-6
+
+
+def intervals(data: FitData, found: Minimum, rise: float) -> Floats:
+    """Return (4, 2): lowest and highest ct, cn, ft0, fn0 with chi2 at most `rise` above least.
+
+    None below 0. Where the search does not settle, the covariance's own interval stands.
+    """
+    sigma = np.sqrt(np.diag(np.linalg.inv(found.information)))
+    out = np.empty((PARAMETERS, 2))
+    for k in range(PARAMETERS):
+        for side, sign in enumerate((-1.0, 1.0)):
+            end = _extreme(data, found, k, sign, found.chi2 + rise)
+            plain = found.x[k] + sign * np.sqrt(rise) * sigma[k]
+            out[k, side] = max(plain if end is None else end, 0.0)
+    return out
+
+
+def _extreme(data: FitData, found: Minimum, k: int, sign: float, level: float) -> float | None:
+    x = found.x
+    for _ in range(_ROUNDS):
+        r, slopes = residuals(x, data), jacobian(x, data)
+        try:
+            covariance = np.linalg.inv(slopes.T @ slopes)
+        except np.linalg.LinAlgError:
+            return None
+        pull = slopes.T @ r
+        room = level - float(r @ r) + float(pull @ covariance @ pull)
+        reach = sign * np.sqrt(max(room, 0.0) / covariance[k, k])
+        following = x - covariance @ pull + reach * covariance[:, k]
+        if sign < 0.0 and following[k] <= 0.0 and x[k] <= 0.0:
+            return 0.0
+        following[:PARAMETERS] = np.maximum(following[:PARAMETERS], 0.0)
+        # Halfway to 0, or half as far again, at most: the map is linear only nearby.
+        low, high = 0.5 * x[:PARAMETERS], 1.5 * x[:PARAMETERS]
+        tight = x[:PARAMETERS] > 1e-9
+        near = np.clip(
+            following[:PARAMETERS], np.where(tight, low, 0.0), np.where(tight, high, np.inf)
+        )
+        following[:PARAMETERS] = near
+        moved = np.abs(following - x) / np.sqrt(np.diag(covariance))
+        x = following
+        if not np.isfinite(x).all():
+            return None
+        if moved.max() < _SETTLED or (sign < 0.0 and x[k] < 1e-6 * found.x[k]):
+            return float(x[k])
+    return None
