@@ -9,6 +9,7 @@ from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, Step
 
 if TYPE_CHECKING:
     __version__: str
+    from .calibration.comparison import Comparison, compare
     from .calibration.fit_file import load_fit, save_fit
     from .calibration.friction_fit import fit_friction
     from .calibration.friction_result import FrictionFit
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
+    "calibration.comparison": ("Comparison", "compare"),
     "calibration.fit_file": ("load_fit", "save_fit"),
     "calibration.friction_fit": ("fit_friction",),
     "calibration.friction_result": ("FrictionFit",),
@@ -61,6 +63,7 @@ __all__ = [
     "Acceleration",
     "AngleDrive",
     "BadInput",
+    "Comparison",
     "Diverged",
     "FrictionFit",
     "Gait",
@@ -82,6 +85,7 @@ __all__ = [
     "TorqueDrive",
     "TorqueTable",
     "acceleration",
+    "compare",
     "fit_friction",
     "least_power_gait",
     "load_fit",

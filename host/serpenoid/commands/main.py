@@ -15,6 +15,7 @@ from .bench import BENCH_GROUP
 from .board import COMMANDS as BOARD_COMMANDS
 from .calibrate import calibrate
 from .examples import examples
+from .friction.compare import compare
 from .friction.fit import fit
 from .optimize import optimize
 from .paths import OutFolder
@@ -46,6 +47,7 @@ def demo(out: Path) -> None:
 cli.add_command(BENCH_GROUP)
 for command in (
     calibrate,
+    compare,
     examples,
     fit,
     optimize,

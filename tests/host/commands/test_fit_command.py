@@ -69,3 +69,15 @@ def test_friction_from_two_places_or_none_is_refused(folder, extra, said):
     failed = run("steady", *GAIT, *extra, check=False)
     assert failed.returncode == 2
     assert said in " ".join(failed.stderr.split())
+
+
+def test_compare_predicts_and_draws(folder, tmp_path):
+    picture = tmp_path / "compare.svg"
+    done = run(
+        "compare", folder, "--gait", 70, 75, 1.0, "--samples", 16, "--plot", picture, "--json"
+    )
+    told = json.loads(done.stdout)
+    assert told["verdict"] == "not measured"
+    assert told["gaits"][0]["exact_m_s"] == pytest.approx(0.152, rel=0.01)
+    assert "<svg" in picture.read_text()
+    assert run("compare", folder, check=False).returncode == 1

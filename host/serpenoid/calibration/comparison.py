@@ -1,0 +1,249 @@
+"""Measured gait runs against the speeds that the session's own friction predicts, and a verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ..model.checks import check_number
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from ..simulation.steady_springs import steady_springs
+from .friction_fit import fit_friction
+from .friction_result import FrictionFit
+from .session import GaitRun, Session
+from .speed_samples import Array, Progress, SpeedSamples, sample_speeds, speed
+
+DOUBTFUL = 0.05  # a verdict's p-value
+INFLATED = 4.0  # a cause is allowed this many of its stated sigmas before it is ruled out
+AMPLITUDE_SIGMA = 0.03
+BAND = (0.025, 0.975)
+_CURVE_SAMPLES, _CURVE_POINTS, _NOISE_DRAWS = 32, 9, 32
+
+
+@dataclass(frozen=True)
+class ComparedGait:
+    """One gait: predicted by exact and implicit model, with its 95 % bands, and measured.
+
+    low_m_s, high_m_s: of the frictions that the fit allows. low_all_m_s, high_all_m_s: with the
+    joints' amplitude besides. runs: numbers of the measured runs; measured_m_s, sigma_m_s: their
+    mean and its standard deviation; none if not measured. residual_m_s: measured less predicted.
+    """
+
+    alpha_rad: float
+    beta_rad: float
+    frequency_hz: float
+    exact_m_s: float
+    implicit_m_s: float
+    low_m_s: float
+    high_m_s: float
+    low_all_m_s: float
+    high_all_m_s: float
+    runs: tuple[int, ...] = ()
+    measured_m_s: float | None = None
+    sigma_m_s: float | None = None
+    residual_m_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What compare found.
+
+    gaits: those run, else those planned. curve: speed over frequency of the first one's amplitude
+    and phase lag, friction's band alone. p_value: the chance of residuals as large if model, fit
+    and stated errors hold; p_friction, p_amplitude: if friction, or the joints' amplitude, may be
+    off by four times as much as stated. None without runs. verdict: agrees, friction, amplitude,
+    friction or amplitude, neither, not measured; verdict_text says it in words.
+    """
+
+    session: str
+    amplitude_sigma: float
+    gaits: tuple[ComparedGait, ...]
+    curve: tuple[ComparedGait, ...]
+    measured: tuple[GaitRun, ...]
+    p_value: float | None
+    p_friction: float | None
+    p_amplitude: float | None
+    verdict: str
+    verdict_text: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures by name."""
+        return asdict(self)
+
+
+def compare(
+    session: Session,
+    fit: FrictionFit | None = None,
+    *,
+    gaits: Sequence[Gait] = (),
+    amplitude_sigma: float = AMPLITUDE_SIGMA,
+    samples: int = 64,
+    seed: int = 2005,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Compare a session's gait runs with the speeds its friction predicts.
+
+    fit: the session's own joint fit unless given. gaits: further ones to predict. amplitude_sigma:
+    standard deviation of the joints' true over commanded amplitude, common to all gaits. Frictions
+    are sampled, since speed is skewed where wheels stick. progress is called with the gaits done,
+    of `gait_count`. Raises BadInput where there is neither a run nor a gait.
+    """
+    check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)
+    fit = fit or fit_friction(session)
+    runs = _by_gait(session)
+    wanted = compared_gaits(session, gaits)
+    if not wanted:
+        raise BadInput(
+            f"{session.where}: no gait run and no gait planned; give one, or take a run with "
+            "`serpenoid calibrate`"
+        )
+    drawn = sample_speeds(
+        fit, wanted, amplitude_sigma=amplitude_sigma, count=samples, seed=seed, progress=progress
+    )
+    points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
+    chances = _chances(drawn, points, np.random.default_rng(seed))
+    verdict = _verdict(chances)
+    curve = _curve(fit, wanted, seed, progress)
+    return Comparison(
+        session.setup.name, amplitude_sigma, points, curve, session.kept_gait_runs, *chances,
+        verdict, _in_words(verdict, points, chances, amplitude_sigma),
+    )  # fmt: skip
+
+
+def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
+    """Return the gaits run, or planned where none was, and further ones."""
+    own = list(_by_gait(session)) or list(session.setup.procedure.gaits)
+    return own + [g for g in more if g not in own]
+
+
+def gait_count(session: Session, more: Sequence[Gait] = ()) -> int:
+    """Return how many gaits `compare` solves for: the compared ones and the curve's."""
+    return len(compared_gaits(session, more)) + _CURVE_POINTS
+
+
+def _by_gait(session: Session) -> dict[Gait, list[GaitRun]]:
+    found: dict[Gait, list[GaitRun]] = {}
+    for run in session.kept_gait_runs:
+        found.setdefault(run.gait, []).append(run)
+    return dict(sorted(found.items(), key=lambda item: item[0].omega_rad_s))
+
+
+def _point(fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun]) -> ComparedGait:
+    gait = drawn.gaits[j]
+    exact = speed(fit.robot, fit.ground, gait)
+    low, high = np.quantile(drawn.friction_m_s[:, j], BAND).tolist()
+    low_all, high_all = np.quantile(drawn.both_m_s[:, j], BAND).tolist()
+    measured = sigma = None
+    if runs:
+        weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
+        measured = float(weights @ np.array([r.speed_m_s for r in runs]) / weights.sum())
+        sigma = float(weights.sum() ** -0.5)
+    return ComparedGait(
+        gait.alpha_rad, gait.beta_rad, gait.omega_rad_s / (2 * math.pi), exact,
+        steady_springs(fit.robot, fit.ground, gait, rtol=1e-3).speed_m_s,
+        low, high, low_all, high_all, tuple(r.number for r in runs), measured, sigma,
+        None if measured is None else measured - exact,
+    )  # fmt: skip
+
+
+def _curve(
+    fit: FrictionFit, wanted: list[Gait], seed: int, progress: Progress | None
+) -> tuple[ComparedGait, ...]:
+    rates = [g.omega_rad_s for g in wanted]
+    first = wanted[0]
+    grid = np.geomspace(0.5 * min(rates), 1.3 * max(rates), _CURVE_POINTS).tolist()
+    gaits = [Gait(first.alpha_rad, first.beta_rad, rate) for rate in grid]
+    drawn = sample_speeds(fit, gaits, count=_CURVE_SAMPLES, seed=seed, progress=progress)
+    return tuple(_point(fit, drawn, j, []) for j in range(len(gaits)))
+
+
+def _chances(
+    drawn: SpeedSamples, points: Sequence[ComparedGait], rng: np.random.Generator
+) -> tuple[float | None, float | None, float | None]:
+    """Return p as stated, with friction inflated, with amplitude inflated."""
+    ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
+    if not ran:
+        return None, None, None
+    measured = np.array([points[j].measured_m_s for j in ran], dtype=float)
+    noise = np.array([points[j].sigma_m_s for j in ran], dtype=float)
+    friction, both = drawn.friction_m_s[:, ran], drawn.both_m_s[:, ran]
+    best = np.array([points[j].exact_m_s for j in ran])
+    by_friction, by_amplitude = friction - best, both - friction
+    kinds = ((1.0, 1.0), (INFLATED, 1.0), (1.0, INFLATED))
+    found = [
+        _chance(best + f * by_friction + a * by_amplitude, measured, noise, rng) for f, a in kinds
+    ]
+    return found[0], found[1], found[2]
+
+
+def _chance(speeds: Array, measured: Array, noise: Array, rng: np.random.Generator) -> float:
+    """Return how often a draw with its measuring noise lies as far out as what was measured.
+
+    How far is told by the draws' own covariance; how often, by the draws themselves, since they
+    are skewed.
+    """
+    seen = np.repeat(speeds, _NOISE_DRAWS, axis=0)
+    seen = seen + noise * rng.normal(size=seen.shape)
+    centre = seen.mean(axis=0)
+    inverse = np.linalg.inv(np.cov(seen.T).reshape(len(noise), len(noise)))
+
+    def out(v: Array) -> Array:
+        return np.einsum("...i,ij,...j->...", v - centre, inverse, v - centre)
+
+    return float(np.mean(out(seen) >= out(measured)))
+
+
+def _verdict(chances: tuple[float | None, float | None, float | None]) -> str:
+    stated, friction, amplitude = chances
+    if stated is None or friction is None or amplitude is None:
+        return "not measured"
+    if stated >= DOUBTFUL:
+        return "agrees"
+    able = [n for n, p in (("friction", friction), ("amplitude", amplitude)) if p >= DOUBTFUL]
+    return " or ".join(able) or "neither"
+
+
+def _p(chance: float | None) -> str:
+    least = 1e-3  # as many draws can tell
+    return "p < 0.001" if chance is None or chance < least else f"p = {chance:.2g}"
+
+
+def _in_words(
+    verdict: str,
+    points: Sequence[ComparedGait],
+    chances: tuple[float | None, float | None, float | None],
+    amplitude_sigma: float,
+) -> str:
+    if verdict == "not measured":
+        return "No gait was run yet: these are predictions. Run one, and compare again."
+    off = [p for p in points if p.residual_m_s is not None]
+    worst = max(off, key=lambda p: abs(p.residual_m_s or 0.0) / p.exact_m_s if p.exact_m_s else 0.0)
+    share = (worst.residual_m_s or 0.0) / worst.exact_m_s if worst.exact_m_s else math.inf
+    seen = f"at most {share:+.1%} of the predicted speed, at {worst.frequency_hz:.3g} Hz"
+    if verdict == "agrees":
+        return f"Agrees: the robot runs as its friction predicts ({seen}; {_p(chances[0])})."
+    head = f"Differs: {seen} ({_p(chances[0])}). "
+    if verdict == "neither":
+        return head + (
+            f"Neither friction nor the joints' amplitude explains it, even {INFLATED:g} times as "
+            "uncertain as stated: look at the surface, the mass, the frequency, the gait itself."
+        )
+    if verdict == "friction or amplitude":
+        return head + (
+            "Friction or the joints' amplitude may be off by more than stated; these runs cannot "
+            "tell which. Measure the joints' amplitude, or run another frequency."
+        )
+    other = {"friction": "amplitude", "amplitude": "friction"}[verdict]
+    way = {
+        "friction": "Take the friction again, on the surface that the robot crawls on.",
+        "amplitude": f"Measure the joints: {amplitude_sigma:.0%} was stated.",
+    }[verdict]
+    return head + (
+        f"The data say that it is {verdict}, not {other}: only with {verdict} {INFLATED:g} times "
+        f"as uncertain do the runs fit. {way}"
+    )

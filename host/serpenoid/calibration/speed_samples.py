@@ -1,0 +1,85 @@
+"""Speeds of a gait over the frictions that a fit allows, and over what the joints may be off by."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from ..periodic.steady import steady_gait
+from .friction_result import FrictionFit
+
+Array = NDArray[np.float64]
+Progress = Callable[[int], None]
+AMPLITUDE_STEP = 0.02  # of the joints, to find what a lost amplitude costs
+
+
+def speed(robot: Robot, ground: Ground, gait: Gait) -> float:
+    """Return the exact model's speed to 1e-3 of itself, m/s."""
+    return steady_gait(robot, ground, gait, rtol=1e-3, powers=False).speed_m_s
+
+
+def scaled(gait: Gait, amplitude: float) -> Gait:
+    """Return the gait as joints run it that reach this share of their amplitude."""
+    return replace(gait, alpha_rad=gait.alpha_rad * amplitude)
+
+
+@dataclass(frozen=True)
+class SpeedSamples:
+    """Speeds of some gaits, (samples, gaits), the same draw in each row.
+
+    friction_m_s: over the fit's frictions, joints as commanded. both_m_s: with each draw's own
+    amplitude besides. whole: (samples, 4), the frictions, whole snake.
+    """
+
+    gaits: tuple[Gait, ...]
+    whole: Array
+    friction_m_s: Array
+    both_m_s: Array
+
+
+def sample_speeds(
+    fit: FrictionFit,
+    gaits: Sequence[Gait],
+    *,
+    amplitude_sigma: float = 0.0,
+    count: int = 64,
+    seed: int = 2005,
+    progress: Progress | None = None,
+) -> SpeedSamples:
+    """Draw speeds; amplitude_sigma: of the joints' true over commanded amplitude, common to all.
+
+    progress is called with the gaits done. As many threads as the machine has cores.
+    """
+    whole, grounds = fit.sample_whole(count, seed), fit.sample(count, seed)
+    drawn = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
+    amplitudes = 1.0 + amplitude_sigma * _normal_quantile(drawn)
+
+    def of(gait: Gait) -> tuple[list[float], list[float]]:
+        alone = [speed(fit.robot, g, gait) for g in grounds]
+        if not amplitude_sigma:
+            return alone, alone
+        pairs = zip(grounds, amplitudes.tolist(), strict=True)
+        return alone, [speed(fit.robot, g, scaled(gait, a)) for g, a in pairs]
+
+    found = []
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for pair in pool.map(of, gaits):
+            found.append(pair)
+            if progress is not None:
+                progress(1)
+    alone, both = (np.array(part, dtype=float).T for part in zip(*found, strict=True))
+    return SpeedSamples(tuple(gaits), whole, alone, both)
+
+
+def _normal_quantile(share: Array) -> Array:
+    from scipy.special import ndtri
+
+    return ndtri(share)

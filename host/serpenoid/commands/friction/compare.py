@@ -1,0 +1,59 @@
+"""`serpenoid compare`: the robot's measured speeds beside those its friction predicts."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import click
+
+from ...model.errors import BadInput, SerpenoidError
+from ..options import AS_JSON, show_json
+from ..paths import FIGURES, OutFile
+from .given import session_fit
+
+
+@click.command()
+@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--gait", "gaits", nargs=3, type=float, multiple=True,
+              metavar="ALPHA_DEG BETA_DEG HZ", help="One more gait to predict.")  # fmt: skip
+@click.option("--amplitude-sigma", type=float, default=0.03, show_default=True,
+              help="Standard deviation of the joints' true over commanded amplitude.")  # fmt: skip
+@click.option("--samples", type=click.IntRange(16, 4096), default=64, show_default=True,
+              help="Frictions drawn from the fit.")  # fmt: skip
+@click.option("--plot", "figure", type=OutFile(*FIGURES), help="Draw it into this file.")
+@AS_JSON
+def compare(
+    session: Path,
+    gaits: tuple[tuple[float, float, float], ...],
+    amplitude_sigma: float,
+    samples: int,
+    figure: Path | None,
+    as_json: bool,
+) -> None:
+    """Compare a session's gait runs with the speeds that its friction predicts.
+
+    Exact and implicit model, with the 95 % band of sampled frictions; then a verdict in words.
+    """
+    from ...calibration import comparison
+    from ...calibration.session_file import load_session
+    from ...model.gait import Gait
+    from ...show import report
+    from ...show.friction_report import show_comparison
+
+    more = [Gait(math.radians(a), math.radians(b), 2 * math.pi * hz) for a, b, hz in gaits]
+    try:
+        loaded = load_session(session)
+        fit = session_fit(session)
+        with report.progress(comparison.gait_count(loaded, more), "gaits") as advance:
+            found = comparison.compare(
+                loaded, fit, gaits=more, amplitude_sigma=amplitude_sigma, samples=samples,
+                progress=advance,
+            )  # fmt: skip
+    except BadInput as error:  # the files' fault, not the arguments'
+        raise SerpenoidError(str(error)) from error
+    if figure is not None:
+        from ...show.comparison_figure import comparison_figure
+
+        comparison_figure(found, figure)
+    show_json(found.to_dict()) if as_json else show_comparison(found)

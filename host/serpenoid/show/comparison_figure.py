@@ -1,0 +1,86 @@
+"""Measured speeds over predicted ones, and what is left between them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..calibration.comparison import ComparedGait, Comparison
+from .plot import BLUE, GREY, ORANGE, RED, figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+HUGS = (
+    "The curve hugs the band's upper edge at low frequency: there wheels that stick do not\n"
+    "slip, and more friction across them adds no speed, while less of it soon costs much."
+)
+
+
+def comparison_figure(found: Comparison, path: Path) -> None:
+    """Draw a comparison into a file."""
+    with figure(7.2, 6.0) as (fig, _unused):
+        draw_comparison(fig, found)
+        fig.savefig(path)
+
+
+def draw_comparison(fig: Figure, found: Comparison) -> None:
+    """Draw speed over frequency and residuals below it."""
+    fig.clear()
+    top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+    _predicted(top, found)
+    _measured(top, found.gaits)
+    _residuals(bottom, found.gaits)
+    first = found.curve[0]
+    top.set_title(
+        f"{found.session}: α = {np.degrees(first.alpha_rad):.3g}°, "
+        f"β = {np.degrees(first.beta_rad):.3g}°"
+    )
+    top.set(ylabel="speed (m/s)")
+    top.set_ylim(bottom=0)
+    top.legend(loc="upper left")
+    bottom.set_xlim(left=0)
+    fig.align_ylabels()
+    fig.supxlabel(HUGS, fontsize=8, color=GREY)
+
+
+def _columns(points: tuple[ComparedGait, ...], *names: str) -> list[np.ndarray]:
+    return [np.array([getattr(p, name) for p in points], dtype=float) for name in names]
+
+
+def _predicted(ax: Axes, found: Comparison) -> None:
+    f, exact, low, high, implicit = _columns(
+        found.curve, "frequency_hz", "exact_m_s", "low_m_s", "high_m_s", "implicit_m_s"
+    )
+    ax.fill_between(f, low, high, color=BLUE, alpha=0.18, lw=0,
+                    label="95 % of the frictions that the fit allows")  # fmt: skip
+    ax.plot(f, exact, color=BLUE, label="exact model")
+    ax.plot(f, implicit, ".", color=ORANGE, ms=6, label="implicit model, k = 1000 N/m")
+    f, low, high = _columns(found.gaits, "frequency_hz", "low_all_m_s", "high_all_m_s")
+    ax.vlines(f, low, high, color=GREY, lw=6, alpha=0.35,
+              label=f"with the joints' amplitude, {found.amplitude_sigma:.0%}")  # fmt: skip
+
+
+def _measured(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
+    ran = tuple(p for p in gaits if p.measured_m_s is not None)
+    if not ran:
+        return
+    f, measured, sigma = _columns(ran, "frequency_hz", "measured_m_s", "sigma_m_s")
+    ax.errorbar(f, measured, 1.96 * sigma, fmt="o", color=RED, capsize=3, ms=5,
+                label="measured, 95 %")  # fmt: skip
+
+
+def _residuals(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
+    ax.axhline(0, color=BLUE)
+    ax.set(xlabel="gait frequency (Hz)", ylabel="measured less\nexact (%)")
+    ran = tuple(p for p in gaits if p.measured_m_s is not None)
+    if not ran:
+        return
+    names = ("frequency_hz", "residual_m_s", "sigma_m_s", "exact_m_s", "low_all_m_s")
+    f, residual, sigma, exact, low = _columns(ran, *names)
+    (high,) = _columns(ran, "high_all_m_s")
+    ax.vlines(f, 100 * (low / exact - 1), 100 * (high / exact - 1), color=GREY, lw=6, alpha=0.35)
+    ax.errorbar(f, 100 * residual / exact, 196 * sigma / exact, fmt="o", color=RED, capsize=3, ms=5)

@@ -1,0 +1,33 @@
+"""Tables of what follows from a fit: the comparison, and the next reading."""
+
+from __future__ import annotations
+
+import math
+
+from ..calibration.comparison import ComparedGait, Comparison
+from .report import console, table
+
+
+def show_comparison(found: Comparison) -> None:
+    """Print predicted and measured speeds, and the verdict."""
+    columns = ["gait", "exact (m/s)", "95 % friction", "95 % with joints", "implicit", "measured",
+               "off by"]  # fmt: skip
+    table(f"{found.session}: predicted and measured speed", columns, list(map(_row, found.gaits)))
+    console.print(found.verdict_text, highlight=False)
+
+
+def _row(p: ComparedGait) -> list[str]:
+    alpha, beta = math.degrees(p.alpha_rad), math.degrees(p.beta_rad)
+    measured = off = ""
+    if p.measured_m_s is not None and p.sigma_m_s is not None:
+        measured = f"{p.measured_m_s:.4f} ± {p.sigma_m_s:.4f}"
+        off = f"{100 * (p.measured_m_s / p.exact_m_s - 1):+.1f} %" if p.exact_m_s else ""
+    return [
+        f"{alpha:.3g}°/{beta:.3g}°, {p.frequency_hz:.3g} Hz",
+        f"{p.exact_m_s:.4f}",
+        f"{p.low_m_s:.4f} to {p.high_m_s:.4f}",
+        f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}",
+        f"{p.implicit_m_s:.4f}",
+        measured,
+        off,
+    ]

@@ -1,0 +1,109 @@
+"""Comparison of measured with predicted speeds: bands that skew, and verdicts that can be told."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
+from serpenoid.calibration import comparison
+from serpenoid.calibration.session import GaitRun
+from serpenoid.calibration.speed_samples import sample_speeds
+
+GROUND = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+RATES = [2 * math.pi * hz for hz in (0.4, 1.0)]
+
+
+def gait(rate, amplitude=1.0):
+    return sn.Gait(math.radians(70) * amplitude, math.radians(75), rate)
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    made = session(setup(30.0), WHOLE_BODY_2005, np.random.default_rng(31))
+    return made, sn.fit_friction(made)
+
+
+@pytest.fixture(autouse=True)
+def short_curve(monkeypatch):
+    monkeypatch.setattr(comparison, "_CURVE_POINTS", 2)
+    monkeypatch.setattr(comparison, "_CURVE_SAMPLES", 4)
+
+
+def measured(made, amplitude=1.0, factor=1.0):
+    """Return the session with one run of each gait, as joints of this amplitude would run it."""
+    runs = []
+    for k, rate in enumerate(RATES):
+        v = sn.steady_gait(made.setup.robot, GROUND, gait(rate, amplitude), rtol=1e-3).speed_m_s
+        g = gait(rate)
+        runs.append(GaitRun(100 + k, g.alpha_rad, g.beta_rad, rate, factor * v, 0.01 * v))
+    return replace(made, gait_runs=tuple(runs))
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "factor", "verdict"),
+    [(1.0, 1.0, "agrees"), (0.85, 1.0, "amplitude"), (1.0, 1.6, "neither")],
+)
+def test_the_verdict_names_the_cause(fitted, amplitude, factor, verdict):
+    made, fit = fitted
+    found = comparison.compare(measured(made, amplitude, factor), fit, samples=24)
+    assert found.verdict == verdict
+    assert {"agrees": "Agrees", "amplitude": "it is amplitude", "neither": "Neither"}[
+        verdict
+    ] in found.verdict_text
+    assert [p.runs for p in found.gaits] == [(100,), (101,)]
+    json.dumps(found.to_dict(), allow_nan=False)
+
+
+def test_another_surface_is_told_as_friction(fitted):
+    made, fit = fitted
+    # the robot crawled where friction along its links is 15 % more, five of the fit's sigmas
+    slow = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14 * 1.15, fn0=0.27)
+    runs = tuple(
+        replace(r, speed_m_s=sn.steady_gait(made.setup.robot, slow, r.gait, rtol=1e-3).speed_m_s)
+        for r in measured(made).gait_runs
+    )
+    tight = tuple(replace(r, speed_sigma_m_s=0.004 * r.speed_m_s) for r in runs)
+    found = comparison.compare(
+        replace(made, gait_runs=tight), fit, samples=24, amplitude_sigma=0.002
+    )
+    assert found.verdict == "friction"
+
+
+def test_repeated_runs_are_one_mean(fitted):
+    made, fit = fitted
+    runs = measured(made).gait_runs
+    twice = (*runs, replace(runs[0], number=200, speed_m_s=runs[0].speed_m_s * 1.02),
+             replace(runs[1], number=201, speed_m_s=9.0, voided=True))  # fmt: skip
+    found = comparison.compare(replace(made, gait_runs=twice), fit, samples=16)
+    assert found.gaits[0].runs == (100, 200)
+    assert found.gaits[0].measured_m_s == pytest.approx(1.01 * runs[0].speed_m_s)
+    assert found.gaits[0].sigma_m_s == pytest.approx(runs[0].speed_sigma_m_s / math.sqrt(2))
+    assert found.gaits[1].runs == (101,)
+
+
+def test_without_runs_it_predicts_and_says_so(fitted):
+    made, fit = fitted
+    found = comparison.compare(made, fit, gaits=[gait(3.0)], samples=16)
+    assert found.verdict == "not measured"
+    assert found.p_value is None
+    with pytest.raises(sn.BadInput, match="no gait run and no gait planned"):
+        comparison.compare(made, fit)
+
+
+def test_the_band_is_skewed_where_wheels_stick():
+    fit = sn.fit_friction(session(setup(7.5), WHOLE_BODY_2005))
+    drawn = sample_speeds(fit, [gait(2 * math.pi * 0.25)], count=64)
+    low, middle, high = np.quantile(drawn.friction_m_s[:, 0], [0.025, 0.5, 0.975])
+    # 0.015 to 0.052 m/s for one interval of fn0: the curve hugs the upper edge
+    assert high - middle < 0.15 * (middle - low)
+    assert drawn.both_m_s is drawn.friction_m_s or np.array_equal(
+        drawn.both_m_s, drawn.friction_m_s
+    )
+
+
+def test_a_lost_amplitude_widens_the_band(fitted):
+    drawn = sample_speeds(fitted[1], [gait(RATES[1])], amplitude_sigma=0.1, count=16)
+    assert drawn.both_m_s.std() > drawn.friction_m_s.std()
