@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import signal
 import subprocess
 import sys
 
 import pytest
-from robot.fake_board import FakeBoard
+from robot.fake_board import FakeBoard, sealed
 from robot.terminal import Person
 from serpenoid._core import firmware
+from serpenoid.model.errors import RobotLost, StopUnconfirmed
 from serpenoid.robot import Robot
 from serpenoid.robot.tools import keys
 from serpenoid.robot.tools.monitor import Monitor
@@ -145,7 +147,9 @@ def test_trim_gives_the_terminal_back_however_it_is_left(how):
 
 def monitored() -> tuple[Monitor, VirtualLink, list[str]]:
     link, shown = VirtualLink(fast=True), []
-    return Monitor(link, shown.append, 50), link, shown
+    talk = Monitor(link, shown.append, 50)
+    talk.open()
+    return talk, link, shown
 
 
 def scripted(text: str):
@@ -159,12 +163,15 @@ def scripted(text: str):
     return key
 
 
+def verdicts(shown: list[str]) -> list[str]:
+    return [line for line in shown if line.startswith(("ok", "err"))]
+
+
 def test_commands_are_sent_in_order_and_answered():
     talk, _, shown = monitored()
     talk.go(scripted("stax\x7ftus\ndance\n\n"), lambda _: None)
-    verdicts = [line for line in shown if line.startswith(("ok", "err"))]
-    assert verdicts[:2] == ["ok: #0", "ok: #1"]
-    assert verdicts[2].startswith("err: #2 command")
+    assert verdicts(shown)[:2] == ["ok: #0", "ok: #1"]
+    assert verdicts(shown)[2].startswith("err: #2 command")
     assert any(line.startswith("counters: good=2") for line in shown)
 
 
@@ -174,7 +181,7 @@ def test_pings_keep_a_gait_going_and_stay_out_of_sight():
     while link.now_s() < 10:
         talk.step()
     assert link.board.state == "gait"
-    assert [line for line in shown if line.startswith("ok")] == ["ok: #0", "ok: #1"]
+    assert verdicts(shown) == ["ok: #0", "ok: #1"]
     assert len([line for line in shown if line.startswith("t:")]) == pytest.approx(10, abs=1)
     assert link.board.counters["good"] > 20
     talk.leave()
@@ -187,47 +194,52 @@ def test_one_key_stops_before_all_that_waits():
     talk.go(scripted("gait 30 80 5\n"), lambda _: None)
     for key in [*"pose bent 2", "enter", "!"]:
         talk.press(key)
-    talk.step()
-    talk.step()
+    for _ in range(3):
+        talk.step()
     assert link.board.state == "hold"
     assert any(line.endswith("before it: pose bent 2") for line in shown)
-
-
-def test_a_stop_before_the_greeting_leaves_the_session_to_be_opened():
-    talk, link, _ = monitored()
-    talk.press("!")
-    talk.go(scripted(""), lambda _: None)
-    assert link.board.session
+    talk.go(scripted("pose bent 2\n"), lambda _: None)
+    assert link.board.state == "pose"
 
 
 def test_a_reset_is_told_and_a_session_opened_again():
     talk, link, shown = monitored()
     talk.go(scripted("gait 30 80 5\n"), lambda _: None)
     link.board.boot("brownout")
-    while link.now_s() < 3:
+    while link.now_s() < 5:
         talk.step()
     assert link.board.session
     assert len([line for line in shown if "started again" in line]) == 1
     assert any("reset=brownout" in line for line in shown)
+    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    assert link.board.state == "gait"
 
 
-def test_leaving_waits_for_the_stop_to_be_confirmed():
+def test_a_stop_key_that_is_lost_is_made_good_by_a_stop_that_is_confirmed():
     talk, link, shown = monitored()
     talk.go(scripted("gait 30 80 5\n"), lambda _: None)
     write = link.write
     link.write = lambda data: write(data.replace(b"!", b"?"))  # the key is lost on the way
     talk.leave()
     assert link.board.state == "hold"
-    assert [line for line in shown if line.startswith("ok")] == [f"ok: #{n}" for n in range(4)]
+    assert verdicts(shown)[-2:] == ["ok: #2", "ok: #3"]
 
 
-def test_damage_is_shown_and_a_verdict_that_never_comes_is_told():
+def test_a_stop_that_is_not_confirmed_is_told():
+    talk, link, _ = monitored()
+    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    read = link.read
+    link.read = lambda timeout_s: (read(timeout_s), b"")[1]
+    with pytest.raises(StopUnconfirmed):
+        talk.leave()
+
+
+def test_damage_is_shown_and_a_verdict_that_never_comes_ends_it():
     talk, link, shown = monitored()
-    talk.step()
     read, link.read = link.read, lambda timeout_s: read(timeout_s).replace(b"ok: #", b"ok: $")
-    talk.go(scripted("ping\n"), lambda _: None)
+    with pytest.raises(RobotLost, match="no verdict for 'status'"):
+        talk.go(scripted("status\n"), lambda _: None)
     assert any(line.startswith("damaged: b'ok: $") for line in shown)
-    assert "no verdict on #0 within 1 s" in shown
 
 
 def test_what_the_board_could_not_read_is_not_sent():
@@ -236,6 +248,49 @@ def test_what_the_board_could_not_read_is_not_sent():
     assert any("at most 80" in line for line in shown)
     assert "not sent, for want of a line end: ping" in shown
     assert not any(line.startswith("ok: #1") for line in shown)
+
+
+def test_a_line_without_end_is_not_kept():
+    talk, _, _ = monitored()
+    for _ in range(1000):
+        talk.press("x")
+    assert len(talk.typed) == 200
+
+
+def test_another_protocol_ends_the_monitor(serpenoid):
+    def newer(line: bytes) -> bytes:
+        body = re.sub(rb"protocol=\d+", b"protocol=9", line.rpartition(b" *")[0])
+        return sealed(body.decode()) if line.startswith(b"hello:") else line
+
+    with FakeBoard(newer) as fake:
+        status, _, errors = serpenoid("monitor", "--port", fake.port)
+    assert (status, "speaks protocol 9" in errors) == (1, True)
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "<&- >&-"])
+def test_monitor_without_a_screen_or_keys(closed):
+    run = subprocess.run(
+        ["sh", "-c", f"{sys.executable} -m serpenoid monitor --port virtual {closed}"],
+        input="status\n", capture_output=True, text=True, timeout=30, check=False,
+    )  # fmt: skip
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+def test_monitor_whose_reader_goes_away_stops_the_robot():
+    with FakeBoard() as fake:
+        child = subprocess.Popen(
+            [sys.executable, "-m", "serpenoid", "monitor", "--all", "--port", fake.port],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        assert child.stdin is not None
+        assert child.stdout is not None
+        child.stdin.write("gait 30 80 5\n")
+        child.stdin.flush()
+        assert fake.await_state("gait", 20.0)
+        child.stdout.close()
+        assert fake.await_state("hold", 20.0)
+        assert child.wait(20) == 1
+        child.stdin.close()
 
 
 def test_monitor_from_a_pipe(any_port):

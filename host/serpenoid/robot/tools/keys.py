@@ -26,7 +26,7 @@ Keyboard = Callable[[float], str]
 
 def need_terminal() -> None:
     """Raise BadInput unless standard input is a terminal."""
-    if not sys.stdin.isatty():
+    if sys.stdin is None or not sys.stdin.isatty():  # it may be closed
         raise BadInput("standard input is no terminal; this command is for a person's keys")
 
 
@@ -37,6 +37,9 @@ def keyboard() -> Iterator[Keyboard]:
     A key is one character or a name of NAMES; "end" is the end of the input. Where standard input
     is no terminal, its characters count as keys. Ctrl-C stays a signal; Ctrl-Z is off.
     """
+    if sys.stdin is None:
+        yield lambda _: "end"
+        return
     if not sys.stdin.isatty():
         yield _Reader(sys.stdin.fileno())
         return

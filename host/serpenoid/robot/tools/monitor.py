@@ -2,158 +2,182 @@
 
 from __future__ import annotations
 
+import math
+import queue
 import sys
-from collections import deque
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 
-from ...model.errors import BadInput, DamagedLine, RobotError
+from ...model.errors import (
+    BadInput,
+    DamagedLine,
+    RobotError,
+    RobotHeld,
+    RobotReset,
+    RobotUnattended,
+    StateUnasked,
+)
 from ..signals import SignalGuard
-from ..wire.dialogue import PING_S, STOP
+from ..wire.dialogue import Dialogue
+from ..wire.greeting import greet
 from ..wire.link import Link, open_link
-from ..wire.protocol import Hello, Telemetry, Verdict, parse, seal, unseal
+from ..wire.protocol import Telemetry, Verdict, parse, unseal
 from .keys import Keyboard, keyboard
 
 HEAR_S = 0.02
-BOOT_S = 3.0  # in which a board that opening has reset may still be deaf
-VERDICT_S = 1.0
-LAST_WORDS_S = 0.3
-GREETING = "hello"
+GREETING_S = 5.0
+MOST_TYPED = 200  # characters; the board reads fewer
 HELP = "type `help` and Enter; ! stops the robot at once; Ctrl-C or Ctrl-D stops it and leaves"
 
 
 class Monitor:
     """One person and one board: lines typed become numbered commands, lines heard become text.
 
-    A session is opened, so that every line is checked both ways, and a ping goes out whenever
-    nothing else does, so that a gait runs while the person reads. One command at a time: what is
-    typed meanwhile waits for the verdict, or for a second. show takes a line; every: show so
-    many telemetry lines as one.
+    The conversation is a Dialogue: lines are checked both ways, sent again for want of a verdict,
+    and pings keep a gait going while the person reads. Commands wait for one another in a thread
+    of their own, so that a key is heard at any time. show takes a line; every: show so many
+    telemetry lines as one.
     """
 
     def __init__(self, link: Link, show: Callable[[str], None], every: int):
         self._link, self._show, self._every = link, show, every
-        self._number = -1
-        self._pings: set[int] = set()
-        self._queue: deque[str] = deque([GREETING])
-        self._awaited: int | None = None
-        self._sent_s = link.now_s()
-        self._deaf_until_s = self._sent_s + BOOT_S
-        self._rest = b""
+        self._talk = self._new_dialogue()
+        self._queue: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # None: no more
+        self._sender: threading.Thread | None = None
+        self._busy = threading.Event()  # a command waits for its verdict
+        self._failure: BaseException | None = None
         self._frames = 0
-        self._boot: int | None = None
         self.typed = ""
 
+    def open(self, timeout_s: float = GREETING_S) -> None:
+        """Wait for the board's greeting and open a session; raise NoAnswer, ProtocolMismatch."""
+        self._talk.start()
+        greet(self._talk, timeout_s)
+        if not self._link.lockstep:
+            self._sender = threading.Thread(target=self._send_on, daemon=True)
+            self._sender.start()
+
     def go(self, keys: Keyboard, redraw: Callable[[str], None]) -> None:
-        """Talk until the input ends; redraw shows what is being typed. Raises RobotLost."""
-        while self.press(keys(0.0)):
+        """Talk until the input ends; redraw shows what is being typed. Raises what ended it."""
+        while self.press(keys(0.0 if self._link.lockstep else HEAR_S)):
             redraw(self.typed)
             self.step()
         if self.typed:
             self._show(f"not sent, for want of a line end: {self.typed}")
-        while self._queue or self._awaited not in {None, *self._pings}:
+        while not self._queue.empty() or self._busy.is_set():
             self.step()
 
     def press(self, key: str) -> bool:
         """Take one key; return False at the end of the input."""
         if key == "!":
-            waiting = [text for text in self._queue if text != GREETING]
             self.halt()
-            for text in waiting:
-                self._show(f"not sent, for the stop came before it: {text}")
         elif key == "enter":
             if self.typed.strip():
-                self._queue.append(self.typed.strip())
+                self._talk.release()
+                self._busy.set()
+                self._queue.put(self.typed.strip())
             self.typed = ""
         elif key == "backspace":
             self.typed = self.typed[:-1]
-        elif len(key) == 1 and key.isprintable():
+        elif len(key) == 1 and key.isprintable() and len(self.typed) < MOST_TYPED:
             self.typed += key
         return key != "end"
 
     def step(self) -> None:
-        """Send what may be sent, then listen for a moment."""
-        now_s = self._link.now_s()
-        if now_s < self._deaf_until_s:
-            return self._hear(HEAR_S)
-        if self._awaited is not None and now_s - self._sent_s > VERDICT_S:
-            self._show(f"no verdict on #{self._awaited} within {VERDICT_S:g} s")
-            self._awaited = None
-        if self._awaited is None and self._queue:
-            self._send(self._queue.popleft())
-        elif self._awaited is None and now_s - self._sent_s > PING_S:
-            self._send("ping")
-            self._pings.add(self._number)
-        return self._hear(HEAR_S)
+        """Let a moment pass; raise what ended the conversation, but a reset: then begin anew."""
+        try:
+            if self._link.lockstep and not self._queue.empty() and (text := self._queue.get()):
+                self._send(text)
+            if self._failure:
+                raise self._failure
+            self._talk.pass_time(HEAR_S)
+        except RobotReset as error:
+            self._show(str(error))
+            self._talk.fall_silent()
+            self._talk, self._failure = self._new_dialogue(), None
+            self._talk.start()
+            greet(self._talk, GREETING_S)
 
     def halt(self) -> None:
-        """Stop the robot at once and forget what was still to be sent, but for the greeting."""
-        self._link.write(STOP)
-        self._queue = deque(text for text in self._queue if text == GREETING)
+        """Stop the robot at once and forget what was still to be sent."""
+        self._talk.halt(stay=True)
+        with suppress(queue.Empty):
+            while True:
+                text = self._queue.get_nowait()
+                self._show(f"not sent, for the stop came before it: {text}")
+        if self._link.lockstep:
+            self._busy.clear()
 
     def leave(self) -> None:
-        """Stop the robot, close the session, and hear the board out."""
-        self.halt()
-        for last in ("stop", "bye"):
-            self._send(last)
-            end_s = self._link.now_s() + LAST_WORDS_S
-            while self._link.now_s() < end_s and self._awaited is not None:
-                self._hear(HEAR_S)
+        """Stop the robot, close the session and the port; raise if the stop is not sure."""
+        farewell = self._talk.leave()
+        self._link.close()
+        self._queue.put(None)
+        if self._sender:
+            self._sender.join(GREETING_S)
+        told = None if farewell.unseen is self._failure else farewell.unseen
+        if problem := told or farewell.unstopped:
+            raise problem
+
+    def _new_dialogue(self) -> Dialogue:
+        return Dialogue(self._link, None, math.inf, self._heard)
+
+    def _send_on(self) -> None:
+        while text := self._queue.get():
+            self._busy.set()
+            try:
+                self._send(text)
+            except RobotError as error:
+                self._failure = error
+            if self._queue.empty():
+                self._busy.clear()
 
     def _send(self, text: str) -> None:
-        number = (self._number + 1) & 0xFFFF
-        try:
-            line = seal(text, number)
-        except BadInput as error:
-            self._show(str(error))
+        """Send one command; show, rather than raise, what does not end the conversation."""
+        while True:
+            try:
+                self._talk.command(text)
+            except (BadInput, RobotHeld) as error:
+                self._show(str(error))
+            except (RobotUnattended, StateUnasked) as error:
+                self._show(str(error))
+                continue
+            if self._link.lockstep:
+                self._busy.clear()
             return
-        self._number = self._awaited = number
-        self._sent_s = self._link.now_s()
-        self._link.write(line)
 
-    def _hear(self, timeout_s: float) -> None:
-        *lines, self._rest = (self._rest + self._link.read(timeout_s)).split(b"\n")
-        for line in lines:
-            if line.strip():
-                self._take(line)
-
-    def _take(self, line: bytes) -> None:
+    def _heard(self, line: bytes) -> None:
+        """Show a line from the board, but frames that are thinned out and verdicts on pings."""
         try:
             message, text = parse(line), unseal(line)
         except DamagedLine as error:
-            self._show(f"damaged: {error}")
+            self._say(f"damaged: {error}")
             return
-        self._deaf_until_s = 0.0
-        if isinstance(message, Hello):
-            self._greeted(message)
         if isinstance(message, Telemetry):
             self._frames += 1
             if self._frames % self._every:
                 return
-        if isinstance(message, Verdict):
-            if message.number == self._awaited or message.mark == "?":
-                self._awaited = None
-            if message.number in self._pings:
-                self._pings.discard(message.number)
-                return
-        self._show(text)
+        asked = self._talk.inbox.pending
+        answered = asked and isinstance(message, Verdict) and message.number == asked.number
+        if not (answered and asked and asked.text == "ping"):
+            self._say(text)
 
-    def _greeted(self, hello: Hello) -> None:
-        """Open a new session if the greeting is that of a new start."""
-        if self._boot not in (None, hello.boot):
-            self._queue.appendleft(GREETING)
-            self._show("the board started again: it forgot its motion and stands idle")
-        self._boot = hello.boot
+    def _say(self, text: str) -> None:
+        """Show a line in the reader's thread, which must outlive a screen that is gone."""
+        try:
+            self._show(text)
+        except OSError as error:
+            self._failure = self._failure or error
 
 
 def converse(port: str | None, every: int) -> None:
     """Open a port and let a person talk until the input ends or Ctrl-C; the robot is stopped.
 
-    Raises PortMissing, PortBusy, RobotLost.
+    Raises PortMissing, PortBusy, NoAnswer, ProtocolMismatch, RobotLost, StopUnconfirmed.
     """
     screen = _Screen()
-    link = open_link(port)
-    talk = Monitor(link, screen.show, every)
+    talk = Monitor(open_link(port), screen.show, every)
 
     def stop() -> None:
         with suppress(RobotError):
@@ -162,14 +186,20 @@ def converse(port: str | None, every: int) -> None:
     guard = SignalGuard(stop)
     guard.install()
     try:
-        screen.greet()
-        with suppress(KeyboardInterrupt), keyboard() as keys:
-            talk.go(keys, screen.tell)
-    finally:
+        with suppress(KeyboardInterrupt):
+            screen.greet()
+            talk.open()
+            with keyboard() as keys:
+                talk.go(keys, screen.tell)
+    except BaseException:
         guard.held = True
-        with suppress(RobotError):
+        with suppress(RobotError, OSError):  # the first is the one to tell
             talk.leave()
-        link.close()
+        raise
+    else:
+        guard.held = True
+        talk.leave()
+    finally:
         guard.restore()
 
 
@@ -179,8 +209,9 @@ class _Screen:
     CLEAR = "\r\x1b[K"
 
     def __init__(self) -> None:
-        self._live = sys.stdout.isatty()
+        self._live = sys.stdout is not None and sys.stdout.isatty()  # it may be closed
         self._below = ""
+        self._lock = threading.RLock()
 
     def greet(self) -> None:
         """Say, on a terminal only, what the keys do."""
@@ -189,12 +220,14 @@ class _Screen:
 
     def show(self, line: str) -> None:
         """Print a line for good."""
-        below = self._below if self._live else ""
         clear = self.CLEAR if self._live else ""
-        print(f"{clear}{line}\n{below}", end="", flush=True)
+        with self._lock:
+            below = self._below if self._live else ""
+            print(f"{clear}{line}\n{below}", end="", flush=True)
 
     def tell(self, typed: str) -> None:
         """Show, on a terminal only, what is being typed."""
         if self._live and typed != self._below:
-            self._below = typed
-            print(self.CLEAR + typed, end="", flush=True)
+            with self._lock:
+                self._below = typed
+                print(self.CLEAR + typed, end="", flush=True)

@@ -62,10 +62,17 @@ class Farewell:
 class Dialogue:
     """Talk to one board over one link. Every call may raise the error that ended the run."""
 
-    def __init__(self, link: Link, recorder: Recorder | None, unattended_s: float):
+    def __init__(
+        self,
+        link: Link,
+        recorder: Recorder | None,
+        unattended_s: float,
+        listen: Callable[[bytes], None] = lambda _: None,
+    ):
         self.link = link
         self.inbox = Inbox()
         self._recorder = recorder
+        self._listen = listen  # is told each line, in the reader's thread
         self._unattended_s = unattended_s
         self._attended_s = self._spoken_s = link.now_s()
         self._ping_s = PING_S
@@ -104,21 +111,21 @@ class Dialogue:
         self._attend()
         return self._command(text, PATIENCE_S)
 
-    def halt(self) -> None:
-        """Stop the robot at once, whatever else is under way; the verdict is not waited for."""
-        with self._changed:
-            self.inbox.expected.halting()
-        self._write(STOP)
-
-    def stop(self, *, stay: bool = False) -> Answer:
-        """Stop the robot at once and return once the board has confirmed it; from any thread.
+    def halt(self, *, stay: bool = False) -> None:
+        """Stop the robot at once, whatever else is under way; the verdict is not waited for.
 
         stay: until release(), whoever asks for a motion gets RobotHeld; one under way is given up.
         """
         with self._sending:
             self._held = self._held or stay
-            if not self._closing.is_set():  # what is closed is not lost
-                self.halt()
+            with self._changed:
+                self.inbox.expected.halting()
+            self._write(STOP)
+
+    def stop(self, *, stay: bool = False) -> Answer:
+        """Halt, from any thread, and return once the board has confirmed it."""
+        if not self._closing.is_set():  # what is closed is not lost
+            self.halt(stay=stay)
         return self._command("stop", PATIENCE_S)
 
     def release(self) -> None:
@@ -185,10 +192,20 @@ class Dialogue:
         with suppress(RobotError):
             if self.inbox.in_session:
                 self._command("bye", PATIENCE_S / 4)
+        self.fall_silent()
+        return Farewell(unstopped, unseen)
+
+    def fall_silent(self) -> None:
+        """End reading and pinging without a word: the wire may be used anew."""
         self._closing.set()
         for thread in self._threads:
             thread.join(PATIENCE_S)
-        return Farewell(unstopped, unseen)
+
+    def pass_time(self, most_s: float) -> None:
+        """Let time pass, keeping the board awake; raise what ended the run."""
+        if self.link.lockstep:
+            self._ping_if_quiet()
+        self.wait(lambda: False, self.link.now_s() + most_s)
 
     def _stop_surely(self) -> StopUnconfirmed | None:
         """Stop the robot; return why it may be moving still, None if this is sure."""
@@ -347,6 +364,7 @@ class Dialogue:
             return
         try:
             self._record(host_s, "<", line)
+            self._listen(line)
             with self._changed:
                 self.inbox.take(line, host_s)
                 self._changed.notify_all()
