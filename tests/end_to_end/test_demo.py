@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 
 import pytest
+from serpenoid import load_session
 
 
 def test_demo(tmp_path) -> None:
@@ -23,7 +25,7 @@ def test_demo(tmp_path) -> None:
     values = {n: p["value"] for n, p in found["fit"]["parameters"].items()}
     assert values == pytest.approx({"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}, rel=1e-5)
     points = found["speed_against_frequency"]
-    assert len(points) == 20
+    assert len(points) == 10
     for point in points:
         assert point["explicit_error_m_s"] < 1e-6
         # a spring of k = 1000 N/m under this light robot: a few per cent
@@ -35,6 +37,16 @@ def test_demo(tmp_path) -> None:
     relative = [p["sigma_m_s"] / p["explicit_m_s"] for p in points]
     assert 0.005 < min(relative) < max(relative) < 0.3
     assert all(p["low_m_s"] < p["explicit_m_s"] < p["high_m_s"] for p in points)
+    loop = json.loads((out / "loop.json").read_text())
+    for name, truth in loop["truth"].items():
+        low, high = next(p["interval"] for n, p in loop["fit"]["parameters"].items()
+                         if n.startswith(name))  # fmt: skip
+        # An interval of 95 % of one seeded session: so wide at least, by a half.
+        assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low)
+    for point in loop["comparison"]:
+        off = point["measured_m_s"] - point["explicit_m_s"]
+        assert abs(off) < 4 * math.hypot(point["measured_sigma_m_s"], point["sigma_m_s"])
+    assert len(load_session(out / "session").kept) > 12
     assert found["path_gait"]["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
 
 

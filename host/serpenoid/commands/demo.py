@@ -1,4 +1,4 @@
-"""The whole road once, without a robot: readings, friction, predicted speed, pictures, summary."""
+"""The whole loop without a robot, then the 2005 session: friction, speeds, pictures, summary."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..show import plot, report
+from .demo_loop import run_loop, say
 from .options import finite
 
 ALPHA_DEG, BETA_DEG = 70.0, 75.0  # the gait of the paper's experiment
 GAITS = [
-    Gait(math.radians(ALPHA_DEG), math.radians(BETA_DEG), 2 * math.pi * k / 10)
-    for k in range(1, 21)
+    Gait(math.radians(ALPHA_DEG), math.radians(BETA_DEG), 2 * math.pi * k / 5) for k in range(1, 11)
 ]
 PATH_ROBOT, PATH_GROUND = Robot(6, 1.0, 0.12), Ground(0.1, 10.0)
 PATH_GAIT = Gait(math.radians(30), math.radians(80), 5.0)
@@ -34,6 +34,8 @@ def session_folder() -> Path:
 def run_demo(out: Path) -> None:
     """Fit, predict, draw and sum up; everything it finds is written to the folder `out`."""
     out.mkdir(parents=True, exist_ok=True)
+    run_loop(out)
+    say("[5/5] the session of 2005, as far as the paper gives it")
     session = load_session(session_folder())
     fit = fit_friction(session)
     robot = session.setup.robot

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ..session import Reading, Session
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
+FIRST = 0.6  # of the top speed, above which the very first station is asked about
 DOUBT = 0.12  # of the speed: stations are expected from few readings, and wheels are not ideal
 
 
@@ -88,4 +89,5 @@ def expected_speed(
     if straight is not None:  # a bent snake needs less speed than a straight one
         speed, sigma = straight.at(math.sin(incline_rad))
         return 0.0, max(speed + SIGMAS * sigma, 0.05)
-    return None
+    # The first of all: the plan's first incline is to be a slow one.
+    return None if session.readings else (0.0, FIRST * most)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -56,20 +56,27 @@ class SimulatedTreadmill:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
     gait_speed: the true speed of a gait on ground per link, m/s; the exact model's unless given.
+    drive: runs a gait on a board and returns the one that the board made of it, in true seconds.
     """
 
     def __init__(
-        self, setup: Setup, truth: Truth, seed: int = 0, gait_speed: GaitSpeed | None = None
+        self,
+        setup: Setup,
+        truth: Truth,
+        seed: int = 0,
+        gait_speed: GaitSpeed | None = None,
+        drive: Callable[[Gait], Gait] | None = None,
     ):
         self.truth = truth
         self._setup = setup
         self._rng = np.random.default_rng(seed)
         self._gait_speed = gait_speed or exact_speed
+        self._drive = drive
         self._lambda_rad = 0.0
         # The deck does not lie level when the treadmill says 0.
         self._deck_rad = math.radians(float(self._rng.uniform(-0.15, 0.15)))
         self._true: dict[str, float | str] = {}
-        self._speeds: dict[Gait, float] = {}
+        self._ran: dict[Gait, tuple[float, float]] = {}  # true rate and speed
         self.misread = 0
 
     def answer(self, step: Step, session: Session) -> Cells | None:
@@ -160,16 +167,21 @@ class SimulatedTreadmill:
     def _gait(self, step: Step) -> Cells:
         gait = step.gait
         assert gait is not None  # a gait's step has one
-        if gait not in self._speeds:
-            ran = Gait(gait.alpha_rad * self.truth.amplitude, gait.beta_rad, gait.omega_rad_s)
+        if gait not in self._ran:
+            made = gait if self._drive is None else self._drive(gait)
+            true = replace(made, alpha_rad=made.alpha_rad * self.truth.amplitude)
             robot, ground = self._setup.robot, self.truth.ground
             per_link = Ground.whole_body(robot.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
-            self._speeds[gait] = self._gait_speed(robot, per_link, ran)
-        speed, watch = self._speeds[gait], self._setup.stopwatch
+            self._ran[gait] = made.omega_rad_s, self._gait_speed(robot, per_link, true)
+        (omega, speed), watch = self._ran[gait], self._setup.stopwatch
         distance = min(RUN_M, speed * RUN_S)
         duration = (distance / speed if speed > 0.0 else RUN_S) + self._normal(watch.time_sigma_s)
         measured = max(distance + self._normal(watch.distance_sigma_m), 0.0)
-        return {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
+        return {
+            "distance_m": round(measured, 3),
+            "duration_s": round(max(duration, 0.1), 2),
+            "omega_rad_s": omega,
+        }
 
     def _typed(self, step: Step, read: Mapping[str, float | str]) -> Cells:
         """Return what is typed: now and then a figure is wrong."""

@@ -1,0 +1,147 @@
+"""The demo's first part: the whole loop without hardware, on a treadmill whose truth is known."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..calibration.friction_fit import fit_friction
+from ..calibration.friction_result import DOUBTFUL
+from ..calibration.prediction import predict
+from ..calibration.taking.board_run import board_gait
+from ..calibration.taking.journal import Journal
+from ..calibration.taking.new_session import create_session, default_setup
+from ..calibration.taking.simulated import SimulatedTreadmill, Truth
+from ..calibration.taking.treadmill import take_all
+from ..gaits.least_power import least_power_gait
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..robot.robot import Robot
+from ..show import report
+
+if TYPE_CHECKING:
+    from ..calibration.friction_result import FrictionFit
+    from ..calibration.session import Session
+
+NAME = "demo, simulated"
+TRUTH = Truth(Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27), math.radians(0.12), misreads=0.05)
+SEED = 2005
+WANTED_M_S = 0.1
+
+
+def run_loop(out: Path) -> dict[str, Any]:
+    """Take a session, fit, predict, compare, and drive the gait for a speed; return the figures.
+
+    The session is left in out/session, to be looked at by every other command.
+    """
+    say("[1/5] a session on the simulated treadmill, by the procedure that a person follows")
+    session = take_session(out / "session")
+    say(f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs, the "
+        f"inclinometer's zero found at {math.degrees(session.zero.value_rad):+.2f} deg (true: "
+        f"{math.degrees(TRUTH.incline_zero_rad):+.2f}); the robot is the virtual one")  # fmt: skip
+    say("[2/5] friction fitted, beside the truth that no fit knows")
+    session, fit = _without_outlier(session, fit_friction(session))
+    found = {"fit": fit.to_dict(), "truth": _truth_table(fit)}
+    say("[3/5] speeds predicted from it, and the gait runs over them")
+    found["comparison"] = _compare(session, fit)
+    say(f"[4/5] the cheapest gait for {WANTED_M_S:g} m/s on this ground, sent to the virtual robot")
+    found["wanted"] = _drive_wanted(session, fit)
+    (out / "loop.json").write_text(json.dumps(found, indent=2, allow_nan=False) + "\n")
+    return found
+
+
+def say(text: str) -> None:
+    """Print a line as it stands."""
+    report.console.print(text, highlight=False, markup=False)
+
+
+def take_session(folder: Path) -> Session:
+    """Take the demo's session anew; raises BadInput where another one is in its place."""
+    if (folder / "session.toml").exists():
+        if f'name = "{NAME}"' not in (folder / "session.toml").read_text(encoding="utf-8"):
+            raise BadInput(f"{folder} holds a session that is not the demo's; give another --out")
+        shutil.rmtree(folder)
+    setup = replace(
+        default_setup(NAME), kind="simulated", source="a simulated treadmill, seed 2005",
+        note="the demo's: no measurement", surface="simulated belt",
+    )  # fmt: skip
+    create_session(folder, setup)
+    with Robot("virtual:fast") as robot, Journal(folder) as journal:
+        setup = journal.session.setup
+        treadmill = SimulatedTreadmill(
+            setup, TRUTH, SEED, drive=lambda gait: board_gait(robot, gait)
+        )
+        journal.event("start", detail="demo")
+        with report.busy("stations, bends and gait runs"):
+            session = take_all(journal, treadmill)
+        journal.event("end")
+        return session
+
+
+def _without_outlier(session: Session, fit: FrictionFit) -> tuple[Session, FrictionFit]:
+    """Void the reading without which chi2 is least, where the readings cannot all be right."""
+    if fit.p_value is None or fit.p_value > DOUBTFUL or session.folder is None:
+        return session, fit
+    fits = {}
+    for reading in session.kept:
+        others = tuple(replace(r, voided=r.voided or r is reading) for r in session.readings)
+        fits[reading.number] = fit_friction(replace(session, readings=others))
+    worst = min(fits, key=lambda number: fits[number].chi2)
+    say(f"      chi2 is {fit.chi2:.0f} for {fit.dof} degrees of freedom; without reading {worst} "
+        f"{fits[worst].chi2:.0f}: somebody misread it, so it is voided")  # fmt: skip
+    with Journal(session.folder) as journal:
+        journal.event("void", worst, "misread: chi2 says so")
+        return journal.session, fits[worst]
+
+
+def _truth_table(fit: FrictionFit) -> dict[str, float]:
+    truth = {name: getattr(TRUTH.ground, name) for name in ("ct", "cn", "ft0", "fn0")}
+    rows = [
+        [row.name, row.unit, f"{row.value:.4g}", f"{row.low:.3g} to {row.high:.3g}",
+         f"{true:.3g}", "yes" if row.low <= true <= row.high else "no"]
+        for row, true in zip(fit.rows(), truth.values(), strict=True)
+    ]  # fmt: skip
+    columns = ["whole snake", "unit", "fitted", "95 % interval", "truth", "inside"]
+    report.table("friction", columns, rows)
+    return truth
+
+
+def _compare(session: Session, fit: FrictionFit) -> list[dict[str, float]]:
+    """Print and return measured and predicted speed of each gait that was run."""
+    rows, found = [], []
+    for gait in session.setup.procedure.gaits:
+        runs = [r for r in session.kept_gait_runs
+                if abs(r.omega_rad_s / gait.omega_rad_s - 1) < 0.05]  # fmt: skip
+        weights = [1 / r.speed_sigma_m_s**2 for r in runs]
+        mean = sum(w * r.speed_m_s for w, r in zip(weights, runs, strict=True)) / sum(weights)
+        sigma = 1 / math.sqrt(sum(weights))
+        point = predict(session.setup.robot, fit, runs[0].gait)
+        off = (mean - point.explicit_m_s) / math.hypot(sigma, point.sigma_m_s)
+        rows.append([
+            f"{point.frequency_hz:.3g}", f"{mean:.4f} ± {sigma:.4f}", f"{point.explicit_m_s:.4f}",
+            f"{point.low_m_s:.4f} to {point.high_m_s:.4f}", f"{point.implicit_m_s:.4f}",
+            f"{off:+.1f}",
+        ])  # fmt: skip
+        found.append(point.to_dict() | {"measured_m_s": mean, "measured_sigma_m_s": sigma})
+    columns = ["frequency (Hz)", "measured (m/s)", "predicted", "95 %", "implicit", "off, sigmas"]
+    report.table("speed at alpha 70 deg, beta 75 deg", columns, rows)
+    return found
+
+
+def _drive_wanted(session: Session, fit: FrictionFit) -> dict[str, float]:
+    with report.busy("searching"):
+        best = least_power_gait(session.setup.robot, fit.ground, speed_m_s=WANTED_M_S)
+    gait = best.gait
+    with Robot("virtual:fast") as robot:
+        made = board_gait(robot, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
+    alpha, beta = math.degrees(made.alpha_rad), math.degrees(made.beta_rad)
+    frequency_hz = made.omega_rad_s / (2 * math.pi)
+    say(f"      alpha {alpha:.2f} deg, beta {beta:.2f} deg, {frequency_hz:.4f} Hz, "
+        f"{1000 * best.power_w:.1f} mW; so the board's own set-points have it")  # fmt: skip
+    return {"alpha_deg": alpha, "beta_deg": beta, "frequency_hz": frequency_hz,
+            "power_w": best.power_w}  # fmt: skip
