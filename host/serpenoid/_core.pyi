@@ -38,9 +38,10 @@ class SteadyState:
     monodromy: Array
 
 def steady(model: Model, rtol: float, powers: bool, max_elements: int, /) -> SteadyState: ...
-def steady_row(
-    model: Model, omegas: Array, rtol: float, powers: bool, max_elements: int, /
-) -> Array: ...
+def sweep(
+    models: list[Model], omegas: list[float], rtol: float, powers: bool, max_elements: int,
+    threads: int, progress: Callable[[int], None] | None, /,
+) -> Array: ...  # fmt: skip
 
 class Formulation:
     explicit: Formulation

@@ -56,6 +56,9 @@ class GaitTable {
     double cosine(int i) const { return cos_[i]; }
     double sine(int i) const { return sin_[i]; }
 
+    // The angle a for which the i-th joint's swing is a positive factor times alpha sin(tau + a).
+    double lag(int i) const { return std::atan2(sin_[i], cos_[i]); }
+
     int joints() const { return static_cast<int>(cos_.size()); }
 
   private:

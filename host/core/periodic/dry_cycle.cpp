@@ -56,7 +56,7 @@ double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[
 DryCycle::DryCycle(const Robot& robot, const Ground& ground, const Gait& gait)
     : robot_(robot),
       ground_(ground),
-      gait_(gait),
+      alpha_(gait.alpha),
       omega_(gait.omega),
       nm_(robot.n * robot.m),
       table_(robot.n, gait),
@@ -64,6 +64,7 @@ DryCycle::DryCycle(const Robot& robot, const Ground& ground, const Gait& gait)
     const double v = gait.omega * robot.l * std::max(gait.alpha, 1e-9), arm = robot.n * robot.l;
     scale_ = {nm_ * v, nm_ * v, robot.n * (robot.I + robot.m * arm * arm / 12) * v / arm};
     mode_.sign.assign(2 * robot.n, 1.0);
+    for (int i = 0; i + 1 < robot.n; ++i) lag_.push_back(table_.lag(i));
 }
 
 double DryCycle::momentum(double w, double tau) {
@@ -325,9 +326,9 @@ void DryCycle::add_positive(double tau, double h, double x) {
     for (int i = 0; i + 1 < robot_.n; ++i) {
         for (int q = 0; q < g; ++q)
             net_work_ -= span / omega_ * rule.b[q] * torque[i][q] * rate[i][q];
-        (*positive_)[i] += span / omega_ *
-                           mean_positive_swing<g>(torque[i], rate[i], tau + start * h, span,
-                                                  i * gait_.beta, gait_.alpha);
+        (*positive_)[i] +=
+            span / omega_ *
+            mean_positive_swing<g>(torque[i], rate[i], tau + start * h, span, lag_[i], alpha_);
     }
 }
 

@@ -68,10 +68,10 @@ class DryCycle {
 
     Robot robot_;
     Ground ground_;
-    Gait gait_;
-    double omega_, nm_, spin_ = 0, tau_start_ = 0;
+    double alpha_, omega_, nm_, spin_ = 0, tau_start_ = 0;
     Vec3 scale_;
     GaitTable table_;
+    std::vector<double> lag_;  // of every joint, rad
     Shape shape_;
     SlidingPiece piece_;
     SlidingMode mode_;

@@ -44,7 +44,9 @@ SteadyViscous::SteadyViscous(const Robot& robot, const Ground& ground, const Gai
       ground_(ground),
       gait_(gait),
       table_(robot.n, gait),
-      mirrored_(gait.offset == 0) {}
+      mirrored_(gait.offset == 0) {
+    for (int i = 0; i + 1 < robot.n; ++i) lag_.push_back(table_.lag(i));
+}
 
 SteadyViscous::Node SteadyViscous::node(double tau) const {
     Node k{};
@@ -273,7 +275,7 @@ void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) cons
 }
 
 // Mean of P_i^+ of every joint. Torque and joint rate change sign at places of their own; that of
-// the rate is known, phi_i' = 0 where tau + i beta is an odd multiple of pi/2.
+// the rate is known, phi_i' = 0 where tau + lag_i is an odd multiple of pi/2.
 std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) const {
     constexpr int s = kStages;
     std::vector<std::array<double, s>> torque(robot_.n - 1), bend(robot_.n - 1);
@@ -297,9 +299,9 @@ std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) 
                          [&](int i, double T, double v) { torque[i][j] = T, bend[i][j] = v; });
         }
         for (int i = 0; i + 1 < robot_.n; ++i)
-            mean[i] += mean_positive_swing<s>(torque[i], bend[i], e * m.h, m.h, i * gait_.beta,
-                                              gait_.alpha) /
-                       m.elements;
+            mean[i] +=
+                mean_positive_swing<s>(torque[i], bend[i], e * m.h, m.h, lag_[i], gait_.alpha) /
+                m.elements;
     }
     return mean;
 }

@@ -80,6 +80,7 @@ class SteadyViscous {
     Gait gait_;
     GaitTable table_;
     bool mirrored_;
+    std::vector<double> lag_;  // of every joint, rad
     std::map<int, Mesh> meshes_;
     Iterate now_;
 };

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "periodic/dry.hpp"
+#include "periodic/sweep.hpp"
 #include "periodic/viscous.hpp"
 #include "run/evaluate.hpp"
 #include "run/simulation.hpp"
@@ -49,31 +50,36 @@ struct Model {
 
 SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
     const SteadyOptions options{rtol, powers, max_elements};
-    if (m.ground.dry())
-        return SteadyDry(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
+    if (m.ground.dry()) return SteadyDry(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
     return SteadyViscous(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
 }
 
-// One row for many rates at one shape: speed, the three powers, 1.0 where converged.
-Array steady_row(const Model& m, Vector omegas, double rtol, bool powers, int max_elements) {
-    const std::size_t count = omegas.shape(0);
-    std::vector<double> out(5 * count);
+// Periodic states of all models at all rates, (models, rates, kSweepColumns). Ctrl-C and progress
+// come through between shapes.
+Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double rtol, bool powers,
+            int max_elements, int threads, nb::object progress) {
+    std::vector<SweepShape> shapes;
+    for (const Model& m : models) shapes.push_back({m.robot, m.ground, m.gait});
+    std::vector<double> out(shapes.size() * omegas.size() * kSweepColumns);
+    bool stopped = false;  // with the Python error set
+    const auto go_on = [&](long gaits) {
+        nb::gil_scoped_acquire acquire;
+        stopped = PyErr_CheckSignals() != 0;
+        if (stopped || progress.is_none() || gaits == 0) return !stopped;
+        try {
+            progress(gaits);
+        } catch (nb::python_error& error) {
+            error.restore();
+            stopped = true;
+        }
+        return !stopped;
+    };
     {
         nb::gil_scoped_release release;
-        const SteadyOptions options{rtol, powers, max_elements};
-        SteadyViscous viscous(m.robot, m.ground, m.gait);
-        SteadyDry dry(m.robot, m.ground, m.gait);
-        for (std::size_t i = 0; i < count; ++i) {
-            Gait gait = m.gait;
-            gait.omega = omegas.data()[i];
-            const SteadyState s = m.ground.dry() ? dry.solve(gait.omega, options)
-                                                 : viscous.solve(gait.omega, options);
-            const double row[5] = {s.speed, s.power, s.abs_power, s.positive_power,
-                                   s.converged ? 1.0 : 0.0};
-            for (int k = 0; k < 5; ++k) out[k * count + i] = row[k];
-        }
+        sweep_shapes(shapes, omegas, {rtol, powers, max_elements}, threads, go_on, out.data());
     }
-    return to_numpy(std::move(out), {5, count});
+    if (stopped) throw nb::python_error();
+    return to_numpy(std::move(out), {shapes.size(), omegas.size(), kSweepColumns});
 }
 
 // A request that would read or write beyond its arrays, or never end, is refused here; what makes
@@ -248,12 +254,14 @@ NB_MODULE(_core, m) {
     m.attr("compiler") = "GCC " __VERSION__;
 #endif
     nb::class_<Model>(m, "Model")
-        .def("__init__", [](Model* self, int n, double mass, double half_length, double inertia,
-                            double ct, double cn, double ft0, double fn0, double alpha, double beta,
-                            double omega, double offset) {
-            new (self) Model{
-                {n, mass, half_length, inertia}, {ct, cn, ft0, fn0}, {alpha, beta, omega, offset}};
-        })
+        .def("__init__",
+             [](Model* self, int n, double mass, double half_length, double inertia, double ct,
+                double cn, double ft0, double fn0, double alpha, double beta, double omega,
+                double offset) {
+                 new (self) Model{{n, mass, half_length, inertia},
+                                  {ct, cn, ft0, fn0},
+                                  {alpha, beta, omega, offset}};
+             })
         .def("set_joints", [](Model& model, Vector gain, Vector shift) {
             model.gait.gain.assign(gain.data(), gain.data() + gain.shape(0));
             model.gait.shift.assign(shift.data(), shift.data() + shift.shape(0));
@@ -283,7 +291,8 @@ NB_MODULE(_core, m) {
             },
             nb::rv_policy::move);
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
-    m.def("steady_row", &steady_row);
+    m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
+          nb::arg().none());
     bind_run(m);
     bind_firmware(m);
     bind_kernels(m);

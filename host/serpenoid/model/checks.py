@@ -47,3 +47,10 @@ def check_choice(name: str, value: object, choices: tuple[str, ...]) -> str:
     if not isinstance(value, str) or value not in choices:
         raise BadInput(f"{name} is {value!r}; it must be one of {', '.join(choices)}")
     return value
+
+
+def check_whole(name: str, value: object, low: int, high: int) -> int:
+    """Return a whole number, or raise BadInput naming it and the range it must be in."""
+    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
+        raise BadInput(f"{name} is {value!r}; it must be a whole number from {low} to {high}")
+    return value

@@ -96,9 +96,14 @@ class Steady:
         }
 
 
+def speed_floor_m_s(robot: Robot, omega_rad_s: float) -> float:
+    """Return 1e-4 of body length x rate: below it a speed's error counts relative to this."""
+    return 1e-4 * omega_rad_s * robot.links * robot.link_length_m
+
+
 def relative_error(error: float, speed: float, robot: Robot, gait: Gait) -> float:
-    """Return error over speed, or over 1e-4 of body length x rate where there is no speed."""
-    return error / max(speed, 1e-4 * gait.omega_rad_s * robot.links * robot.link_length_m)
+    """Return error over speed, or over speed_floor_m_s where there is no speed."""
+    return error / max(speed, speed_floor_m_s(robot, gait.omega_rad_s))
 
 
 def check_ground(ground: Ground, rtol: float) -> None:

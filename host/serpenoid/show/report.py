@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -25,7 +24,6 @@ from .screen import screen
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
     from ..periodic.steady import Steady
-    from ..periodic.sweep import Sweep
     from ..simulation.steady_springs import SteadySprings
 
 console = screen(width=100) if not screen().is_terminal else screen()
@@ -137,30 +135,6 @@ def influence(found: FrictionFit) -> None:
     ]
     columns = ["reading", "off by", "leverage", "chi2 without", "ct", "cn", "ft0", "fn0"]
     table("without each reading, parameters would move by (in their sigmas)", columns, rows)
-
-
-def write_sweep(found: Sweep, path: Path) -> None:
-    """Write a sweep as CSV, one gait a row."""
-    header = ["alpha_rad", "beta_rad", "omega_rad_s", "speed_m_s", "power_w", "abs_power_w",
-              "positive_power_w", "converged"]  # fmt: skip
-    rows = [
-        [found.alpha_rad[i], found.beta_rad[j], found.omega_rad_s[k], found.speed_m_s[i, j, k],
-         found.power_w[i, j, k], found.abs_power_w[i, j, k], found.positive_power_w[i, j, k],
-         int(found.converged[i, j, k])]
-        for i, j, k in np.ndindex(found.speed_m_s.shape)
-    ]  # fmt: skip
-    write_csv(path, header, rows)
-    missed = int((~found.converged).sum())
-    notices.print(f"wrote {len(rows)} gaits to {path}; {missed} did not converge")
-
-
-def sweep_values(found: Sweep) -> dict[str, Any]:
-    """Return a sweep as plain lists, indexed [alpha, beta, omega], angles in degrees."""
-    names = ("omega_rad_s", "speed_m_s", "power_w", "abs_power_w", "positive_power_w", "converged")
-    return {
-        "alpha_deg": np.degrees(found.alpha_rad).tolist(),
-        "beta_deg": np.degrees(found.beta_rad).tolist(),
-    } | {name: getattr(found, name).tolist() for name in names}
 
 
 def write_csv(path: Path, header: list[str], rows: list[list[Any]]) -> None:

@@ -1,0 +1,43 @@
+// Periodic states of many shapes at many rates: shapes are shared out to threads, and what a shape
+// needs once (viscous ground: its tables; dry ground: a state to start from) serves all its rates.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "model/params.hpp"
+#include "periodic/periodic_state.hpp"
+
+namespace serpenoid {
+
+// A robot on its ground, and the shape of its gait; the gait's omega does not count.
+struct SweepShape {
+    Robot robot;
+    Ground ground;
+    Gait gait;
+};
+
+enum SweepColumn {
+    kSpeed,
+    kPower,
+    kAbsPower,
+    kPositivePower,
+    kTurn,
+    kSpeedError,
+    kPowerError,
+    kPositivePowerError,
+    kSlowest,
+    kSlowestError,
+    kConverged,  // 1 or 0
+    kSweepColumns
+};
+
+// Fills to[(shape * rates + rate) * kSweepColumns + column]. A shape is solved rate by rate in one
+// thread, from nothing, so neither the threads nor the other shapes change a bit of it. go_on(n) is
+// called now and then, in this thread, with the number of gaits done since its last call; false
+// ends the sweep after the shapes in hand.
+void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<double>& omegas,
+                  const SteadyOptions& options, int threads, const std::function<bool(long)>& go_on,
+                  double* to);
+
+}  // namespace serpenoid

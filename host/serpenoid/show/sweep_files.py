@@ -1,0 +1,59 @@
+"""Files of a sweep: npz, CSV and JSON, by the suffix; every name carries its unit."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ..periodic.sweep import Sweep
+
+AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
+
+
+def _arrays(found: Sweep) -> dict[str, NDArray[Any]]:
+    return {field.name: getattr(found, field.name) for field in fields(found)}
+
+
+def write_sweep(found: Sweep, path: Path) -> None:
+    """Write a sweep of one robot and ground in the format that the suffix names."""
+    if path.suffix.lower() == ".npz":
+        np.savez_compressed(path, allow_pickle=False, **_arrays(found))
+    elif path.suffix.lower() == ".json":
+        path.write_text(json.dumps(sweep_values(found), allow_nan=False) + "\n")
+    else:
+        _write_csv(found, path)
+
+
+def _write_csv(found: Sweep, path: Path) -> None:
+    """Write one gait a row, numbers by their shortest exact digits."""
+    arrays = _arrays(found)
+    grid = np.meshgrid(*(arrays.pop(axis) for axis in AXES), indexing="ij")
+    values = [v.astype(int) if v.dtype == bool else v for v in arrays.values()]
+    columns = [c.ravel().tolist() for c in (*grid, *values)]
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow([*AXES, *arrays])
+        writer.writerows(zip(*columns, strict=True))
+
+
+def _plain(values: NDArray[Any]) -> list[Any]:
+    """Return nested lists with everything that is not finite as None."""
+    if values.dtype != bool and not np.isfinite(values).all():
+        values = np.where(np.isfinite(values), values.astype(object), None)
+    plain: list[Any] = values.tolist()
+    return plain
+
+
+def sweep_values(found: Sweep) -> dict[str, Any]:
+    """Return a sweep as plain lists, indexed [alpha, beta, omega]; angles in degrees, too."""
+    return {
+        "alpha_deg": np.degrees(found.alpha_rad).tolist(),
+        "beta_deg": np.degrees(found.beta_rad).tolist(),
+    } | {name: _plain(values) for name, values in _arrays(found).items()}

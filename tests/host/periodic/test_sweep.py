@@ -1,0 +1,115 @@
+"""Sweeps: every gait as if alone, the same bits for any threads, axes, files, interruption."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.show.sweep_files import write_sweep
+
+PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+OF_2005 = sn.Robot(6, 0.0756, 0.076)
+BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+GRID = {"alpha_rad": [0.4, 0.9, 1.2], "beta_rad": [0.5, 1.3], "omega_rad_s": [1.0, 5.0, 9.0]}
+NAMES = ("speed_m_s", "power_w", "abs_power_w", "positive_power_w", "error_estimate",
+         "settling_time_s", "power_error_w", "positive_power_error_w", "converged")  # fmt: skip
+
+
+@pytest.mark.parametrize(("robot", "ground"), [(PAPER, VISCOUS), (OF_2005, BINGHAM)])
+def test_any_number_of_threads_gives_the_same_bits(robot: sn.Robot, ground: sn.Ground) -> None:
+    one = sn.sweep(robot, ground, **GRID, rtol=1e-4, threads=1)
+    for threads in (2, 5):
+        many = sn.sweep(robot, ground, **GRID, rtol=1e-4, threads=threads)
+        for name in NAMES:
+            assert np.array_equal(getattr(one, name), getattr(many, name)), name
+
+
+def test_every_entry_says_how_good_it_is() -> None:
+    grid = sn.sweep(OF_2005, BINGHAM, **GRID, rtol=1e-4)
+    for i, j, k in np.ndindex(grid.speed_m_s.shape):
+        gait = sn.Gait(GRID["alpha_rad"][i], GRID["beta_rad"][j], GRID["omega_rad_s"][k])
+        s = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-6)
+        scale = max(s.speed_m_s, 1e-4 * gait.omega_rad_s * 6 * 0.076)
+        assert grid.error_estimate[i, j, k] <= 1e-4
+        assert abs(grid.speed_m_s[i, j, k] - s.speed_m_s) <= 2e-4 * scale
+        if s.settling_time_s > 0.01:
+            assert grid.settling_time_s[i, j, k] == pytest.approx(s.settling_time_s, rel=0.05)
+
+
+def test_robots_and_grounds_are_axes() -> None:
+    robots = [PAPER, sn.Robot(4, 0.5, 0.1)]
+    grounds = [VISCOUS, BINGHAM, sn.Ground(0.2, 3.0)]
+    grid = sn.sweep(robots, grounds, **GRID, rtol=1e-4)
+    assert grid.speed_m_s.shape == (2, 3, 3, 2, 3)
+    for r, g in np.ndindex(2, 3):
+        alone = sn.sweep(robots[r], grounds[g], **GRID, rtol=1e-4)
+        for name in NAMES:
+            assert np.array_equal(getattr(grid, name)[r, g], getattr(alone, name)), name
+    assert sn.sweep([PAPER], VISCOUS, **GRID).speed_m_s.shape == (1, 3, 2, 3)
+
+
+def test_chunks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = sn.sweep(PAPER, VISCOUS, **GRID)
+    monkeypatch.setattr("serpenoid.periodic.sweep.CHUNK", 4)
+    parts = sn.sweep(PAPER, VISCOUS, **GRID)
+    assert np.array_equal(whole.abs_power_w, parts.abs_power_w)
+
+
+def test_progress_counts_every_gait_and_may_end_the_sweep() -> None:
+    done: list[int] = []
+    sn.sweep(PAPER, VISCOUS, **GRID, progress=done.append)
+    assert sum(done) == 18
+
+    class Enough(Exception):
+        pass
+
+    def stop(_done: int) -> None:
+        raise Enough
+
+    with pytest.raises(Enough):
+        sn.sweep(PAPER, VISCOUS, **GRID, progress=stop)
+
+
+def test_files_hold_the_sweep(tmp_path: Path) -> None:
+    grid = sn.sweep(PAPER, VISCOUS, **GRID)
+    for suffix in ("csv", "npz", "json"):
+        write_sweep(grid, tmp_path / f"s.{suffix}")
+    with np.load(tmp_path / "s.npz") as file:
+        assert np.array_equal(file["settling_time_s"], grid.settling_time_s)
+        assert np.array_equal(file["omega_rad_s"], grid.omega_rad_s)
+    values = json.loads((tmp_path / "s.json").read_text())
+    assert values["speed_m_s"] == grid.speed_m_s.tolist()
+    assert values["alpha_deg"] == pytest.approx(np.degrees(GRID["alpha_rad"]))
+    with (tmp_path / "s.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 18
+    last = rows[-1]
+    assert float(last["omega_rad_s"]) == 9.0
+    assert float(last["abs_power_w"]) == grid.abs_power_w[-1, -1, -1]
+    assert last["converged"] == "1"
+
+
+def test_bad_input_is_named() -> None:
+    with pytest.raises(sn.BadInput, match="there is no robot in the list"):
+        sn.sweep([], VISCOUS, **GRID)
+    with pytest.raises(sn.BadInput, match="threads is 0; it must be a whole number from 1"):
+        sn.sweep(PAPER, VISCOUS, **GRID, threads=0)
+    with pytest.raises(sn.BadInput, match="rtol"):
+        sn.sweep(PAPER, [VISCOUS, BINGHAM], **GRID, rtol=1e-9)
+
+
+def test_joints_of_their_own_amplitude_and_phase() -> None:
+    """Kinks are looked for where each joint turns: other ways of writing a gait agree."""
+    plain = sn.steady_gait(PAPER, VISCOUS, sn.Gait(0.6, 1.2, 4.0))
+    shift = tuple(0.1 * i for i in range(5))
+    shifted = sn.steady_gait(PAPER, VISCOUS, sn.Gait(0.6, 1.1, 4.0, joint_shift_rad=shift))
+    halved = sn.steady_gait(PAPER, VISCOUS, sn.Gait(1.2, 1.2, 4.0, joint_gain=(0.5,) * 5))
+    for other in (shifted, halved):
+        assert other.abs_power_w == pytest.approx(plain.abs_power_w, rel=2e-6)
+    dry = sn.steady_gait(OF_2005, BINGHAM, sn.Gait(0.6, 1.2, 4.0))
+    other = sn.steady_gait(OF_2005, BINGHAM, sn.Gait(0.6, 1.1, 4.0, joint_shift_rad=shift))
+    assert other.abs_power_w == pytest.approx(dry.abs_power_w, rel=2e-5)
