@@ -16,7 +16,11 @@ if TYPE_CHECKING:
     from .calibration.session import Session
     from .calibration.session_file import load_session
     from .exchange.mjcf import to_mjcf
-    from .gaits.least_power import LeastPower, least_power_gait
+    from .gaits.least_power import LeastPower, least_power_gait, power_front
+    from .gaits.limits import GaitLimits
+    from .gaits.margins import Margins, gait_margins
+    from .gaits.robust import RobustGait, robust_gait
+    from .gaits.uncertainty import Uncertainty
     from .model.drives import Servo, TorqueTable
     from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
     from .model.gait import Gait
@@ -48,6 +52,11 @@ _HOMES = {
     "model.robot": ("Robot",),
     "exchange.mjcf": ("to_mjcf",),
     "gaits.least_power": ("LeastPower", "least_power_gait"),
+    "gaits.least_power": ("LeastPower", "least_power_gait", "power_front"),
+    "gaits.limits": ("GaitLimits",),
+    "gaits.margins": ("Margins", "gait_margins"),
+    "gaits.robust": ("RobustGait", "robust_gait"),
+    "gaits.uncertainty": ("Uncertainty",),
     "periodic.steady": ("Steady", "steady_gait"),
     "periodic.sweep": ("Sweep", "sweep"),
     "simulation.steady_springs": ("SteadySprings", "steady_springs"),
@@ -67,12 +76,15 @@ __all__ = [
     "Diverged",
     "FrictionFit",
     "Gait",
+    "GaitLimits",
     "GaitRuns",
     "Ground",
     "LeastPower",
     "LinkState",
+    "Margins",
     "NotConverged",
     "Robot",
+    "RobustGait",
     "Run",
     "Scene",
     "SerpenoidError",
@@ -84,13 +96,17 @@ __all__ = [
     "Sweep",
     "TorqueDrive",
     "TorqueTable",
+    "Uncertainty",
     "acceleration",
     "compare",
     "fit_friction",
+    "gait_margins",
     "least_power_gait",
     "load_fit",
     "load_scene",
     "load_session",
+    "power_front",
+    "robust_gait",
     "save_fit",
     "save_scene",
     "simulate",

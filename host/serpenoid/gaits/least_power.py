@@ -3,105 +3,165 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from ..model.checks import check_choice, check_number
 from ..model.core_model import check_parts
-from ..model.errors import NotConverged, SerpenoidError
+from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.steady import Steady, steady_gait
-from ..periodic.sweep import sweep
+from ..model.words import FORMULATIONS
+from ..periodic.steady import Steady, check_ground, steady_gait
+from ..simulation.steady_springs import steady_springs
+from .gait_cloud import Candidate, GaitCloud
+from .limits import GaitLimits
+from .quadratic_search import Array, Point, least
+from .shape_search import Shape, ShapeSearch, Solve, exact_solver
 
 COSTS = ("power", "abs_power", "positive_power")
-_GRID_ALPHA = np.radians(np.arange(10.0, 81.0, 10.0))
-_GRID_BETA = np.radians(np.arange(20.0, 131.0, 10.0))
-_LOW, _HIGH = np.radians([2.0, 5.0]), np.radians([110.0, 175.0])
+ANY = GaitLimits()
 
 
 @dataclass(frozen=True, slots=True)
 class LeastPower:
-    """Hold the cheapest gait for a speed: the gait, the power that was made least, the speed."""
+    """Hold the cheapest gait for a speed: the gait, the power that was made least, the speed.
+
+    steady: the exact model's periodic state. active: the limits that the gait has reached, in
+    words. power_error_w: how much less power there may be: error of the power, plus what the last
+    model of the search still saw below it. basins: separate valleys of shapes that were followed to
+    their lowest point; runner_up_w: the power of the next best one (inf: there was one valley).
+    evaluations: periodic states solved on the way, the coarse cloud not counted.
+    """
 
     gait: Gait
     power_w: float
     speed_m_s: float
     cost: str
     steady: Steady
+    formulation: str = "explicit"
+    limits: GaitLimits = ANY
+    active: tuple[str, ...] = ()
+    power_error_w: float = 0.0
+    basins: int = 1
+    runner_up_w: float = math.inf
+    evaluations: int = 0
 
 
-class _Search:
-    """Power as a function of shape alone: the rate is whatever gives the wanted speed."""
+class Finder:
+    """Finds the cheapest gaits of one robot on one ground, for any speed, from one cloud."""
 
-    def __init__(self, robot: Robot, ground: Ground, speed: float, cost: str, rtol: float) -> None:
-        self.robot, self.ground, self.speed, self.cost = robot, ground, speed, cost
-        self.rtol, self.omega = rtol, 1.0
+    def __init__(
+        self, robot: Robot, ground: Ground, cost: str, limits: GaitLimits, solve: Solve | None,
+        speeds: Sequence[float], rtol: float,
+    ) -> None:  # fmt: skip
+        self.robot, self.ground, self.limits, self.rtol = robot, ground, limits, rtol
+        self.exact = solve is None
+        solver = solve or exact_solver(robot, ground, powers=cost != "power")
+        self.search = ShapeSearch(robot, ground, solver, cost, limits)
+        self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
+        self.smallest = 0.012 if ground.dry or not self.exact else 0.002
 
-    def solve(self, alpha: float, beta: float, omega: float) -> Steady:
-        gait = Gait(alpha, beta, omega)
-        powers = self.cost != "power"
-        return steady_gait(self.robot, self.ground, gait, rtol=self.rtol, powers=powers)
+    def follow(self, start: Candidate, speed: float, radius: float) -> tuple[Point, float]:
+        """Return the lowest point of the valley that a candidate lies in."""
+        low, high = self.search.bounds()
+        coarse = 3e-4 if self.ground.dry or not self.exact else 1e-7
+        rtol = max(self.rtol, coarse)
+        evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
+        first = evaluate([np.array(start.shape)])[0]
+        return least(evaluate, first, radius, self.smallest, low, high)
 
-    def at(self, shape: np.ndarray) -> Steady:
-        """Return the state with the wanted speed: secant on log speed against log rate."""
-        alpha, beta = shape
-        x0, x1 = math.log(self.omega), math.log(self.omega) + 0.05
-        goal = math.log(self.speed)
-        s0 = self.solve(alpha, beta, math.exp(x0))
-        y0 = math.log(max(s0.speed_m_s, 1e-300)) - goal
-        for _ in range(60):
-            s1 = self.solve(alpha, beta, math.exp(x1))
-            y1 = math.log(max(s1.speed_m_s, 1e-300)) - goal
-            if abs(y1) <= 10 * self.rtol:
-                self.omega = math.exp(x1)
-                return s1
-            slope = (y1 - y0) / (x1 - x0)
-            x0, y0 = x1, y1
-            x1 -= min(max(y1 / slope if slope > 0.02 else math.copysign(0.5, y1), -0.7), 0.7)
-        raise NotConverged(
-            f"no rate gives {self.speed:g} m/s at alpha {math.degrees(alpha):.1f} deg, "
-            f"beta {math.degrees(beta):.1f} deg; ask for another speed"
+    def candidates(self, speed: float) -> list[Candidate]:
+        """Return where to start: the cloud's valleys that may hold the least."""
+        return self.cloud.candidates(speed, most=4 if self.ground.dry else 6, within=1.4)
+
+    def cheapest(self, speed: float, extra: Candidate | None = None) -> LeastPower:
+        """Return the cheapest gait; extra: one more start."""
+        starts = self.candidates(speed) + ([extra] if extra else [])
+        ends: list[tuple[Point, float]] = []
+        for start in starts:
+            end = self.follow(start, speed, 0.08 if start is extra else 0.15)
+            if not end[0].better[0]:
+                ends.append(end)
+        if not ends:
+            raise self.unreachable(speed)
+        ends.sort(key=lambda e: e[0].value)
+        return self.finish(speed, ends)
+
+    def finish(self, speed: float, ends: list[tuple[Point, float]]) -> LeastPower:
+        """Solve the best once more, to the accuracy that was asked for."""
+        (best, gap), search = ends[0], self.search
+        rough: Any = best.data
+        state = search.at_speed(Shape(*best.at), speed, rough.gait.omega_rad_s, self.rtol) or rough
+        watts = getattr(state, f"{search.cost}_w")
+        apart = [p for p, _ in ends[1:] if np.abs(p.at - best.at).max() > 0.1]
+        exact = state if self.exact else steady_gait(self.robot, self.ground, state.gait)
+        return LeastPower(
+            state.gait, watts, state.speed_m_s, search.cost, exact, limits=self.limits,
+            active=self.limits.active(state.gait, search.torque_nm(state.gait)),
+            power_error_w=_numerical(state, search.cost) + watts * min(gap, 1.0),
+            basins=1 + len(apart), evaluations=search.evaluations,
+            runner_up_w=watts * math.exp(apart[0].value - best.value) if apart else math.inf,
+        )  # fmt: skip
+
+    def unreachable(self, speed: float) -> NotConverged:
+        """Return the error that says how fast the robot can go."""
+        v, alpha, beta, rate = self.cloud.fastest()
+        return NotConverged(
+            f"no gait reaches {speed:g} m/s within the limits ({self.limits.in_words()}) at up to "
+            f"{self.cloud.omega_rad_s[-1]:.3g} rad/s; the fastest found makes {v:.3g} m/s, at alpha"
+            f" {math.degrees(alpha):.3g} deg, beta {math.degrees(beta):.3g} deg and {rate:.3g}"
+            " rad/s; ask for less speed, or wider limits"
         )
 
-    def watts(self, shape: np.ndarray) -> float:
-        """Return the cost at this shape, infinite outside the search range or where none exists."""
-        if np.any(shape < _LOW) or np.any(shape > _HIGH):
-            return math.inf
-        try:
-            return getattr(self.at(shape), f"{self.cost}_w")
-        except SerpenoidError:
-            return math.inf
+
+def _numerical(state: Any, cost: str) -> float:
+    """Return the error of a state's power: its own, and what the error of the speed is worth."""
+    own = getattr(state, f"{cost}_error_w", getattr(state, "power_error_w", 0.0))
+    return own + 2 * state.error_estimate * getattr(state, f"{cost}_w")
 
 
-def _coarse(search: _Search) -> tuple[np.ndarray, float]:
-    """Return the best shape and rate of a grid whose rates bracket the wanted speed."""
-    wave = search.robot.link_length_m * search.robot.links
-    # a dry gait takes a hundred times longer than a viscous one: fewer rates in the same range
-    rates = search.speed / wave * np.geomspace(1.5, 60.0, 8 if search.ground.dry else 14)
-    grid = sweep(
-        search.robot, search.ground, alpha_rad=_GRID_ALPHA, beta_rad=_GRID_BETA, omega_rad_s=rates,
-        rtol=1e-3, powers=search.cost != "power",
-    )  # fmt: skip
-    cost = getattr(grid, f"{search.cost}_w")
-    best = (math.inf, _GRID_ALPHA[0], _GRID_BETA[0], rates[0])
-    for i, alpha in enumerate(_GRID_ALPHA):
-        for j, beta in enumerate(_GRID_BETA):
-            v, p = grid.speed_m_s[i, j], cost[i, j]
-            for k in range(rates.size - 1):
-                if v[k] <= search.speed <= v[k + 1] and grid.converged[i, j, k : k + 2].all():
-                    f = (search.speed - v[k]) / max(v[k + 1] - v[k], 1e-300)
-                    watts = p[k] + f * (p[k + 1] - p[k])
-                    rate = rates[k] + f * (rates[k + 1] - rates[k])
-                    best = min(best, (watts, alpha, beta, rate))
-    if not math.isfinite(best[0]):
-        raise NotConverged(
-            f"no gait of the search grid reaches {search.speed:g} m/s with rates from "
-            f"{rates[0]:.3g} to {rates[-1]:.3g} rad/s; ask for another speed"
-        )
-    return np.array(best[1:3]), float(best[3])
+def finder(
+    robot: Robot, ground: Ground, speeds: Sequence[float], cost: str, limits: GaitLimits,
+    rtol: float | None = None, formulation: str = "explicit", stiffness: float = 1e3,
+    damping: float = 1.0,
+) -> Finder:  # fmt: skip
+    """Check what is asked for and return a Finder for it."""
+    check_parts(robot, ground)
+    for speed in speeds:
+        check_number("speed_m_s", speed, 0.0, open_low=True)
+    check_choice("cost", cost, COSTS)
+    check_choice("formulation", formulation, FORMULATIONS)
+    springs = formulation == "implicit"
+    if rtol is None:
+        rtol = 1e-4 if springs else 1e-5 if ground.dry else 1e-10 if cost == "power" else 1e-8
+    check_ground(ground, rtol)
+
+    def soft(gait: Gait, rtol: float) -> Any:
+        found = steady_springs(
+            robot, ground, gait, joint_stiffness_n_m=stiffness, joint_damping_n_s_m=damping,
+            rtol=rtol,
+        )  # fmt: skip
+        return _Soft(gait, **{k: v for k, v in found.to_dict().items() if k in _Soft.__slots__})
+
+    return Finder(robot, ground, cost, limits, soft if springs else None, speeds, rtol)
+
+
+@dataclass(frozen=True, slots=True)
+class _Soft:
+    """A periodic state of the implicit model, with its gait."""
+
+    gait: Gait
+    speed_m_s: float
+    power_w: float
+    abs_power_w: float
+    positive_power_w: float
+    error_estimate: float
 
 
 def least_power_gait(
@@ -110,29 +170,53 @@ def least_power_gait(
     *,
     speed_m_s: float,
     cost: str = "power",
+    limits: GaitLimits = ANY,
+    formulation: str = "explicit",
+    joint_stiffness_n_m: float = 1e3,
+    joint_damping_n_s_m: float = 1.0,
     rtol: float | None = None,
 ) -> LeastPower:
-    """Find alpha, beta and omega that give a speed for the least mean power, explicit model.
+    """Find alpha, beta and omega that give a speed for the least mean power, over all shapes.
 
     cost: "power" (net; the paper's), "abs_power" or "positive_power" (a servo that does not
-    regenerate). A grid of shapes first, then a simplex search in (alpha, beta) with the rate solved
-    for the speed. rtol: accuracy of each evaluation (1e-10 viscous, 1e-5 dry unless given). Raises
-    BadInput, NotConverged when no gait reaches the speed.
+    regenerate). A cloud of shapes and rates first; every valley of it that may hold the least is
+    then followed to its lowest point by quadratic models, with the rate solved for the speed.
+    formulation: "implicit" follows the valleys by the paper's springs, from the exact model's
+    cloud. rtol: accuracy of the final state (1e-10 viscous, 1e-5 dry unless given). Raises
+    BadInput, and NotConverged with the fastest gait there is when none reaches the speed.
     """
-    from scipy.optimize import minimize
-
-    check_parts(robot, ground)
-    check_number("speed_m_s", speed_m_s, 0.0, open_low=True)
-    check_choice("cost", cost, COSTS)
-    if rtol is None:
-        rtol = 1e-5 if ground.dry else (1e-10 if cost == "power" else 1e-8)
-    search = _Search(robot, ground, float(speed_m_s), cost, rtol)
-    shape, search.omega = _coarse(search)
-    found = minimize(
-        search.watts, shape, method="Nelder-Mead",
-        options={"initial_simplex": shape + np.radians([[0, 0], [4, 0], [0, 4]]),
-                 "xatol": max(1e-6, 100 * rtol), "fatol": 10 * rtol * search.watts(shape),
-                 "maxfev": 400},
+    found = finder(
+        robot, ground, [speed_m_s], cost, limits, rtol, formulation, joint_stiffness_n_m,
+        joint_damping_n_s_m,
     )  # fmt: skip
-    best = search.at(found.x)
-    return LeastPower(best.gait, getattr(best, f"{cost}_w"), best.speed_m_s, cost, best)
+    return replace(found.cheapest(float(speed_m_s)), formulation=formulation)
+
+
+def power_front(
+    robot: Robot,
+    ground: Ground,
+    *,
+    speeds_m_s: Sequence[float] | Array,
+    cost: str = "power",
+    limits: GaitLimits = ANY,
+    rtol: float | None = None,
+) -> tuple[LeastPower | None, ...]:
+    """Find the least-power gait of every speed; None for a speed that no gait reaches.
+
+    One cloud serves all speeds, and each speed also starts from its neighbour's gait. Raises
+    BadInput.
+    """
+    speeds = [float(v) for v in speeds_m_s]
+    search = finder(robot, ground, speeds, cost, limits, rtol)
+    found: list[LeastPower | None] = []
+    start = None
+    for speed in speeds:
+        try:
+            best = search.cheapest(speed, start)
+        except NotConverged:
+            found.append(None)
+            continue
+        found.append(best)
+        gait = best.gait
+        start = Candidate(0.0, Shape.of(gait.alpha_rad, gait.beta_rad), gait.omega_rad_s)
+    return tuple(found)

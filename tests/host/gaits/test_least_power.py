@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 import serpenoid as sn
+from serpenoid.gaits.least_power import finder
+from serpenoid.gaits.limits import peak_torque_nm
+from serpenoid.gaits.shape_search import Shape
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
@@ -55,11 +59,107 @@ def test_sticking_wheels() -> None:
     assert best.power_w / best.speed_m_s < papers.power_w / papers.speed_m_s
 
 
+def test_the_global_optimum_of_a_fine_grid_is_not_cheaper() -> None:
+    """Brute force over shapes at the same speed, other robot and ground than the search knew."""
+    robot, ground, speed = sn.Robot(13, 0.2, 0.07), sn.Ground(0.3, 6.0), 0.3
+    best = sn.least_power_gait(robot, ground, speed_m_s=speed)
+    rates = np.geomspace(0.5, 40, 40) * speed / (13 * 0.07) * 4
+    grid = sn.sweep(
+        robot, ground, alpha_rad=np.radians(np.arange(3, 40, 2.0)),
+        beta_rad=np.radians(np.arange(6, 150, 6.0)), omega_rad_s=rates, rtol=1e-6, powers=False,
+    )  # fmt: skip
+    cheapest = math.inf
+    for v, p in zip(grid.speed_m_s.reshape(-1, 40), grid.power_w.reshape(-1, 40), strict=True):
+        if v.max() >= speed:
+            cheapest = min(cheapest, np.exp(np.interp(np.log(speed), np.log(v), np.log(p))))
+    assert best.power_w < 1.0005 * cheapest
+    assert best.power_w > 0.97 * cheapest  # the grid's own coarseness
+
+
+def test_a_speed_that_needs_a_high_rate() -> None:
+    """Such rates were once beyond the search: seven links that grip less across than along."""
+    best = sn.least_power_gait(sn.Robot(7, 0.197, 0.0481), sn.Ground(0.26, 0.212), speed_m_s=0.0775)
+    assert best.gait.omega_rad_s == pytest.approx(41.18, abs=0.05)
+    assert best.speed_m_s == pytest.approx(0.0775, rel=1e-8)
+
+
+def test_many_links_have_many_valleys() -> None:
+    robot = sn.Robot(20, 0.1, 0.05)
+    best = sn.least_power_gait(robot, VISCOUS, speed_m_s=0.2)
+    assert best.basins > 1
+    assert best.power_w <= best.runner_up_w
+    assert best.power_w == pytest.approx(0.0991339, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("limits", "name"),
+    [
+        (sn.GaitLimits(servo_speed_rad_s=4.0), "servo speed"),
+        (sn.GaitLimits(servo_torque_nm=0.3), "servo torque"),
+        (sn.GaitLimits(omega_high_rad_s=8.0), "highest rate"),
+        (sn.GaitLimits(omega_low_rad_s=11.0), "lowest rate"),
+        (sn.GaitLimits(joint_angle_rad=math.radians(20)), "joint angle"),
+    ],
+)
+def test_limits_are_kept_and_named(limits, name: str) -> None:
+    free = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.5)
+    assert free.active == ()
+    best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.5, limits=limits)
+    assert best.active == (name,)
+    assert best.power_w > free.power_w
+    torque = peak_torque_nm(PAPER, VISCOUS, best.gait)
+    assert min(limits.room(best.gait, torque).values()) > -2e-3
+    # along the limit no neighbour at the same speed is cheaper
+    for factor in (0.98, 1.02):
+        other = finder(PAPER, VISCOUS, [0.5], "power", limits).search.point(
+            np.array(Shape.of(best.gait.alpha_rad, factor * best.gait.beta_rad)), 0.5,
+            best.gait.omega_rad_s, 1e-8,
+        )  # fmt: skip
+        assert other.room < 0 or other.value > math.log(best.power_w) - 1e-6
+
+
+def test_a_speed_beyond_the_limits_names_the_fastest() -> None:
+    limits = sn.GaitLimits(omega_high_rad_s=6.0)
+    with pytest.raises(sn.NotConverged, match=r"reaches 5 m/s.*fastest found makes 0\.4"):
+        sn.least_power_gait(PAPER, VISCOUS, speed_m_s=5.0, limits=limits)
+
+
+def test_the_front_is_the_single_optima_and_rises() -> None:
+    speeds = [0.1, 0.2, 0.5, 1.0]
+    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds)
+    watts = [best.power_w for best in front]
+    assert watts == sorted(watts)
+    assert watts[0] == pytest.approx(7.63769e-3, rel=2e-5)
+    assert watts[2] == pytest.approx(0.22733, rel=2e-5)
+    slow = sn.GaitLimits(omega_high_rad_s=6.0)
+    assert sn.power_front(PAPER, VISCOUS, speeds_m_s=[0.2, 3.0], limits=slow)[1] is None
+
+
+def test_the_stated_error_covers_what_a_finer_search_finds() -> None:
+    best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=0.15)
+    search = finder(OF_2005, BINGHAM, [0.15], "power", best.limits).search
+    for da, db in np.random.default_rng(3).uniform(-0.05, 0.05, (12, 2)):
+        shape = Shape.of(best.gait.alpha_rad * (1 + da), best.gait.beta_rad * (1 + db))
+        other = search.point(np.array(shape), 0.15, best.gait.omega_rad_s, 1e-5)
+        assert math.exp(other.value) > best.power_w - 3 * best.power_error_w
+
+
+@pytest.mark.slow
+def test_springs_move_the_optimum_a_little() -> None:
+    soft = sn.least_power_gait(
+        PAPER, VISCOUS, speed_m_s=0.1, formulation="implicit", joint_stiffness_n_m=1e3
+    )
+    exact = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.1)
+    assert soft.formulation == "implicit"
+    assert soft.power_w == pytest.approx(exact.power_w, rel=0.02)
+    assert soft.power_w != pytest.approx(exact.power_w, rel=1e-5)
+
+
 def test_refusals() -> None:
     with pytest.raises(sn.BadInput, match="speed_m_s is 0"):
         sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.0)
     with pytest.raises(sn.BadInput, match="cost is 'heat'"):
         sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.1, cost="heat")
     isotropic = sn.Ground(1.0, 1.0)  # no wheel grips better than another: nothing travels
-    with pytest.raises(sn.NotConverged, match="no gait of the search grid"):
+    with pytest.raises(sn.NotConverged, match=r"no gait reaches 0\.1 m/s"):
         sn.least_power_gait(PAPER, isotropic, speed_m_s=0.1)

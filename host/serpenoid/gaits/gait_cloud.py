@@ -1,0 +1,162 @@
+"""A coarse cloud of gaits over all shapes and rates, for ranking shapes at any speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.ground import Ground
+from ..model.robot import Robot
+from ..periodic.sweep import sweep
+from .limits import GaitLimits
+from .shape_search import Shape, on_threads
+
+Array = NDArray[np.float64]
+# Rates that are tried, as omega times body length over speed; then further up while that may help.
+_FIRST, _STEP, _MANY = 4.0, 1.9, 6
+_SWING_DEG = (5, 9, 14, 20, 27, 35, 44, 54, 66, 80)
+
+
+class Candidate(NamedTuple):
+    """Hold a shape of the cloud, the rate that should give the speed, and what it should cost."""
+
+    watts: float
+    shape: Shape
+    omega_rad_s: float
+
+
+class GaitCloud:
+    """Speeds and costs over shapes and rates; shapes span every gait that travels.
+
+    alpha_rad, beta_rad: (S, L) over amplitude of heading and lag; omega_rad_s: (W,);
+    speed_m_s, cost_w: (S, L, W), NaN where there is no solution.
+    """
+
+    def __init__(
+        self, robot: Robot, ground: Ground, cost: str, limits: GaitLimits, speeds: Sequence[float]
+    ) -> None:
+        self.robot, self.ground, self.cost, self.limits = robot, ground, cost, limits
+        n = robot.links
+        least_lag = min(math.radians(22), 2.2 / n)  # a third of a wave on the body
+        lags = np.geomspace(least_lag, math.radians(165), 12 if n <= 8 else 18)
+        swings = np.radians(np.array(_SWING_DEG, dtype=float))
+        self.beta_rad = np.broadcast_to(lags, (swings.size, lags.size))
+        self.alpha_rad = 2 * swings[:, None] * np.sin(lags / 2)
+        self.omega_rad_s = np.empty(0)
+        self.speed_m_s = self.cost_w = np.empty((swings.size, lags.size, 0))
+        base = 1 / (n * robot.link_length_m)
+        span = math.log(max(speeds) / min(speeds)) / math.log(_STEP)
+        self._extend(base * min(speeds) * _FIRST * _STEP ** np.arange(_MANY + math.ceil(span)))
+        self._reach_up(max(speeds))
+
+    def _extend(self, rates: Array) -> None:
+        """Solve all shapes at more rates."""
+        top = self.limits.omega_high_rad_s
+        rates = np.unique(np.minimum(rates, top))
+        allowed = self.alpha_rad <= min(self.limits.joint_angle_rad, math.pi)
+        shape = (*self.alpha_rad.shape, rates.size)
+        speed, cost = np.full(shape, np.nan), np.full(shape, np.nan)
+
+        def column(j: int) -> None:
+            rows = np.flatnonzero(allowed[:, j])
+            if rows.size == 0:
+                return
+            found = sweep(
+                self.robot, self.ground, alpha_rad=self.alpha_rad[rows, j],
+                beta_rad=self.beta_rad[0, j], omega_rad_s=rates, rtol=3e-3 if self.ground.dry
+                else 1e-4, powers=self.cost != "power",
+            )  # fmt: skip
+            good = found.converged[:, 0]
+            speed[rows, j] = np.where(good, found.speed_m_s[:, 0], np.nan)
+            cost[rows, j] = np.where(good, getattr(found, f"{self.cost}_w")[:, 0], np.nan)
+
+        on_threads(column, range(self.alpha_rad.shape[1]))
+        self.omega_rad_s = np.concatenate([self.omega_rad_s, rates])
+        self.speed_m_s = np.concatenate([self.speed_m_s, speed], axis=2)
+        self.cost_w = np.concatenate([self.cost_w, cost], axis=2)
+
+    def _reach_up(self, speed_m_s: float) -> None:
+        """Add higher rates while none of the shapes reaches the speed, to a million of lengths."""
+        for _ in range(5):
+            top = self.omega_rad_s[-1]
+            if np.nanmax(self.speed_m_s, initial=0) >= speed_m_s:
+                return
+            if top >= self.limits.omega_high_rad_s:
+                return
+            self._extend(top * 3.0 ** np.arange(1, 4))
+
+    def at_speed(self, speed_m_s: float) -> tuple[Array, Array]:
+        """Return rate and cost of every shape at a speed, (S, L); NaN where none gives it.
+
+        Straight lines in log-log between the two rates that enclose the speed.
+        """
+        v, p = self.speed_m_s, self.cost_w
+        x = np.log(self.omega_rad_s)
+        rate, watts = np.full(v.shape[:2], np.nan), np.full(v.shape[:2], np.nan)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            y, q = np.log(v / speed_m_s), np.log(p)
+        for k in range(x.size - 2, -1, -1):  # the lowest rate that serves overwrites
+            here = (y[:, :, k] <= 0) & (y[:, :, k + 1] >= 0) & np.isfinite(q[:, :, k])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                f = np.clip(-y[:, :, k] / (y[:, :, k + 1] - y[:, :, k]), 0, 1)
+                f = np.where(np.isfinite(f), f, 1.0)
+            rate = np.where(here, np.exp(x[k] + f * (x[k + 1] - x[k])), rate)
+            watts = np.where(here, np.exp(q[:, :, k] + f * (q[:, :, k + 1] - q[:, :, k])), watts)
+        return self._below(speed_m_s, rate, watts)
+
+    def _below(self, speed_m_s: float, rate: Array, watts: Array) -> tuple[Array, Array]:
+        """Fill in shapes too fast at the lowest rate: speed as the rate, cost as its square."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            f = speed_m_s / self.speed_m_s[:, :, 0]
+            fast = (f < 1) & np.isnan(rate)
+            rate = np.where(fast, f * self.omega_rad_s[0], rate)
+            return rate, np.where(fast, f**2 * self.cost_w[:, :, 0], watts)
+
+    def candidates(self, speed_m_s: float, most: int, within: float) -> list[Candidate]:
+        """Return the cheapest shapes that no neighbour undercuts, at most `within` times the best.
+
+        Limits of servo speed and rate are kept; where no shape keeps them, those nearest to it.
+        """
+        rate, watts = self.at_speed(speed_m_s)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            over = np.maximum(
+                np.log(self.alpha_rad * rate / self.limits.servo_speed_rad_s),
+                np.log(self.limits.omega_low_rad_s / rate),
+            )
+        price = np.where(np.isnan(watts), np.inf, watts * np.exp(8 * np.maximum(over, 0)))
+        padded = np.pad(price, 1, constant_values=np.inf)
+        around = [
+            padded[1 + i : 1 + i + price.shape[0], 1 + j : 1 + j + price.shape[1]]
+            for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j
+        ]  # fmt: skip
+        local = np.isfinite(price) & (price <= np.min(around, axis=0))
+        picked = sorted(zip(price[local], np.argwhere(local).tolist(), strict=True))[:most]
+        return [
+            Candidate(cost, Shape.of(self.alpha_rad[i, j], self.beta_rad[i, j]), float(rate[i, j]))
+            for cost, (i, j) in picked
+            if cost <= within * picked[0][0]
+        ]
+
+    def cheapest_shapes(self, speed_m_s: float, within: float) -> list[Candidate]:
+        """Return all shapes that cost at most `within` times the best, cheapest first."""
+        rate, watts = self.at_speed(speed_m_s)
+        good = np.argwhere(watts <= within * np.nanmin(watts, initial=math.inf)).tolist()
+        return sorted(
+            Candidate(
+                float(watts[i, j]), Shape.of(self.alpha_rad[i, j], self.beta_rad[i, j]),
+                float(rate[i, j]),
+            )
+            for i, j in good
+        )  # fmt: skip
+
+    def fastest(self) -> tuple[float, float, float, float]:
+        """Return speed, alpha, beta and rate of the fastest gait of the cloud within the limits."""
+        rate = np.broadcast_to(self.omega_rad_s, self.speed_m_s.shape)
+        allowed = self.alpha_rad[:, :, None] * rate <= self.limits.servo_speed_rad_s * 1.0000001
+        v = np.where(allowed & np.isfinite(self.speed_m_s), self.speed_m_s, 0.0)
+        i, j, k = np.unravel_index(int(np.argmax(v)), v.shape)
+        return v[i, j, k], self.alpha_rad[i, j], self.beta_rad[i, j], rate[i, j, k]

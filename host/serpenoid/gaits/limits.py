@@ -1,0 +1,85 @@
+"""What a robot's joints and servos can do, and which of these limits a gait has reached."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ..model.checks import check_number
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from ..simulation.scene import Scene
+from ..simulation.simulate import simulate
+
+_ACTIVE = 2e-3  # a limit is called reached when this fraction of it, or less, is left
+_NAMES = {
+    "joint_angle_rad": "joint angle",
+    "servo_speed_rad_s": "servo speed",
+    "servo_torque_nm": "servo torque",
+    "omega_high_rad_s": "highest rate",
+    "omega_low_rad_s": "lowest rate",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class GaitLimits:
+    """State what a gait may ask of the robot; infinite where there is no limit.
+
+    joint_angle_rad: of every joint, either way (110 deg unless told: links would touch).
+    servo_speed_rad_s, servo_torque_nm: of every joint at any time, so alpha omega stays below the
+    first. omega_low_rad_s, omega_high_rad_s: of the gait's rate. Raises BadInput.
+    """
+
+    joint_angle_rad: float = math.radians(110.0)
+    servo_speed_rad_s: float = math.inf
+    servo_torque_nm: float = math.inf
+    omega_low_rad_s: float = 0.0
+    omega_high_rad_s: float = math.inf
+
+    def __post_init__(self) -> None:
+        check_number("joint_angle_rad", self.joint_angle_rad, 0.0, math.pi, open_low=True)
+        for name in ("servo_speed_rad_s", "servo_torque_nm", "omega_high_rad_s"):
+            if getattr(self, name) != math.inf:
+                check_number(name, getattr(self, name), 0.0, open_low=True)
+        check_number("omega_low_rad_s", self.omega_low_rad_s, 0.0, self.omega_high_rad_s)
+
+    def room(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:
+        """Return by how many e-folds a gait stays below each limit there is; negative: beyond."""
+        used = {
+            "joint_angle_rad": (abs(gait.offset_rad) + gait.alpha_rad, self.joint_angle_rad),
+            "servo_speed_rad_s": (gait.alpha_rad * gait.omega_rad_s, self.servo_speed_rad_s),
+            "servo_torque_nm": (torque_nm, self.servo_torque_nm),
+            "omega_high_rad_s": (gait.omega_rad_s, self.omega_high_rad_s),
+            "omega_low_rad_s": (self.omega_low_rad_s, gait.omega_rad_s),
+        }
+        return {
+            name: math.log(most / value) if value > 0 else math.inf
+            for name, (value, most) in used.items()
+            if most < math.inf and value < math.inf
+        }
+
+    def active(self, gait: Gait, torque_nm: float = 0.0) -> tuple[str, ...]:
+        """Return the limits that a gait has reached, in words."""
+        room = self.room(gait, torque_nm)
+        return tuple(_NAMES[name] for name, left in room.items() if left <= _ACTIVE)
+
+    def in_words(self) -> str:
+        """Return the limits there are, with their units."""
+        told = [
+            f"{_NAMES[f.name]} {getattr(self, f.name):.4g} {f.name.split('_', 2)[-1]}"
+            for f in fields(self)
+            if 0 < getattr(self, f.name) < math.inf
+        ]
+        return ", ".join(told).replace("rad_s", "rad/s").replace("nm", "N m")
+
+
+def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -> float:
+    """Return the largest joint torque of a cycle of the periodic state, exact model, N m."""
+    scene = Scene(
+        robot, ground, gait, start="steady", method="nonsmooth" if ground.dry else "rk4",
+        dt_s=gait.period_s / steps, duration_s=gait.period_s, record=("joints",), record_every=1,
+    )  # fmt: skip
+    return float(np.abs(simulate(scene).joint_torque_nm).max())

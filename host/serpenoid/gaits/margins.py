@@ -1,0 +1,99 @@
+"""How far a gait stands from the cliff: what amplitude or grip may be lost before it slows down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from ..model.core_model import check_parts
+from ..model.errors import NotConverged
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from ..periodic.steady import steady_gait
+
+LOSS = 0.1  # of the speed, that a margin allows
+LESS_AMPLITUDE, LESS_GRIP = 0.10, 0.13  # servos under load; one sigma of a 7.5 deg session
+CLIFF = 0.25  # a gait that loses more than this of its speed to either stands at a cliff
+_MOST = 0.6
+_RTOL = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """Hold what a gait can bear; all as fractions.
+
+    amplitude, grip: how much the joints' amplitude, or fn0, may fall before the speed loses a
+    tenth (inf: by 60 % it has not; grip is NaN without dry friction across the links).
+    amplitude_loss, grip_loss: of the speed, when the amplitude is 10 %, or fn0 13 % less.
+    """
+
+    amplitude: float
+    grip: float
+    amplitude_loss: float
+    grip_loss: float
+
+    @property
+    def near_cliff(self) -> bool:
+        """Tell whether 10 % of amplitude or 13 % of fn0 costs more than a quarter of the speed."""
+        return max(self.amplitude_loss, self.grip_loss) > CLIFF
+
+    @property
+    def warning(self) -> str:
+        """Return what a user must know, or nothing."""
+        if not self.near_cliff:
+            return ""
+        told = [f"10 % less amplitude costs {100 * self.amplitude_loss:.0f} % of the speed"]
+        if self.grip_loss == self.grip_loss:
+            told.append(f"13 % less fn0 costs {100 * self.grip_loss:.0f} %")
+        return f"this gait stands at a cliff: {', '.join(told)}; see `optimize --robust`"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures by name, for JSON."""
+        return asdict(self) | {"near_cliff": self.near_cliff}
+
+
+def _fall(speed_at: Callable[[float], float], full: float) -> float:
+    """Return the least loss at which the speed has fallen by a tenth: outwards, then bisection."""
+    low, high = 0.0, 0.02
+    while speed_at(high) > (1 - LOSS) * full:
+        low, high = high, 1.6 * high
+        if high > _MOST:
+            return math.inf
+    while high - low > 0.01 * high:
+        middle = (low + high) / 2
+        low, high = (low, middle) if speed_at(middle) <= (1 - LOSS) * full else (middle, high)
+    return (low + high) / 2
+
+
+def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
+    """Find how much amplitude or fn0 a gait may lose, by solving the gaits and grounds with less.
+
+    Raises BadInput, NotConverged.
+    """
+
+    def speed(ground: Ground, gait: Gait) -> float:
+        try:
+            return steady_gait(robot, ground, gait, rtol=_RTOL, powers=False).speed_m_s
+        except NotConverged as error:
+            if error.best is None or not error.best.error_estimate < 0.03:
+                raise
+            return error.best.speed_m_s
+
+    def weaker(loss: float) -> float:
+        return speed(ground, replace(gait, alpha_rad=(1 - loss) * gait.alpha_rad))
+
+    def looser(loss: float) -> float:
+        return speed(replace(ground, fn0=(1 - loss) * ground.fn0), gait)
+
+    check_parts(robot, ground, gait)
+    full = speed(ground, gait)
+    grip = ground.fn0 > 0
+    return Margins(
+        _fall(weaker, full),
+        _fall(looser, full) if grip else math.nan,
+        1 - weaker(LESS_AMPLITUDE) / full,
+        1 - looser(LESS_GRIP) / full if grip else math.nan,
+    )

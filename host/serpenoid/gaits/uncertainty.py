@@ -1,0 +1,97 @@
+"""What may be wrong about a robot: friction, amplitudes and phases of its joints, as samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.checks import check_number
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+
+Array = NDArray[np.float64]
+FRICTION = ("ct", "cn", "ft0", "fn0")
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """State how well friction and servos are known; one standard deviation each.
+
+    friction: relative sigmas of ct, cn, ft0, fn0 (log-normal, independent), unless `grounds` holds
+    frictions sampled elsewhere, such as from a session's fit. The default is what a session
+    with a 7.5 deg bend leaves open. amplitude: relative, of each joint on its own;
+    common_amplitude: of all joints together; lag_rad: of each joint's phase on its own (a lag that
+    all joints share changes nothing). Raises BadInput.
+    """
+
+    friction: tuple[float, float, float, float] = (0.06, 0.35, 0.06, 0.13)
+    grounds: tuple[Ground, ...] = ()
+    amplitude: float = 0.02
+    common_amplitude: float = 0.03
+    lag_rad: float = math.radians(1.0)
+
+    def __post_init__(self) -> None:
+        if len(self.friction) != len(FRICTION):
+            raise BadInput(f"friction is {self.friction!r}; it must be four sigmas, {FRICTION}")
+        for name, value in zip(FRICTION, self.friction, strict=True):
+            check_number(f"friction, {name}", value, 0.0, 3.0)
+        for name, most in (("amplitude", 0.5), ("common_amplitude", 0.5), ("lag_rad", 1.0)):
+            check_number(name, getattr(self, name), 0.0, most)
+
+    def samples(self, robot: Robot, ground: Ground, count: int, seed: int = 2005) -> list[Sample]:
+        """Draw robots that may be the real one: scrambled Sobol points, the same for a seed."""
+        from scipy.stats import norm, qmc
+
+        joints = robot.links - 1
+        sobol = qmc.Sobol(5 + 2 * joints, seed=seed)  # pyright: ignore[reportCallIssue]
+        points = norm.ppf(np.clip(sobol.random(count), 1e-9, 1 - 1e-9))
+        if self.grounds:
+            pick = np.random.default_rng(seed).permutation(len(self.grounds))
+            grounds = [self.grounds[pick[i % pick.size]] for i in range(count)]
+        else:
+            factors = np.exp(points[:, :4] * np.array(self.friction))
+            grounds = [_scaled(ground, row) for row in factors]
+        gains = 1 + self.common_amplitude * points[:, 4:5]
+        gains = np.clip(gains + self.amplitude * points[:, 5 : 5 + joints], 0.0, 2.0)
+        shifts = self.lag_rad * points[:, 5 + joints :]
+        return [
+            Sample(ground, tuple(gain), tuple(shift))
+            for ground, gain, shift in zip(grounds, gains.tolist(), shifts.tolist(), strict=True)
+        ]
+
+    def in_words(self) -> str:
+        """Return the statement in one line."""
+        friction = (
+            f"{len(self.grounds)} sampled frictions" if self.grounds else ", ".join(
+                f"{n} ± {100 * s:.3g} %" for n, s in zip(FRICTION, self.friction, strict=True)
+            )
+        )  # fmt: skip
+        return (
+            f"{friction}; amplitude ± {100 * self.common_amplitude:.3g} % common and "
+            f"± {100 * self.amplitude:.3g} % of each joint; phase ± "
+            f"{math.degrees(self.lag_rad):.3g} deg of each joint"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """Hold one robot that may be the real one: its ground, and what its joints make of a gait."""
+
+    ground: Ground
+    joint_gain: tuple[float, ...]
+    joint_shift_rad: tuple[float, ...]
+
+    def gait(self, gait: Gait) -> Gait:
+        """Return what the joints do when they are told to do a gait."""
+        return replace(gait, joint_gain=self.joint_gain, joint_shift_rad=self.joint_shift_rad)
+
+
+def _scaled(ground: Ground, factors: Sequence[float]) -> Ground:
+    values = [getattr(ground, n) * f for n, f in zip(FRICTION, factors, strict=True)]
+    return Ground(*map(float, values))
