@@ -135,6 +135,7 @@ def test_the_front_is_the_single_optima_and_rises() -> None:
     assert sn.power_front(PAPER, VISCOUS, speeds_m_s=[0.2, 3.0], limits=slow)[1] is None
 
 
+@pytest.mark.slow
 def test_the_stated_error_covers_what_a_finer_search_finds() -> None:
     best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=0.15)
     search = finder(OF_2005, BINGHAM, [0.15], "power", best.limits).search

@@ -1,0 +1,138 @@
+"""Gaits that survive being wrong: margins, samples, and runs in time of perturbed robots."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.gaits.robust import low_speed, sampled_speeds
+
+D = math.pi / 180
+PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+OF_2005, BINGHAM = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+FRAGILE, STURDY = sn.Gait(66.7 * D, 78.8 * D, 1.6), sn.Gait(80 * D, 75 * D, 1.75)
+
+
+def run_speed(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait, cycles: int = 12) -> float:
+    """Return the speed of the last cycle of a run from rest, m/s: no periodic solver in it."""
+    run = sn.simulate(
+        sn.Scene(
+            robot, ground, gait, start="zero_momentum", record_every=400,
+            method="nonsmooth" if ground.dry else "rk4", dt_s=gait.period_s / 400,
+            duration_s=cycles * gait.period_s,
+        )
+    )  # fmt: skip
+    x, y = run.x_m.mean(axis=1)[-2:], run.y_m.mean(axis=1)[-2:]
+    return math.hypot(x[1] - x[0], y[1] - y[0]) / gait.period_s
+
+
+def test_the_gait_beside_the_cliff_is_told_from_the_one_that_survives() -> None:
+    fragile = sn.gait_margins(OF_2005, BINGHAM, FRAGILE)
+    sturdy = sn.gait_margins(OF_2005, BINGHAM, STURDY)
+    assert fragile.near_cliff
+    assert not sturdy.near_cliff
+    assert fragile.amplitude_loss == pytest.approx(0.45, abs=0.03)
+    assert fragile.grip_loss == pytest.approx(0.50, abs=0.03)
+    assert fragile.amplitude < 0.06
+    assert sturdy.amplitude > 0.2
+    assert "10 % less amplitude costs 44 %" in fragile.warning
+    assert sturdy.warning == ""
+
+
+def test_a_margin_is_where_runs_in_time_have_lost_a_tenth() -> None:
+    margins = sn.gait_margins(OF_2005, BINGHAM, FRAGILE)
+    full = run_speed(OF_2005, BINGHAM, FRAGILE)
+    weak = replace(FRAGILE, alpha_rad=(1 - margins.amplitude) * FRAGILE.alpha_rad)
+    assert run_speed(OF_2005, BINGHAM, weak) == pytest.approx(0.9 * full, rel=0.02)
+    loose = replace(BINGHAM, fn0=(1 - margins.grip) * BINGHAM.fn0)
+    assert run_speed(OF_2005, loose, FRAGILE) == pytest.approx(0.9 * full, rel=0.02)
+
+
+def test_viscous_ground_has_no_cliff() -> None:
+    margins = sn.gait_margins(PAPER, VISCOUS, sn.Gait(30 * D, 80 * D, 5.0))
+    assert not margins.near_cliff
+    assert math.isnan(margins.grip)
+
+
+def test_samples_are_the_robots_that_were_stated() -> None:
+    stated = sn.Uncertainty(
+        friction=(0.1, 0.2, 0.0, 0.3), amplitude=0.02, common_amplitude=0.05, lag_rad=0.03
+    )
+    drawn = stated.samples(OF_2005, BINGHAM, 1024)
+    logs = np.log([[s.ground.ct, s.ground.cn, s.ground.fn0] for s in drawn])
+    assert logs.std(axis=0) == pytest.approx([0.1, 0.2, 0.3], rel=0.05)
+    assert [s.ground.ft0 for s in drawn] == pytest.approx([BINGHAM.ft0] * 1024)
+    gains = np.array([s.joint_gain for s in drawn])
+    shifts = np.array([s.joint_shift_rad for s in drawn])
+    assert gains.mean(axis=1).std() == pytest.approx(math.hypot(0.05, 0.02 / 5**0.5), rel=0.05)
+    assert (gains - gains.mean(axis=1, keepdims=True)).std() == pytest.approx(
+        0.02 * 0.8**0.5, rel=0.05
+    )
+    assert shifts.std(axis=0) == pytest.approx([0.03] * 5, rel=0.05)
+    assert drawn == stated.samples(OF_2005, BINGHAM, 1024)
+    assert drawn != stated.samples(OF_2005, BINGHAM, 1024, seed=1)
+
+
+def test_grounds_of_a_fit_are_used_as_they_are() -> None:
+    grounds = (sn.Ground(0.01, 0.2, 0.02, 0.04), sn.Ground(0.02, 0.3, 0.01, 0.05))
+    drawn = sn.Uncertainty(grounds=grounds).samples(OF_2005, BINGHAM, 32)
+    assert {s.ground for s in drawn} == set(grounds)
+
+
+def test_low_speed_is_the_quantile_of_all_from_the_slowest() -> None:
+    speeds = np.random.default_rng(1).normal(size=64)
+    assert low_speed(np.sort(speeds)[:20], 64) == pytest.approx(np.quantile(speeds, 0.05))
+
+
+def test_robust_on_viscous_ground_by_runs_in_time() -> None:
+    stated = sn.Uncertainty(friction=(0.1, 0.3, 0, 0), amplitude=0.05, common_amplitude=0.08)
+    best = sn.robust_gait(PAPER, VISCOUS, speed_m_s=0.2, uncertainty=stated)
+    assert best.low_speed_m_s == pytest.approx(0.18, rel=0.01)
+    assert best.speed_m_s >= 0.2 * 0.999
+    assert best.fragile_low_m_s < best.low_speed_m_s
+    assert 0 < best.premium < 0.6
+    drawn = stated.samples(PAPER, VISCOUS, 64)
+    for k in np.argsort(best.speeds_m_s)[[0, 3, 40]]:
+        sample = drawn[k]
+        by_time = run_speed(PAPER, sample.ground, sample.gait(best.gait), cycles=25)
+        assert by_time == pytest.approx(best.speeds_m_s[k], rel=3e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", [0.05, 0.1])
+def test_robust_2005_robot(speed: float) -> None:
+    """The target: at most 25 % more power; and it bears both faults together, run in time."""
+    best = sn.robust_gait(OF_2005, BINGHAM, speed_m_s=speed)
+    assert best.premium < 0.25
+    assert best.low_speed_m_s > 0.895 * speed
+    assert best.checked_low_m_s > 0.85 * speed
+    assert best.fragile_low_m_s < 0.7 * speed
+    weak = replace(best.gait, alpha_rad=0.9 * best.gait.alpha_rad)
+    loose = replace(BINGHAM, fn0=0.87 * BINGHAM.fn0)
+    assert run_speed(OF_2005, loose, weak) > 0.85 * speed
+    fragile = best.fragile.gait
+    less = replace(fragile, alpha_rad=0.9 * fragile.alpha_rad)
+    assert run_speed(OF_2005, loose, less) < 0.5 * speed
+    drawn = best.uncertainty.samples(OF_2005, BINGHAM, best.speeds_m_s.size)
+    for k in np.argsort(best.speeds_m_s)[[0, 2, 30]]:
+        by_time = run_speed(OF_2005, drawn[k].ground, drawn[k].gait(best.gait))
+        assert by_time == pytest.approx(best.speeds_m_s[k], rel=0.02)
+
+
+def test_samples_agree_with_the_solver_one_by_one() -> None:
+    drawn = sn.Uncertainty().samples(OF_2005, BINGHAM, 4)
+    speeds = sampled_speeds(OF_2005, STURDY, drawn)
+    by_time = [run_speed(OF_2005, s.ground, s.gait(STURDY)) for s in drawn]
+    assert speeds == pytest.approx(by_time, rel=0.01)
+
+
+def test_refusals() -> None:
+    with pytest.raises(sn.BadInput, match="amplitude is 3"):
+        sn.Uncertainty(amplitude=3.0)
+    with pytest.raises(sn.BadInput, match="four sigmas"):
+        sn.Uncertainty(friction=(0.1, 0.1))  # pyright: ignore[reportArgumentType]
+    with pytest.raises(sn.BadInput, match="samples is 3"):
+        sn.robust_gait(PAPER, VISCOUS, speed_m_s=0.1, samples=3)
