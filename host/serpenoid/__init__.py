@@ -51,7 +51,6 @@ _HOMES = {
     "model.link_state": ("LinkState",),
     "model.robot": ("Robot",),
     "exchange.mjcf": ("to_mjcf",),
-    "gaits.least_power": ("LeastPower", "least_power_gait"),
     "gaits.least_power": ("LeastPower", "least_power_gait", "power_front"),
     "gaits.limits": ("GaitLimits",),
     "gaits.margins": ("Margins", "gait_margins"),

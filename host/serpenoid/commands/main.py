@@ -15,6 +15,7 @@ from .bench import BENCH_GROUP
 from .board import COMMANDS as BOARD_COMMANDS
 from .calibrate import calibrate
 from .examples import examples
+from .figures import figures
 from .friction.compare import compare
 from .friction.fit import fit
 from .optimize import optimize
@@ -49,6 +50,7 @@ for command in (
     calibrate,
     compare,
     examples,
+    figures,
     fit,
     optimize,
     simulate,

@@ -1,33 +1,236 @@
-"""The command `serpenoid optimize`: the gait that costs least power at a speed."""
+"""The command `serpenoid optimize`: the gait of least power at a speed, onto the robot if asked."""
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import AS_JSON, describe, interruptible, make_robot, robot_options, show_json
+from ..model.errors import NotConverged
+from ..model.words import FORMULATIONS
+from .options import (
+    AS_JSON,
+    describe,
+    interruptible,
+    make_robot,
+    robot_options,
+    show_json,
+    stacked,
+)
+from .paths import FIGURES, OutFile
+
+if TYPE_CHECKING:
+    from ..gaits.least_power import LeastPower
+    from ..gaits.limits import GaitLimits
+    from ..gaits.robust import RobustGait
+    from ..gaits.uncertainty import Uncertainty
+    from ..model.ground import Ground
+    from ..model.robot import Robot
+
+_BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
+
+limit_options = stacked([
+    click.option("--joint-angle-deg", type=float, help="Most a joint may bend; 110 unless given."),
+    click.option("--servo-speed-deg-s", type=float, help="Most a servo turns."),
+    click.option("--servo-torque-nm", type=float, help="Most a servo holds."),
+    click.option("--omega-low-rad-s", type=float, help="Lowest rate of the gait."),
+    click.option("--omega-high-rad-s", type=float, help="Highest rate of the gait."),
+])  # fmt: skip
+doubt_options = stacked([
+    click.option("--robust", is_flag=True,
+                 help="Keep 90 % of the speed for 95 % of the robots that may be the real one."),
+    click.option("--amplitude-sigma", type=float, help="Of each joint, relative; 0.02."),
+    click.option("--common-amplitude-sigma", type=float, help="Of all joints, relative; 0.03."),
+    click.option("--lag-sigma-deg", type=float, help="Of each joint's phase; 1."),
+])  # fmt: skip
+send_options = stacked([
+    click.option("--send", is_flag=True, help="Drive the gait on the robot, as `drive` does."),
+    click.option("--port", help="Serial port; found by its USB id unless given."),
+    click.option("--duration-s", type=click.FloatRange(0, min_open=True),
+                 help="With --send: how long; until Ctrl-C unless given."),
+    click.option("--record", type=OutFile(), help="With --send: new file for the run's lines."),
+])  # fmt: skip
 
 
 @click.command()
 @robot_options
-@click.option("--speed-m-s", type=float, required=True, help="Wanted speed.")
+@click.option("--speed-m-s", "--speed", "speeds", required=True, metavar="M/S[,M/S...]",
+              help="Wanted speed; several, with commas, give the whole front.")  # fmt: skip
 @click.option("--cost", type=click.Choice(["power", "abs_power", "positive_power"]),
               default="power", show_default=True, help="Mean power to make least.")  # fmt: skip
+@click.option("--formulation", type=click.Choice(FORMULATIONS), default="explicit",
+              show_default=True, help="Exact model, or the paper's springs.")  # fmt: skip
+@limit_options
+@doubt_options
+@click.option("--plot", type=OutFile(*FIGURES),
+              help="Draw speed against amplitude and fn0 around the gait: the cliff.")  # fmt: skip
+@send_options
 @AS_JSON
-def optimize(as_json: bool, speed_m_s: float, cost: str, **given: Any) -> None:
-    """Find the gait that costs least power at a speed."""
-    from ..gaits.least_power import least_power_gait
-    from ..periodic.steady import steady_gait
-    from ..show import report
+def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
+    """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
 
-    robot, ground = make_robot(given)
-    with report.busy("searching (up to a minute on dry ground)"):
-        best = interruptible(
-            lambda: least_power_gait(robot, ground, speed_m_s=speed_m_s, cost=cost)
+    With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
+    """
+    wanted = _speeds(speeds)
+    run = {name: given.pop(name) for name in ("port", "duration_s", "record")}
+    ask = _Asked(given, send)
+    if len(wanted) > 1:
+        if send or plot or ask.robust:
+            raise click.UsageError("--send, --plot and --robust take one speed")
+        return _show_front(ask, wanted, as_json)
+    found = interruptible(lambda: ask.find(wanted[0]))
+    report_as = _robust_dict if ask.robust else _plain_dict
+    from ..gaits.margins import gait_margins
+
+    margins = interruptible(lambda: gait_margins(ask.robot, ask.ground, found.gait))
+    if plot is not None:
+        from ..show.gait_figures import cliff_figure
+
+        interruptible(
+            lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
         )
-        s = steady_gait(robot, ground, best.gait)  # the search may leave out the other powers
     if as_json:
-        show_json({"gait": describe(best.gait), "cost": cost} | s.to_dict())
+        show_json(report_as(found) | {"margins": margins.to_dict()})
     else:
-        report.steady(s)
+        _print(found, margins)
+    if send:
+        from .board.drive import drive_gait
+
+        drive_gait(found.gait, run["duration_s"], run["port"], run["record"], as_json)
+    return None
+
+
+def _speeds(text: str) -> list[float]:
+    try:
+        speeds = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise click.BadParameter(
+            f"{text!r} is not a speed, nor speeds with commas", param_hint="--speed-m-s"
+        ) from None
+    return speeds
+
+
+class _Asked:
+    """What the options ask for: robot, ground, limits, cost, doubt."""
+
+    def __init__(self, given: dict[str, Any], send: bool) -> None:
+        self.robust, self.cost = given.pop("robust"), given.pop("cost")
+        self.formulation = given.pop("formulation")
+        if self.robust and self.formulation == "implicit":
+            raise click.UsageError("--robust runs on the exact model; leave --formulation out")
+        self.limits = _limits(given, send)
+        self.uncertainty = _uncertainty(given)
+        self.robot: Robot
+        self.ground: Ground
+        self.robot, self.ground = make_robot(given)
+
+    def find(self, speed: float) -> LeastPower | RobustGait:
+        """Search for one speed."""
+        from ..gaits.least_power import least_power_gait
+        from ..gaits.robust import robust_gait
+        from ..show import report
+
+        with report.busy("searching"):
+            if self.robust:
+                return robust_gait(
+                    self.robot, self.ground, speed_m_s=speed, uncertainty=self.uncertainty,
+                    cost=self.cost, limits=self.limits,
+                )  # fmt: skip
+            return least_power_gait(
+                self.robot, self.ground, speed_m_s=speed, cost=self.cost, limits=self.limits,
+                formulation=self.formulation,
+            )  # fmt: skip
+
+
+def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
+    """Take the limits; a gait that is sent keeps to those of a new board unless told."""
+    from ..gaits.limits import GaitLimits
+
+    if send:
+        for name, most in (("joint_angle_deg", _BOARD_ANGLE_DEG),
+                           ("servo_speed_deg_s", _BOARD_SPEED_DEG_S)):  # fmt: skip
+            given[name] = most if given[name] is None else given[name]
+    taken = {
+        "joint_angle_rad": given.pop("joint_angle_deg"),
+        "servo_speed_rad_s": given.pop("servo_speed_deg_s"),
+        "servo_torque_nm": given.pop("servo_torque_nm"),
+        "omega_low_rad_s": given.pop("omega_low_rad_s"),
+        "omega_high_rad_s": given.pop("omega_high_rad_s"),
+    }
+    for name in ("joint_angle_rad", "servo_speed_rad_s"):
+        taken[name] = None if taken[name] is None else math.radians(taken[name])
+    return GaitLimits(**{name: value for name, value in taken.items() if value is not None})
+
+
+def _uncertainty(given: dict[str, Any]) -> Uncertainty:
+    """Take the doubt about servos, and about friction from a fit where there is one."""
+    from ..gaits.uncertainty import Uncertainty
+
+    lag = given.pop("lag_sigma_deg")
+    taken = {
+        "amplitude": given.pop("amplitude_sigma"),
+        "common_amplitude": given.pop("common_amplitude_sigma"),
+        "lag_rad": None if lag is None else math.radians(lag),
+    }
+    changes: dict[str, Any] = {k: v for k, v in taken.items() if v is not None}
+    if given.get("session") is not None or given.get("ground_file") is not None:
+        from .friction.given import take_fit
+
+        fit = take_fit(dict(given))
+        if fit is not None:
+            changes["grounds"] = fit.sample()
+    return Uncertainty(**changes)
+
+
+def _plain_dict(found: Any) -> dict[str, Any]:
+    return {
+        "gait": describe(found.gait), "cost": found.cost, "formulation": found.formulation,
+        "cost_w": found.power_w, "cost_error_w": found.power_error_w, "active": found.active,
+        "basins": found.basins, "runner_up_w": found.runner_up_w,
+    } | found.steady.to_dict()  # fmt: skip
+
+
+def _robust_dict(found: Any) -> dict[str, Any]:
+    return {
+        "gait": describe(found.gait), "cost": found.cost, "cost_w": found.power_w,
+        "active": found.active, "uncertainty": found.uncertainty.in_words(),
+        "low_speed_m_s": found.low_speed_m_s, "checked_low_m_s": found.checked_low_m_s,
+        "premium": found.premium, "fragile": _plain_dict(found.fragile),
+        "fragile_low_m_s": found.fragile_low_m_s,
+    } | found.steady.to_dict()  # fmt: skip
+
+
+def _print(found: Any, margins: Any) -> None:
+    from ..gaits.robust import RobustGait
+    from ..show import gait_report, report
+
+    report.steady(found.steady)
+    if isinstance(found, RobustGait):
+        gait_report.robust(found)
+    else:
+        gait_report.optimum(found)
+    gait_report.margins(margins)
+
+
+def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:
+    from ..gaits.least_power import power_front
+    from ..show import gait_report, report
+
+    if ask.formulation == "implicit":
+        raise click.UsageError("--formulation implicit takes one speed")
+    with report.busy("searching"):
+        front = interruptible(
+            lambda: power_front(
+                ask.robot, ask.ground, speeds_m_s=speeds, cost=ask.cost, limits=ask.limits
+            )
+        )
+    if all(best is None for best in front):
+        raise NotConverged(
+            f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
+        )
+    if as_json:
+        show_json({"front": [None if best is None else _plain_dict(best) for best in front]})
+    else:
+        gait_report.front(speeds, front)

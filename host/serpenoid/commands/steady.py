@@ -41,9 +41,10 @@ def steady(
     damping_n_s_m: float,
     **given: Any,
 ) -> None:
-    """Find the periodic state of one gait: speed, powers, settling time."""
+    """Find the periodic state of one gait: speed, powers, settling time, margins."""
+    from ..gaits.margins import gait_margins
     from ..periodic.steady import steady_gait
-    from ..show import report
+    from ..show import gait_report, report
 
     robot, ground = make_robot(given)
     gait = make_gait(given)
@@ -61,4 +62,8 @@ def steady(
         as_dict = {"gait": describe(gait)} | soft.to_dict()
         return show_json(as_dict) if as_json else report.steady_springs(soft)
     s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
-    return show_json({"gait": describe(gait)} | s.to_dict()) if as_json else report.steady(s)
+    margins = interruptible(lambda: gait_margins(robot, ground, gait))
+    if as_json:
+        return show_json({"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()})
+    report.steady(s)
+    return gait_report.margins(margins)

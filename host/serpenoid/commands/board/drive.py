@@ -12,6 +12,7 @@ from ..paths import OutFile
 from .port import PORT
 
 if TYPE_CHECKING:
+    from ...model.gait import Gait
     from ...robot.tools.driven_run import Drive
 
 
@@ -31,9 +32,16 @@ def drive(
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
     Ctrl-C.
     """
+    drive_gait(make_gait(given), duration_s, port, record, as_json)
+
+
+def drive_gait(
+    gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool
+) -> None:
+    """Drive a gait, show it, and sum it up, as the command `drive` says."""
     from ...robot.tools.driven_run import Drive
 
-    run = Drive(make_gait(given), port, record)
+    run = Drive(gait, port, record)
     try:
         interrupted = _drive(run, duration_s, as_json)
     finally:  # a run that failed has a summary too

@@ -1,0 +1,145 @@
+"""The command `serpenoid figures`: the study of 2005 remade, figure by figure, claim by claim."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .options import AS_JSON, finite, interruptible, show_json
+from .paths import OutFolder
+
+if TYPE_CHECKING:
+    from ..bench.paper_study import Claim, Comparison, Reading
+    from ..gaits.least_power import LeastPower
+    from ..periodic.sweep import Sweep
+
+Shown = list[tuple[str, str]]  # pictures with their captions
+
+
+@click.command()
+@click.option("--out", type=OutFolder(), default=Path("figures-out"), show_default=True,
+              help="Folder for figures, their data and the page.")  # fmt: skip
+@click.option("--power", type=click.Choice(["net", "abs", "positive"]), default="net",
+              show_default=True, help="Mean of P, of |P| or of P+.")  # fmt: skip
+@click.option("--angles", type=click.Choice(["joint", "absolute"]), default="joint",
+              show_default=True, help="What Eq. 57 drives: joints, or links.")  # fmt: skip
+@click.option("--speed-along", type=click.Choice(["mean", "x"]), default="mean", show_default=True,
+              help="Direction the speed counts in: of travel, or global x.")  # fmt: skip
+@AS_JSON
+def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool) -> None:
+    """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
+
+    Writes Figs. 6 to 13 and 15 to 17, the cliff of a fragile and a robust gait, a data file beside
+    each, claims.json and index.html. About half a minute.
+    """
+    from ..bench.paper_study import Reading, as_dict
+    from ..show import report
+    from ..show.paper_page import claim_table, write_page
+
+    out.mkdir(parents=True, exist_ok=True)
+    reading = Reading(power, angles, speed_along)
+    with report.progress(6, "figures") as advance:
+        found, shown = interruptible(lambda: _draw(out, reading, advance))
+    values = as_dict(found, reading)
+    (out / "claims.json").write_text(json.dumps(finite(values), indent=2) + "\n")
+    write_page(out / "index.html", found, shown, values["reading"])
+    if as_json:
+        show_json(values | {"page": str(out / "index.html")})
+    else:
+        claim_table(found)
+        click.echo(f"wrote {out / 'index.html'} and {len(shown)} figures with their data")
+
+
+def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[list[Claim], Shown]:
+    """Compute and draw; return the claims, and the pictures with their captions."""
+    from ..bench import paper_study as study
+
+    comparison = study.compare_formulations()
+    advance(1)
+    cloud, front = study.papers_sweep(powers=reading.power != "net"), study.papers_front(reading)
+    advance(1)
+    shown = [*_of_time(out, comparison), *_of_optima(out, cloud, front, reading)]
+    advance(1)
+    shown += _of_experiment(out)
+    advance(1)
+    shown += _of_cliffs(out)
+    advance(1)
+    claims = study.claims(comparison, front, reading)
+    advance(1)
+    return claims, shown
+
+
+def _of_time(out: Path, comparison: Comparison) -> Shown:
+    from ..bench import paper_study as study
+    from ..show import plot
+    from ..show.paper_figures import errors_in_time
+
+    errors_in_time(comparison, out / "fig6-7.png")
+    plot.path_and_poses(
+        study.path_run(study.PATH_GAIT, 3), "α = 30°, β = 80°, ω = 5 rad/s", out / "fig12-13.png"
+    )
+    return [
+        ("fig6-7.png", "Figs. 6 and 7: implicit less exact model, tail of three links"),
+        ("fig12-13.png", "Figs. 12 and 13: path and six poses of the periodic state"),
+    ]
+
+
+def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Reading) -> Shown:
+    from ..bench import paper_study as study
+    from ..show import gait_figures
+    from ..show.paper_figures import power_of
+
+    along = [1.0 if reading.speed_along == "mean" else study.along_x(b.gait) for b in front]
+    words = f"six links of 1 kg, 0.12 m; {reading.power} power"
+    amplitudes = [study.shown_amplitude_deg(b.gait, reading) for b in front]
+    power_of(cloud, front, along, study.COSTS[reading.power], words, out / "fig8.png")
+    gait_figures.optimum_figure(front, {"beta_deg": 80, "alpha_deg": 30}, words,
+                                out / "fig9-11.png", amplitudes, along)  # fmt: skip
+    gait_figures.shape_maps(cloud, 4, f"{words}; ω = 5 rad/s", out / "shapes.png")
+    return [("fig8.png", "Fig. 8: power against speed, and the least"),
+            ("fig9-11.png", "Figs. 9 to 11: the optimum's rate, lag and amplitude"),
+            ("shapes.png", "Speed and cost of transport over the shapes")]  # fmt: skip
+
+
+def _of_experiment(out: Path) -> Shown:
+    from ..calibration.friction_fit import fit_friction
+    from ..calibration.prediction import predict_all
+    from ..calibration.session_file import load_session
+    from ..model.gait import Gait
+    from ..show import plot
+    from .demo import ALPHA_DEG, BETA_DEG, session_folder
+
+    session = load_session(session_folder())
+    fit = fit_friction(session)
+    plot.friction_lines(session, fit, out / "fig15-16.png", "readings regenerated from the lines "
+                        "that the paper prints: its own are lost")  # fmt: skip
+    gaits = [
+        Gait(math.radians(ALPHA_DEG), math.radians(BETA_DEG), 2 * math.pi * f)
+        for f in (0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
+    ]
+    points = predict_all(session.setup.robot, fit, gaits)
+    plot.speed_against_frequency(points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}°",
+                                 out / "fig17.png")  # fmt: skip
+    return [("fig15-16.png", "Figs. 15 and 16: friction along and across the links"),
+            ("fig17.png", "Fig. 17: speed against frequency of the 2005 robot")]  # fmt: skip
+
+
+def _of_cliffs(out: Path) -> Shown:
+    from ..bench import paper_study as study
+    from ..gaits.uncertainty import Uncertainty
+    from ..model.gait import Gait
+    from ..show.gait_figures import cliff_figure
+
+    rad = math.radians
+    for name, gait in (("fragile", Gait(rad(66.7), rad(78.8), 1.6)),
+                       ("robust", Gait(rad(80), rad(75), 1.75))):  # fmt: skip
+        cliff_figure(study.OF_2005, study.BINGHAM, gait, Uncertainty(), out / f"cliff-{name}.png")
+    return [
+        ("cliff-fragile.png", "The cliff: the least-power gait for 0.05 m/s stands beside it"),
+        ("cliff-robust.png", "A gait that survives: 19 % more power, far from the edge"),
+    ]

@@ -1,0 +1,149 @@
+"""Pictures of gaits: the cliff, the cloud of gaits with its front, optima against speed, maps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gaits.cliff import Cliff, cliff_around
+from ..gaits.least_power import LeastPower
+from ..gaits.uncertainty import Uncertainty
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from ..periodic.sweep import Sweep
+from .plot import BLUE, GREY, ORANGE, figure
+from .report import write_csv
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+
+def beside(path: Path) -> Path:
+    """Return the name of the data file beside a picture."""
+    return path.with_suffix(".csv")
+
+
+def gait_words(gait: Gait) -> str:
+    """Return a gait for a title."""
+    return (
+        f"α = {math.degrees(gait.alpha_rad):.1f}°, β = {math.degrees(gait.beta_rad):.1f}°, "
+        f"ω = {gait.omega_rad_s:.3g} rad/s"
+    )
+
+
+def robot_words(robot: Robot, ground: Ground) -> str:
+    """Return robot and ground for a title."""
+    friction = f"ct {ground.ct:.3g}, cn {ground.cn:.3g} N s/m"
+    if ground.dry:
+        friction += f", ft0 {ground.ft0:.3g}, fn0 {ground.fn0:.3g} N"
+    return (
+        f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m; "
+        f"{friction} a link"
+    )
+
+
+def cliff_figure(
+    robot: Robot, ground: Ground, gait: Gait, uncertainty: Uncertainty, path: Path
+) -> None:
+    """Draw speed against amplitude and grip around a gait, with its doubt and the edge."""
+    draw_cliff(cliff_around(robot, ground, gait, uncertainty), path)
+
+
+def draw_cliff(cliff: Cliff, path: Path, title: str = "") -> None:
+    """Draw a cliff that was computed; its numbers go into a CSV file beside the picture."""
+    with figure(6.4, 5.2) as (fig, ax):
+        cliff_axes(fig, ax, cliff, title or gait_words(cliff.gait))
+        fig.suptitle(robot_words(cliff.robot, cliff.ground), fontsize=8, color=GREY)
+        fig.savefig(path)
+    rows = [
+        [a, f, cliff.speed_m_s[i, j]]
+        for i, a in enumerate(cliff.amplitude.tolist())
+        for j, f in enumerate(cliff.factor.tolist())
+    ]
+    write_csv(beside(path), ["amplitude_factor", f"{cliff.grip}_factor", "speed_m_s"], rows)
+
+
+def cliff_axes(fig: Any, ax: Axes, cliff: Cliff, title: str) -> None:
+    """Fill one pair of axes with a cliff."""
+    from matplotlib.patches import Ellipse
+
+    x, y = 100 * (cliff.amplitude - 1), 100 * (cliff.factor - 1)
+    ratio = 100 * cliff.speed_m_s.T / cliff.full_m_s
+    levels = np.arange(0, 141, 10)
+    shade = ax.contourf(x, y, ratio, levels=levels, cmap="cividis", extend="max")
+    fig.colorbar(shade, ax=ax, label="speed (% of the gait's)")
+    edge = ax.contour(x, y, ratio, levels=[90], colors="white", linewidths=2)
+    ax.clabel(edge, fmt=lambda _: "90 %", fontsize=8)
+    for k, style in ((1, "-"), (2, "--")):
+        width, height = (200 * k * s for s in cliff.sigma)
+        ax.add_patch(Ellipse((0, 0), width, height, fill=False, ec="black", ls=style, lw=1.5))
+    ax.plot(0, 0, "o", color="black", mec="white", ms=7)
+    ax.annotate(
+        "the gait, 1σ and 2σ", (0, 0), xytext=(8, -30), textcoords="offset points", fontsize=8,
+        bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.5},
+    )  # fmt: skip
+    ax.set(xlabel="amplitude of the joints, off by (%)", ylabel=f"{cliff.grip}, off by (%)")
+    ax.set_xlim(x[0], x[-1])
+    ax.set_ylim(y[0], y[-1])
+    ax.set_title(f"{title}: {cliff.full_m_s:.3g} m/s", fontsize=10)
+    ax.grid(visible=False)
+
+
+def optimum_figure(
+    best: Sequence[LeastPower], papers: dict[str, float], title: str, path: Path,
+    amplitudes_deg: Sequence[float], along: Sequence[float],
+) -> None:  # fmt: skip
+    """Draw the optimum's rate, lag and amplitude against speed (Figs. 9, 10, 11).
+
+    papers: what the paper states for "beta_deg" and "alpha_deg", drawn as dashed lines.
+    amplitudes_deg: as they are to be counted; along: what part of each speed counts.
+    """
+    speed = [b.speed_m_s * part for b, part in zip(best, along, strict=True)]
+    parts = (
+        ("ω (rad/s), Fig. 9", [b.gait.omega_rad_s for b in best], None),
+        ("β (deg), Fig. 10", [math.degrees(b.gait.beta_rad) for b in best], papers.get("beta_deg")),
+        ("α (deg), Fig. 11", list(amplitudes_deg), papers.get("alpha_deg")),
+    )  # fmt: skip
+    with figure(10.5, 3.6, 3) as (fig, axes):
+        for ax, (name, values, stated) in zip(axes, parts, strict=True):
+            ax.plot(speed, values, "o-", color=BLUE, ms=4)
+            if stated is not None:
+                ax.axhline(stated, color=ORANGE, ls="--")
+                ax.annotate(f"paper: {stated:g}", (speed[-1], stated), ha="right", fontsize=8,
+                            xytext=(0, 4), textcoords="offset points")  # fmt: skip
+            ax.set(xlabel="speed (m/s)", title=name)
+            ax.set_ylim(0, 1.15 * max(*values, stated or 0))
+        fig.suptitle(title, fontsize=10)
+        fig.savefig(path)
+    rows = [list(row) for row in zip(speed, *[values for _, values, _ in parts], strict=True)]
+    write_csv(beside(path), ["speed_m_s", "omega_rad_s", "beta_deg", "alpha_deg"], rows)
+
+
+def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
+    """Draw heat maps of speed and of power per speed over (alpha, beta) at one rate of a sweep."""
+    speed, power = found.speed_m_s[:, :, at], found.power_w[:, :, at]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cost = np.where(speed > 0.02 * speed.max(), power / speed, np.nan)
+    alpha, beta = np.degrees(found.alpha_rad), np.degrees(found.beta_rad)
+    parts = (("speed (m/s)", speed), ("net power over speed (N)", cost))
+    with figure(9.6, 4.0, 2) as (fig, axes):
+        for ax, (name, values) in zip(axes, parts, strict=True):
+            shade = ax.contourf(alpha, beta, values.T, levels=16, cmap="cividis")
+            fig.colorbar(shade, ax=ax)
+            ax.set(xlabel="α (deg)", ylabel="β (deg)", title=name)
+            ax.grid(visible=False)
+        fig.suptitle(title, fontsize=10)
+        fig.savefig(path)
+    rows = [
+        [a, b, speed[i, j], power[i, j]]
+        for i, a in enumerate(alpha.tolist()) for j, b in enumerate(beta.tolist())
+    ]  # fmt: skip
+    write_csv(beside(path), ["alpha_deg", "beta_deg", "speed_m_s", "power_w"], rows)

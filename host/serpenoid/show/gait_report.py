@@ -1,0 +1,79 @@
+"""What the command line says of optima: their error, limits, margins and doubts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from .report import console, notices, table
+
+if TYPE_CHECKING:
+    from ..gaits.least_power import LeastPower
+    from ..gaits.margins import Margins
+    from ..gaits.robust import RobustGait
+
+
+def _percent(fraction: float) -> str:
+    """Return a fraction as percent, with words where it has no number."""
+    if math.isnan(fraction):
+        return "no dry friction"
+    return "more than 60 %" if math.isinf(fraction) else f"{100 * fraction:.3g} %"
+
+
+def optimum(found: LeastPower) -> None:
+    """Print what is known of an optimum."""
+    rows = [
+        [f"least {found.cost}", f"{found.power_w:.6g} W"],
+        ["error of the optimum, estimated", f"{found.power_error_w:.1g} W"],
+        ["limits reached", ", ".join(found.active) or "none"],
+        ["valleys of shapes followed", f"{found.basins}"],
+    ]
+    if math.isfinite(found.runner_up_w):
+        rows.append(["next best valley", f"{found.runner_up_w:.6g} W"])
+    table("the optimum", ["", "value"], rows)
+
+
+def robust(found: RobustGait) -> None:
+    """Print what robustness gives, and what it costs."""
+    rows = [
+        ["wanted speed", f"{found.wanted_m_s:.4g} m/s"],
+        ["95 % of the sampled robots are faster than", f"{found.low_speed_m_s:.4g} m/s"],
+        ["the same, of other samples", f"{found.checked_low_m_s:.4g} m/s"],
+        [f"{found.cost}", f"{found.power_w:.4g} W"],
+        ["more than the least-power gait's", f"{100 * found.premium:.3g} %"],
+        ["95 % of the robots with that gait make", f"{found.fragile_low_m_s:.4g} m/s"],
+        ["limits reached", ", ".join(found.active) or "none"],
+    ]
+    table("robust gait", ["", "value"], rows)
+    console.print(f"taken as uncertain: {found.uncertainty.in_words()}", highlight=False)
+
+
+def margins(found: Margins) -> None:
+    """Print how far the cliff is, and warn beside it."""
+    rows = [
+        ["amplitude may fall by, for a tenth of the speed", _percent(found.amplitude)],
+        ["fn0 may fall by, for a tenth of the speed", _percent(found.grip)],
+        ["speed lost with 10 % less amplitude", _percent(found.amplitude_loss)],
+        ["speed lost with 13 % less fn0", _percent(found.grip_loss)],
+    ]
+    table("margins", ["", "value"], rows)
+    if found.warning:
+        notices.print(f"serpenoid: warning: {found.warning}")
+
+
+def front(speeds_m_s: Sequence[float], found: Sequence[LeastPower | None]) -> None:
+    """Print the least-power gaits of many speeds."""
+    rows = []
+    for speed, best in zip(speeds_m_s, found, strict=True):
+        if best is None:
+            rows.append([f"{speed:.4g}", "out of reach", "", "", "", ""])
+            continue
+        gait = best.gait
+        rows.append([
+            f"{speed:.4g}", f"{best.power_w:.5g}", f"{gait.omega_rad_s:.4g}",
+            f"{math.degrees(gait.alpha_rad):.4g}", f"{math.degrees(gait.beta_rad):.4g}",
+            ", ".join(best.active) or "none",
+        ])  # fmt: skip
+    columns = ["speed (m/s)", "W", "omega (rad/s)", "alpha (deg)", "beta (deg)", "limits reached"]
+    table("least power at each speed", columns, rows)
