@@ -18,7 +18,9 @@ from .shape_search import Shape, on_threads
 Array = NDArray[np.float64]
 # Rates that are tried, as omega times body length over speed; then further up while that may help.
 _FIRST, _STEP, _MANY = 4.0, 1.9, 6
+_FIRST_DRY, _STEP_DRY, _MANY_DRY = 6.0, 2.4, 4  # a dry gait costs a hundred times as much
 _SWING_DEG = (5, 9, 14, 20, 27, 35, 44, 54, 66, 80)
+_SWING_DRY_DEG = (9, 16, 24, 33, 43, 54, 66, 80)
 
 
 class Candidate(NamedTuple):
@@ -41,16 +43,22 @@ class GaitCloud:
     ) -> None:
         self.robot, self.ground, self.cost, self.limits = robot, ground, cost, limits
         n = robot.links
+        first, step, many = (
+            (_FIRST_DRY, _STEP_DRY, _MANY_DRY) if ground.dry else (_FIRST, _STEP, _MANY)
+        )
         least_lag = min(math.radians(22), 2.2 / n)  # a third of a wave on the body
-        lags = np.geomspace(least_lag, math.radians(165), 12 if n <= 8 else 18)
-        swings = np.radians(np.array(_SWING_DEG, dtype=float))
+        lags = np.geomspace(
+            least_lag, math.radians(165), (10 if ground.dry else 12) if n <= 8 else 18
+        )
+        swings = np.radians(np.array(_SWING_DRY_DEG if ground.dry else _SWING_DEG, dtype=float))
         self.beta_rad = np.broadcast_to(lags, (swings.size, lags.size))
         self.alpha_rad = 2 * swings[:, None] * np.sin(lags / 2)
         self.omega_rad_s = np.empty(0)
         self.speed_m_s = self.cost_w = np.empty((swings.size, lags.size, 0))
         base = 1 / (n * robot.link_length_m)
-        span = math.log(max(speeds) / min(speeds)) / math.log(_STEP)
-        self._extend(base * min(speeds) * _FIRST * _STEP ** np.arange(_MANY + math.ceil(span)))
+        span = math.log(max(speeds) / min(speeds)) / math.log(step)
+        factors = np.array([step**k for k in range(many + math.ceil(span))])
+        self._extend(base * min(speeds) * first * factors)
         self._reach_up(max(speeds))
 
     def _extend(self, rates: Array) -> None:

@@ -17,7 +17,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..model.words import FORMULATIONS
-from ..periodic.steady import Steady, check_ground, steady_gait
+from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
 from .gait_cloud import Candidate, GaitCloud
 from .limits import GaitLimits
@@ -65,6 +65,7 @@ class Finder:
         solver = solve or exact_solver(robot, ground, powers=cost != "power")
         self.search = ShapeSearch(robot, ground, solver, cost, limits)
         self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
+        self.kinks = 2e-3 if ground.dry else 0.0  # how far small valleys were found apart
         self.smallest = 0.012 if ground.dry or not self.exact else 0.002
 
     def follow(self, start: Candidate, speed: float, radius: float) -> tuple[Point, float]:
@@ -91,6 +92,11 @@ class Finder:
         if not ends:
             raise self.unreachable(speed)
         ends.sort(key=lambda e: e[0].value)
+        if self.ground.dry:  # kinks make small valleys in the large one
+            at = ends[0][0]
+            state: Any = at.data
+            again = Candidate(0.0, Shape(*at.at), state.gait.omega_rad_s)
+            ends[0] = self.follow(again, speed, 0.05)
         return self.finish(speed, ends)
 
     def finish(self, speed: float, ends: list[tuple[Point, float]]) -> LeastPower:
@@ -100,14 +106,21 @@ class Finder:
         state = search.at_speed(Shape(*best.at), speed, rough.gait.omega_rad_s, self.rtol) or rough
         watts = getattr(state, f"{search.cost}_w")
         apart = [p for p, _ in ends[1:] if np.abs(p.at - best.at).max() > 0.1]
-        exact = state if self.exact else steady_gait(self.robot, self.ground, state.gait)
+        exact = self.exact_state(state)
         return LeastPower(
             state.gait, watts, state.speed_m_s, search.cost, exact, limits=self.limits,
             active=self.limits.active(state.gait, search.torque_nm(state.gait)),
-            power_error_w=_numerical(state, search.cost) + watts * min(gap, 1.0),
+            power_error_w=_numerical(state, search.cost) + watts * min(max(gap, self.kinks), 1.0),
             basins=1 + len(apart), evaluations=search.evaluations,
             runner_up_w=watts * math.exp(apart[0].value - best.value) if apart else math.inf,
         )  # fmt: skip
+
+    def exact_state(self, state: Any) -> Steady:
+        """Return the exact model's state of a gait with all powers, which a search leaves out."""
+        if self.exact and self.search.cost != "power":
+            return state
+        rtol = max(self.rtol, 1e-8) if self.exact else 1e-6
+        return exact_solver(self.robot, self.ground, powers=True)(state.gait, rtol)
 
     def unreachable(self, speed: float) -> NotConverged:
         """Return the error that says how fast the robot can go."""

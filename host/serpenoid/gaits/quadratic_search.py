@@ -42,7 +42,7 @@ def _fit(unit: Array, values: Array) -> Array | None:
     good = np.isfinite(values)
     if good.sum() < 6:
         return None
-    return np.linalg.lstsq(_terms(unit[good]), values[good], rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(_terms(unit[good]), values[good], rcond=None)[0], dtype=float)
 
 
 def _terms(u: Array) -> Array:

@@ -20,7 +20,7 @@ from .gait_cloud import Candidate
 from .least_power import ANY, LeastPower, finder
 from .limits import GaitLimits
 from .quadratic_search import Array, Point, least
-from .shape_search import on_threads
+from .shape_search import exact_solver, on_threads
 from .uncertainty import Sample, Uncertainty
 
 KEEP, QUANTILE = 0.9, 0.05
@@ -210,12 +210,11 @@ def _finished(
     """Solve the gait once more, and look at all samples and at fresh ones."""
     rough: Any = best.data
     gait, search = rough.gait, work.search
-    state = search.solve(gait, 1e-4)
-    exact = state if isinstance(state, Steady) else steady_gait(robot, ground, gait)
+    exact = exact_solver(robot, ground, powers=True)(gait, 1e-4)
     speeds = sampled_speeds(robot, gait, drawn)
     fresh = uncertainty.samples(robot, ground, len(drawn), seed + 1)
     return RobustGait(
-        gait, getattr(state, f"{search.cost}_w"), state.speed_m_s, work.wanted, search.cost, exact,
+        gait, getattr(exact, f"{search.cost}_w"), exact.speed_m_s, work.wanted, search.cost, exact,
         uncertainty, low_speed(speeds, len(drawn)),
         low_speed(sampled_speeds(robot, gait, fresh), len(fresh)), speeds, fragile,
         low_speed(sampled_speeds(robot, fragile.gait, drawn), len(drawn)),

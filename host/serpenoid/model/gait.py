@@ -47,6 +47,12 @@ class Gait:
             each = tuple(check_number(name, value, low, high) for value in getattr(self, name))
             object.__setattr__(self, name, each)
 
+    def __repr__(self) -> str:
+        """Return what was given; joints of their own only where there are any."""
+        names = ["alpha_rad", "beta_rad", "omega_rad_s", "offset_rad"]
+        names += [name for name in ("joint_gain", "joint_shift_rad") if getattr(self, name)]
+        return f"Gait({', '.join(f'{name}={getattr(self, name)!r}' for name in names)})"
+
     @property
     def period_s(self) -> float:
         """Return 2 pi / omega."""

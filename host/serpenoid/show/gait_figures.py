@@ -86,9 +86,9 @@ def cliff_axes(fig: Any, ax: Axes, cliff: Cliff, title: str) -> None:
         width, height = (200 * k * s for s in cliff.sigma)
         ax.add_patch(Ellipse((0, 0), width, height, fill=False, ec="black", ls=style, lw=1.5))
     ax.plot(0, 0, "o", color="black", mec="white", ms=7)
-    ax.annotate(
-        "the gait, 1σ and 2σ", (0, 0), xytext=(8, -30), textcoords="offset points", fontsize=8,
-        bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.5},
+    ax.text(
+        0.98, 0.02, "dot: the gait; ellipses: 1σ and 2σ\nwhite: a tenth of the speed is lost",
+        transform=ax.transAxes, ha="right", va="bottom", fontsize=8, color="white",
     )  # fmt: skip
     ax.set(xlabel="amplitude of the joints, off by (%)", ylabel=f"{cliff.grip}, off by (%)")
     ax.set_xlim(x[0], x[-1])
@@ -134,9 +134,11 @@ def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
         cost = np.where(speed > 0.02 * speed.max(), power / speed, np.nan)
     alpha, beta = np.degrees(found.alpha_rad), np.degrees(found.beta_rad)
     parts = (("speed (m/s)", speed), ("net power over speed (N)", cost))
+    least = float(np.nanmin(cost))
+    scales = (np.linspace(0, speed.max(), 17), least * np.geomspace(1, 16, 17).round(2))
     with figure(9.6, 4.0, 2) as (fig, axes):
-        for ax, (name, values) in zip(axes, parts, strict=True):
-            shade = ax.contourf(alpha, beta, values.T, levels=16, cmap="cividis")
+        for ax, (name, values), levels in zip(axes, parts, scales, strict=True):
+            shade = ax.contourf(alpha, beta, values.T, levels, cmap="cividis", extend="max")
             fig.colorbar(shade, ax=ax)
             ax.set(xlabel="α (deg)", ylabel="β (deg)", title=name)
             ax.grid(visible=False)

@@ -37,6 +37,7 @@ def test_no_neighbour_at_the_same_speed_is_cheaper(cost: str) -> None:
         alpha = best.gait.alpha_rad + math.radians(da)
         beta = best.gait.beta_rad + math.radians(db)
         low, high = 0.5 * best.gait.omega_rad_s, 2 * best.gait.omega_rad_s
+        s = best.steady
         for _ in range(50):  # bisect the rate that gives the speed
             omega = 0.5 * (low + high)
             s = sn.steady_gait(PAPER, VISCOUS, sn.Gait(alpha, beta, omega), rtol=1e-8)
@@ -127,7 +128,7 @@ def test_a_speed_beyond_the_limits_names_the_fastest() -> None:
 def test_the_front_is_the_single_optima_and_rises() -> None:
     speeds = [0.1, 0.2, 0.5, 1.0]
     front = sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds)
-    watts = [best.power_w for best in front]
+    watts = [best.power_w for best in front if best is not None]
     assert watts == sorted(watts)
     assert watts[0] == pytest.approx(7.63769e-3, rel=2e-5)
     assert watts[2] == pytest.approx(0.22733, rel=2e-5)
