@@ -14,8 +14,8 @@ from .options import AS_JSON, finite, interruptible, show_json
 from .paths import OutFolder
 
 if TYPE_CHECKING:
-    from ..bench.paper_study import Claim, Comparison, Reading
     from ..gaits.least_power import LeastPower
+    from ..gaits.paper_study import Claim, Comparison, Reading
     from ..periodic.sweep import Sweep
 
 Shown = list[tuple[str, str]]  # pictures with their captions
@@ -37,7 +37,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
     Writes Figs. 6 to 13 and 15 to 17, the cliff of a fragile and a robust gait, a data file beside
     each, claims.json and index.html. About half a minute.
     """
-    from ..bench.paper_study import Reading, as_dict
+    from ..gaits.paper_study import Reading, as_dict
     from ..show import report
     from ..show.paper_page import claim_table, write_page
 
@@ -57,7 +57,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
 
 def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[list[Claim], Shown]:
     """Compute and draw; return the claims, and the pictures with their captions."""
-    from ..bench import paper_study as study
+    from ..gaits import paper_study as study
 
     comparison = study.compare_formulations()
     advance(1)
@@ -75,7 +75,7 @@ def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[
 
 
 def _of_time(out: Path, comparison: Comparison) -> Shown:
-    from ..bench import paper_study as study
+    from ..gaits import paper_study as study
     from ..show import plot
     from ..show.paper_figures import errors_in_time
 
@@ -90,7 +90,7 @@ def _of_time(out: Path, comparison: Comparison) -> Shown:
 
 
 def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Reading) -> Shown:
-    from ..bench import paper_study as study
+    from ..gaits import paper_study as study
     from ..show import gait_figures
     from ..show.paper_figures import power_of
 
@@ -130,7 +130,7 @@ def _of_experiment(out: Path) -> Shown:
 
 
 def _of_cliffs(out: Path) -> Shown:
-    from ..bench import paper_study as study
+    from ..gaits import paper_study as study
     from ..gaits.uncertainty import Uncertainty
     from ..model.gait import Gait
     from ..show.gait_figures import cliff_figure

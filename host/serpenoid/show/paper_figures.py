@@ -15,8 +15,8 @@ from .plot import BLUE, GREY, RED, figure
 from .report import write_csv
 
 if TYPE_CHECKING:
-    from ..bench.paper_study import Comparison
     from ..gaits.least_power import LeastPower
+    from ..gaits.paper_study import Comparison
 
 
 def errors_in_time(found: Comparison, path: Path) -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from serpenoid.bench import paper_study
 from serpenoid.commands.main import cli
+from serpenoid.gaits import paper_study
 
 
 def run(*words: str, code: int = 0):

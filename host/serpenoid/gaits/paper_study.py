@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..gaits.least_power import LeastPower, power_front
-from ..gaits.shape_search import Shape
 from ..model.drives import TorqueTable
 from ..model.gait import Gait
 from ..model.ground import Ground
@@ -22,6 +20,8 @@ from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
+from .least_power import LeastPower, power_front
+from .shape_search import Shape
 
 Array = NDArray[np.float64]
 D = math.pi / 180
