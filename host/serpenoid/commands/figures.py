@@ -39,7 +39,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
     """
     from ..gaits.paper_study import Reading, as_dict
     from ..show import report
-    from ..show.paper_page import claim_table, write_page
+    from ..show.gaits.paper_page import claim_table, write_page
 
     out.mkdir(parents=True, exist_ok=True)
     reading = Reading(power, angles, speed_along)
@@ -77,7 +77,7 @@ def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[
 def _of_time(out: Path, comparison: Comparison) -> Shown:
     from ..gaits import paper_study as study
     from ..show import plot
-    from ..show.paper_figures import errors_in_time
+    from ..show.gaits.paper_figures import errors_in_time
 
     errors_in_time(comparison, out / "fig6-7.png")
     plot.path_and_poses(
@@ -91,8 +91,8 @@ def _of_time(out: Path, comparison: Comparison) -> Shown:
 
 def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Reading) -> Shown:
     from ..gaits import paper_study as study
-    from ..show import gait_figures
-    from ..show.paper_figures import power_of
+    from ..show.gaits import gait_figures
+    from ..show.gaits.paper_figures import power_of
 
     along = [1.0 if reading.speed_along == "mean" else study.along_x(b.gait) for b in front]
     words = f"six links of 1 kg, 0.12 m; {reading.power} power"
@@ -133,7 +133,7 @@ def _of_cliffs(out: Path) -> Shown:
     from ..gaits import paper_study as study
     from ..gaits.uncertainty import Uncertainty
     from ..model.gait import Gait
-    from ..show.gait_figures import cliff_figure
+    from ..show.gaits.gait_figures import cliff_figure
 
     rad = math.radians
     for name, gait in (("fragile", Gait(rad(66.7), rad(78.8), 1.6)),

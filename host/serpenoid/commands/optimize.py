@@ -86,7 +86,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
 
     margins = interruptible(lambda: gait_margins(ask.robot, ask.ground, found.gait))
     if plot is not None:
-        from ..show.gait_figures import cliff_figure
+        from ..show.gaits.gait_figures import cliff_figure
 
         interruptible(
             lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
@@ -204,7 +204,8 @@ def _robust_dict(found: Any) -> dict[str, Any]:
 
 def _print(found: Any, margins: Any) -> None:
     from ..gaits.robust import RobustGait
-    from ..show import gait_report, report
+    from ..show import report
+    from ..show.gaits import gait_report
 
     report.steady(found.steady)
     if isinstance(found, RobustGait):
@@ -216,7 +217,8 @@ def _print(found: Any, margins: Any) -> None:
 
 def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:
     from ..gaits.least_power import power_front
-    from ..show import gait_report, report
+    from ..show import report
+    from ..show.gaits import gait_report
 
     if ask.formulation == "implicit":
         raise click.UsageError("--formulation implicit takes one speed")

@@ -44,7 +44,8 @@ def steady(
     """Find the periodic state of one gait: speed, powers, settling time, margins."""
     from ..gaits.margins import gait_margins
     from ..periodic.steady import steady_gait
-    from ..show import gait_report, report
+    from ..show import report
+    from ..show.gaits import gait_report
 
     robot, ground = make_robot(given)
     gait = make_gait(given)

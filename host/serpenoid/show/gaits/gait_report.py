@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .report import console, notices, table
+from ..report import console, notices, table
 
 if TYPE_CHECKING:
-    from ..gaits.least_power import LeastPower
-    from ..gaits.margins import Margins
-    from ..gaits.robust import RobustGait
+    from ...gaits.least_power import LeastPower
+    from ...gaits.margins import Margins
+    from ...gaits.robust import RobustGait
 
 
 def _percent(fraction: float) -> str:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..periodic.sweep import Sweep
+from ...periodic.sweep import Sweep
+from ..plot import BLUE, GREY, RED, figure
+from ..report import write_csv
 from .gait_figures import beside
-from .plot import BLUE, GREY, RED, figure
-from .report import write_csv
 
 if TYPE_CHECKING:
-    from ..gaits.least_power import LeastPower
-    from ..gaits.paper_study import Comparison
+    from ...gaits.least_power import LeastPower
+    from ...gaits.paper_study import Comparison
 
 
 def errors_in_time(found: Comparison, path: Path) -> None:

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..gaits.cliff import Cliff, cliff_around
-from ..gaits.least_power import LeastPower
-from ..gaits.uncertainty import Uncertainty
-from ..model.gait import Gait
-from ..model.ground import Ground
-from ..model.robot import Robot
-from ..periodic.sweep import Sweep
-from .plot import BLUE, GREY, ORANGE, figure
-from .report import write_csv
+from ...gaits.cliff import Cliff, cliff_around
+from ...gaits.least_power import LeastPower
+from ...gaits.uncertainty import Uncertainty
+from ...model.gait import Gait
+from ...model.ground import Ground
+from ...model.robot import Robot
+from ...periodic.sweep import Sweep
+from ..plot import BLUE, GREY, ORANGE, figure
+from ..report import write_csv
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from .report import console
+from ..report import console
 
 if TYPE_CHECKING:
-    from ..gaits.paper_study import Claim
+    from ...gaits.paper_study import Claim
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
