@@ -1,21 +1,30 @@
 // What differs from board to board, and what the wiring fixes.
 #pragma once
 
+#include <Arduino.h>
 #include <stdint.h>
+
+#include "gait.h"
 
 namespace board {
 
 #if defined(__AVR_ATmega2560__)
 const char kName[] = "mega";
+#elif defined(SERPENOID_NANO_OLD)
+const char kName[] = "nano_old";
 #elif defined(SERPENOID_NANO)
 const char kName[] = "nano";
 #else
 const char kName[] = "uno";
 #endif
 
-// Five neighbours in the header of all three boards, clear of the UART (0, 1), of the external
-// interrupts (2, 3), of SPI and of the LED. Servo takes timer 1 (Uno, Nano) or 5 (Mega).
-const uint8_t kServoPins[5] = {5, 6, 7, 8, 9};  // joint 1, at the tail, to joint 5
+// Neighbours in the header of all three boards, clear of the UART (0, 1), of the external
+// interrupts (2, 3) and of the LED. Servo takes timer 1 (Uno, Nano) or 5 (Mega).
+const uint8_t kPins[] = {5, 6, 7, 8, 9, 10, 11, 12, A0, A1, A2, A3};
+static_assert(firmware::kJoints <= sizeof kPins, "name a pin for each joint");
+
+// Of joint 1, at the tail, and so on.
+inline uint8_t servo_pin(uint8_t joint) { return kPins[joint]; }
 
 // How much longer than asked the servo library's pulses are: it allows for the 328P's digitalWrite.
 #if defined(__AVR_ATmega2560__)
@@ -26,5 +35,12 @@ const uint8_t kPulseExcessUs = 0;
 
 // Exact at 16 MHz; see PROTOCOL.md.
 const uint32_t kBaud = 250000;
+
+// A bootloader that leaves the watchdog on after a reset by it would hang for good.
+#ifdef SERPENOID_NO_WATCHDOG
+const bool kWatchdog = false;
+#else
+const bool kWatchdog = true;
+#endif
 
 }  // namespace board

@@ -5,15 +5,25 @@
 #include <avr/eeprom.h>
 
 #include "board.h"
+#include "serial_port.h"
+#include "servo_timer.h"
 #include "settings.h"
 #include "start.h"
 
+namespace {
+
+// From the time that a frame is due until its pulses begin: time to compute them, even if late.
+const uint16_t kHandoverUs = 3000;
+// Handing over takes up to 60 µs, interrupts up to 40 µs more.
+const uint16_t kLeastGapUs = 150;
+
+}  // namespace
+
 void ArduinoHardware::begin() {
-    Serial.begin(board::kBaud);
-    Serial.write('\n');  // ends whatever a boot loader has left on the line
-    for (uint8_t pin : board::kServoPins) {
-        digitalWrite(pin, LOW);
-        pinMode(pin, OUTPUT);
+    serial_port::begin();
+    for (uint8_t i = 0; i < firmware::kJoints; ++i) {
+        digitalWrite(board::servo_pin(i), LOW);
+        pinMode(board::servo_pin(i), OUTPUT);
     }
 }
 
@@ -24,7 +34,7 @@ void ArduinoHardware::let_go() {
     for (uint8_t i = 0; i < firmware::kJoints; ++i) {
         if (!servos_[i].attached()) continue;
         noInterrupts();
-        const bool low = digitalRead(board::kServoPins[i]) == LOW;
+        const bool low = digitalRead(board::servo_pin(i)) == LOW;
         if (low) servos_[i].detach();
         interrupts();
         if (!low) letting_go_ = true;
@@ -32,37 +42,50 @@ void ArduinoHardware::let_go() {
 }
 
 void ArduinoHardware::service() {
-    output_.poll();
+    serial_port::poll();
+    if (waiting_) hand_over();
+    servo_timer::stretch();
     if (letting_go_) let_go();
 }
 
 uint32_t ArduinoHardware::micros() { return ::micros(); }
 
-int16_t ArduinoHardware::receive() {
-    const int waiting = Serial.available();
-    if (waiting == 0) return -1;
-    if (waiting == SERIAL_RX_BUFFER_SIZE - 1 && overflows_ < 65535) ++overflows_;
-    return static_cast<int16_t>(Serial.read());
-}
-
-void ArduinoHardware::transmit(const char* text, uint8_t length) { output_.write(text, length); }
-
 // No pulse may start between attach(), which leaves the width of the last time, and the new width.
-void ArduinoHardware::attach(const int16_t (&pulse_us)[firmware::kJoints]) {
+void ArduinoHardware::attach(uint8_t joint, int16_t pulse_us) {
     letting_go_ = false;
-    for (uint8_t i = 0; i < firmware::kJoints; ++i) {
-        noInterrupts();
-        if (!servos_[i].attached()) {
-            servos_[i].attach(board::kServoPins[i], firmware::kLeastPulseUs,
+    noInterrupts();
+    if (!servos_[joint].attached()) {
+        servos_[joint].attach(board::servo_pin(joint), firmware::kLeastPulseUs,
                               firmware::kMostPulseUs);
-        }
-        servos_[i].writeMicroseconds(pulse_us[i] - board::kPulseExcessUs);
-        interrupts();
     }
+    servos_[joint].writeMicroseconds(pulse_us - board::kPulseExcessUs);
+    interrupts();
 }
 
-void ArduinoHardware::pulse(uint8_t joint, int16_t pulse_us) {
-    servos_[joint].writeMicroseconds(pulse_us - board::kPulseExcessUs);
+// What still waits then, a whole frame long, has no gap to wait for: better mixed than never.
+void ArduinoHardware::pulses(const int16_t (&pulse_us)[firmware::kJoints], uint32_t due_us) {
+    if (waiting_) write_pulses();
+    for (uint8_t i = 0; i < firmware::kJoints; ++i) pulse_us_[i] = pulse_us[i];
+    due_us_ = due_us;
+    waiting_ = true;
+    hand_over();
+}
+
+// All at once, in the gap between two refreshes; and the next refresh is made to begin on time.
+void ArduinoHardware::hand_over() {
+    const uint16_t ticks = servo_timer::gap_ticks();
+    if (ticks < 2 * kLeastGapUs) return;
+    write_pulses();
+    int32_t left_us = static_cast<int32_t>(due_us_ + kHandoverUs - ::micros());
+    while (left_us < kLeastGapUs) left_us += firmware::kFrameUs;
+    servo_timer::begin_in(2 * static_cast<uint16_t>(left_us));
+}
+
+void ArduinoHardware::write_pulses() {
+    waiting_ = false;
+    for (uint8_t i = 0; i < firmware::kJoints; ++i) {
+        if (pulse_us_[i] != 0) servos_[i].writeMicroseconds(pulse_us_[i] - board::kPulseExcessUs);
+    }
 }
 
 uint16_t ArduinoHardware::unused_ram() { return untouched_ram(); }

@@ -4,24 +4,21 @@
 #include <Servo.h>
 
 #include "hardware.h"
-#include "polled_output.h"
+#include "serial_port.h"
 
 class ArduinoHardware : public firmware::Hardware {
   public:
     void begin();
-    // Once a pass of the loop: sends, and lets servos go that have been told to.
+    // Once a pass of the loop: sends, hands pulses over, lets servos go that have been told to.
     void service();
-    // Nothing to send and nothing to let go: the loop may sleep.
-    bool quiet() const { return output_.empty() && !letting_go_; }
+    // Nothing to send, to hand over or to let go: the loop may sleep.
+    bool quiet() const { return serial_port::queues.out.empty() && !letting_go_ && !waiting_; }
 
     uint32_t micros() override;
-    int16_t receive() override;
-    uint16_t receive_overflows() override { return overflows_; }
-    uint16_t room() override { return output_.room(); }
-    void transmit(const char* text, uint8_t length) override;
-    void attach(const int16_t (&pulse_us)[firmware::kJoints]) override;
+    firmware::SerialQueues& serial() override { return serial_port::queues; }
+    void attach(uint8_t joint, int16_t pulse_us) override;
     void detach() override { letting_go_ = true; }
-    void pulse(uint8_t joint, int16_t pulse_us) override;
+    void pulses(const int16_t (&pulse_us)[firmware::kJoints], uint32_t due_us) override;
     uint16_t unused_ram() override;
 
     uint8_t read(uint16_t address) override;
@@ -30,9 +27,12 @@ class ArduinoHardware : public firmware::Hardware {
 
   private:
     void let_go();
+    void hand_over();
+    void write_pulses();
 
-    firmware::PolledOutput output_;
     Servo servos_[firmware::kJoints];
-    uint16_t overflows_;
+    int16_t pulse_us_[firmware::kJoints];
+    uint32_t due_us_;  // when the frame of these pulses was due
+    bool waiting_;     // they have not been handed over yet
     bool letting_go_;
 };

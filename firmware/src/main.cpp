@@ -21,12 +21,13 @@ const uint32_t kTooSoonToSleepUs = 1200;
 void setup() {
     hardware.begin();
     controller.begin(firmware::Start{board::kName, reset_cause(), 0});
-    wdt_enable(WDTO_250MS);
+    if (board::kWatchdog) wdt_enable(WDTO_250MS);
 }
 
 void loop() {
-    wdt_reset();
+    if (board::kWatchdog) wdt_reset();
     hardware.service();
     controller.poll();
-    if (hardware.quiet() && controller.spare_us() > kTooSoonToSleepUs) sleep_mode();
+    if (!hardware.quiet() || !controller.quiet()) return;
+    if (controller.spare_us() > kTooSoonToSleepUs) sleep_mode();
 }

@@ -16,9 +16,7 @@ namespace firmware {
 
 class VirtualBoard : public Hardware {
   public:
-    static const uint32_t kByteUs = 40;        // 10 bits at 250000 baud
-    static const uint16_t kReceiveRoom = 127;  // as in the Arduino core with a buffer of 128
-    static const uint16_t kSendRoom = 255;
+    static const uint32_t kByteUs = 40;  // 10 bits at 250000 baud
     static const uint16_t kEepromBytes = 1024;
     static const uint32_t kEepromWriteUs = 3400;
 
@@ -27,17 +25,14 @@ class VirtualBoard : public Hardware {
           writes_left_(-1),
           now_us_(start_us),
           eeprom_busy_until_us_(0),
-          overflows_(0),
-          attached_(false),
+          attached_(0),
           pulse_us_() {}
 
     // Begin anew with the same EEPROM, as after a reset; what was on the wire is lost.
     void boot(Reset reset, uint32_t first_frame = 0, const char* name = "virtual") {
         to_board_.clear();
-        received_.clear();
-        sending_.clear();
-        overflows_ = 0;
-        attached_ = false;
+        serial_ = SerialQueues();
+        attached_ = 0;
         for (int16_t& pulse : pulse_us_) pulse = 0;
         controller_.reset(new Controller(*this));
         controller_->begin(Start{name, reset, first_frame});
@@ -66,31 +61,24 @@ class VirtualBoard : public Hardware {
         return *controller_;
     }
     uint64_t now_us() const { return now_us_; }
-    bool attached() const { return attached_; }
-    int16_t servo_us(uint8_t joint) const { return attached_ ? pulse_us_[joint] : 0; }
+    // How many servos get pulses, from the tail.
+    uint8_t attached() const { return attached_; }
+    int16_t servo_us(uint8_t joint) const { return joint < attached_ ? pulse_us_[joint] : 0; }
     std::vector<uint8_t>& eeprom() { return eeprom_; }
     // The power fails in the EEPROM write after so many more; -1: never.
     void cut_power_after(int32_t writes) { writes_left_ = writes; }
     bool dead() const { return writes_left_ == 0; }
 
     uint32_t micros() override { return static_cast<uint32_t>(now_us_); }
-    int16_t receive() override {
-        if (received_.empty()) return -1;
-        const uint8_t byte = received_.front();
-        received_.pop_front();
-        return byte;
+    SerialQueues& serial() override { return serial_; }
+    void attach(uint8_t joint, int16_t pulse_us) override {
+        attached_ = static_cast<uint8_t>(joint + 1);
+        pulse_us_[joint] = pulse_us;
     }
-    uint16_t receive_overflows() override { return overflows_; }
-    uint16_t room() override { return static_cast<uint16_t>(kSendRoom - sending_.size()); }
-    void transmit(const char* text, uint8_t length) override {
-        sending_.insert(sending_.end(), text, text + length);
+    void detach() override { attached_ = 0; }
+    void pulses(const int16_t (&pulse_us)[kJoints], uint32_t) override {
+        for (uint8_t i = 0; i < attached_; ++i) pulse_us_[i] = pulse_us[i];
     }
-    void attach(const int16_t (&pulse_us)[kJoints]) override {
-        attached_ = true;
-        for (uint8_t i = 0; i < kJoints; ++i) pulse_us_[i] = pulse_us[i];
-    }
-    void detach() override { attached_ = false; }
-    void pulse(uint8_t joint, int16_t pulse_us) override { pulse_us_[joint] = pulse_us; }
     uint16_t unused_ram() override { return 0; }
 
     uint8_t read(uint16_t address) override { return eeprom_.at(address); }
@@ -106,29 +94,21 @@ class VirtualBoard : public Hardware {
     void step() {
         now_us_ += kByteUs;
         if (!to_board_.empty()) {
-            if (received_.size() < kReceiveRoom) {
-                received_.push_back(static_cast<uint8_t>(to_board_.front()));
-            } else if (overflows_ < 65535) {
-                ++overflows_;
-            }
+            serial_.in.push(static_cast<uint8_t>(to_board_.front()));
             to_board_.pop_front();
         }
-        if (!sending_.empty()) {
-            from_board_.push_back(sending_.front());
-            sending_.pop_front();
-        }
+        if (!serial_.out.empty()) from_board_.push_back(static_cast<char>(serial_.out.take()));
         controller_->poll();
     }
 
     std::unique_ptr<Controller> controller_;
-    std::deque<char> to_board_, sending_;
-    std::deque<uint8_t> received_;
+    SerialQueues serial_;
+    std::deque<char> to_board_;
     std::string from_board_;
     std::vector<uint8_t> eeprom_;
     int32_t writes_left_;
     uint64_t now_us_, eeprom_busy_until_us_;
-    uint16_t overflows_;
-    bool attached_;
+    uint8_t attached_;
     int16_t pulse_us_[kJoints];
 };
 

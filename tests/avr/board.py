@@ -14,8 +14,14 @@ from avr.toolchain import MCUS, build_simulator
 F_CPU_HZ = 16_000_000
 RAM_END = {"atmega328p": 0x8FF, "atmega2560": 0x21FF}
 PAINT = b"\xc5"  # what simboard fills the RAM with
-# Digital pins 5 to 9 (firmware/include/board.h) as port and bit, in the order of the joints.
-SERVO_PINS = {"uno": "D5D6D7B0B1", "nano": "D5D6D7B0B1", "mega": "E3H3H4H5H6"}
+# Digital pins 5 to 12, A0 to A3 (firmware/include/board.h) as port and bit, joint by joint.
+_UNO_PINS = "D5D6D7B0B1B2B3B4C0C1C2C3"
+SERVO_PINS = {
+    "uno": _UNO_PINS,
+    "nano": _UNO_PINS,
+    "nano_old": _UNO_PINS,
+    "mega": "E3H3H4H5H6B4B5B6F0F1F2F3",
+}
 STATES = ("running", "power cut", "crashed")
 CAUSES = ("power-on", "external", "brown-out")
 TORN = ("old", "erased", "new")

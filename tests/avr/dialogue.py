@@ -46,6 +46,7 @@ class Telemetry:
     pulse_us: np.ndarray
     exec_us: np.ndarray
     late_us: np.ndarray
+    clipped: np.ndarray
     state: list[str]
 
 
@@ -54,17 +55,18 @@ def telemetry(lines: list[Line]) -> Telemetry:
     found = [(line.cycle, unseal(line.text)) for line in lines if line.text.startswith("t:")]
     rows = [fields(body) for _, body in found]
     labels = [dict(w.split(":", 1) for w in body.split() if ":" in w) for _, body in found]
-    angle = [[float(row[f"j{j + 1}"]) for j in range(JOINTS)] for row in labels]
+    angle = [[float(row[j]) for j in row if j.startswith("j")] for row in labels]
     pulse = [[int(p) for p in row["p"].split(",")] for row in rows]
     return Telemetry(
         cycle=np.array([cycle for cycle, _ in found]),
         frame=np.array([int(row["t"]) for row in labels]),
-        time_us=np.array([int(row["us"]) for row in rows]),
+        time_us=np.array([int(row["board_us"]) for row in rows]),
         phase_rad=np.radians([float(row["ph"]) for row in rows]),
-        angle_rad=np.radians(np.array(angle).reshape(-1, JOINTS)),
-        pulse_us=np.array(pulse).reshape(-1, JOINTS),
-        exec_us=np.array([int(row["ex"]) for row in rows]),
-        late_us=np.array([int(row["la"]) for row in rows]),
+        angle_rad=np.radians(np.array(angle)),
+        pulse_us=np.array(pulse),
+        exec_us=np.array([int(row["exec_us"]) for row in rows]),
+        late_us=np.array([int(row["late_us"]) for row in rows]),
+        clipped=np.array([int(row["clipped"]) for row in rows]),
         state=[row["st"] for row in rows],
     )
 

@@ -14,8 +14,8 @@ from avr.toolchain import ToolchainError, build_firmware, require
 
 
 @pytest.fixture(scope="session")
-def firmware_elf() -> Callable[[str], Path]:
-    """Return a function from board name to the ELF built by `pio run -e BOARD`.
+def firmware_elf() -> Callable[..., Path]:
+    """Return a function from board name and joints to the ELF built by `pio run -e BOARD`.
 
     Without a toolchain the test is skipped with the reason; where CI=true it fails instead.
     """
@@ -29,19 +29,20 @@ def firmware_elf() -> Callable[[str], Path]:
 
 
 @pytest.fixture
-def simulated_board(firmware_elf: Callable[[str], Path]) -> Iterator[LiveBoard]:
+def simulated_board(firmware_elf: Callable[..., Path]) -> Iterator[LiveBoard]:
     """Give an Uno in real time behind a pseudo-terminal: `.port` is the path to open."""
     with LiveBoard(firmware_elf("uno")) as board:
         yield board
 
 
 @pytest.fixture
-def start(firmware_elf: Callable[[str], Path]) -> Iterator[Callable[..., Board]]:
-    """Return a function that powers a simulated board: start("uno", eeprom=None)."""
+def start(firmware_elf: Callable[..., Path]) -> Iterator[Callable[..., Board]]:
+    """Return a function that powers a simulated board: start("uno", eeprom=None, joints=5)."""
     boards: list[Board] = []
 
-    def power_on(board: str = "uno", eeprom: bytes | None = None) -> Board:
-        boards.append(Board(firmware_elf(board), board, SERVO_PINS[board]))
+    def power_on(board: str = "uno", eeprom: bytes | None = None, joints: int = 5) -> Board:
+        elf = firmware_elf(board) if joints == 5 else firmware_elf(board, joints)
+        boards.append(Board(elf, board, SERVO_PINS[board][: 2 * joints]))
         if eeprom is not None:
             boards[-1].eeprom = eeprom
         return boards[-1]

@@ -9,7 +9,7 @@ from avr.truth import pulse_errors_us
 pytestmark = pytest.mark.avr
 
 
-def test_a_flood_costs_telemetry_but_no_motion(start):
+def test_a_flood_costs_lines_but_no_motion(start):
     """Two seconds of damaged lines without a pause: each asks for an answer longer than itself."""
     talk = settled_gait(start())
     board = talk.board
@@ -23,7 +23,8 @@ def test_a_flood_costs_telemetry_but_no_motion(start):
     seen = telemetry(board.lines[first:])
     after = talk.counters()
     missing = seen.frame[-1] - seen.frame[0] + 1 - len(seen.frame)
-    assert 10 < missing <= after["dropped"] - before["dropped"] <= missing + 2
+    assert missing <= after["dropped"] - before["dropped"] <= missing + 2
+    assert missing <= 0.1 * len(seen.frame), "answers keep clear of the next frame"
     assert after["rxfull"] > before["rxfull"], "lost input must be counted too"
     assert after["overruns"] == before["overruns"] == 0
     # A receive interrupt every 40 us delays an edge in eight, by no more than it lasts.

@@ -39,9 +39,9 @@ def test_no_pulse_before_the_first_motion_command(start):
     talk.keep_alive(1.0)
     assert len(board.edges) == 0
     assert talk.ask("pose straight").startswith("ok:")
-    board.run(0.2)
-    for width in widths(board, 0.0):
-        assert len(width) >= 8
+    board.run(0.6)  # one servo every 0.1 s
+    for joint, width in enumerate(widths(board, 0.0)):
+        assert len(width) == pytest.approx(28 - 5 * joint, abs=2)
         np.testing.assert_allclose(width, CENTRE_US, atol=JITTER_US)
 
 

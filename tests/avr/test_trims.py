@@ -51,7 +51,7 @@ def test_pulse_is_centre_plus_direction_times_scale_times_angle(start):
 def test_a_new_centre_is_approached_slowly(start):
     talk = opened(start())
     obeyed(talk, "set silence 0", "pose straight")
-    talk.board.run(0.5)
+    talk.board.run(1.0)
     obeyed(talk, "trim 2 centre 1600")
     talk.board.run(1.0)
     width = talk.board.pulses(1).width_us
@@ -73,8 +73,9 @@ def test_limits_of_a_joint_hold_in_every_command(start):
 
 
 def test_bent_pose_alternates(start):
+    """The links stand at 7.5 degrees to the axis, so every joint turns by twice that."""
     talk = opened(start())
     obeyed(talk, "set silence 0", "pose bent 7.5")
-    talk.board.run(1.0)
-    exact = 1500 + 573 * math.radians(7.5) * np.array([1, -1, 1, -1, 1])
+    talk.board.run(1.5)
+    exact = 1500 + 573 * math.radians(15) * np.array([1, -1, 1, -1, 1])
     np.testing.assert_allclose(mean_widths(talk.board), exact, atol=JITTER_US)

@@ -19,7 +19,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 BUILD = ROOT / "build" / "avr"
 ARDUINO = Path(os.environ.get("ARDUINO_AVR", "/usr/share/arduino/hardware/arduino/avr"))
-MCUS = {"uno": "atmega328p", "nano": "atmega328p", "mega": "atmega2560"}
+MCUS = {"uno": "atmega328p", "nano": "atmega328p", "nano_old": "atmega328p", "mega": "atmega2560"}
 # The genuine library (LGPL), an earlier release with the same interface as the registry's 1.2.
 SERVO_PACKAGE = "arduino-servo==0.1"
 SERVO_SHA256 = "a9e67d8004fa85ec6ae87a2b019b774b80265c7a978d32602721d2254ac3b251"
@@ -106,7 +106,7 @@ def prepare_core() -> Path:
         return core
     shutil.rmtree(core, ignore_errors=True)
     shutil.copytree(HERE / "pio-offline" / "platforms", core / "platforms")
-    mark_installed(core / "platforms" / "atmelavr", "platform", "platformio", "atmelavr", "5.2.0")
+    mark_installed(core / "platforms" / "atmelavr", "platform", "platformio", "atmelavr", "5.1.0")
     mark_installed(core / "platforms" / "native", "platform", "platformio", "native", "1.2.1")
     framework = install_tool(core, "framework-arduino-avr", "5.3.0")
     for part in ("cores", "variants", "libraries", "boards.txt"):
@@ -175,10 +175,15 @@ def lend_doctest(libdeps: Path) -> None:
     mark_installed(folder, "library", "doctest", "doctest", DOCTEST_VERSION)
 
 
-def environment() -> dict[str, str]:
+def environment(joints: int = 5) -> dict[str, str]:
     """Return the environment in which `pio` uses the stand-ins and a workspace of its own."""
+    other = {
+        "PLATFORMIO_BUILD_FLAGS": f"-D SERPENOID_JOINTS={joints}",
+        "PLATFORMIO_BUILD_DIR": str(BUILD / "pio" / f"build-{joints}-joints"),
+    }
     return {
         **os.environ,
+        **(other if joints != 5 else {}),
         "PLATFORMIO_CORE_DIR": str(BUILD / "core"),
         "PLATFORMIO_WORKSPACE_DIR": str(BUILD / "pio"),
         "PLATFORMIO_SETTING_ENABLE_TELEMETRY": "no",
@@ -186,23 +191,26 @@ def environment() -> dict[str, str]:
     }
 
 
-def pio(*arguments: str) -> str:
+def pio(*arguments: str, joints: int = 5) -> str:
     """Run PlatformIO on the project with the stand-ins and return what it printed."""
     require()
     with locked():
         prepare_core()
+        for integrity in (BUILD / "pio" / "libdeps").glob("*/integrity.dat"):
+            integrity.unlink()  # or PlatformIO takes away what a changed platformio.ini renames
         for board in MCUS:
             fetch_servo(BUILD / "pio" / "libdeps" / board)
         lend_doctest(BUILD / "pio" / "libdeps" / "native")
-        return run([sys.executable, "-m", "platformio", *arguments], environment())
+        return run([sys.executable, "-m", "platformio", *arguments], environment(joints))
 
 
-def build_firmware(board: str) -> Path:
-    """Build `pio run -e BOARD` and return the path of the ELF."""
+def build_firmware(board: str, joints: int = 5) -> Path:
+    """Build `pio run -e BOARD` for so many joints and return the path of the ELF."""
     if board not in MCUS:
         raise ToolchainError(f"unknown board {board!r}: choose one of {', '.join(MCUS)}")
-    pio("run", "-e", board)
-    return BUILD / "pio" / "build" / board / "firmware.elf"
+    pio("run", "-e", board, joints=joints)
+    folder = "build" if joints == 5 else f"build-{joints}-joints"
+    return BUILD / "pio" / folder / board / "firmware.elf"
 
 
 def build_simulator() -> Path:

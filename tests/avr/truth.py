@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from avr.board import F_CPU_HZ, Board, Pulses
-from avr.dialogue import JOINTS, Telemetry
+from avr.dialogue import Telemetry
 
 FRAME_US = 20_000
 CENTRE_US, SCALE_US_RAD = 1500.0, 573.0  # the trims a board has before anybody sets them
@@ -32,7 +32,7 @@ class Wave:
         return CENTRE_US + SCALE_US_RAD * angle
 
 
-def frame_grid(seen: Telemetry, offset_us: float) -> tuple[float, float]:
+def frame_grid(seen: Telemetry, offset_us: float, frame_us: int = FRAME_US) -> tuple[float, float]:
     """Return when frame 0 was due, and for how long after its due time a frame's write may come.
 
     Both in microseconds of the cycle stamps; offset_us is where micros() was 0 on that scale. As
@@ -40,50 +40,49 @@ def frame_grid(seen: Telemetry, offset_us: float) -> tuple[float, float]:
     """
     sent_us = seen.cycle * (1e6 / F_CPU_HZ)
     start_us = sent_us - np.mod(sent_us - seen.time_us - offset_us, 2.0**32)
-    due_us = start_us - seen.late_us - seen.frame.astype(np.int64) * FRAME_US
+    due_us = start_us - seen.late_us - seen.frame.astype(np.int64) * frame_us
     spread = float(np.max(due_us) - np.min(due_us))
-    assert spread <= 8.1, f"frames are not a 20 ms grid: their due times scatter by {spread} us"
+    assert spread <= 8.1, f"frames are not on a grid: their due times scatter by {spread} us"
     window_us = float(np.max(seen.late_us + seen.exec_us)) + CLOCK_SLACK_US
     return float(np.min(due_us)) - CLOCK_SLACK_US / 2, window_us
 
 
-def carried(pulses: Pulses, seen: Telemetry, offset_us: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the frame number each pulse carries (N,), and whether it may be the one before (N,).
+def carried(
+    board: Board, pulses: Pulses, seen: Telemetry, offset_us: float, frame_us: int = FRAME_US
+) -> np.ndarray:
+    """Return the frame number that each pulse must carry, (N,).
 
-    The servo library reads a setpoint when it raises the pin, on its own 20003.4 us frame. So
-    a pulse carries the setpoint written last before its rise. Within the few hundred microseconds
-    between a frame's due time and its last possible write, that is this frame's or the one before.
+    All pulses of a refresh carry the setpoints of one frame: the last one due before the refresh
+    began, which is when the first servo's pin rose.
     """
-    zero_us, window_us = frame_grid(seen, offset_us)
-    since_us = pulses.rise_cycle * (1e6 / F_CPU_HZ) - zero_us
-    frame = np.floor(since_us / FRAME_US).astype(np.int64)
-    return frame, since_us - frame * FRAME_US < window_us
+    zero_us, _ = frame_grid(seen, offset_us, frame_us)
+    refreshes = board.pulses(0).rise_cycle
+    begun = refreshes[np.searchsorted(refreshes, pulses.rise_cycle, side="right") - 1]
+    return np.floor((begun * (1e6 / F_CPU_HZ) - zero_us) / frame_us).astype(np.int64)
 
 
 def pulse_errors_us(board: Board, seen: Telemetry, wave: Wave) -> np.ndarray:
     """Return measured minus exact width of every pulse of all joints while telemetry was seen."""
     errors, offset_us = [], board.clock_offset_us()
-    for joint in range(JOINTS):
+    for joint in range(seen.pulse_us.shape[1]):
         pulses = between(board.pulses(joint), seen)
-        frame, early = carried(pulses, seen, offset_us)
-        error = pulses.width_us - wave.pulse_us(frame, joint)
-        before = pulses.width_us - wave.pulse_us(frame - 1, joint)
-        errors.append(np.where(early & (np.abs(before) < np.abs(error)), before, error))
+        frame = carried(board, pulses, seen, offset_us)
+        errors.append(pulses.width_us - wave.pulse_us(frame, joint))
     return np.concatenate(errors)
 
 
-def line_errors_us(board: Board, seen: Telemetry) -> np.ndarray:
+def line_errors_us(board: Board, seen: Telemetry, frame_us: int = FRAME_US) -> np.ndarray:
     """Return measured width minus the width that the telemetry line of its frame announced."""
     errors, offset_us = [], board.clock_offset_us()
     rows = {int(f): i for i, f in enumerate(seen.frame)}
-    for joint in range(JOINTS):
+    for joint in range(seen.pulse_us.shape[1]):
         pulses = between(board.pulses(joint), seen)
-        for width, frame, early in zip(
-            pulses.width_us, *carried(pulses, seen, offset_us), strict=True
-        ):
-            said = [rows[f] for f in (frame, frame - 1)[: 1 + early] if f in rows]
-            if said:
-                errors.append(min((width - seen.pulse_us[i, joint] for i in said), key=abs))
+        frames = carried(board, pulses, seen, offset_us, frame_us)
+        errors += [
+            width - seen.pulse_us[rows[frame], joint]
+            for width, frame in zip(pulses.width_us, frames, strict=True)
+            if frame in rows
+        ]
     return np.array(errors)
 
 

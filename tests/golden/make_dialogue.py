@@ -18,7 +18,10 @@ ERRORS = {
     word: f"{cause}; {cure}"
     for word, cause, cure in re.findall(r"^\| `(\w+)` \| \d+ \| (.*?) \| (.*?) \|$", PAGE, re.M)
 }
-HELLO = "hello: serpenoid fw=0.1.0 protocol=1 board=virtual boot=0 reset=power settings=new"
+HELLO = (
+    "hello: serpenoid fw=0.2.0 protocol=2 board=virtual joints=5 frame_us=20000 boot=0 "
+    "reset=power settings=new silence=2"
+)
 
 SCRIPT = f"""
 # The board starts.
@@ -32,7 +35,9 @@ say hello
 ok: #-
 say load
 err: #- empty
-say pose bent 95
+say pose bent 60
+err: #- range link=60 low=-57 high=57
+say pose bent 47.5
 err: #- range j1=95 low=-90 high=90
 
 # A host opens a session; from now on every line needs both.
@@ -93,6 +98,7 @@ set: pose_speed value=45 low=1 high=360 unit=deg/s
 set: servo_speed value=500 low=10 high=1000 unit=deg/s
 set: silence value=1.5 low=0.1 high=600 unit=s
 set: every value=1 low=0 high=1000 unit=frames
+set: limp value=0 low=1 high=2000 unit=s
 ok: #113
 ask 114 trim 3 centre 1512
 ok: #114
@@ -107,9 +113,11 @@ ask 116 save
 ask 117 gait 30 80 5
 err: #117 saving
 ok: #116
+ask 117 gait 30 80 5
+err: #117 saving again
 
 # Motion.
-ask 118 pose bent 20
+ask 118 pose bent 10
 state: pose why=command
 ok: #118
 ask 119 save
@@ -117,8 +125,8 @@ err: #119 motion
 wait 2
 ask 120 trim 1 dir -1
 err: #120 attached
-t:400 j1:20.00 j2:-20.00 j3:20.00 j4:-20.00 j5:20.00 us=8000000 ph=0.000\
- p=1700,1300,1712,1300,1700 ex=0 la=0 st=pose
+t:400 j1:20.00 j2:-20.00 j3:20.00 j4:-20.00 j5:20.00 board_us=8020000 ph=0.000\
+ p=1700,1300,1712,1300,1700 exec_us=0 late_us=0 clipped=0 st=pose
 ask 121 gait 30 80 5
 state: gait why=command
 ok: #121
@@ -144,26 +152,52 @@ ask 125 load
 ok: #125
 ask 126 defaults
 ok: #126
-
-# The host falls silent.
-ask 127 gait 30 80 5
-state: gait why=command
+ask 127 set silence off
 ok: #127
-state: safing why=silence
-state: safe why=arrived
-ask 128 pose straight
-state: pose why=command
-ok: #128
-ask 129 stop
-state: hold why=command
+ask 128 save
+err: #128 unattended
+ask 129 defaults
 ok: #129
 
-# The count of all that, and good-bye.
-ask 130 status
-counters: good=35 crc=1 nocrc=1 garbled=2 overlong=1 sequence=1 lost=2 repeated=4 dropped=0 rxfull=0
+# The host falls silent.
+ask 130 gait 30 80 5
+state: gait why=command
 ok: #130
-ask 131 bye
+state: safing why=silence
+state: safe why=arrived
+ask 131 pose straight
+state: pose why=command
 ok: #131
+ask 132 stop
+state: hold why=command
+ok: #132
+ask 133 idle
+state: idle why=command
+ok: #133
+
+# A robot that is safe goes limp after a while, if it is told to.
+ask 134 set limp 1
+ok: #134
+ask 135 gait 30 80 5
+state: gait why=command
+ok: #135
+state: safing why=silence
+state: safe why=arrived
+state: idle why=limp
+
+# The count of all that, and good-bye, by a host and by a person.
+ask 136 status
+counters: good=42 crc=1 nocrc=1 garbled=2 overlong=1 sequence=1 lost=2 repeated=5 dropped=0 rxfull=0
+ok: #136
+ask 137 bye
+ok: #137
+say ping
+ok: #-
+ask 7 hello
+{HELLO}
+ok: #7
+say bye
+ok: #-
 say ping
 ok: #-
 """

@@ -6,15 +6,16 @@
 
 namespace firmware {
 
-const char kVersion[] FLASH = "0.1.0";
+const char kVersion[] FLASH = "0.2.0";
 
 namespace {
 
 const char kStateNames[][7] FLASH = {"idle", "pose", "gait", "hold", "safing", "safe"};
 const char kResetNames[][9] FLASH = {"power", "brownout", "external", "watchdog", "unknown"};
-const char kFoundNames[][8] FLASH = {"ok", "new", "older", "damaged"};
+const char kFoundNames[][9] FLASH = {"ok", "new", "older", "damaged", "migrated"};
 const char kWhySilence[] FLASH = "silence";
 const char kWhyArrived[] FLASH = "arrived";
+const char kWhyLimp[] FLASH = "limp";
 
 const int16_t kCentreStepUs = 4;  // per frame, when a centre has been changed
 
@@ -33,9 +34,12 @@ Controller::Controller(Hardware& hardware)
       frame_(),
       counters_(),
       start_(),
+      in_(hardware.serial().in),
+      line_(hardware.serial().out),
       due_us_(0),
       last_byte_us_(0),
       silent_frames_(0),
+      state_frames_(0),
       telemetry_wait_(0),
       boot_id_(0),
       last_number_(0),
@@ -47,7 +51,14 @@ Controller::Controller(Hardware& hardware)
       waiting_(LineReader::kNothing),
       report_(Report::None),
       report_row_(0),
-      session_(false) {}
+      arrivals_(0),
+      keys_due_(0),
+      words_due_(0),
+      attached_(0),
+      attach_wait_(0),
+      session_(false),
+      overtaken_(false),
+      key_handled_(false) {}
 
 void Controller::begin(const Start& start) {
     start_ = start;
@@ -57,7 +68,7 @@ void Controller::begin(const Start& start) {
     configure();
     frame_.number = start.first_frame - 1;
     frame_.state = state_name(state_);
-    due_us_ = hardware_.micros();
+    due_us_ = hardware_.micros() + kFrameUs;
     greet();
 }
 
@@ -75,9 +86,13 @@ void Controller::poll() {
 }
 
 uint32_t Controller::spare_us() {
-    if (report_ != Report::None || waiting_ != LineReader::kNothing) return 0;
     const uint32_t left_us = due_us_ - hardware_.micros();
     return static_cast<int32_t>(left_us) > 0 ? left_us : 0;
+}
+
+bool Controller::quiet() const {
+    const bool waiting = waiting_ != LineReader::kNothing || keys_due_ != 0 || words_due_ != 0;
+    return report_ == Report::None && !waiting;
 }
 
 void Controller::frame(uint32_t now_us, uint32_t late_us) {
@@ -88,20 +103,41 @@ void Controller::frame(uint32_t now_us, uint32_t late_us) {
     count(counters_.overruns, static_cast<uint16_t>(frames - 1));
     due_us_ += frames * static_cast<uint32_t>(kFrameUs);
     frame_.number += frames;
-    frame_.start_us = now_us;
+    frame_.board_us = now_us;
     frame_.late_us = late_us;
     watch_silence(frames);
+    watch_limp(frames);
     move(frames);
-    frame_.run_us = hardware_.micros() - now_us;
+    frame_.exec_us = hardware_.micros() - now_us;
     send_telemetry(frames);
 }
 
 void Controller::move(uint16_t frames) {
     if (state_ == State::Idle) return;
-    motion_.advance(frames);
-    if (motion_.limited()) count(counters_.limited);
+    if (attaching()) {
+        attach_next();
+    } else {
+        motion_.advance(frames);
+    }
+    frame_.clipped = motion_.clipped();
+    if (frame_.clipped != 0) count(counters_.clipped);
     send_pulses();
     if (state_ == State::Safing && motion_.arrived()) become(State::Safe, kWhyArrived);
+}
+
+// Servos are still to be attached; nothing moves before the last of them is.
+bool Controller::attaching() const {
+    return attached_ < kJoints && (state_ == State::Pose || state_ == State::Gait);
+}
+
+void Controller::attach_next() {
+    if (attach_wait_ > 0) {
+        --attach_wait_;
+        return;
+    }
+    const uint8_t joint = attached_++;
+    attach_wait_ = kAttachFrames - 1;
+    hardware_.attach(joint, pulse_us(trim_[joint], motion_.setpoints_q14()[joint]));
 }
 
 void Controller::send_pulses() {
@@ -114,14 +150,14 @@ void Controller::send_pulses() {
                                                           : gap_us;
         trim_[i].centre_us = static_cast<int16_t>(trim_[i].centre_us + step_us);
         frame_.setpoint_q14[i] = motion_.setpoints_q14()[i];
-        frame_.pulse_us[i] = pulse_us(trim_[i], frame_.setpoint_q14[i]);
-        hardware_.pulse(i, frame_.pulse_us[i]);
+        frame_.pulse_us[i] = i < attached_ ? pulse_us(trim_[i], frame_.setpoint_q14[i]) : 0;
     }
+    hardware_.pulses(frame_.pulse_us, frame_.board_us - frame_.late_us);
 }
 
 bool Controller::moving() const {
     const bool may_move = state_ == State::Gait || state_ == State::Pose || state_ == State::Safing;
-    return may_move && !motion_.arrived();
+    return may_move && (attaching() || !motion_.arrived());
 }
 
 void Controller::watch_silence(uint16_t frames) {
@@ -134,16 +170,23 @@ void Controller::watch_silence(uint16_t frames) {
     become(State::Safing, kWhySilence);
 }
 
+// A robot that stands safe may go limp after a while, to spare its servos.
+void Controller::watch_limp(uint16_t frames) {
+    const uint32_t limit = static_cast<uint32_t>(settings_.value_u[kLimp]) / kFrameUs;
+    if (state_frames_ < 0xFFFF0000UL) state_frames_ += frames;
+    if (state_ == State::Safe && limit != 0 && state_frames_ >= limit) go_idle(kWhyLimp);
+}
+
 void Controller::become(State state, const char* why) {
     if (state == state_) return;
     state_ = state;
+    state_frames_ = 0;
     frame_.state = state_name(state);
-    line_.clear();
-    line_.put_flash(FLASH_TEXT("state: "))
+    line_.begin()
+        .put_flash(FLASH_TEXT("state: "))
         .put_flash(frame_.state)
         .put_flash(FLASH_TEXT(" why="))
-        .put_flash(why)
-        .finish();
+        .put_flash(why);
     send();
 }
 
@@ -155,9 +198,7 @@ void Controller::send_telemetry(uint16_t frames) {
         return;
     }
     telemetry_wait_ = every;
-    line_.clear();
-    write_telemetry(line_, frame_);
-    send();
+    if (!write_telemetry(line_, frame_)) count(counters_.dropped);
 }
 
 }  // namespace firmware

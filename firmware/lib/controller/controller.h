@@ -11,12 +11,11 @@
 #include "settings.h"
 #include "store.h"
 #include "telemetry.h"
-#include "text.h"
 
 namespace firmware {
 
 extern const char kVersion[];  // of the firmware, in flash
-const uint8_t kProtocol = 1;
+const uint8_t kProtocol = 2;
 
 enum class State : uint8_t { Idle, Pose, Gait, Hold, Safing, Safe };
 enum class Reset : uint8_t { Power, Brownout, External, Watchdog, Unknown };
@@ -31,7 +30,7 @@ struct Start {
 // 16-bit counters that stay at their end.
 struct Counters {
     uint16_t good, crc, nocrc, garbled, overlong, sequence, lost, repeated, dropped, overruns,
-        limited;
+        clipped;
     uint32_t late_us, pass_us;  // the worst so far
 };
 
@@ -48,8 +47,10 @@ class Controller {
     // As often as possible; runs a frame when one is due, then handles some input.
     OWN_FRAME void poll();
 
-    // Time until the next frame; 0 while there is something to do before it.
+    // Time until the next frame.
     uint32_t spare_us();
+    // Nothing is to be answered or reported.
+    bool quiet() const;
 
     State state() const { return state_; }
     const Counters& counters() const { return counters_; }
@@ -60,8 +61,12 @@ class Controller {
     const Motion& motion() const { return motion_; }
 
   private:
-    // A line is taken up only if all that it may bring forth at once fits the output buffer.
+    // A line is taken up only if all that it may bring forth at once fits the output queue.
     static const uint8_t kRoom = 220;
+    // Nothing is answered so shortly before a frame: both together might not fit.
+    static const uint16_t kQuietUs = 4500;
+    // Servos are attached one after the other, so many frames apart: each starts with a jerk.
+    static const uint8_t kAttachFrames = 5;
 
     // Whom a verdict answers: a number, a typed line, the stop key, a damaged line.
     struct Tag {
@@ -74,7 +79,10 @@ class Controller {
     OWN_FRAME void frame(uint32_t now_us, uint32_t late_us);
     OWN_FRAME void move(uint16_t frames);
     void send_pulses();
+    OWN_FRAME void attach_next();
+    bool attaching() const;
     void watch_silence(uint16_t frames);
+    void watch_limp(uint16_t frames);
     OWN_FRAME void send_telemetry(uint16_t frames);
     void become(State state, const char* why);
     bool moving() const;
@@ -85,17 +93,19 @@ class Controller {
     OWN_FRAME Refusal start_pose(const Command& command);
     Refusal change_setting(const Command& command);
     OWN_FRAME Refusal change_trim(const Command& command);
-    Refusal begin_save();
+    Refusal begin_save(const Command& command);
     OWN_FRAME Refusal reload(bool from_eeprom);
-    Refusal within_joint_limits(uint8_t joint, int32_t angle_udeg) const;
-    Refusal within_pulses(uint8_t joint) const;
+    OWN_FRAME Refusal within_joint_limits(uint8_t joint, int32_t angle_udeg) const;
     void stop(const char* why);
-    void go_idle();
+    void go_idle(const char* why);
     void drive(State state);
     OWN_FRAME void configure();
 
     // dialogue.cpp: lines
-    void receive(uint32_t now_us);
+    OWN_FRAME void receive(uint32_t now_us);
+    void obey_stops();
+    bool may_speak();
+    void answer_stops();
     void watch_pause(uint32_t now_us);
     void accept_waiting();
     OWN_FRAME void accept_line();
@@ -103,8 +113,8 @@ class Controller {
     bool in_order(const Envelope& envelope);
     void refuse_damaged(Error error, uint16_t& counter);
     OWN_FRAME void verdict(const Tag& tag, const Refusal& refusal, bool again = false);
-    void finish_save();
-    bool send();
+    OWN_FRAME void finish_save();
+    void send();
 
     // report.cpp: data lines
     void greet();
@@ -126,10 +136,11 @@ class Controller {
     Frame frame_;
     Counters counters_;
     Start start_;
+    Input& in_;
+    Output& line_;
     LineReader reader_;
-    Text line_;
     uint32_t due_us_, last_byte_us_;
-    uint32_t silent_frames_;
+    uint32_t silent_frames_, state_frames_;  // since the last good line; in this state
     uint16_t telemetry_wait_;
     uint16_t boot_id_, last_number_;
     State state_;
@@ -139,7 +150,12 @@ class Controller {
     LineReader::Event waiting_;
     Report report_;
     uint8_t report_row_;
+    uint8_t arrivals_;                // bytes received, when last looked at
+    uint8_t keys_due_, words_due_;    // stops obeyed and not answered yet: `!`, `stop`
+    uint8_t attached_, attach_wait_;  // servos from the tail; frames until the next one
     bool session_;
+    bool overtaken_;    // what is read came before a stop that has been obeyed
+    bool key_handled_;  // the stop key at the present pause has been obeyed
 };
 
 // Names as on the wire, in flash.

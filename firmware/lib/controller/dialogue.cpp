@@ -12,38 +12,85 @@ const uint8_t kBytesPerPass = 64;
 const uint32_t kKeyPauseUs = 20000;
 const uint32_t kUnfinishedUs = 100000;
 
+// What may still be obeyed when a stop has overtaken it.
+bool harmless(Verb verb) {
+    return verb == Verb::Hello || verb == Verb::Bye || verb == Verb::Ping || verb == Verb::Stop;
+}
+
 }  // namespace
 
 void Controller::receive(uint32_t now_us) {
-    for (uint8_t n = 0; n < kBytesPerPass && waiting_ == LineReader::kNothing; ++n) {
-        const int16_t byte = hardware_.receive();
-        if (byte < 0) return;
+    if (arrivals_ != in_.arrivals()) {
+        arrivals_ = in_.arrivals();
         last_byte_us_ = now_us;
-        waiting_ = reader_.push(static_cast<uint8_t>(byte));
+        key_handled_ = false;
     }
-    // A stop does not wait for room or for a report; its verdict may.
-    if (waiting_ == LineReader::kLine && is_bare_stop(reader_.data(), reader_.length())) {
-        stop(reader_.data()[0] == '!' ? kWhyKey : kWhyCommand);
+    for (uint8_t n = 0; n < kBytesPerPass; ++n) {
+        obey_stops();
+        if (waiting_ != LineReader::kNothing) return;
+        if (overtaken_ && in_.at_mark()) {
+            overtaken_ = false;
+            reader_.clear();
+        }
+        const int16_t byte = in_.pop();
+        if (byte < 0) return;
+        waiting_ = reader_.push(static_cast<uint8_t>(byte));
+        if (waiting_ == LineReader::kLine && is_bare_stop(reader_.data(), reader_.length())) {
+            waiting_ = LineReader::kNothing;  // it was obeyed as it came
+            reader_.clear();
+        }
+    }
+}
+
+// A stop waits for nothing: neither for lines before it nor for room; only its verdict does.
+void Controller::obey_stops() {
+    for (char which; (which = in_.take_stop()) != 0;) {
+        uint8_t& due = which == '!' ? keys_due_ : words_due_;
+        if (due < 255) ++due;
+        overtaken_ = true;
+        silent_frames_ = 0;
+        count(counters_.good);
+        stop(which == '!' ? kWhyKey : kWhyCommand);
+    }
+}
+
+// Whether an answer fits the queue, and leaves the next frame's line its place.
+bool Controller::may_speak() {
+    const bool frame_is_near = settings_.value_u[kEvery] != 0 && spare_us() < kQuietUs;
+    return line_.room() >= kRoom && !frame_is_near;
+}
+
+void Controller::answer_stops() {
+    if (!may_speak()) return;
+    if (keys_due_ != 0) {
+        --keys_due_;
+        verdict(Tag{'!', 0}, Refusal());
+    } else if (words_due_ != 0) {
+        --words_due_;
+        verdict(Tag{'-', 0}, Refusal());
     }
 }
 
 // What a pause means: after the stop key, a stop; inside a session, that the rest is not coming.
 void Controller::watch_pause(uint32_t now_us) {
-    if (waiting_ != LineReader::kNothing || !reader_.partial()) return;
+    if (arrivals_ != in_.arrivals()) return;
     const uint32_t pause_us = now_us - last_byte_us_;
-    if (reader_.ends_with_stop_key() && pause_us > kKeyPauseUs) {
+    if (in_.last() == '!' && !key_handled_ && pause_us > kKeyPauseUs) {
+        in_.mark_here();
+        key_handled_ = overtaken_ = true;
+        if (keys_due_ < 255) ++keys_due_;
+        silent_frames_ = 0;
+        count(counters_.good);
         stop(kWhyKey);
-        reader_.clear();
-        reader_.push('!');
-        waiting_ = LineReader::kLine;
-    } else if (session_ && pause_us > kUnfinishedUs) {
-        waiting_ = LineReader::kGarbled;
     }
+    if (waiting_ != LineReader::kNothing || !reader_.partial() || overtaken_) return;
+    if (session_ && pause_us > kUnfinishedUs) waiting_ = LineReader::kGarbled;
 }
 
 void Controller::accept_waiting() {
+    answer_stops();
     if (waiting_ == LineReader::kNothing || report_ != Report::None) return;
-    if (hardware_.room() < kRoom) return;
+    if (!may_speak()) return;
     if (waiting_ == LineReader::kLine) {
         accept_line();
     } else if (waiting_ == LineReader::kOverlong) {
@@ -56,15 +103,11 @@ void Controller::accept_waiting() {
 }
 
 void Controller::accept_line() {
-    if (is_bare_stop(reader_.data(), reader_.length())) {
-        tag_ = Tag{reader_.data()[0] == '!' ? '!' : '-', 0};
-        count(counters_.good);
-        silent_frames_ = 0;
-        return verdict(tag_, Refusal());
-    }
     Envelope envelope;
     const Error damage = check_line(reader_.data(), reader_.length(), envelope);
     if (damage == Error::Crc) return refuse_damaged(damage, counters_.crc);
+    const bool leaves = is_bare_bye(reader_.data(), reader_.length());
+    if (leaves) session_ = false;
     if (session_ && !envelope.has_crc) return refuse_damaged(Error::NoCrc, counters_.nocrc);
     if (damage == Error::Sequence || (session_ && !envelope.has_number)) {
         return refuse_damaged(Error::Sequence, counters_.sequence);
@@ -79,8 +122,11 @@ void Controller::accept_body(const Envelope& envelope) {
     tag_ = Tag{envelope.has_number ? '#' : '-', envelope.number};
     if (session_ && !greets && !in_order(envelope)) return;
     last_number_ = envelope.number;
-    if (refusal.none()) refusal = obey(command);
-    if (greets && envelope.has_crc && envelope.has_number) session_ = true;
+    if (refusal.none()) {
+        const bool too_late = overtaken_ && !harmless(command.verb);
+        refusal = too_late ? Refusal(Error::Stopped) : obey(command);
+    }
+    if (greets && refusal.none() && envelope.has_crc && envelope.has_number) session_ = true;
     count(counters_.good);
     if (envelope.has_crc || refusal.none()) silent_frames_ = 0;
     last_error_ = refusal.error;
@@ -122,8 +168,7 @@ void Controller::finish_save() {
 }
 
 void Controller::verdict(const Tag& tag, const Refusal& refusal, bool again) {
-    line_.clear();
-    line_.put_flash(refusal.none() ? FLASH_TEXT("ok: #") : FLASH_TEXT("err: #"));
+    line_.begin().put_flash(refusal.none() ? FLASH_TEXT("ok: #") : FLASH_TEXT("err: #"));
     if (tag.kind == '#') {
         line_.put_unsigned(tag.number);
     } else {
@@ -143,18 +188,12 @@ void Controller::verdict(const Tag& tag, const Refusal& refusal, bool again) {
             .put_flash(text.cause)
             .put_flash(FLASH_TEXT("; "))
             .put_flash(text.cure);
-    line_.finish();
     send();
 }
 
 // Output never waits: what does not fit is dropped, and counted.
-bool Controller::send() {
-    if (hardware_.room() < line_.length()) {
-        count(counters_.dropped);
-        return false;
-    }
-    hardware_.transmit(line_.data(), line_.length());
-    return true;
+void Controller::send() {
+    if (!line_.finish()) count(counters_.dropped);
 }
 
 }  // namespace firmware

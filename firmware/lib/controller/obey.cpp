@@ -33,14 +33,14 @@ Refusal Controller::obey(const Command& command) {
             stop(kWhyCommand);
             return Refusal();
         case Verb::Idle:
-            go_idle();
+            go_idle(kWhyCommand);
             return Refusal();
         case Verb::Set:
             return change_setting(command);
         case Verb::Trim:
             return change_trim(command);
         case Verb::Save:
-            return begin_save();
+            return begin_save(command);
         case Verb::Load:
         case Verb::Defaults:
             return reload(command.verb == Verb::Load);
@@ -51,7 +51,12 @@ Refusal Controller::obey(const Command& command) {
 Refusal Controller::within_joint_limits(uint8_t joint, int32_t angle_udeg) const {
     const int32_t low = settings_.trim_u[joint][kLow], high = settings_.trim_u[joint][kHigh];
     if (angle_udeg >= low && angle_udeg <= high) return Refusal();
-    const char name[] = {'j', static_cast<char>('1' + joint), '\0'};
+    const uint8_t number = static_cast<uint8_t>(joint + 1);
+    char name[4] = {'j', static_cast<char>('0' + number), '\0', '\0'};
+    if (number > 9) {
+        name[1] = '1';
+        name[2] = static_cast<char>('0' + number - 10);
+    }
     return Refusal(Error::Range, name, angle_udeg, low, high);
 }
 
@@ -91,15 +96,11 @@ Refusal Controller::start_pose(const Command& command) {
     return Refusal();
 }
 
-// Enter a state in which the servos are driven; from idle, attach them where the setpoints are.
+// Enter a state in which the servos are driven; those that are limp are attached where they were
+// told to be last, one after the other.
 void Controller::drive(State state) {
     if (state_ == State::Idle) {
-        int16_t first_us[kJoints];
-        for (uint8_t i = 0; i < kJoints; ++i) {
-            trim_[i] = trim_of(settings_, i);
-            first_us[i] = pulse_us(trim_[i], motion_.setpoints_q14()[i]);
-        }
-        hardware_.attach(first_us);
+        for (uint8_t i = 0; i < kJoints; ++i) trim_[i] = trim_of(settings_.trim_u[i]);
     }
     become(state, kWhyCommand);
 }
@@ -110,11 +111,13 @@ void Controller::stop(const char* why) {
     become(State::Hold, why);
 }
 
-void Controller::go_idle() {
+void Controller::go_idle(const char* why) {
     motion_.freeze();
     hardware_.detach();
+    attached_ = attach_wait_ = 0;
+    frame_.clipped = 0;
     for (int16_t& pulse : frame_.pulse_us) pulse = 0;
-    become(State::Idle, kWhyCommand);
+    become(State::Idle, why);
 }
 
 Refusal Controller::change_setting(const Command& command) {
@@ -140,36 +143,28 @@ Refusal Controller::change_trim(const Command& command) {
     int32_t& value_u = settings_.trim_u[command.joint][command.field];
     const int32_t before_u = value_u;
     value_u = command.value_u[0];
-    const Refusal refusal = within_pulses(command.joint);
-    if (!refusal.none()) {
+    int32_t beyond_us;
+    if (!within_pulses(settings_.trim_u[command.joint], beyond_us)) {
         value_u = before_u;
-        return refusal;
+        return Refusal(Error::Range, "pulse_ms", beyond_us * 1000, kLeastPulseUs * 1000L,
+                       kMostPulseUs * 1000L);
     }
     configure();
     return Refusal();
 }
 
-// Whether both ends of a joint's range can be reached by a pulse.
-Refusal Controller::within_pulses(uint8_t joint) const {
-    for (uint8_t f = kLow; f <= kHigh; ++f) {
-        const int32_t pulse = pulse_at(settings_, joint, static_cast<TrimField>(f));
-        if (pulse >= kLeastPulseUs && pulse <= kMostPulseUs) continue;
-        return Refusal(Error::Range, "pulse_ms", pulse * 1000, kLeastPulseUs * 1000L,
-                       kMostPulseUs * 1000L);
-    }
-    return Refusal();
-}
-
 void Controller::configure() {
-    motion_.limit(limits_of(settings_));
+    set_limits(motion_.limits(), settings_);
+    motion_.limits_changed();
     if (state_ != State::Idle) return;
     motion_.freeze();
-    for (uint8_t i = 0; i < kJoints; ++i) trim_[i] = trim_of(settings_, i);
+    for (uint8_t i = 0; i < kJoints; ++i) trim_[i] = trim_of(settings_.trim_u[i]);
 }
 
-Refusal Controller::begin_save() {
+Refusal Controller::begin_save(const Command& command) {
     if (store_.saving()) return Refusal(Error::Saving);
     if (moving()) return Refusal(Error::Motion);
+    if (settings_.value_u[kSilence] == 0 && !command.unattended) return Refusal(Error::Unattended);
     store_.save(settings_);
     return Refusal();
 }
@@ -179,7 +174,7 @@ Refusal Controller::reload(bool from_eeprom) {
     if (state_ != State::Idle) return Refusal(Error::Attached);
     if (from_eeprom) {
         const Found found = store_.load(settings_);
-        if (found != Found::Ok && found != Found::Older) return Refusal(Error::Empty);
+        if (found == Found::New || found == Found::Damaged) return Refusal(Error::Empty);
     } else {
         set_defaults(settings_);
     }

@@ -21,15 +21,20 @@ const CounterName kCounterNames[] FLASH = {
 }  // namespace
 
 void Controller::greet() {
-    line_.clear();
-    line_.put_flash(FLASH_TEXT("hello: serpenoid fw=")).put_flash(kVersion);
-    line_.put_flash(FLASH_TEXT(" protocol="))
-        .put_unsigned(kProtocol)
-        .put_flash(FLASH_TEXT(" board="))
-        .put(start_.board);
+    line_.begin().put_flash(FLASH_TEXT("hello: serpenoid fw=")).put_flash(kVersion);
+    line_.put_flash(FLASH_TEXT(" protocol=")).put_unsigned(kProtocol);
+    line_.put_flash(FLASH_TEXT(" board=")).put(start_.board);
+    line_.put_flash(FLASH_TEXT(" joints=")).put_unsigned(kJoints);
+    line_.put_flash(FLASH_TEXT(" frame_us=")).put_unsigned(kFrameUs);
     line_.put_flash(FLASH_TEXT(" boot=")).put_unsigned(boot_id_);
     line_.put_flash(FLASH_TEXT(" reset=")).put_flash(reset_name(start_.reset));
-    line_.put_flash(FLASH_TEXT(" settings=")).put_flash(found_name(found_)).finish();
+    line_.put_flash(FLASH_TEXT(" settings=")).put_flash(found_name(found_));
+    line_.put_flash(FLASH_TEXT(" silence="));
+    if (settings_.value_u[kSilence] == 0) {
+        line_.put_flash(FLASH_TEXT("off"));
+    } else {
+        line_.put_micro(settings_.value_u[kSilence]);
+    }
     send();
 }
 
@@ -49,15 +54,14 @@ uint8_t Controller::report_rows() const {
 }
 
 void Controller::next_report_line() {
-    if (report_ == Report::None || hardware_.room() < kRoom) return;
+    if (report_ == Report::None || !may_speak()) return;
     if (report_row_ == report_rows()) {
         report_ = Report::None;
         report_row_ = 0;
         return verdict(tag_, Refusal());
     }
-    line_.clear();
+    line_.begin();
     put_report_line(report_row_++);
-    line_.finish();
     send();
 }
 
@@ -100,12 +104,12 @@ void Controller::put_counters() {
         }
         line_.put(' ').put(row.name).put('=').put_unsigned(counters_.*row.member);
     }
-    line_.put_flash(FLASH_TEXT(" rxfull=")).put_unsigned(hardware_.receive_overflows());
+    line_.put_flash(FLASH_TEXT(" rxfull=")).put_unsigned(in_.full());
 }
 
 void Controller::put_timing() {
     line_.put_flash(FLASH_TEXT("timing: overruns=")).put_unsigned(counters_.overruns);
-    line_.put_flash(FLASH_TEXT(" limited=")).put_unsigned(counters_.limited);
+    line_.put_flash(FLASH_TEXT(" clipped=")).put_unsigned(counters_.clipped);
     line_.put_flash(FLASH_TEXT(" late_us=")).put_unsigned(counters_.late_us);
     line_.put_flash(FLASH_TEXT(" frame_us=")).put_unsigned(counters_.pass_us);
     line_.put_flash(FLASH_TEXT(" stack=")).put_unsigned(hardware_.unused_ram());

@@ -32,7 +32,8 @@ uint32_t mdeg_from_phase(uint32_t phase) {
 }
 
 uint64_t phase_step(int32_t omega_urad_s) {
-    return static_cast<uint64_t>(omega_urad_s) * 58717810066ULL;
+    const uint64_t in_20_ms = 58717810066ULL;  // 2⁶⁴ · 1e-6 · 0.02 / 2π
+    return static_cast<uint64_t>(omega_urad_s) * (in_20_ms * kFrameUs / 20000);
 }
 
 int16_t gait_angle(int16_t alpha_q14, int32_t beta_q31_turn, uint32_t phase, uint8_t joint) {

@@ -1,5 +1,5 @@
-// The gait formula in fixed point: phi_i = offset + alpha sin(phase + i beta), one value per 20 ms
-// frame.
+// The gait formula in fixed point: phi_i = offset + alpha sin(phase + i beta), one value per frame
+// of 20 ms.
 //
 // Units: joint angles in Q14 radians (16384 is 1 rad, ±2 rad), ramped quantities in Q30 radians,
 // the phase as a 64-bit fraction of a turn that wraps by itself, of which the upper 32 bits are
@@ -10,9 +10,20 @@
 
 namespace firmware {
 
-const uint8_t kJoints = 5;
-const uint16_t kFrameUs = 20000;
-const uint8_t kFramesPerSecond = 50;
+// How many joints the robot has: one build flag, which all else follows.
+#ifndef SERPENOID_JOINTS
+#define SERPENOID_JOINTS 5
+#endif
+static_assert(SERPENOID_JOINTS >= 2 && SERPENOID_JOINTS <= 12,
+              "SERPENOID_JOINTS must be 2 to 12: one timer makes at most 12 pulses");
+const uint8_t kJoints = SERPENOID_JOINTS;
+
+// The servos' pulses follow one another, 2.5 ms at the longest, and then comes a gap of 2.5 ms at
+// the least, in which the next ones are handed over: that fits into 20 ms for up to seven joints.
+const uint16_t kFrameUs = kJoints <= 7 ? 20000 : 2500 * (kJoints + 1);
+
+// A quantity per second, in millionths, as a quantity per frame.
+inline int32_t per_frame_u(int32_t value_u) { return value_u / 1000 * (kFrameUs / 100) / 10; }
 
 // What a `gait` command asks for, in the wire's units.
 struct Gait {
@@ -35,8 +46,8 @@ int16_t cdeg_from_q14(int16_t angle_q14);
 // Thousandths of a degree, 0 to 359999, of a phase in 2⁻³² turns.
 uint32_t mdeg_from_phase(uint32_t phase);
 
-// Phase per 20 ms frame in 2⁻⁶⁴ turns, for 0 <= rate <= 50 rad/s; relative error below 1e-11 of
-// 2⁶⁴ · 0.02 s / 2π.
+// Phase per frame in 2⁻⁶⁴ turns, for 0 <= rate <= 50 rad/s; relative error below 1e-11 of
+// 2⁶⁴ · frame / 2π.
 uint64_t phase_step(int32_t omega_urad_s);
 
 inline int16_t q14_from_q30(int32_t angle_q30) {

@@ -1,20 +1,56 @@
-// Ramps and limits are in integers; nothing here divides or allocates.
+// A frame is integers alone; only the plan of a change, made once for each order, is in floats.
 #include "motion.h"
 
 namespace firmware {
 namespace {
 
-// The distance is taken unsigned: it may be the whole range of the type.
-int32_t approach(int32_t now, int32_t target, int32_t step) {
-    const uint32_t a = static_cast<uint32_t>(now), b = static_cast<uint32_t>(target);
-    const uint32_t reach = static_cast<uint32_t>(step);
-    if (now < target) return b - a > reach ? now + step : target;
-    return a - b > reach ? now - step : target;
+const float kRadPerQ14 = 1.0F / 16384;
+const float kRadPerQ32Turn = 6.2831853F / 4294967296.0F;
+const float kFrameS = kFrameUs * 1e-6F;
+// What roundings of a setpoint may add to a step or carry beyond a limit, in Q14 radians (0.01°).
+const int16_t kRoundingQ14 = 3;
+
+float magnitude(float x) { return x < 0 ? -x : x; }
+
+uint32_t upper(uint64_t step) { return static_cast<uint32_t>(step >> 32); }
+
+float rate_of(uint64_t step) {
+    return static_cast<float>(upper(step)) * (kRadPerQ32Turn / kFrameS);
 }
 
-uint64_t approach(uint64_t now, uint64_t target, uint64_t step) {
-    if (now < target) return target - now > step ? now + step : target;
-    return now - target > step ? now - step : target;
+uint32_t step_of(float omega_rad_s) {
+    return static_cast<uint32_t>(omega_rad_s * (kFrameS / kRadPerQ32Turn)) | 1U;
+}
+
+// How far apart the oscillating parts of two shapes can be at the same phase, any joint.
+float swing_between(const Shape& a, const Shape& b) {
+    const uint32_t lag = static_cast<uint32_t>(b.beta_q31_turn - a.beta_q31_turn) << 1;
+    const float lag_rad = magnitude(static_cast<float>(static_cast<int32_t>(lag))) * kRadPerQ32Turn;
+    const float chord = lag_rad * (kJoints - 1);
+    const int16_t less = a.alpha_q14 < b.alpha_q14 ? a.alpha_q14 : b.alpha_q14;
+    return (magnitude(static_cast<float>(b.alpha_q14 - a.alpha_q14)) +
+            static_cast<float>(less) * (chord < 2 ? chord : 2)) *
+           kRadPerQ14;
+}
+
+float shift_between(const Shape& a, const Shape& b) {
+    float most = 0;
+    for (uint8_t i = 0; i < kJoints; ++i) {
+        const int32_t shift = static_cast<int32_t>(b.base_q14[i]) - a.base_q14[i];
+        const float size = magnitude(static_cast<float>(shift));
+        if (size > most) most = size;
+    }
+    return most * kRadPerQ14;
+}
+
+bool same(const Shape& a, const Shape& b) {
+    return swing_between(a, b) == 0 && shift_between(a, b) == 0;
+}
+
+// 3u² - 2u³ in Q14, of u in Q16.
+int32_t smooth_q14(uint16_t u) {
+    const uint32_t square = (static_cast<uint32_t>(u) * u) >> 16;
+    return static_cast<int32_t>((square * ((196608UL - 2UL * u) >> 2)) >> 16);
 }
 
 }  // namespace
@@ -24,88 +60,153 @@ Motion::Motion()
       phase_(0),
       step_(0),
       step_target_(0),
-      alpha_q30_(0),
-      alpha_target_q30_(0),
-      beta_q31_turn_(0),
-      beta_target_q31_turn_(0),
-      base_q30_(),
-      base_target_q30_(),
+      step_next_(0),
+      step_blend_(0),
+      rate_step_(0),
+      from_(),
+      to_(),
+      next_(),
+      progress_q32_(0),
+      progress_step_q32_(0),
       setpoint_q14_(),
+      clipped_(0),
+      blending_(false),
+      waiting_(false),
       gait_(false),
-      turning_(false),
-      limited_(false) {}
+      next_gait_(false),
+      turning_(false) {}
 
-void Motion::limit(const MotionLimits& limits) {
-    limits_ = limits;
+void Motion::limits_changed() {
     for (uint8_t i = 0; i < kJoints; ++i) {
-        if (setpoint_q14_[i] < limits.low_q14[i]) setpoint_q14_[i] = limits.low_q14[i];
-        if (setpoint_q14_[i] > limits.high_q14[i]) setpoint_q14_[i] = limits.high_q14[i];
+        if (setpoint_q14_[i] < limits_.low_q14[i]) setpoint_q14_[i] = limits_.low_q14[i];
+        if (setpoint_q14_[i] > limits_.high_q14[i]) setpoint_q14_[i] = limits_.high_q14[i];
     }
 }
 
 void Motion::gait(const Gait& gait) {
-    alpha_target_q30_ = q30_from_udeg(gait.alpha_udeg);
-    beta_target_q31_turn_ = q31_turn_from_udeg(gait.beta_udeg);
-    step_target_ = phase_step(gait.omega_urad_s);
-    for (int32_t& base : base_target_q30_) base = q30_from_udeg(gait.offset_udeg);
-    if (!turning_) {
-        beta_q31_turn_ = beta_target_q31_turn_;
-        step_ = step_target_;
-    }
-    gait_ = turning_ = true;
+    next_.alpha_q14 = q14_from_q30(q30_from_udeg(gait.alpha_udeg));
+    next_.beta_q31_turn = q31_turn_from_udeg(gait.beta_udeg);
+    for (int16_t& base : next_.base_q14) base = q14_from_q30(q30_from_udeg(gait.offset_udeg));
+    order(phase_step(gait.omega_urad_s), true);
 }
 
 void Motion::pose(const int32_t (&target_q30)[kJoints]) {
-    for (uint8_t i = 0; i < kJoints; ++i) base_target_q30_[i] = target_q30[i];
-    alpha_target_q30_ = 0;
-    gait_ = false;
+    next_.alpha_q14 = 0;
+    next_.beta_q31_turn = to_.beta_q31_turn;
+    for (uint8_t i = 0; i < kJoints; ++i) next_.base_q14[i] = q14_from_q30(target_q30[i]);
+    order(step_, false);
 }
 
 void Motion::freeze() {
-    for (uint8_t i = 0; i < kJoints; ++i) {
-        base_target_q30_[i] = base_q30_[i] = static_cast<int32_t>(setpoint_q14_[i]) * 65536L;
-    }
-    alpha_target_q30_ = alpha_q30_ = 0;
-    gait_ = turning_ = false;
+    for (uint8_t i = 0; i < kJoints; ++i) from_.base_q14[i] = setpoint_q14_[i];
+    from_.alpha_q14 = 0;
+    to_ = from_;
+    blending_ = waiting_ = gait_ = turning_ = false;
 }
 
-void Motion::ramp() {
-    alpha_q30_ = approach(alpha_q30_, alpha_target_q30_, limits_.angle_step_q30);
-    beta_q31_turn_ = approach(beta_q31_turn_, beta_target_q31_turn_, limits_.beta_step_q31_turn);
-    step_ = approach(step_, step_target_, limits_.rate_step);
-    for (uint8_t i = 0; i < kJoints; ++i) {
-        base_q30_[i] = approach(base_q30_[i], base_target_q30_[i], limits_.pose_step_q30);
+void Motion::order(uint64_t step, bool gait) {
+    step_next_ = step;
+    next_gait_ = gait;
+    waiting_ = blending_ && progress_q32_ != 0;
+    if (!waiting_) {
+        begin();
+    } else if (gait == gait_ && same(next_, to_)) {  // the change under way leads there
+        step_target_ = step;
+        waiting_ = false;
     }
-    if (!gait_ && alpha_q30_ == 0) turning_ = false;
+}
+
+// Plan the change from what is to next_.
+void Motion::begin() {
+    to_ = next_;
+    gait_ = next_gait_;
+    waiting_ = false;
+    if (!turning_) from_.beta_q31_turn = to_.beta_q31_turn;
+    ChangeRequest request;
+    request.alpha_1_rad = from_.alpha_q14 * kRadPerQ14;
+    request.alpha_2_rad = to_.alpha_q14 * kRadPerQ14;
+    request.omega_1_rad_s = turning_ ? rate_of(step_) : 0;
+    request.omega_2_rad_s = gait_ ? rate_of(step_next_) : 0;
+    request.swing_rad = swing_between(from_, to_);
+    request.shift_rad = shift_between(from_, to_);
+    const ChangePlan plan = plan_change(request, limits_.change);
+    step_blend_ = step_of(plan.omega_rad_s);
+    step_target_ = gait_ ? step_next_ : static_cast<uint64_t>(step_blend_) << 32;
+    if (step_blend_ > upper(step_target_)) step_blend_ = upper(step_target_);
+    if (!turning_) step_ = static_cast<uint64_t>(step_blend_) << 32;
+    rate_step_ = step_of(plan.omega_rate_rad_s2 * kFrameS);
+    turning_ = turning_ || gait_;
+    blending_ = request.swing_rad + request.shift_rad > 0;
+    const float frames = plan.duration_s / kFrameS + 1;
+    progress_q32_ = 0;
+    progress_step_q32_ = static_cast<uint32_t>(4294967040.0F / frames);
+    if (!blending_) from_ = to_;
+}
+
+// One frame's change of the rate towards this one; true when it is there, to 2⁻³² turns.
+bool Motion::approach(uint32_t step) {
+    const uint32_t now = upper(step_);
+    const uint32_t gap = now < step ? step - now : now - step;
+    if (gap <= rate_step_) return true;
+    step_ = static_cast<uint64_t>(now < step ? now + rate_step_ : now - rate_step_) << 32;
+    return false;
+}
+
+// One frame further: the rate first, if it must come down, then the blend, then the rate.
+void Motion::proceed() {
+    if (!blending_) {
+        if (approach(upper(step_target_))) step_ = step_target_;
+    } else if (turning_ && upper(step_) > step_blend_) {
+        if (approach(step_blend_)) step_ = static_cast<uint64_t>(step_blend_) << 32;
+    } else {
+        const uint32_t before = progress_q32_;
+        progress_q32_ += progress_step_q32_;
+        if (progress_q32_ < before) {
+            from_ = to_;
+            blending_ = false;
+        }
+    }
+    if (blending_) return;
+    turning_ = turning_ && gait_;
+    if (waiting_) begin();
+}
+
+int16_t Motion::at(const Shape& shape, uint8_t joint) const {
+    const int16_t swing = gait_angle(shape.alpha_q14, shape.beta_q31_turn, phase(), joint);
+    return static_cast<int16_t>(shape.base_q14[joint] + swing);
 }
 
 // The angle nearest to the one wanted that limits and speed allow.
 int16_t Motion::held(uint8_t joint, int32_t wanted_q14) {
-    int32_t low = limits_.low_q14[joint], high = limits_.high_q14[joint];
-    const int32_t slowest = static_cast<int32_t>(setpoint_q14_[joint]) - limits_.servo_step_q14;
-    const int32_t fastest = static_cast<int32_t>(setpoint_q14_[joint]) + limits_.servo_step_q14;
+    const int32_t low = limits_.low_q14[joint], high = limits_.high_q14[joint];
+    const int32_t step = limits_.servo_step_q14 + kRoundingQ14;
+    const int32_t slowest = setpoint_q14_[joint] - step, fastest = setpoint_q14_[joint] + step;
     int32_t angle = wanted_q14 < low ? low : wanted_q14 > high ? high : wanted_q14;
     angle = angle < slowest ? slowest : angle > fastest ? fastest : angle;
-    if (angle != wanted_q14) limited_ = true;
+    const int32_t off = angle - wanted_q14;
+    if (off > kRoundingQ14 || off < -kRoundingQ14) ++clipped_;
     return static_cast<int16_t>(angle);
 }
 
 void Motion::advance(uint16_t frames) {
     if (turning_) phase_ += step_ * frames;
-    ramp();
-    limited_ = false;
-    const int16_t alpha_q14 = q14_from_q30(alpha_q30_);
+    proceed();
+    clipped_ = 0;
+    const int32_t weight_q14 = smooth_q14(static_cast<uint16_t>(progress_q32_ >> 16));
     for (uint8_t i = 0; i < kJoints; ++i) {
-        const int16_t swing = gait_angle(alpha_q14, beta_q31_turn_, phase(), i);
-        setpoint_q14_[i] = held(i, static_cast<int32_t>(q14_from_q30(base_q30_[i])) + swing);
+        int32_t wanted_q14 = at(from_, i);
+        if (blending_) {
+            const int32_t way = at(to_, i) - wanted_q14;  // at most 4 rad: 2¹⁶, times 2¹⁴
+            wanted_q14 += (way * weight_q14 + 0x2000) >> 14;
+        }
+        setpoint_q14_[i] = held(i, wanted_q14);
     }
 }
 
 bool Motion::arrived() const {
-    if (gait_ || turning_) return false;
+    if (turning_ || blending_ || waiting_) return false;
     for (uint8_t i = 0; i < kJoints; ++i) {
-        if (base_q30_[i] != base_target_q30_[i]) return false;
-        if (setpoint_q14_[i] != q14_from_q30(base_q30_[i])) return false;
+        if (setpoint_q14_[i] != from_.base_q14[i]) return false;
     }
     return true;
 }

@@ -1,38 +1,47 @@
-// The five setpoints from frame to frame: gait, pose, ramps between them, joint limits, speed
-// limit.
+// The joints' setpoints from frame to frame: gaits, poses, gentle changes between them, limits.
 //
-// setpoint_i = limits(base_i + alpha sin(phase + i beta)). A pose moves the bases, a gait moves the
-// bases to the steering offset and alpha up from where it is. So every change is continuous in
-// position; the speed limit at the end of the chain holds what overlapping changes may add up to.
+// A shape is what the joints do at a phase: base_i + alpha sin(phase + i beta); a pose is a shape
+// without amplitude. A change blends from one shape to the next while the phase runs on:
+//
+//     setpoint_i = (1 - s) from_i + s to_i,    s = 3u² - 2u³,  u from 0 to 1 in T seconds
+//
+// As s stays between 0 and 1, no setpoint leaves the joint limits that both shapes keep; as s
+// begins and ends level, speed is continuous. change.h says how long T must be and how fast the
+// phase may run meanwhile, so that speed and acceleration keep their bounds too.
 #pragma once
 
+#include "change.h"
 #include "gait.h"
 
 namespace firmware {
 
-// How fast things may change and how far joints may go, in the units of gait.h, per frame.
+// How fast things may change and how far joints may go.
 struct MotionLimits {
-    int32_t angle_step_q30;      // amplitude
-    int32_t beta_step_q31_turn;  // lag
-    uint64_t rate_step;          // change of the phase step
-    int32_t pose_step_q30;       // poses and steering
-    int16_t servo_step_q14;      // any setpoint, whatever asks for it
+    ChangeLimits change;
+    int16_t servo_step_q14;  // the furthest that any setpoint may move in a frame
     int16_t low_q14[kJoints];
     int16_t high_q14[kJoints];
+};
+
+struct Shape {
+    int16_t alpha_q14;
+    int32_t beta_q31_turn;
+    int16_t base_q14[kJoints];
 };
 
 class Motion {
   public:
     Motion();
 
-    // New ramps and limits. A setpoint outside is moved inside at once: cut joint limits only while
-    // the servos are detached.
-    void limit(const MotionLimits& limits);
+    // To be filled in place, then told; a setpoint outside is moved inside at once: cut joint
+    // limits only while the servos are detached.
+    MotionLimits& limits() { return limits_; }
+    void limits_changed();
 
-    // Ramp to this gait. From rest the rate and the lag are taken at once: the amplitude is still
-    // 0.
+    // Change to this gait. From rest its rate and lag are taken at once. While another change is
+    // under way the newest order waits for its end.
     void gait(const Gait& gait);
-    // Move each joint to an angle in Q30 radians; a running gait fades out meanwhile.
+    // Change to a pose of these angles in Q30 radians.
     void pose(const int32_t (&target_q30)[kJoints]);
     // Hold the setpoints as they are now, from the next frame on.
     void freeze();
@@ -44,20 +53,27 @@ class Motion {
     uint32_t phase() const { return static_cast<uint32_t>(phase_ >> 32); }
     // Nothing will move any more without a new order.
     bool arrived() const;
-    // The last frame had to hold a joint back at a limit.
-    bool limited() const { return limited_; }
+    // How many joints the last frame held back, at a limit or at the servos' speed.
+    uint8_t clipped() const { return clipped_; }
 
   private:
-    void ramp();
+    void order(uint64_t step, bool gait);
+    void begin();
+    void proceed();
+    bool approach(uint32_t step);
+    int16_t at(const Shape& shape, uint8_t joint) const;
     int16_t held(uint8_t joint, int32_t wanted_q14);
 
     MotionLimits limits_;
-    uint64_t phase_, step_, step_target_;
-    int32_t alpha_q30_, alpha_target_q30_;
-    int32_t beta_q31_turn_, beta_target_q31_turn_;
-    int32_t base_q30_[kJoints], base_target_q30_[kJoints];
+    uint64_t phase_, step_, step_target_;  // in 2⁻⁶⁴ turns: the phase, its growth in a frame
+    uint64_t step_next_;
+    uint32_t step_blend_, rate_step_;  // in 2⁻³² turns: the most while blending; change in a frame
+    Shape from_, to_, next_;
+    uint32_t progress_q32_, progress_step_q32_;  // u above
     int16_t setpoint_q14_[kJoints];
-    bool gait_, turning_, limited_;  // a gait is wanted; the phase runs (also while one fades)
+    uint8_t clipped_;
+    bool blending_, waiting_;          // from from_ to to_; next_ waits
+    bool gait_, next_gait_, turning_;  // to_ and next_ are gaits; the phase runs
 };
 
 }  // namespace firmware

@@ -20,12 +20,20 @@ struct Word {
         }
         return flash_char(other + length) == '\0';
     }
+    bool begins(const char* other, uint8_t most) const {
+        if (length != most) return false;
+        for (uint8_t i = 0; i < length; ++i) {
+            if (flash_char(other + i) != text[i]) return false;
+        }
+        return true;
+    }
     bool is(const char* other) const {
         return strlen(other) == length && memcmp(other, text, length) == 0;
     }
 };
 
-const uint8_t kMostWords = 7;  // `pose` with five angles, and one too many
+// `pose` with all its angles or `gait` with all its fields, and one too many.
+const uint8_t kMostWords = kMostValues + 2;
 
 struct Words {
     Word word[kMostWords];
@@ -46,31 +54,50 @@ Words split(const char* text, uint8_t length) {
     return words;
 }
 
+// X(identifier, word, fewest fields, most fields, help behind the word)
+#define FIRMWARE_VERBS(X)                                                                   \
+    X(Hello, "hello", 0, 0, " - greet; with number and CRC, open a session")                \
+    X(Bye, "bye", 0, 0, " - close the session")                                             \
+    X(Ping, "ping", 0, 0, " - the host is alive")                                           \
+    X(Help, "help", 0, 0, " - this list")                                                   \
+    X(Status, "status", 0, 0, " - state, parameters, counters")                             \
+    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, deg, rad/s, deg")              \
+    X(Pose, "pose", 1, kJoints, " straight | pose bent LINK_DEG | pose J1 J2 ... - deg")    \
+    X(Stop, "stop", 0, 0, " - freeze and hold; the single key ! does the same")             \
+    X(Idle, "idle", 0, 0, " - stop and let the servos go limp")                             \
+    X(Set, "set", 0, 2, " - list settings; set NAME VALUE - change one")                    \
+    X(Trim, "trim", 0, 3, " - list servos; trim J FIELD VALUE - change one")                \
+    X(Save, "save", 0, 1, " - settings and trims to EEPROM; save unattended - silence off") \
+    X(Load, "load", 0, 0, " - settings and trims from EEPROM")                              \
+    X(Defaults, "defaults", 0, 0, " - settings and trims as built")
+
+#define FIRMWARE_VERB_TEXTS(id, word, fewest, most, help) const char kHelp##id[] FLASH = word help;
+FIRMWARE_VERBS(FIRMWARE_VERB_TEXTS)
+#undef FIRMWARE_VERB_TEXTS
+
 struct VerbText {
-    char word[9];
+    const char* help;
+    uint8_t length;        // of the word at its begin
     uint8_t fewest, most;  // fields
-    char help[68];
 };
 
 const VerbText kVerbTexts[kVerbs] FLASH = {
-    {"hello", 0, 0, "hello - greet; with number and CRC, open a session"},
-    {"bye", 0, 0, "bye - close the session"},
-    {"ping", 0, 0, "ping - the host is alive"},
-    {"help", 0, 0, "help - this list"},
-    {"status", 0, 0, "status - state, parameters, counters"},
-    {"gait", 3, 4, "gait ALPHA BETA OMEGA [OFFSET] - deg, deg, rad/s, deg"},
-    {"pose", 1, 5, "pose straight | pose bent DEG | pose J1 J2 J3 J4 J5 - deg"},
-    {"stop", 0, 0, "stop - freeze and hold; the single key ! does the same"},
-    {"idle", 0, 0, "idle - stop and let the servos go limp"},
-    {"set", 0, 2, "set - list settings; set NAME VALUE - change one"},
-    {"trim", 0, 3, "trim - list servos; trim J FIELD VALUE - change one"},
-    {"save", 0, 0, "save - settings and trims to EEPROM"},
-    {"load", 0, 0, "load - settings and trims from EEPROM"},
-    {"defaults", 0, 0, "defaults - settings and trims as built"},
+#define FIRMWARE_VERB_ROW(id, word, fewest, most, help) {kHelp##id, sizeof(word) - 1, fewest, most},
+    FIRMWARE_VERBS(FIRMWARE_VERB_ROW)
+#undef FIRMWARE_VERB_ROW
 };
+
+const char* help_of(uint8_t verb) {
+#ifdef __AVR__
+    return static_cast<const char*>(pgm_read_ptr(&kVerbTexts[verb].help));
+#else
+    return kVerbTexts[verb].help;
+#endif
+}
 
 const char kStraight[] FLASH = "straight";
 const char kBent[] FLASH = "bent";
+const char kUnattended[] FLASH = "unattended";
 const char kOff[] FLASH = "off";
 
 int8_t hex_digit(char c) {
@@ -135,21 +162,33 @@ Refusal parse_gait(const Words& words, Command& command) {
     return Refusal();
 }
 
+// Links stand at +L, -L, +L, ... to the snake's axis, so each joint turns by 2 L.
+Refusal parse_bent(const Word& word, Command& command) {
+    int32_t link_udeg;
+    const Refusal refusal = read_field(word, link_angle_field(), link_udeg);
+    for (uint8_t i = 0; i < kJoints; ++i) {
+        command.value_u[i] = i % 2 == 0 ? 2 * link_udeg : -2 * link_udeg;
+    }
+    return refusal;
+}
+
 Refusal parse_pose(const Words& words, Command& command) {
     const uint8_t fields = static_cast<uint8_t>(words.count - 1);
-    if (fields == 1 && words.word[1].is_flash(kStraight)) {
-        for (int32_t& angle : command.value_u) angle = 0;
-        return Refusal();
-    }
-    const bool bent = fields == 2 && words.word[1].is_flash(kBent);
-    if (!bent && fields != kJoints) return Refusal(Error::Arguments);
+    if (fields == 1 && words.word[1].is_flash(kStraight)) return Refusal();
+    if (fields == 2 && words.word[1].is_flash(kBent)) return parse_bent(words.word[2], command);
+    if (fields != kJoints) return Refusal(Error::Arguments);
     for (uint8_t i = 0; i < kJoints; ++i) {
-        const Word& word = words.word[bent ? 2 : i + 1];
-        const Refusal refusal = read_field(word, joint_angle_field(), command.value_u[i]);
+        const Refusal refusal =
+            read_field(words.word[i + 1], joint_angle_field(), command.value_u[i]);
         if (!refusal.none()) return refusal;
-        if (bent && i % 2 == 1) command.value_u[i] = -command.value_u[i];
     }
     return Refusal();
+}
+
+Refusal parse_save(const Words& words, Command& command) {
+    command.unattended = words.count == 2;
+    const bool known = words.count == 1 || words.word[1].is_flash(kUnattended);
+    return known ? Refusal() : Refusal(Error::Arguments);
 }
 
 Refusal parse_set(const Words& words, Command& command) {
@@ -161,7 +200,7 @@ Refusal parse_set(const Words& words, Command& command) {
         if (!words.word[1].is(field.name)) continue;
         command.field = i;
         command.value_u[0] = 0;
-        if (i == kSilence && words.word[2].is_flash(kOff)) return Refusal();
+        if (may_be_off(i) && words.word[2].is_flash(kOff)) return Refusal();
         return read_field(words.word[2], field, command.value_u[0]);
     }
     return Refusal(Error::Name);
@@ -197,6 +236,10 @@ bool is_bare_stop(const char* line, uint8_t length) {
     return (length == 1 && line[0] == '!') || (length == 4 && memcmp(line, "stop", 4) == 0);
 }
 
+bool is_bare_bye(const char* line, uint8_t length) {
+    return length == 3 && memcmp(line, "bye", 3) == 0;
+}
+
 Error check_line(const char* line, uint8_t length, Envelope& envelope) {
     const int32_t crc = trailing_crc(line, length);
     envelope = Envelope{line, length, crc >= 0, false, 0};
@@ -222,7 +265,9 @@ Refusal parse_command(const char* body, uint8_t length, Command& command) {
     const Words words = split(body, length);
     if (words.count == 0) return Refusal(Error::Command);
     uint8_t verb = 0;
-    while (verb < kVerbs && !words.word[0].is_flash(kVerbTexts[verb].word)) ++verb;
+    for (; verb < kVerbs; ++verb) {
+        if (words.word[0].begins(help_of(verb), flash_u8(&kVerbTexts[verb].length))) break;
+    }
     if (verb == kVerbs) return Refusal(Error::Command);
     const uint8_t fields = static_cast<uint8_t>(words.count - 1);
     if (fields < flash_u8(&kVerbTexts[verb].fewest) || fields > flash_u8(&kVerbTexts[verb].most)) {
@@ -239,11 +284,13 @@ Refusal parse_command(const char* body, uint8_t length, Command& command) {
             return parse_set(words, command);
         case Verb::Trim:
             return parse_trim(words, command);
+        case Verb::Save:
+            return parse_save(words, command);
         default:
             return Refusal();
     }
 }
 
-const char* verb_help(uint8_t verb) { return kVerbTexts[verb].help; }
+const char* verb_help(uint8_t verb) { return help_of(verb); }
 
 }  // namespace firmware

@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "error_codes.h"
+#include "fields.h"
 #include "gait.h"
 #include "progmem.h"
 
@@ -20,8 +21,9 @@ struct Envelope {
 // Split `[#NUMBER ]BODY[ *CRC]`. Returns Crc or Sequence if either is there and wrong.
 Error check_line(const char* line, uint8_t length, Envelope& envelope);
 
-// Whether a whole line is `stop` or `!` and nothing else.
+// Whether a whole line is `stop` or `!`, or `bye`, and nothing else.
 bool is_bare_stop(const char* line, uint8_t length);
+bool is_bare_bye(const char* line, uint8_t length);
 
 enum class Verb : uint8_t {
     Hello,
@@ -41,12 +43,16 @@ enum class Verb : uint8_t {
 };
 const uint8_t kVerbs = 14;
 
+const uint8_t kGaitFields = kGaitFieldCount;
+const uint8_t kMostValues = kJoints > kGaitFields ? kJoints : kGaitFields;
+
 struct Command {
     Verb verb;
-    bool lists;                // `set` or `trim` without fields
-    uint8_t joint;             // of `trim`, from 0
-    uint8_t field;             // Setting or TrimField
-    int32_t value_u[kJoints];  // gait fields, joint angles, or the one value of set and trim
+    bool lists;                    // `set` or `trim` without fields
+    bool unattended;               // of `save`
+    uint8_t joint;                 // of `trim`, from 0
+    uint8_t field;                 // Setting or TrimField
+    int32_t value_u[kMostValues];  // gait fields, joint angles, or the value of set and trim
 };
 
 // Why a command is refused; with Range and Speed, which field and what its limits are.

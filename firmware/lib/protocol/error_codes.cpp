@@ -9,25 +9,30 @@ namespace {
 #define FIRMWARE_ERROR_TEXTS(id, number, word, cause, cure) \
     const char kWord##id[] FLASH = word;                    \
     const char kCause##id[] FLASH = cause;                  \
-    const char kCure##id[] FLASH = cure;
+    const char kCure##id[] FLASH = cure;                    \
+    static_assert(sizeof(word) + sizeof(cause) + sizeof(cure) <= 150, "a verdict fits the queue");
 FIRMWARE_ERRORS(FIRMWARE_ERROR_TEXTS)
 #undef FIRMWARE_ERROR_TEXTS
 
 const char kNoText[] FLASH = "";
 
+// In the order of their numbers, which begin with 1; in flash, as a switch would be a table in RAM.
+const ErrorText kTexts[] FLASH = {{kNoText, kNoText, kNoText},
+#define FIRMWARE_ERROR_ROW(id, number, word, cause, cure) {kWord##id, kCause##id, kCure##id},
+                                  FIRMWARE_ERRORS(FIRMWARE_ERROR_ROW)
+#undef FIRMWARE_ERROR_ROW
+};
+
 }  // namespace
 
 ErrorText error_text(Error error) {
-    switch (error) {
-#define FIRMWARE_ERROR_CASE(id, number, word, cause, cure) \
-    case Error::id:                                        \
-        return ErrorText{kWord##id, kCause##id, kCure##id};
-        FIRMWARE_ERRORS(FIRMWARE_ERROR_CASE)
-#undef FIRMWARE_ERROR_CASE
-        case Error::None:
-            break;
-    }
-    return ErrorText{kNoText, kNoText, kNoText};
+    ErrorText found;
+#ifdef __AVR__
+    memcpy_P(&found, &kTexts[static_cast<uint8_t>(error)], sizeof found);
+#else
+    found = kTexts[static_cast<uint8_t>(error)];
+#endif
+    return found;
 }
 
 }  // namespace firmware

@@ -19,6 +19,7 @@ const Field kSettingFields[kSettingCount] FLASH = {
     {"servo_speed", "deg/s", u(10), u(1000), u(500), false},
     {"silence", "s", u(0.1), u(600), u(2), false},
     {"every", "frames", u(0), u(1000), u(1), true},
+    {"limp", "s", u(1), u(2000), u(0), false},
 };
 
 const Field kTrimFields[kTrimFieldCount] FLASH = {
@@ -37,6 +38,7 @@ const Field kGaitFields[kGaitFieldCount] FLASH = {
 };
 
 const Field kJointAngle FLASH = {"angle", "deg", u(-114), u(114), u(0), false};
+const Field kLinkAngle FLASH = {"link", "deg", u(-57), u(57), u(0), false};
 
 Field copied(const Field* field) {
     Field copy;
@@ -54,9 +56,11 @@ Field setting_field(uint8_t index) { return copied(&kSettingFields[index]); }
 Field trim_field(uint8_t index) { return copied(&kTrimFields[index]); }
 Field gait_field(uint8_t index) { return copied(&kGaitFields[index]); }
 Field joint_angle_field() { return copied(&kJointAngle); }
+Field link_angle_field() { return copied(&kLinkAngle); }
 
 bool in_range(const Field& field, int32_t value_u) {
-    if (value_u == 0 && strcmp(field.name, "silence") == 0) return true;  // off
+    const bool may_be_off = strcmp(field.name, "silence") == 0 || strcmp(field.name, "limp") == 0;
+    if (value_u == 0 && may_be_off) return true;
     if (value_u == 0 && strcmp(field.name, "dir") == 0) return false;
     return value_u >= field.low_u && value_u <= field.high_u;
 }

@@ -20,6 +20,7 @@ enum Setting : uint8_t {
     kServoSpeed,
     kSilence,
     kEvery,
+    kLimp,
     kSettingCount
 };
 enum TrimField : uint8_t { kCentre, kScale, kDir, kLow, kHigh, kTrimFieldCount };
@@ -30,8 +31,12 @@ Field setting_field(uint8_t index);
 Field trim_field(uint8_t index);
 Field gait_field(uint8_t index);
 Field joint_angle_field();
+Field link_angle_field();
 
-// Whether a value is inside the limits of its field; `silence` also takes 0.
+// Whether a setting takes 0, or `off`, besides its range.
+inline bool may_be_off(uint8_t setting) { return setting == kSilence || setting == kLimp; }
+
+// Whether a value is inside the limits of its field, or off where it may be.
 bool in_range(const Field& field, int32_t value_u);
 
 }  // namespace firmware

@@ -5,17 +5,14 @@ namespace firmware {
 
 void LineReader::clear() {
     length_ = 0;
-    last_ = 0;
     fault_ = kNothing;
 }
 
 LineReader::Event LineReader::push(uint8_t byte) {
     if (byte == '\n' || byte == '\r') {
-        last_ = 0;
         if (fault_ != kNothing) return fault_;
         return length_ > 0 ? kLine : kNothing;
     }
-    last_ = byte;
     if (byte < 0x20 || byte > 0x7E) {
         fault_ = kGarbled;
     } else if (length_ == kCapacity) {

@@ -3,14 +3,17 @@
 
 #include <stdint.h>
 
+#include "gait.h"
+
 namespace firmware {
 
 class LineReader {
   public:
-    static const uint8_t kCapacity = 80;
+    // Room for a pose with all its decimals.
+    static const uint8_t kCapacity = kJoints <= 5 ? 80 : 20 + 12 * kJoints;
     enum Event : uint8_t { kNothing, kLine, kOverlong, kGarbled };
 
-    LineReader() : line_(), length_(0), last_(0), fault_(kNothing) {}
+    LineReader() : line_(), length_(0), fault_(kNothing) {}
 
     // One byte more. Anything but kNothing ends a line: read it, then clear().
     Event push(uint8_t byte);
@@ -20,13 +23,10 @@ class LineReader {
     uint8_t length() const { return length_; }
     // Something has come since the last line end.
     bool partial() const { return length_ > 0 || fault_ != kNothing; }
-    // The last byte was the stop key, whatever came before it.
-    bool ends_with_stop_key() const { return last_ == '!'; }
 
   private:
     char line_[kCapacity];
     uint8_t length_;
-    uint8_t last_;
     Event fault_;
 };
 

@@ -4,21 +4,23 @@
 #include <stdint.h>
 
 #include "gait.h"
-#include "text.h"
+#include "output.h"
 
 namespace firmware {
 
 struct Frame {
     uint32_t number;
-    uint32_t start_us;
-    uint32_t phase;  // 2⁻³² turns
+    uint32_t board_us;  // at its start
+    uint32_t phase;     // 2⁻³² turns
     int16_t setpoint_q14[kJoints];
     int16_t pulse_us[kJoints];  // 0 while detached
-    uint32_t run_us;
-    uint32_t late_us;
-    const char* state;  // in flash
+    uint32_t exec_us;           // from its start until the pulses were handed over
+    uint32_t late_us;           // from its due time to its start
+    uint8_t clipped;            // joints held back
+    const char* state;          // in flash
 };
 
-void write_telemetry(Text& line, const Frame& frame);
+// False if the line did not fit.
+bool write_telemetry(Output& line, const Frame& frame);
 
 }  // namespace firmware

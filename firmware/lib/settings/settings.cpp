@@ -2,6 +2,13 @@
 #include "settings.h"
 
 namespace firmware {
+namespace {
+
+const float kRadPerUdeg = 1.7453293e-8F;
+
+float rad_of(int32_t angle_udeg) { return static_cast<float>(angle_udeg) * kRadPerUdeg; }
+
+}  // namespace
 
 void set_defaults(Settings& settings) {
     for (uint8_t i = 0; i < kSettingCount; ++i) settings.value_u[i] = setting_field(i).default_u;
@@ -11,8 +18,7 @@ void set_defaults(Settings& settings) {
     }
 }
 
-Trim trim_of(const Settings& settings, uint8_t joint) {
-    const int32_t* u = settings.trim_u[joint];
+Trim trim_of(const int32_t (&u)[kTrimFieldCount]) {
     Trim trim;
     trim.centre_us = static_cast<int16_t>(u[kCentre] / 1000000);
     // 1/32 µs/rad is 31250 millionths.
@@ -23,25 +29,30 @@ Trim trim_of(const Settings& settings, uint8_t joint) {
     return trim;
 }
 
-MotionLimits limits_of(const Settings& settings) {
+void set_limits(MotionLimits& limits, const Settings& settings) {
     const int32_t* u = settings.value_u;
-    MotionLimits limits;
-    limits.angle_step_q30 = q30_from_udeg(u[kAngleRamp] / kFramesPerSecond);
-    limits.beta_step_q31_turn = q31_turn_from_udeg(u[kAngleRamp] / kFramesPerSecond);
-    limits.rate_step = phase_step(u[kRateRamp] / kFramesPerSecond);
-    limits.pose_step_q30 = q30_from_udeg(u[kPoseSpeed] / kFramesPerSecond);
-    limits.servo_step_q14 = q14_from_q30(q30_from_udeg(u[kServoSpeed] / kFramesPerSecond));
+    limits.change.swing_rad_s = rad_of(u[kAngleRamp]);
+    limits.change.rate_rad_s2 = static_cast<float>(u[kRateRamp]) * 1e-6F;
+    limits.change.pose_rad_s = rad_of(u[kPoseSpeed]);
+    limits.change.servo_rad_s = rad_of(u[kServoSpeed]);
+    limits.servo_step_q14 = q14_from_q30(q30_from_udeg(per_frame_u(u[kServoSpeed])));
     for (uint8_t i = 0; i < kJoints; ++i) {
-        const Trim trim = trim_of(settings, i);
-        limits.low_q14[i] = trim.low_q14;
-        limits.high_q14[i] = trim.high_q14;
+        limits.low_q14[i] = q14_from_q30(q30_from_udeg(settings.trim_u[i][kLow]));
+        limits.high_q14[i] = q14_from_q30(q30_from_udeg(settings.trim_u[i][kHigh]));
     }
-    return limits;
 }
 
-int32_t pulse_at(const Settings& settings, uint8_t joint, TrimField limit) {
-    const Trim trim = trim_of(settings, joint);
+int32_t pulse_at(const int32_t (&trim_u)[kTrimFieldCount], TrimField limit) {
+    const Trim trim = trim_of(trim_u);
     return pulse_us(trim, limit == kLow ? trim.low_q14 : trim.high_q14);
+}
+
+bool within_pulses(const int32_t (&trim_u)[kTrimFieldCount], int32_t& beyond_us) {
+    for (uint8_t f = kLow; f <= kHigh; ++f) {
+        beyond_us = pulse_at(trim_u, static_cast<TrimField>(f));
+        if (beyond_us < kLeastPulseUs || beyond_us > kMostPulseUs) return false;
+    }
+    return true;
 }
 
 }  // namespace firmware

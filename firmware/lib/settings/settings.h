@@ -19,17 +19,20 @@ struct Settings {
 // In place: a copy would be the largest thing on the stack.
 void set_defaults(Settings& settings);
 
-// One servo's trim in the units of the per-frame code.
-Trim trim_of(const Settings& settings, uint8_t joint);
+// One servo's trim in the units of the per-frame code, from its fields on the wire.
+Trim trim_of(const int32_t (&trim_u)[kTrimFieldCount]);
 
-// All ramps and limits per frame.
-MotionLimits limits_of(const Settings& settings);
+// All ramps and limits, in place.
+void set_limits(MotionLimits& limits, const Settings& settings);
 
-// The pulse a joint's limit leads to, for the check that servos can follow; in µs.
-int32_t pulse_at(const Settings& settings, uint8_t joint, TrimField limit);
+// The pulse a joint's limit leads to, in µs.
+int32_t pulse_at(const int32_t (&trim_u)[kTrimFieldCount], TrimField limit);
 
 // Pulses that the servos may ever be sent.
 const int16_t kLeastPulseUs = 500;
 const int16_t kMostPulseUs = 2500;
+
+// Whether both limits of a joint can be reached by such a pulse; `beyond_us` is one that cannot.
+bool within_pulses(const int32_t (&trim_u)[kTrimFieldCount], int32_t& beyond_us);
 
 }  // namespace firmware

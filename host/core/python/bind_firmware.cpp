@@ -61,7 +61,7 @@ nb::dict counters(const firmware::VirtualBoard& board) {
     found["good"] = c.good, found["crc"] = c.crc, found["nocrc"] = c.nocrc;
     found["garbled"] = c.garbled, found["overlong"] = c.overlong, found["sequence"] = c.sequence;
     found["lost"] = c.lost, found["repeated"] = c.repeated, found["dropped"] = c.dropped;
-    found["overruns"] = c.overruns, found["limited"] = c.limited;
+    found["overruns"] = c.overruns, found["clipped"] = c.clipped;
     return found;
 }
 
@@ -136,7 +136,7 @@ void bind_board(nb::module_& m) {
                 }
                 return angles;
             },
-            "The five joint setpoints, tail first.")
+            "The joints' setpoints, tail first.")
         .def_prop_ro(
             "pulses_us",
             [](VirtualBoard& b) {
@@ -169,7 +169,7 @@ nb::dict fields(firmware::Field (*field)(uint8_t), uint8_t count) {
 
 void bind_firmware(nb::module_& parent) {
     nb::module_ m = parent.def_submodule("firmware", "The code that runs on the board.");
-    m.attr("FRAME_S") = 0.02;
+    m.attr("FRAME_S") = firmware::kFrameUs * 1e-6;
     m.attr("JOINTS") = firmware::kJoints;
     m.attr("VERSION") = std::string(firmware::kVersion);
     m.attr("PROTOCOL") = firmware::kProtocol;

@@ -30,7 +30,7 @@ from .wire.greeting import greet
 from .wire.inbox import Losses
 from .wire.link import open_link
 from .wire.protocol import Data, Hello, Telemetry, Verdict
-from .wire.reports import JOINTS, Status, Trim, settings_of, status_of, trims_of
+from .wire.reports import Status, Trim, settings_of, status_of, trims_of
 from .wire.written import degrees, digits, word
 
 if TYPE_CHECKING:
@@ -150,9 +150,9 @@ class Robot:
         self._obeyed(" ".join(["gait", *fields, degrees(gait.offset_rad)]))
 
     def pose(self, angles_rad: Sequence[float]) -> None:
-        """Move the five joints, tail first, to angles at the board's `pose_speed`."""
-        if len(angles_rad) != JOINTS:
-            raise BadInput(f"a pose has {JOINTS} angles, one a joint, not {len(angles_rad)}")
+        """Move all joints, tail first, to angles, none faster than the board's `pose_speed`."""
+        if len(angles_rad) != (joints := self.hello.joints):
+            raise BadInput(f"a pose has {joints} angles, one a joint, not {len(angles_rad)}")
         self._obeyed(" ".join(["pose", *(degrees(a) for a in angles_rad)]))
 
     def straight(self) -> None:
@@ -160,7 +160,12 @@ class Robot:
         self._obeyed("pose straight")
 
     def bent(self, lambda_rad: float) -> None:
-        """Move the joints to +lambda, -lambda, +lambda, ..., as the calibration needs it."""
+        """Bend the robot so that its links stand at +lambda, -lambda, ... to its axis.
+
+        lambda is the paper's angle between each link and the belt. A joint turns by twice that:
+        joints go to +2 lambda, -2 lambda, ..., and a protractor laid on two neighbouring links
+        shows 180 degrees - 2 lambda (the paper's 7.5 degrees: 165 degrees).
+        """
         self._obeyed(f"pose bent {degrees(lambda_rad)}")
 
     def stop(self, *, stay: bool = False) -> None:
@@ -192,16 +197,21 @@ class Robot:
         self._obeyed(f"set {word(name)} {digits(value)}")
 
     def trims(self) -> tuple[Trim, ...]:
-        """Return the five servos' trims, tail first."""
-        return self._asked("trim", trims_of)
+        """Return all servos' trims, tail first."""
+        joints = self.hello.joints
+        return self._asked("trim", lambda data: trims_of(data, joints))
 
     def trim(self, joint: int, field: str, value: float) -> None:
-        """Change one field (centre, scale, dir, low, high) of joint 1 to 5; units: PROTOCOL.md."""
+        """Change one field (centre, scale, dir, low, high) of a joint, 1 at the tail; units: PROTOCOL.md."""
         self._obeyed(f"trim {joint:d} {word(field)} {digits(value)}")
 
-    def save(self) -> None:
-        """Write settings and trims to the board's EEPROM; return when they were read back."""
-        self._obeyed("save")
+    def save(self, *, unattended: bool = False) -> None:
+        """Write settings and trims to the board's EEPROM; return when they were read back.
+
+        With silence off the board refuses, unless unattended: a robot that starts like that goes
+        on when its host has gone.
+        """
+        self._obeyed("save unattended" if unattended else "save")
 
     def load(self) -> None:
         """Take settings and trims from the board's EEPROM; it must be idle."""

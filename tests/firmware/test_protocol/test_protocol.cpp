@@ -3,14 +3,16 @@
 #include <random>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "command.h"
 #include "crc16.h"
 #include "doctest_main.h"
 #include "fields.h"
+#include "input.h"
 #include "line_reader.h"
+#include "lines.h"
 #include "telemetry.h"
-#include "text.h"
 
 using namespace firmware;
 
@@ -29,12 +31,13 @@ Error envelope_of(const std::string& line, Envelope& envelope) {
     return check_line(line.data(), static_cast<uint8_t>(line.size()), envelope);
 }
 
-std::string str(const Text& text) { return std::string(text.data(), text.length()); }
+std::string unended(const std::string& line) { return line.substr(0, line.size() - 1); }
 
-std::string sealed(const std::string& body) {
-    Text text;
-    text.put(body.c_str()).finish();
-    return str(text).substr(0, text.length() - 1u);
+// What a line says, its CRC and end cut off.
+std::string written(Output& out) {
+    out.finish();
+    const std::string line = taken(out);
+    return line.substr(0, line.size() - 7);
 }
 
 // The textbook's CRC, a bit at a time.
@@ -62,7 +65,7 @@ TEST_CASE("the CRC is the textbook's") {
 }
 
 TEST_CASE("every flip of one or two bits in a line is seen") {
-    const std::string good = sealed("#12 gait 30 80 5");
+    const std::string good = unended(sealed("#12 gait 30 80 5"));
     Envelope envelope;
     REQUIRE(envelope_of(good, envelope) == Error::None);
     const size_t bits = good.size() * 8;
@@ -139,10 +142,12 @@ TEST_CASE("limits are inclusive and a refusal names them") {
 
 TEST_CASE("commands") {
     Command c;
-    CHECK(parse("pose bent 7.5", c).none());
-    CHECK(c.value_u[0] == 7500000);
-    CHECK(c.value_u[1] == -7500000);
-    CHECK(c.value_u[4] == 7500000);
+    CHECK(parse("pose bent 7.5", c).none());  // links at 7.5 degrees, joints at twice that
+    CHECK(c.value_u[0] == 15000000);
+    CHECK(c.value_u[1] == -15000000);
+    CHECK(c.value_u[4] == 15000000);
+    CHECK(parse("pose bent 57", c).none());
+    CHECK(parse("pose bent 57.1", c).error == Error::Range);
     CHECK(parse("pose straight", c).none());
     CHECK(parse("pose 1 2 3 4 5", c).none());
     CHECK(c.value_u[3] == 4000000);
@@ -150,6 +155,12 @@ TEST_CASE("commands") {
     CHECK(c.verb == Verb::Stop);
     CHECK(parse("set silence off", c).none());
     CHECK(c.value_u[0] == 0);
+    CHECK(parse("set limp off", c).none());
+    CHECK(c.value_u[0] == 0);
+    CHECK(parse("save", c).none());
+    CHECK_FALSE(c.unattended);
+    CHECK(parse("save unattended", c).none());
+    CHECK(c.unattended);
     CHECK(parse("trim 5 scale 600.5", c).none());
     CHECK(c.joint == 4);
     CHECK(c.field == kScale);
@@ -169,6 +180,8 @@ TEST_CASE("what is not a command is refused for the right reason") {
     CHECK(error_of("pose bent") == Error::Arguments);
     CHECK(error_of("pose straight 1") == Error::Arguments);
     CHECK(error_of("ping 1") == Error::Arguments);
+    CHECK(error_of("save now") == Error::Arguments);
+    CHECK(error_of("set every off") == Error::Number);
     CHECK(error_of("set every 1.5") == Error::Number);
     CHECK(error_of("set silenc 1") == Error::Name);
     CHECK(error_of("set silence") == Error::Arguments);
@@ -204,14 +217,64 @@ TEST_CASE("80 bytes are a line, 81 are not; a fault is told once, at the line's 
     }
 }
 
-TEST_CASE("the stop key is known by being last, whatever came before it") {
-    LineReader reader;
-    for (int i = 0; i < 200; ++i) reader.push(0xFE);
-    CHECK_FALSE(reader.ends_with_stop_key());
-    reader.push('!');
-    CHECK(reader.ends_with_stop_key());
-    reader.push('x');
-    CHECK_FALSE(reader.ends_with_stop_key());
+namespace {
+
+// Stops seen among these bytes, in the order of their kinds: `!`, then `s`.
+std::string stops(Input& in, const std::string& bytes) {
+    for (const char c : bytes) in.push(static_cast<uint8_t>(c));
+    std::string found;
+    for (char c; (c = in.take_stop()) != 0;) found += c;
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("a stop alone between line ends is seen as it arrives, anything else is not") {
+    for (const char* seen : {"!\n", "\r!\r", "x\n!\n", "!!\n!\n", "stop ping\n!\n"}) {
+        Input in;
+        CHECK(stops(in, seen) == "!");
+    }
+    for (const char* seen : {"stop\n", "\nstop\r\n", "sto\nstop\n", "stopstop\nstop\n"}) {
+        Input in;
+        CHECK(stops(in, seen) == "s");
+    }
+    for (const char* text :
+         {"!", "stop", "p!ng\n", "x!\n", " !\n", "stop \n", "sstop\n", "sto\n"}) {
+        Input in;
+        CHECK(stops(in, text) == "");
+    }
+    Input in;
+    CHECK(stops(in, "stop\n!\nstop\n!\n") == "!!ss");
+}
+
+TEST_CASE("a stop is seen though the queue is full, and marks what came before it") {
+    Input in;
+    CHECK(stops(in, std::string(500, 'a') + "\n!\n") == "!");
+    CHECK(in.full() > 0);
+    CHECK_FALSE(in.at_mark());
+    int bytes = 0;
+    int16_t last = 0;
+    while (!in.at_mark()) {
+        last = in.pop();
+        REQUIRE(last >= 0);
+        ++bytes;
+    }
+    CHECK(bytes == int{Input::kSize} - 1);
+    CHECK(last == int{Input::kHole});  // the line that lost bytes is told to be damaged
+    CHECK(in.pop() == -1);
+}
+
+TEST_CASE("bytes come out as they went in, over many turns of the queue") {
+    Input in;
+    uint8_t to = 0, from = 0;
+    std::mt19937 random(9);
+    for (int k = 0; k < 2000; ++k) {
+        for (unsigned long n = random() % 60; n > 0; --n) in.push(++to);
+        for (int16_t byte; (byte = in.pop()) >= 0;) CHECK(byte == ++from);
+    }
+    CHECK(in.full() == 0);
+    in.lose();
+    CHECK(in.pop() == int{Input::kHole});
 }
 
 TEST_CASE("numbers are written as they are read") {
@@ -219,41 +282,59 @@ TEST_CASE("numbers are written as they are read") {
     for (int k = 0; k < 20000; ++k) {
         const int32_t value = static_cast<int32_t>(random()) >> (random() % 32);
         if (value == INT32_MIN) continue;  // not a wire value
-        Text text;
-        text.put_unsigned(static_cast<uint32_t>(value));
-        CHECK(str(text) == std::to_string(static_cast<uint32_t>(value)));
-        text.clear();
-        text.put_micro(value);
-        CHECK(std::lround(std::stod(str(text)) * 1e6) == value);
-        CHECK(str(text).find_last_of('.') != str(text).size() - 1);
+        Output out;
+        out.begin().put_unsigned(static_cast<uint32_t>(value));
+        CHECK(written(out) == std::to_string(static_cast<uint32_t>(value)));
+        out.begin().put_micro(value);
+        const std::string said = written(out);
+        CHECK(std::lround(std::stod(said) * 1e6) == value);
+        CHECK(said.find_last_of('.') != said.size() - 1);
     }
-    Text text;
-    text.put_fixed(-325, 2).put(' ').put_fixed(5, 3).put(' ').put_fixed(0, 2).put_hex16(0xBEEF);
-    CHECK(str(text) == "-3.25 0.005 0.00BEEF");
+    Output out;
+    out.begin().put_fixed(-325, 2).put(' ').put_fixed(5, 3).put(' ').put_fixed(0, 2);
+    CHECK(written(out) == "-3.25 0.005 0.00");
+    out.begin().put_micro(0);
+    CHECK(written(out) == "0");
+}
+
+TEST_CASE("a line that does not fit is dropped whole, and the next one is whole again") {
+    Output out;
+    const std::string body(100, 'x');
+    CHECK(out.begin().put(body.c_str()).finish());
+    CHECK(out.begin().put(body.c_str()).finish());
+    CHECK_FALSE(out.begin().put(body.c_str()).finish());
+    CHECK(out.room() == int{Output::kSize} - 1 - 2 * 107);
+    CHECK(taken(out) == sealed(body) + sealed(body));
+    for (int k = 0; k < 1000; ++k) {
+        REQUIRE(out.begin().put_unsigned(static_cast<uint32_t>(k)).finish());
+        REQUIRE(taken(out) == sealed(std::to_string(k)));
+    }
 }
 
 TEST_CASE("the longest telemetry line fits, and is as long as PROTOCOL.md says") {
-    Frame frame = {0xFFFFFFFFu, 0xFFFFFFFFu, 0xFFFFFFFFu, {}, {}, 65535, 4294967, "safing"};
+    Frame frame = {0xFFFFFFFFu, 0xFFFFFFFFu, 0xFFFFFFFFu, {},      {},
+                   65535,       4294967,     kJoints,     "safing"};
     for (uint8_t i = 0; i < kJoints; ++i) {
         frame.setpoint_q14[i] = -32767;
         frame.pulse_us[i] = 2500;
     }
-    Text text;
-    write_telemetry(text, frame);
-    CHECK(text.data()[text.length() - 1] == '\n');
-    CHECK(text.length() == 156);
+    Output out;
+    CHECK(write_telemetry(out, frame));
+    const std::string line = taken(out);
+    CHECK(line.back() == '\n');
+    CHECK(line.size() == (kJoints == 5 ? 182 : line.size()));
 }
 
 TEST_CASE("errors have distinct words and numbers, and no text that a plotter would draw") {
     std::set<std::string> words;
-    for (uint8_t n = 1; n <= 16; ++n) {
+    for (uint8_t n = 1; n <= 18; ++n) {
         const ErrorText text = error_text(static_cast<Error>(n));
         CHECK(words.insert(text.word).second);
         for (const char* part : {text.word, text.cause, text.cure}) {
             CHECK(std::strlen(part) > 0);
             CHECK(std::strchr(part, ':') == nullptr);
         }
-        // "err: #65535 " + word + " again" + field and limits + texts + CRC within a Text.
-        CHECK(12 + std::strlen(text.word) + std::strlen(text.cause) + std::strlen(text.cure) < 180);
+        // "err: #65535 " + word + " again" + field and limits + texts + CRC within the queue.
+        CHECK(12 + std::strlen(text.word) + std::strlen(text.cause) + std::strlen(text.cure) < 170);
     }
 }

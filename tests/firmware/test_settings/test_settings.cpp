@@ -51,14 +51,57 @@ bool save(Memory& memory, const Settings& settings) {
 
 bool same(const Settings& a, const Settings& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
+int32_t within(std::mt19937& random, const Field& field) {
+    const double part = static_cast<double>(random()) / 4294967295.0;
+    const double value_u = field.low_u + part * (static_cast<double>(field.high_u) - field.low_u);
+    const int32_t rounded_u = static_cast<int32_t>(value_u);
+    return field.whole ? rounded_u / 1000000 * 1000000 : rounded_u;
+}
+
+// Settings that could have been set.
 Settings some_settings(uint32_t seed) {
     std::mt19937 random(seed);
     Settings settings = default_settings();
-    for (int32_t& v : settings.value_u) v = static_cast<int32_t>(static_cast<uint32_t>(random()));
+    for (uint8_t i = 0; i < kSettingCount; ++i) {
+        settings.value_u[i] = within(random, setting_field(i));
+    }
     for (auto& trim : settings.trim_u) {
-        for (int32_t& v : trim) v = static_cast<int32_t>(static_cast<uint32_t>(random()));
+        trim[kCentre] = 1400000000 + static_cast<int32_t>(random() % 200) * 1000000;
+        trim[kScale] = 500000000 + static_cast<int32_t>(random() % 100) * 1000001;
+        trim[kDir] = random() % 2 ? 1000000 : -1000000;
+        trim[kLow] = -static_cast<int32_t>(random() % 80) * 1000001;
+        trim[kHigh] = static_cast<int32_t>(random() % 80) * 1000001;
     }
     return settings;
+}
+
+// A copy as the firmware of layout 1 wrote it: six settings, five joints.
+void write_layout_1(Memory& memory, uint16_t at, uint16_t serial, const Settings& settings) {
+    std::vector<uint8_t> bytes = {Store::kMark, 1, static_cast<uint8_t>(serial & 0xFF),
+                                  static_cast<uint8_t>(serial >> 8)};
+    const auto add = [&bytes](int32_t value_u) {
+        for (int shift = 0; shift < 32; shift += 8) {
+            bytes.push_back(static_cast<uint8_t>(static_cast<uint32_t>(value_u) >> shift));
+        }
+    };
+    for (int i = 0; i < 6; ++i) add(settings.value_u[i]);
+    for (int j = 0; j < 5; ++j) {
+        for (const int32_t value_u : settings.trim_u[j]) add(value_u);
+    }
+    uint16_t crc = kCrcStart;
+    for (size_t i = 1; i < bytes.size(); ++i) crc = crc16_next(crc, bytes[i]);
+    bytes.push_back(static_cast<uint8_t>(crc >> 8));
+    bytes.push_back(static_cast<uint8_t>(crc & 0xFF));
+    for (size_t i = 0; i < bytes.size(); ++i) memory.bytes.at(at + i) = bytes[i];
+}
+
+// Give a copy the CRC that its bytes ask for.
+void seal_copy(Memory& memory, uint8_t slot) {
+    uint8_t* const record = &memory.bytes[Store::slot_at(slot)];
+    uint16_t crc = kCrcStart;
+    for (int i = 1; i < Store::kRecord - 2; ++i) crc = crc16_next(crc, record[i]);
+    record[Store::kRecord - 2] = static_cast<uint8_t>(crc >> 8);
+    record[Store::kRecord - 1] = static_cast<uint8_t>(crc & 0xFF);
 }
 
 }  // namespace
@@ -74,7 +117,7 @@ TEST_CASE("what is saved comes back, many times over") {
     Memory memory;
     for (uint32_t k = 0; k < 20; ++k) {
         CHECK(save(memory, some_settings(k)));
-        Settings settings;
+        Settings settings = default_settings();
         CHECK(Store(memory).load(settings) == Found::Ok);
         CHECK(same(settings, some_settings(k)));
     }
@@ -83,15 +126,12 @@ TEST_CASE("what is saved comes back, many times over") {
 TEST_CASE("the serial number may wrap") {
     Memory memory;
     REQUIRE(save(memory, some_settings(0)));
-    uint8_t* const record = &memory.bytes[Store::kFirstSlot];
-    record[2] = record[3] = 0xFF;  // serial number 65535, and the CRC to it
-    uint16_t crc = kCrcStart;
-    for (int i = 1; i < Store::kRecord - 2; ++i) crc = crc16_next(crc, record[i]);
-    record[Store::kRecord - 2] = static_cast<uint8_t>(crc >> 8);
-    record[Store::kRecord - 1] = static_cast<uint8_t>(crc & 0xFF);
+    uint8_t* const record = &memory.bytes[Store::slot_at(0)];
+    record[2] = record[3] = 0xFF;  // serial number 65535
+    seal_copy(memory, 0);
     for (uint32_t k = 1; k < 4; ++k) {
         REQUIRE(save(memory, some_settings(k)));
-        Settings settings;
+        Settings settings = default_settings();
         CHECK(Store(memory).load(settings) == Found::Ok);
         CHECK(same(settings, some_settings(k)));
     }
@@ -143,11 +183,11 @@ TEST_CASE("a byte that goes bad later costs one copy, two cost the settings, and
     Memory memory;
     REQUIRE(save(memory, some_settings(1)));
     REQUIRE(save(memory, some_settings(2)));
-    memory.bytes[Store::kFirstSlot + Store::kSlotStride + 20] ^= 0x10;
+    memory.bytes[Store::slot_at(1) + 20] ^= 0x10;
     Settings settings = default_settings();
     CHECK(Store(memory).load(settings) == Found::Older);
     CHECK(same(settings, some_settings(1)));
-    memory.bytes[Store::kFirstSlot + 20] ^= 0x10;
+    memory.bytes[Store::slot_at(0) + 20] ^= 0x10;
     settings = default_settings();
     CHECK(Store(memory).load(settings) == Found::Damaged);
     CHECK(same(settings, default_settings()));
@@ -156,7 +196,7 @@ TEST_CASE("a byte that goes bad later costs one copy, two cost the settings, and
 TEST_CASE("an EEPROM that does not keep a byte is found out") {
     struct Worn : Memory {
         void write(uint16_t address, uint8_t byte) override {
-            Memory::write(address, address == Store::kFirstSlot + 9 ? 0x00 : byte);
+            Memory::write(address, address == Store::slot_at(0) + 9 ? 0x00 : byte);
         }
     };
     Worn worn;
@@ -188,18 +228,89 @@ TEST_CASE("a start that loses power while it counts does not spoil the count") {
 
 TEST_CASE("trims and limits in the units of the frame") {
     Settings settings = default_settings();
-    const Trim trim = trim_of(settings, 2);
+    const Trim trim = trim_of(settings.trim_u[2]);
     CHECK(trim.centre_us == 1500);
     CHECK(trim.scale_q5_us_per_rad == 573 * 32);
     CHECK(std::fabs(trim.low_q14 / 16384.0 + 1.5707963) < 1e-4);
-    CHECK(pulse_at(settings, 2, kHigh) == 2400);
-    CHECK(pulse_at(settings, 2, kLow) == 600);
+    CHECK(pulse_at(settings.trim_u[2], kHigh) == 2400);
+    CHECK(pulse_at(settings.trim_u[2], kLow) == 600);
     settings.trim_u[2][kDir] = -1000000;
-    CHECK(pulse_at(settings, 2, kHigh) == 600);
-    const MotionLimits limits = limits_of(settings);
+    CHECK(pulse_at(settings.trim_u[2], kHigh) == 600);
+    MotionLimits limits = {};
+    set_limits(limits, settings);
     const double degree = 3.14159265358979 / 180;
-    CHECK(std::fabs(limits.angle_step_q30 / 1073741824.0 - 1.2 * degree) < 1e-8);
-    CHECK(std::fabs(limits.pose_step_q30 / 1073741824.0 - 0.9 * degree) < 1e-8);
+    CHECK(limits.change.swing_rad_s == doctest::Approx(60 * degree));
+    CHECK(limits.change.rate_rad_s2 == doctest::Approx(5));
+    CHECK(limits.change.pose_rad_s == doctest::Approx(45 * degree));
+    CHECK(limits.change.servo_rad_s == doctest::Approx(500 * degree));
     CHECK(std::fabs(limits.servo_step_q14 / 16384.0 - 10 * degree) < 1e-4);
-    CHECK(limits.rate_step == phase_step(100000));
+}
+
+TEST_CASE("a copy by an older firmware is taken over, wherever it stood, and saved anew") {
+    for (const uint16_t newest_at : {uint16_t{64}, uint16_t{256}}) {
+        Memory memory;
+        const Settings old = some_settings(7);
+        write_layout_1(memory, newest_at == 64 ? 256 : 64, 4, some_settings(8));
+        write_layout_1(memory, newest_at, 5, old);
+        Settings settings = default_settings();
+        CHECK(Store(memory).load(settings) == Found::Migrated);
+        CHECK(std::memcmp(settings.trim_u, old.trim_u, sizeof old.trim_u) == 0);
+        for (int i = 0; i < 6; ++i) CHECK(settings.value_u[i] == old.value_u[i]);
+        CHECK(settings.value_u[kLimp] == setting_field(kLimp).default_u);
+        for (int cut = 1; cut <= 160; ++cut) {  // it is not lost while it is being saved anew
+            Memory half = memory;
+            half.writes_left = cut;
+            save(half, settings);
+            half.writes_left = -1;
+            Settings found = default_settings();
+            Store(half).load(found);
+            REQUIRE(same(found, settings));
+        }
+        for (const uint32_t seed : {20, 21, 22}) {
+            REQUIRE(save(memory, some_settings(seed)));
+            CHECK(Store(memory).load(settings) == Found::Ok);
+            CHECK(same(settings, some_settings(seed)));
+        }
+    }
+}
+
+TEST_CASE("a copy for another number of joints keeps what both have") {
+    Memory memory;
+    REQUIRE(save(memory, some_settings(3)));
+    uint8_t* const record = &memory.bytes[Store::slot_at(0)];
+    record[5] = kJoints - 1;  // the last joint's trim goes, the CRC moves up
+    uint16_t crc = kCrcStart;
+    const int end = Store::kRecord - 2 - 4 * kTrimFieldCount;
+    for (int i = 1; i < end; ++i) crc = crc16_next(crc, record[i]);
+    record[end] = static_cast<uint8_t>(crc >> 8);
+    record[end + 1] = static_cast<uint8_t>(crc & 0xFF);
+    Settings settings = default_settings();
+    CHECK(Store(memory).load(settings) == Found::Migrated);
+    Settings wanted = some_settings(3);
+    for (int f = 0; f < kTrimFieldCount; ++f) {
+        wanted.trim_u[kJoints - 1][f] = default_settings().trim_u[kJoints - 1][f];
+    }
+    CHECK(same(settings, wanted));
+}
+
+TEST_CASE("a whole copy with a value out of its range is refused like a damaged one") {
+    for (int value = 0; value < kSettingCount + kTrimFieldCount; ++value) {
+        Memory memory;
+        REQUIRE(save(memory, some_settings(1)));
+        REQUIRE(save(memory, some_settings(2)));
+        uint8_t* const bytes = &memory.bytes[Store::slot_at(1) + Store::kHead + 4 * value];
+        bytes[3] = 0x7F;  // above two thousand millions
+        seal_copy(memory, 1);
+        Settings settings = default_settings();
+        CAPTURE(value);
+        CHECK(Store(memory).load(settings) == Found::Older);
+        CHECK(same(settings, some_settings(1)));
+    }
+    Memory memory;  // each in its range, but together beyond the pulses of a servo
+    Settings wide = default_settings();
+    wide.trim_u[0][kScale] = 1200000000;
+    REQUIRE(save(memory, wide));
+    Settings settings = default_settings();
+    CHECK(Store(memory).load(settings) == Found::Damaged);
+    CHECK(same(settings, default_settings()));
 }

@@ -29,10 +29,10 @@ def nothing(_: bytes) -> bytes:
 
 
 def eeprom_after(*commands: str) -> bytes:
-    """Return the EEPROM of a board that was given commands, then `save`."""
+    """Return the EEPROM of a board that was given commands, then `save unattended`."""
     board = firmware.Board()
     board.boot()
-    board.write("".join(f"{command}\n" for command in (*commands, "save")).encode())
+    board.write("".join(f"{command}\n" for command in (*commands, "save unattended")).encode())
     board.run(2.0)
     return board.eeprom
 

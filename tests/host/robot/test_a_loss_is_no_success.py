@@ -220,8 +220,8 @@ def goes_limp(fake: FakeBoard) -> None:
 
 def clock_at_double_pace(fake: FakeBoard) -> None:
     def faster(line: bytes) -> bytes:
-        us = re.search(rb" us=(\d+)", line)
-        return resealed(line, rb" us=\d+", b" us=%d" % (2 * int(us[1]))) if us else line
+        us = re.search(rb" board_us=(\d+)", line)
+        return resealed(line, rb" board_us=\d+", b" board_us=%d" % (2 * int(us[1]))) if us else line
 
     fake.to_host = faster
 

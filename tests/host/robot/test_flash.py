@@ -40,7 +40,7 @@ def test_success_ends_with_the_greeting(pio, serpenoid):
     with FakeBoard() as board:
         status, said, shown = serpenoid("flash", "--board", "mega", "--port", board.port, "--json")
     assert status == 0
-    assert json.loads(said)["firmware"] == "0.1.0"
+    assert json.loads(said)["firmware"] == "0.2.0"
     assert "avrdude done" in shown
     assert arguments.read_text() == (
         f"run -d {ROOT} -e mega -t upload --upload-port {board.port}\n"

@@ -187,7 +187,7 @@ def test_a_process_that_was_suspended_is_told_that_the_board_went_safe():
         robot.set("silence", 0.2)
         robot.gait(GAIT)
         with robot._dialogue._talking:  # nobody can speak, as if the whole process slept
-            assert fake.await_state("safing", 2.0)
+            assert fake.await_state("safe", 2.0)
         time.sleep(0.1)
         with pytest.raises(RobotUnattended, match="safe pose"):
             robot.status()

@@ -14,12 +14,13 @@ from serpenoid.robot.wire.error_table import ERRORS
 
 ROOT = Path(__file__).parents[3]
 FRAME = (
-    "t:1234 j1:10.00 j2:-3.25 j3:0.00 j4:7.50 j5:-10.00 us=24680124 ph=123.456"
-    " p=1600,1467,1500,1575,1400 ex=412 la=8 st=gait"
+    "t:1234 j1:10.00 j2:-3.25 j3:0.00 j4:7.50 j5:-10.00 board_us=24680124 ph=123.456"
+    " p=1600,1467,1500,1575,1400 exec_us=412 late_us=8 clipped=1 st=gait"
 )
 BODIES = [
     FRAME,
-    "hello: serpenoid fw=0.1.0 protocol=1 board=uno boot=37 reset=power settings=ok",
+    "hello: serpenoid fw=0.2.0 protocol=2 board=uno joints=5 frame_us=20000 boot=37 reset=power"
+    " settings=ok silence=2",
     "ok: #12",
     "err: #12 range alpha=95 low=0 high=90 - CAUSE; CURE",
 ]
@@ -39,7 +40,7 @@ def test_table_is_the_firmwares():
     header = (ROOT / "firmware/lib/protocol/error_codes.h").read_text().replace("\\\n", "")
     row = r'X\(\w+, (\d+), "(\w+)",\s*"([^"]*)",\s*"([^"]*)"\)'
     assert {w: (int(n), c, u) for n, w, c, u in re.findall(row, header)} == ERRORS
-    assert len(ERRORS) == 16
+    assert len(ERRORS) == 18
 
 
 def test_telemetry_in_si():
@@ -48,12 +49,12 @@ def test_telemetry_in_si():
     assert frame.setpoint_rad[1] == math.radians(-3.25)
     assert frame.phase_rad == math.radians(123.456)
     assert frame.pulse_us == (1600, 1467, 1500, 1575, 1400)
-    assert frame.state == "gait"
+    assert (frame.clipped, frame.state) == (1, "gait")
 
 
 def test_hello_and_verdicts():
     hello = protocol.parse(sealed(BODIES[1]))
-    assert hello == protocol.Hello("0.1.0", 1, "uno", 37, "power", "ok")
+    assert hello == protocol.Hello("0.2.0", 2, "uno", 5, 20000, 37, "power", "ok", 2.0)
     assert protocol.parse(sealed("ok: #12 again")).again
     refused = protocol.parse(sealed("err: #12 range again - the cause"))
     assert (refused.error, refused.again, refused.number) == ("range", True, 12)
@@ -95,12 +96,17 @@ def test_well_sealed_nonsense_never_raises_anything_else(text):
     ("field", "wrong"),
     [
         ("t:1234", f"t:{2**32}"),
-        ("us=24680124", f"us={2**32}"),
-        ("us=24680124", "us=" + "9" * 5000),
-        ("ex=412", f"ex={2**32}"),
-        ("la=8", f"la={2**32}"),
+        ("board_us=24680124", f"board_us={2**32}"),
+        ("board_us=24680124", "board_us=" + "9" * 5000),
+        ("exec_us=412", f"exec_us={2**32}"),
+        ("late_us=8", f"late_us={2**32}"),
+        ("clipped=1", "clipped=6"),
+        ("j2:", "j3:"),
+        (",1400", ""),
+        ("joints=5", "joints=13"),
+        ("silence=2", "silence=" + "9" * 400),
         ("j2:-3.25", f"j2:{'9' * 400}.00"),
-        ("1575", "157500"),
+        (",1575", ",157500"),
         ("ph=123.456", "ph=1234.567"),
     ],
 )
@@ -109,6 +115,17 @@ def test_values_that_no_board_can_have_are_damage_though_the_crc_is_right(field,
     protocol.parse(sealed(body))
     with pytest.raises(DamagedLine):
         protocol.parse(sealed(body.replace(field, wrong)))
+
+
+@pytest.mark.parametrize("joints", [2, 8, 12])
+def test_a_board_may_have_other_numbers_of_joints(joints):
+    angles = " ".join(f"j{j}:{-j}.00" for j in range(1, joints + 1))
+    pulses = ",".join(str(1500 - j) for j in range(joints))
+    body = f"t:1 {angles} board_us=2 ph=0.000 p={pulses} exec_us=3 late_us=4 clipped=0 st=pose"
+    frame = protocol.parse(sealed(body))
+    assert len(frame.setpoint_rad) == len(frame.pulse_us) == joints
+    pose = "pose" + " -114.000000" * joints
+    assert len(protocol.seal(pose, 65535, joints)) <= protocol.line_limit(joints) + 1
 
 
 @pytest.mark.parametrize(

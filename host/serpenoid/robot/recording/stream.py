@@ -27,8 +27,8 @@ class Stream:
 
     begun: UTC, ISO 8601. host_s (N,): arrival since the start. frame (N,): the board's count.
     board_s (N,): the board's time, wraps undone. phase_rad (N,), setpoint_rad (N, joints), pulse_us
-    (N, joints), exec_us (N,), late_us (N,), state (N,): as in the telemetry of PROTOCOL.md. sent,
-    said: all lines to the board, and those from it that are not telemetry, as (host_s, text).
+    (N, joints), exec_us (N,), late_us (N,), clipped (N,), state (N,): as in the telemetry of
+    PROTOCOL.md. sent, said: all lines to the board, and those from it that are not telemetry, as (host_s, text).
     damaged: lines from the board that cannot be trusted. lost: lines that a stalled disk did not
     take. end: how the run ended, None if it was cut off.
     """
@@ -42,6 +42,7 @@ class Stream:
     pulse_us: NDArray[np.int64]
     exec_us: NDArray[np.int64]
     late_us: NDArray[np.int64]
+    clipped: NDArray[np.int64]
     state: NDArray[np.str_]
     sent: tuple[tuple[float, str], ...]
     said: tuple[tuple[float, str], ...]
@@ -116,6 +117,7 @@ class _Reading:
             pulse_us=np.array([x.pulse_us for x in f], dtype=np.int64).reshape(len(f), joints),
             exec_us=np.array([x.exec_us for x in f], dtype=np.int64),
             late_us=np.array([x.late_us for x in f], dtype=np.int64),
+            clipped=np.array([x.clipped for x in f], dtype=np.int64),
             state=np.array([x.state for x in f], dtype=str),
             sent=tuple(self._sent),
             said=tuple(self._said),

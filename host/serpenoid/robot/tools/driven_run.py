@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from ...model.errors import ClockWrong, FramesMissing
 from ..robot import Robot
-from ..wire.dialogue import FRAME_S
 from ..wire.protocol import Telemetry
 
 if TYPE_CHECKING:
@@ -24,8 +23,8 @@ MOST_MISSED = 0.1  # of the frames due: of a run that has lost more, little can 
 class Summary:
     """What a run came to.
 
-    frames: that arrived; missed, damaged and resent: as in Losses. latest_us: the latest frame.
-    drift_ppm: board's clock against this computer's, with its s.d. frequency_hz: of the settled
+    frames: that arrived; missed, damaged and resent: as in Losses. latest_us: the latest frame. clipped_frames: in
+    which a joint was held back at a limit or at the servos' speed, and missed the gait. drift_ppm: board's clock against this computer's, with its s.d. frequency_hz: of the settled
     gait in this computer's seconds, with its s.d.; None where the board's clock is unbelievable.
     """
 
@@ -37,6 +36,7 @@ class Summary:
     damaged_lines: int
     resent_commands: int
     latest_us: int
+    clipped_frames: int
     drift_ppm: float
     drift_sd_ppm: float
     frequency_hz: float | None
@@ -56,7 +56,7 @@ class Drive:
         self.robot = Robot(port, record=record)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
-        self.frames = self.latest_us = 0
+        self.frames = self.latest_us = self.clipped_frames = 0
         self._record = record
 
     def run(self, duration_s: float | None, watch: Callable[[Drive], None]) -> None:
@@ -79,7 +79,9 @@ class Drive:
         """Return the board's time from the first frame to the last."""
         if self.first is None or self.last is None:
             return 0.0
-        return FRAME_S * ((self.last.frame - self.first.frame) & 0xFFFFFFFF)
+        return (
+            1e-6 * self.robot.hello.frame_us * ((self.last.frame - self.first.frame) & 0xFFFFFFFF)
+        )
 
     def frequency(self) -> tuple[float, float] | tuple[None, None]:
         """Return the settled gait's frequency in this computer's seconds, in Hz, and its s.d.
@@ -100,8 +102,8 @@ class Drive:
         frequency_hz, frequency_sd_hz = self.frequency()
         return Summary(
             hello.board, hello.firmware, self.elapsed_s, self.frames, losses.missed_frames,
-            losses.damaged_lines, losses.resent, self.latest_us, drift.ppm,
-            drift.sd_ppm, frequency_hz, frequency_sd_hz,
+            losses.damaged_lines, losses.resent, self.latest_us, self.clipped_frames,
+            drift.ppm, drift.sd_ppm, frequency_hz, frequency_sd_hz,
             None if self._record is None else str(self._record),
         )  # fmt: skip
 
@@ -118,6 +120,7 @@ class Drive:
         self.last = frame
         self.frames += 1
         self.latest_us = max(self.latest_us, frame.late_us)
+        self.clipped_frames += frame.clipped > 0
 
 
 def _make_watchable(robot: Robot) -> None:

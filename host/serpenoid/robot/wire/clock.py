@@ -73,7 +73,8 @@ class BoardClock:
     some precision only, as every frame obeys the equation above.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, frame_us: int = FRAME_US) -> None:
+        self._frame_us = frame_us
         self._blocks: list[_Arrival] = []
         self._block_s = BLOCK_S
         self._best: _Arrival | None = None
@@ -85,13 +86,13 @@ class BoardClock:
     def unwrap(self, frame: int, board_us: int) -> int:
         """Return the board's time in us since 0, however often its 32 bits wrapped.
 
-        frame counts 20 ms each on the same clock, so any gap is bridged; a frame's lateness is
+        frame counts 20 ms (or what the greeting says) each on the same clock, so any gap is bridged; a frame's lateness is
         far below half the 71.6 minutes of a wrap.
         """
         if self._board_us is None:
             self._board_us = board_us
         else:
-            expected = (frame - self._frame) * FRAME_US
+            expected = (frame - self._frame) * self._frame_us
             rest = (board_us - self._us - expected + 2**31) % 2**32 - 2**31
             self._board_us += expected + rest
         self._frame, self._us = frame, board_us

@@ -261,9 +261,13 @@ class Dialogue:
             )
         return answer
 
+    def _sealed(self, text: str) -> bytes:
+        hello = self.inbox.hello
+        return seal(text, self._number, hello.joints if hello else 5)
+
     def _exchange(self, text: str, patience_s: float) -> Answer | None:
         """Send until a verdict comes: again after 100 ms, or when the line came damaged."""
-        line, end_s = seal(text, self._number), self.link.now_s() + patience_s
+        line, end_s = self._sealed(text), self.link.now_s() + patience_s
         with self._changed:
             pending = self.inbox.ask(self._number, text)
         while True:

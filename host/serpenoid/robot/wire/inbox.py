@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from ...model.errors import DamagedLine, RobotError, RobotReset
-from .clock import BoardClock
+from .clock import FRAME_US, BoardClock
 from .expected import Expected
 from .protocol import Data, Hello, Telemetry, Verdict, parse, unseal
 
@@ -87,7 +87,8 @@ class Inbox:
     def open_session(self, host_s: float) -> None:
         """From now on a greeting means a reset; counts start anew."""
         self.in_session, self._session_s = True, host_s
-        self.clock, self.losses, self.latest = BoardClock(), Losses(), None
+        frame_us = self.hello.frame_us if self.hello else FRAME_US
+        self.clock, self.losses, self.latest = BoardClock(frame_us), Losses(), None
         self._counted, self.quiet_s = None, 0.0
         self.unread.clear()
 

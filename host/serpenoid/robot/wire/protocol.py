@@ -5,31 +5,41 @@ from __future__ import annotations
 import binascii
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ...model.errors import BadInput, DamagedLine
 from .written import check_frame
 
-PROTOCOL = 1
-LINE_LIMIT = 80  # bytes to the board, before the line end
+PROTOCOL = 2
+FEWEST_JOINTS, MOST_JOINTS = 2, 12
 STATES = ("idle", "pose", "gait", "hold", "safing", "safe")
-_ANGLE, _PULSE, _COUNT = r"(-?\d{1,3}\.\d\d)", r"(\d{1,5})", r"(\d{1,10})"
+_COUNT = r"(\d{1,10})"
 _TELEMETRY = re.compile(
-    rf"t:{_COUNT}" + "".join(rf" j{j}:{_ANGLE}" for j in range(1, 6)) + rf" us={_COUNT}"
-    r" ph=(\d{1,3}\.\d{3}) p=" + ",".join([_PULSE] * 5) + rf" ex={_COUNT} la={_COUNT} st=([a-z]+)",
+    rf"t:{_COUNT}(?P<joints>(?: j\d{{1,2}}:-?\d{{1,3}}\.\d\d){{2,12}}) board_us={_COUNT}"
+    rf" ph=(\d{{1,3}}\.\d{{3}}) p=(?P<pulses>\d{{1,5}}(?:,\d{{1,5}}){{1,11}}) exec_us={_COUNT}"
+    rf" late_us={_COUNT} clipped=(\d{{1,2}}) st=([a-z]+)",
     re.ASCII,
 )
 _VERDICT = re.compile(r"(ok|err): #(\d{1,5}|[-!?])(?: ([a-z].*))?", re.ASCII)
 _HELLO = re.compile(
-    r"hello: serpenoid fw=(\S+) protocol=(\d{1,5}) board=(\S+) boot=(\d{1,5}) reset=(\S+)"
-    r" settings=(\S+)",
+    r"hello: serpenoid fw=(\S+) protocol=(\d{1,5}) board=(\S+) joints=(\d{1,2})"
+    r" frame_us=(\d{1,5}) boot=(\d{1,5}) reset=(\S+) settings=(\S+)"
+    r" silence=(off|\d{1,4}(?:\.\d{1,6})?)",
     re.ASCII,
 )
 
 
+def line_limit(joints: int) -> int:
+    """Return the longest line to a board, in bytes before the line end."""
+    return 80 if joints <= 5 else 20 + 12 * joints
+
+
 @dataclass(frozen=True)
 class Telemetry:
-    """One frame: setpoints in rad (tail first), board time and pulses in µs, phase in rad."""
+    """One frame: setpoints in rad (tail first), board time and pulses in µs, phase in rad.
+
+    clipped: how many joints the board held back at a limit or at the servos' speed.
+    """
 
     frame: int
     setpoint_rad: tuple[float, ...]
@@ -38,19 +48,27 @@ class Telemetry:
     pulse_us: tuple[int, ...]
     exec_us: int
     late_us: int
+    clipped: int
     state: str
 
 
 @dataclass(frozen=True)
 class Hello:
-    """The board's greeting: who it is, and which of its starts this is."""
+    """The board's greeting: who it is, how many joints it has, and which of its starts this is.
+
+    settings: where they came from; silence_s: after how long without a line a robot in motion
+    goes to its safe pose, 0 for never.
+    """
 
     firmware: str
     protocol: int
     board: str
+    joints: int
+    frame_us: int
     boot: int
     reset: str
     settings: str
+    silence_s: float = field(compare=False)  # it may change without a reset
 
 
 @dataclass(frozen=True)
@@ -81,7 +99,7 @@ def crc(text: str) -> int:
     return binascii.crc_hqx(text.encode("ascii"), 0xFFFF)
 
 
-def seal(command: str, number: int) -> bytes:
+def seal(command: str, number: int, joints: int = 5) -> bytes:
     """Return the bytes of a numbered command; raise BadInput if the board could not read it."""
     if not 0 <= number <= 0xFFFF:
         raise BadInput(f"sequence number is {number}; it must be from 0 to 65535")
@@ -89,8 +107,8 @@ def seal(command: str, number: int) -> bytes:
         raise BadInput(f"command is {command!r}; it must be printable ASCII and not empty")
     body = f"#{number} {command}"
     line = f"{body} *{crc(body):04X}"
-    if len(line) > LINE_LIMIT:
-        raise BadInput(f"the line has {len(line)} bytes; at most {LINE_LIMIT}: shorten {command!r}")
+    if len(line) > (most := line_limit(joints)):
+        raise BadInput(f"the line has {len(line)} bytes; at most {most}: shorten {command!r}")
     return line.encode("ascii") + b"\n"
 
 
@@ -128,19 +146,26 @@ def _matched(pattern: re.Pattern[str], body: str) -> tuple[str, ...]:
 
 
 def _telemetry(body: str) -> Telemetry:
-    f = _matched(_TELEMETRY, body)
-    if f[15] not in STATES:
-        raise DamagedLine(f"state is {f[15]!r}; protocol {PROTOCOL} has {', '.join(STATES)}")
-    for name, value in zip(("t", "us", "ex", "la"), (f[0], f[6], f[13], f[14]), strict=True):
+    frame, joints, board_us, phase, pulses, exec_us, late_us, clipped, state = _matched(
+        _TELEMETRY, body
+    )
+    if state not in STATES:
+        raise DamagedLine(f"state is {state!r}; protocol {PROTOCOL} has {', '.join(STATES)}")
+    counts = {"t": frame, "board_us": board_us, "exec_us": exec_us, "late_us": late_us}
+    for name, value in counts.items():
         if int(value) >= 1 << 32:
             raise DamagedLine(f"{name} is {value}; the board counts it in 32 bits")
-    setpoints = tuple(math.radians(float(x)) for x in f[1:6])
-    pulses = tuple(int(x) for x in f[8:13])
-    phase_rad = math.radians(float(f[7]))
-    check_frame(setpoints, pulses, phase_rad)
+    labels, angles = zip(*(joint.split(":") for joint in joints.split()), strict=True)
+    widths = tuple(int(x) for x in pulses.split(","))
+    if labels != tuple(f"j{j}" for j in range(1, len(widths) + 1)) or int(clipped) > len(widths):
+        raise DamagedLine(f"{body!r} does not count its joints from 1 to their number")
+    setpoints = tuple(math.radians(float(x)) for x in angles)
+    phase_rad = math.radians(float(phase))
+    check_frame(setpoints, widths, phase_rad)
     return Telemetry(
-        int(f[0]), setpoints, int(f[6]), phase_rad, pulses, int(f[13]), int(f[14]), f[15]
-    )
+        int(frame), setpoints, int(board_us), phase_rad, widths, int(exec_us), int(late_us),
+        int(clipped), state,
+    )  # fmt: skip
 
 
 def _verdict(body: str) -> Verdict:
@@ -155,5 +180,13 @@ def _verdict(body: str) -> Verdict:
 
 
 def _hello(body: str) -> Hello:
-    firmware, protocol, board, boot, reset, settings = _matched(_HELLO, body)
-    return Hello(firmware, int(protocol), board, int(boot), reset, settings)
+    firmware, protocol, board, joints, frame_us, boot, reset, settings, silence = _matched(
+        _HELLO, body
+    )
+    if not FEWEST_JOINTS <= int(joints) <= MOST_JOINTS:
+        raise DamagedLine(f"joints is {joints}; a board has {FEWEST_JOINTS} to {MOST_JOINTS}")
+    silence_s = 0.0 if silence == "off" else float(silence)
+    return Hello(
+        firmware, int(protocol), board, int(joints), int(frame_us), int(boot), reset, settings,
+        silence_s,
+    )  # fmt: skip

@@ -11,8 +11,7 @@ from .written import said, said_field
 
 MOST_COUNT = 2**32 - 1
 
-SETTINGS = ("angle_ramp", "rate_ramp", "pose_speed", "servo_speed", "silence", "every")
-JOINTS = 5
+SETTINGS = ("angle_ramp", "rate_ramp", "pose_speed", "servo_speed", "silence", "every", "limp")
 
 
 @dataclass(frozen=True)
@@ -21,7 +20,7 @@ class Status:
 
     Counts of lines to the board: good, crc, nocrc, garbled, overlong, sequence, lost, repeated;
     dropped: of lines from it; rxfull: of times its receive buffer was full. overruns: frames
-    missed; limited: frames in which a joint was held back; late_us, frame_us: the latest frame
+    missed; clipped: frames in which a joint was held back; late_us, frame_us: the latest frame
     and the longest pass of its loop; stack_bytes: RAM never touched.
     """
 
@@ -40,7 +39,7 @@ class Status:
     dropped: int
     rxfull: int
     overruns: int
-    limited: int
+    clipped: int
     late_us: int
     frame_us: int
     stack_bytes: int
@@ -48,7 +47,7 @@ class Status:
 
 @dataclass(frozen=True)
 class Trim:
-    """One servo: joint 1 (tail) to 5; pulse = centre + direction * scale * angle."""
+    """One servo: joint 1 is at the tail; pulse = centre + direction * scale * angle."""
 
     joint: int
     centre_us: float
@@ -85,13 +84,13 @@ def settings_of(data: list[Data]) -> dict[str, float]:
     return found
 
 
-def trims_of(data: list[Data]) -> tuple[Trim, ...]:
-    """Return the servos from the lines that answer `trim`; raise DamagedLine."""
+def trims_of(data: list[Data], joints: int) -> tuple[Trim, ...]:
+    """Return all servos from the lines that answer `trim`; raise DamagedLine."""
     try:
         found = [_trim(d.text) for d in data]
     except (KeyError, IndexError, ValueError) as error:
         raise DamagedLine(f"a trim of the board lacks {error}; ask again") from None
-    if [t.joint for t in found] != list(range(1, JOINTS + 1)):
+    if [t.joint for t in found] != list(range(1, joints + 1)):
         raise DamagedLine(f"the board listed the trims of joints {[t.joint for t in found]}")
     return tuple(found)
 

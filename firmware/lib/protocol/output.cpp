@@ -1,6 +1,6 @@
 // Decimal digits by subtracting powers of ten: on an AVR that is several times faster than
 // dividing.
-#include "text.h"
+#include "output.h"
 
 #include "crc16.h"
 #include "progmem.h"
@@ -13,22 +13,40 @@ const uint32_t kPowersOfTen[10] FLASH = {1000000000UL, 100000000UL, 10000000UL, 
 
 }  // namespace
 
-Text& Text::put(char c) {
-    if (length_ < kCapacity) text_[length_++] = c;
+uint8_t Output::take() {
+    const uint8_t byte = queue_[tail_];
+    tail_ = (tail_ + 1U) % kSize;
+    return byte;
+}
+
+Output& Output::begin() {
+    draft_ = head_;
+    crc_ = kCrcStart;
+    fits_ = true;
     return *this;
 }
 
-Text& Text::put(const char* text) {
+Output& Output::put(char c) {
+    const uint16_t next = (draft_ + 1U) % kSize;
+    if (next == tail_) fits_ = false;
+    if (!fits_) return *this;
+    queue_[draft_] = static_cast<uint8_t>(c);
+    crc_ = crc16_next(crc_, static_cast<uint8_t>(c));
+    draft_ = next;
+    return *this;
+}
+
+Output& Output::put(const char* text) {
     while (*text) put(*text++);
     return *this;
 }
 
-Text& Text::put_flash(const char* text) {
+Output& Output::put_flash(const char* text) {
     for (char c; (c = flash_char(text)) != '\0'; ++text) put(c);
     return *this;
 }
 
-void Text::put_digits(uint32_t value, uint8_t decimals) {
+void Output::put_digits(uint32_t value, uint8_t decimals) {
     bool started = false;
     for (uint8_t i = 0; i < 10; ++i) {
         const uint32_t power = flash_u32(&kPowersOfTen[i]);
@@ -44,36 +62,40 @@ void Text::put_digits(uint32_t value, uint8_t decimals) {
     }
 }
 
-Text& Text::put_unsigned(uint32_t value) {
+Output& Output::put_unsigned(uint32_t value) {
     put_digits(value, 0);
     return *this;
 }
 
-Text& Text::put_fixed(int32_t value, uint8_t decimals) {
+Output& Output::put_fixed(int32_t value, uint8_t decimals) {
     const uint32_t bits = static_cast<uint32_t>(value);
     if (value < 0) put('-');
     put_digits(value < 0 ? 0U - bits : bits, decimals);
     return *this;
 }
 
-Text& Text::put_micro(int32_t value_u) {
-    put_fixed(value_u, 6);
-    while (text_[length_ - 1] == '0') --length_;
-    if (text_[length_ - 1] == '.') --length_;
-    return *this;
+Output& Output::put_micro(int32_t value_u) {
+    uint8_t decimals = 6;
+    while (decimals > 0 && value_u % 10 == 0) {
+        value_u /= 10;
+        --decimals;
+    }
+    return put_fixed(value_u, decimals);
 }
 
-Text& Text::put_hex16(uint16_t value) {
+void Output::put_hex16(uint16_t value) {
     for (int8_t shift = 12; shift >= 0; shift = static_cast<int8_t>(shift - 4)) {
         const uint8_t nibble = static_cast<uint8_t>((value >> shift) & 0xF);
         put(static_cast<char>(nibble < 10 ? '0' + nibble : 'A' + nibble - 10));
     }
-    return *this;
 }
 
-Text& Text::finish() {
-    const uint16_t crc = crc16(text_, length_);
-    return put(' ').put('*').put_hex16(crc).put('\n');
+bool Output::finish() {
+    const uint16_t crc = crc_;
+    put(' ').put('*').put_hex16(crc);
+    put('\n');
+    if (fits_) head_ = draft_;
+    return fits_;
 }
 
 }  // namespace firmware
