@@ -1,4 +1,4 @@
-"""Changes of gait, steering and pose on the real ELF: no jump, no clipping, gentle, and announced."""
+"""Changes of gait, steering and pose on the real ELF: no clipping, gentle, announced."""
 
 import numpy as np
 import pytest

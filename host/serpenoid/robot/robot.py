@@ -202,7 +202,7 @@ class Robot:
         return self._asked("trim", lambda data: trims_of(data, joints))
 
     def trim(self, joint: int, field: str, value: float) -> None:
-        """Change one field (centre, scale, dir, low, high) of a joint, 1 at the tail; units: PROTOCOL.md."""
+        """Change one field (centre, scale, dir, low, high) of a joint; units: PROTOCOL.md."""
         self._obeyed(f"trim {joint:d} {word(field)} {digits(value)}")
 
     def save(self, *, unattended: bool = False) -> None:

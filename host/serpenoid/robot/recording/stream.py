@@ -28,7 +28,8 @@ class Stream:
     begun: UTC, ISO 8601. host_s (N,): arrival since the start. frame (N,): the board's count.
     board_s (N,): the board's time, wraps undone. phase_rad (N,), setpoint_rad (N, joints), pulse_us
     (N, joints), exec_us (N,), late_us (N,), clipped (N,), state (N,): as in the telemetry of
-    PROTOCOL.md. sent, said: all lines to the board, and those from it that are not telemetry, as (host_s, text).
+    PROTOCOL.md. sent, said: all lines to the board, and those from it that are not telemetry, as
+    (host_s, text).
     damaged: lines from the board that cannot be trusted. lost: lines that a stalled disk did not
     take. end: how the run ended, None if it was cut off.
     """

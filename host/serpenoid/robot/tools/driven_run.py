@@ -23,9 +23,11 @@ MOST_MISSED = 0.1  # of the frames due: of a run that has lost more, little can 
 class Summary:
     """What a run came to.
 
-    frames: that arrived; missed, damaged and resent: as in Losses. latest_us: the latest frame. clipped_frames: in
-    which a joint was held back at a limit or at the servos' speed, and missed the gait. drift_ppm: board's clock against this computer's, with its s.d. frequency_hz: of the settled
-    gait in this computer's seconds, with its s.d.; None where the board's clock is unbelievable.
+    frames: that arrived; missed, damaged and resent: as in Losses. latest_us: the latest frame.
+    clipped_frames: in which a joint was held back at a limit or at the servos' speed, and missed
+    the gait. drift_ppm: board's clock against this computer's, with its s.d. frequency_hz: of the
+    settled gait in this computer's seconds, with its s.d.; None where the board's clock is
+    unbelievable.
     """
 
     board: str

@@ -86,8 +86,8 @@ class BoardClock:
     def unwrap(self, frame: int, board_us: int) -> int:
         """Return the board's time in us since 0, however often its 32 bits wrapped.
 
-        frame counts 20 ms (or what the greeting says) each on the same clock, so any gap is bridged; a frame's lateness is
-        far below half the 71.6 minutes of a wrap.
+        frame counts 20 ms (or what the greeting says) each on the same clock, so any gap is
+        bridged; a frame's lateness is far below half the 71.6 minutes of a wrap.
         """
         if self._board_us is None:
             self._board_us = board_us
