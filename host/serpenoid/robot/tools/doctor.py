@@ -11,7 +11,7 @@ from typing import Literal
 from ...model.errors import NoAnswer, ProtocolMismatch, RobotError
 from ..robot import Robot
 from ..wire import culprit, link
-from ..wire.dialogue import Losses
+from ..wire.inbox import Losses
 from ..wire.ports import allowed, users
 from ..wire.protocol import PROTOCOL, Hello
 from ..wire.reports import Status

@@ -1,0 +1,19 @@
+"""The types of the compiled core are generated, and compared with those that are kept."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[3]
+KEPT = ROOT / "host" / "serpenoid" / "_core"
+
+
+def test_the_stubs_are_those_of_the_core(tmp_path):
+    subprocess.run([sys.executable, ROOT / ".ci" / "stubs", tmp_path], check=True)
+    made = {path.name: path.read_text() for path in tmp_path.glob("*.pyi")}
+    kept = {path.name: path.read_text() for path in KEPT.glob("*.pyi")}
+    assert made.keys() == kept.keys() == {"__init__.pyi", "firmware.pyi"}
+    for name, text in made.items():
+        assert text == kept[name], f"renew it: .ci/stubs {KEPT.relative_to(ROOT)}"
