@@ -9,6 +9,7 @@ from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, Step
 
 if TYPE_CHECKING:
     __version__: str
+    from .calibration.advice import Advice, advise
     from .calibration.comparison import Comparison, compare
     from .calibration.fit_file import load_fit, save_fit
     from .calibration.friction_fit import fit_friction
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
+    "calibration.advice": ("Advice", "advise"),
     "calibration.comparison": ("Comparison", "compare"),
     "calibration.fit_file": ("load_fit", "save_fit"),
     "calibration.friction_fit": ("fit_friction",),
@@ -69,6 +71,7 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "Acceleration",
+    "Advice",
     "AngleDrive",
     "BadInput",
     "Comparison",
@@ -97,6 +100,7 @@ __all__ = [
     "TorqueTable",
     "Uncertainty",
     "acceleration",
+    "advise",
     "compare",
     "fit_friction",
     "gait_margins",

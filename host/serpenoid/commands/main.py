@@ -16,6 +16,7 @@ from .board import COMMANDS as BOARD_COMMANDS
 from .calibrate import calibrate
 from .examples import examples
 from .figures import figures
+from .friction.advise import advise
 from .friction.compare import compare
 from .friction.fit import fit
 from .optimize import optimize
@@ -47,6 +48,7 @@ def demo(out: Path) -> None:
 
 cli.add_command(BENCH_GROUP)
 for command in (
+    advise,
     calibrate,
     compare,
     examples,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ..calibration.advice import Advice
 from ..calibration.comparison import ComparedGait, Comparison
 from .report import console, table
 
@@ -31,3 +32,13 @@ def _row(p: ComparedGait) -> list[str]:
         measured,
         off,
     ]
+
+
+def show_advice(found: Advice, most: int = 5) -> None:
+    """Print the readings that are worth most, and the best one in words."""
+    rows = [
+        [r.in_words(), f"{r.band_after_times:.1%}" if r.times > 1 else f"{r.band:.1%}"]
+        for r in found.readings[:most]
+    ]
+    table(f"speed is known to {found.band:.1%} (95 %)", ["reading", "afterwards"], rows)
+    console.print(f"Take next: {found.best.in_words()}.", highlight=False)

@@ -81,3 +81,8 @@ def test_compare_predicts_and_draws(folder, tmp_path):
     assert told["gaits"][0]["exact_m_s"] == pytest.approx(0.152, rel=0.01)
     assert "<svg" in picture.read_text()
     assert run("compare", folder, check=False).returncode == 1
+
+
+def test_advise_names_the_next_reading(folder):
+    told = run("advise", folder, "--gait", 70, 75, 0.5, "--samples", 16).stdout
+    assert "Take next: " in told

@@ -1,0 +1,262 @@
+"""Which reading to take next: the one that shrinks the speeds' bands most, by the fit's own sums.
+
+A reading that is yet to be taken is put beside the others at its expected value: its row of the
+Jacobian adds to the information, a bend not set before brings its own offset with it. Of speed, the
+sampled frictions give the share that goes with friction linearly (a regression of sampled speeds,
+not a tangent); the new covariance says what is left of it. A gait run tells of its own speed, but
+for the joints' amplitude, which it shares with the gaits that matter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from .comparison import AMPLITUDE_SIGMA
+from .fitting.data import FitData, Floats
+from .fitting.joint import PARAMETERS, Minimum, jacobian, minimise, starting_point
+from .friction_fit import fit_friction
+from .friction_result import FrictionFit
+from .session import Session
+from .speed_samples import Progress, sample_speeds
+
+LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0, 45.0)
+SLIPS_M_S = (0.1, 0.3, 0.6, 1.0)
+_MOST_TIMES, _WORTH_ANOTHER = 5, 0.1
+_Z95 = 1.959964
+
+
+@dataclass(frozen=True, slots=True)
+class NextReading:
+    """A reading, and the relative half-width of the speeds' 95 % band once it is taken.
+
+    kind: station (lambda_rad, incline_rad, belt_speed_m_s expected) or gait (alpha_rad, beta_rad,
+    frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for.
+    """
+
+    kind: str
+    band: float
+    times: int
+    band_after_times: float
+    lambda_rad: float | None = None
+    incline_rad: float | None = None
+    belt_speed_m_s: float | None = None
+    alpha_rad: float | None = None
+    beta_rad: float | None = None
+    frequency_hz: float | None = None
+
+    def in_words(self) -> str:
+        """Return what to do."""
+        if self.kind == "gait":
+            what = f"a gait run at {self.frequency_hz:.3g} Hz"
+        else:
+            bend, incline = (
+                math.degrees(self.lambda_rad or 0.0),
+                math.degrees(self.incline_rad or 0),
+            )
+            links = f", neighbouring links at {180 - 2 * bend:.4g}°" if bend else ", straight"
+            what = (
+                f"λ = {bend:g}°{links}, inclinometer at {incline:.2f}°, "
+                f"belt near {self.belt_speed_m_s:.2g} m/s"
+            )
+        return what + (f", {self.times} times" if self.times > 1 else "")
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What advise found: the band now, the readings by what they bring, best first."""
+
+    gaits: tuple[Gait, ...]
+    band: float
+    readings: tuple[NextReading, ...]
+
+    @property
+    def best(self) -> NextReading:
+        """Return the reading that shrinks the band most."""
+        return self.readings[0]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures by name."""
+        return {
+            "gaits": [asdict(g) for g in self.gaits],
+            "band": self.band,
+            "readings": [asdict(r) | {"in_words": r.in_words()} for r in self.readings],
+        }
+
+
+def advise(
+    session: Session,
+    gaits: Sequence[Gait] = (),
+    *,
+    samples: int = 48,
+    lambdas_deg: Sequence[float] = LAMBDAS_DEG,
+    runs: bool = True,
+    progress: Progress | None = None,
+) -> Advice:
+    """Rank the readings that could be taken next by the speed band they leave.
+
+    gaits: those that matter; the session's planned ones unless given. runs: whether to count gait
+    runs, those taken and those to take. Raises BadInput if there is no gait, and what fit_friction
+    raises for readings that leave a parameter open: then it names the reading that would close it.
+    """
+    wanted = tuple(gaits) or session.setup.procedure.gaits
+    if not wanted:
+        raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
+    fit = fit_friction(session)
+    data = FitData.of(session)
+    found = minimise(data, starting_point(np.array(list(fit.whole_snake.values())), data))
+    slopes = speed_slopes(fit, wanted, samples, progress)
+    ran = [_sigmas_of_runs(session, gait) if runs else [] for gait in wanted]
+    readings = [
+        _station(session, data, found, (slopes, ran), (math.radians(bend), slip))
+        for bend in lambdas_deg
+        for slip in SLIPS_M_S
+    ]
+    readings += [_gait_run(session, found, slopes, ran, j) for j in range(len(wanted)) if runs]
+    most = session.setup.procedure.belt_speed_max_m_s
+    able = [r for r in readings if (r.belt_speed_m_s or 0.0) <= most]
+    ranked = sorted(able, key=lambda r: r.band)
+    return Advice(wanted, slopes.band(_covariance(found), ran), tuple(ranked))
+
+
+@dataclass(frozen=True)
+class SpeedSlopes:
+    """Speeds of the gaits that matter: (gaits,) values, (gaits, 4) change by friction."""
+
+    gaits: tuple[Gait, ...]
+    speed_m_s: Floats
+    slope: Floats
+
+    def band(self, covariance: Floats, ran: Sequence[Sequence[float]] = ()) -> float:
+        """Return the relative half-width of the 95 % band, mean over the gaits.
+
+        ran: per gait, the standard deviations of its runs' speeds. Each tells its own speed, but
+        for the joints' amplitude, which runs of one gait share.
+        """
+        friction = covariance[:PARAMETERS, :PARAMETERS]
+        for slope, v, sigmas in zip(
+            self.slope, self.speed_m_s, ran or [()] * len(self.slope), strict=True
+        ):
+            if len(sigmas):
+                noise = 1.0 / np.sum(np.asarray(sigmas) ** -2.0) + (AMPLITUDE_SIGMA * v) ** 2
+                gain = friction @ slope
+                friction = friction - np.outer(gain, gain) / (slope @ gain + noise)
+        sigma = np.sqrt(np.einsum("gi,ij,gj->g", self.slope, friction, self.slope))
+        return float(np.mean(_Z95 * sigma / self.speed_m_s))
+
+
+def speed_slopes(
+    fit: FrictionFit, gaits: Sequence[Gait], samples: int, progress: Progress | None = None
+) -> SpeedSlopes:
+    """Regress sampled speeds on sampled frictions; raises BadInput for a gait that goes nowhere."""
+    drawn = sample_speeds(fit, gaits, count=samples, progress=progress)
+    mean = drawn.friction_m_s.mean(axis=0)
+    if mean.min() <= 0.0:
+        raise BadInput("one of the gaits does not move at all; choose a larger amplitude")
+    centred = drawn.whole - drawn.whole.mean(axis=0)
+    # a little of the fit's own covariance keeps frictions known all but exactly in their place
+    ridge = 1e-6 * len(centred) * np.diag(np.diag(fit.covariance))
+    slope = np.linalg.solve(centred.T @ centred + ridge, centred.T @ (drawn.friction_m_s - mean))
+    return SpeedSlopes(tuple(gaits), mean, slope.T)
+
+
+def _covariance(found: Minimum) -> Floats:
+    return np.asarray(np.linalg.inv(found.information), dtype=np.float64)
+
+
+def station_incline_rad(found: Minimum, weight_n: float, bend: float, slip_m_s: float) -> float:
+    """Return the incline at which the fitted snake holds its station at this slip (Eq. 60)."""
+    ct, cn, ft0, fn0 = found.x[:PARAMETERS].tolist()
+    c, s = math.cos(bend), math.sin(bend)
+    pull = (ct * c * c + cn * s * s) * slip_m_s + ft0 * c + fn0 * s
+    return math.asin(min(pull / weight_n, 0.7))
+
+
+def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
+    """Return the standard deviations of this gait's runs (the board's clock is 1 % off at most)."""
+    return [
+        r.speed_sigma_m_s
+        for r in session.kept_gait_runs
+        if abs(r.omega_rad_s / gait.omega_rad_s - 1.0) < 0.01
+        and math.isclose(r.alpha_rad, gait.alpha_rad, abs_tol=1e-3)
+        and math.isclose(r.beta_rad, gait.beta_rad, abs_tol=1e-3)
+    ]
+
+
+def _station(
+    session: Session,
+    data: FitData,
+    found: Minimum,
+    speeds: tuple[SpeedSlopes, list[list[float]]],
+    at: tuple[float, float],
+) -> NextReading:
+    (slopes, ran), (bend, slip) = speeds, at
+    incline = station_incline_rad(found, data.weight_n, bend, slip)
+    given = session.setup.uncertainty
+    sigmas = (given.incline_sigma_rad, given.belt_speed_sigma_m_s, given.lambda_sigma_rad)
+    bands = [
+        slopes.band(_covariance_with(data, found, (bend, incline, slip), sigmas, times), ran)
+        for times in range(1, _MOST_TIMES + 1)
+    ]
+    times = _worth(bands)
+    return NextReading(
+        "station", bands[0], times, bands[times - 1],
+        lambda_rad=bend, incline_rad=incline, belt_speed_m_s=slip,
+    )  # fmt: skip
+
+
+def _worth(bands: list[float]) -> int:
+    """Return how often to take a reading: until once more shrinks the band by less than a tenth."""
+    times = 1
+    while times < len(bands) and bands[times] < (1.0 - _WORTH_ANOTHER) * bands[times - 1]:
+        times += 1
+    return times
+
+
+def _covariance_with(
+    data: FitData, found: Minimum, at: tuple[float, float, float],
+    sigmas: tuple[float, float, float], times: int,
+) -> Floats:  # fmt: skip
+    """Return the unknowns' covariance once a station is read so many times more."""
+    bend, incline, slip = at
+    near = np.abs(data.posture_lambda_rad - bend) < max(sigmas[2], 1e-9)
+    added = bend > 0.0 and not near.any()
+    posture = -1 if bend == 0.0 else int(near.argmax()) if near.any() else len(near)
+    more = replace(
+        data,
+        lambda_rad=np.append(data.lambda_rad, bend),
+        incline_rad=np.append(data.incline_rad, incline),
+        slip_m_s=np.append(data.slip_m_s, slip),
+        incline_sigma_rad=np.append(data.incline_sigma_rad, sigmas[0] / math.sqrt(times)),
+        speed_sigma_m_s=np.append(data.speed_sigma_m_s, sigmas[1] / math.sqrt(times)),
+        posture=np.append(data.posture, posture),
+        posture_lambda_rad=np.append(data.posture_lambda_rad, [bend] * added),
+        posture_sigma_rad=np.append(data.posture_sigma_rad, [sigmas[2]] * added),
+    )
+    x = np.insert(found.x, len(found.x) - 1, [0.0] * added)
+    slopes = jacobian(x, more)
+    return np.asarray(np.linalg.inv(slopes.T @ slopes), dtype=np.float64)
+
+
+def _gait_run(
+    session: Session, found: Minimum, slopes: SpeedSlopes, ran: list[list[float]], j: int
+) -> NextReading:
+    """Return what a run of gait j brings: it measures its own speed, with a stopwatch."""
+    gait, v = slopes.gaits[j], float(slopes.speed_m_s[j])
+    sigma = session.setup.stopwatch.speed(1.0, 1.0 / v)[1]
+    covariance = _covariance(found)
+    bands = []
+    for times in range(1, _MOST_TIMES + 1):
+        more = [[*s, *([sigma] * times if k == j else [])] for k, s in enumerate(ran)]
+        bands.append(slopes.band(covariance, more))
+    times = _worth(bands)
+    return NextReading(
+        "gait", bands[0], times, bands[times - 1], alpha_rad=gait.alpha_rad,
+        beta_rad=gait.beta_rad, frequency_hz=gait.omega_rad_s / (2 * math.pi),
+    )  # fmt: skip

@@ -1,0 +1,43 @@
+"""`serpenoid advise`: the next reading that is worth most."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import click
+
+from ...model.errors import BadInput, SerpenoidError
+from ..options import AS_JSON, show_json
+
+
+@click.command()
+@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--gait", "gaits", nargs=3, type=float, multiple=True,
+              metavar="ALPHA_DEG BETA_DEG HZ", help="A gait that matters.")  # fmt: skip
+@click.option("--samples", type=click.IntRange(16, 4096), default=48, show_default=True,
+              help="Frictions drawn from the fit.")  # fmt: skip
+@click.option("--stations-only", is_flag=True, help="Leave gait runs out of account.")
+@AS_JSON
+def advise(
+    session: Path,
+    gaits: tuple[tuple[float, float, float], ...],
+    samples: int,
+    stations_only: bool,
+    as_json: bool,
+) -> None:
+    """Tell which reading to take next: the one that shrinks the predicted speeds' band most."""
+    from ...calibration.advice import advise as ask
+    from ...calibration.session_file import load_session
+    from ...model.gait import Gait
+    from ...show import report
+    from ...show.friction_report import show_advice
+
+    wanted = [Gait(math.radians(a), math.radians(b), 2 * math.pi * hz) for a, b, hz in gaits]
+    try:
+        loaded = load_session(session)
+        with report.progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
+            found = ask(loaded, wanted, samples=samples, runs=not stations_only, progress=advance)
+    except BadInput as error:  # the files' fault, not the arguments'
+        raise SerpenoidError(str(error)) from error
+    show_json(found.to_dict()) if as_json else show_advice(found)

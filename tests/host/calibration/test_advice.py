@@ -1,0 +1,62 @@
+"""Advice on the next reading: what it foretells comes true, and weak spots are named first."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
+from serpenoid.calibration.advice import SpeedSlopes, advise
+from serpenoid.calibration.session import GaitRun, Reading
+
+GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
+
+
+@pytest.fixture(scope="module")
+def weak():
+    return session(setup(7.5), WHOLE_BODY_2005)
+
+
+def test_a_small_bend_is_followed_by_a_larger_one(weak):
+    found = advise(weak, [GAIT], samples=16, runs=False)
+    assert found.best.kind == "station"
+    assert found.best.lambda_rad >= math.radians(15)
+    assert found.best.band < 0.8 * found.band
+    assert "neighbouring links at" in found.best.in_words()
+    bands = [r.band for r in found.readings]
+    assert bands == sorted(bands)
+
+
+def test_the_band_foretold_is_the_one_that_comes(weak):
+    bend, slip = math.radians(30), 0.3
+    c, s = math.cos(bend), math.sin(bend)
+    t = WHOLE_BODY_2005
+    pull = (t.ct * c * c + t.cn * s * s) * slip + t.ft0 * c + t.fn0 * s
+    incline = math.asin(pull / weak.setup.weight_n)
+    reading = Reading(len(weak.readings) + 1, bend, incline, slip)
+    after = sn.fit_friction(replace(weak, readings=(*weak.readings, reading)))
+    slopes = SpeedSlopes((GAIT,), np.array([0.05]), np.array([[0.0, 0.0, 0.0, 0.1]]))
+    told = advise(weak, [GAIT], samples=16, runs=False)
+    same = [
+        r for r in told.readings if r.lambda_rad == pytest.approx(bend) and r.belt_speed_m_s == slip
+    ]
+    assert same[0].incline_rad == pytest.approx(incline, rel=1e-3)
+    # by the same linear share of speed that advise takes: fn0 leads it
+    ratio = slopes.band(after.covariance) / slopes.band(sn.fit_friction(weak).covariance)
+    assert same[0].band / told.band == pytest.approx(ratio, rel=0.25)
+
+
+def test_a_gait_run_counts_once_for_what_runs_share(weak):
+    before = advise(weak, [GAIT], samples=16)
+    assert before.best.kind == "gait"
+    run = GaitRun(99, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, 0.05, 0.0005)
+    after = advise(replace(weak, gait_runs=(run,)), [GAIT], samples=16)
+    assert after.band == pytest.approx(before.best.band, rel=0.1)
+    again = [r for r in after.readings if r.kind == "gait"]
+    assert again[0].band > 0.9 * after.band
+
+
+def test_no_gait_is_refused(weak):
+    with pytest.raises(sn.BadInput, match="--gait"):
+        advise(weak)
