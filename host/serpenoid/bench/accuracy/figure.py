@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,55 +17,97 @@ from .measure import Row
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# colour by family, ours in strong ones; the marker tells the members apart
-OURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255")
-PEERS = {"SciPy": "#a9a9a9", "SUNDIALS": "#9384b8", "Numba": "#6f8f6f", "MuJoCo": "#c9a96a"}
+# ours one by one, in strong colours; of each family of peers the best that any of them does
+OURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#3A9BDC", "#000000", "#882255")
+PEERS = {"SciPy": "#8c8c8c", "SUNDIALS": "#7a68ad", "Numba": "#4f7a4f", "MuJoCo": "#a8813a"}
 MARKERS = "osD^vP*X"
+ERRORS, TIMES = (3.0, 1e-15), (3e-6, 5.0)  # the same in all panels
+Points = list[tuple[float, float]]
 
 
-def _style(methods: Sequence[Row]) -> dict[str, dict[str, Any]]:
-    """Return how each contender is drawn, the same in all panels; ours come first."""
+def _styles(methods: Sequence[Row]) -> dict[str, dict[str, Any]]:
+    """Return how each series is drawn, the same in all panels; ours come first."""
     styles: dict[str, dict[str, Any]] = {}
-    count: dict[str, int] = {}
     for row in methods:
-        if row.method in styles:
-            continue
-        k = count.setdefault(row.family, 0)
-        count[row.family] += 1
-        marker = MARKERS[k % len(MARKERS)]
+        k = len(styles)
         if row.family in PEERS:
-            look = {"color": PEERS[row.family], "lw": 1.0, "ms": 4.5, "zorder": 2, "mfc": "white"}
-        else:
-            look = {"color": OURS[k % len(OURS)], "lw": 2.0, "ms": 5.5, "zorder": 3}
-        styles[row.method] = {**look, "marker": marker}
+            look = {"color": PEERS[row.family], "lw": 1.2, "ms": 4, "zorder": 2, "mfc": "white"}
+            styles.setdefault(row.family, {**look, "marker": "o"})
+        elif row.method not in styles:
+            look = {"color": OURS[k % len(OURS)], "lw": 1.8, "ms": 4.5, "zorder": 3}
+            styles[row.method] = {**look, "marker": MARKERS[k % len(MARKERS)]}
     return styles
+
+
+def series(rows: Sequence[Row], scene: str) -> dict[str, Points]:
+    """Return (error, seconds) of each method of ours, and of each family of peers its front."""
+    found: dict[str, Points] = {}
+    for method, line in lines(rows, scene).items():
+        name = line[0].family if line and line[0].family in PEERS else method
+        points = [
+            (r.error, r.time_s / r.simulated_s)
+            for r in line
+            if r.error is not None and r.time_s is not None and r.error < ERRORS[0]
+        ]
+        found.setdefault(name, []).extend(points)
+    return {name: front(points) if name in PEERS else points
+            for name, points in found.items() if points}  # fmt: skip
+
+
+def front(points: Points) -> Points:
+    """Return those points than which none is both more accurate and faster."""
+    best: Points = []
+    for error, seconds in sorted(points):
+        if not best or seconds < best[-1][1]:
+            best.append((error, seconds))
+    return best
 
 
 def _panel(ax: Axes, rows: Sequence[Row], scene: str, styles: dict[str, dict[str, Any]]) -> None:
     problem = next(p for p in problems() if p.name == scene)
-    for method, line in lines(rows, scene).items():
-        points = [(r.error, r.time_s / r.simulated_s) for r in line
-                  if r.error is not None and r.time_s is not None and r.error < 10]  # fmt: skip
-        if points:
-            error, seconds = zip(*points, strict=True)
-            ax.loglog(error, seconds, **styles[method])
-    known = reference(problem).known_to
-    ax.axvspan(1e-16, known, color="#eeeeee", lw=0)
-    ax.set(title=problem.title, xlim=(min(1e-13, known / 3), 3))
-    ax.invert_xaxis()
+    ends: list[tuple[float, float, str]] = []
+    for name, points in series(rows, scene).items():
+        error, seconds = zip(*points, strict=True)
+        ax.loglog(error, seconds, **styles[name])
+        ends.append((*min(points), name))
+    _label(ax, ends, styles)
+    ax.axvspan(ERRORS[1], reference(problem).known_to, color="#eeeeee", lw=0)
+    ax.set(title=problem.title, xlim=ERRORS, ylim=TIMES)
 
 
-def accuracy_figure(rows: Sequence[Row], path: Path) -> None:
-    """Draw every scene that was measured, more accurate to the right, faster below."""
-    from matplotlib.lines import Line2D
+def _label(ax: Axes, ends: list[tuple[float, float, str]], styles: dict[str, Any]) -> None:
+    """Write each name beside its line's most accurate point, those that would meet set apart."""
+    placed: list[tuple[float, float]] = []
+    for error, seconds, name in sorted(ends, key=lambda end: end[1]):
+        height = seconds
+        for other_error, other in placed:
+            near = abs(math.log10(other_error / error)) < LABEL_DECADES
+            if near and height < APART * other:
+                height = APART * other
+        placed.append((error, height))
+        short = name.removeprefix("serpenoid ").replace("semi_implicit_euler", "semi-impl.")
+        ax.annotate(
+            short, (error, height), xytext=(5, 0), textcoords="offset points", va="center",
+            fontsize=7.5, color=styles[name]["color"], annotation_clip=False,
+        )  # fmt: skip
 
+
+LABEL_DECADES, APART = 3.5, 1.9  # how wide a name is, and how high, on the panels' axes
+
+
+def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -> None:
+    """Draw every scene that was measured, more accurate to the right, faster below.
+
+    where: the machine of the measurement, unless it is this one.
+    """
+    where = where or f"{machine.cpu()}, {machine.compiler()}, one core"
     scenes = list(dict.fromkeys(row.scene for row in rows))
     columns = min(3, len(scenes))
     down = -(-len(scenes) // columns)
-    styles = _style(ours_first(rows))
-    with figure(4.2 * columns, 3.3 * down + 1.5) as (fig, _unused):
+    styles = _styles(ours_first(rows))
+    with figure(4.4 * columns, 3.4 * down + 0.7) as (fig, _unused):
         fig.clear()
-        axes = fig.subplots(down, columns, squeeze=False)
+        axes = fig.subplots(down, columns, squeeze=False, sharex=True, sharey=True)
         for ax, scene in zip(axes.flat, scenes, strict=False):
             _panel(ax, rows, scene, styles)
         for ax in axes.flat[len(scenes) :]:
@@ -73,12 +116,9 @@ def accuracy_figure(rows: Sequence[Row], path: Path) -> None:
             ax.set_xlabel("scaled error of the end state")
         for ax in axes[:, 0]:
             ax.set_ylabel("processor time (s)\nper simulated second")
-        handles = [Line2D([], [], label=name, **look) for name, look in styles.items()]
-        fig.legend(handles=handles, loc="outside lower center", ncols=min(6, 2 * columns),
-                   fontsize=9)  # fmt: skip
         fig.suptitle(
-            "Filled: this package; open: what else one might take. Lower is faster, right is more "
-            f"accurate;\ngrey edge: the reference is not known better. {machine.cpu()}, "
-            f"{machine.compiler()}, one core", fontsize=9, color=GREY, ha="left", x=0.01,
+            "Filled: this package; open: the best of what else one might take. Lower is faster, "
+            f"right is more accurate;\ngrey: the reference is not known better. {where}",
+            fontsize=9, color=GREY, ha="left", x=0.01,
         )  # fmt: skip
         fig.savefig(path, dpi=120)

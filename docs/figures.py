@@ -1,0 +1,48 @@
+"""Draw the figures that the repository stores, from what it stores: `make figures`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from serpenoid.bench.accuracy.figure import accuracy_figure
+from serpenoid.bench.accuracy.files import read_csv
+from serpenoid.commands.demo import run_demo
+
+STORED = Path(__file__).resolve().parents[1] / "host" / "docs"
+
+
+def speed(path: Path) -> None:
+    """Draw the demo's prediction of speed against frequency (Fig. 17)."""
+    with tempfile.TemporaryDirectory() as folder:
+        run_demo(Path(folder))
+        shutil.copy(Path(folder) / "speed.png", path)
+
+
+def accuracy(path: Path) -> None:
+    """Draw the measurement that stands in accuracy.csv; `serpenoid bench accuracy` measures."""
+    found = json.loads((STORED / "accuracy.json").read_text())
+    where = f"{found['cpu']}, {found['compiler']}, one core"
+    accuracy_figure(read_csv(STORED / "accuracy.csv"), path, where)
+
+
+FIGURES: dict[str, Callable[[Path], None]] = {"speed.png": speed, "accuracy.png": accuracy}
+
+
+def main() -> None:
+    """Draw all of them into a folder."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=STORED)
+    out = parser.parse_args().out
+    out.mkdir(parents=True, exist_ok=True)
+    for name, draw in FIGURES.items():
+        draw(out / name)
+        print(out / name)
+
+
+if __name__ == "__main__":
+    main()

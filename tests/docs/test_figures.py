@@ -1,0 +1,39 @@
+"""The stored figures are what the program draws today: `make figures` renews them."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from docs.documents import ROOT
+from matplotlib.image import imread
+
+sys.path.insert(0, str(ROOT / "docs"))
+import figures
+
+MOST = 2e-3  # of the ink: the last digit of a solver may move an edge by a shade
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> float:
+    """Return the mean difference of two pictures; 1 if they are not of one size."""
+    if one.shape != other.shape:
+        return 1.0
+    return float(np.abs(one[..., :3] - other[..., :3]).mean())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", figures.FIGURES)
+def test_a_stored_figure_is_todays(name, tmp_path) -> None:
+    figures.FIGURES[name](tmp_path / name)
+    found = apart(imread(tmp_path / name), imread(figures.STORED / name))
+    assert found < MOST, f"host/docs/{name} is stale: `make figures`"
+
+
+def test_another_picture_is_told() -> None:
+    one = np.ones((40, 40, 3))
+    other = one.copy()
+    other[10:14, :] = 0.0
+    assert apart(one, one) == 0
+    assert apart(one, other) > MOST
+    assert apart(one, one[:30]) == 1
