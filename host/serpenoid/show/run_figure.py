@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..simulation.run import ENERGY_COLUMNS, Run
-from .plot import BLUE, GREEN, GREY, ORANGE, RED, draw_links, figure
+from .plot import BLUE, GREEN, GREY, ORANGE, RED, along_travel, draw_links, figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from ..simulation.scene import Scene
 
 _POSES = 4
 
 
 def draw_run(run: Run, path: Path) -> None:
-    """Draw the path seen from above, the speed, and the energy ledger where it was recorded."""
+    """Draw the path seen from above, the speed, and the energy ledger where it was recorded.
+
+    The path is turned so that the way from start to end lies along x.
+    """
     ledger = run.energy_j.size > 0
     with figure(9.0, 9.0 if ledger else 6.6) as (fig, _unused):
         fig.clear()
@@ -27,26 +33,56 @@ def draw_run(run: Run, path: Path) -> None:
         if ledger:
             _energy(axes[2], run)
         axes[-1].set_xlabel("time (s)")
+        fig.suptitle(_about(run.scene), fontsize=9, color=GREY, ha="left", x=0.01)
         fig.savefig(path)
 
 
+def _about(scene: Scene) -> str:
+    """Say what was run: robot, gait, drive, start, slope, faults, model, method."""
+    robot, gait = scene.robot, scene.gait
+    start = scene.start if isinstance(scene.start, str) else "a given state"
+    parts = [
+        f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m",
+        f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
+        f"ω = {gait.omega_rad_s:.3g} rad/s",
+    ]
+    if scene.incline_rad:
+        parts.append(f"slope of {math.degrees(scene.incline_rad):.3g}°")
+    parts += [f"joint {j} limp" for j in scene.limp]
+    parts += [f"joint {j} locked" for j in scene.locked]
+    how = [f"drive: {scene.drive}", f"start: {start.replace('_', ' ')}",
+           f"{scene.formulation} model, {scene.method}"]  # fmt: skip
+    return "; ".join(parts) + "\n" + "; ".join(how)
+
+
 def _path(ax: Axes, run: Run) -> None:
+    turned = along_travel(run)
     for name, x, y, colour, width in (
-        ("tail", run.x_m[:, 0], run.y_m[:, 0], ORANGE, 1.0),
-        ("head", run.x_m[:, -1], run.y_m[:, -1], BLUE, 1.0),
-        ("centre of mass", *run.centre_m.T, "black", 2.0),
+        ("tail", turned.x_m[:, 0], turned.y_m[:, 0], ORANGE, 1.0),
+        ("head", turned.x_m[:, -1], turned.y_m[:, -1], BLUE, 1.0),
+        ("centre of mass", *turned.centre_m.T, "black", 2.0),
     ):
         ax.plot(x, y, color=colour, lw=width, label=name)
     for index in np.unique(np.linspace(0, run.t_s.size - 1, _POSES).astype(int)):
-        draw_links(ax, run, int(index), 0.0, "#a0a0a0")
-    scene = run.scene
-    ax.set_title(
-        f"path over the ground, {run.t_s[-1]:g} s; {scene.formulation} model, {scene.method}; "
-        "grey: the snake, a dot on its head"
-    )
-    ax.set(xlabel="x (m)", ylabel="y (m)")
+        draw_links(ax, turned, int(index), 0.0, "#a0a0a0")
+    ax.set_title(f"path over the ground, {run.t_s[-1]:g} s; grey: the snake, a dot on its head")
+    ax.set(xlabel="along the way from start to end (m)", ylabel="across it (m)")
     ax.set_aspect("equal", adjustable="datalim")
-    ax.legend(loc="best")
+    ax.plot(0, 0, "o", mfc="white", mec="black", ms=7, zorder=5, label="start")
+    if run.scene.incline_rad:
+        _uphill(ax, run)
+    ax.legend(loc="best", ncols=2)
+
+
+def _uphill(ax: Axes, run: Run) -> None:
+    """Draw an arrow in a corner that points up the slope, turned as the path is."""
+    way = run.centre_m[-1] - run.centre_m[0]
+    angle = run.scene.incline_direction_rad - math.atan2(way[1], way[0])
+    dx, dy = 34 * math.cos(angle), 34 * math.sin(angle)
+    corner = {"xy": (0.92, 0.86), "xycoords": "axes fraction", "textcoords": "offset points"}
+    arrow = {"arrowstyle": "->", "color": GREY, "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
+    ax.annotate("", xytext=(-dx, -dy), arrowprops=arrow, **corner)
+    ax.annotate("uphill", xytext=(0, 8), color=GREY, ha="center", fontsize=9, **corner)
 
 
 def _speed(ax: Axes, run: Run) -> None:
