@@ -66,7 +66,7 @@ class Board:
 
     @property
     def setpoints_rad(self) -> list[float]:
-        """The five joint setpoints, tail first."""
+        """The joints' setpoints, tail first."""
 
     @property
     def pulses_us(self) -> list[int]:

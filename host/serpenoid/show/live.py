@@ -40,7 +40,8 @@ def line(run: Drive) -> str:
     angles = " ".join(f"{math.degrees(a):7.2f}" for a in frame.setpoint_rad)
     return (
         f"{run.elapsed_s:7.1f} s  {frame.state:6}  {angles} deg  late {frame.late_us} us  "
-        f"missed {losses.missed_frames}  damaged {losses.damaged_lines}"
+        f"missed {losses.missed_frames}  damaged {losses.damaged_lines}  "
+        f"clipped {run.clipped_frames}"
     )
 
 

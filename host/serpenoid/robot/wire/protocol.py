@@ -7,10 +7,11 @@ import math
 import re
 from dataclasses import dataclass, field
 
+from ..._core import firmware
 from ...model.errors import BadInput, DamagedLine
 from .written import check_frame
 
-PROTOCOL = 2
+PROTOCOL: int = firmware.PROTOCOL
 FEWEST_JOINTS, MOST_JOINTS = 2, 12
 STATES = ("idle", "pose", "gait", "hold", "safing", "safe")
 _COUNT = r"(\d{1,10})"
@@ -180,13 +181,13 @@ def _verdict(body: str) -> Verdict:
 
 
 def _hello(body: str) -> Hello:
-    firmware, protocol, board, joints, frame_us, boot, reset, settings, silence = _matched(
+    version, protocol, board, joints, frame_us, boot, reset, settings, silence = _matched(
         _HELLO, body
     )
     if not FEWEST_JOINTS <= int(joints) <= MOST_JOINTS:
         raise DamagedLine(f"joints is {joints}; a board has {FEWEST_JOINTS} to {MOST_JOINTS}")
     silence_s = 0.0 if silence == "off" else float(silence)
     return Hello(
-        firmware, int(protocol), board, int(joints), int(frame_us), int(boot), reset, settings,
+        version, int(protocol), board, int(joints), int(frame_us), int(boot), reset, settings,
         silence_s,
     )  # fmt: skip

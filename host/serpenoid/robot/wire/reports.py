@@ -11,7 +11,7 @@ from .written import said, said_field
 
 MOST_COUNT = 2**32 - 1
 
-SETTINGS = ("angle_ramp", "rate_ramp", "pose_speed", "servo_speed", "silence", "every", "limp")
+SETTINGS = tuple(firmware.SETTINGS)
 
 
 @dataclass(frozen=True)
