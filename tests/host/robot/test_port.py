@@ -90,12 +90,13 @@ def test_the_usual_culprits_are_named_with_their_cure(processes, monkeypatch, na
             link.SerialLink(fake.port)
 
 
-def test_a_port_that_is_forbidden_names_the_group(tmp_path):
+def test_a_port_that_is_forbidden_names_the_group(tmp_path, monkeypatch):
+    monkeypatch.setattr("grp.getgrgid", lambda _: SimpleNamespace(gr_name="uucp"))
     port = tmp_path / "tty"
     port.touch()
     error = link._refused(str(port), PermissionError(13, "Permission denied"))
     assert isinstance(error, PortBusy)
-    assert f"usermod -aG {port.group()} " in str(error)
+    assert "usermod -aG uucp " in str(error)
 
 
 def test_a_port_that_is_not_there_or_is_no_port(tmp_path, plugged_in):
