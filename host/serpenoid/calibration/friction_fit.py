@@ -77,6 +77,25 @@ def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Float
     return points(FitData.of(session), whole["ct"], whole["ft0"])
 
 
+def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
+    """Return part -> (speeds, forces) of the voided readings, as friction_points does."""
+    voided = [
+        replace(r, voided=False) for r in session.readings if r.voided and r.slip_speed_m_s > 0
+    ]
+    return friction_points(replace(session, readings=tuple(voided)), fit)
+
+
+def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
+    """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
+    data = FitData.of(session)
+    force = data.weight_n * np.cos(data.incline_rad) * data.incline_sigma_rad
+    b, across = data.bent, np.sin(data.lambda_rad[data.bent])
+    return {
+        "straight": (data.speed_sigma_m_s[~b], force[~b]),
+        "bent": (data.speed_sigma_m_s[b] * across, force[b] / across),
+    }
+
+
 @dataclass(frozen=True)
 class _Raw:
     """What a method found: values, covariance, (4, 2) intervals, in NAMES' order."""

@@ -19,6 +19,7 @@ from .figures import figures
 from .friction.advise import advise
 from .friction.compare import compare
 from .friction.fit import fit
+from .friction.report import report
 from .optimize import optimize
 from .paths import OutFolder
 from .simulate import simulate
@@ -55,6 +56,7 @@ for command in (
     figures,
     fit,
     optimize,
+    report,
     simulate,
     steady,
     sweep,

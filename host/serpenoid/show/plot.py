@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from ..calibration.friction_fit import friction_points
+from ..calibration.friction_fit import friction_points, point_errors, voided_points
 from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint
 from ..calibration.session import Session
@@ -66,29 +66,46 @@ def _line(ax: Axes, fit: FrictionFit, slope: str, rest: str, most: float, colour
 
 
 def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "") -> None:
-    """Draw the readings and the fitted lines of Figs. 15 and 16, whole snake."""
-    points = friction_points(session, fit)
-    parts = (
-        ("straight", "Along the links (Fig. 15)", "t", "ct", "ft0", BLUE),
-        ("bent", "Across the links (Fig. 16)", "n", "cn", "fn0", RED),
-    )
-    with figure(9.0, 3.9, 2) as (fig, axes):
-        for ax, (part, title, axis, slope, rest, colour) in zip(axes, parts, strict=True):
-            v, force = points[part]
-            _line(ax, fit, slope, rest, 1.08 * float(v.max()), colour)
-            ax.plot(v, force, "o", color="black", ms=4.5, label=f"readings, {session.setup.kind}")
-            law = (
-                f"$F_{axis} = {fit.parameters[slope].value:.3g}\\,v_{axis} "
-                f"+ {fit.parameters[rest].value:.3g}$ N"
-            )
-            ax.text(0.04, 0.93, law, transform=ax.transAxes, color=colour, va="top", fontsize=11)
-            ax.set(title=title, xlabel=f"speed $v_{axis}$ (m/s)", ylabel=f"friction $F_{axis}$ (N)")
-            ax.set_xlim(left=0)
-            ax.set_ylim(bottom=0)
-        axes[0].legend(loc="lower right")
-        fig.supxlabel("band: 95 % interval of the line" + (f"; {note}" if note else ""),
-                      fontsize=8, color=GREY)  # fmt: skip
+    """Draw the readings and the fitted lines of friction along and across the links into a file."""
+    with figure(9.0, 4.2, 2) as (fig, axes):
+        draw_friction(fig, axes, session, fit, note)
         fig.savefig(path)
+
+
+def draw_friction(
+    fig: Figure, axes: Any, session: Session, fit: FrictionFit, note: str = ""
+) -> None:
+    """Draw readings with their errors, voided ones crossed out, and the lines; whole snake."""
+    parts = (
+        ("straight", "Along the links", "t", "ct", "ft0", BLUE),
+        ("bent", "Across the links", "n", "cn", "fn0", RED),
+    )
+    kept, voided = friction_points(session, fit), voided_points(session, fit)
+    errors = point_errors(session)
+    for ax, (part, title, axis, slope, rest, colour) in zip(axes, parts, strict=True):
+        (v, force), (dv, df) = kept[part], errors[part]
+        _line(ax, fit, slope, rest, 1.08 * float(v.max()), colour)
+        ax.errorbar(v, force, df, dv, fmt="o", color="black", ms=4, lw=0, elinewidth=1,
+                    label=f"readings, {session.setup.kind}, ± 1 sigma")  # fmt: skip
+        if len(voided[part][0]):
+            ax.plot(*voided[part], "x", color=GREY, ms=7, label="voided")
+        law = (
+            f"$F_{axis} = {fit.parameters[slope].value:.3g}\\,v_{axis} "
+            f"+ {fit.parameters[rest].value:.3g}$ N"
+        )
+        ax.text(0.04, 0.95, law, transform=ax.transAxes, color=colour, va="top", fontsize=11)
+        ax.set(title=title, xlabel=f"speed $v_{axis}$ (m/s)",
+               ylabel=f"friction $F_{axis}$ of the whole snake (N)")  # fmt: skip
+        ax.set_xlim(left=0)
+        ax.set_ylim(bottom=0)
+    axes[0].legend(loc="lower right", fontsize=8)
+    p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
+    fig.suptitle(
+        f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",
+        fontsize=10, x=0.01, ha="left",
+    )  # fmt: skip
+    fig.supxlabel("band: 95 % interval of the line" + (f"; {note}" if note else ""),
+                  fontsize=8, color=GREY)  # fmt: skip
 
 
 def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:

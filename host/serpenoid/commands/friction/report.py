@@ -1,0 +1,40 @@
+"""`serpenoid report`: a session's story, figures and numbers in one HTML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ...model.errors import BadInput, SerpenoidError
+from ..options import AS_JSON, show_json
+from ..paths import OutFile
+from .given import session_fit
+
+
+@click.command()
+@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--out", type=OutFile(".html"), help="Where to; report.html in the session's folder.")
+@AS_JSON
+def report(session: Path, out: Path | None, as_json: bool) -> None:
+    """Write a session's report: one self-contained HTML file, the same bytes when made again."""
+    from ...calibration import advice, comparison
+    from ...calibration.session_file import load_session
+    from ...show.page_of_session import session_page
+    from ...show.report import progress
+
+    out = out or session / "report.html"
+    compared = advised = None
+    try:
+        loaded = load_session(session)
+        fit = session_fit(session)
+        if comparison.compared_gaits(loaded):
+            with progress(comparison.gait_count(loaded), "gaits") as advance:
+                compared = comparison.compare(loaded, fit, progress=advance)
+        if loaded.setup.procedure.gaits:
+            advised = advice.advise(loaded)
+    except BadInput as error:  # the files' fault, not the arguments'
+        raise SerpenoidError(str(error)) from error
+    out.write_text(session_page(loaded, fit, compared, advised), encoding="utf-8")
+    verdict = None if compared is None else compared.verdict
+    show_json({"report": str(out), "verdict": verdict}) if as_json else click.echo(f"wrote {out}")

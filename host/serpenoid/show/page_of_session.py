@@ -1,0 +1,175 @@
+"""The report of a session: one HTML file that needs nothing else, the same whenever made."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Callable, Sequence
+from html import escape
+from typing import Any
+
+from ..calibration.advice import Advice
+from ..calibration.comparison import Comparison
+from ..calibration.friction_result import FrictionFit
+from ..calibration.session import Session
+from .comparison_figure import draw_comparison
+from .plot import draw_friction, figure
+
+_STYLE = """
+:root{color-scheme:light dark;--ink:#1c1e21;--paper:#fff;--line:#d9dce1;--soft:#5b616b}
+@media(prefers-color-scheme:dark){:root{--ink:#e8eaed;--paper:#17191c;--line:#3a3e45;--soft:#a3a9b3}}
+@media print{:root{--ink:#000;--paper:#fff;--line:#bbb;--soft:#444}}
+*{box-sizing:border-box}
+body{margin:0 auto;max-width:60rem;padding:1.5rem 1rem;background:var(--paper);color:var(--ink);
+font:16px/1.5 system-ui,sans-serif}
+h1{font-size:1.6rem;margin:0}h2{font-size:1.15rem;margin:2rem 0 .5rem}
+.soft{color:var(--soft)}.verdict{border-left:4px solid #0072B2;padding:.4rem .8rem;margin:1rem 0}
+.wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
+th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
+th:first-child,td:first-child{text-align:left}
+figure{margin:0;background:#fff;border-radius:6px;overflow-x:auto}
+figure svg{display:block;width:100%;min-width:34rem;height:auto}
+.void{text-decoration:line-through;color:var(--soft)}
+code{overflow-wrap:anywhere}
+@media print{figure,table{break-inside:avoid}figure svg{min-width:0}}
+"""
+
+
+def session_page(
+    session: Session, fit: FrictionFit, compared: Comparison | None, advice: Advice | None
+) -> str:
+    """Return the whole page; what is None is left out."""
+    setup = session.setup
+    parts = [
+        f"<h1>{escape(setup.name)}</h1>", _story(session), _summary(fit, compared),
+        "<h2>Friction</h2>", _svg(9.0, 4.2, 2, lambda f, a: draw_friction(f, a, session, fit)),
+        _friction_table(fit), *_notes(fit, session),
+    ]  # fmt: skip
+    if compared is not None:
+        drawn = _svg(7.2, 6.0, 1, lambda f, _a: draw_comparison(f, compared))
+        parts += ["<h2>Speed</h2>", drawn, _speed_table(compared)]
+    if advice is not None:
+        parts += ["<h2>The next reading</h2>", _advice(advice)]
+    parts += ["<h2>Readings</h2>", _readings(session, fit), "<h2>Where this comes from</h2>",
+              _provenance(session, fit)]  # fmt: skip
+    head = (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(setup.name)}: friction and speed</title><style>{_STYLE}</style></head>"
+    )
+    return head + "<body>\n" + "\n".join(parts) + "\n</body></html>\n"
+
+
+def _svg(width: float, height: float, columns: int, draw: Callable[[Any, Any], None]) -> str:
+    """Return a drawing as inline SVG; ids are salted, so that the same drawing gives the same."""
+    import matplotlib as mpl
+
+    text = io.StringIO()
+    with (
+        mpl.rc_context({"svg.hashsalt": "serpenoid"}),
+        figure(width, height, columns) as (fig, axes),
+    ):
+        draw(fig, axes)
+        fig.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    drawn = text.getvalue()
+    drawn = drawn[drawn.index("<svg") :]
+    # two drawings in one page must not share ids
+    salt = f"w{width:g}".replace(".", "_")
+    drawn = re.sub(r'id="([^"]+)"', rf'id="{salt}-\1"', drawn)
+    drawn = re.sub(r'href="#([^"]+)"', rf'href="#{salt}-\1"', drawn)
+    return f"<figure>{re.sub(r'url[(]#', f'url(#{salt}-', drawn)}</figure>"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]], classes: Sequence[str] = ()) -> str:
+    top = "".join(f"<th>{escape(h)}</th>" for h in head)
+    marks = list(classes) or [""] * len(rows)
+    body = "".join(
+        f'<tr class="{mark}">' + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>"
+        for row, mark in zip(rows, marks, strict=True)
+    )
+    return f'<div class="wide"><table><tr>{top}</tr>{body}</table></div>'
+
+
+def _story(session: Session) -> str:
+    setup, robot = session.setup, session.setup.robot
+    where = ", ".join(
+        x for x in (setup.surface, setup.place, setup.people) if x and x != "not said"
+    )
+    return (
+        f'<p class="soft">A {escape(setup.kind)} session: a robot of {robot.links} links, '
+        f"{robot.links * robot.link_mass_kg:.4g} kg, {robot.links * robot.link_length_m:.3g} m"
+        f"{escape('; ' + where if where else '')}. {len(session.kept)} stations held, "
+        f"{len(session.readings) - len(session.kept)} voided, {len(session.kept_gait_runs)} gait "
+        "runs.</p>"
+    )
+
+
+def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
+    text = (
+        "The readings agree with one another."
+        if fit.p_value is None or fit.p_value >= 0.01
+        else "The readings disagree by more than their stated errors allow."
+    )
+    more = "" if compared is None else " " + compared.verdict_text
+    return f'<p class="verdict">{escape(text + more)}</p>'
+
+
+def _friction_table(fit: FrictionFit) -> str:
+    rows = [
+        [r.name, f"{r.value:.4g}", f"{r.sigma:.2g}", f"{r.low:.3g} to {r.high:.3g}", r.unit,
+         f"{r.value / fit.robot.links:.4g}"]
+        for r in fit.rows()
+    ]  # fmt: skip
+    head = ["whole snake", "value", "sigma", "95 % interval", "unit", "per link"]
+    return _table(head, rows)
+
+
+def _notes(fit: FrictionFit, session: Session) -> list[str]:
+    notes = [*fit.notes, *session.notes]
+    return ["<ul>" + "".join(f"<li>{escape(n)}</li>" for n in notes) + "</ul>"] if notes else []
+
+
+def _speed_table(compared: Comparison) -> str:
+    rows = []
+    for p in compared.gaits:
+        seen = "" if p.measured_m_s is None else f"{p.measured_m_s:.4f} ± {p.sigma_m_s:.4f}"
+        rows.append([
+            f"{p.frequency_hz:.3g} Hz", f"{p.exact_m_s:.4f}",
+            f"{p.low_m_s:.4f} to {p.high_m_s:.4f}",
+            f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}", f"{p.implicit_m_s:.4f}", seen,
+        ])  # fmt: skip
+    head = ["gait", "exact (m/s)", "95 % friction", "95 % with joints", "implicit", "measured"]
+    return _table(head, rows)
+
+
+def _advice(advice: Advice) -> str:
+    rows = [[r.in_words(), f"{r.band:.1%}"] for r in advice.readings[:4]]
+    now = f"<p>The speeds are known to {advice.band:.1%} (95 %).</p>"
+    return now + _table(["reading", "afterwards"], rows)
+
+
+def _readings(session: Session, fit: FrictionFit) -> str:
+    off = dict(zip((r.number for r in session.kept), fit.residuals, strict=True))
+    rows = [
+        [str(r.number), f"{math.degrees(r.lambda_rad):.4g}", f"{math.degrees(r.incline_rad):.4g}",
+         f"{r.belt_speed_m_s:.4g}", f"{r.drift_m_s:.3g}",
+         f"{off[r.number]:+.1f}" if r.number in off else "voided", r.comment]
+        for r in session.readings
+    ]  # fmt: skip
+    head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)",
+            "comment"]  # fmt: skip
+    return _table(head, rows, ["void" if r.voided else "" for r in session.readings])
+
+
+def _provenance(session: Session, fit: FrictionFit) -> str:
+    from importlib.metadata import version
+
+    setup = session.setup
+    return (
+        f'<p>{escape(setup.source)}</p><p class="soft">{escape(setup.note)}</p>'
+        f"<p>Fitted ({escape(fit.method)}) by serpenoid {escape(version('serpenoid'))}; readings' "
+        f"SHA-256 <code>{escape(fit.session_sha256)}</code>. To cite: the session by its name and "
+        "hash, the program by its CITATION.cff, and Nirakh, Brennan and Gandhi, IMECE2005-82742, "
+        "for models and procedure.</p>"
+    )
