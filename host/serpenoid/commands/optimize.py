@@ -180,7 +180,7 @@ def _uncertainty(given: dict[str, Any]) -> Uncertainty:
 
         fit = take_fit(dict(given))
         if fit is not None:
-            changes["grounds"] = fit.sample()
+            changes["grounds"] = fit.sample(128)
     return Uncertainty(**changes)
 
 

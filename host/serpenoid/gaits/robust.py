@@ -24,8 +24,8 @@ from .shape_search import exact_solver, on_threads
 from .uncertainty import Sample, Uncertainty
 
 KEEP, QUANTILE = 0.9, 0.05
-SAMPLES = 64
-_KEPT = 20  # of the samples, those that the search follows: the slowest where it starts
+SAMPLES = 128
+_KEPT = 24  # of the samples, those that the search follows: the slowest where it starts
 _RTOL = 3e-3
 _MOST_OVER = 2.5  # a shape that needs so many times its nominal rate is given up
 

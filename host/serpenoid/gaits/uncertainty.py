@@ -17,15 +17,22 @@ from ..model.robot import Robot
 
 Array = NDArray[np.float64]
 FRICTION = ("ct", "cn", "ft0", "fn0")
+# How the errors of the four hang together after a session with one bend of 7.5 deg.
+_AFTER_A_SESSION = np.array([
+    [1.0, -0.65, -0.32, 0.58],
+    [-0.65, 1.0, 0.21, -0.57],
+    [-0.32, 0.21, 1.0, -0.21],
+    [0.58, -0.57, -0.21, 1.0],
+])  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Uncertainty:
     """State how well friction and servos are known; one standard deviation each.
 
-    friction: relative sigmas of ct, cn, ft0, fn0 (log-normal, independent), unless `grounds` holds
-    frictions sampled elsewhere, such as from a session's fit. The default is what a session
-    with a 7.5 deg bend leaves open. amplitude: relative, of each joint on its own;
+    friction: relative sigmas of ct, cn, ft0, fn0 (log-normal), unless `grounds` holds frictions
+    sampled elsewhere, such as by a session's fit. The default is what a session with one bend of
+    7.5 deg leaves open; correlated: its correlations, too, or none. amplitude: relative, of each joint on its own;
     common_amplitude: of all joints together; lag_rad: of each joint's phase on its own (a lag that
     all joints share changes nothing). Raises BadInput.
     """
@@ -35,6 +42,7 @@ class Uncertainty:
     amplitude: float = 0.02
     common_amplitude: float = 0.03
     lag_rad: float = math.radians(1.0)
+    correlated: bool = True
 
     def __post_init__(self) -> None:
         if len(self.friction) != len(FRICTION):
@@ -55,7 +63,8 @@ class Uncertainty:
             pick = np.random.default_rng(seed).permutation(len(self.grounds))
             grounds = [self.grounds[pick[i % pick.size]] for i in range(count)]
         else:
-            factors = np.exp(points[:, :4] * np.array(self.friction))
+            mix = np.linalg.cholesky(_AFTER_A_SESSION) if self.correlated else np.eye(4)
+            factors = np.exp(points[:, :4] @ mix.T * np.array(self.friction))
             grounds = [_scaled(ground, row) for row in factors]
         gains = 1 + self.common_amplitude * points[:, 4:5]
         gains = np.clip(gains + self.amplitude * points[:, 5 : 5 + joints], 0.0, 2.0)
