@@ -94,7 +94,7 @@ def test_robust_on_viscous_ground_by_runs_in_time() -> None:
     assert best.speed_m_s >= 0.2 * 0.999
     assert best.fragile_low_m_s < best.low_speed_m_s
     assert 0 < best.premium < 0.6
-    drawn = stated.samples(PAPER, VISCOUS, 64)
+    drawn = stated.samples(PAPER, VISCOUS, best.speeds_m_s.size)
     for k in np.argsort(best.speeds_m_s)[[0, 3, 40]]:
         sample = drawn[k]
         by_time = run_speed(PAPER, sample.ground, sample.gait(best.gait), cycles=25)
