@@ -36,6 +36,24 @@ def test_a_stop_goes_out_at_once_though_another_thread_waits_for_a_verdict():
         waiting.join(5.0)
 
 
+def test_stops_of_another_thread_lose_no_question_of_this_one():
+    with FakeBoard() as fake, Robot(fake.port) as robot:
+        done = threading.Event()
+
+        def stop() -> None:
+            while not done.wait(0.003):
+                robot._dialogue.halt()
+
+        stopper = threading.Thread(target=stop)
+        stopper.start()
+        try:
+            for _ in range(60):
+                assert robot.status().state == "idle"
+        finally:
+            done.set()
+            stopper.join()
+
+
 def test_a_stop_that_is_to_stay_refuses_motion_until_it_is_released():
     with FakeBoard() as fake, Robot(fake.port) as robot:
         robot.gait(GAIT)

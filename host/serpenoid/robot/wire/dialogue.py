@@ -41,6 +41,7 @@ PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
 LONGEST_LINE = 4096
 STOP = b"\n!\n"
 MOTIONS = ("gait", "pose")
+MOST_STOPS = 10  # that other threads may send while one asks for something that moves nothing
 
 
 @dataclass(frozen=True)
@@ -248,9 +249,15 @@ class Dialogue:
 
     def _command(self, text: str, patience_s: float) -> Answer:
         with self._talking:
-            self._check()
-            self._number = (self._number + 1) & 0xFFFF
-            answer = self._exchange(text, patience_s)
+            for _ in range(MOST_STOPS):
+                self._check()
+                self._number = (self._number + 1) & 0xFFFF
+                answer = self._exchange(text, patience_s)
+                if answer is None or answer.verdict.error != "stopped":
+                    break
+                self._check_held(text)
+                if text.split(maxsplit=1)[0] in MOTIONS:  # the stop was meant for it
+                    break
         if answer is None:
             raise self._fail(
                 RobotLost(
