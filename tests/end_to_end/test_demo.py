@@ -22,7 +22,7 @@ def test_demo(tmp_path) -> None:
         assert (out / name).read_bytes()[:4] == b"\x89PNG"
         assert name in done.stdout.replace("\n", "")
     found = json.loads((out / "demo.json").read_text())
-    values = {n: p["value"] for n, p in found["fit"]["parameters"].items()}
+    values = {n.removesuffix("_whole"): p["value"] for n, p in found["fit"]["parameters"].items()}
     assert values == pytest.approx({"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}, rel=1e-5)
     points = found["speed_against_frequency"]
     assert len(points) == 10
