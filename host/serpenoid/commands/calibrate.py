@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.errors import BadInput, SerpenoidError
+from ..model.errors import BadInput
+from .calibrate_person import count, program, with_a_person
 from .options import AS_JSON, show_json
 
 if TYPE_CHECKING:
-    from ..calibration.session import Session
     from ..calibration.taking.journal import Journal
-    from ..calibration.taking.person.prompt import Console
-    from ..calibration.taking.person.seat import Seat
 
 FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 TOML = click.Path(exists=True, path_type=Path)
@@ -140,84 +138,7 @@ def take(
         return _scripted(folder, script)
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
-    return _with_a_person(folder, port, patience_s, with_page, lan)
-
-
-def _with_a_person(
-    folder: Path, port: str | None, patience_s: float, with_page: bool, lan: bool
-) -> None:
-    from contextlib import ExitStack
-
-    from ..calibration.taking.journal import Journal
-    from ..calibration.taking.person.dialogue import Dialogue, held_dialogue
-    from ..calibration.taking.person.prompt import Console
-    from ..calibration.taking.person.seat import Seat
-
-    console = Console()
-    with ExitStack() as stack:
-        journal = stack.enter_context(Journal(folder))
-        seat = None if port is None else stack.enter_context(Seat(port))
-        robot = "by hand" if seat is None else seat.greeting
-        journal.event("start", detail=f"{_program()}; {robot}")
-        setup = journal.session.setup
-        mass_g = 1000 * setup.robot.links * setup.robot.link_mass_kg
-        console.say(
-            f"{setup.name}: {setup.robot.links} links, {mass_g:.1f} g, "
-            f"on {setup.surface}; robot {robot}. {_count(journal.session)}."
-        )
-        for note in journal.session.notes:
-            console.say(f"note: {note}")
-        told = [_pictures(console)]
-        if with_page:
-            told.append(_page(stack, journal, seat, lan, console))
-        dialogue = Dialogue(journal, console, seat, _each(told), patience_s)
-        well = held_dialogue(dialogue, console)
-        journal.event("end")
-    if not well:
-        raise SystemExit(1)
-
-
-def _each(told: list[Any]) -> Any:
-    def tell(session: Session, step: Any) -> None:
-        for one in told:
-            one(session, step)
-
-    return tell
-
-
-def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: Console) -> Any:
-    """Serve the page, say its address, and return a function that brings it up to date."""
-    from importlib.resources import files
-
-    from ..calibration.taking.person.page import Page
-    from ..calibration.taking.person.state import state_of
-    from ..calibration.taking.procedure import skipped_keys
-
-    html = files("serpenoid.show").joinpath("session_page.html").read_text(encoding="utf-8")
-    page = stack.enter_context(Page(html, seat and seat.halt, lan=lan))
-    console.say(f"page: {page.url}")
-
-    def told(session: Session, step: Any) -> None:
-        robot = "by hand" if seat is None else "holds" if seat.powered else "idle"
-        page.publish(state_of(session, step, skipped_keys(journal.events), robot))
-
-    return told
-
-
-def _pictures(console: Any) -> Any:
-    """Return a function that draws the session after each new station."""
-    from ..show.session_plot import picture
-
-    shown = [-1]
-
-    def told(session: Session, step: Any) -> None:
-        drawn = picture(session) if len(session.kept) != shown[0] else ""
-        if drawn and shown[0] >= 0:
-            console.say(drawn)
-            console.say(_so_far(session))
-        shown[0] = len(session.kept)
-
-    return told
+    return with_a_person(folder, port, patience_s, with_page, lan)
 
 
 def _dry_run(folder: Path) -> None:
@@ -242,10 +163,10 @@ def _scripted(folder: Path, script: Path) -> None:
     top = load_script(script)
     with Journal(folder) as journal:
         _refuse_another(journal, wanted_setup(top, journal.session.setup))
-        journal.event("start", detail=f"{_program()}, script {script.name}")
+        journal.event("start", detail=f"{program()}, script {script.name}")
         done = run_script(journal, top, lambda step: click.echo(f"done: {step.key}", err=True))
         journal.event("end")
-        click.echo(f"{done} step(s) done; {_count(journal.session)}")
+        click.echo(f"{done} step(s) done; {count(journal.session)}")
 
 
 def _refuse_another(journal: Journal, wanted: Any) -> None:
@@ -261,47 +182,56 @@ def _refuse_another(journal: Journal, wanted: Any) -> None:
         )
 
 
-def _program() -> str:
-    from importlib.metadata import version
+@calibrate.command()
+@FOLDER
+@click.argument("kind", type=click.Choice(["station", "gait", "zero", "bend"]), required=False)
+@click.argument("cells", nargs=-1, metavar="NAME=VALUE...")
+@click.option("--sheet", type=TOML, help="CSV of readings that were written down by hand.")
+@click.option("--replaces", type=int, default=0, help="Number of the reading that this redoes.")
+@click.option("--comment", default="", help="What was odd.")
+def add(
+    folder: Path, kind: str | None, cells: tuple[str, ...], sheet: Path | None, replaces: int,
+    comment: str,
+) -> None:  # fmt: skip
+    """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`.
 
-    return f"serpenoid {version('serpenoid')}"
+    Or all of a sheet: --sheet readings.csv, with a column `kind` and those of the kinds.
+    """
+    from ..calibration.taking.journal import Journal
+    from ..calibration.taking.person.typed_cells import read_cells
+
+    if (sheet is None) is (kind is None):
+        raise click.UsageError("give KIND and NAME=VALUE, or --sheet FILE.csv")
+    with Journal(folder) as journal:
+        if sheet is not None:
+            return _add_sheet(journal, sheet)
+        assert kind is not None  # or there is a sheet
+        values = read_cells(kind, cells, journal.session.setup)
+        number = journal.add(kind, values, replaces=replaces, comment=comment)
+    click.echo(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
+    return None
 
 
-def _count(session: Session) -> str:
-    return (
-        f"{len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs kept, of "
-        f"{len(session.readings)} and {len(session.gait_runs)}"
-    )
+def _add_sheet(journal: Journal, path: Path) -> None:
+    from ..calibration.taking.sheet import add_sheet
 
-
-def _so_far(session: Session) -> str:
-    """Return the running fit in a line, or what it still needs."""
-    from ..calibration.friction_fit import fit_friction
-
-    try:
-        fit = fit_friction(session)
-    except SerpenoidError as error:
-        return f"no fit yet: {str(error).split(': ', 1)[-1].split(';')[0]}"
-    return "so far, whole snake: " + ", ".join(
-        f"{row.name} {row.value:.3g} ± {row.sigma:.1g} {row.unit}" for row in fit.rows()
-    )
+    added, told = add_sheet(journal, path)
+    for line in told:
+        click.echo(line, err=True)
+    click.echo(f"{added} reading(s) added; {count(journal.session)}")
 
 
 @calibrate.command()
 @FOLDER
-@click.argument("kind", type=click.Choice(["station", "gait", "zero", "bend"]))
-@click.argument("cells", nargs=-1, required=True, metavar="NAME=VALUE...")
-@click.option("--replaces", type=int, default=0, help="Number of the reading that this redoes.")
-@click.option("--comment", default="", help="What was odd.")
-def add(folder: Path, kind: str, cells: tuple[str, ...], replaces: int, comment: str) -> None:
-    """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`."""
-    from ..calibration.taking.journal import Journal
-    from ..calibration.taking.person.typed_cells import read_cells
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), default=Path("sheet.html"),
+              show_default=True, help="Page to write, for printing on A4.")  # fmt: skip
+def sheet(folder: Path, out: Path) -> None:
+    """Write a sheet to print and fill in by hand; `add --sheet` takes the readings in later."""
+    from ..calibration.session_file import read_session
+    from ..show.session_sheet import write_sheet
 
-    with Journal(folder) as journal:
-        values = read_cells(kind, cells, journal.session.setup)
-        number = journal.add(kind, values, replaces=replaces, comment=comment)
-    click.echo(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
+    write_sheet(read_session(folder), out)
+    click.echo(f"wrote {out}; print it from a browser")
 
 
 @calibrate.command()

@@ -7,6 +7,7 @@ import pytest
 from serpenoid import load_session
 from serpenoid.calibration.taking.journal import Journal
 
+HEAD = "kind,lambda_deg,incline_deg,belt_speed_m_s\n"
 PLAN = "[simulated]\nseed = 3\nct = 0.084\ncn = 1.2\nft0 = 0.14\nfn0 = 0.27\n"
 
 
@@ -141,3 +142,42 @@ def load_setup_surface(folder):
     from serpenoid.calibration.session_file import load_setup
 
     return load_setup(folder).surface
+
+
+def test_a_sheet_is_printed_and_taken_in_once(folder, tmp_path, serpenoid):
+    page = tmp_path / "sheet.html"
+    assert serpenoid("calibrate", "sheet", str(folder), "--out", str(page))[0] == 0
+    assert "protractor between neighbouring links shows 120°" in page.read_text()
+    path = tmp_path / "typed.csv"
+    path.write_text(
+        "kind;lambda_deg;incline_percent;belt_speed_km_h;drift_m_s;comment\n"
+        "station;0;4,0;1,8;;\nstation;0;4,5;2,9;0,01;shaky\n"
+    )
+    status, out, err = serpenoid("calibrate", "add", str(folder), "--sheet", str(path))
+    assert (status, "semicolons" in err) == (0, True)
+    assert out.startswith("2 reading(s) added")
+    kept = load_session(folder).kept
+    assert kept[0].belt_speed_m_s == pytest.approx(0.5)
+    assert (kept[1].drift_m_s, kept[1].comment) == (0.01, "shaky")
+    assert kept[1].incline_rad == pytest.approx(0.0449697, abs=1e-6)  # atan 0.045
+    again = serpenoid("calibrate", "add", str(folder), "--sheet", str(path))
+    assert (again[0], "nothing is added twice" in again[2]) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("station,0,2.3,0.4\n", "typed.csv:1: the first line must name the columns"),
+        ("kind,lambda_deg\nstation,0\n", "typed.csv:2: incline_deg is ''"),
+        (f"{HEAD}station,0,2,3,0.4\n", "parted by semicolons"),
+        (f"{HEAD}station,0,2.3,0.4\nhop,0,2,1\n", ":3: kind is"),
+        ("", "must name the columns"),
+    ],
+)  # fmt: skip
+def test_a_sheet_with_one_bad_row_adds_nothing(folder, tmp_path, serpenoid, text, says):
+    path = tmp_path / "typed.csv"
+    path.write_text(text)
+    before = (folder / "readings.csv").read_bytes()
+    status, _, err = serpenoid("calibrate", "add", str(folder), "--sheet", str(path))
+    assert (status, says in err) == (2, True), err
+    assert (folder / "readings.csv").read_bytes() == before

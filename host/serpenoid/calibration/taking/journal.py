@@ -86,7 +86,10 @@ class Journal:
         """
         number = max(self.numbers, default=0) + 1
         if replaces and replaces not in self.numbers:
-            raise BadInput(f"there is no reading {replaces} to replace; see `calibrate status`")
+            raise BadInput(
+                f"there is no reading {replaces} to replace; see `serpenoid calibrate status`"
+            )
+        self.check(kind, cells)
         setup = 1 + sum(e.event == "amend" for e in self.events)
         row = reading_row(kind, cells) | {
             "reading": str(number),
@@ -95,9 +98,12 @@ class Journal:
             "replaces": str(replaces or ""),
             "comment": comment,
         }
-        make(row, {"number": number})
         self._append("readings.csv", READING_COLUMNS, row)
         return number
+
+    def check(self, kind: str, cells: Mapping[str, Cell]) -> None:
+        """Raise BadInput for a reading that add() would not take."""
+        make(reading_row(kind, cells), {"number": 1})
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Write one event; void, restore and undo need a reading that is there."""

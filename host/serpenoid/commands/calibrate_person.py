@@ -1,0 +1,120 @@
+"""A treadmill session with a person: terminal, robot, picture and page put together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..model.errors import SerpenoidError
+
+if TYPE_CHECKING:
+    from ..calibration.session import Session
+    from ..calibration.taking.journal import Journal
+    from ..calibration.taking.person.prompt import Console
+    from ..calibration.taking.person.seat import Seat
+
+
+def with_a_person(
+    folder: Path, port: str | None, patience_s: float, with_page: bool, lan: bool
+) -> None:
+    """Take or resume a session at the terminal; exit status 1 where the robot was lost."""
+    from contextlib import ExitStack
+
+    from ..calibration.taking.journal import Journal
+    from ..calibration.taking.person.dialogue import Dialogue, held_dialogue
+    from ..calibration.taking.person.prompt import Console
+    from ..calibration.taking.person.seat import Seat
+
+    console = Console()
+    with ExitStack() as stack:
+        journal = stack.enter_context(Journal(folder))
+        seat = None if port is None else stack.enter_context(Seat(port))
+        robot = "by hand" if seat is None else seat.greeting
+        journal.event("start", detail=f"{program()}; {robot}")
+        setup = journal.session.setup
+        mass_g = 1000 * setup.robot.links * setup.robot.link_mass_kg
+        console.say(
+            f"{setup.name}: {setup.robot.links} links, {mass_g:.1f} g, "
+            f"on {setup.surface}; robot {robot}. {count(journal.session)}."
+        )
+        for note in journal.session.notes:
+            console.say(f"note: {note}")
+        told = [_pictures(console)]
+        if with_page:
+            told.append(_page(stack, journal, seat, lan, console))
+        dialogue = Dialogue(journal, console, seat, _each(told), patience_s)
+        well = held_dialogue(dialogue, console)
+        journal.event("end")
+    if not well:
+        raise SystemExit(1)
+
+
+def _each(told: list[Any]) -> Any:
+    def tell(session: Session, step: Any) -> None:
+        for one in told:
+            one(session, step)
+
+    return tell
+
+
+def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: Console) -> Any:
+    """Serve the page, say its address, and return a function that brings it up to date."""
+    from importlib.resources import files
+
+    from ..calibration.taking.person.page import Page
+    from ..calibration.taking.person.state import state_of
+    from ..calibration.taking.procedure import skipped_keys
+
+    html = files("serpenoid.show").joinpath("session_page.html").read_text(encoding="utf-8")
+    page = stack.enter_context(Page(html, seat and seat.halt, lan=lan))
+    console.say(f"page: {page.url}")
+
+    def told(session: Session, step: Any) -> None:
+        robot = "by hand" if seat is None else "holds" if seat.powered else "idle"
+        page.publish(state_of(session, step, skipped_keys(journal.events), robot))
+
+    return told
+
+
+def _pictures(console: Any) -> Any:
+    """Return a function that draws the session after each new station."""
+    from ..show.session_plot import picture
+
+    shown = [-1]
+
+    def told(session: Session, step: Any) -> None:
+        drawn = picture(session) if len(session.kept) != shown[0] else ""
+        if drawn and shown[0] >= 0:
+            console.say(drawn)
+            console.say(_so_far(session))
+        shown[0] = len(session.kept)
+
+    return told
+
+
+def _so_far(session: Session) -> str:
+    """Return the running fit in a line, or what it still needs."""
+    from ..calibration.friction_fit import fit_friction
+
+    try:
+        fit = fit_friction(session)
+    except SerpenoidError as error:
+        return f"no fit yet: {str(error).split(': ', 1)[-1].split(';')[0]}"
+    return "so far, whole snake: " + ", ".join(
+        f"{row.name} {row.value:.3g} ± {row.sigma:.1g} {row.unit}" for row in fit.rows()
+    )
+
+
+def program() -> str:
+    """Return this program and its version."""
+    from importlib.metadata import version
+
+    return f"serpenoid {version('serpenoid')}"
+
+
+def count(session: Session) -> str:
+    """Return how much a session holds, in words."""
+    return (
+        f"{len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs kept, of "
+        f"{len(session.readings)} and {len(session.gait_runs)}"
+    )

@@ -1,0 +1,95 @@
+"""A sheet to print and fill in beside the treadmill, for one session's plan."""
+
+from __future__ import annotations
+
+import html
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..calibration.session import Session
+
+LINES = 6  # to fill in, a bend
+STYLE = """
+@page { size: A4; margin: 14mm; }
+body { font: 11pt/1.35 system-ui, sans-serif; color: #000; background: #fff; max-width: 182mm;
+  margin: 0 auto; }
+h1 { font-size: 15pt; margin: 0 0 1mm; } h2 { font-size: 11.5pt; margin: 4mm 0 1mm; }
+p { margin: 1mm 0; } table { border-collapse: collapse; width: 100%; break-inside: avoid; }
+th, td { border: .3mm solid #666; padding: 0 2mm; height: 7mm; text-align: left; }
+th { font-weight: 600; height: 6mm; background: #eee; } section { break-inside: avoid; }
+.nr { width: 8mm; } .short { width: 24mm; }
+"""
+
+
+def sheet(session: Session) -> str:
+    """Return the sheet as one HTML page that needs nothing else."""
+    setup = session.setup
+    mass_g = 1000 * setup.robot.links * setup.robot.link_mass_kg
+    about = (
+        f"{setup.robot.links} links, {mass_g:.1f} g, links of "
+        f"{1000 * setup.robot.link_length_m:.1f} mm; surface: {setup.surface}; place: {setup.place}"
+    )
+    zero = _table(["inclinometer (°)", "end for end (°)", "remark"], 1)
+    parts = [
+        f"<h1>Calibration: {html.escape(setup.name)}</h1><p>{html.escape(about)}</p>"
+        "<p>date: ____________ &emsp; who: ________________________</p>",
+        f"<section><h2>Inclinometer zero, before (kind zero)</h2>{zero}</section>",
+        *(_bend(lambda_rad) for lambda_rad in setup.procedure.lambda_rad),
+        f"<section><h2>Inclinometer zero, after (kind zero)</h2>{zero}</section>",
+        _gaits(session),
+    ]
+    title = f"<title>{html.escape(setup.name)}</title>"
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8">{title}'
+        f"<style>{STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
+    )
+
+
+def write_sheet(session: Session, path: Path) -> None:
+    """Write the sheet."""
+    path.write_text(sheet(session), encoding="utf-8")
+
+
+def _bend(lambda_rad: float) -> str:
+    bend = math.degrees(lambda_rad)
+    columns = ["incline (° or %)", "belt (km/h or m/s)", "drift, + uphill (m/s)", "remark"]
+    if not bend:
+        heading = "Straight (kind station, lambda_deg 0)"
+        check = "Head downhill, belt uphill. Raise the belt until the robot holds; wait; read."
+    else:
+        heading = f"Bend {bend:g}° (kind station)"
+        check = (
+            f"Joints at ±{2 * bend:g}°; a protractor between neighbouring links shows "
+            f"{180 - 2 * bend:g}°. It showed (kind bend): ________ °, so lambda_deg = "
+            "(180° − that) / 2 = ________ °"
+        )
+    return f"<section><h2>{heading}</h2><p>{check}</p>{_table(columns, LINES)}</section>"
+
+
+def _gaits(session: Session) -> str:
+    plan = session.setup.procedure
+    if not plan.gaits:
+        return ""
+    rows = [
+        f"α {math.degrees(g.alpha_rad):g}°, β {math.degrees(g.beta_rad):g}°, "
+        f"{g.omega_rad_s / (2 * math.pi):.3g} Hz"
+        for g in plan.gaits for _ in range(plan.gait_runs)
+    ]  # fmt: skip
+    columns = ["gait", "distance (m)", "time (s)", "remark"]
+    return (
+        "<section><h2>Gait runs, level ground of the same surface (kind gait)</h2>"
+        f"{_table(columns, len(rows), rows)}</section>"
+    )
+
+
+def _table(columns: list[str], lines: int, first: list[str] | None = None) -> str:
+    head = "".join(f"<th>{c}</th>" for c in columns)
+    body = "".join(
+        f'<tr><td class="nr">{k + 1}</td>'
+        + "".join(f"<td>{first[k] if first and i == 0 else ''}</td>" for i in range(len(columns)))
+        + "</tr>"
+        for k in range(lines)
+    )
+    return f'<table><tr><th class="nr"></th>{head}</tr>{body}</table>'
