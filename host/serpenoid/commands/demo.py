@@ -35,7 +35,7 @@ def run_demo(out: Path) -> None:
     """Fit, predict, draw and sum up; everything it finds is written to the folder `out`."""
     out.mkdir(parents=True, exist_ok=True)
     run_loop(out)
-    say("[5/5] the session of 2005, as far as the paper gives it")
+    say("[6/6] the session of 2005, as far as the paper gives it")
     session = load_session(session_folder())
     fit = fit_friction(session)
     robot = session.setup.robot

@@ -9,9 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..calibration.advice import advise
+from ..calibration.comparison import compare, gait_count
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import DOUBTFUL
-from ..calibration.prediction import predict
 from ..calibration.taking.board_run import board_gait
 from ..calibration.taking.journal import Journal
 from ..calibration.taking.new_session import create_session, default_setup
@@ -23,6 +24,9 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..robot.robot import Robot
 from ..show import report
+from ..show.comparison_figure import comparison_figure
+from ..show.friction_report import show_advice, show_comparison
+from .options import finite
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
@@ -39,19 +43,21 @@ def run_loop(out: Path) -> dict[str, Any]:
 
     The session is left in out/session, to be looked at by every other command.
     """
-    say("[1/5] a session on the simulated treadmill, by the procedure that a person follows")
+    say("[1/6] a session on the simulated treadmill, by the procedure that a person follows")
     session = take_session(out / "session")
     say(f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs, the "
         f"inclinometer's zero found at {math.degrees(session.zero.value_rad):+.2f} deg (true: "
         f"{math.degrees(TRUTH.incline_zero_rad):+.2f}); the robot is the virtual one")  # fmt: skip
-    say("[2/5] friction fitted, beside the truth that no fit knows")
+    say("[2/6] friction fitted, beside the truth that no fit knows")
     session, fit = _without_outlier(session, fit_friction(session))
     found = {"fit": fit.to_dict(), "truth": _truth_table(fit)}
-    say("[3/5] speeds predicted from it, and the gait runs over them")
-    found["comparison"] = _compare(session, fit)
-    say(f"[4/5] the cheapest gait for {WANTED_M_S:g} m/s on this ground, sent to the virtual robot")
+    say("[3/6] speeds predicted from it, and the gait runs over them")
+    found["comparison"] = _compare(session, fit, out / "comparison.png")
+    say("[4/6] the reading to take next")
+    found["advice"] = _advise(session)
+    say(f"[5/6] the cheapest gait for {WANTED_M_S:g} m/s on this ground, sent to the virtual robot")
     found["wanted"] = _drive_wanted(session, fit)
-    (out / "loop.json").write_text(json.dumps(found, indent=2, allow_nan=False) + "\n")
+    (out / "loop.json").write_text(json.dumps(finite(found), indent=2, allow_nan=False) + "\n")
     return found
 
 
@@ -111,26 +117,19 @@ def _truth_table(fit: FrictionFit) -> dict[str, float]:
     return truth
 
 
-def _compare(session: Session, fit: FrictionFit) -> list[dict[str, float]]:
-    """Print and return measured and predicted speed of each gait that was run."""
-    rows, found = [], []
-    for gait in session.setup.procedure.gaits:
-        runs = [r for r in session.kept_gait_runs
-                if abs(r.omega_rad_s / gait.omega_rad_s - 1) < 0.05]  # fmt: skip
-        weights = [1 / r.speed_sigma_m_s**2 for r in runs]
-        mean = sum(w * r.speed_m_s for w, r in zip(weights, runs, strict=True)) / sum(weights)
-        sigma = 1 / math.sqrt(sum(weights))
-        point = predict(session.setup.robot, fit, runs[0].gait)
-        off = (mean - point.explicit_m_s) / math.hypot(sigma, point.sigma_m_s)
-        rows.append([
-            f"{point.frequency_hz:.3g}", f"{mean:.4f} ± {sigma:.4f}", f"{point.explicit_m_s:.4f}",
-            f"{point.low_m_s:.4f} to {point.high_m_s:.4f}", f"{point.implicit_m_s:.4f}",
-            f"{off:+.1f}",
-        ])  # fmt: skip
-        found.append(point.to_dict() | {"measured_m_s": mean, "measured_sigma_m_s": sigma})
-    columns = ["frequency (Hz)", "measured (m/s)", "predicted", "95 %", "implicit", "off, sigmas"]
-    report.table("speed at alpha 70 deg, beta 75 deg", columns, rows)
-    return found
+def _compare(session: Session, fit: FrictionFit, out: Path) -> dict[str, Any]:
+    with report.progress(gait_count(session), "gaits") as advance:
+        found = compare(session, fit, progress=advance)
+    show_comparison(found)
+    comparison_figure(found, out)
+    return found.to_dict()
+
+
+def _advise(session: Session) -> dict[str, Any]:
+    with report.busy("looking at each reading that could be next"):
+        found = advise(session)
+    show_advice(found, 3)
+    return found.to_dict()
 
 
 def _drive_wanted(session: Session, fit: FrictionFit) -> dict[str, float]:

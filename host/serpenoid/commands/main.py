@@ -13,10 +13,10 @@ import click
 from ..model.errors import BadInput, SerpenoidError
 from .bench import BENCH_GROUP
 from .board import COMMANDS as BOARD_COMMANDS
-from .calibrate import calibrate
 from .examples import examples
 from .figures import figures
 from .friction.advise import advise
+from .friction.calibrate import calibrate
 from .friction.compare import compare
 from .friction.fit import fit
 from .friction.report import report

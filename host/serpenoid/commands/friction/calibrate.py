@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.errors import BadInput
+from ...model.errors import BadInput
+from ..options import AS_JSON, show_json
 from .calibrate_person import count, program, with_a_person
-from .options import AS_JSON, show_json
 
 if TYPE_CHECKING:
-    from ..calibration.taking.journal import Journal
+    from ...calibration.taking.journal import Journal
 
 FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 TOML = click.Path(exists=True, path_type=Path)
@@ -51,7 +51,7 @@ def new(
     import dataclasses
     import sys
 
-    from ..calibration.taking.new_session import (
+    from ...calibration.taking.new_session import (
         answered,
         create_session,
         refuse_existing,
@@ -78,7 +78,7 @@ def _asked(setup: Any, answers: dict[str, Any]) -> dict[str, Any]:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
     import math
 
-    from ..calibration.taking.new_session import QUESTIONS
+    from ...calibration.taking.new_session import QUESTIONS
 
     usual: dict[str, Any] = {
         "surface": setup.surface, "place": setup.place, "people": setup.people,
@@ -142,9 +142,9 @@ def take(
 
 
 def _dry_run(folder: Path) -> None:
-    from ..calibration.session_file import read_session
-    from ..calibration.session_rows import read_events
-    from ..calibration.taking.procedure import next_step, progress, skipped_keys
+    from ...calibration.session_file import read_session
+    from ...calibration.session_rows import read_events
+    from ...calibration.taking.procedure import next_step, progress, skipped_keys
 
     session = read_session(folder)
     skipped = skipped_keys(read_events(folder))
@@ -157,8 +157,8 @@ def _dry_run(folder: Path) -> None:
 
 
 def _scripted(folder: Path, script: Path) -> None:
-    from ..calibration.taking.journal import Journal
-    from ..calibration.taking.script import load_script, run_script, wanted_setup
+    from ...calibration.taking.journal import Journal
+    from ...calibration.taking.script import load_script, run_script, wanted_setup
 
     top = load_script(script)
     with Journal(folder) as journal:
@@ -170,7 +170,7 @@ def _scripted(folder: Path, script: Path) -> None:
 
 
 def _refuse_another(journal: Journal, wanted: Any) -> None:
-    from ..calibration.taking.new_session import identity_differences
+    from ...calibration.taking.new_session import identity_differences
 
     lines = identity_differences(journal.session.setup, wanted)
     if lines:
@@ -197,8 +197,8 @@ def add(
 
     Or all of a sheet: --sheet readings.csv, with a column `kind` and those of the kinds.
     """
-    from ..calibration.taking.journal import Journal
-    from ..calibration.taking.person.typed_cells import read_cells
+    from ...calibration.taking.journal import Journal
+    from ...calibration.taking.person.typed_cells import read_cells
 
     if (sheet is None) is (kind is None):
         raise click.UsageError("give KIND and NAME=VALUE, or --sheet FILE.csv")
@@ -213,7 +213,7 @@ def add(
 
 
 def _add_sheet(journal: Journal, path: Path) -> None:
-    from ..calibration.taking.sheet import add_sheet
+    from ...calibration.taking.sheet import add_sheet
 
     added, told = add_sheet(journal, path)
     for line in told:
@@ -227,8 +227,8 @@ def _add_sheet(journal: Journal, path: Path) -> None:
               show_default=True, help="Page to write, for printing on A4.")  # fmt: skip
 def sheet(folder: Path, out: Path) -> None:
     """Write a sheet to print and fill in by hand; `add --sheet` takes the readings in later."""
-    from ..calibration.session_file import read_session
-    from ..show.session_sheet import write_sheet
+    from ...calibration.session_file import read_session
+    from ...show.session_sheet import write_sheet
 
     write_sheet(read_session(folder), out)
     click.echo(f"wrote {out}; print it from a browser")
@@ -241,7 +241,7 @@ def sheet(folder: Path, out: Path) -> None:
 @click.option("--restore", is_flag=True, help="Use it again.")
 def void(folder: Path, number: int, reason: str, restore: bool) -> None:
     """Mark a reading as not to be used; its line stays."""
-    from ..calibration.taking.journal import Journal
+    from ...calibration.taking.journal import Journal
 
     with Journal(folder) as journal:
         journal.event("restore" if restore else "void", number, reason)
@@ -255,9 +255,9 @@ def void(folder: Path, number: int, reason: str, restore: bool) -> None:
 @click.option("--comment", default="", help="What was odd.")
 def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> None:
     """Take a reading anew: the old one is void, what is not named stays as it was."""
-    from ..calibration.session_rows import reading_rows
-    from ..calibration.taking.journal import Journal
-    from ..calibration.taking.person.typed_cells import read_cells, values_of
+    from ...calibration.session_rows import reading_rows
+    from ...calibration.taking.journal import Journal
+    from ...calibration.taking.person.typed_cells import read_cells, values_of
 
     with Journal(folder) as journal:
         rows = {int(row["reading"]): row for row in reading_rows(folder)}
@@ -274,7 +274,7 @@ def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> Non
 @click.argument("changes", nargs=-1, required=True, metavar="TABLE.ENTRY=VALUE...")
 def amend(folder: Path, changes: tuple[str, ...]) -> None:
     """Change instruments or plan from here on: `instruments.lambda_sigma_deg=0.3`."""
-    from ..calibration.taking.journal import Journal
+    from ...calibration.taking.journal import Journal
 
     with Journal(folder) as journal:
         for change in changes:
@@ -288,10 +288,10 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
 @AS_JSON
 def status(folder: Path, as_json: bool) -> None:
     """Tell how far a session is, what was read, and the next step; writes nothing."""
-    from ..calibration.session_file import read_session
-    from ..calibration.session_rows import read_events
-    from ..calibration.taking.procedure import next_step, progress, skipped_keys
-    from ..show import session_table
+    from ...calibration.session_file import read_session
+    from ...calibration.session_rows import read_events
+    from ...calibration.taking.procedure import next_step, progress, skipped_keys
+    from ...show import session_table
 
     session = read_session(folder)
     try:

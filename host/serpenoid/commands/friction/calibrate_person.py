@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..model.errors import SerpenoidError
+from ...model.errors import SerpenoidError
 
 if TYPE_CHECKING:
-    from ..calibration.session import Session
-    from ..calibration.taking.journal import Journal
-    from ..calibration.taking.person.prompt import Console
-    from ..calibration.taking.person.seat import Seat
+    from ...calibration.session import Session
+    from ...calibration.taking.journal import Journal
+    from ...calibration.taking.person.prompt import Console
+    from ...calibration.taking.person.seat import Seat
 
 
 def with_a_person(
@@ -20,10 +20,10 @@ def with_a_person(
     """Take or resume a session at the terminal; exit status 1 where the robot was lost."""
     from contextlib import ExitStack
 
-    from ..calibration.taking.journal import Journal
-    from ..calibration.taking.person.dialogue import Dialogue, held_dialogue
-    from ..calibration.taking.person.prompt import Console
-    from ..calibration.taking.person.seat import Seat
+    from ...calibration.taking.journal import Journal
+    from ...calibration.taking.person.dialogue import Dialogue, held_dialogue
+    from ...calibration.taking.person.prompt import Console
+    from ...calibration.taking.person.seat import Seat
 
     console = Console()
     with ExitStack() as stack:
@@ -61,9 +61,9 @@ def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: C
     """Serve the page, say its address, and return a function that brings it up to date."""
     from importlib.resources import files
 
-    from ..calibration.taking.person.page import Page
-    from ..calibration.taking.person.state import state_of
-    from ..calibration.taking.procedure import skipped_keys
+    from ...calibration.taking.person.page import Page
+    from ...calibration.taking.person.state import state_of
+    from ...calibration.taking.procedure import skipped_keys
 
     html = files("serpenoid.show").joinpath("session_page.html").read_text(encoding="utf-8")
     page = stack.enter_context(Page(html, seat and seat.halt, lan=lan))
@@ -78,7 +78,7 @@ def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: C
 
 def _pictures(console: Any) -> Any:
     """Return a function that draws the session after each new station."""
-    from ..show.session_plot import picture
+    from ...show.session_plot import picture
 
     shown = [-1]
 
@@ -94,7 +94,7 @@ def _pictures(console: Any) -> Any:
 
 def _so_far(session: Session) -> str:
     """Return the running fit in a line, or what it still needs."""
-    from ..calibration.friction_fit import fit_friction
+    from ...calibration.friction_fit import fit_friction
 
     try:
         fit = fit_friction(session)
