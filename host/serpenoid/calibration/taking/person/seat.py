@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
-from ....model.errors import RobotError, RobotLost
+from ....model.errors import CommandRefused, RobotError, RobotLost
 from ....model.gait import Gait
 from ....robot.robot import Robot
 
@@ -46,17 +48,19 @@ class Seat:
         """Turn every link by the bend, left and right in turn: joints at twice that angle."""
         self.stopped, self.powered = False, True
         joint_rad = math.radians(2 * bend_deg)
-        self._robot.pose([joint_rad * (-1) ** j for j in range(JOINTS)])
-        end_s = time.monotonic() + MOVED_S
-        while self._robot.status().moving:
-            if time.monotonic() > end_s:
-                raise RobotLost(f"the robot is not there after {MOVED_S:g} s; ask for `status`")
-            time.sleep(0.05)
+        with self._unless_stopped():
+            self._robot.pose([joint_rad * (-1) ** j for j in range(JOINTS)])
+            end_s = time.monotonic() + MOVED_S
+            while self._robot.status().moving:
+                if time.monotonic() > end_s:
+                    raise RobotLost(f"the robot is not there after {MOVED_S:g} s; ask for `status`")
+                time.sleep(0.05)
 
     def go(self, gait: Gait) -> None:
         """Start a gait."""
         self.stopped, self.powered = False, True
-        self._robot.gait(gait)
+        with self._unless_stopped():
+            self._robot.gait(gait)
 
     def halt(self) -> None:
         """Stop now, joints held; from any thread."""
@@ -71,7 +75,17 @@ class Seat:
 
     def tick(self) -> None:
         """Show that the program is alive; raises RobotLost and the like when the robot is not."""
-        self._robot.status()
+        with self._unless_stopped():
+            self._robot.status()
+
+    @contextmanager
+    def _unless_stopped(self) -> Iterator[None]:
+        """Let pass that a command was overtaken by halt(): whoever waits sees `stopped`."""
+        try:
+            yield
+        except CommandRefused:
+            if not self.stopped:
+                raise
 
     def rate(self, gait: Gait) -> float:
         """Return the gait's true rate by the board's clock, rad/s; nominal where that is unsure."""
