@@ -248,6 +248,7 @@ class Dialogue:
             raise self._fail(error) from error
 
     def _command(self, text: str, patience_s: float) -> Answer:
+        answer: Answer | None = None
         with self._talking:
             for _ in range(MOST_STOPS):
                 self._check()
