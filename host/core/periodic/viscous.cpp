@@ -198,15 +198,15 @@ double SteadyViscous::newton_step(const Mesh& m, double omega, Mat3& half) {
     return size > 0 ? change / size : 0;
 }
 
-bool SteadyViscous::newton(const Mesh& m, double omega, SteadyState& result) {
+// Until the change is below `enough`: its square, about, is the error left.
+bool SteadyViscous::newton(const Mesh& m, double omega, double enough, SteadyState& result) {
     constexpr int kMost = 40;
-    constexpr double kDone = 1e-7;  // quadratic: the error left is about its square
     Mat3 P;
     for (int i = 0; i < kMost; ++i) {
         const double change = newton_step(m, omega, P);
         ++result.iterations;
         if (!std::isfinite(change)) return false;
-        if (change > kDone) continue;
+        if (change > enough) continue;
         if (mirrored_)
             for (int r = 3; r < 9; ++r) P[r] = -P[r];
         result.monodromy = mirrored_ ? multiply(P, P) : P;
@@ -363,11 +363,12 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
     SteadyState result, coarse;
     std::vector<double> positive, positive_before;
     double log_before = 0;
+    const double enough = std::clamp(0.1 * std::sqrt(options.rtol), 1e-7, 1e-4);
     for (int elements = mirrored_ ? 2 : 4; elements <= options.max_elements; elements *= 2) {
         const Mesh& m = mesh(elements);
         guess(m, omega);
         result.elements = elements;
-        if (!newton(m, omega, result)) {
+        if (!newton(m, omega, enough, result)) {
             now_.elements = 0;
             continue;
         }

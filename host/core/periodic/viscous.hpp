@@ -62,7 +62,7 @@ class SteadyViscous {
     const Mesh& mesh(int elements);
     Node node(double tau) const;
     void guess(const Mesh& mesh, double omega);
-    bool newton(const Mesh& mesh, double omega, SteadyState& result);
+    bool newton(const Mesh& mesh, double omega, double enough, SteadyState& result);
     bool eliminate(const Mesh& mesh, int e, double omega, Vec3& y, Element& out) const;
     std::pair<double, double> update(const Mesh& mesh, int e, double omega, const Element& element,
                                      const Vec3& d);

@@ -116,3 +116,17 @@ def errors(out: Path, runs: int, seed: int) -> None:
     table(f"runs whose true error is within their estimate; in {out / 'errors.csv'}", head, texts)
     if rows[-1]["unwarned_misses"] > 0.01 * float(rows[-1]["runs"]):
         raise SystemExit(1)
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option("--quick", is_flag=True, help="A ninth of the grids, short chains: some seconds.")
+def steady(out: Path, quick: bool) -> None:
+    """Time periodic states: the paper's grid, one gait, links, errors: steady.png and .csv."""
+    from ..bench.cost.steady import measure, summary, write
+
+    rows = measure(quick, _tell)
+    write(rows, out)
+    for line in summary(rows):
+        click.echo(line)
+    click.echo(f"in {out}")

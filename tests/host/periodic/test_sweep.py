@@ -36,7 +36,7 @@ def test_every_entry_says_how_good_it_is() -> None:
         scale = max(s.speed_m_s, 1e-4 * gait.omega_rad_s * 6 * 0.076)
         assert grid.error_estimate[i, j, k] <= 1e-4
         assert abs(grid.speed_m_s[i, j, k] - s.speed_m_s) <= 2e-4 * scale
-        if s.settling_time_s > 0.01:
+        if s.settling_time_s > 0.2 * gait.period_s:  # below, nothing is left after one cycle
             assert grid.settling_time_s[i, j, k] == pytest.approx(s.settling_time_s, rel=0.05)
 
 

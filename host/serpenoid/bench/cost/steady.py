@@ -1,57 +1,196 @@
-"""Time the periodic-state solver: one gait, the paper's grid, a gait with sticking wheels."""
+"""Time periodic states: against a run in time, the paper's grid, n, and the error asked for."""
 
 from __future__ import annotations
 
+import csv
 import math
-import platform
 import statistics
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 import serpenoid as sn
 
+from ...show.plot import GREY, figure
+from .. import machine
+
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
 BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
-PAPERS_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
-GAIT_2005 = sn.Gait(math.radians(70), math.radians(75), 5.0)
+CASES = {"viscous": (PAPER, VISCOUS), "dry": (OF_2005, BINGHAM)}
+LINKS = (3, 6, 12, 25, 50, 100)
+RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+GRID_RTOL = {"viscous": 1e-6, "dry": 1e-4}
 
 
-def median_s(work: Callable[[], object], runs: int) -> float:
-    """Return the median time of a call, s, after one that does not count."""
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """Hold what one kind of gait costs: seconds of processor time for each, and how many."""
+
+    what: str  # "grid", "gait", "run", "links" or "error"
+    ground: str  # "viscous" or "dry"
+    links: int
+    rtol: float
+    error: float  # of the speed, relative, against a much finer one; nan where not asked
+    seconds: float  # a gait
+
+
+def processor_s(work: Callable[[], object], runs: int) -> float:
+    """Return the median processor time of a call, s, after one that does not count."""
     work()
     times = []
     for _ in range(runs):
-        start = time.perf_counter()
+        start = time.process_time()
         work()
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     return statistics.median(times)
 
 
-def grid() -> sn.Sweep:
-    """Solve the paper's 4500 gaits with all powers."""
+def _gaits(links: int) -> list[sn.Gait]:
+    """Return four gaits with about one wave along the body."""
+    lag = min(math.radians(80), 2 * math.pi / links)
+    return [sn.Gait(a, lag, w) for a in (0.4, 0.9) for w in (2.0, 7.0)]
+
+
+def grid(ground: str, step: int = 1) -> sn.Sweep:
+    """Solve the paper's 4500 gaits, or every step-th shape each way, with all powers."""
+    robot, friction = CASES[ground]
     return sn.sweep(
-        PAPER, VISCOUS, alpha_rad=np.radians(np.arange(5, 76, 5)),
-        beta_rad=np.radians(np.arange(20, 91, 5)), omega_rad_s=np.arange(1.0, 21.0),
+        robot, friction, alpha_rad=np.radians(np.arange(5, 76, 5 * step)),
+        beta_rad=np.radians(np.arange(20, 91, 5 * step)), omega_rad_s=np.arange(1.0, 21.0),
+        rtol=GRID_RTOL[ground], threads=1,
     )  # fmt: skip
 
 
-def main() -> None:
-    """Print one line a case: median time of one core, and the error that goes with it."""
-    print(f"{platform.processor() or platform.machine()}, Python {platform.python_version()}")
-    for rtol in (1e-4, 1e-6, 1e-8):
-        took = median_s(lambda r=rtol: sn.steady_gait(PAPER, VISCOUS, PAPERS_GAIT, rtol=r), 300)
-        print(f"six links, viscous, rtol {rtol:.0e}: {took * 1e6:7.0f} us a gait, all powers")
-    for rtol in (1e-4, 1e-6):
-        took = median_s(lambda r=rtol: sn.steady_gait(OF_2005, BINGHAM, GAIT_2005, rtol=r), 20)
-        print(f"2005 robot, sticking wheels, rtol {rtol:.0e}: {took * 1e3:5.1f} ms a gait")
-    took = median_s(grid, 5)
-    print(
-        f"the paper's grid of 4500 gaits, rtol 1e-06: {took:.3f} s, {took / 4500 * 1e6:.0f} us each"
+def _grid_cost(ground: str, step: int) -> Cost:
+    count = grid(ground, 4).speed_m_s.size and grid(ground, step).speed_m_s.size
+    taken = processor_s(lambda: grid(ground, step), 3 if ground == "viscous" else 1)
+    return Cost("grid", ground, 6, GRID_RTOL[ground], math.nan, taken / count)
+
+
+def _run_cost(ground: str) -> Cost:
+    """Return what following one gait in time costs until its start is forgotten to 1e-3."""
+    robot, friction = CASES[ground]
+    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    cycles = math.ceil(7 * sn.steady_gait(robot, friction, gait).settling_time_s / gait.period_s)
+    scene = sn.Scene(
+        robot, friction, gait, method="nonsmooth" if ground == "dry" else "rk4",
+        start="zero_momentum", dt_s=gait.period_s / 300, duration_s=(cycles + 1) * gait.period_s,
+        record_every=300,
+    )  # fmt: skip
+    return Cost("run", ground, 6, 1e-3, math.nan, processor_s(lambda: sn.simulate(scene), 3))
+
+
+def _error_cost(ground: str, rtol: float) -> Cost:
+    """Return cost and true error of four gaits at an accuracy."""
+    robot, friction = CASES[ground]
+    errors = []
+    for gait in _gaits(6):
+        fine = sn.steady_gait(robot, friction, gait, rtol=1e-7).speed_m_s
+        rough = sn.steady_gait(robot, friction, gait, rtol=rtol).speed_m_s
+        errors.append(abs(rough / fine - 1))
+    return Cost("error", ground, 6, rtol, max(errors), _solve_s(ground, 6, rtol))
+
+
+def _solve_s(ground: str, links: int, rtol: float) -> float:
+    robot = sn.Robot(links, CASES[ground][0].link_mass_kg, CASES[ground][0].link_length_m)
+    friction, gaits = CASES[ground][1], _gaits(links)
+
+    def solve() -> None:
+        for gait in gaits:
+            sn.steady_gait(robot, friction, gait, rtol=rtol)
+
+    return processor_s(solve, 5) / len(gaits)
+
+
+def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
+    """Measure everything, in one process and one thread; quick: a ninth of the grids."""
+    rows = []
+    for ground in CASES:
+        tell(f"{ground}: grid, run, links, errors")
+        rows += [_grid_cost(ground, 3 if quick else 1), _run_cost(ground)]
+        rows.append(Cost("gait", ground, 6, 1e-8, math.nan, _alone_s(ground)))
+        rows += [
+            Cost("links", ground, n, GRID_RTOL[ground], math.nan,
+                 _solve_s(ground, n, GRID_RTOL[ground]))
+            for n in (LINKS[:3] if quick else LINKS)
+        ]  # fmt: skip
+        rows += [_error_cost(ground, rtol) for rtol in (RTOLS[::2] if quick else RTOLS)]
+    return rows
+
+
+def _alone_s(ground: str) -> float:
+    """Return what one steady_gait for the speed alone costs, from Python."""
+    robot, friction = CASES[ground]
+    gait, rtol = (
+        sn.Gait(math.radians(30), math.radians(80), 5.0),
+        1e-8 if ground == "viscous" else 1e-6,
+    )
+    return (
+        processor_s(
+            lambda: [
+                sn.steady_gait(robot, friction, gait, rtol=rtol, powers=False) for _ in range(50)
+            ],
+            5,
+        )
+        / 50
     )
 
 
-if __name__ == "__main__":
-    main()
+def summary(rows: list[Cost]) -> list[str]:
+    """Return a line for each kind, ratios within this one run."""
+    lines = []
+    for ground in CASES:
+        own = [r for r in rows if r.ground == ground]
+        cost = {r.what: r.seconds for r in own if r.what in ("grid", "run", "gait")}
+        each = cost["grid"]
+        lines += [
+            f"{ground}: the paper's grid at {GRID_RTOL[ground]:g}, all powers: {each * 1e6:.0f} us "
+            f"a gait, {4500 * each:.2f} s for 4500 on one core",
+            f"{ground}: one gait alone, for the speed: {cost['gait'] * 1e6:.0f} us; a run in time "
+            f"until the start is forgotten takes {cost['run'] / each:.0f} times a grid's gait",
+        ]
+    return lines
+
+
+def write(rows: list[Cost], folder: Path) -> None:
+    """Write steady.csv and steady.png."""
+    folder.mkdir(parents=True, exist_ok=True)
+    names = ("what", "ground", "links", "rtol", "error", "seconds")
+    with (folder / "steady.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow([*names[:-1], "seconds_per_gait"])
+        writer.writerows([getattr(row, name) for name in names] for row in rows)
+    _draw(rows, folder / "steady.png")
+
+
+def _draw(rows: list[Cost], path: Path) -> None:
+    """Draw the cost of a gait against the number of links, and against its error."""
+    look = {
+        "viscous": {"color": "#0072B2", "marker": "o"},
+        "dry": {"color": "#D55E00", "marker": "s"},
+    }
+    with figure(9.0, 4.2) as (fig, unused):
+        unused.remove()
+        by_links, by_error = fig.subplots(1, 2, sharey=True)
+        for ground, style in look.items():
+            own = [r for r in rows if r.ground == ground]
+            line = [(r.links, 1e3 * r.seconds) for r in own if r.what == "links"]
+            by_links.loglog(
+                *zip(*line, strict=True), label=f"{ground}, {GRID_RTOL[ground]:g}", **style
+            )
+            line = [
+                (r.error, 1e3 * r.seconds) for r in own if r.what == "error" and r.error > 1e-15
+            ]
+            by_error.loglog(*zip(*line, strict=True), label=f"{ground}, six links", **style)
+        by_links.set(xlabel="links", ylabel="processor time of a gait (ms)")
+        by_error.set(xlabel="largest error of the speed, relative")
+        by_error.invert_xaxis()
+        by_links.legend(), by_error.legend()
+        fig.suptitle(
+            f"Periodic states, all powers. {machine.cpu()}, one core", fontsize=9, color=GREY
+        )
+        fig.savefig(path, dpi=120)
