@@ -362,7 +362,8 @@ void SteadyViscous::slowest(const Mesh& m, double omega, SteadyState& out) const
 SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
     SteadyState result, coarse;
     std::vector<double> positive, positive_before;
-    double log_before = 0;
+    double log_before = 0, change_before = 0;
+    int meshes = 0;
     const double enough = std::clamp(0.1 * std::sqrt(options.rtol), 1e-7, 1e-4);
     for (int elements = mirrored_ ? 2 : 4; elements <= options.max_elements; elements *= 2) {
         const Mesh& m = mesh(elements);
@@ -374,8 +375,13 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
         }
         averages(m, omega, result);
         const bool first = coarse.elements == 0;
-        result.speed_error = std::fabs(result.speed - coarse.speed) / 63;
-        result.power_error = std::fabs(result.power - coarse.power) / 63;
+        // order 12, but meshes that are still coarse may show little of it: what one has gained on
+        // the one before is what the next may be trusted with
+        const double change = std::fabs(result.speed - coarse.speed);
+        const double gain = meshes < 2 ? 1 : std::clamp(change_before / change, 1.0, 63.0);
+        ++meshes, change_before = change;
+        result.speed_error = change / gain;
+        result.power_error = std::fabs(result.power - coarse.power) / gain;
         if (options.powers) {
             positive = positive_powers(m, omega);
             add_positive(positive, positive_before, result);

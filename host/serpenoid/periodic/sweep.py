@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import islice, product
+from itertools import islice
 from typing import TypeVar
 
 import numpy as np
@@ -96,16 +96,18 @@ def sweep(
     BadInput.
     """
     robots, grounds = _several(Robot, robot), _several(Ground, ground)
-    for r, g in product(robots, grounds):
-        check_parts(r, g)
-        check_ground(g, rtol)
+    for r in robots:
+        for g in grounds:
+            check_parts(r, g)
+            check_ground(g, rtol)
     a, b = _axis("alpha_rad", alpha_rad), _axis("beta_rad", beta_rad)
     w = _axis("omega_rad_s", omega_rad_s)
     for rate in w:
         Gait(0.0, 0.0, float(rate))
+    pairs = [(r, g) for r in robots for g in grounds]
+    shapes = [(alpha, beta) for alpha in a.tolist() for beta in b.tolist()]
     models = (
-        core_model(r, g, Gait(alpha, beta, float(w[0])))
-        for r, g, alpha, beta in product(robots, grounds, a.tolist(), b.tolist())
+        core_model(r, g, Gait(alpha, beta, float(w[0]))) for r, g in pairs for alpha, beta in shapes
     )
     size = (len(robots), len(grounds), a.size, b.size, w.size)
     table = np.empty((math.prod(size[:4]), w.size, 11))

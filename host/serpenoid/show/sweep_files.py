@@ -46,7 +46,9 @@ def _write_csv(found: Sweep, path: Path) -> None:
 def _plain(values: NDArray[Any]) -> list[Any]:
     """Return nested lists with everything that is not finite as None."""
     if values.dtype != bool and not np.isfinite(values).all():
-        values = np.where(np.isfinite(values), values.astype(object), None)
+        finite = np.isfinite(values)
+        values = values.astype(object)
+        values[~finite] = None
     plain: list[Any] = values.tolist()
     return plain
 

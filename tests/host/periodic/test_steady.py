@@ -176,6 +176,25 @@ def test_kinked_powers_are_as_right_as_they_claim() -> None:
         assert s.positive_power_error_w <= 1e-6 * s.positive_power_w
 
 
+def test_viscous_estimates_hold_for_wild_robots() -> None:
+    """A finer mesh is trusted with the gain that the last one has shown, and no more."""
+    rng = np.random.default_rng(3)
+    ratios = []
+    for _ in range(150):
+        links, cn = int(rng.integers(2, 20)), 10 ** rng.uniform(-3, 2)
+        robot = sn.Robot(links, 10 ** rng.uniform(-2, 1), 10 ** rng.uniform(-2, 0))
+        ground = sn.Ground(cn * 10 ** rng.uniform(-4, 0.5), cn)
+        gait = sn.Gait(rng.uniform(0.05, 1.8), rng.uniform(0.05, 2.8), 10 ** rng.uniform(-2, 2))
+        fine = sn.steady_gait(robot, ground, gait, rtol=1e-11, powers=False)
+        scale = max(fine.speed_m_s, 1e-4 * gait.omega_rad_s * robot.body_length_m)
+        for rtol in (1e-2, 1e-4, 1e-6):
+            s = sn.steady_gait(robot, ground, gait, rtol=rtol, powers=False)
+            error = abs(s.speed_m_s - fine.speed_m_s) / scale
+            ratios.append(error / (s.error_estimate + 1e-10))
+            assert error <= rtol
+    assert np.mean(np.array(ratios) > 3) < 0.01
+
+
 def test_settling_time_on_stiff_ground() -> None:
     """Friction that is the same all ways stops all three motions at the rates it is made of."""
     robot, omega = sn.Robot(6, 1.0, 0.076), 0.5
