@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -59,7 +60,7 @@ def random_scene(kind: str, rng: Generator) -> Scene:
     robot = Robot(links, 10 ** rng.uniform(-1.2, 0), rng.uniform(0.05, 0.15))
     ground = Ground(10 ** rng.uniform(-2.5, 0), 10 ** rng.uniform(-1, 1))
     gait = Gait(rng.uniform(0.1, 1.2), rng.uniform(0.3, 1.8), rng.uniform(0.5, 8))
-    more = {
+    more: dict[str, Any] = {
         "duration_s": float(rng.uniform(1, 15 if kind == "torque" else 6)),
         "incline_rad": float(rng.choice([0, 0.1])),
     }
@@ -76,7 +77,7 @@ def random_scene(kind: str, rng: Generator) -> Scene:
     return Scene(robot, ground, gait, **more)
 
 
-def _drive(kind: str, robot: Robot, rng: Generator) -> dict[str, object]:
+def _drive(kind: str, robot: Robot, rng: Generator) -> dict[str, Any]:
     joints = robot.links - 1
     if kind == "torque":
         weight = robot.link_mass_kg * robot.link_length_m**2

@@ -49,6 +49,7 @@ class Problem:
         fields = {
             "formulation": self.formulation,
             "duration_s": self.duration_s,
+            "start": "link1_at_rest",
             **changes,
         }
         if self.implicit:

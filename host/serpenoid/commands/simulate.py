@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.errors import BadInput
 from ..model.words import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..simulation.methods import METHODS
 from .options import (
@@ -81,11 +79,11 @@ scene_options = stacked([
                  callback=_reader(lambda parts: {int(n): math.radians(v) for n, v in _pairs(parts)},
                                   "3=10,5=-20")),
     click.option("--method", type=click.Choice(list(METHODS)),
-                 help="nonsmooth on dry ground if it runs the scene, else rk4, unless given."),
+                 help="nonsmooth on dry ground, else rk4, unless given."),
     click.option("--dt-s", type=float, help="Time step; 0.001."),
     click.option("--tolerance", type=float, help="Of methods that pick their steps; 1e-7."),
     click.option("--duration-s", type=float, help="Length of the run; 10."),
-    click.option("--start", type=click.Choice(STARTS), help="State at time 0; link1_at_rest."),
+    click.option("--start", type=click.Choice(STARTS), help="State at time 0; zero_momentum."),
     click.option("--gap", type=click.Choice(GAPS), help="Implicit: how the joints start open."),
     click.option("--record", metavar="joints,friction,energy", callback=_reader(tuple, "energy"),
                  help="What to keep beside the motion."),
@@ -108,7 +106,7 @@ _ANGLES = ("incline_deg", "incline_direction_deg")
 @click.option(
     "--accuracy",
     type=float,
-    help="Pick formulation, method and step for this error (body lengths, radians).",
+    help="Pick what is not given of method and step for this error (body lengths, radians).",
 )
 @click.option("--no-error", is_flag=True, help="Save the one or two runs that tell the error.")
 @click.option("--out", type=OutFile(".csv"), help="CSV of all links at all recorded times.")
@@ -133,10 +131,11 @@ def simulate(
     from ..show import report, run_report
     from ..simulation.scene_file import load_scene, save_scene
 
+    keep = [name for name in ("dt_s", "tolerance") if accuracy and given[name] is not None]
     scene = make_scene(given, None if scene_path is None else load_scene(scene_path))
     if saved_path is not None:
         save_scene(scene, saved_path)
-    run = _watched(scene, accuracy)
+    run = _watched(scene, accuracy, keep)
     if out is not None:
         run_report.write_run(run, out)
     if figure is not None:
@@ -153,6 +152,8 @@ def simulate(
 
 def make_scene(given: dict[str, Any], base: Scene | None) -> Scene:
     """Make a scene of the options that were given, over a scene file's if there is one."""
+    from ..simulation.scene import Scene
+
     robot, ground = make_robot(given, base and (base.robot, base.ground))
     parts = {"robot": robot, "ground": ground, "gait": make_gait(given, base and base.gait)}
     told = {name: value for name, value in given.items() if value is not None}
@@ -161,7 +162,7 @@ def make_scene(given: dict[str, Any], base: Scene | None) -> Scene:
         if name in told:
             told[f"{name.removesuffix('_deg')}_rad"] = math.radians(told.pop(name))
     parts |= told
-    return replace(base, **parts) if base is not None else _by_method(parts)
+    return replace(base, **parts) if base is not None else Scene(**parts)
 
 
 def _drive(told: dict[str, Any], base: Scene | None) -> dict[str, Any]:
@@ -191,23 +192,10 @@ def _servo(fields: dict[str, float], base: Servo | None) -> Servo:
     return replace(base or Servo(), **fields)
 
 
-def _by_method(parts: dict[str, Any]) -> Scene:
-    """Make a scene with the first method that runs it, unless one was asked for."""
-    from ..simulation.scene import Scene
-
-    if "method" in parts:
-        return Scene(**parts)
-    smooth = not parts["ground"].dry or parts.get("smoothing_m_s", 0) > 0
-    if not smooth:
-        with suppress(BadInput):
-            return Scene(**parts, method="nonsmooth")
-    return Scene(**parts, method="rk4")
-
-
-def _watched(scene: Scene, accuracy: float | None) -> Run:
+def _watched(scene: Scene, accuracy: float | None, keep: list[str]) -> Run:
     """Run a scene, telling on a terminal how far it is."""
     from ..show import report
     from ..simulation.simulate import simulate as run_scene
 
     with report.simulated_time(scene.duration_s, "simulating") as tell:
-        return interruptible(lambda: run_scene(scene, progress=tell, accuracy=accuracy))
+        return interruptible(lambda: run_scene(scene, tell, accuracy=accuracy, keep=keep))

@@ -12,6 +12,7 @@ from ..model.drives import TorqueTable
 from ..model.errors import Diverged
 from ..model.link_state import LinkState
 from ..model.vectors import finite_vector
+from .methods import objection
 from .scene import MAX_LINK_STEPS, Scene
 
 STANDARD_GRAVITY_M_S2 = 9.80665
@@ -77,7 +78,7 @@ def run_core(
 
 def _what_failed(scene: Scene, t_s: float, why: str) -> str:
     what = why or "the state left the finite numbers"
-    if "stiff" in why and scene.formulation == "implicit":
+    if "stiff" in why and objection("radau", scene) is None:
         cure = "take method 'radau', which is made for stiff springs"
     elif scene.adaptive:
         cure = f"loosen tolerance {scene.tolerance:g}, or look whether the scene is physical"

@@ -14,6 +14,7 @@ from ..model.gait import Gait
 from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
 from ..model.words import STARTS
+from .methods import OwnChoice
 from .scene import Scene
 from .stability import check_step
 from .starts import start_state
@@ -117,6 +118,8 @@ def simulate_gaits(scene: Scene, gaits: Sequence[Gait]) -> GaitRuns:
     numbers is marked in `diverged` and stops no other. Raises StepTooLarge, before anything runs,
     when dt_s is too long under any gait, and BadInput.
     """
+    if isinstance(scene.method, OwnChoice):
+        scene = replace(scene, method="rk4")
     _check(scene, gaits)
     scenes = [replace(scene, gait=gait) for gait in gaits]
     for one in scenes:

@@ -10,18 +10,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model.errors import Diverged, StepTooLarge
 from .error import Difference, RunError
+from .methods import objection
 from .related_scenes import FinerScenes, exact_scene, finer_scenes
 from .run import Run
 from .scene import Scene
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 _PRESENT_AT = 0.01  # errors of the mean speed that a warning names
 _AGREE = 0.3  # of a run's error: by how much finer runs may differ
 _WILD = 3.0  # body lengths and radians: beyond, runs are apart by chance
@@ -47,7 +49,7 @@ class RunJudge:
         return warnings_of(run, run.error_estimate)
 
 
-def _common(run: Run, other: Run) -> tuple[Array, Array]:
+def _common(run: Run, other: Run) -> tuple[Indices, Indices]:
     """Return the indices of the times that both runs recorded, in each."""
     at = np.searchsorted(other.t_s, run.t_s - 1e-9 * run.t_s[-1])
     at = np.minimum(at, other.t_s.size - 1)
@@ -149,12 +151,12 @@ def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
     if scene.law == "dry" and scene.method != "nonsmooth":
         found.append(
             f"method {scene.method!r} knows nothing of sticking: at rest its wheels chatter, and "
-            "joint torques may be wrong by a third at any step; take method 'nonsmooth'"
+            f"joint torques may be wrong by a third at any step; take {_sticking(scene)}"
         )
     if scene.law == "smoothed":
         found.append(
-            f"smoothing_m_s {scene.smoothing_m_s:g} lets stuck wheels creep; take method "
-            "'nonsmooth' with smoothing_m_s 0"
+            f"smoothing_m_s {scene.smoothing_m_s:g} lets stuck wheels creep; take smoothing_m_s 0 "
+            f"and {_sticking(replace(scene, smoothing_m_s=0.0, method='rk4'))}"
         )
     return tuple(found)
 
@@ -171,3 +173,9 @@ def _steps_too_long(run: Run, off: Difference) -> list[str]:
             f"{off.angle_rad:.2g} rad; {take}"
         ]
     return []
+
+
+def _sticking(scene: Scene) -> str:
+    """Return how to have exact sticking in a scene on dry ground."""
+    soft = objection("nonsmooth", scene) is not None
+    return "method 'nonsmooth'" + (" with formulation 'explicit'" if soft else "")

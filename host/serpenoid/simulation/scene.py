@@ -19,7 +19,7 @@ from ..model.link_state import LinkState
 from ..model.robot import Robot
 from ..model.vectors import finite_vector
 from ..model.words import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
-from .methods import METHODS
+from .methods import METHODS, OwnChoice, default_method, objection, ways_out
 
 MAX_LINK_STEPS = 10**11
 MAX_RECORDED_BYTES = 4_000_000_000
@@ -43,16 +43,19 @@ class Scene:
     incline_rad: slope of the ground, which rises towards incline_direction_rad of the ground's
     frame (0: along x). Friction stays as given: measure it on the slope.
 
-    method: one of methods.METHODS. Methods with fixed steps take dt_s; adaptive ones keep each
-    step's error below `tolerance` (body lengths, radians, and those times omega), and dt_s is only
-    the grid of the recorded times. On dry ground all but "nonsmooth" take sgn 0 = 0: wheels that
-    should hold chatter, the order is 1 (the 2005 robot at 1 rad/s: rk4 is 3 % slow at 10 ms, 0.1 %
-    at 1 ms), and recorded joint torques stay wrong by a quarter at any step.
+    method: one of methods.METHODS, or "auto": "nonsmooth" on dry ground, else "rk4"; the scene then
+    has that method's name, and chooses anew when `replace` changes it. Methods with fixed steps
+    take dt_s; adaptive ones keep each step's error below `tolerance` (body lengths, radians, and
+    those times omega), and dt_s is only the grid of the recorded times. On dry ground all but
+    "nonsmooth" take sgn 0 = 0: wheels that should hold chatter, the order is 1 (the 2005 robot at
+    1 rad/s: rk4 is 3 % slow at 10 ms, 0.1 % at 1 ms), and recorded joint torques stay wrong by a
+    quarter at any step.
 
-    start: "link1_at_rest" (x = y = theta_1 = 0 and their rates; the paper's), "zero_momentum",
-    "steady" (from the periodic state) or a LinkState. gap: what the implicit formulation starts
-    from, "slow_manifold" (springs already carry the joint forces, no ringing) or "zero".
-    smoothing_m_s: above 0 dry friction is smoothed by that width, for study.
+    start: "zero_momentum" (from rest: link 1 at the origin along x, neither the centre of mass
+    moves nor the chain turns as a whole), "link1_at_rest" (x = y = theta_1 = 0 and their rates: the
+    paper's, in which the body moves), "steady" (from the periodic state) or a LinkState. gap: what
+    the implicit formulation starts from, "slow_manifold" (springs already carry the joint forces,
+    no ringing) or "zero". smoothing_m_s: above 0 dry friction is smoothed by that width, for study.
 
     record: "joints" adds forces and torques of the joints, "friction" the force of the ground on
     each link, "energy" a ledger (kinetic energy, work, heat) that is integrated with the motion.
@@ -72,11 +75,11 @@ class Scene:
     locked: Mapping[int, float] = field(default_factory=dict)
     incline_rad: float = 0.0
     incline_direction_rad: float = 0.0
-    method: str = "rk4"
+    method: str = "auto"
     dt_s: float = 1e-3
     tolerance: float = 1e-7
     duration_s: float = 10.0
-    start: str | LinkState = "link1_at_rest"
+    start: str | LinkState = "zero_momentum"
     gap: str = "slow_manifold"
     smoothing_m_s: float = 0.0
     record: tuple[str, ...] = ()
@@ -86,7 +89,8 @@ class Scene:
         check_parts(self.robot, self.ground, self.gait)
         check_choice("formulation", self.formulation, FORMULATIONS)
         check_choice("drive", self.drive, DRIVES)
-        check_choice("method", self.method, tuple(METHODS))
+        if not isinstance(self.method, OwnChoice):
+            check_choice("method", self.method, ("auto", *METHODS))
         check_choice("gap", self.gap, GAPS)
         if isinstance(self.record, str):
             raise BadInput(f"record is {self.record!r}; give a tuple, ({self.record!r},)")
@@ -97,6 +101,8 @@ class Scene:
         self.gait.joint_factors(self.robot.links - 1)
         self._check_drive()
         self._check_faults()
+        if self.method == "auto" or isinstance(self.method, OwnChoice):
+            object.__setattr__(self, "method", OwnChoice(default_method(self)))
         self._check_method()
         self._check_start()
 
@@ -182,37 +188,9 @@ class Scene:
         object.__setattr__(self, "locked", MappingProxyType(locked))
 
     def _check_method(self) -> None:
-        for name in ("formulation", "drive", "law"):
-            value, runs = getattr(self, name), f"{name}s"
-            if value not in getattr(METHODS[self.method], runs):
-                others = [repr(m) for m, kind in METHODS.items() if value in getattr(kind, runs)]
-                raise BadInput(
-                    f"method {self.method!r} does not run with {name} {value!r}; take method "
-                    f"{' or '.join(others)}"
-                )
-        kind = METHODS[self.method]
-        if (self.limp or self.locked) and not kind.faults:
-            raise BadInput(
-                f"method {self.method!r} does not run with limp or locked joints; take method 'rk4'"
-            )
-        can = kind.implicit_records if self.formulation == "implicit" else kind.records
-        for name in self.record:
-            if name in can:
-                continue
-            raise BadInput(
-                f"method {self.method!r} in formulation {self.formulation!r} cannot record "
-                f"{name!r}; leave it out, or take method 'rk4'"
-            )
-        extras = {
-            f"drive {self.drive!r}": self.drive != "angle",
-            "an incline": self.incline_rad > 0,
-            "limp or locked joints": bool(self.limp or self.locked),
-        }
-        for what, there in extras.items():
-            if there and kind.plain:
-                raise BadInput(
-                    f"method {self.method!r} does not run with {what}; take method 'rk4'"
-                )
+        why = objection(self.method, self)
+        if why is not None:
+            raise BadInput(f"method {self.method!r} {why}; take {ways_out(self.method, self)}")
 
     def _check_start(self) -> None:
         if not isinstance(self.start, LinkState):

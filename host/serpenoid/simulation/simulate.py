@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
+from ..model.errors import BadInput
 from ..model.link_state import LinkState
 from .accuracy import simulate_to
 from .core_run import run_core
@@ -19,17 +20,21 @@ def simulate(
     progress: Callable[[float], object] | None = None,
     *,
     accuracy: float | None = None,
+    keep: Collection[str] = (),
 ) -> Run:
     """Run a scene and return what it recorded; progress is called with the time, now and then.
 
-    accuracy: if given, formulation, method and step are chosen so that the estimated error stays
-    below it, in body lengths and radians, and Run.picked says which and why (accuracy.py).
+    accuracy: if given, method (unless the scene names one) and step or tolerance are chosen so that
+    the estimated error stays below it, in body lengths and radians, and Run.picked says which and
+    why; NotConverged says why not. keep: "dt_s", "tolerance": which may not be changed for it.
     Raises StepTooLarge, before anything runs, when dt_s is outside the method's stability region,
     Diverged when the state leaves the finite numbers or the method gives up, naming the time, and
     BadInput.
     """
     if accuracy is not None:
-        return simulate_to(accuracy, scene, lambda one: simulate(one, progress))
+        return simulate_to(accuracy, scene, lambda one: simulate(one, progress), keep)
+    if keep:
+        raise BadInput(f"keep is {keep!r} without an accuracy; give accuracy too, or leave it out")
     check_step(scene)
     if isinstance(scene.start, LinkState):
         check_imposed(scene, scene.start)

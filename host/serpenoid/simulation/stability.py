@@ -28,7 +28,7 @@ from ..model.evaluation import TorqueDrive, acceleration
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
-from .methods import METHODS
+from .methods import METHODS, objection
 from .scene import Scene
 
 Array = NDArray[np.float64]
@@ -242,8 +242,7 @@ def check_step(scene: Scene) -> None:
     if limit < _SHORTEST_S:
         raise StepTooLarge(
             f"dt_s is {scene.dt_s:g}; method {scene.method} has no stable step for this "
-            f"scene{springs}: undamped modes grow with it at any step. Take method 'rk4' or "
-            "'semi_implicit_euler'"
+            f"scene{springs}: undamped modes grow with it at any step. Take {_bounded(scene)}"
         )
     raise StepTooLarge(
         f"dt_s is {scene.dt_s:g}; method {scene.method} is stable up to {limit:.3g} s for this "
@@ -252,8 +251,23 @@ def check_step(scene: Scene) -> None:
     )
 
 
+def _bounded(scene: Scene) -> str:
+    """Return the methods that have stable steps for a scene, each with its longest."""
+    found = []
+    for method in ("rk4", "semi_implicit_euler"):
+        other = replace(scene, method=method)
+        stable = stability_test(other)
+        longest = other.dt_s if stable is None else largest_step_s(stable, 2 * other.dt_s)
+        if longest >= _SHORTEST_S:
+            found.append(f"method {method!r} with dt_s {0.5 * longest:.1g} or less")
+    return " or ".join(found)
+
+
 def _without_limit(scene: Scene) -> str:
     """Return what to take instead of small steps on hard springs, as the end of a sentence."""
-    exact = ", or formulation 'explicit', which has no springs"
-    runs = scene.law in METHODS["radau"].laws and not (scene.limp or scene.locked)
-    return ", or method 'radau', which has no such limit" + exact if runs else exact
+    ways = []
+    if objection("radau", scene) is None:
+        ways.append("method 'radau', which has no such limit")
+    if objection(scene.method, scene, formulation="explicit") is None:
+        ways.append("formulation 'explicit', which has no springs")
+    return "".join(f", or {way}" for way in ways)

@@ -94,6 +94,7 @@ def test_an_option_overrides_its_field_of_the_file_alone(option: str, tmp_path: 
     assert field(scene, name) == wanted
     goes_along = {"link_inertia_kg_m2"} if option in ("--mass-kg", "--length-m") else set()
     goes_along |= {"drive"} if option == "--servo" else set()
+    goes_along |= {"method"} if option in ("--ft0", "--fn0") else set()  # the scene's own choice
     kept = {"robot", "ground", "gait"} | goes_along
     for f in dataclasses.fields(sn.Scene):
         if f.name not in kept | {name.split(".")[0]}:

@@ -18,7 +18,7 @@ from serpenoid.simulation.starts import start_state
 BOTH = ("dop853", "collocation")
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
-PAPER = sn.Scene(SIX, VISCOUS, GAIT, duration_s=2.0, dt_s=0.01)
+PAPER = sn.Scene(SIX, VISCOUS, GAIT, duration_s=2.0, dt_s=0.01, start="link1_at_rest")
 
 
 def link1(run: sn.Run) -> Array:
@@ -108,7 +108,7 @@ def test_extremes(
     gait = sn.Gait(math.radians(alpha), math.radians(80), omega)
     scene = sn.Scene(
         sn.Robot(3, mass, 0.12), sn.Ground(ct, cn), gait, tolerance=1e-8,
-        duration_s=cycles * gait.period_s, dt_s=cycles * gait.period_s / 20,
+        duration_s=cycles * gait.period_s, dt_s=cycles * gait.period_s / 20, start="link1_at_rest",
     )  # fmt: skip
     exact = truth(scene)
     for method in BOTH:
@@ -129,7 +129,7 @@ def test_the_two_methods_agree_or_the_explicit_one_refuses(
     gait = sn.Gait(math.radians(alpha), math.radians(80), omega)
     scene = sn.Scene(
         SIX, sn.Ground(0.01, 0.01 * ratio), gait, tolerance=1e-9, duration_s=3.3 * gait.period_s,
-        dt_s=gait.period_s / 16,
+        dt_s=gait.period_s / 16, start="link1_at_rest",
     )  # fmt: skip
     scene = replace(scene, robot=sn.Robot(6, mass, 0.12))
     fast = sn.simulate(replace(scene, method="collocation"))
@@ -140,7 +140,14 @@ def test_the_two_methods_agree_or_the_explicit_one_refuses(
 
 
 def test_a_stiff_scene_is_refused_by_the_explicit_method() -> None:
-    scene = sn.Scene(sn.Robot(6, 1e-6, 0.12), VISCOUS, GAIT, method="dop853", duration_s=100.0)
+    scene = sn.Scene(
+        sn.Robot(6, 1e-6, 0.12),
+        VISCOUS,
+        GAIT,
+        method="dop853",
+        duration_s=100.0,
+        start="link1_at_rest",
+    )
     began = time.perf_counter()
     with pytest.raises(Diverged, match="stiff"):
         sn.simulate(scene)

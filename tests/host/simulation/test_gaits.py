@@ -30,7 +30,8 @@ GROUNDS = {
 
 def scene_of(links: int, ground: str = "viscous", **changes: object) -> sn.Scene:
     law, width = GROUNDS[ground]
-    fields = {"formulation": "implicit", "duration_s": 0.3, "smoothing_m_s": width, **changes}
+    fields = {"formulation": "implicit", "duration_s": 0.3, "smoothing_m_s": width,
+              "start": "link1_at_rest", "method": "rk4", **changes}  # fmt: skip
     return sn.Scene(sn.Robot(links, 1.0, 0.12), law, GAIT, **fields)  # type: ignore[arg-type]
 
 

@@ -44,7 +44,7 @@ def test_a_method_has_the_order_it_declares(method: str, formulation: str, drive
     scene = sn.Scene(
         ROBOT, GROUND, GAIT, formulation=formulation, drive=drive, **DRIVES[drive],
         method=method, limp=(2,), joint_stiffness_n_m=300.0, joint_damping_n_s_m=1.0,
-        incline_rad=0.1, duration_s=0.12,
+        incline_rad=0.1, duration_s=0.12, start="link1_at_rest",
     )  # fmt: skip
     exact = end_of(replace(scene, method="rk4"), 960)
     order = METHODS[method].order
@@ -62,7 +62,7 @@ def test_a_step_is_refused_from_where_runs_begin_to_grow(method: str, c: float) 
     """Just inside the limit a disturbance of the gaps decays; a tenth outside it explodes."""
     still = sn.Scene(
         ROBOT, sn.Ground(0, 0), sn.Gait(0.0, 0.0, 1.0), formulation="implicit", method=method,
-        joint_stiffness_n_m=1e4, joint_damping_n_s_m=c,
+        joint_stiffness_n_m=1e4, joint_damping_n_s_m=c, start="link1_at_rest",
     )  # fmt: skip
     stable = stability.stability_test(still)
     assert stable is not None

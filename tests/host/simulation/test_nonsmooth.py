@@ -139,7 +139,7 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
     given = replace(p, ct=0.0, cn=0.0, ft0=1.0, fn0=1.0)  # its friction is minus `signs`
     scene = sn.Scene(
         OF_2005, BINGHAM, gait, method="nonsmooth", dt_s=0.05, duration_s=2.0, tolerance=1e-9,
-        record=("joints", "friction"),
+        record=("joints", "friction"), start="link1_at_rest",
     )  # fmt: skip
     run = sn.simulate(scene)
     theirs = Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s)
@@ -172,6 +172,7 @@ def test_explicit_on_a_slope() -> None:
     scene = sn.Scene(
         OF_2005, sn.Ground(0.1, 1.0), GAIT, method="nonsmooth", incline_rad=0.2, tolerance=1e-9,
         incline_direction_rad=1.0, dt_s=1e-2, duration_s=1.0, record=("joints", "friction"),
+        start="link1_at_rest",
     )  # fmt: skip
     found = sn.simulate(scene)
     wanted = sn.simulate(replace(scene, method="rk4", dt_s=1e-3, record_every=10))
@@ -191,7 +192,7 @@ def test_explicit_on_a_slope() -> None:
 def test_explicit_motion_turns_with_the_slope() -> None:
     scene = sn.Scene(
         OF_2005, BINGHAM, GAIT, method="nonsmooth", incline_rad=0.2, incline_direction_rad=0.3,
-        duration_s=1.0, dt_s=0.5, tolerance=1e-9,
+        duration_s=1.0, dt_s=0.5, tolerance=1e-9, start="link1_at_rest",
     )  # fmt: skip
     start = sn.LinkState.in_gait(OF_2005, GAIT, 0.0, [0, 0, 0], [0, 0, 0])
     ahead = sn.LinkState.in_gait(OF_2005, GAIT, 0.0, [0, 0, 2.0], [0, 0, 0])

@@ -120,7 +120,7 @@ def test_what_a_scene_may_have(case: str) -> None:
         scene = sn.Scene(
             THREE, ground, gait, formulation="implicit", joint_stiffness_n_m=1e4,
             joint_damping_n_s_m=30.0, duration_s=0.1, method=method, dt_s=dt_s, tolerance=1e-8,
-            **more,
+            **more, start="link1_at_rest",
         )  # fmt: skip
         return sn.simulate(scene).state().packed()
 
@@ -198,7 +198,7 @@ def test_a_thousand_links_with_hard_springs(c: float, gap: str) -> None:
     run = sn.simulate(
         sn.Scene(sn.Robot(1000, 1.0, 0.12), PAPER_GROUND, gait, formulation="implicit",
                  joint_stiffness_n_m=1e9, joint_damping_n_s_m=c, method="radau", tolerance=1e-4,
-                 duration_s=0.01, dt_s=0.01, gap=gap)
+                 duration_s=0.01, dt_s=0.01, gap=gap, start="link1_at_rest")
     )  # fmt: skip
     assert run.steps < 1000
     assert np.abs(run.gap_m[-1]).max() < 1e-4  # the forces add up along so long a chain
@@ -225,7 +225,7 @@ def test_friction_of_every_size(friction: float) -> None:
 def test_a_torque_beyond_numbers_ends_with_its_cause() -> None:
     scene = sn.Scene(
         THREE, PAPER_GROUND, THREE_GAIT, formulation="implicit", drive="torque", method="radau",
-        torque=lambda t: [1e300 if t > 0.05 else 0.0, 0.0], duration_s=0.2,
+        torque=lambda t: [1e300 if t > 0.05 else 0.0, 0.0], duration_s=0.2, start="link1_at_rest",
     )  # fmt: skip
     with pytest.raises(sn.Diverged, match="however short"):
         sn.simulate(scene)

@@ -81,7 +81,7 @@ def test_steps_too_long_for_their_order_to_show_are_judged_all_the_same() -> Non
     scene = sn.Scene(
         sn.Robot(6, 0.251, 0.1), sn.Ground(0.0056, 0.704), sn.Gait(0.5, 1, 1), drive="torque",
         torque=[0.003, -0.0005, -0.0023, 0.0014, -0.0012], method="rk4", dt_s=0.005,
-        duration_s=10.0, incline_rad=0.1,
+        duration_s=10.0, incline_rad=0.1, start="link1_at_rest",
     )  # fmt: skip
     run = sn.simulate(scene)
     true = difference(run, sn.simulate(replace(scene, method="dop853", tolerance=1e-13)))

@@ -98,6 +98,7 @@ def test_scenes_are_those_of_the_dense_models(
 ) -> None:
     scene = sn.Scene(
         robot_of(5), GROUNDS[ground], GAIT, formulation=formulation, **drive_of(drive, 4),
+        method="rk4",
         **FAULTS[fault], joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.4, incline_rad=slope,
         incline_direction_rad=2.2, smoothing_m_s=0.05 if smooth else 0.0, dt_s=2e-3,
         duration_s=0.05, record=("joints", "friction", "energy"),

@@ -18,7 +18,11 @@ PAPERS_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
 
 
 def test_three_links_at_ten_seconds() -> None:
-    run = sn.simulate(sn.Scene(THREE, VISCOUS, THREE_GAIT, duration_s=10.0, record_every=10_000))
+    run = sn.simulate(
+        sn.Scene(
+            THREE, VISCOUS, THREE_GAIT, duration_s=10.0, record_every=10_000, start="link1_at_rest"
+        )
+    )
     end = run.state()
     found = [end.x_m[0], end.y_m[0], end.theta_rad[0], end.vx_m_s[0], end.vy_m_s[0]]
     printed = [0.6944674004, 0.2002216975, 0.6090597074, 0.0621623417, 0.0625789382]
@@ -31,7 +35,7 @@ def test_rk4_has_order_four(formulation: str) -> None:
     ends = [
         sn.simulate(
             sn.Scene(THREE, VISCOUS, THREE_GAIT, formulation=formulation, dt_s=1.0 / steps,
-                     duration_s=1.0, record_every=steps)
+                     duration_s=1.0, record_every=steps, start="link1_at_rest")
         ).theta_rad[-1]
         for steps in (200, 400, 800, 6400)
     ]  # fmt: skip
@@ -45,19 +49,23 @@ def test_a_run_ends_when_it_should(method: str) -> None:
     """3 ms do not divide 0.1 s: the last step is shorter, and the end is that of a fine run."""
     ground = VISCOUS if method == "rk4" else sn.Ground(0.1, 10.0, 0.01, 0.02)
     common = {"method": method, "duration_s": 0.1, "record_every": 1000}
-    rough = sn.simulate(sn.Scene(THREE, ground, THREE_GAIT, dt_s=3e-3, **common))
-    fine = sn.simulate(sn.Scene(THREE, ground, THREE_GAIT, dt_s=1e-4, **common))
+    rough = sn.simulate(
+        sn.Scene(THREE, ground, THREE_GAIT, dt_s=3e-3, **common, start="link1_at_rest")
+    )
+    fine = sn.simulate(
+        sn.Scene(THREE, ground, THREE_GAIT, dt_s=1e-4, **common, start="link1_at_rest")
+    )
     assert rough.t_s[-1] == fine.t_s[-1] == 0.1
     assert rough.theta_rad[-1] == pytest.approx(fine.theta_rad[-1], abs=1e-8)
 
 
 def test_the_springs_error_falls_as_one_over_k() -> None:
-    exact = sn.simulate(sn.Scene(THREE, VISCOUS, THREE_GAIT, duration_s=2.0))
+    exact = sn.simulate(sn.Scene(THREE, VISCOUS, THREE_GAIT, duration_s=2.0, start="link1_at_rest"))
     errors = []
     for k in (1e3, 1e4, 1e5):
         soft = sn.simulate(
             sn.Scene(THREE, VISCOUS, THREE_GAIT, formulation="implicit", joint_stiffness_n_m=k,
-                     dt_s=1e-4, record_every=10, duration_s=2.0)
+                     dt_s=1e-4, record_every=10, duration_s=2.0, start="link1_at_rest")
         )  # fmt: skip
         errors.append(np.abs(soft.vx_m_s - exact.vx_m_s).max())
     assert np.array(errors[:-1]) / errors[1:] == pytest.approx(10, rel=0.02)
@@ -65,12 +73,12 @@ def test_the_springs_error_falls_as_one_over_k() -> None:
 
 def test_a_zero_gap_rings() -> None:
     """From closed joints the velocity error is of order k^-1/2: ten times less for a hundred k."""
-    exact = sn.simulate(sn.Scene(THREE, VISCOUS, THREE_GAIT, duration_s=0.5))
+    exact = sn.simulate(sn.Scene(THREE, VISCOUS, THREE_GAIT, duration_s=0.5, start="link1_at_rest"))
     errors = []
     for k in (1e4, 1e6):
         soft = sn.simulate(
             sn.Scene(THREE, VISCOUS, THREE_GAIT, formulation="implicit", joint_stiffness_n_m=k,
-                     gap="zero", dt_s=1e-5, record_every=100, duration_s=0.5)
+                     gap="zero", dt_s=1e-5, record_every=100, duration_s=0.5, start="link1_at_rest")
         )  # fmt: skip
         errors.append(np.abs(soft.vx_m_s - exact.vx_m_s).max())
     assert errors[0] / errors[1] == pytest.approx(10, rel=0.2)
@@ -107,7 +115,15 @@ def test_without_friction_momentum_stays() -> None:
 
 def test_energy_is_what_the_joints_put_in_and_friction_takes() -> None:
     run = sn.simulate(
-        sn.Scene(SIX, VISCOUS, PAPERS_GAIT, duration_s=1.0, dt_s=1e-4, record=("joints",))
+        sn.Scene(
+            SIX,
+            VISCOUS,
+            PAPERS_GAIT,
+            duration_s=1.0,
+            dt_s=1e-4,
+            record=("joints",),
+            start="link1_at_rest",
+        )
     )
     m, inertia = SIX.link_mass_kg, SIX.inertia_kg_m2
     kinetic = 0.5 * m * (run.vx_m_s**2 + run.vy_m_s**2) + 0.5 * inertia * run.omega_rad_s**2
@@ -123,11 +139,21 @@ def test_energy_is_what_the_joints_put_in_and_friction_takes() -> None:
 
 def test_torques_of_an_imposed_motion_give_the_motion_back() -> None:
     """The recovered torques, fed to the torque-driven model as a table, retrace the gait."""
-    scene = sn.Scene(THREE, VISCOUS, THREE_GAIT, duration_s=1.0, record=("joints",))
+    scene = sn.Scene(
+        THREE, VISCOUS, THREE_GAIT, duration_s=1.0, record=("joints",), start="link1_at_rest"
+    )
     imposed = sn.simulate(scene)
     table = sn.TorqueTable(imposed.t_s, imposed.joint_torque_nm)
     back = sn.simulate(
-        sn.Scene(THREE, VISCOUS, THREE_GAIT, duration_s=1.0, drive="torque", torque=table)
+        sn.Scene(
+            THREE,
+            VISCOUS,
+            THREE_GAIT,
+            duration_s=1.0,
+            drive="torque",
+            torque=table,
+            start="link1_at_rest",
+        )
     )
     # linear interpolation between 1 ms rows: some 1e-6 of the angles
     assert np.abs(back.theta_rad - imposed.theta_rad).max() < 1e-5
@@ -137,10 +163,11 @@ def test_sticking_wheels_agree_between_formulations() -> None:
     robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
     gait = sn.Gait(math.radians(70), math.radians(75), 2.0)
     common = {"method": "nonsmooth", "duration_s": 2 * gait.period_s}
-    exact = sn.simulate(sn.Scene(robot, ground, gait, dt_s=1e-2, **common))
+    exact = sn.simulate(sn.Scene(robot, ground, gait, dt_s=1e-2, **common, start="link1_at_rest"))
     soft = sn.simulate(
         sn.Scene(robot, ground, gait, formulation="implicit", joint_stiffness_n_m=1e5,
-                 joint_damping_n_s_m=10.0, dt_s=1e-5, record_every=1000, **common)
+                 joint_damping_n_s_m=10.0, dt_s=1e-5, record_every=1000, **common,
+        start="link1_at_rest")
     )  # fmt: skip
     assert np.abs(soft.theta_rad[:-1] - exact.theta_rad[:-1]).max() < 3e-3
 
@@ -149,7 +176,7 @@ def test_sticking_wheels_agree_between_formulations() -> None:
 def test_the_quiet_failure_of_rk4_is_refused(k: float) -> None:
     """The limit at 1 ms is 0.78e6 N/m for m = 1 kg; above it a run may stay finite and be wrong."""
     scene = sn.Scene(SIX, VISCOUS, PAPERS_GAIT, formulation="implicit", joint_stiffness_n_m=k,
-                     duration_s=0.02)  # fmt: skip
+                     duration_s=0.02, start="link1_at_rest")  # fmt: skip
     if k < 7.8e5:
         sn.simulate(scene)
         return
@@ -167,6 +194,7 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
     scene = sn.Scene(
         robot, sn.Ground(0, 0), still, formulation="implicit", joint_stiffness_n_m=1e4,
         joint_damping_n_s_m=c, drive=drive, torque=[0.0] * (n - 1) if drive == "torque" else None,
+        start="link1_at_rest",
     )  # fmt: skip
     stable = stability.stability_test(scene)
     assert stable is not None

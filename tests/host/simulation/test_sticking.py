@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(math.radians(70), math.radians(75), 1.5)
 SCENE = sn.Scene(OF_2005, BINGHAM, GAIT, method="nonsmooth", duration_s=2.0, dt_s=0.01,
                  tolerance=1e-9, start="zero_momentum")  # fmt: skip
-DRIVES = {
+DRIVES: dict[str, dict[str, Any]] = {
     "servo": {"drive": "servo", "servo": sn.Servo()},
     "torque": {"drive": "torque", "torque": [2e-3, -1e-3, 1.5e-3, -2e-3, 1e-3]},
     "limp": {"limp": (2,)},
@@ -29,7 +30,7 @@ DRIVES = {
 }
 
 
-def of(name: str, **more: object) -> sn.Scene:
+def of(name: str, **more: Any) -> sn.Scene:
     return replace(SCENE, **(DRIVES[name] | more))
 
 
@@ -125,7 +126,7 @@ def random_scene(rng: np.random.Generator) -> sn.Scene:
     gait = sn.Gait(rng.choice([0, rng.uniform(0.05, 1.4)]), rng.uniform(0, 2), rng.uniform(0.1, 20))
     weight = ground.fn0 * robot.link_length_m
     stiff = robot.inertia_kg_m2 * 10 ** rng.uniform(2, 4)
-    drives: list[dict[str, object]] = [
+    drives: list[dict[str, Any]] = [
         {"drive": "torque", "torque": rng.normal(size=n - 1) * weight * rng.uniform(0.1, 2)},
         {"drive": "servo", "servo": sn.Servo(stiff, stiff * 0.03, stiff * 0.3)},
         {"limp": (int(rng.integers(1, n)),)},

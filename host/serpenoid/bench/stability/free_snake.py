@@ -90,5 +90,5 @@ def run(steps: int, tell: Callable[[str], None]) -> list[Drift]:
         for name, kind in METHODS.items()
         for formulation in kind.formulations
         for dt in (1e-3, 1e-4)
-        if "torque" in kind.drives and formulation not in kind.plain
+        if "torque" in kind.drives
     ]
