@@ -20,6 +20,7 @@ from .options import (
     stacked,
 )
 from .paths import FIGURES, OutFile
+from .typed import TypedCommand
 
 if TYPE_CHECKING:
     from ..gaits.least_power import LeastPower
@@ -54,7 +55,7 @@ send_options = stacked([
 ])  # fmt: skip
 
 
-@click.command()
+@click.command(cls=TypedCommand)
 @robot_options
 @click.option("--speed-m-s", "--speed", "speeds", required=True, metavar="M/S[,M/S...]",
               help="Wanted speed; several, with commas, give the whole front.")  # fmt: skip

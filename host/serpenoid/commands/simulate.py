@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..model.checks import check_number
 from ..model.words import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..simulation.methods import METHODS
 from .options import (
@@ -24,9 +25,11 @@ from .options import (
     stacked,
 )
 from .paths import FIGURES, OutFile
+from .typed import TypedCommand, options_of
 
 if TYPE_CHECKING:
     from ..model.drives import Servo
+    from ..model.gait import Gait
     from ..simulation.run import Run
     from ..simulation.scene import Scene
 
@@ -92,10 +95,10 @@ scene_options = stacked([
 ])  # fmt: skip
 
 # Options that are angles; the values of all others are fields of Scene as they stand.
-_ANGLES = ("incline_deg", "incline_direction_deg")
+_ANGLES = {"incline_deg": (0.0, 90.0), "incline_direction_deg": (-360.0, 360.0)}
 
 
-@click.command()
+@click.command(cls=TypedCommand)
 @click.option("--scene", "scene_path", type=_FILE, help="Scene file; other options override it.")
 @click.option(
     "--save-scene", "saved_path", type=OutFile(".toml"), help="Write the scene to this file too."
@@ -131,8 +134,11 @@ def simulate(
     from ..show import report, run_report
     from ..simulation.scene_file import load_scene, save_scene
 
-    keep = [name for name in ("dt_s", "tolerance") if accuracy and given[name] is not None]
+    names = options_of(click.get_current_context().command)
+    typed = {names[name] for name, value in given.items() if value is not None}
+    keep = [f for f in ("dt_s", "tolerance") if accuracy is not None and names[f] in typed]
     scene = make_scene(given, None if scene_path is None else load_scene(scene_path))
+    _check_that_all_apply(typed, scene, accuracy)
     if saved_path is not None:
         save_scene(scene, saved_path)
     run = _watched(scene, accuracy, keep)
@@ -155,14 +161,38 @@ def make_scene(given: dict[str, Any], base: Scene | None) -> Scene:
     from ..simulation.scene import Scene
 
     robot, ground = make_robot(given, base and (base.robot, base.ground))
-    parts = {"robot": robot, "ground": ground, "gait": make_gait(given, base and base.gait)}
+    gait = make_gait(given, base.gait if base else _no_gait(given))
+    parts: dict[str, Any] = {"robot": robot, "ground": ground, "gait": gait}
     told = {name: value for name, value in given.items() if value is not None}
     parts |= _drive(told, base)
-    for name in _ANGLES:
+    for name, limits in _ANGLES.items():
         if name in told:
-            told[f"{name.removesuffix('_deg')}_rad"] = math.radians(told.pop(name))
-    parts |= told
-    return replace(base, **parts) if base is not None else Scene(**parts)
+            degrees = check_number(f"--{name.replace('_', '-')}", told.pop(name), *limits)
+            told[f"{name.removesuffix('_deg')}_rad"] = math.radians(degrees)
+    return replace(base, **parts | told) if base is not None else Scene(**parts, **told)
+
+
+def _no_gait(given: dict[str, Any]) -> Gait | None:
+    """Return a straight chain at rest for joints that are driven by torques; else nothing."""
+    from ..model.gait import Gait
+
+    return None if given["torque_nm"] is None else Gait(0.0, 0.0, 1.0)
+
+
+def _check_that_all_apply(typed: set[str], scene: Scene, accuracy: float | None) -> None:
+    """Raise UsageError for an option that the scene has no use for: it would change nothing."""
+    pinned, springs = scene.formulation == "explicit", "the joints are pinned; give --formulation"
+    steps = f"method {scene.method!r} takes fixed steps; give --dt-s, or a --method that picks them"
+    for option, no_use, why in (
+        ("--stiffness-n-m", pinned, f"{springs} implicit too"),
+        ("--damping-n-s-m", pinned, f"{springs} implicit too"),
+        ("--gap", pinned, f"{springs} implicit too"),
+        ("--smoothing-m-s", not scene.ground.dry, "the ground has no dry friction"),
+        ("--incline-direction-deg", scene.incline_rad == 0, "the ground is level"),
+        ("--tolerance", not (scene.adaptive or accuracy), steps),
+    ):
+        if no_use and option in typed:
+            raise click.UsageError(f"{option} has no effect: {why}")
 
 
 def _drive(told: dict[str, Any], base: Scene | None) -> dict[str, Any]:

@@ -17,9 +17,10 @@ from .options import (
     robot_options,
     show_json,
 )
+from .typed import TypedCommand
 
 
-@click.command()
+@click.command(cls=TypedCommand)
 @robot_options
 @gait_options
 @click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")

@@ -10,6 +10,7 @@ import click
 
 from .options import AS_JSON, make_robot, robot_options, show_json
 from .paths import OutFile
+from .typed import TypedCommand
 
 SUFFIXES = (".csv", ".npz", ".json")
 
@@ -30,7 +31,7 @@ def _span(text: str, name: str) -> list[float]:
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
-@click.command()
+@click.command(cls=TypedCommand)
 @robot_options
 @click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")

@@ -25,7 +25,7 @@ FORCES = (
 def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
     """Return what a run came to; errors=False leaves out what costs more runs."""
     scene = run.scene
-    mean_speed = run.mean_speed_m_s(scene.gait.period_s)
+    mean_speed = [] if _too_rare(run) else run.mean_speed_m_s(scene.gait.period_s)
     summary = {
         "formulation": scene.formulation,
         "method": scene.method,
@@ -34,7 +34,7 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
         "steps": run.steps,
         "local_error": run.local_error if scene.adaptive else None,
         "displacement_m": run.travel_m,
-        "speed_over_last_period_m_s": float(mean_speed[-1]) if mean_speed.size else None,
+        "speed_over_last_period_m_s": float(mean_speed[-1]) if len(mean_speed) else None,
         "end": {name: getattr(run, name)[-1].tolist() for name in STATE},
         "scene": scene_values(scene),
     }
@@ -42,6 +42,13 @@ def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:
     summary["error_estimate"] = run.error_estimate.to_dict() if errors else None
     summary["warnings"] = list(run.warnings) if errors else []
     return summary | _recorded(run)
+
+
+def _too_rare(run: Run) -> bool:
+    """Tell whether the last period's start is between recorded times that say nothing of it."""
+    period, t = run.scene.gait.period_s, run.t_s
+    near = np.abs(t - (t[-1] - period)).min()
+    return bool(t.size > 1 and near > 1e-6 * period and np.diff(t).max() > period / 8)
 
 
 def _recorded(run: Run) -> dict[str, Any]:
@@ -70,13 +77,19 @@ def _share(relative: float) -> str:
     return "of nothing: at rest" if math.isnan(relative) else f"{relative:+.2g}"
 
 
+def _why_no_speed(run: Run) -> str:
+    if run.t_s[-1] < run.scene.gait.period_s:
+        return "the run is shorter than a period"
+    return "recorded too rarely: take a smaller --record-every"
+
+
 def show_run(run: Run, summary: dict[str, Any]) -> None:
     """Print what a run in time came to."""
     scene, speed = run.scene, summary["speed_over_last_period_m_s"]
     rows = [
         ["displacement of the centre of mass", f"{summary['displacement_m']:.6g} m"],
         ["speed over the last period",
-         "the run is shorter than a period" if speed is None else f"{speed:.6g} m/s"],
+         f"{speed:.6g} m/s" if speed is not None else _why_no_speed(run)],
     ]  # fmt: skip
     if run.joint_torque_nm.size:
         most = max(summary["largest_joint_torque_nm"])

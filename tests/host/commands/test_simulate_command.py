@@ -207,3 +207,49 @@ def test_refusals(args: list[str], said: str) -> None:
     assert done.exit_code != 0
     assert said in done.output + str(done.exception)
     assert isinstance(done.exception, (SystemExit, sn.SerpenoidError))
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["--stiffness-n-m", "5"], "--stiffness-n-m has no effect"),
+        (["--gap", "zero"], "--gap has no effect"),
+        (["--smoothing-m-s", "1e-3"], "--smoothing-m-s has no effect"),
+        (["--incline-direction-deg", "3"], "--incline-direction-deg has no effect"),
+        (["--tolerance", "1e-5"], "--tolerance has no effect"),
+        (["--omega-rad-s", "-5"], "--omega-rad-s is -5.0"),
+        (["--mass-kg", "-1"], "--mass-kg is -1.0"),
+        (["--ct", "-1"], "--ct is -1.0"),
+        (["--incline-deg", "100"], "--incline-deg is 100.0"),
+        (["--formulation", "implicit", "--stiffness-n-m", "-5"], "--stiffness-n-m is -5.0"),
+    ],
+)
+def test_what_was_typed_is_named(args: list[str], said: str) -> None:
+    done = CliRunner().invoke(cli, ["simulate", *SHORT, *args])
+    assert done.exit_code != 0
+    assert said in done.output + str(done.exception)
+
+
+def test_torques_need_no_gait() -> None:
+    got = answer("--torque-nm", "0.001,0,0,0,0", "--duration-s", "0.1", "--dt-s", "0.01")
+    assert got["method"] == "nonsmooth"
+    assert got["gait"]["alpha_deg"] == 0
+
+
+def test_a_speed_between_rare_records_is_not_guessed() -> None:
+    rare = answer("--robot", "paper", *GAIT, "--duration-s", "3", "--record-every", "100000")
+    assert rare["speed_over_last_period_m_s"] is None
+    often = answer("--robot", "paper", *GAIT, "--duration-s", "3")
+    assert often["speed_over_last_period_m_s"] > 0.1
+
+
+def test_an_accuracy_keeps_what_is_given_or_says_why_not() -> None:
+    springs = [*SHORT, "--formulation", "implicit", "--method", "rk4", "--dt-s", "1e-3"]
+    got = answer(*springs, "--accuracy", "0.05")
+    assert (got["formulation"], got["method"], got["dt_s"]) == ("implicit", "rk4", 1e-3)
+    done = CliRunner().invoke(cli, ["simulate", *springs, "--accuracy", "1e-6"])
+    assert done.exit_code != 0
+    assert "the springs alone (k = 1000 N/m)" in str(done.exception)
+    coarse = [*SHORT, "--method", "euler", "--dt-s", "1e-2", "--accuracy", "1e-6"]
+    done = CliRunner().invoke(cli, ["simulate", *coarse])
+    assert "--dt-s 0.01 was given" in str(done.exception)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,3 +81,61 @@ def test_a_step_is_refused_from_where_runs_begin_to_grow(method: str, c: float) 
         opened.append(gaps if out["failed_at"] < 0 else math.inf)
     assert opened[0] < 1e-6
     assert opened[1] > 1e-3
+
+
+WAY_OUT = r"(method|formulation|record without) ('\w+'(?: or '\w+')*)"
+
+
+def scenes_of_every_kind() -> list[dict[str, Any]]:
+    """Return what a scene may ask for, in all combinations that make a difference to a method."""
+    drives: list[dict[str, Any]] = [
+        {}, {"drive": "torque", "torque": [0.0, 0.0]}, {"drive": "servo", "servo": sn.Servo()},
+        {"limp": (1,)}, {"incline_rad": 0.1},
+    ]  # fmt: skip
+    grounds: list[dict[str, Any]] = [
+        {"ground": sn.Ground(0.1, 1.0)}, {"ground": sn.Ground(0.1, 1.0, 0.01, 0.02)},
+        {"ground": sn.Ground(0.1, 1.0, 0.01, 0.02), "smoothing_m_s": 1e-2},
+    ]  # fmt: skip
+    records: list[dict[str, Any]] = [{}, {"record": ("energy",)}, {"record": ("joints",)}]
+    return [
+        {"formulation": formulation, **drive, **ground, **record}
+        for formulation in ("explicit", "implicit")
+        for drive in drives
+        for ground in grounds
+        for record in records
+    ]
+
+
+@pytest.mark.parametrize("asked", scenes_of_every_kind())
+def test_every_way_out_that_an_error_names_runs(asked: dict[str, Any]) -> None:
+    """Follow the advice for every method: it leads to a scene, never to the next error."""
+    robot, gait = sn.Robot(3, 1.0, 0.12), sn.Gait(0.3, 0.5, 3.0)
+    fields = {"robot": robot, "gait": gait, "duration_s": 2e-3, "dt_s": 1e-3, **asked}
+    sn.simulate(sn.Scene(**fields))  # by the method that it takes itself
+    for method in METHODS:
+        try:
+            sn.Scene(**fields, method=method)
+        except sn.BadInput as error:
+            advice = str(error).split("; take ")[1]
+            for way in re.findall(
+                r"(method|formulation|record without) ('\w+'(?: or '\w+')*)", advice
+            ):
+                for word in re.findall(r"\w+", way[1].replace(" or ", " ")):
+                    sn.simulate(
+                        sn.Scene(**(fields | {"method": method} | change(way[0], word, asked)))
+                    )
+
+
+def change(what: str, word: str, asked: dict[str, Any]) -> dict[str, Any]:
+    if what == "record without":
+        return {"record": tuple(r for r in asked["record"] if r != word)}
+    return {what: word}
+
+
+def test_a_scene_that_names_no_method_chooses_anew_when_changed() -> None:
+    smooth = sn.Scene(sn.Robot(3, 1.0, 0.12), sn.Ground(0.1, 1.0), sn.Gait(0.3, 0.5, 3.0))
+    dry = sn.Ground(0.1, 1.0, 0.01, 0.02)
+    assert smooth.method == "rk4"
+    assert replace(smooth, ground=dry).method == "nonsmooth"
+    assert replace(smooth, ground=dry, smoothing_m_s=1e-2).method == "rk4"
+    assert replace(replace(smooth, method="rk4"), ground=dry).method == "rk4"
