@@ -12,6 +12,7 @@ from ..model.errors import NotConverged
 from ..model.words import FORMULATIONS
 from .options import (
     AS_JSON,
+    TypedCommand,
     describe,
     interruptible,
     make_robot,
@@ -20,7 +21,6 @@ from .options import (
     stacked,
 )
 from .paths import FIGURES, OutFile
-from .typed import TypedCommand
 
 if TYPE_CHECKING:
     from ..gaits.least_power import LeastPower

@@ -15,17 +15,18 @@ from ..model.words import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..simulation.methods import METHODS
 from .options import (
     AS_JSON,
+    TypedCommand,
     describe,
     gait_options,
     interruptible,
     make_gait,
     make_robot,
+    options_of,
     robot_options,
     show_json,
     stacked,
 )
 from .paths import FIGURES, OutFile
-from .typed import TypedCommand, options_of
 
 if TYPE_CHECKING:
     from ..model.drives import Servo

@@ -9,6 +9,7 @@ import click
 from ..model.words import FORMULATIONS
 from .options import (
     AS_JSON,
+    TypedCommand,
     describe,
     gait_options,
     interruptible,
@@ -17,7 +18,6 @@ from .options import (
     robot_options,
     show_json,
 )
-from .typed import TypedCommand
 
 
 @click.command(cls=TypedCommand)

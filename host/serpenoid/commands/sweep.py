@@ -8,9 +8,8 @@ from typing import Any
 
 import click
 
-from .options import AS_JSON, make_robot, robot_options, show_json
+from .options import AS_JSON, TypedCommand, make_robot, robot_options, show_json
 from .paths import OutFile
-from .typed import TypedCommand
 
 SUFFIXES = (".csv", ".npz", ".json")
 
