@@ -170,7 +170,7 @@ def show_json(values: dict[str, Any]) -> None:
 
 
 _TYPED = {"link_mass_kg": "--mass-kg", "link_length_m": "--length-m",
-           "link_inertia_kg_m2": "--inertia-kg-m2"}  # fmt: skip
+           "link_inertia_kg_m2": "--inertia-kg-m2", "speed_m_s": "--speed-m-s"}  # fmt: skip
 
 
 def as_typed(text: str, options: dict[str, str]) -> str:
