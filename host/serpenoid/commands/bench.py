@@ -130,3 +130,41 @@ def steady(out: Path, quick: bool) -> None:
     for line in summary(rows):
         click.echo(line)
     click.echo(f"in {out}")
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option("--sessions", type=click.IntRange(20), default=1000, show_default=True,
+              help="Simulated sessions of each bend.")  # fmt: skip
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
+def coverage(out: Path, sessions: int, seed: int) -> None:
+    """Tell how often 95 % intervals hold the truth, over sessions on a simulated treadmill."""
+    import dataclasses
+    import json
+
+    from ..bench.calibration.coverage import run
+
+    rows = [dataclasses.asdict(row) for row in run(sessions, seed, _tell)]
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "coverage.json").write_text(json.dumps(rows, indent=2) + "\n")
+    for row in rows:
+        click.echo("  ".join(f"{name} {value:.4g}" for name, value in row.items()))
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option("--sessions", type=click.IntRange(1), default=20, show_default=True,
+              help="Simulated sessions.")  # fmt: skip
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
+def advise(out: Path, sessions: int, seed: int) -> None:
+    """Count the readings that advice needs to the speed band of the paper's plan."""
+    import dataclasses
+    import json
+
+    from ..bench.calibration.advised import run
+
+    rows = [dataclasses.asdict(row) for row in run(sessions, seed, _tell)]
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "advise.json").write_text(json.dumps(rows, indent=2) + "\n")
+    paper, advised = (sum(r[f"{k}_readings"] for r in rows) for k in ("paper", "advised"))
+    click.echo(f"{advised} advised readings for {paper} of the paper's plan: {advised / paper:.0%}")

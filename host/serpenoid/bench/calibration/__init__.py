@@ -1,0 +1,1 @@
+"""How honest a calibration is: coverage of its intervals, and what advice saves."""

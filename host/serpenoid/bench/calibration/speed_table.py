@@ -1,0 +1,36 @@
+"""Speed of one gait over frictions, solved once at many points and interpolated, for studies."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...calibration.speed_samples import speed
+from ...model.gait import Gait
+from ...model.ground import Ground
+from ...model.robot import Robot
+
+Array = NDArray[np.float64]
+# Of the 2005 robot's ct, cn, ft0, fn0: as far as a session with a 7.5 degree bend errs.
+LOW, HIGH = np.array([0.05, 0.02, 0.11, 0.12]), np.array([0.12, 3.6, 0.17, 0.45])
+
+
+class SpeedTable:
+    """Interpolate speed in m/s between Sobol points; frictions outside count as the box's edge."""
+
+    def __init__(self, robot: Robot, gait: Gait, points: int = 512):
+        from scipy.interpolate import RBFInterpolator
+        from scipy.stats import qmc
+
+        unit = qmc.Sobol(4, seed=7).random(points)  # pyright: ignore[reportCallIssue]
+        grounds = [Ground.whole_body(robot.links, *x) for x in (LOW + unit * (HIGH - LOW)).tolist()]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            speeds = list(pool.map(lambda g: speed(robot, g, gait), grounds))
+        self._of = RBFInterpolator(unit, np.array(speeds), neighbors=40, kernel="linear")
+
+    def __call__(self, whole: Array) -> Array:
+        """Return the speeds of (count, 4) frictions of the whole snake."""
+        return self._of(np.clip((whole - LOW) / (HIGH - LOW), 0.0, 1.0))
