@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
-from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
-
+TYPE_CHECKING = False  # `typing` takes longer to import than all else that the command line needs
 if TYPE_CHECKING:
+    from typing import Any
+
     __version__: str
     from .calibration.advice import Advice, advise
     from .calibration.comparison import Comparison, compare
@@ -23,6 +21,7 @@ if TYPE_CHECKING:
     from .gaits.robust import RobustGait, robust_gait
     from .gaits.uncertainty import Uncertainty
     from .model.drives import Servo, TorqueTable
+    from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
     from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
     from .model.gait import Gait
     from .model.ground import Ground
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
 
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
+    "model.errors": ("BadInput", "Diverged", "NotConverged", "SerpenoidError", "StepTooLarge"),
     "calibration.advice": ("Advice", "advise"),
     "calibration.comparison": ("Comparison", "compare"),
     "calibration.fit_file": ("load_fit", "save_fit"),
@@ -129,6 +129,8 @@ def __getattr__(name: str) -> Any:
         return version(__name__)
     if name not in _HOME_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import importlib
+
     value = getattr(importlib.import_module(f".{_HOME_OF[name]}", __name__), name)
     globals()[name] = value
     return value
