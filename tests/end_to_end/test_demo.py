@@ -43,6 +43,7 @@ def test_demo(tmp_path) -> None:
         assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low)
     assert loop["comparison"]["verdict"] == "agrees"
     assert loop["advice"]["readings"]
+    assert "</html>" in (out / "report.html").read_text()
     assert len(load_session(out / "session").kept) > 12
     assert found["path_gait"]["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
 

@@ -89,6 +89,8 @@ def _summary(fit: FrictionFit, points: list[SpeedPoint], files: list[Path]) -> N
         "The readings are regenerated from the paper's two published lines, as its own data points "
         "are lost: the intervals come from assumed instrument errors, not from scatter.",
         "Written: " + ", ".join(str(f) for f in files),
+        f"The simulated session, its comparison and its report: {files[0].parent}/session, "
+        "comparison.png, report.html",
     ]
     report.console.print()
     for line in lines:

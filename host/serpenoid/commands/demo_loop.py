@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..calibration.advice import advise
-from ..calibration.comparison import compare, gait_count
+from ..calibration.advice import Advice, advise
+from ..calibration.comparison import Comparison, compare, gait_count
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import DOUBTFUL
 from ..calibration.taking.board_run import board_gait
@@ -26,6 +26,7 @@ from ..robot.robot import Robot
 from ..show import report
 from ..show.comparison_figure import comparison_figure
 from ..show.friction_report import show_advice, show_comparison
+from ..show.page_of_session import session_page
 from .options import finite
 
 if TYPE_CHECKING:
@@ -52,11 +53,14 @@ def run_loop(out: Path) -> dict[str, Any]:
     session, fit = _without_outlier(session, fit_friction(session))
     found = {"fit": fit.to_dict(), "truth": _truth_table(fit)}
     say("[3/6] speeds predicted from it, and the gait runs over them")
-    found["comparison"] = _compare(session, fit, out / "comparison.png")
+    compared = _compare(session, fit, out / "comparison.png")
     say("[4/6] the reading to take next")
-    found["advice"] = _advise(session)
+    advised = _advise(session)
+    found |= {"comparison": compared.to_dict(), "advice": advised.to_dict()}
     say(f"[5/6] the cheapest gait for {WANTED_M_S:g} m/s on this ground, sent to the virtual robot")
     found["wanted"] = _drive_wanted(session, fit)
+    page = session_page(session, fit, compared, advised)
+    (out / "report.html").write_text(page, encoding="utf-8")
     (out / "loop.json").write_text(json.dumps(finite(found), indent=2, allow_nan=False) + "\n")
     return found
 
@@ -117,19 +121,19 @@ def _truth_table(fit: FrictionFit) -> dict[str, float]:
     return truth
 
 
-def _compare(session: Session, fit: FrictionFit, out: Path) -> dict[str, Any]:
+def _compare(session: Session, fit: FrictionFit, out: Path) -> Comparison:
     with report.progress(gait_count(session), "gaits") as advance:
         found = compare(session, fit, progress=advance)
     show_comparison(found)
     comparison_figure(found, out)
-    return found.to_dict()
+    return found
 
 
-def _advise(session: Session) -> dict[str, Any]:
+def _advise(session: Session) -> Advice:
     with report.busy("looking at each reading that could be next"):
         found = advise(session)
     show_advice(found, 3)
-    return found.to_dict()
+    return found
 
 
 def _drive_wanted(session: Session, fit: FrictionFit) -> dict[str, float]:
