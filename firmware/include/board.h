@@ -20,11 +20,11 @@ const char kName[] = "uno";
 
 // Neighbours in the header of all three boards, clear of the UART (0, 1), of the external
 // interrupts (2, 3) and of the LED. Servo takes timer 1 (Uno, Nano) or 5 (Mega).
-const uint8_t kPins[] = {5, 6, 7, 8, 9, 10, 11, 12, A0, A1, A2, A3};
+const uint8_t kPins[] PROGMEM = {5, 6, 7, 8, 9, 10, 11, 12, A0, A1, A2, A3};
 static_assert(firmware::kJoints <= sizeof kPins, "name a pin for each joint");
 
 // Of joint 1, at the tail, and so on.
-inline uint8_t servo_pin(uint8_t joint) { return kPins[joint]; }
+inline uint8_t servo_pin(uint8_t joint) { return pgm_read_byte(&kPins[joint]); }
 
 // How much longer than asked the servo library's pulses are: it allows for the 328P's digitalWrite.
 #if defined(__AVR_ATmega2560__)

@@ -107,10 +107,8 @@ void Motion::freeze() {
 void Motion::order(uint64_t step, bool gait) {
     step_next_ = step;
     next_gait_ = gait;
-    waiting_ = blending_ && progress_q32_ != 0;
-    if (!waiting_) {
-        begin();
-    } else if (gait == gait_ && same(next_, to_)) {  // the change under way leads there
+    waiting_ = true;
+    if (under_way() && gait == gait_ && same(next_, to_)) {  // the change leads there anyway
         step_target_ = step;
         waiting_ = false;
     }
@@ -166,9 +164,7 @@ void Motion::proceed() {
             blending_ = false;
         }
     }
-    if (blending_) return;
-    turning_ = turning_ && gait_;
-    if (waiting_) begin();
+    if (!blending_) turning_ = turning_ && gait_;
 }
 
 int16_t Motion::at(const Shape& shape, uint8_t joint) const {
@@ -189,6 +185,7 @@ int16_t Motion::held(uint8_t joint, int32_t wanted_q14) {
 }
 
 void Motion::advance(uint16_t frames) {
+    if (waiting_ && !under_way()) begin();
     if (turning_) phase_ += step_ * frames;
     proceed();
     clipped_ = 0;

@@ -12,6 +12,7 @@
 
 #include "change.h"
 #include "gait.h"
+#include "progmem.h"
 
 namespace firmware {
 
@@ -58,7 +59,8 @@ class Motion {
 
   private:
     void order(uint64_t step, bool gait);
-    void begin();
+    bool under_way() const { return blending_ && progress_q32_ != 0; }
+    OWN_FRAME void begin();
     void proceed();
     bool approach(uint32_t step);
     int16_t at(const Shape& shape, uint8_t joint) const;
