@@ -103,7 +103,7 @@ def measure(name: str, seconds: float = 10.0) -> list[Row]:
         errors = pulse_errors_us(board, seen, wave)
         counters = talk.counters()
         return [
-            Row("flash", "bytes", flash_bytes(elf), 30_720),
+            Row("flash", "bytes", flash_bytes(elf), 30_720 if name == "uno" else 60_000),
             Row("static RAM", "bytes", board.static_ram, 1_600),
             Row("RAM never touched, any commands", "bytes", untouched, 500, floor=True),
             Row("setpoints to pulses, mean", "µs", float(np.mean(seen.exec_us)), 800),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tarfile
 
 import pytest
 from avr.toolchain import ToolchainError, pio, require
@@ -17,3 +18,20 @@ def test_the_native_suites_pass() -> None:
             raise
         pytest.skip(str(error))
     assert "succeeded" in pio("test")
+
+
+@pytest.mark.avr
+@pytest.mark.parametrize("library", ["gait", "protocol"])
+def test_the_libraries_pack_for_others(library: str, tmp_path) -> None:
+    try:
+        require()
+    except ToolchainError as error:
+        if os.environ.get("CI") == "true":
+            raise
+        pytest.skip(str(error))
+    pio("pkg", "pack", f"firmware/lib/{library}", "-o", str(tmp_path))
+    (packed,) = tmp_path.iterdir()
+    with tarfile.open(packed) as archive:
+        names = set(archive.getnames())
+    assert {"library.json"} <= names
+    assert any(name.endswith(".cpp") for name in names)

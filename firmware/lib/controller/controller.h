@@ -62,9 +62,10 @@ class Controller {
 
   private:
     // A line is taken up only if all that it may bring forth at once fits the output queue.
-    static const uint8_t kRoom = 220;
-    // Nothing is answered so shortly before a frame: both together might not fit.
-    static const uint16_t kQuietUs = 4500;
+    static const uint8_t kRoom = 165;
+    // What is queued when a frame is due must leave room for the longest telemetry line.
+    static const uint8_t kTelemetryRoom = 185;
+    static const uint8_t kByteUs = 40;
     // Servos are attached one after the other, so many frames apart: each starts with a jerk.
     static const uint8_t kAttachFrames = 5;
 

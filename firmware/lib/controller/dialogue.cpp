@@ -56,8 +56,11 @@ void Controller::obey_stops() {
 
 // Whether an answer fits the queue, and leaves the next frame's line its place.
 bool Controller::may_speak() {
-    const bool frame_is_near = settings_.value_u[kEvery] != 0 && spare_us() < kQuietUs;
-    return line_.room() >= kRoom && !frame_is_near;
+    const uint16_t room = line_.room();
+    if (room < kRoom) return false;
+    if (settings_.value_u[kEvery] == 0) return true;
+    const uint16_t bytes_to_go = static_cast<uint16_t>(kTelemetryRoom + kRoom - room);
+    return room >= kTelemetryRoom + kRoom || spare_us() > bytes_to_go * uint32_t{kByteUs};
 }
 
 void Controller::answer_stops() {
