@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from .speed_samples import Array, Progress, SpeedSamples, sample_speeds, speed
 DOUBTFUL = 0.05  # a verdict's p-value
 INFLATED = 4.0  # a cause is allowed this many of its stated sigmas before it is ruled out
 AMPLITUDE_SIGMA = 0.03
+SAME_RATE = 1e-3  # rates closer than this, relative, are repeats of one gait
 BAND = (0.025, 0.975)
 _CURVE_SAMPLES, _CURVE_POINTS, _NOISE_DRAWS = 32, 9, 32
 
@@ -127,10 +128,17 @@ def gait_count(session: Session, more: Sequence[Gait] = ()) -> int:
 
 
 def _by_gait(session: Session) -> dict[Gait, list[GaitRun]]:
+    """Return the runs of every gait; the board's clock moves the rates of repeats by some ppm."""
     found: dict[Gait, list[GaitRun]] = {}
     for run in session.kept_gait_runs:
-        found.setdefault(run.gait, []).append(run)
+        same = [gait for gait in found if _same(gait, run.gait)]
+        found.setdefault(same[0] if same else run.gait, []).append(run)
     return dict(sorted(found.items(), key=lambda item: item[0].omega_rad_s))
+
+
+def _same(one: Gait, other: Gait) -> bool:
+    apart = abs(one.omega_rad_s - other.omega_rad_s) / one.omega_rad_s
+    return replace(other, omega_rad_s=one.omega_rad_s) == one and apart < SAME_RATE
 
 
 def _point(fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun]) -> ComparedGait:

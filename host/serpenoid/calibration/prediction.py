@@ -19,12 +19,11 @@ from ..periodic.steady import Steady, steady_gait
 from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
+from ..simulation.steady_springs import steady_springs
 from .friction_result import FrictionFit
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
-# The implicit model's steps: so short, and at least so many a period (the speed errs by 1e-5).
-_LONGEST_STEP_S, _LEAST_STEPS = 1e-3, 2000
-_AVERAGED, _SETTLED_S = 5, 6.0
+SPRINGS_RTOL = 1e-3
 SAMPLES = 64
 
 Array = NDArray[np.float64]
@@ -36,9 +35,8 @@ class SpeedPoint:
 
     explicit_m_s: periodic state of the exact model, explicit_error_m_s: its numerical error;
     sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval that the friction fit leaves
-    it, by 64 samples. implicit_m_s: mean of the implicit model over its last whole periods;
-    implicit_spread_m_s: half the range of the single periods; implicit_error_m_s: what steps of
-    double length change, which at first order is the error of the steps taken.
+    it, by 64 samples. implicit_m_s: periodic state of the implicit model with the paper's springs,
+    run until it repeats; implicit_error_m_s: what cycles and time steps leave open in it.
     """
 
     frequency_hz: float
@@ -48,46 +46,12 @@ class SpeedPoint:
     low_m_s: float
     high_m_s: float
     implicit_m_s: float
-    implicit_spread_m_s: float
     implicit_error_m_s: float
     settling_time_s: float
 
     def to_dict(self) -> dict[str, float]:
         """Return the figures by name."""
         return {name: getattr(self, name) for name in self.__slots__}
-
-
-def mean_speeds(run: Run, samples_per_period: int) -> Array:
-    """Return |displacement of the centre of mass| / period over each whole period of a run, m/s."""
-    x, y = (v[::samples_per_period].mean(axis=1) for v in (run.x_m, run.y_m))
-    return np.hypot(np.diff(x), np.diff(y)) / run.scene.gait.period_s
-
-
-def implicit_steps(gait: Gait) -> int:
-    """Return how many steps a period of the implicit model is cut into, an even number."""
-    return 2 * math.ceil(max(_LEAST_STEPS, gait.period_s / _LONGEST_STEP_S) / 2)
-
-
-def implicit_speed(
-    robot: Robot, ground: Ground, gait: Gait, steps: int | None = None
-) -> tuple[float, float]:
-    """Return speed and half its range over the last periods, implicit model of the paper, m/s.
-
-    k = 1000 N/m, c = 1 N s/m; dry friction exact (method "nonsmooth"); started from the exact
-    model's periodic state, followed for 6 s or 20 periods, the last 5 averaged.
-    """
-    period = gait.period_s
-    steps = steps or implicit_steps(gait)
-    cycles = max(20, math.ceil(_SETTLED_S / period))
-    run = simulate(
-        Scene(
-            robot, ground, gait, formulation="implicit", joint_stiffness_n_m=STIFFNESS_N_M,
-            joint_damping_n_s_m=DAMPING_N_S_M, method="nonsmooth", dt_s=period / steps,
-            duration_s=cycles * period, record_every=steps, start="steady",
-        )
-    )  # fmt: skip
-    last = mean_speeds(run, 1)[-_AVERAGED:]
-    return float(last.mean()), float(np.ptp(last) / 2)
 
 
 def _speeds(robot: Robot, grounds: Sequence[Ground], gait: Gait) -> Array:
@@ -106,8 +70,10 @@ def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
     s = steady_gait(robot, fit.ground, gait, powers=False)
     sampled = _speeds(robot, fit.sample(SAMPLES), gait)
     low, high = np.quantile(sampled, [0.025, 0.975])
-    implicit, spread = implicit_speed(robot, fit.ground, gait)
-    coarse, _ = implicit_speed(robot, fit.ground, gait, implicit_steps(gait) // 2)
+    springs = steady_springs(
+        robot, fit.ground, gait, joint_stiffness_n_m=STIFFNESS_N_M,
+        joint_damping_n_s_m=DAMPING_N_S_M, rtol=SPRINGS_RTOL,
+    )  # fmt: skip
     return SpeedPoint(
         frequency_hz=gait.omega_rad_s / (2 * math.pi),
         explicit_m_s=s.speed_m_s,
@@ -115,9 +81,8 @@ def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
         sigma_m_s=float(sampled.std()),
         low_m_s=float(low),
         high_m_s=float(high),
-        implicit_m_s=implicit,
-        implicit_spread_m_s=spread,
-        implicit_error_m_s=abs(coarse - implicit),
+        implicit_m_s=springs.speed_m_s,
+        implicit_error_m_s=springs.error_estimate * springs.speed_m_s,
         settling_time_s=s.settling_time_s,
     )
 
@@ -161,11 +126,7 @@ def as_json(fit: FrictionFit, points: Sequence[SpeedPoint], path: Steady) -> dic
         "implicit": {
             "joint_stiffness_n_m": STIFFNESS_N_M,
             "joint_damping_n_s_m": DAMPING_N_S_M,
-            "method": "nonsmooth",
-            "start": "steady",
-            "longest_step_s": _LONGEST_STEP_S,
-            "least_steps_per_period": _LEAST_STEPS,
-            "periods_averaged": _AVERAGED,
+            "rtol": SPRINGS_RTOL,
         },
         "speed_against_frequency": [p.to_dict() for p in points],
         "path_gait": path.to_dict(),

@@ -84,8 +84,7 @@ def _summary(fit: FrictionFit, points: list[SpeedPoint], files: list[Path]) -> N
         f"The paper's implicit model (k = 1000 N/m) is off by up to "
         f"{100 * (off.implicit_m_s / off.explicit_m_s - 1):+.1f} % here, at "
         f"{off.frequency_hz:g} Hz: its joints are springs. That is no error of its time steps, "
-        f"which make {100 * step.implicit_error_m_s / step.implicit_m_s:.2f} % at most (mean of "
-        "the last 5 of 20 or more periods).",
+        f"which make {100 * step.implicit_error_m_s / step.implicit_m_s:.3f} % at most.",
         "The readings are regenerated from the paper's two published lines, as its own data points "
         "are lost: the intervals come from assumed instrument errors, not from scatter.",
         "Written: " + ", ".join(str(f) for f in files),

@@ -8,13 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.calibration.prediction import (
-    implicit_speed,
-    implicit_steps,
-    mean_speeds,
-    one_cycle,
-    predict,
-)
+from serpenoid.calibration.prediction import one_cycle, predict
 
 SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
 PAPER = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
@@ -31,11 +25,9 @@ def test_speed_of_the_2005_robot(fit) -> None:
     assert point.explicit_m_s == pytest.approx(0.133205, rel=2e-4)
     assert point.explicit_error_m_s < 1e-6
     assert point.low_m_s < point.explicit_m_s < point.high_m_s
-    # halving the steps again must move the speed by no more than the error that is stated
-    finer, _ = implicit_speed(
-        sn.Robot(6, 0.0756, 0.076), fit.ground, gait, 2 * implicit_steps(gait)
-    )
-    assert abs(finer - point.implicit_m_s) <= point.implicit_error_m_s
+    # asking for more must move the speed by no more than the error that is stated
+    finer = sn.steady_springs(sn.Robot(6, 0.0756, 0.076), fit.ground, gait, rtol=1e-5)
+    assert abs(finer.speed_m_s - point.implicit_m_s) <= point.implicit_error_m_s
 
 
 @pytest.mark.parametrize(("omega", "off"), [(5.0, 0.02), (10.0, 0.08), (20.0, 0.42)])
@@ -49,7 +41,7 @@ def test_the_papers_springs_are_off_by_what_is_known(omega, off) -> None:
         sn.Scene(*PAPER, gait, formulation="implicit", dt_s=period / 800, record_every=800,
                  duration_s=cycles * period, start="steady")
     )  # fmt: skip
-    speed = mean_speeds(run, 1)[-5:].mean()
+    speed = run.mean_speed_m_s(period)[-5:].mean()
     # the known errors are rounded to a per cent
     assert speed / exact - 1 == pytest.approx(off, abs=0.006)
 
@@ -75,4 +67,5 @@ def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
     gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
     state, run = one_cycle(*PAPER, gait)
     # 600 steps of RK4 a period, 120 of them recorded
-    assert mean_speeds(run, 120) == pytest.approx([state.speed_m_s] * 3, rel=1e-6)
+    speeds = run.mean_speed_m_s(gait.period_s)[::120]
+    assert speeds == pytest.approx([state.speed_m_s] * 3, rel=1e-6)

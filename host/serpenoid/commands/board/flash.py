@@ -10,7 +10,7 @@ from ..options import AS_JSON, show_json
 
 
 @click.command()
-@click.option("--board", type=click.Choice(["uno", "nano", "mega"]),
+@click.option("--board", type=click.Choice(["uno", "nano", "nano_old", "mega"]),
               help="Needed where the USB id does not tell.")  # fmt: skip
 @click.option("--port", help="Serial port; found by its USB id unless given.")
 @click.option("--project", type=click.Path(file_okay=False, path_type=Path),

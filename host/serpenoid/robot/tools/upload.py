@@ -21,7 +21,7 @@ from ..wire.link import find_port, serial_ports
 from ..wire.ports import check_free
 from ..wire.protocol import Hello
 
-BOARDS = ("uno", "nano", "mega")  # the environments of platformio.ini
+BOARDS = ("uno", "nano", "nano_old", "mega")  # the environments of platformio.ini
 # USB vendor and product ids of boards that say what they are; copies have their chip's ids.
 KNOWN = {
     "uno": {(0x2A03, 0x43)} | {(0x2341, p) for p in (0x1, 0x43, 0x6A, 0x243)},
