@@ -12,12 +12,13 @@ from pathlib import Path
 
 import pytest
 from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
+from serpenoid.commands.demo_loop import take_session
 
 PACKAGE = ROOT / "host" / "serpenoid"
 EXAMPLES = sorted((ROOT / "host" / "examples").glob("*"))
 # What takes a board or a person is tried elsewhere; what takes hours is asked for its help.
-NEED_A_ROBOT = ("flash", "trim", "monitor", "ports", "doctor", "report", "calibrate")
-LONG = ("bench", "figures", "advise")
+NEED_A_ROBOT = ("flash", "trim", "monitor", "ports", "doctor", "calibrate")
+LONG = ("bench", "figures")
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
@@ -84,7 +85,7 @@ def folder(tmp_path_factory) -> Path:
     for name in ("host", "tests"):
         (made / name).symlink_to(ROOT / name)
     shutil.copytree(ROOT / "calibration_data", made / "calibration_data")
-    shutil.copytree(ROOT / "calibration_data" / "nirakh-2005", made / "my-robot")
+    take_session(made / "my-robot")
     return made
 
 
