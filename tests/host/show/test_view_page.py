@@ -61,14 +61,11 @@ def test_set_points_of_the_virtual_robot_lie_on_the_model(page) -> None:
     for axis in "xy":
         off = np.array(shown[f"set_{axis}_m"])[late] - np.array(shown[f"{axis}_m"])[late]
         assert np.abs(off).max() < 2e-3
-    travelled = np.hypot(*(np.mean([shown["x_m"], shown["y_m"]], axis=2) @ _ends(len(late))))
-    assert travelled == pytest.approx(0.1332 * shown["t_s"][-1], rel=0.03)
-
-
-def _ends(count: int) -> np.ndarray:
-    ends = np.zeros(count)
-    ends[0], ends[-1] = -1, 1
-    return ends
+    # the twin goes by the board's phase, which is slow at first: three cycles once it is settled
+    t_s, centre = np.array(shown["t_s"]), np.mean([shown["x_m"], shown["y_m"]], axis=2)
+    first = np.searchsorted(t_s, t_s[-1] - 3 * GAIT.period_s)
+    travelled = np.hypot(*(centre[:, -1] - centre[:, first]))
+    assert travelled == pytest.approx(0.1332 * (t_s[-1] - t_s[first]), rel=0.02)
 
 
 def test_the_page_is_one_file(page) -> None:
