@@ -1,6 +1,8 @@
 // Formulation first, then the terms (explicit_systems.cpp, implicit_systems.cpp).
 #include "scene/make_system.hpp"
 
+#include <algorithm>
+
 #include "scene/sticking_system.hpp"
 
 namespace serpenoid {
@@ -9,12 +11,13 @@ namespace {
 
 // The method makes sticking of what moves on ground without dry friction.
 std::unique_ptr<System> make_sticking(const RunRequest& q) {
-    constexpr double kAtRest = 1e-3;  // of what a step may err by
+    constexpr double kAtRest = 1e-3;     // of what a step may err by
+    constexpr double kRounding = 1e-10;  // a tolerance below which that would be rounding
     RunRequest slippery = q;
     slippery.ground.ft0 = slippery.ground.fn0 = 0;
     const double speed = 2 * q.robot.l * q.robot.n * rate_unit(q);
     return std::make_unique<StickingSystem>(make_paired(slippery), q.ground,
-                                            kAtRest * q.tolerance * speed);
+                                            kAtRest * std::max(q.tolerance, kRounding) * speed);
 }
 
 }  // namespace
