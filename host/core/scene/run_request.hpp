@@ -51,8 +51,7 @@ inline double rate_unit(const RunRequest& q) {
 // Whether sticking can be followed in the body frame, three unknowns (body/sticking_motion.hpp).
 inline bool in_body_frame(const RunRequest& q) {
     const bool straight = q.gait.alpha == 0 && q.gait.offset == 0;
-    return q.drive == Drive::angle && q.faults.empty() && !q.record_energy &&
-           !(straight && q.slope.tilted());
+    return q.drive == Drive::angle && q.faults.empty() && !q.record_energy && !straight;
 }
 
 // The fields that a Scene of Python has as plain numbers, under its names: handed over as they are.
