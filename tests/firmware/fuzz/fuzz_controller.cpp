@@ -8,7 +8,7 @@
 #include <string>
 
 #include "controller.h"
-#include "text.h"
+#include "lines.h"
 #include "virtual_board.hpp"
 
 using namespace firmware;
@@ -28,19 +28,20 @@ struct Watch {
         for (uint32_t k = 0; k < ms; ++k) {
             const State state = board.controller().state();
             board.run(1000);
-            require(board.attached() == (board.controller().state() != State::Idle));
+            // servos are attached one by one, and only while the board is not idle
+            if (board.controller().state() == State::Idle) require(board.attached() == 0);
             for (uint8_t i = 0; i < kJoints; ++i) check_joint(i, state);
         }
     }
     void check_joint(uint8_t i, State before) {
         const Settings& settings = board.controller().settings();
         const int16_t q14 = board.controller().motion().setpoints_q14()[i];
-        const Trim trim = trim_of(settings, i);
+        const Trim trim = trim_of(settings.trim_u[i]);
         require(q14 >= trim.low_q14 && q14 <= trim.high_q14);
         const int32_t step = std::abs(static_cast<int32_t>(q14) - before_q14[i]);
         if (before != State::Idle) require(step <= 5720);  // 1000 deg/s, the fastest setting
         before_q14[i] = q14;
-        if (board.attached()) {
+        if (i < board.attached()) {
             require(board.servo_us(i) >= kLeastPulseUs && board.servo_us(i) <= kMostPulseUs);
         }
     }
@@ -59,13 +60,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         line += byte;
         if (data[i] == 0x01) {  // seal what has come since the last line as a good numbered line
             line.erase(line.size() - 1);
-            Text text;
-            text.put('#').put_unsigned(++number).put(' ');
+            std::string body = "#" + std::to_string(++number) + " ";
             for (char c : line) {
-                if (c >= 0x20 && c < 0x7F && text.length() < 70) text.put(c);
+                if (c >= 0x20 && c < 0x7F && body.size() < 70) body += c;
             }
-            text.finish();
-            watch.board.put(std::string("\n") + std::string(text.data(), text.length()));
+            watch.board.put("\n" + sealed(body));
             line.clear();
             watch.run(10);
         } else if (data[i] >= 0x80) {
