@@ -6,8 +6,10 @@ SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*')
 	pyproject.toml host/CMakeLists.txt
 # What takes long beside what it finds before a commit; `make test` has it all.
 LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden/test_dialogue.py) \
-	$(addprefix tests/host/,bench calibration/test_friction.py calibration/test_prediction.py \
-	commands gaits periodic robot/test_drive.py simulation/test_stability.py)
+	$(addprefix tests/host/,bench commands gaits periodic robot show simulation/test_stability.py \
+	simulation/test_adaptive.py simulation/test_nonsmooth.py simulation/test_gaits.py) \
+	$(addprefix tests/host/calibration/test_,friction.py prediction.py page.py honest_fit.py \
+	dialogue.py comparison.py)
 
 help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"

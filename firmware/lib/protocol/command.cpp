@@ -164,8 +164,9 @@ Refusal parse_gait(const Words& words, Command& command) {
 
 // Links stand at +L, -L, +L, ... to the snake's axis, so each joint turns by 2 L.
 Refusal parse_bent(const Word& word, Command& command) {
-    int32_t link_udeg;
+    int32_t link_udeg = 0;
     const Refusal refusal = read_field(word, link_angle_field(), link_udeg);
+    if (!refusal.none()) return refusal;  // its double may be beyond an int32
     for (uint8_t i = 0; i < kJoints; ++i) {
         command.value_u[i] = i % 2 == 0 ? 2 * link_udeg : -2 * link_udeg;
     }
