@@ -99,7 +99,7 @@ class Controller {
     OWN_FRAME Refusal within_joint_limits(uint8_t joint, int32_t angle_udeg) const;
     void stop(const char* why);
     void go_idle(const char* why);
-    void drive(State state);
+    void power_for(State state);
     OWN_FRAME void configure();
 
     // dialogue.cpp: lines

@@ -79,7 +79,7 @@ Refusal Controller::start_gait(const Command& command) {
     }
     gait_ = Gait{u[kAlpha], u[kBeta], u[kOmega], u[kOffset]};
     motion_.gait(gait_);
-    drive(State::Gait);
+    power_for(State::Gait);
     return Refusal();
 }
 
@@ -92,13 +92,13 @@ Refusal Controller::start_pose(const Command& command) {
         target_q30[i] = q30_from_udeg(command.value_u[i]);
     }
     motion_.pose(target_q30);
-    drive(State::Pose);
+    power_for(State::Pose);
     return Refusal();
 }
 
-// Enter a state in which the servos are driven; those that are limp are attached where they were
+// Enter a state in which the servos have power; those that are limp are attached where they were
 // told to be last, one after the other.
-void Controller::drive(State state) {
+void Controller::power_for(State state) {
     if (state_ == State::Idle) {
         for (uint8_t i = 0; i < kJoints; ++i) trim_[i] = trim_of(settings_.trim_u[i]);
     }

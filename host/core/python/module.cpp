@@ -91,18 +91,18 @@ void check_sizes(const RunRequest& q) {
         throw nb::value_error("faults and locked_rad must have one value a joint, or none");
 }
 
-nb::dict evaluate_links(const RunRequest& q, Vector links, Vector drive) {
+nb::dict evaluate_links(const RunRequest& q, Vector links, Vector per_joint) {
     const std::size_t n = q.robot.n;
     check_sizes(q);
     if (links.shape(0) != 6 * n) throw nb::value_error("links must have 6 values a link");
-    if (drive.shape(0) != n - 1) throw nb::value_error("drive must have one value a joint");
+    if (per_joint.shape(0) != n - 1) throw nb::value_error("an evaluation needs one value a joint");
     Chain chain(q.robot.n);
     Joints joints(q.robot.n);
     std::vector<double>* part[6] = {&chain.x,  &chain.y,  &chain.theta,
                                     &chain.vx, &chain.vy, &chain.omega};
     for (int p = 0; p < 6; ++p) std::copy_n(links.data() + p * n, n, part[p]->begin());
-    if (q.drive == Drive::torque) std::copy_n(drive.data(), n - 1, joints.T.begin());
-    evaluate(q, drive.data(), chain, joints);
+    if (q.drive == Drive::torque) std::copy_n(per_joint.data(), n - 1, joints.T.begin());
+    evaluate(q, per_joint.data(), chain, joints);
     nb::dict out;
     out["ax"] = to_numpy(std::move(chain.ax), {n});
     out["ay"] = to_numpy(std::move(chain.ay), {n});

@@ -64,7 +64,7 @@ def random_scene(kind: str, rng: Generator) -> Scene:
         "duration_s": float(rng.uniform(1, 15 if kind == "torque" else 6)),
         "incline_rad": float(rng.choice([0, 0.1])),
     }
-    more |= _drive(kind, robot, rng)
+    more |= _joint_drive(kind, robot, rng)
     if rng.random() < 0.5:
         more |= {"method": "dop853", "tolerance": float(10 ** rng.uniform(-9, -3))}
     else:
@@ -77,7 +77,7 @@ def random_scene(kind: str, rng: Generator) -> Scene:
     return Scene(robot, ground, gait, **more)
 
 
-def _drive(kind: str, robot: Robot, rng: Generator) -> dict[str, Any]:
+def _joint_drive(kind: str, robot: Robot, rng: Generator) -> dict[str, Any]:
     joints = robot.links - 1
     if kind == "torque":
         weight = robot.link_mass_kg * robot.link_length_m**2

@@ -84,7 +84,7 @@ def take_session(folder: Path) -> Session:
     with Robot("virtual:fast") as robot, Journal(folder) as journal:
         setup = journal.session.setup
         treadmill = SimulatedTreadmill(
-            setup, TRUTH, SEED, drive=lambda gait: board_gait(robot, gait)
+            setup, TRUTH, SEED, run_gait=lambda gait: board_gait(robot, gait)
         )
         journal.event("start", detail="demo")
         with report.busy("stations, bends and gait runs"):

@@ -165,7 +165,7 @@ def make_scene(given: dict[str, Any], base: Scene | None) -> Scene:
     gait = make_gait(given, base.gait if base else _no_gait(given))
     parts: dict[str, Any] = {"robot": robot, "ground": ground, "gait": gait}
     told = {name: value for name, value in given.items() if value is not None}
-    parts |= _drive(told, base)
+    parts |= _joint_drive(told, base)
     for name, limits in _ANGLES.items():
         if name in told:
             degrees = check_number(f"--{name.replace('_', '-')}", told.pop(name), *limits)
@@ -196,7 +196,7 @@ def _check_that_all_apply(typed: set[str], scene: Scene, accuracy: float | None)
             raise click.UsageError(f"{option} has no effect: {why}")
 
 
-def _drive(told: dict[str, Any], base: Scene | None) -> dict[str, Any]:
+def _joint_drive(told: dict[str, Any], base: Scene | None) -> dict[str, Any]:
     """Take the drive from the options: asking for servos or torques replaces the scene's own."""
     drive, servo, torque = (told.pop(name, None) for name in ("drive", "servo", "torque_nm"))
     asked = {"servo": servo, "torque": torque}

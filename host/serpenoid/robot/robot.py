@@ -135,7 +135,7 @@ class Robot:
         Sent again, under the same number, until the verdict comes; raises RobotLost if none
         does, BadInput if the board could not read such a line. A refusal is a verdict too.
         """
-        answer = self._command(text)
+        answer = self._ask(text)
         return answer.verdict, answer.data
 
     def gait(self, gait: Gait) -> None:
@@ -251,10 +251,10 @@ class Robot:
         return self._talk
 
     def _obeyed(self, text: str) -> None:
-        _obey(text, self._command(text))
+        _obey(text, self._ask(text))
 
-    def _command(self, text: str) -> Answer:
-        answer = self._dialogue.command(text)
+    def _ask(self, text: str) -> Answer:
+        answer = self._dialogue.ask(text)
         if self._dialogue.inbox.every is None:  # this command may have changed it
             self.settings()
         return answer
@@ -262,7 +262,7 @@ class Robot:
     def _asked(self, text: str, read: Callable[[list[Data]], T]) -> T:
         """Ask until every line of the answer came whole; verdicts are repeated, data are not."""
         for _ in range(ATTEMPTS):
-            answer = self._dialogue.command(text)
+            answer = self._dialogue.ask(text)
             _obey(text, answer)
             with suppress(DamagedLine):
                 return read(answer.data)

@@ -10,12 +10,12 @@ from rich.console import Group
 from rich.live import Live
 from rich.table import Table
 
-from ..robot.tools.driven_run import Drive, Summary
+from ..robot.tools.driven_run import DrivenRun, Summary
 from .screen import screen
 
 FRAMES_A_TABLE = 5
 FRAMES_A_LINE = 50
-View = Callable[[Drive], None]
+View = Callable[[DrivenRun], None]
 
 
 @contextmanager
@@ -33,7 +33,7 @@ def _thinned(frames: int, show: View) -> View:
     return lambda run: show(run) if run.frames % frames == 1 else None
 
 
-def line(run: Drive) -> str:
+def line(run: DrivenRun) -> str:
     """Return the run's state as one line of text."""
     frame, losses = run.last, run.robot.losses
     assert frame is not None  # shown after a frame
@@ -45,7 +45,7 @@ def line(run: Drive) -> str:
     )
 
 
-def tables(run: Drive) -> Group:
+def tables(run: DrivenRun) -> Group:
     """Return the run's state as tables: the joints, then timing and losses."""
     frame = run.last
     assert frame is not None  # shown after a frame
@@ -57,7 +57,7 @@ def tables(run: Drive) -> Group:
     return Group(joints, _rows(_facts(run)), "Ctrl-C stops the robot")
 
 
-def _facts(run: Drive) -> list[tuple[str, str]]:
+def _facts(run: DrivenRun) -> list[tuple[str, str]]:
     frame, losses, drift = run.last, run.robot.losses, run.robot.clock
     assert frame is not None  # shown after a frame
     return [

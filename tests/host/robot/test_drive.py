@@ -18,7 +18,7 @@ from rich.console import Console
 from robot.fake_board import FakeBoard, eeprom_after, sealed
 from serpenoid import Gait
 from serpenoid.robot.recording.stream import load_stream
-from serpenoid.robot.tools.driven_run import Drive
+from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.robot.wire.protocol import PROTOCOL
 from serpenoid.show import live
 
@@ -66,7 +66,7 @@ def test_a_live_table_where_there_is_one(monkeypatch):
     screen = io.StringIO()
     terminal = Console(force_terminal=True, file=screen, width=80)
     monkeypatch.setattr(live, "screen", lambda: terminal)
-    run = Drive(Gait(0.5, 1.0, 5.0), "virtual:fast", None)
+    run = DrivenRun(Gait(0.5, 1.0, 5.0), "virtual:fast", None)
     with live.view() as watch:
         run.run(1.0, watch)
     shown = screen.getvalue()

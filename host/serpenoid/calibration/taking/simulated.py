@@ -56,7 +56,7 @@ class SimulatedTreadmill:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
     gait_speed: the true speed of a gait on ground per link, m/s; the exact model's unless given.
-    drive: runs a gait on a board and returns the one that the board made of it, in true seconds.
+    run_gait: runs a gait on a board and returns the one that the board made of it, in true seconds.
     """
 
     def __init__(
@@ -65,13 +65,13 @@ class SimulatedTreadmill:
         truth: Truth,
         seed: int = 0,
         gait_speed: GaitSpeed | None = None,
-        drive: Callable[[Gait], Gait] | None = None,
+        run_gait: Callable[[Gait], Gait] | None = None,
     ):
         self.truth = truth
         self._setup = setup
         self._rng = np.random.default_rng(seed)
         self._gait_speed = gait_speed or exact_speed
-        self._drive = drive
+        self._run_gait = run_gait
         self._lambda_rad = 0.0
         # The deck does not lie level when the treadmill says 0.
         self._deck_rad = math.radians(float(self._rng.uniform(-0.15, 0.15)))
@@ -168,7 +168,7 @@ class SimulatedTreadmill:
         gait = step.gait
         assert gait is not None  # a gait's step has one
         if gait not in self._ran:
-            made = gait if self._drive is None else self._drive(gait)
+            made = gait if self._run_gait is None else self._run_gait(gait)
             true = replace(made, alpha_rad=made.alpha_rad * self.truth.amplitude)
             robot, ground = self._setup.robot, self.truth.ground
             per_link = Ground.whole_body(robot.links, ground.ct, ground.cn, ground.ft0, ground.fn0)

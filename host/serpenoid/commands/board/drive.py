@@ -13,7 +13,7 @@ from .port import PORT
 
 if TYPE_CHECKING:
     from ...model.gait import Gait
-    from ...robot.tools.driven_run import Drive
+    from ...robot.tools.driven_run import DrivenRun
 
 
 @click.command()
@@ -39,18 +39,18 @@ def drive_gait(
     gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool
 ) -> None:
     """Drive a gait, show it, and sum it up, as the command `drive` says."""
-    from ...robot.tools.driven_run import Drive
+    from ...robot.tools.driven_run import DrivenRun
 
-    run = Drive(gait, port, record)
+    run = DrivenRun(gait, port, record)
     try:
-        interrupted = _drive(run, duration_s, as_json)
+        interrupted = _watch(run, duration_s, as_json)
     finally:  # a run that failed has a summary too
         _sum_up(run, as_json)
     if interrupted and duration_s is not None:
         raise SystemExit(130)
 
 
-def _drive(run: Drive, duration_s: float | None, quiet: bool) -> bool:
+def _watch(run: DrivenRun, duration_s: float | None, quiet: bool) -> bool:
     """Drive; return whether Ctrl-C ended it."""
     from contextlib import nullcontext
 
@@ -66,7 +66,7 @@ def _drive(run: Drive, duration_s: float | None, quiet: bool) -> bool:
     return False
 
 
-def _sum_up(run: Drive, as_json: bool) -> None:
+def _sum_up(run: DrivenRun, as_json: bool) -> None:
     from ...show.live import show_summary
 
     found = run.summary()

@@ -50,7 +50,7 @@ class Summary:
         return asdict(self)
 
 
-class Drive:
+class DrivenRun:
     """One gait on one robot: `run` drives it, `summary` may be asked for even if that raised."""
 
     def __init__(self, gait: Gait, port: str | None, record: Path | None):
@@ -61,7 +61,7 @@ class Drive:
         self.frames = self.latest_us = self.clipped_frames = 0
         self._record = record
 
-    def run(self, duration_s: float | None, watch: Callable[[Drive], None]) -> None:
+    def run(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
         """Drive for a time or without end, calling watch after every frame.
 
         Raises what Robot raises, FramesMissing if too few frames came, ClockWrong if the board's

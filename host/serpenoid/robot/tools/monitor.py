@@ -137,7 +137,7 @@ class Monitor:
         """Send one command; show, rather than raise, what does not end the conversation."""
         while True:
             try:
-                self._talk.command(text)
+                self._talk.ask(text)
             except (BadInput, RobotHeld) as error:
                 self._show(str(error))
             except (RobotUnattended, StateUnasked) as error:

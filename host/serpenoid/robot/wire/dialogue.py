@@ -107,10 +107,10 @@ class Dialogue:
             self._thread("serpenoid pinger", self._keep_alive)
         return True
 
-    def command(self, text: str) -> Answer:
+    def ask(self, text: str) -> Answer:
         """Send a command under the next number; return its answer or raise RobotLost."""
         self._attend()
-        return self._command(text, PATIENCE_S)
+        return self._ask_within(text, PATIENCE_S)
 
     def halt(self, *, stay: bool = False) -> None:
         """Stop the robot at once, whatever else is under way; the verdict is not waited for.
@@ -127,7 +127,7 @@ class Dialogue:
         """Halt, from any thread, and return once the board has confirmed it."""
         if not self._closing.is_set():  # what is closed is not lost
             self.halt(stay=stay)
-        return self._command("stop", PATIENCE_S)
+        return self._ask_within("stop", PATIENCE_S)
 
     def release(self) -> None:
         """Allow motion again after stop(stay=True)."""
@@ -192,7 +192,7 @@ class Dialogue:
         unseen = unseen or self.inbox.notice
         with suppress(RobotError):
             if self.inbox.in_session:
-                self._command("bye", PATIENCE_S / 4)
+                self._ask_within("bye", PATIENCE_S / 4)
         self.fall_silent()
         return Farewell(unstopped, unseen)
 
@@ -214,7 +214,7 @@ class Dialogue:
             self.halt()
             if not self.inbox.in_session:  # nothing was set in motion by this program
                 return None
-            verdict = self._command("stop", PATIENCE_S).verdict
+            verdict = self._ask_within("stop", PATIENCE_S).verdict
             if verdict.accepted:
                 return None
             why = f"{refused('stop', verdict)}; if the robot moves, cut its power"
@@ -247,7 +247,7 @@ class Dialogue:
             self._recorder = None
             raise self._fail(error) from error
 
-    def _command(self, text: str, patience_s: float) -> Answer:
+    def _ask_within(self, text: str, patience_s: float) -> Answer:
         answer: Answer | None = None
         with self._talking:
             for _ in range(MOST_STOPS):
@@ -344,7 +344,7 @@ class Dialogue:
 
     def _ping_if_quiet(self) -> None:
         if self.link.now_s() - self._spoken_s > self._ping_s:
-            self._command("ping", PATIENCE_S)
+            self._ask_within("ping", PATIENCE_S)
 
     def _abandon(self) -> None:
         self._attended_s = self.link.now_s()

@@ -189,7 +189,7 @@ class Dialogue:
             if line is None:
                 self._nobody()
                 continue
-            if not self._command(line, step):
+            if not self._do_word(line, step):
                 return line
 
     def _nobody(self) -> None:
@@ -223,7 +223,7 @@ class Dialogue:
     def _say(self, text: str) -> None:
         self._terminal.say(text)
 
-    def _command(self, line: str, step: Step) -> bool:
+    def _do_word(self, line: str, step: Step) -> bool:
         """Do what a command word says; return False if the line is none."""
         word, _, rest = line.partition(" ")
         name = _SHORT.get(word.lower(), word.lower())
