@@ -26,7 +26,7 @@ from ..robot.robot import Robot
 from ..show import report
 from ..show.comparison_figure import comparison_figure
 from ..show.friction_report import show_advice, show_comparison
-from ..show.page_of_session import session_page
+from ..show.session.report_page import session_page
 from .options import finite
 
 if TYPE_CHECKING:

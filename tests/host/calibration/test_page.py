@@ -21,7 +21,7 @@ from serpenoid.calibration.taking.treadmill import Posture, take_step
 from serpenoid.model.errors import RobotLost
 from webdriver import Browser
 
-HTML = files("serpenoid.show").joinpath("session_page.html").read_text(encoding="utf-8")
+HTML = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
 
 
 def ask(page, method="GET", path=None, **headers):

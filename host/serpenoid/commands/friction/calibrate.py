@@ -228,7 +228,7 @@ def _add_sheet(journal: Journal, path: Path) -> None:
 def sheet(folder: Path, out: Path) -> None:
     """Write a sheet to print and fill in by hand; `add --sheet` takes the readings in later."""
     from ...calibration.session_file import read_session
-    from ...show.session_sheet import write_sheet
+    from ...show.session.sheet import write_sheet
 
     write_sheet(read_session(folder), out)
     click.echo(f"wrote {out}; print it from a browser")
@@ -291,7 +291,7 @@ def status(folder: Path, as_json: bool) -> None:
     from ...calibration.session_file import read_session
     from ...calibration.session_rows import read_events
     from ...calibration.taking.procedure import next_step, progress, skipped_keys
-    from ...show import session_table
+    from ...show.session import table
 
     session = read_session(folder)
     try:
@@ -301,7 +301,7 @@ def status(folder: Path, as_json: bool) -> None:
     skipped = skipped_keys(events)
     parts, step = progress(session, skipped), next_step(session, skipped)
     if as_json:
-        return show_json(session_table.as_dict(session, parts, step.say))
-    session_table.show(session, parts)
+        return show_json(table.as_dict(session, parts, step.say))
+    table.show(session, parts)
     click.echo(f"next: {step.say}")
     return None

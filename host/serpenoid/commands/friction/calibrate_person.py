@@ -65,7 +65,7 @@ def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: C
     from ...calibration.taking.person.state import state_of
     from ...calibration.taking.procedure import skipped_keys
 
-    html = files("serpenoid.show").joinpath("session_page.html").read_text(encoding="utf-8")
+    html = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
     page = stack.enter_context(Page(html, seat and seat.halt, lan=lan))
     console.say(f"page: {page.url}")
 
@@ -78,7 +78,7 @@ def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: C
 
 def _pictures(console: Any) -> Any:
     """Return a function that draws the session after each new station."""
-    from ...show.session_plot import picture
+    from ...show.session.terminal_plot import picture
 
     shown = [-1]
 

@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
-from ..calibration.advice import Advice
-from ..calibration.comparison import Comparison
-from ..calibration.friction_result import FrictionFit
-from ..calibration.session import Session
-from .comparison_figure import draw_comparison
-from .plot import draw_friction, figure
+from ...calibration.advice import Advice
+from ...calibration.comparison import Comparison
+from ...calibration.friction_result import FrictionFit
+from ...calibration.session import Session
+from ..comparison_figure import draw_comparison
+from ..plot import draw_friction, figure
 
 _STYLE = """
 :root{color-scheme:light dark;--ink:#1c1e21;--paper:#fff;--line:#d9dce1;--soft:#5b616b}

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..calibration.taking.expected import line_of, planned_bend
+from ...calibration.taking.expected import line_of, planned_bend
 
 if TYPE_CHECKING:
-    from ..calibration.session import Session
+    from ...calibration.session import Session
 
 MARKS = "ox+*#@"
 WIDE, HIGH = 64, 14

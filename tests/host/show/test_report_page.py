@@ -10,7 +10,7 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid.calibration.comparison import ComparedGait, Comparison
-from serpenoid.show.page_of_session import session_page
+from serpenoid.show.session.report_page import session_page
 
 
 @pytest.fixture(scope="module")

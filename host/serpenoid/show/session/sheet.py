@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..calibration.session import Session
+    from ...calibration.session import Session
 
 LINES = 6  # to fill in, a bend
 STYLE = """

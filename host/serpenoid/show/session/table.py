@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from . import report
+from .. import report
 
 if TYPE_CHECKING:
-    from ..calibration.session import Session
+    from ...calibration.session import Session
 
 
 def rows(session: Session) -> list[list[str]]:
