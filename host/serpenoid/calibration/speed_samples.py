@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,31 @@ AMPLITUDE_STEP = 0.02  # of the joints, to find what a lost amplitude costs
 def speed(robot: Robot, ground: Ground, gait: Gait) -> float:
     """Return the exact model's speed to 1e-3 of itself, m/s."""
     return steady_gait(robot, ground, gait, rtol=1e-3, powers=False).speed_m_s
+
+
+@dataclass(frozen=True)
+class SpeedBand:
+    """Hold what a fit predicts of one gait: the speed, and the 95 % of its sampled frictions."""
+
+    speed_m_s: float
+    low_m_s: float
+    high_m_s: float
+
+    def to_dict(self) -> dict[str, float]:
+        """Return plain values."""
+        return asdict(self)
+
+    def in_words(self) -> str:
+        """Return the speed with its band."""
+        band = f"{self.low_m_s:.4f} to {self.high_m_s:.4f} for 95 % of the frictions"
+        return f"{self.speed_m_s:.4f} m/s, {band} that the readings allow"
+
+
+def speed_band(fit: FrictionFit, gait: Gait, count: int = 64) -> SpeedBand:
+    """Predict one gait's speed by the exact model, with the band that the fit leaves it."""
+    drawn = sample_speeds(fit, [gait], count=count).friction_m_s
+    low, high = np.quantile(drawn, [0.025, 0.975]).tolist()
+    return SpeedBand(speed(fit.robot, fit.ground, gait), low, high)
 
 
 def scaled(gait: Gait, amplitude: float) -> Gait:

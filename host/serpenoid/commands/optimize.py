@@ -23,6 +23,7 @@ from .options import (
 from .paths import FIGURES, OutFile
 
 if TYPE_CHECKING:
+    from ..calibration.friction_result import FrictionFit
     from ..gaits.least_power import LeastPower
     from ..gaits.limits import GaitLimits
     from ..gaits.robust import RobustGait
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from ..model.ground import Ground
     from ..model.robot import Robot
 
+_OF_A_FIT = ("links", "mass_kg", "length_m", "inertia_kg_m2", "ct", "cn", "ft0", "fn0")
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
 limit_options = stacked([
@@ -99,7 +101,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     if send:
         from .board.drive import drive_gait
 
-        drive_gait(found.gait, run["duration_s"], run["port"], run["record"], as_json)
+        drive_gait(found.gait, run["duration_s"], run["port"], run["record"], as_json, ask.fit)
     return None
 
 
@@ -122,7 +124,8 @@ class _Asked:
         if self.robust and self.formulation == "implicit":
             raise click.UsageError("--robust runs on the exact model; leave --formulation out")
         self.limits = _limits(given, send)
-        self.uncertainty = _uncertainty(given)
+        self.fit = _fit(given, self.robust)
+        self.uncertainty = _uncertainty(given, self.fit)
         self.robot: Robot
         self.ground: Ground
         self.robot, self.ground = make_robot(given)
@@ -165,7 +168,23 @@ def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
     return GaitLimits(**{name: value for name, value in taken.items() if value is not None})
 
 
-def _uncertainty(given: dict[str, Any]) -> Uncertainty:
+def _fit(given: dict[str, Any], robust: bool) -> FrictionFit | None:
+    """Return the fit of the options, None where they name none or change its friction or robot."""
+    from .friction.given import take_fit
+
+    fit = take_fit(dict(given))
+    changed = [f"--{name.replace('_', '-')}" for name in _OF_A_FIT if given.get(name) is not None]
+    if fit is None or not changed:
+        return fit
+    if robust:
+        raise click.UsageError(
+            f"--robust draws the friction from the fit, so {changed[0]} has no place beside it; "
+            "leave out one of the two"
+        )
+    return None
+
+
+def _uncertainty(given: dict[str, Any], fit: FrictionFit | None) -> Uncertainty:
     """Take the doubt about servos, and about friction from a fit where there is one."""
     from ..gaits.uncertainty import Uncertainty
 
@@ -176,12 +195,8 @@ def _uncertainty(given: dict[str, Any]) -> Uncertainty:
         "lag_rad": None if lag is None else math.radians(lag),
     }
     changes: dict[str, Any] = {k: v for k, v in taken.items() if v is not None}
-    if given.get("session") is not None or given.get("ground_file") is not None:
-        from .friction.given import take_fit
-
-        fit = take_fit(dict(given))
-        if fit is not None:
-            changes["grounds"] = fit.sample(128)
+    if fit is not None:
+        changes["grounds"] = fit.sample(128)
     return Uncertainty(**changes)
 
 

@@ -48,13 +48,17 @@ def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
     return add
 
 
-robot_options = stacked([
-    click.option("--robot", "preset", type=click.Choice(list(PRESETS)),
-                 help="Robot and ground to start from; 2005 unless given."),
+fit_options = stacked([
     click.option("--session", type=click.Path(path_type=Path),
                  help="Calibration session whose robot and fitted friction to take."),
     click.option("--ground", "ground_file", type=click.Path(path_type=Path),
                  help="fit.json whose robot and friction to take."),
+])  # fmt: skip
+
+robot_options = stacked([
+    click.option("--robot", "preset", type=click.Choice(list(PRESETS)),
+                 help="Robot and ground to start from; 2005 unless given."),
+    fit_options,
     click.option("--links", type=int, help="Number of links; 6 unless given."),
     click.option("--mass-kg", type=float, help="Mass of a link."),
     click.option("--length-m", type=float, help="Length of a link, joint to joint."),

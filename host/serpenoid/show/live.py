@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from rich.console import Group
 from rich.live import Live
@@ -13,20 +14,26 @@ from rich.table import Table
 from ..robot.tools.driven_run import DrivenRun, Summary
 from .screen import screen
 
+if TYPE_CHECKING:
+    from ..calibration.speed_samples import SpeedBand
+
 FRAMES_A_TABLE = 5
 FRAMES_A_LINE = 50
 View = Callable[[DrivenRun], None]
 
 
 @contextmanager
-def view() -> Iterator[View]:
-    """Give a function that shows the state of a run; call it after every frame."""
+def view(band: SpeedBand | None = None) -> Iterator[View]:
+    """Give a function that shows the state of a run; call it after every frame.
+
+    band: the speed that is predicted for the gait, to stand beside.
+    """
     console = screen()
     if not console.is_terminal:
         yield _thinned(FRAMES_A_LINE, lambda run: print(line(run), flush=True))
         return
     with Live(console=console, auto_refresh=False) as live:
-        yield _thinned(FRAMES_A_TABLE, lambda run: live.update(tables(run), refresh=True))
+        yield _thinned(FRAMES_A_TABLE, lambda run: live.update(tables(run, band), refresh=True))
 
 
 def _thinned(frames: int, show: View) -> View:
@@ -45,7 +52,7 @@ def line(run: DrivenRun) -> str:
     )
 
 
-def tables(run: DrivenRun) -> Group:
+def tables(run: DrivenRun, band: SpeedBand | None = None) -> Group:
     """Return the run's state as tables: the joints, then timing and losses."""
     frame = run.last
     assert frame is not None  # shown after a frame
@@ -54,7 +61,7 @@ def tables(run: DrivenRun) -> Group:
         joints.add_column(name, justify="right")
     for j, (angle, pulse) in enumerate(zip(frame.setpoint_rad, frame.pulse_us, strict=True), 1):
         joints.add_row(str(j), f"{math.degrees(angle):.2f}", str(pulse))
-    return Group(joints, _rows(_facts(run)), "Ctrl-C stops the robot")
+    return Group(joints, _rows(_facts(run) + _predicted(band)), "Ctrl-C stops the robot")
 
 
 def _facts(run: DrivenRun) -> list[tuple[str, str]]:
@@ -71,8 +78,12 @@ def _facts(run: DrivenRun) -> list[tuple[str, str]]:
     ]
 
 
-def show_summary(found: Summary) -> None:
-    """Print what a run came to."""
+def _predicted(band: SpeedBand | None) -> list[tuple[str, str]]:
+    return [] if band is None else [("predicted speed", band.in_words())]
+
+
+def show_summary(found: Summary, band: SpeedBand | None = None) -> None:
+    """Print what a run came to, and the speed that was predicted for it."""
     rows = [
         ("board", f"{found.board}, firmware {found.firmware}"),
         ("driven", f"{found.duration_s:.2f} s"),
@@ -84,7 +95,7 @@ def show_summary(found: Summary) -> None:
         ("true gait frequency", _frequency(found.frequency_hz, found.frequency_sd_hz)),
         ("recording", found.recording or "none (--record FILE)"),
     ]
-    screen().print(_rows(rows))
+    screen().print(_rows(rows + _predicted(band)))
 
 
 def _frequency(hz: float | None, sd_hz: float | None) -> str:

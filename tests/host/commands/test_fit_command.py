@@ -86,3 +86,35 @@ def test_compare_predicts_and_draws(folder, tmp_path):
 def test_advise_names_the_next_reading(folder):
     told = run("advise", folder, "--gait", 70, 75, 0.5, "--samples", 16).stdout
     assert "Take next: " in told
+
+
+def test_drive_tells_the_speed_that_the_friction_predicts(folder):
+    driven = ["drive", *GAIT[:4], "--omega-rad-s", "3", "--port", "virtual:fast",
+              "--duration-s", "1"]  # fmt: skip
+    told = json.loads(run(*driven, "--session", folder, "--json").stdout)
+    steady = json.loads(run("steady", *GAIT[:4], "--omega-rad-s", 3, "--session", folder, "--json",
+                            ).stdout)  # fmt: skip
+    predicted = told["predicted"]
+    assert predicted["speed_m_s"] == pytest.approx(steady["speed_m_s"], rel=2e-3)
+    assert predicted["low_m_s"] < 0.9 * predicted["speed_m_s"] < predicted["high_m_s"]
+    shown = run(*driven, "--session", folder).stdout
+    assert shown.startswith("predicted: 0.09")
+    assert "predicted speed" in shown
+    assert "predicted" not in run(*driven).stdout
+    refused = run(*driven, "--session", folder, "--ground", folder, check=False)
+    assert "one of --session and --ground" in refused.stderr
+
+
+def test_friction_of_a_robot_with_other_links_drives_nothing(folder):
+    text = (folder / "session.toml").read_text()
+    (folder / "session.toml").write_text(text.replace("links = 6", "links = 9"))
+    driven = run("drive", *GAIT, "--port", "virtual:fast", "--session", folder, check=False)
+    assert driven.returncode == 2
+    assert "a robot of 9 links, but this board moves 6 links" in driven.stderr
+
+
+def test_robust_takes_the_fits_friction_or_none(folder):
+    asked = ["optimize", "--speed", "0.05", "--robust", "--session", folder, "--fn0", "0.1"]
+    refused = run(*asked, check=False)
+    assert refused.returncode == 2
+    assert "draws the friction from the fit" in refused.stderr

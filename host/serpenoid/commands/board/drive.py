@@ -7,17 +7,29 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..options import AS_JSON, describe, gait_options, make_gait, show_json
+from ..friction.given import take_fit
+from ..options import (
+    AS_JSON,
+    describe,
+    fit_options,
+    gait_options,
+    interruptible,
+    make_gait,
+    show_json,
+)
 from ..paths import OutFile
 from .port import PORT
 
 if TYPE_CHECKING:
+    from ...calibration.friction_result import FrictionFit
+    from ...calibration.speed_samples import SpeedBand
     from ...model.gait import Gait
     from ...robot.tools.driven_run import DrivenRun
 
 
 @click.command()
 @gait_options
+@fit_options
 @click.option("--duration-s", type=click.FloatRange(0, min_open=True),
               help="How long; until Ctrl-C unless given.")  # fmt: skip
 @PORT
@@ -29,35 +41,53 @@ def drive(
 ) -> None:
     """Drive a gait and watch it; Ctrl-C stops the robot first. Lay it straight before.
 
+    With --session DIR or --ground FILE the speed that the fitted friction predicts stands beside.
+
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
     Ctrl-C.
     """
-    drive_gait(make_gait(given), duration_s, port, record, as_json)
+    fit = take_fit(given)
+    drive_gait(make_gait(given), duration_s, port, record, as_json, fit)
 
 
 def drive_gait(
-    gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool
-) -> None:
-    """Drive a gait, show it, and sum it up, as the command `drive` says."""
+    gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool,
+    fit: FrictionFit | None = None,
+) -> None:  # fmt: skip
+    """Drive a gait, show it, and sum it up, as the command `drive` says.
+
+    fit: of this robot's friction, if there is one; the board must have the joints of its robot.
+    """
     from ...robot.tools.driven_run import DrivenRun
 
-    run = DrivenRun(gait, port, record)
+    band = None if fit is None else _predicted(fit, gait, as_json)
+    run = DrivenRun(gait, port, record, None if fit is None else fit.robot.links)
     try:
-        interrupted = _watch(run, duration_s, as_json)
+        interrupted = _watch(run, duration_s, as_json, band)
     finally:  # a run that failed has a summary too
-        _sum_up(run, as_json)
+        _sum_up(run, as_json, band)
     if interrupted and duration_s is not None:
         raise SystemExit(130)
 
 
-def _watch(run: DrivenRun, duration_s: float | None, quiet: bool) -> bool:
+def _predicted(fit: FrictionFit, gait: Gait, quiet: bool) -> SpeedBand:
+    """Return the speed to expect, told before anything moves."""
+    from ...calibration.speed_samples import speed_band
+
+    band = interruptible(lambda: speed_band(fit, gait))
+    if not quiet:
+        click.echo(f"predicted: {band.in_words()}")
+    return band
+
+
+def _watch(run: DrivenRun, duration_s: float | None, quiet: bool, band: SpeedBand | None) -> bool:
     """Drive; return whether Ctrl-C ended it."""
     from contextlib import nullcontext
 
     from ...show.live import view
 
     try:
-        with nullcontext(lambda _: None) if quiet else view() as watch:
+        with nullcontext(lambda _: None) if quiet else view(band) as watch:
             run.run(duration_s, watch)
     except KeyboardInterrupt:
         if run.last is None:
@@ -66,10 +96,13 @@ def _watch(run: DrivenRun, duration_s: float | None, quiet: bool) -> bool:
     return False
 
 
-def _sum_up(run: DrivenRun, as_json: bool) -> None:
+def _sum_up(run: DrivenRun, as_json: bool, band: SpeedBand | None) -> None:
     from ...show.live import show_summary
 
     found = run.summary()
     if found is None:
-        return
-    show_json({"gait": describe(run.gait)} | found.to_dict()) if as_json else show_summary(found)
+        return None
+    if not as_json:
+        return show_summary(found, band)
+    told = {} if band is None else {"predicted": band.to_dict()}
+    return show_json({"gait": describe(run.gait)} | told | found.to_dict())

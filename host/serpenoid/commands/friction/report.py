@@ -20,8 +20,8 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again."""
     from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
-    from ...show.session.report_page import session_page
     from ...show.report import progress
+    from ...show.session.report_page import session_page
 
     out = out or session / "report.html"
     compared = advised = None

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...model.errors import ClockWrong, FramesMissing
+from ...model.errors import BadInput, ClockWrong, FramesMissing
 from ..robot import Robot
 from ..wire.protocol import Telemetry
 
@@ -51,10 +51,14 @@ class Summary:
 
 
 class DrivenRun:
-    """One gait on one robot: `run` drives it, `summary` may be asked for even if that raised."""
+    """One gait on one robot: `run` drives it, `summary` may be asked for even if that raised.
 
-    def __init__(self, gait: Gait, port: str | None, record: Path | None):
+    links: that the robot is to have, if that matters.
+    """
+
+    def __init__(self, gait: Gait, port: str | None, record: Path | None, links: int | None = None):
         self.gait = gait
+        self._links = links
         self.robot = Robot(port, record=record)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
@@ -64,10 +68,12 @@ class DrivenRun:
     def run(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
         """Drive for a time or without end, calling watch after every frame.
 
-        Raises what Robot raises, FramesMissing if too few frames came, ClockWrong if the board's
-        clock cannot be believed; whatever happens the robot is stopped first.
+        Raises what Robot raises, BadInput if it has other links than it should, FramesMissing if
+        too few frames came, ClockWrong if the board's clock cannot be believed; whatever happens
+        the robot is stopped first.
         """
         with self.robot as robot:
+            self._check_links()
             _make_watchable(robot)
             robot.gait(self.gait)
             for frame in robot.frames(duration_s):
@@ -108,6 +114,14 @@ class DrivenRun:
             drift.ppm, drift.sd_ppm, frequency_hz, frequency_sd_hz,
             None if self._record is None else str(self._record),
         )  # fmt: skip
+
+    def _check_links(self) -> None:
+        links = self.robot.hello.joints + 1
+        if self._links not in (None, links):
+            raise BadInput(
+                f"the friction is of a robot of {self._links} links, but this board moves {links} "
+                "links; give the session of this robot, or none"
+            )
 
     def _check_frames(self) -> None:
         missed = self.robot.losses.missed_frames
