@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +12,9 @@ from numpy.typing import NDArray
 from ..model.link_state import LinkState
 from .error import RunError
 from .scene import Scene
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 Array = NDArray[np.float64]
 ENERGY_COLUMNS = (
@@ -125,6 +126,9 @@ class Run:
         A row for each recorded time. Links and joints count from 1 at the tail: vx2_m_s is vx_m_s
         of link 2; joint_force_x3_n is that on link 3 from link 4.
         """
+        import csv
+        from pathlib import Path
+
         header, columns = ["t_s"], [self.t_s[:, None]]
         for names in _CSV_GROUPS:
             arrays = [getattr(self, name) for name in names]
