@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .model.link_state import LinkState
     from .model.robot import Robot
     from .periodic.steady import Steady, steady_gait
+    from .periodic.study import Study, load_study, sweep_study
     from .periodic.sweep import Sweep, sweep
     from .simulation.gait_batch import GaitRuns, simulate_gaits
     from .simulation.run import Run
@@ -59,6 +60,7 @@ _HOMES = {
     "gaits.robust": ("RobustGait", "robust_gait"),
     "gaits.uncertainty": ("Uncertainty",),
     "periodic.steady": ("Steady", "steady_gait"),
+    "periodic.study": ("Study", "load_study", "sweep_study"),
     "periodic.sweep": ("Sweep", "sweep"),
     "simulation.steady_springs": ("SteadySprings", "steady_springs"),
     "simulation.gait_batch": ("GaitRuns", "simulate_gaits"),
@@ -95,6 +97,7 @@ __all__ = [
     "Steady",
     "SteadySprings",
     "StepTooLarge",
+    "Study",
     "Sweep",
     "TorqueDrive",
     "TorqueTable",
@@ -108,6 +111,7 @@ __all__ = [
     "load_fit",
     "load_scene",
     "load_session",
+    "load_study",
     "power_front",
     "robust_gait",
     "save_fit",
@@ -117,6 +121,7 @@ __all__ = [
     "steady_gait",
     "steady_springs",
     "sweep",
+    "sweep_study",
     "to_mjcf",
 ]
 

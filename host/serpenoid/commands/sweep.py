@@ -1,17 +1,25 @@
-"""The command `serpenoid sweep`: every gait of a grid."""
+"""The command `serpenoid sweep`: every gait of a grid, of one robot or many."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .options import AS_JSON, TypedCommand, make_robot, robot_options, show_json
-from .paths import OutFile
+from .paths import OutFile, OutFolder
+
+if TYPE_CHECKING:
+    from ..model.ground import Ground
+    from ..model.robot import Robot
 
 SUFFIXES = (".csv", ".npz", ".json")
+_BODY = {"links": "links", "mass_kg": "link_mass_kg", "length_m": "link_length_m"}
+_GRIP = ("ct", "cn", "ft0", "fn0")
 
 
 def _span(text: str, name: str) -> list[float]:
@@ -30,45 +38,149 @@ def _span(text: str, name: str) -> list[float]:
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
+class _Result(click.ParamType[Path]):
+    """A file with a suffix, or a folder for a study."""
+
+    name = "path"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """Return the path, or fail with the reason why nothing could be written there."""
+        there = Path(value)
+        kind = OutFile(*SUFFIXES) if there.suffix and not there.is_dir() else OutFolder()
+        return kind.convert(value, param, ctx)
+
+
+def _varied(given: tuple[str, ...]) -> dict[str, list[float]]:
+    """Read each NAME=FIRST:LAST:STEP."""
+    found = {}
+    for text in given:
+        name, equals, span = text.partition("=")
+        if not equals or name not in (*_BODY, *_GRIP):
+            raise click.BadParameter(
+                f"{text!r} is not NAME=FIRST:LAST:STEP with a NAME of "
+                + ", ".join((*_BODY, *_GRIP)),
+                param_hint="--vary",
+            )
+        found[name] = _span(span, "--vary")
+    return found
+
+
+def _designs(
+    robot: Robot, ground: Ground, varied: dict[str, list[float]]
+) -> tuple[Robot | list[Robot], Ground | list[Ground]]:
+    """Return all robots and all grounds of a study; one that does not vary stays alone."""
+    body = [name for name in _BODY if name in varied]
+    grip = [name for name in _GRIP if name in varied]
+    uniform = robot == replace(robot, link_inertia_kg_m2=None)
+    robots = []
+    for values in product(*(varied[name] for name in body)):
+        changes: dict[str, Any] = {_BODY[n]: v for n, v in zip(body, values, strict=True)}
+        if float(changes.get("links", 2)) % 1:
+            raise click.BadParameter("links must be whole numbers", param_hint="--vary")
+        if "links" in changes:
+            changes["links"] = int(changes["links"])
+        if uniform:
+            changes["link_inertia_kg_m2"] = None
+        robots.append(replace(robot, **changes))
+    grounds = [
+        replace(ground, **dict(zip(grip, values, strict=True)))
+        for values in product(*(varied[name] for name in grip))
+    ]
+    return robots if body else robots[0], grounds if grip else grounds[0]
+
+
 @click.command(cls=TypedCommand)
 @robot_options
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="NAME=FIRST:LAST:STEP",
+    help="Vary the robot, too: links, mass_kg, length_m, ct, cn, ft0 or fn0 (all per "
+    "link). May be given several times; wants a folder as --out.",
+)
 @click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
 @click.option("--threads", type=int, help="Threads to solve in; one a processor unless given.")
-@click.option("--out", type=OutFile(*SUFFIXES), help="CSV, npz or JSON file to write.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Solve on the Dask cluster with this address, e.g. tcp://10.0.0.1:8786.",
+)
+@click.option(
+    "--out",
+    type=_Result(),
+    help="CSV, npz or JSON file to write; or a folder, filled chunk by chunk and gone on "
+    "with if the same is asked for again.",
+)
 @AS_JSON
 def sweep(
     as_json: bool,
     out: Path | None,
+    vary: tuple[str, ...],
     alpha_deg: str,
     beta_deg: str,
     omega_rad_s: str,
     rtol: float,
     threads: int | None,
+    scheduler: str | None,
     **given: Any,
 ) -> None:
-    """Solve every gait of a grid (the paper's 4500 unless told), into a file or as JSON."""
+    """Solve every gait of a grid (the paper's 4500 unless told), into files or as JSON."""
+    if out is None and not as_json:
+        raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
+    whole = out is not None and (out.is_dir() or not out.suffix)
+    if vary and not whole:
+        raise click.UsageError("--vary writes a study: give --out a folder, without a suffix")
+    if whole and as_json:
+        raise click.UsageError("--json is for a sweep that fits on a screen; a study is a folder")
+    robot, ground = make_robot(given)
+    grid = {
+        "alpha_rad": [math.radians(a) for a in _span(alpha_deg, "--alpha-deg")],
+        "beta_rad": [math.radians(b) for b in _span(beta_deg, "--beta-deg")],
+        "omega_rad_s": _span(omega_rad_s, "--omega-rad-s"),
+    }
+    how = {"rtol": rtol, "threads": threads, "scheduler": scheduler}
+    if whole:
+        assert out is not None
+        _study(out, *_designs(robot, ground, _varied(vary)), **grid, **how)
+    else:
+        _one(out, as_json, robot, ground, grid, how)
+
+
+def _one(
+    out: Path | None, as_json: bool, robot: Robot, ground: Ground, grid: dict[str, list[float]],
+    how: dict[str, Any],
+) -> None:  # fmt: skip
+    """Solve and write the gaits of one robot."""
     from ..periodic.sweep import sweep as run_sweep
     from ..show import report
     from ..show.sweep_files import sweep_values, write_sweep
 
-    if out is None and not as_json:
-        raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
-    robot, ground = make_robot(given)
-    alpha, beta = _span(alpha_deg, "--alpha-deg"), _span(beta_deg, "--beta-deg")
-    omega = _span(omega_rad_s, "--omega-rad-s")
-    count = len(alpha) * len(beta) * len(omega)
+    count = math.prod(map(len, grid.values()))
     with report.progress(count, "gaits") as advance:
-        found = run_sweep(
-            robot, ground, alpha_rad=[math.radians(a) for a in alpha],
-            beta_rad=[math.radians(b) for b in beta], omega_rad_s=omega, rtol=rtol,
-            threads=threads, progress=advance,
-        )  # fmt: skip
+        found = run_sweep(robot, ground, **grid, **how, progress=advance)
     if out is not None:
         write_sweep(found, out)
         missed = int((~found.converged).sum())
         report.notices.print(f"wrote {count} gaits to {out}; {missed} did not converge")
     if as_json:
         show_json(sweep_values(found))
+
+
+def _study(out: Path, robot: Any, ground: Any, **options: Any) -> None:
+    """Solve a study into its folder."""
+    from ..periodic.study import sweep_study
+    from ..show import report
+
+    count = math.prod(
+        [len(part) for part in (robot, ground) if isinstance(part, list)]
+        + [len(options[name]) for name in ("alpha_rad", "beta_rad", "omega_rad_s")]
+    )
+    with report.progress(count, "gaits") as advance:
+        study = sweep_study(robot, ground, out=out, progress=advance, **options)
+    missed = sum(int((~chunk["converged"]).sum()) for chunk in study)
+    report.notices.print(
+        f"{count} gaits in {len(study.chunks)} chunks in {out}; {missed} did not converge"
+    )

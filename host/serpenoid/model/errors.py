@@ -32,6 +32,10 @@ class Diverged(SerpenoidError, ArithmeticError):
     """A run left the finite numbers; names the time, the cause and a step that works."""
 
 
+class ClusterFailed(SerpenoidError):
+    """A cluster does not answer, has no worker, or lost a piece of work for good."""
+
+
 class RobotError(SerpenoidError):
     """Something between the host and the board went wrong."""
 

@@ -1,28 +1,16 @@
-"""Periodic states over grids: gaits, and if wanted robots and grounds."""
+"""Periodic states over grids: gaits, and if wanted robots and grounds; here or on a cluster."""
 
 from __future__ import annotations
 
-import math
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import islice
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core
-from ..model.checks import check_whole
-from ..model.core_model import check_parts, core_model
-from ..model.errors import BadInput
-from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .steady import MAX_ELEMENTS, check_ground, speed_floor_m_s
-
-T = TypeVar("T")
-CHUNK = 4096  # shapes handed to the core at a time: what bounds the memory beside the result
+from .grid import FIELDS, Grid, axis, several, threads_to_use
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,30 +39,6 @@ class Sweep:
     converged: NDArray[np.bool_]
 
 
-def _axis(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    axis = np.atleast_1d(np.asarray(values, dtype=float))
-    if axis.ndim != 1 or axis.size == 0:
-        raise BadInput(f"{name} has shape {axis.shape}; it must be a list of at least one number")
-    return axis
-
-
-def _several(kind: type[T], parts: T | Sequence[T]) -> list[T]:
-    """Return one part, or a sequence of them, as a list."""
-    if isinstance(parts, Sequence):
-        if len(parts) == 0:
-            raise BadInput(f"there is no {kind.__name__.lower()} in the list; give at least one")
-        return list(parts)
-    return [parts]
-
-
-def _threads(threads: int | None) -> int:
-    if threads is None:
-        if hasattr(os, "sched_getaffinity"):
-            return len(os.sched_getaffinity(0))
-        return os.cpu_count() or 1
-    return check_whole("threads", threads, 1, 1024)
-
-
 def sweep(
     robot: Robot | Sequence[Robot],
     ground: Ground | Sequence[Ground],
@@ -85,61 +49,37 @@ def sweep(
     rtol: float = 1e-6,
     powers: bool = True,
     threads: int | None = None,
+    scheduler: str | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Sweep:
     """Solve every gait of a grid, for one robot and ground or for all pairs of several.
 
     Each value has the accuracy that steady_gait gives, and says so. Shapes (alpha, beta) are shared
     out to threads, as many as there are processors unless given; the figures are the same to the
-    last bit for any number of them. progress is called, in the caller's thread, with the number of
-    gaits done since its last call; Ctrl-C and an exception of progress end the sweep. Raises
-    BadInput.
+    last bit for any number of them. scheduler: the address of a Dask cluster, such as
+    "tcp://10.0.0.1:8786", whose workers then solve the shapes, to the same bits; one that is lost
+    is done without (needs `pip install serpenoid[dask]`, here and on the workers). progress is
+    called, in the caller's thread, with the number of gaits done since its last call; Ctrl-C and an
+    exception of progress end the sweep, on a cluster, too. A result larger than memory: see
+    sweep_study. Raises BadInput, ClusterFailed.
     """
-    robots, grounds = _several(Robot, robot), _several(Ground, ground)
-    for r in robots:
-        for g in grounds:
-            check_parts(r, g)
-            check_ground(g, rtol)
-    a, b = _axis("alpha_rad", alpha_rad), _axis("beta_rad", beta_rad)
-    w = _axis("omega_rad_s", omega_rad_s)
-    for rate in w:
-        Gait(0.0, 0.0, float(rate))
-    pairs = [(r, g) for r in robots for g in grounds]
-    shapes = [(alpha, beta) for alpha in a.tolist() for beta in b.tolist()]
-    models = (
-        core_model(r, g, Gait(alpha, beta, float(w[0]))) for r, g in pairs for alpha, beta in shapes
-    )
-    size = (len(robots), len(grounds), a.size, b.size, w.size)
-    table = np.empty((math.prod(size[:4]), w.size, 11))
-    count, at = _threads(threads), 0
-    while chunk := list(islice(models, CHUNK)):
-        table[at : at + len(chunk)] = _core.sweep(
-            chunk, w.tolist(), rtol, powers, MAX_ELEMENTS, min(count, len(chunk)), progress
-        )
-        at += len(chunk)
-    return _as_sweep(a, b, w, table, size, robots, (robot, ground))
+    grid = Grid(
+        several(Robot, robot), several(Ground, ground), axis("alpha_rad", alpha_rad),
+        axis("beta_rad", beta_rad), axis("omega_rad_s", omega_rad_s), rtol, powers,
+    )  # fmt: skip
+    count = threads_to_use(threads)
+    if scheduler is None:
+        table = grid.solve(0, grid.shapes, count, progress)
+    else:
+        from .cluster import solve_on_cluster
 
-
-def _as_sweep(
-    a: NDArray[np.float64],
-    b: NDArray[np.float64],
-    w: NDArray[np.float64],
-    table: NDArray[np.float64],
-    size: tuple[int, ...],
-    robots: list[Robot],
-    given: tuple[object, object],
-) -> Sweep:
-    """Name the core's columns; leave out the axes of a single robot and ground."""
-    single = tuple(k for k, part in enumerate(given) if not isinstance(part, Sequence))
-    columns = [np.squeeze(c.reshape(size), axis=single) for c in np.moveaxis(table, -1, 0)]
-    speed, power, absolute, positive, turn, error, power_error, positive_error, slowest = columns[
-        :9
-    ]
-    floor = np.array([[[[[speed_floor_m_s(r, 1.0)]]]] for r in robots]) * w
-    floor = np.squeeze(np.broadcast_to(floor, size), axis=single)
-    with np.errstate(divide="ignore"):
-        settling = np.where(slowest < 0, -2 * math.pi / w / slowest, math.inf)
+        table = np.empty((grid.shapes, len(grid.omega_rad_s), 11))
+        for (first, last), part in solve_on_cluster(grid, scheduler, progress=progress):
+            table[first:last] = part
+    single = tuple(k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence))
+    size = (*grid.size, len(grid.omega_rad_s))
+    values = {n: np.squeeze(v.reshape(size), axis=single) for n, v in grid.named(table).items()}
     return Sweep(
-        a, b, w, speed, power, absolute, positive, turn, error / np.maximum(speed, floor),
-        power_error, positive_error, settling, columns[10] > 0.5,
+        np.array(grid.alpha_rad), np.array(grid.beta_rad), np.array(grid.omega_rad_s),
+        *(values[name] for name in FIELDS),
     )  # fmt: skip

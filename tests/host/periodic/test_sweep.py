@@ -54,7 +54,7 @@ def test_robots_and_grounds_are_axes() -> None:
 
 def test_chunks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = sn.sweep(PAPER, VISCOUS, **GRID)
-    monkeypatch.setattr("serpenoid.periodic.sweep.CHUNK", 4)
+    monkeypatch.setattr("serpenoid.periodic.grid.CHUNK", 4)
     parts = sn.sweep(PAPER, VISCOUS, **GRID)
     assert np.array_equal(whole.abs_power_w, parts.abs_power_w)
 

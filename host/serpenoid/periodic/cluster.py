@@ -1,0 +1,154 @@
+"""A grid solved by the workers of a Dask cluster: stretch by stretch, few under way at a time."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from ..model.errors import BadInput, ClusterFailed
+from .grid import Array, Grid, stretches
+
+Stretch = tuple[int, int]
+_GAITS, _DRY_GAITS = 20_000, 2_000  # in a stretch: about a second's work for a processor
+_AHEAD = 3  # stretches under way for each of the cluster's threads
+_LOOK_S = 1.0  # how often Ctrl-C and the workers are looked after
+NO_WORKER_S = 60.0  # without any worker before the work is given up
+CONNECT_S = 10.0
+
+
+def stretch_length(grid: Grid) -> int:
+    """Return how many shapes make a good stretch."""
+    dry = any(ground.dry for ground in grid.grounds)
+    return max(1, (_DRY_GAITS if dry else _GAITS) // len(grid.omega_rad_s))
+
+
+def solve_stretch(grid: Grid, first: int, last: int) -> Array:
+    """Solve a stretch on a worker, in the one thread that the worker gives to it."""
+    return grid.solve(first, last, threads=1)
+
+
+def worker_version() -> str:
+    """Return the package's version on a worker."""
+    from importlib.metadata import version
+
+    return version("serpenoid")
+
+
+@contextmanager
+def connected(scheduler: str) -> Iterator[Any]:
+    """Give a Dask client of a cluster whose workers have this version of the package."""
+    try:
+        import distributed
+    except ImportError:
+        raise BadInput(
+            "--scheduler needs Dask, which is not installed; pip install 'serpenoid[dask]'"
+        ) from None
+    try:
+        client = distributed.Client(scheduler, timeout=CONNECT_S, set_as_default=False)
+    except (OSError, ValueError, ImportError) as error:
+        raise ClusterFailed(
+            f"no Dask scheduler answers at {scheduler!r} within {CONNECT_S:g} s ({error}); start "
+            "one with `dask scheduler` and workers with `dask worker ADDRESS`, and give the "
+            "address that it prints, such as tcp://10.0.0.1:8786"
+        ) from None
+    try:
+        _check_workers(client, scheduler)
+        yield client
+    finally:
+        client.close()
+
+
+def _check_workers(client: Any, scheduler: str) -> None:
+    """Wait for a first worker; refuse workers without this version of the package."""
+    import distributed
+
+    try:
+        client.wait_for_workers(1, timeout=NO_WORKER_S)
+    except distributed.TimeoutError:
+        raise _no_worker(scheduler) from None
+    here = worker_version()
+    for worker, found in client.run(worker_version, on_error="return").items():
+        if isinstance(found, ModuleNotFoundError) or (isinstance(found, str) and found != here):
+            raise ClusterFailed(
+                f"the worker {worker} has {found if isinstance(found, str) else 'no serpenoid'}, "
+                f"here is serpenoid {here}; figures are the same to the bit only with the same "
+                "version on all: install it there"
+            )
+
+
+def _no_worker(scheduler: str) -> ClusterFailed:
+    return ClusterFailed(
+        f"the cluster at {scheduler} has had no worker for {NO_WORKER_S:g} s; start some with "
+        f"`dask worker {scheduler}`"
+    )
+
+
+def solve_on_cluster(
+    grid: Grid,
+    scheduler: str,
+    pieces: Iterable[Stretch] | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Generator[tuple[Stretch, Array], None, None]:
+    """Yield stretches of a grid with their figures, in the order in which they are done.
+
+    A stretch whose worker is lost goes to another one. Whatever ends the iteration takes the work
+    that is under way off the cluster. Raises ClusterFailed.
+    """
+    with connected(scheduler) as client:
+        if pieces is None:
+            share = -(-grid.shapes // (4 * sum(client.nthreads().values())))
+            pieces = stretches(grid.shapes, max(1, min(stretch_length(grid), share)))
+        work = _UnderWay(client, scheduler, grid, iter(pieces))
+        try:
+            while work.fill():
+                for stretch, table in work.done():
+                    if progress is not None:
+                        progress((stretch[1] - stretch[0]) * len(grid.omega_rad_s))
+                    yield stretch, table
+        finally:
+            client.cancel(list(work.futures), force=True)
+
+
+class _UnderWay:
+    """The stretches that the cluster has at the moment, in bounded number."""
+
+    def __init__(self, client: Any, scheduler: str, grid: Grid, pieces: Iterator[Stretch]) -> None:
+        self.client, self.scheduler, self.grid, self.pieces = client, scheduler, grid, pieces
+        self.futures: dict[Any, Stretch] = {}
+        self.ready: queue.Queue[Any] = queue.Queue()
+        self.workers_seen_s = time.monotonic()
+
+    def fill(self) -> bool:
+        """Hand out stretches as the cluster's threads allow; False when nothing is left."""
+        threads = sum(self.client.nthreads().values())
+        if threads:
+            self.workers_seen_s = time.monotonic()
+        elif time.monotonic() - self.workers_seen_s > NO_WORKER_S:
+            raise _no_worker(self.scheduler)
+        while len(self.futures) < _AHEAD * max(threads, 1):
+            stretch = next(self.pieces, None)
+            if stretch is None:
+                break
+            future = self.client.submit(solve_stretch, self.grid, *stretch, pure=False)
+            self.futures[future] = stretch
+            future.add_done_callback(self.ready.put)
+        return bool(self.futures)
+
+    def done(self) -> Iterator[tuple[Stretch, Array]]:
+        """Yield what is done within a moment."""
+        import distributed
+
+        with suppress(queue.Empty):
+            future = self.ready.get(timeout=_LOOK_S)
+            try:
+                table = future.result()
+            except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
+                raise ClusterFailed(
+                    f"the cluster at {self.scheduler} lost the work on shapes "
+                    f"{self.futures[future]} for good ({type(error).__name__}: {error}); what its "
+                    "workers and its scheduler logged says why"
+                ) from None
+            yield self.futures.pop(future), table

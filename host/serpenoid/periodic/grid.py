@@ -1,0 +1,147 @@
+"""A grid of robots, grounds and gaits as one list of shapes, any stretch of which can be solved."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from ..model.checks import check_whole
+from ..model.core_model import check_parts, core_model
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from .steady import MAX_ELEMENTS, check_ground, speed_floor_m_s
+
+Array = NDArray[np.float64]
+CHUNK = 4096  # shapes handed to the core at a time: what bounds the memory beside the result
+MOST_GAITS = 10**12
+FIELDS = (
+    "speed_m_s", "power_w", "abs_power_w", "positive_power_w", "turn_rad_per_cycle",
+    "error_estimate", "power_error_w", "positive_power_error_w", "settling_time_s", "converged",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Hold the gaits to solve: robots x grounds x alpha x beta (the shapes, so ordered) x omega.
+
+    A shape's figures are the same to the last bit whatever stretch it is solved in.
+    Raises BadInput.
+    """
+
+    robots: tuple[Robot, ...]
+    grounds: tuple[Ground, ...]
+    alpha_rad: tuple[float, ...]
+    beta_rad: tuple[float, ...]
+    omega_rad_s: tuple[float, ...]
+    rtol: float = 1e-6
+    powers: bool = True
+
+    def __post_init__(self) -> None:
+        for robot in self.robots:
+            check_parts(robot, self.grounds[0])
+        for ground in self.grounds:
+            check_parts(self.robots[0], ground)
+            check_ground(ground, self.rtol)
+        for alpha in self.alpha_rad:
+            Gait(alpha, self.beta_rad[0], self.omega_rad_s[0])
+        for beta in self.beta_rad:
+            Gait(0.0, beta, self.omega_rad_s[0])
+        for rate in self.omega_rad_s:
+            Gait(0.0, 0.0, rate)
+        if self.gaits > MOST_GAITS:
+            raise BadInput(f"the grid has {self.gaits:.3g} gaits; the most is {MOST_GAITS:.0e}")
+
+    @property
+    def size(self) -> tuple[int, int, int, int]:
+        """Return the numbers of robots, grounds, alphas and betas."""
+        return len(self.robots), len(self.grounds), len(self.alpha_rad), len(self.beta_rad)
+
+    @property
+    def shapes(self) -> int:
+        """Return the number of shapes."""
+        return math.prod(self.size)
+
+    @property
+    def gaits(self) -> int:
+        """Return the number of gaits."""
+        return self.shapes * len(self.omega_rad_s)
+
+    def models(self, first: int, last: int) -> list[_core.Model]:
+        """Return the shapes from first up to but not including last as the core takes them."""
+        where = np.unravel_index(np.arange(first, last), self.size)
+        rate = self.omega_rad_s[0]
+        return [
+            core_model(
+                self.robots[r], self.grounds[g], Gait(self.alpha_rad[a], self.beta_rad[b], rate)
+            )
+            for r, g, a, b in zip(*(index.tolist() for index in where), strict=True)
+        ]
+
+    def solve(
+        self, first: int, last: int, threads: int, progress: Callable[[int], None] | None = None
+    ) -> Array:
+        """Return the core's eleven figures of a stretch of shapes, (shape, rate, 11)."""
+        table = np.empty((last - first, len(self.omega_rad_s), 11))
+        for at in range(first, last, CHUNK):
+            models = self.models(at, min(at + CHUNK, last))
+            table[at - first : at - first + len(models)] = _core.sweep(
+                models, list(self.omega_rad_s), self.rtol, self.powers, MAX_ELEMENTS,
+                min(threads, len(models)), progress,
+            )  # fmt: skip
+        return table
+
+    def named(self, table: Array, first: int = 0) -> dict[str, NDArray[Any]]:
+        """Return the figures of a stretch by name, each (shape, rate); errors and times derived."""
+        speed, power, absolute, positive, turn, error, power_error, positive_error, slowest = (
+            table[..., k] for k in range(9)
+        )
+        w = np.array(self.omega_rad_s)
+        robot = np.unravel_index(np.arange(first, first + len(table)), self.size)[0]
+        floors = np.array([speed_floor_m_s(r, 1.0) for r in self.robots])[robot, None] * w
+        with np.errstate(divide="ignore"):
+            settling = np.where(slowest < 0, -2 * math.pi / w / slowest, math.inf)
+        values = (
+            speed, power, absolute, positive, turn, error / np.maximum(speed, floors), power_error,
+            positive_error, settling, table[..., 10] > 0.5,
+        )  # fmt: skip
+        return dict(zip(FIELDS, values, strict=True))
+
+
+def axis(name: str, values: ArrayLike) -> tuple[float, ...]:
+    """Return an axis of the grid as numbers."""
+    found = np.atleast_1d(np.asarray(values, dtype=float))
+    if found.ndim != 1 or found.size == 0:
+        raise BadInput(f"{name} has shape {found.shape}; it must be a list of at least one number")
+    return tuple(found.tolist())
+
+
+def several(kind: type, parts: Any) -> tuple[Any, ...]:
+    """Return one part, or a sequence of them, as a tuple."""
+    if isinstance(parts, Sequence):
+        if len(parts) == 0:
+            raise BadInput(f"there is no {kind.__name__.lower()} in the list; give at least one")
+        return tuple(parts)
+    return (parts,)
+
+
+def threads_to_use(threads: int | None) -> int:
+    """Return the number of threads: as many as there are processors unless given."""
+    if threads is None:
+        if hasattr(os, "sched_getaffinity"):
+            return len(os.sched_getaffinity(0))
+        return os.cpu_count() or 1
+    return check_whole("threads", threads, 1, 1024)
+
+
+def stretches(shapes: int, length: int) -> Iterator[tuple[int, int]]:
+    """Cut the list of shapes into stretches of at most `length`."""
+    return ((at, min(at + length, shapes)) for at in range(0, shapes, length))

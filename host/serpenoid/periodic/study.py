@@ -1,0 +1,161 @@
+"""Sweeps larger than memory: a folder of chunks, which can be interrupted and gone on with."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model.errors import BadInput
+from ..model.ground import Ground
+from ..model.robot import Robot
+from .cluster import Stretch, solve_on_cluster, stretch_length
+from .grid import Array, Grid, axis, several, stretches, threads_to_use
+
+FORMAT = "serpenoid study 1"
+HEAD = "study.json"
+
+
+@dataclass(frozen=True)
+class Study:
+    """Hold a sweep whose figures lie in a folder; iterate over it for one chunk after another.
+
+    Each chunk is a dict of arrays: robot, ground (S,): index into grid.robots, grid.grounds;
+    alpha_rad, beta_rad (S,); omega_rad_s (W,); and, all (S, W), what Sweep has.
+    """
+
+    folder: Path
+    grid: Grid
+    length: int
+
+    @property
+    def chunks(self) -> tuple[Stretch, ...]:
+        """Return the shapes of each chunk: first, and last plus one."""
+        return tuple(stretches(self.grid.shapes, self.length))
+
+    def path(self, chunk: Stretch) -> Path:
+        """Return the file of a chunk; it is there when the chunk is done, and whole."""
+        return self.folder / f"chunk-{chunk[0]:012d}.npz"
+
+    @property
+    def missing(self) -> tuple[Stretch, ...]:
+        """Return the chunks that are still to be solved."""
+        return tuple(chunk for chunk in self.chunks if not self.path(chunk).exists())
+
+    def __iter__(self) -> Iterator[dict[str, NDArray[Any]]]:
+        """Yield the chunks that are done, in order."""
+        for chunk in self.chunks:
+            if self.path(chunk).exists():
+                with np.load(self.path(chunk), allow_pickle=False) as file:
+                    yield {name: file[name] for name in file.files}
+
+    def write(self, chunk: Stretch, table: Array) -> None:
+        """Write the file of a chunk: whole, or not at all."""
+        first, last = chunk
+        robot, ground, alpha, beta = np.unravel_index(np.arange(first, last), self.grid.size)
+        part = self.path(chunk).with_suffix(f".{os.getpid()}.part")
+        with part.open("wb") as file:
+            np.savez(
+                file, allow_pickle=False, robot=robot, ground=ground,
+                alpha_rad=np.array(self.grid.alpha_rad)[alpha],
+                beta_rad=np.array(self.grid.beta_rad)[beta],
+                omega_rad_s=np.array(self.grid.omega_rad_s), **self.grid.named(table, first),
+            )  # fmt: skip
+        part.replace(self.path(chunk))
+
+
+def sweep_study(
+    robot: Robot | Sequence[Robot],
+    ground: Ground | Sequence[Ground],
+    *,
+    out: str | os.PathLike[str],
+    alpha_rad: ArrayLike,
+    beta_rad: ArrayLike,
+    omega_rad_s: ArrayLike,
+    rtol: float = 1e-6,
+    powers: bool = True,
+    threads: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Study:
+    """Solve a grid of any size, as sweep does, into a folder of chunks.
+
+    Memory holds a few chunks at a time. Chunks that are there already, of the same study, are kept:
+    call it again to go on after an interruption. Raises BadInput (the folder holds something else),
+    ClusterFailed.
+    """
+    grid = Grid(
+        several(Robot, robot), several(Ground, ground), axis("alpha_rad", alpha_rad),
+        axis("beta_rad", beta_rad), axis("omega_rad_s", omega_rad_s), rtol, powers,
+    )  # fmt: skip
+    count = threads_to_use(threads)
+    study = _prepared(Path(out), grid)
+    missing, rates = study.missing, len(grid.omega_rad_s)
+    if progress is not None:
+        progress(grid.gaits - rates * sum(last - first for first, last in missing))
+    if not missing:
+        return study
+    if scheduler is None:
+        for chunk in missing:
+            study.write(chunk, grid.solve(*chunk, count, progress))
+    else:
+        found = solve_on_cluster(grid, scheduler, missing, progress)
+        with contextlib.closing(found):
+            for chunk, table in found:
+                study.write(chunk, table)
+    return study
+
+
+def load_study(folder: str | os.PathLike[str]) -> Study:
+    """Return the study that a folder holds, complete or not. Raises BadInput."""
+    path = Path(folder) / HEAD
+    try:
+        head = json.loads(path.read_text())
+        if head["format"] != FORMAT:
+            raise BadInput(f"{path} is of format {head['format']!r}; this version reads {FORMAT!r}")
+        grid = Grid(
+            tuple(Robot(**_fields(robot)) for robot in head["robots"]),
+            tuple(Ground(**_fields(ground)) for ground in head["grounds"]),
+            tuple(head["alpha_rad"]), tuple(head["beta_rad"]), tuple(head["omega_rad_s"]),
+            head["rtol"], head["powers"],
+        )  # fmt: skip
+        return Study(Path(folder), grid, head["shapes"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise BadInput(f"{folder} holds no study ({error}); sweep_study writes one") from None
+
+
+def _fields(part: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(v) if isinstance(v, list) else v for name, v in part.items()}
+
+
+def _prepared(folder: Path, grid: Grid) -> Study:
+    """Return a folder's study, begun or gone on with."""
+    if (folder / HEAD).exists():
+        there = load_study(folder)
+        if there.grid != grid:
+            raise BadInput(
+                f"{folder} holds another study, of {there.grid.gaits} gaits: name another folder, "
+                "or ask for the very same grid to go on with it"
+            )
+        return there
+    folder.mkdir(parents=True, exist_ok=True)
+    if next(folder.iterdir(), None) is not None:
+        raise BadInput(f"{folder} is not empty and holds no study; name another folder")
+    study = Study(folder, grid, stretch_length(grid))
+    head = {
+        "format": FORMAT, "robots": [asdict(r) for r in grid.robots],
+        "grounds": [asdict(g) for g in grid.grounds], "alpha_rad": grid.alpha_rad,
+        "beta_rad": grid.beta_rad, "omega_rad_s": grid.omega_rad_s, "rtol": grid.rtol,
+        "powers": grid.powers, "shapes": study.length,
+    }  # fmt: skip
+    part = folder / f"{HEAD}.part"
+    part.write_text(json.dumps(head) + "\n")
+    part.replace(folder / HEAD)
+    return study

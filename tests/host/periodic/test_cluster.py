@@ -1,0 +1,124 @@
+"""Sweeps on a real Dask cluster of two processes: same bits, a lost worker, interruption."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.model.errors import ClusterFailed
+from serpenoid.periodic import cluster as cluster_module
+from serpenoid.periodic.grid import FIELDS
+
+distributed = pytest.importorskip("distributed")
+
+PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+OF_2005 = sn.Robot(6, 0.0756, 0.076)
+BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+AXES = {
+    "alpha_rad": np.linspace(0.2, 1.2, 6),
+    "beta_rad": [0.5, 0.9, 1.3],
+    "omega_rad_s": [1.0, 5.0, 9.0],
+}
+
+
+@pytest.fixture(scope="module")
+def local() -> Iterator[Any]:
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
+    ) as made:
+        yield made
+
+
+def same(one: sn.Sweep, other: sn.Sweep) -> bool:
+    return all(np.array_equal(getattr(one, n), getattr(other, n)) for n in FIELDS)
+
+
+@pytest.mark.parametrize(("robot", "ground"), [(PAPER, VISCOUS), (OF_2005, BINGHAM)])
+def test_a_cluster_gives_the_same_bits(local: Any, robot: sn.Robot, ground: sn.Ground) -> None:
+    done: list[int] = []
+    there = sn.sweep(
+        robot, [ground, VISCOUS], **AXES, rtol=1e-4, scheduler=local.scheduler_address,
+        progress=done.append,
+    )  # fmt: skip
+    assert sum(done) == 108
+    assert len(done) > 2  # told piece by piece
+    assert same(there, sn.sweep(robot, [ground, VISCOUS], **AXES, rtol=1e-4))
+
+
+def test_a_worker_killed_in_the_middle_is_done_without(local: Any) -> None:
+    """Its pieces are under way on it and their results lie on it when it dies."""
+    axes = AXES | {"alpha_rad": np.linspace(0.2, 1.2, 12)}
+    victim = local.workers[0]
+    died: list[int] = []
+
+    def kill(_done: int) -> None:
+        if not died:
+            died.append(victim.pid)
+            os.kill(victim.pid, signal.SIGKILL)
+
+    there = sn.sweep(
+        OF_2005, BINGHAM, **axes, rtol=1e-6, scheduler=local.scheduler_address, progress=kill
+    )
+    assert died
+    with pytest.raises(ProcessLookupError):
+        os.kill(died[0], 0)
+    assert same(there, sn.sweep(OF_2005, BINGHAM, **axes, rtol=1e-6))
+
+
+def test_an_interrupted_study_is_gone_on_with(local: Any, tmp_path: Path, monkeypatch) -> None:
+    """Ctrl-C leaves whole chunks and an idle cluster; the same call then does the rest."""
+    monkeypatch.setattr("serpenoid.periodic.study.stretch_length", lambda grid: 5)
+    robots = [PAPER, sn.Robot(4, 0.5, 0.1)]
+    options = {**AXES, "rtol": 1e-4, "out": tmp_path / "study"}
+    told: list[int] = []
+
+    def stop(done: int) -> None:
+        told.append(done)
+        if len(told) == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sn.sweep_study(robots, VISCOUS, **options, scheduler=local.scheduler_address, progress=stop)
+    begun = sn.load_study(tmp_path / "study")
+    assert 1 <= len(begun.chunks) - len(begun.missing) < len(begun.chunks) == 8
+    kept = {begun.path(c): begun.path(c).stat().st_mtime_ns
+            for c in begun.chunks if c not in begun.missing}  # fmt: skip
+    told.clear()
+    study = sn.sweep_study(
+        robots, VISCOUS, **options, scheduler=local.scheduler_address, progress=told.append
+    )
+    assert sum(told) == 108
+    assert study.missing == ()
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    whole = sn.sweep(robots, VISCOUS, **AXES, rtol=1e-4)
+    for name in FIELDS:
+        rows = np.concatenate([chunk[name] for chunk in study])
+        assert np.array_equal(rows, getattr(whole, name).reshape(36, 3)), name
+
+
+def test_what_is_no_cluster_is_told(monkeypatch) -> None:
+    monkeypatch.setattr(cluster_module, "CONNECT_S", 0.3)
+    with pytest.raises(ClusterFailed, match="no Dask scheduler answers at 'tcp://127"):
+        sn.sweep(PAPER, VISCOUS, **AXES, scheduler="tcp://127.0.0.1:9")
+
+
+def test_a_cluster_without_workers_is_told(monkeypatch) -> None:
+    monkeypatch.setattr(cluster_module, "NO_WORKER_S", 0.5)
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address=":0") as empty,
+        pytest.raises(ClusterFailed, match="no worker for"),
+    ):
+        sn.sweep(PAPER, VISCOUS, **AXES, scheduler=empty.scheduler_address)
+
+
+def test_a_worker_of_another_version_is_refused(local: Any, monkeypatch) -> None:
+    there = cluster_module.worker_version()
+    monkeypatch.setattr("importlib.metadata.version", lambda name: "9.9")
+    with pytest.raises(ClusterFailed, match=f"has {there}, here is serpenoid 9.9"):
+        sn.sweep(PAPER, VISCOUS, **AXES, scheduler=local.scheduler_address)

@@ -1,0 +1,84 @@
+"""Studies in chunks: what they hold, a folder of something else, the command's --vary."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from click.testing import CliRunner
+from serpenoid.commands.sweep import sweep as command
+from serpenoid.periodic.grid import FIELDS
+
+PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+AXES = {"alpha_rad": [0.4, 0.9], "beta_rad": [0.5, 1.3], "omega_rad_s": [1.0, 5.0, 9.0]}
+
+
+def test_robot_and_gait_together_in_chunks(tmp_path: Path, monkeypatch) -> None:
+    """Every row names its robot, its ground and its gait, and is what that gait gives alone."""
+    monkeypatch.setattr("serpenoid.periodic.study.stretch_length", lambda grid: 3)
+    robots = [sn.Robot(n, 1.0, 0.1) for n in (3, 6)]
+    grounds = [VISCOUS, sn.Ground(0.2, 3.0)]
+    study = sn.sweep_study(robots, grounds, out=tmp_path / "new" / "study", **AXES)
+    assert [len(chunk["robot"]) for chunk in study] == [3, 3, 3, 3, 3, 1]
+    for chunk in sn.load_study(study.folder):
+        for row in range(len(chunk["robot"])):
+            gait = sn.Gait(chunk["alpha_rad"][row], chunk["beta_rad"][row], 5.0)
+            robot = study.grid.robots[chunk["robot"][row]]
+            alone = sn.steady_gait(robot, study.grid.grounds[chunk["ground"][row]], gait)
+            assert chunk["speed_m_s"][row, 1] == pytest.approx(alone.speed_m_s, rel=1e-6)
+            assert chunk["settling_time_s"][row, 1] == pytest.approx(
+                alone.settling_time_s, rel=1e-4
+            )
+        assert set(chunk) == {"robot", "ground", *AXES, *FIELDS}
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path: Path) -> None:
+    study = sn.sweep_study(PAPER, VISCOUS, out=tmp_path / "study", **AXES)
+    with pytest.raises(sn.BadInput, match="holds another study, of 12 gaits"):
+        sn.sweep_study(PAPER, VISCOUS, out=study.folder, **AXES, rtol=1e-5)
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(sn.BadInput, match="is not empty and holds no study"):
+        sn.sweep_study(PAPER, VISCOUS, out=tmp_path, **AXES)
+    with pytest.raises(sn.BadInput, match="holds no study"):
+        sn.load_study(tmp_path)
+
+
+def test_vary_is_a_study_of_designs(tmp_path: Path) -> None:
+    """A uniform rod stays one: its inertia goes with mass and length."""
+    out = tmp_path / "designs"
+    done = CliRunner().invoke(
+        command,
+        ["--robot", "paper", "--vary", "links=3:4:1", "--vary", "length_m=0.1:0.2:0.1", "--vary",
+         "cn=5:10:5", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5", "--out",
+         str(out)],
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    study = sn.load_study(out)
+    assert study.grid.robots == tuple(sn.Robot(n, 1.0, L) for n in (3, 4) for L in (0.1, 0.2))
+    assert [ground.cn for ground in study.grid.grounds] == [5.0, 10.0]
+    speeds = np.concatenate([chunk["speed_m_s"] for chunk in study])
+    gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
+    last = sn.steady_gait(sn.Robot(4, 1.0, 0.2), VISCOUS, gait)
+    assert speeds[-1, 0] == pytest.approx(last.speed_m_s, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--vary", "cn=1:2:1", "--out", "x.csv"], "give --out a folder"),
+        (["--vary", "grip=1:2:1", "--out", "x"], "with a NAME of links, mass_kg"),
+        (["--vary", "links=3:4:0.5", "--out", "x"], "links must be whole numbers"),
+        (["--out", "x", "--json"], "a study is a folder"),
+        (["--out", "x.xlsx"], "must end in .csv or .npz or .json"),
+    ],
+)
+def test_what_makes_no_study_is_told(
+    options: list[str], message: str, tmp_path: Path, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(command, options)
+    assert done.exit_code == 2
+    assert message in " ".join(done.output.split())
