@@ -53,7 +53,7 @@ class Browser:
         wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
         self._base += "/" + self._ask("", wanted)["sessionId"]
         metrics = {"width": self._size[0], "height": self._size[1], "deviceScaleFactor": 1,
-                   "mobile": False}  # fmt: skip
+                   "mobile": self._size[0] < 500}  # fmt: skip
         self._devtools("Emulation.setDeviceMetricsOverride", metrics)
         if self._dark:
             features = [{"name": "prefers-color-scheme", "value": "dark"}]
@@ -82,6 +82,12 @@ class Browser:
         end = time.monotonic() + timeout_s
         while text not in (found := self.text(selector)):
             assert time.monotonic() < end, f"{selector} shows {found!r}, not {text!r}"
+            time.sleep(0.02)
+
+    def waits_for(self, condition: str, timeout_s: float = 10.0) -> None:
+        end = time.monotonic() + timeout_s
+        while not self.runs(f"return {condition}"):
+            assert time.monotonic() < end, f"never: {condition}"
             time.sleep(0.02)
 
     def clicks(self, selector: str) -> None:

@@ -192,6 +192,11 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "The readings are regenerated from published fits, not measured, and show no scatter; "
             "a joint fit's intervals come from assumed instrument uncertainties."
         )
+    if not session.setup.weighed:
+        notes.append(
+            "The robot was not weighed, and one per cent of mass is one per cent of friction: "
+            "`serpenoid calibrate amend DIR robot.mass_kg=480g` puts its mass in."
+        )
     voided = len(session.readings) - len(session.kept)
     if voided:
         notes.append(f"{voided} voided reading(s) left out.")

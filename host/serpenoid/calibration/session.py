@@ -221,7 +221,7 @@ class Setup:
 
     kind: measured, regenerated (from published fits) or simulated. source, note: where the
     readings come from, in words. surface, place, people: of the laboratory, in words. treadmill:
-    what it can be set to. stopwatch: how gait runs are timed.
+    what it can be set to. stopwatch: how gait runs are timed. weighed: the mass is no assumption.
     """
 
     name: str
@@ -236,6 +236,7 @@ class Setup:
     people: str = ""
     treadmill: TreadmillSteps = TreadmillSteps()
     stopwatch: Stopwatch = Stopwatch()
+    weighed: bool = True
 
     @property
     def weight_n(self) -> float:

@@ -48,6 +48,7 @@ _STEPS = (
     "incline_step_percent", "belt_speed_step_m_s", "belt_speed_least_m_s", "distance_sigma_m",
     "time_sigma_s",
 )  # fmt: skip
+_WORDS = ("surface", "place", "people")
 _PLAN = ("lambda_deg", "incline_start_deg", "incline_step_deg", "belt_speed_max_m_s")
 
 
@@ -82,8 +83,18 @@ def load_setup(folder: str | Path) -> Setup:
 
 
 def amended(setup: Setup, change: Table) -> Setup:
-    """Return a set-up with some entries of [instruments] or [plan] changed; raises BadInput."""
-    change.only(optional=("instruments", "plan"))
+    """Return a set-up with some entries changed; raises BadInput.
+
+    [instruments] and [plan] hold from here on. [robot] and [laboratory] correct what was mistyped
+    or left open, for all of the session.
+    """
+    change.only(optional=("instruments", "plan", "robot", "laboratory"))
+    if "robot" in change.values:
+        setup = _corrected(change.table("robot"), setup)
+    if "laboratory" in change.values:
+        table = change.table("laboratory")
+        table.only(optional=_WORDS)
+        setup = replace(setup, **{name: table.string(name) for name in table.values})
     if "instruments" in change.values:
         table = change.table("instruments")
         table.only(optional=_SIGMAS + _STEPS)
@@ -93,6 +104,20 @@ def amended(setup: Setup, change: Table) -> Setup:
         table.only(optional=(*_PLAN, "gaits", "gait_runs"))
         setup = replace(setup, procedure=_plan(table, setup.procedure))
     return setup
+
+
+def _corrected(table: Table, setup: Setup) -> Setup:
+    """Return a set-up with the robot's mass or length of links corrected."""
+    table.only(optional=("mass_kg", "link_length_m"))
+    robot = setup.robot
+    mass_kg, length_m = robot.links * robot.link_mass_kg, robot.link_length_m
+    if "mass_kg" in table.values:
+        mass_kg = table.number("mass_kg", 0.0, open_low=True)
+        setup = replace(setup, weighed=True)
+    if "link_length_m" in table.values:
+        length_m = table.number("link_length_m", 0.0, open_low=True)
+    with located(table.heading):
+        return replace(setup, robot=Robot(robot.links, mass_kg / robot.links, length_m))
 
 
 def check_amendment(setup: Setup, text: str, folder: Path) -> Setup:
@@ -123,6 +148,7 @@ def _setup(top: Table) -> Setup:
         "source": provenance.string("source"),
         "note": provenance.string("note"),
         "robot": _robot(top.table("robot")),
+        "weighed": _weighed(top.table("robot")),
     }
     return _setup_1(top, words) if old else _setup_2(top, words)
 
@@ -145,7 +171,7 @@ def _setup_2(top: Table, words: dict[str, Any]) -> Setup:
     setup = Setup(
         procedure=procedure,
         uncertainty=_uncertainty(instruments),
-        **{name: laboratory.string(name) for name in ("surface", "place", "people")},
+        **{name: laboratory.string(name) for name in _WORDS},
         **words,
     )
     return replace(setup, **_instruments(instruments, setup))
@@ -159,12 +185,21 @@ _NO_PLAN = Procedure((), 0.0, 0.0, 0.0, 0.0)
 
 
 def _robot(table: Table) -> Robot:
-    table.only("links", "link_mass_kg", "link_length_m")
+    table.only("links", "link_mass_kg", "link_length_m", optional=("weighed",))
     links = table.whole("links")
     mass_kg = table.number("link_mass_kg", 0.0, open_low=True)
     length_m = table.number("link_length_m", 0.0, open_low=True)
     with located(table.where("links")):
         return Robot(links, mass_kg, length_m)
+
+
+def _weighed(table: Table) -> bool:
+    weighed = table.values.get("weighed", True)
+    if not isinstance(weighed, bool):
+        raise BadInput(
+            f"{table.where('weighed')}: weighed is {weighed!r}; it must be true or false"
+        )
+    return weighed
 
 
 def _plan(table: Table, before: Procedure) -> Procedure:

@@ -10,7 +10,7 @@ from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.person.dialogue import Dialogue, held_dialogue
 from serpenoid.calibration.taking.person.seat import Seat
-from serpenoid.model.errors import RobotLost
+from serpenoid.model.errors import RobotHeld, RobotLost
 
 
 class Person:
@@ -22,6 +22,9 @@ class Person:
 
     def say(self, text):
         self.heard += text + "\n"
+
+    def forget(self):
+        pass
 
     def ask(self, prompt, patience_s, tick):
         self.heard += prompt + "\n"
@@ -209,7 +212,28 @@ def test_a_stop_from_the_page_lets_the_servos_go_and_says_so(folder):
             seat.halt()
             return "status"
 
-        heard, _ = talk(folder, *ZERO, "", stop, seat=seat)
+        # The Enters that follow release nothing; only the word does.
+        heard, _ = talk(folder, *ZERO, "", stop, "", "", "2.0", seat=seat)
         assert not seat.powered
+        with pytest.raises(RobotHeld):
+            seat._robot.straight()
     assert "stopped from the page: servos off; the pose is to be taken again" in heard
-    assert heard.count("Enter straightens the robot") == 2
+    assert heard.count("type release") == 4
+    assert heard.count("Enter straightens the robot") == 1
+
+
+def test_released_at_the_terminal_it_moves_again(folder):
+    with Seat("virtual:fast") as seat:
+        seat.halt()
+        powered = []
+
+        def last():
+            powered.append(seat.powered)
+            return "quit"
+
+        heard, _ = talk(folder, *ZERO, "status", "release", "", last, seat=seat)
+        assert powered == [True]
+        assert not seat.held
+    assert heard.count("type release") == 2
+    notes = [e.detail for e in read_events(folder) if e.event == "note"]
+    assert notes == ["stopped from the page", "released at the terminal"]

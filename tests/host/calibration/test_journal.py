@@ -98,7 +98,7 @@ def test_corrections_of_what_is_not_there_are_refused(folder):
             journal.event("void", 3)
         with pytest.raises(BadInput, match="there is no reading 3 to replace"):
             journal.add("station", STATION, replaces=3)
-        with pytest.raises(BadInput, match="unknown key 'robot'"):
+        with pytest.raises(BadInput, match="unknown key 'links'"):
             journal.event("amend", detail="robot.links = 5")
     assert len((folder / "events.csv").read_text().splitlines()) == 1
 

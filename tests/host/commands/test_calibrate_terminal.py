@@ -11,7 +11,9 @@ from serpenoid.calibration.session_file import read_session
 @pytest.fixture
 def folder(tmp_path, serpenoid):
     path = tmp_path / "session"
-    serpenoid("calibrate", "new", str(path), "--defaults", "--surface", "belt")
+    serpenoid(
+        "calibrate", "new", str(path), "--defaults", "--surface", "belt", "--mass-kg", "453.6 g"
+    )
     return path
 
 
@@ -34,6 +36,11 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
         person.leaves()
     assert len(load_session(folder).kept) == 1
     with Person("calibrate", str(folder)) as person:
+        person.sees("453.6 g, on belt")
+        person.sees("Is it this robot")
+        person.presses("\n")
+        person.sees("Who measures now")
+        person.presses("Ada\n")
         person.sees("1 stations")
         person.sees("Robot straight")
         person.presses("quit\n")
@@ -60,10 +67,22 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
         person.presses("rubber belt\n\n\n\n")
         person.sees("mass of the whole robot")
         person.presses("heavy\n")
-        person.sees("is no number of 0 or more")
-        person.presses("0,48\n\n\n\n\n")
+        person.sees("'heavy' is no number; type a number in kg or g or lb, such as 0.48 or 480 g")
+        person.presses("480\n")
+        person.sees("did you mean 480 g = 0.48 kg?")
+        person.presses("y\n")
+        person.sees("length of a link")
+        person.presses("80 mm\n\n")
+        person.sees("smallest step of its incline")
+        person.presses("0,5 deg\n")
+        person.sees("smallest step it can be set to")
+        person.presses("0.1 mph\n1 km/h\n")
         person.sees("begun:")
         assert person.leaves() == 0
     setup = read_session(tmp_path / "asked").setup
     assert setup.surface == "rubber belt"
     assert setup.robot.link_mass_kg == pytest.approx(0.08)
+    assert setup.robot.link_length_m == pytest.approx(0.08)
+    assert setup.treadmill.incline_step_rad == pytest.approx(0.0087269, rel=1e-4)
+    assert setup.treadmill.belt_step_m_s == pytest.approx(0.044704)
+    assert setup.weighed

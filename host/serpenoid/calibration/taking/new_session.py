@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,13 @@ from ..session import Procedure, Setup, Uncertainty
 from ..session_file import load_setup
 from ..session_rows import EVENT_COLUMNS, READING_COLUMNS
 from .journal import csv_line, utc_now
+from .steps import Field
 
+SAME = 0.005
 TEXT = """\
-# How this session was set up. What is in [robot] and [laboratory] stays; instruments and plan are
-# changed by `serpenoid calibrate amend`, so that each reading keeps those it was taken with.
+# How this session was set up. Changes are made by `serpenoid calibrate amend`: those of instruments
+# and plan hold from then on, so that each reading keeps those it was taken with; those of robot and
+# laboratory correct what was mistyped, for all of the session. Another robot is another session.
 format = 2
 name = {name}
 program = {program}
@@ -36,6 +39,7 @@ note = {note}
 links = {links}
 link_mass_kg = {link_mass_kg}       # the whole robot's mass, cables and all, over the links
 link_length_m = {link_length_m}      # joint to joint
+weighed = {weighed}          # false: the mass is an assumption, asked for when readings are taken
 
 [laboratory]
 surface = {surface}    # what the wheels roll on; friction holds for it alone
@@ -64,25 +68,27 @@ gaits = [{gaits}]
 """
 
 
-@dataclass(frozen=True)
-class Question:
-    """One thing that `calibrate new` asks: the name of its answer, and the question in words."""
-
-    name: str
-    words: str
-
-
-QUESTIONS = (
-    Question("surface", "what the wheels roll on (the belt's surface)"),
-    Question("place", "where"),
-    Question("people", "who measures"),
-    Question("links", "number of links"),
-    Question("mass_kg", "mass of the whole robot as it crawls, kg"),
-    Question("link_length_m", "length of a link, joint to joint, m"),
-    Question("incline_step_deg_shown", "inclinometer: smallest step it shows, degrees"),
-    Question("belt_speed_step_km_h", "belt: smallest step it can be set to, km/h"),
-    Question("belt_speed_least_km_h", "belt: least speed above 0, km/h"),
-)
+# What `calibrate new` asks: words, the links, then numbers, where a bare one out of the range that
+# is likely is asked about.
+WORDS = {
+    "surface": "what the wheels roll on (the belt's surface)",
+    "place": "where",
+    "people": "who measures",
+}
+NUMBERS = (
+    Field("mass_kg", "mass of the whole robot as it crawls (kg, or 480 g)", "mass", 0.001, 1000.0,
+          (0.02, 20.0)),
+    Field("link_length_m", "length of a link, joint to joint (m, or 76 mm)", "length", 0.001, 10.0,
+          (0.01, 1.0)),
+    Field("incline_step_deg_shown", "inclinometer: smallest step it shows (deg)", "angle", 0.0001,
+          5.0),
+    Field("incline_step_percent", "treadmill: smallest step of its incline (% or deg)", "grade",
+          0.001, 20.0),
+    Field("belt_speed_step_km_h", "belt: smallest step it can be set to (km/h, m/s or mph)", "belt",
+          0.0001, 5.0),
+    Field("belt_speed_least_km_h", "belt: least speed above 0 (km/h, m/s or mph)", "belt", 0.0,
+          10.0),
+)  # fmt: skip
 
 
 def default_setup(name: str) -> Setup:
@@ -103,7 +109,7 @@ def default_setup(name: str) -> Setup:
 
 
 def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
-    """Return a set-up with the answers to QUESTIONS put in; raises BadInput."""
+    """Return a set-up with the answers of `calibrate new` put in; raises BadInput."""
     given = {k: v for k, v in answers.items() if v is not None}
     words = {k: given[k] for k in ("surface", "place", "people") if k in given}
     links = int(given.get("links", setup.robot.links))
@@ -113,6 +119,8 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     if "incline_step_deg_shown" in given:
         sigma_rad = math.radians(given["incline_step_deg_shown"]) / math.sqrt(12)
         unsure = replace(unsure, incline_sigma_rad=sigma_rad)
+    if "incline_step_percent" in given:
+        steps = replace(steps, incline_step_rad=given["incline_step_percent"] / 100)
     if "belt_speed_step_km_h" in given:
         step_m_s = given["belt_speed_step_km_h"] / 3.6
         steps = replace(steps, belt_step_m_s=step_m_s)
@@ -155,6 +163,7 @@ def setup_text(setup: Setup) -> str:
         program=quoted(f"serpenoid {version('serpenoid')}"),
         created=quoted(utc_now()),
         links=setup.robot.links,
+        weighed=str(setup.weighed).lower(),
         link_mass_kg=_number(setup.robot.link_mass_kg),
         link_length_m=_number(setup.robot.link_length_m),
         gravity_m_s2=_number(plan.gravity_m_s2),
@@ -203,7 +212,10 @@ def refuse_existing(folder: Path) -> None:
 
 
 def identity_differences(session: Setup, wanted: Setup) -> list[str]:
-    """Return what keeps two set-ups from being one session, a line each: robot, mass, surface."""
+    """Return what keeps two set-ups from being one session, a line each: robot, mass, surface.
+
+    Numbers may differ by SAME: nobody weighs the same robot twice to the same figures.
+    """
     lines = []
     for name, a, b in (
         ("links", session.robot.links, wanted.robot.links),
@@ -212,7 +224,8 @@ def identity_differences(session: Setup, wanted: Setup) -> list[str]:
         ("surface", session.surface, wanted.surface),
         ("gravity_m_s2", session.procedure.gravity_m_s2, wanted.procedure.gravity_m_s2),
     ):
-        if a != b:
+        same = abs(a - b) <= SAME * a if isinstance(a, float) and isinstance(b, float) else a == b
+        if not same:
             lines.append(f"{name}: the session has {a!r}, this has {b!r}")
     return lines
 

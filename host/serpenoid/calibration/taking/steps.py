@@ -10,8 +10,12 @@ from ...model.gait import Gait
 UNITS: dict[str, dict[str, float]] = {
     "incline": {"deg": 1.0, "%": 0.0},  # grade: by the arctangent, not by a factor
     "angle": {"deg": 1.0},
-    "speed": {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001},
-    "length": {"m": 1.0, "cm": 0.01, "mm": 0.001},
+    "grade": {"%": 1.0, "deg": 0.0},
+    "speed": {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001, "mph": 0.44704},
+    "belt": {"km/h": 1.0, "m/s": 3.6, "mph": 1.609344},  # a treadmill's own steps
+    "length": {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},
+    "mass": {"kg": 1.0, "g": 0.001, "lb": 0.45359237},
+    "count": {"": 1.0},
     "rate": {"rad/s": 1.0},
     "time": {"s": 1.0, "min": 60.0},
 }

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ...model.errors import BadInput
 from ..options import AS_JSON, show_json
+from .calibrate_new import new
 from .calibrate_person import count, program, with_a_person
 
 if TYPE_CHECKING:
@@ -36,84 +37,7 @@ def calibrate() -> None:
     """
 
 
-@calibrate.command()
-@FOLDER
-@click.option("--template", type=click.Path(exists=True, path_type=Path),
-              help="Another session's folder, whose set-up is taken over unasked.")  # fmt: skip
-@click.option("--defaults", is_flag=True, help="Ask nothing: 2005 robot, a home treadmill.")
-@click.option("--surface", help="What the wheels roll on.")
-@click.option("--mass-kg", type=float, help="Mass of the whole robot, as it crawls.")
-@click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
-def new(
-    folder: Path, template: Path | None, defaults: bool, simulated: bool, **answers: Any
-) -> None:
-    """Begin a session: asks for robot, surface and instruments, or takes them from a template."""
-    import dataclasses
-    import sys
-
-    from ...calibration.taking.new_session import (
-        answered,
-        create_session,
-        refuse_existing,
-        template_setup,
-    )
-
-    refuse_existing(folder)
-    setup = template_setup(template, folder.resolve().name)
-    if template is None and not defaults and not (answers["surface"] and answers["mass_kg"]):
-        if not sys.stdin.isatty():
-            raise BadInput(
-                "there is no terminal to ask at; give --template DIR, or --defaults with "
-                "--surface and --mass-kg"
-            )
-        answers = _asked(setup, answers)
-    setup = answered(setup, answers)
-    if simulated:
-        setup = dataclasses.replace(setup, kind="simulated", source="simulated treadmill")
-    create_session(folder, setup)
-    click.echo(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
-
-
-def _asked(setup: Any, answers: dict[str, Any]) -> dict[str, Any]:
-    """Ask what is not answered yet; Enter takes what stands in brackets."""
-    import math
-
-    from ...calibration.taking.new_session import QUESTIONS
-
-    usual: dict[str, Any] = {
-        "surface": setup.surface, "place": setup.place, "people": setup.people,
-        "links": setup.robot.links, "link_length_m": setup.robot.link_length_m,
-        "mass_kg": round(setup.robot.links * setup.robot.link_mass_kg, 6),
-        "incline_step_deg_shown": round(
-            math.degrees(setup.uncertainty.incline_sigma_rad) * math.sqrt(12), 2),
-        "belt_speed_step_km_h": round(3.6 * setup.treadmill.belt_step_m_s, 3),
-        "belt_speed_least_km_h": round(3.6 * setup.treadmill.belt_least_m_s, 3),
-    }  # fmt: skip
-    found = dict(answers)
-    for question in QUESTIONS:
-        if found.get(question.name) is None:
-            default = usual[question.name]
-            kind = type(default) if isinstance(default, (int, str)) else _Positive()
-            found[question.name] = click.prompt(question.words, default=default, type=kind)
-    return found
-
-
-class _Positive(click.ParamType):
-    """A number that may have a decimal comma."""
-
-    name = "number"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> float:
-        """Return the number, or say what is wrong with it."""
-        import math
-
-        try:
-            number = float(str(value).replace(",", "."))
-        except ValueError:
-            number = math.nan
-        if not (math.isfinite(number) and number >= 0.0):
-            self.fail(f"{value!r} is no number of 0 or more; decimals take a point or a comma")
-        return number
+calibrate.add_command(new)
 
 
 @calibrate.command()
@@ -158,28 +82,16 @@ def _dry_run(folder: Path) -> None:
 
 def _scripted(folder: Path, script: Path) -> None:
     from ...calibration.taking.journal import Journal
+    from ...calibration.taking.person.identity import refuse_another
     from ...calibration.taking.script import load_script, run_script, wanted_setup
 
     top = load_script(script)
     with Journal(folder) as journal:
-        _refuse_another(journal, wanted_setup(top, journal.session.setup))
+        refuse_another(journal, wanted_setup(top, journal.session.setup))
         journal.event("start", detail=f"{program()}, script {script.name}")
         done = run_script(journal, top, lambda step: click.echo(f"done: {step.key}", err=True))
         journal.event("end")
         click.echo(f"{done} step(s) done; {count(journal.session)}")
-
-
-def _refuse_another(journal: Journal, wanted: Any) -> None:
-    from ...calibration.taking.new_session import identity_differences
-
-    lines = identity_differences(journal.session.setup, wanted)
-    if lines:
-        raise BadInput(
-            f"{journal.folder} is a session of another robot or surface:\n  "
-            + "\n  ".join(lines)
-            + "\nbegin a new session for this one; if a value was mistyped, correct it in "
-            "session.toml by hand"
-        )
 
 
 @calibrate.command()
@@ -273,14 +185,21 @@ def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> Non
 @FOLDER
 @click.argument("changes", nargs=-1, required=True, metavar="TABLE.ENTRY=VALUE...")
 def amend(folder: Path, changes: tuple[str, ...]) -> None:
-    """Change instruments or plan from here on: `instruments.lambda_sigma_deg=0.3`."""
+    """Change instruments or plan from here on: `instruments.lambda_sigma_deg=0.3`.
+
+    Or correct what was mistyped, for all of the session: `robot.mass_kg=480g`,
+    `laboratory.surface="rubber belt"`.
+    """
     from ...calibration.taking.journal import Journal
+    from ...calibration.taking.person.typed_cells import amendment
 
     with Journal(folder) as journal:
         for change in changes:
-            name, _, value = change.partition("=")
-            journal.event("amend", detail=f"{name.strip()} = {value.strip()}")
-    click.echo("amended; readings from here on are under this set-up, earlier ones under theirs")
+            journal.event("amend", detail=amendment(change))
+    if all(change.startswith(("robot.", "laboratory.")) for change in changes):
+        click.echo("corrected, for all of the session")
+    else:
+        click.echo("amended; readings from here on are under this, earlier ones under theirs")
 
 
 @calibrate.command()

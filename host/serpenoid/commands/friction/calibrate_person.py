@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from ...calibration.taking.person.prompt import Console
     from ...calibration.taking.person.seat import Seat
 
+BY_HAND = "by hand"  # what the page's script goes by, too
+
 
 def with_a_person(
     folder: Path, port: str | None, patience_s: float, with_page: bool, lan: bool
@@ -22,23 +24,24 @@ def with_a_person(
 
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.dialogue import Dialogue, held_dialogue
+    from ...calibration.taking.person.identity import ask_identity
     from ...calibration.taking.person.prompt import Console
     from ...calibration.taking.person.seat import Seat
+    from ...calibration.taking.person.words import Left
 
     console = Console()
     with ExitStack() as stack:
         journal = stack.enter_context(Journal(folder))
-        seat = None if port is None else stack.enter_context(Seat(port))
-        robot = "by hand" if seat is None else seat.greeting
-        journal.event("start", detail=f"{program()}; {robot}")
-        setup = journal.session.setup
-        mass_g = 1000 * setup.robot.links * setup.robot.link_mass_kg
-        console.say(
-            f"{setup.name}: {setup.robot.links} links, {mass_g:.1f} g, "
-            f"on {setup.surface}; robot {robot}. {count(journal.session)}."
-        )
         for note in journal.session.notes:
             console.say(f"note: {note}")
+        try:
+            people = ask_identity(journal, console)
+        except (Left, EOFError):
+            return console.say("Left; nothing was changed.")
+        seat = None if port is None else stack.enter_context(Seat(port))
+        robot = BY_HAND if seat is None else seat.greeting
+        for line in begin(journal, people, robot):
+            console.say(line)
         told = [_pictures(console)]
         if with_page:
             told.append(_page(stack, journal, seat, lan, console))
@@ -47,6 +50,22 @@ def with_a_person(
         journal.event("end")
     if not well:
         raise SystemExit(1)
+    return None
+
+
+def begin(journal: Journal, people: str, robot: str) -> list[str]:
+    """Keep who begins and with which board; return what to say, another board than before too."""
+    from ...calibration.taking.person.identity import in_words
+
+    before = next((e.detail for e in reversed(journal.events) if e.event == "connect"), robot)
+    journal.event("start", detail=f"{program()}; {people}")
+    if robot != BY_HAND:
+        journal.event("connect", detail=robot)
+    setup = journal.session.setup
+    lines = [f"{setup.name}: {in_words(setup)}; robot {robot}. {count(journal.session)}."]
+    if robot not in (BY_HAND, before):
+        lines.append(f"note: this board is {robot}; the one before was {before}")
+    return lines
 
 
 def _each(told: list[Any]) -> Any:
@@ -70,10 +89,14 @@ def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: C
     console.say(f"page: {page.url}")
 
     def told(session: Session, step: Any) -> None:
-        robot = "by hand" if seat is None else "holds" if seat.powered else "idle"
+        robot = BY_HAND if seat is None else _state(seat)
         page.publish(state_of(session, step, skipped_keys(journal.events), robot))
 
     return told
+
+
+def _state(seat: Seat) -> str:
+    return "stopped" if seat.held else "holds" if seat.powered else "idle"
 
 
 def _pictures(console: Any) -> Any:

@@ -6,6 +6,7 @@ import os
 import select
 import shutil
 import sys
+import termios
 import textwrap
 import time
 from collections.abc import Callable
@@ -26,6 +27,10 @@ class Terminal(Protocol):
 
         tick is called twice a second while waiting.
         """
+        ...
+
+    def forget(self) -> None:
+        """Drop what was typed ahead: what is asked next may set a robot in motion."""
         ...
 
 
@@ -51,7 +56,7 @@ class Console:
                 print(flush=True)
                 return None
             if select.select([sys.stdin], [], [], min(TICK_S, patience_s))[0]:
-                data = os.read(sys.stdin.fileno(), 4096)
+                data = _read()
                 self._pending += data
                 self._ended = not data
             else:
@@ -62,3 +67,17 @@ class Console:
         if not sys.stdin.isatty():
             print(flush=True)
         return line.decode("utf-8", "replace").strip()
+
+    def forget(self) -> None:
+        """Drop what was typed ahead at a terminal; what a pipe holds was meant in this order."""
+        if sys.stdin.isatty():
+            self._pending = b""
+            termios.tcflush(sys.stdin.fileno(), termios.TCIFLUSH)
+
+
+def _read() -> bytes:
+    """Return what came, nothing at the input's end: a terminal that was closed has ended too."""
+    try:
+        return os.read(sys.stdin.fileno(), 4096)
+    except OSError:
+        return b""

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from ....model.errors import CommandRefused, RobotError, RobotLost
+from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
 from ....robot.robot import Robot
 
@@ -26,7 +26,8 @@ class Seat:
     def __init__(self, port: str | None):
         self._robot = Robot(port, unattended_s=HOURS_S)
         self.powered = False
-        self.stopped = False  # by the page's Stop button
+        self.stopped = False  # by the page's Stop button, and nobody has seen it yet
+        self.held = False  # by it, until release()
 
     def __enter__(self) -> Seat:
         self._robot.__enter__()
@@ -46,7 +47,7 @@ class Seat:
 
     def pose(self, bend_deg: float) -> None:
         """Turn every link by the bend, left and right in turn: joints at twice that angle."""
-        self.stopped, self.powered = False, True
+        self.powered = True
         joint_rad = math.radians(2 * bend_deg)
         with self._unless_stopped():
             self._robot.pose([joint_rad * (-1) ** j for j in range(JOINTS)])
@@ -58,14 +59,19 @@ class Seat:
 
     def go(self, gait: Gait) -> None:
         """Start a gait."""
-        self.stopped, self.powered = False, True
+        self.powered = True
         with self._unless_stopped():
             self._robot.gait(gait)
 
     def halt(self) -> None:
-        """Stop now, joints held; from any thread."""
-        self.stopped = True
-        self._robot.stop()
+        """Stop now, joints held, and move no more until release(); from any thread."""
+        self.stopped = self.held = True
+        self._robot.stop(stay=True)
+
+    def release(self) -> None:
+        """Let it move again when it is next told to."""
+        self._robot.release()
+        self.stopped = self.held = False
 
     def idle(self) -> None:
         """Stop, and let the servos go limp."""
@@ -80,11 +86,11 @@ class Seat:
 
     @contextmanager
     def _unless_stopped(self) -> Iterator[None]:
-        """Let pass that a command was overtaken by halt(): whoever waits sees `stopped`."""
+        """Let pass that a command was overtaken by halt(): whoever waits sees `held`."""
         try:
             yield
-        except CommandRefused:
-            if not self.stopped:
+        except (CommandRefused, RobotHeld):
+            if not self.held:
                 raise
 
     def rate(self, gait: Gait) -> float:

@@ -17,6 +17,7 @@ _NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+))\s*(\S*)")
 _SPELLINGS = {
     "°": "deg", "degree": "deg", "degrees": "deg", "percent": "%", "kmh": "km/h", "kph": "km/h",
     "km/hr": "km/h", "ms": "m/s", "mps": "m/s", "sec": "s", "secs": "s", "mins": "min",
+    "kgs": "kg", "gr": "g", "grams": "g", "gram": "g", "lbs": "lb", "inch": "in", "inches": "in",
 }  # fmt: skip
 
 
@@ -80,8 +81,10 @@ def _unit(text: str, field: Field) -> str:
 
 
 def _converted(number: float, unit: str, field: Field) -> float:
-    if unit == "%":
+    if field.kind == "incline" and unit == "%":
         return math.degrees(math.atan(number / 100))
+    if field.kind == "grade" and unit == "deg":
+        return 100 * math.tan(math.radians(number))
     return number * UNITS[field.kind][unit]
 
 
@@ -95,9 +98,12 @@ def _checked(value: float, field: Field) -> float:
 
 
 def _example(field: Field) -> str:
+    if field.kind == "count":
+        return "type a number, such as 6"
     units = " or ".join(UNITS[field.kind])
     return f"type a number in {units}, such as {_SAMPLES[field.kind]}"
 
 
 _SAMPLES = {"incline": "2.3 or 4 %", "angle": "150", "speed": "0.45 or 1.6 km/h",
-            "length": "1.2", "rate": "3.14", "time": "9.5"}  # fmt: skip
+            "length": "1.2 or 76 mm", "rate": "3.14", "time": "9.5", "mass": "0.48 or 480 g",
+            "grade": "0.5", "belt": "0.1"}  # fmt: skip

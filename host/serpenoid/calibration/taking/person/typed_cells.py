@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from ....model.errors import BadInput
 from ...session import Setup
+from ..new_session import quoted
 from ..steps import Field
 from .typed import read_typed
 
@@ -60,6 +61,24 @@ def read_cells(
         speed, sigma = setup.stopwatch.speed(distance_m, duration_s)
         found = {"speed_m_s": speed, "speed_sigma_m_s": sigma} | found
     return found
+
+
+_KINDS = {"_m_s": "speed", "_kg": "mass", "_m": "length", "_deg": "angle", "_percent": "grade",
+          "_s": "time"}  # fmt: skip
+
+
+def amendment(change: str) -> str:
+    """Return TABLE.ENTRY=VALUE as a line of TOML: numbers with units converted, words quoted."""
+    name, equals, value = (part.strip() for part in change.partition("="))
+    if not equals or "." not in name or not value:
+        raise BadInput(f"{change!r} is not TABLE.ENTRY=VALUE, such as robot.mass_kg=480g")
+    if name.startswith("laboratory."):
+        return f"{name} = {quoted(value.strip(chr(34)))}"
+    kind = next((kind for end, kind in _KINDS.items() if name.endswith(end)), "")
+    if not kind or value.startswith(("[", '"', "'")):
+        return f"{name} = {value}"
+    field = Field(name.partition(".")[2], name, kind, -1e9, 1e9)
+    return f"{name} = {read_typed(value, field).value!r}"
 
 
 def values_of(row: Mapping[str, str]) -> dict[str, float | str]:

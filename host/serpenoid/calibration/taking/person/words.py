@@ -1,0 +1,191 @@
+"""What may be typed at every prompt: corrections, remarks, and ways to leave."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+from ....model.errors import BadInput, RecordingFailed
+from ...session_rows import reading_rows
+from ..journal import Journal
+from ..procedure import progress, skipped_keys
+from ..steps import Field, Step
+from .typed_cells import FIELDS, values_of
+
+HELP = """\
+  undo            void the last reading         redo [N]   take the last reading, or number N, anew
+  void N [why]    reading N is not to be used   restore N  use it again
+  skip            leave this step out           note TEXT  keep a remark
+  status          what was read so far          pause      servos off, until Enter
+  quit            leave; go on any time         help       this"""
+SHORT = {"q": "quit", "exit": "quit", "?": "help", "u": "undo"}
+Values = dict[str, float | str]
+
+
+class Again(Exception):
+    """Something else was done at a prompt: see where the session stands, and ask from there."""
+
+
+class Left(Exception):
+    """The person wants to leave."""
+
+
+class Talk(Protocol):
+    """The dialogue that the words are typed in."""
+
+    @property
+    def journal(self) -> Journal:
+        """Return the session that is written to."""
+        ...
+
+    def say(self, text: str) -> None:
+        """Show a line or more."""
+        ...
+
+    def ask(self, prompt: str, step: Step) -> str:
+        """Return what was typed, once it is none of these words."""
+        ...
+
+    def read(
+        self, text: str, field: Field, likely: tuple[float, float] | None, step: Step
+    ) -> float:
+        """Return the number typed; what is none is told, and asked for again."""
+        ...
+
+    def hold(self, why: str) -> None:
+        """Let the servos go until the person is back."""
+        ...
+
+
+class Words:
+    """Obey the words; every one of them is there at every prompt."""
+
+    def __init__(self, talk: Talk):
+        self._talk = talk
+        self._journal = talk.journal
+        self._all: dict[str, Callable[[str, Step], None]] = {
+            name: getattr(self, f"_{name}")
+            for name in (
+                "help", "quit", "skip", "pause", "note", "status", "undo", "void", "restore", "redo"
+            )
+        }  # fmt: skip
+
+    def obey(self, line: str, step: Step) -> bool:
+        """Do what a word says; return False if the line is none. Raises Again and Left."""
+        word, _, rest = line.partition(" ")
+        name = SHORT.get(word.lower(), word.lower())
+        if name not in self._all:
+            return False
+        try:
+            self._all[name](rest.strip(), step)
+        except (BadInput, RecordingFailed) as error:
+            self._talk.say(f"  ! {error}")
+        return True
+
+    def _help(self, rest: str, step: Step) -> None:
+        self._talk.say(HELP)
+
+    def _quit(self, rest: str, step: Step) -> None:
+        raise Left
+
+    def _skip(self, rest: str, step: Step) -> None:
+        self._journal.event("skip", detail=step.key)
+        self._talk.say(f"  left out: {step.key}")
+        raise Again
+
+    def _pause(self, rest: str, step: Step) -> None:
+        self._talk.hold(rest)
+        raise Again
+
+    def _note(self, rest: str, step: Step) -> None:
+        if not rest:
+            raise BadInput("type the remark after the word: note warm room")
+        self._journal.event("note", detail=rest)
+        self._talk.say("  noted")
+
+    def _status(self, rest: str, step: Step) -> None:
+        session = self._journal.session
+        for r in session.readings[-8:]:
+            state = f"  void: {r.comment}" if r.voided else ""
+            self._talk.say(
+                f"  {r.number:4}  bend {math.degrees(r.lambda_rad):.4g}  incline "
+                f"{math.degrees(r.incline_rad):.2f} deg  belt {r.belt_speed_m_s:.3f}  drift "
+                f"{r.drift_m_s:+.3f} m/s{state}"
+            )
+        for name, state in progress(session, skipped_keys(self._journal.events)):
+            self._talk.say(f"  {name:14} {state}")
+
+    def _undo(self, rest: str, step: Step) -> None:
+        skip = self._last_skip()
+        if skip:
+            self._journal.event("unskip", detail=skip)
+            self._talk.say(f"  no longer left out: {skip}")
+            raise Again
+        number = self._last_kept()
+        self._journal.event("undo", number)
+        self._talk.say(f"  reading {number} is void")
+        raise Again
+
+    def _void(self, rest: str, step: Step) -> None:
+        text, _, why = rest.partition(" ")
+        self._journal.event("void", self._numbered(text), why)
+        self._talk.say(f"  reading {text} is void")
+        raise Again
+
+    def _restore(self, rest: str, step: Step) -> None:
+        self._journal.event("restore", self._numbered(rest))
+        self._talk.say(f"  reading {rest} is used again")
+        raise Again
+
+    def _redo(self, rest: str, step: Step) -> None:
+        number = self._numbered(rest) if rest else self._last_kept()
+        row = next(r for r in reading_rows(self._journal.folder) if int(r["reading"]) == number)
+        if row["kind"] not in FIELDS:
+            raise BadInput(f"reading {number} is of a kind that cannot be redone here")
+        self._talk.say(f"  reading {number} anew; Enter keeps a value as it was")
+        values = values_of(row) | self._anew(row, step)
+        new = self._journal.add(row["kind"], values, replaces=number)
+        self._talk.say(f"  reading {new} is kept in place of {number}")
+        raise Again
+
+    def _anew(self, row: Mapping[str, str], step: Step) -> Values:
+        """Ask for a row's numbers again."""
+        values: Values = {}
+        for field in FIELDS[row["kind"]]:
+            old = row[field.column]
+            if not old or field.column.startswith("speed"):
+                continue
+            text = self._talk.ask(f"  {field.words} ({old} {field.unit}): ", step)
+            if text:
+                values[field.column] = self._talk.read(text, field, None, step)
+        if row["kind"] == "gait" and row["distance_m"]:
+            both = values_of(row) | values
+            watch = self._journal.session.setup.stopwatch
+            values["speed_m_s"], values["speed_sigma_m_s"] = watch.speed(
+                float(both["distance_m"]), float(both["duration_s"])
+            )
+        return values
+
+    def _numbered(self, text: str) -> int:
+        if not text.isdecimal() or int(text) not in self._journal.numbers:
+            there = max(self._journal.numbers, default=0)
+            known = f"there are 1 to {there}" if there else "there are none yet"
+            raise BadInput(f"{text!r} is no reading's number; {known}; try `status`")
+        return int(text)
+
+    def _last_skip(self) -> str:
+        """Return the step that was left out since the last reading, "" if none was."""
+        rows = reading_rows(self._journal.folder)
+        since = rows[-1]["time_utc"] if rows else ""
+        skipped = skipped_keys(self._journal.events)
+        late = [e for e in self._journal.events if e.event == "skip" and e.time_utc > since]
+        return next((e.detail for e in reversed(late) if e.detail in skipped), "")
+
+    def _last_kept(self) -> int:
+        s = self._journal.session
+        kept = [r.number for part in (s.readings, s.zeros, s.bends, s.gait_runs)
+                for r in part if not r.voided]  # fmt: skip
+        if not kept:
+            raise BadInput("there is no reading yet")
+        return max(kept)

@@ -1,0 +1,140 @@
+"""`serpenoid calibrate new`: a session's set-up, asked for in the units that people have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...model.errors import BadInput
+
+if TYPE_CHECKING:
+    from ...calibration.session import Setup
+    from ...calibration.taking.steps import Field
+
+LATER = "later"
+
+
+class Quantity(click.ParamType[float]):
+    """A number with a unit or in the field's own; decimals take a point or a comma.
+
+    A bare number that only another unit makes likely is asked about where somebody can answer.
+    `later` answers for the mass.
+    """
+
+    name = "quantity"
+
+    def __init__(self, field: str):
+        self.field = field
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> float:
+        """Return the number, or say what is wrong with it."""
+        import math
+        import sys
+
+        from ...calibration.taking.person.typed import read_typed
+
+        if isinstance(value, float):
+            return value
+        field = field_of(self.field)
+        if field.column == "mass_kg" and str(value).strip().lower() == LATER:
+            return math.nan
+        try:
+            typed = read_typed(str(value), field)
+        except BadInput as error:
+            self.fail(str(error), param, ctx)
+        if not typed.question or typed.meant is None:
+            return typed.value
+        if not sys.stdin.isatty():
+            self.fail(f"{typed.question} Type the unit, too", param, ctx)
+        return typed.meant if click.confirm(typed.question, default=True) else typed.value
+
+
+def field_of(name: str) -> Field:
+    """Return what is known of one of the numbers that are asked for."""
+    from ...calibration.taking.new_session import NUMBERS
+
+    return next(field for field in NUMBERS if field.column == name)
+
+
+@click.command()
+@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@click.option("--template", type=click.Path(exists=True, path_type=Path),
+              help="Another session's folder, whose set-up is taken over unasked.")  # fmt: skip
+@click.option("--defaults", is_flag=True, help="Ask nothing: 2005 robot, a home treadmill.")
+@click.option("--surface", help="What the wheels roll on.")
+@click.option("--mass-kg", type=Quantity("mass_kg"),
+              help="Mass of the whole robot, as it crawls; 480g does, too.")  # fmt: skip
+@click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
+def new(
+    folder: Path, template: Path | None, defaults: bool, simulated: bool, **answers: Any
+) -> None:
+    """Begin a session: asks for robot, surface and instruments, or takes them from a template."""
+    import dataclasses
+    import math
+    import sys
+
+    from ...calibration.taking.new_session import (
+        answered,
+        create_session,
+        refuse_existing,
+        template_setup,
+    )
+
+    refuse_existing(folder)
+    setup = template_setup(template, folder.resolve().name)
+    if template is None and not defaults and not (answers["surface"] and answers["mass_kg"]):
+        if not sys.stdin.isatty():
+            raise BadInput(
+                "there is no terminal to ask at; give --template DIR, or --defaults with "
+                "--surface and --mass-kg"
+            )
+        answers = _asked(setup, answers)
+    mass_kg = answers["mass_kg"]
+    unweighed = mass_kg is None or math.isnan(mass_kg)
+    given = answered(setup, answers | ({"mass_kg": None} if unweighed else {}))
+    if simulated:
+        given = dataclasses.replace(given, kind="simulated", source="simulated treadmill")
+    elif template is None and unweighed:
+        given = dataclasses.replace(given, weighed=False)
+    create_session(folder, given)
+    click.echo(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
+
+
+def _asked(setup: Setup, answers: dict[str, Any]) -> dict[str, Any]:
+    """Ask what is not answered yet; Enter takes what stands in brackets."""
+    from ...calibration.taking.new_session import NUMBERS, WORDS
+
+    click.echo("Enter takes what stands in brackets; numbers may be typed with their units.")
+    found = dict(answers)
+    for name, words in WORDS.items():
+        if found.get(name) is None:
+            found[name] = click.prompt(words, default=getattr(setup, name))
+    found["links"] = click.prompt(
+        "number of links", default=setup.robot.links, type=click.IntRange(2, 100)
+    )
+    usual = _usual(setup)
+    for field in NUMBERS:
+        if found.get(field.column) is None:
+            words = field.words + (f"; or {LATER}" if field.column == "mass_kg" else "")
+            found[field.column] = click.prompt(
+                words, default=usual[field.column], type=Quantity(field.column)
+            )
+    return found
+
+
+def _usual(setup: Setup) -> dict[str, str]:
+    """Return what Enter takes for each number."""
+    import math
+
+    robot, steps = setup.robot, setup.treadmill
+    shown_deg = math.degrees(setup.uncertainty.incline_sigma_rad) * math.sqrt(12)
+    return {
+        "mass_kg": f"{1000 * robot.links * robot.link_mass_kg:.6g} g",
+        "link_length_m": f"{1000 * robot.link_length_m:.6g} mm",
+        "incline_step_deg_shown": f"{shown_deg:.2g}",
+        "incline_step_percent": f"{100 * steps.incline_step_rad:.3g} %",
+        "belt_speed_step_km_h": f"{3.6 * steps.belt_step_m_s:.3g} km/h",
+        "belt_speed_least_km_h": f"{3.6 * steps.belt_least_m_s:.3g} km/h",
+    }

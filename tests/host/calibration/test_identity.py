@@ -1,0 +1,149 @@
+"""Whose session it is: the same robot goes on, another one is refused, what was open is asked."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from calibration.test_dialogue import Person
+from serpenoid import BadInput, fit_friction
+from serpenoid.calibration.session_file import read_session
+from serpenoid.calibration.session_rows import read_events
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.new_session import (
+    create_session,
+    default_setup,
+    identity_differences,
+)
+from serpenoid.calibration.taking.person.identity import ask_identity
+from serpenoid.calibration.taking.person.typed_cells import amendment
+from serpenoid.calibration.taking.person.words import Left
+from serpenoid.commands.friction.calibrate_person import begin
+
+ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    made = create_session(
+        tmp_path / "session", replace(default_setup("made up"), surface="belt", people="Ada")
+    )
+    with Journal(made) as journal:
+        journal.add("zero", ZERO)
+    return made
+
+
+def asked(folder, *lines):
+    """Return what was heard and who measures."""
+    person = Person(*lines)
+    with Journal(folder) as journal:
+        return person, ask_identity(journal, person)
+
+
+def test_the_same_robot_goes_on_and_says_who_measures(folder):
+    person, who = asked(folder, "", "Bob")
+    assert "Resumed: made up, 6 links of 76 mm, 453.6 g, on belt." in person.heard
+    assert who == "Bob"
+    assert asked(folder, "what?", "yes", "")[1] == "Ada"
+
+
+def test_another_robot_is_refused_with_the_differences_and_both_ways_on(folder):
+    with pytest.raises(BadInput) as refused:
+        asked(folder, "n", "", "480 g", "0,08", "carpet")
+    told = str(refused.value)
+    assert "link_mass_kg: the session has 0.0756, this has 0.08" in told
+    assert "link_length_m: the session has 0.076, this has 0.08" in told
+    assert "surface: the session has 'belt', this has 'carpet'" in told
+    assert "links:" not in told
+    assert "calibrate new OTHER --template" in told
+    assert "calibrate amend" in told
+    assert len(read_events(folder)) == 0
+
+
+def test_what_differs_by_what_scales_differ_is_the_same(folder):
+    person, _ = asked(folder, "n", "", "454 g", "", "", "")
+    assert "Nothing differs" in person.heard
+    with pytest.raises(BadInput):
+        asked(folder, "n", "", "457 g", "", "")
+    setup = read_session(folder).setup
+    assert identity_differences(setup, replace(setup, surface="Belt"))
+
+
+def test_a_slip_of_units_is_asked_here_too(folder):
+    person, _ = asked(folder, "n", "six", "", "453.6", "", "76", "n", "76 mm", "", "")
+    assert "'six' is no number; type a number, such as 6" in person.heard
+    assert "did you mean 453.6 g = 0.4536 kg?" in person.heard
+    assert person.heard.count("length of a link") == 2
+    assert "Nothing differs" in person.heard
+
+
+def test_leaving_changes_nothing(folder):
+    for lines in (("quit",), ("n", "quit")):
+        with pytest.raises(Left):
+            asked(folder, *lines)
+    with pytest.raises(EOFError):
+        asked(folder)
+    assert read_events(folder) == []
+
+
+def test_a_mass_and_a_surface_left_open_are_asked_until_they_are_known(tmp_path):
+    made = create_session(tmp_path / "session", replace(default_setup("made up"), weighed=False))
+    asked(made, "", "")
+    assert not read_session(made).setup.weighed
+    asked(made, "480 g", 'a "rubber" belt')
+    setup = read_session(made).setup
+    assert setup.weighed
+    assert setup.robot.link_mass_kg == pytest.approx(0.08)
+    assert setup.surface == 'a "rubber" belt'
+    person, _ = asked(made)
+    assert person.heard == ""
+
+
+def test_a_corrected_mass_holds_for_readings_taken_before(folder):
+    with Journal(folder) as journal:
+        for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5),
+                                    (15, 5.0, 0.9)):  # fmt: skip
+            cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}
+            journal.add("station", cells | {"drift_m_s": 0.0})
+        before = fit_friction(journal.session)
+        journal.event("amend", detail=amendment("robot.mass_kg=498,96 g"))
+        after = fit_friction(journal.session)
+    assert after.parameters["ct"].value == pytest.approx(1.1 * before.parameters["ct"].value)
+    assert before.session_sha256 != after.session_sha256
+
+
+def test_an_unweighed_robot_is_told_of_in_the_fit(folder):
+    with Journal(folder) as journal:
+        setup = replace(journal.session.setup, weighed=False)
+        for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5)):
+            cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}
+            journal.add("station", cells | {"drift_m_s": 0.0})
+        fit = fit_friction(replace(journal.session, setup=setup))
+    assert any("was not weighed" in note for note in fit.notes)
+
+
+def test_amendments_are_read_with_units_and_words_quoted():
+    assert amendment("laboratory.surface = rubber belt") == 'laboratory.surface = "rubber belt"'
+    assert amendment("plan.lambda_deg=[0, 15]") == "plan.lambda_deg = [0, 15]"
+    assert amendment("plan.gait_runs=2") == "plan.gait_runs = 2"
+    name, value = amendment("instruments.belt_speed_step_m_s=0,1 km/h").split(" = ")
+    assert name == "instruments.belt_speed_step_m_s"
+    assert float(value) == pytest.approx(0.1 / 3.6)
+    assert math.isclose(float(amendment("robot.link_length_m=76mm").split("=")[1]), 0.076)
+    for wrong in ("mass=3", "robot.mass_kg", "robot.mass_kg="):
+        with pytest.raises(BadInput, match=r"TABLE\.ENTRY=VALUE"):
+            amendment(wrong)
+    with pytest.raises(BadInput, match="no unit of this"):
+        amendment("robot.mass_kg=480 stone")
+
+
+def test_another_board_than_before_is_told(folder):
+    with Journal(folder) as journal:
+        assert len(begin(journal, "Ada", "uno, firmware 0.2.0, protocol 2")) == 1
+        assert len(begin(journal, "Ada", "by hand")) == 1
+        assert len(begin(journal, "Ada", "uno, firmware 0.2.0, protocol 2")) == 1
+        told = begin(journal, "Bob", "mega, firmware 0.3.0, protocol 2")
+    assert told[1] == (
+        "note: this board is mega, firmware 0.3.0, protocol 2; the one before was uno, firmware "
+        "0.2.0, protocol 2"
+    )
+    assert read_events(folder)[-2].detail.endswith("; Bob")
