@@ -84,21 +84,26 @@ def _take(given: dict[str, Any], options: Mapping[str, str]) -> dict[str, Any]:
     return {field: value for field, value in taken.items() if value is not None}
 
 
+def preset_robot(name: str) -> tuple[Robot, Ground]:
+    """Return robot and ground of a preset."""
+    from ..model.ground import Ground
+    from ..model.robot import Robot
+
+    mass, length, *friction = PRESETS[name]
+    return Robot(6, mass, length), Ground(*friction)
+
+
 def make_robot(
     given: dict[str, Any], base: tuple[Robot, Ground] | None = None
 ) -> tuple[Robot, Ground]:
     """Take robot and ground from the preset, a fit, or else `base`, and what overrides it."""
-    from ..model.ground import Ground
-    from ..model.robot import Robot
-
     preset, fit = given.pop("preset"), take_fit(given)
     if fit is not None:
         if preset is not None:
             raise click.UsageError("--robot and a fit both name robot and ground; give one of them")
         base = fit.robot, fit.ground
     if preset is not None or base is None:
-        mass, length, *friction = PRESETS[preset or "2005"]
-        base = Robot(6, mass, length), Ground(*friction)
+        base = preset_robot(preset or "2005")
     robot, ground = base
     changes = _take(given, _ROBOT)
     if robot == Robot(robot.links, robot.link_mass_kg, robot.link_length_m):

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..model.errors import BadInput
-from .options import AS_JSON, describe, interruptible, make_robot, robot_options, show_json
+from .options import (
+    AS_JSON,
+    describe,
+    interruptible,
+    make_robot,
+    robot_options,
+    show_json,
+)
 from .paths import OutFile
 
 if TYPE_CHECKING:
@@ -34,7 +41,7 @@ def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> No
     predicts of that gait, for the robot and ground of the options), or `virtual`, eight seconds of
     the virtual robot.
     """
-    from ..show.view_page import write_page
+    from ..show.pages.view_page import write_page
 
     if what.endswith(".toml"):
         gait, title, about, shown = _scene(Path(what), given)
@@ -55,7 +62,7 @@ def _gait_words(gait: Gait) -> str:
 
 
 def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
-    from ..show.view_page import of_run
+    from ..show.pages.view_page import of_run
     from ..simulation.scene_file import load_scene
     from ..simulation.simulate import simulate
 
@@ -70,7 +77,7 @@ def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str,
 
 def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
     from ..robot.recording.stream import load_stream
-    from ..show.view_page import of_recording
+    from ..show.pages.view_page import of_recording
 
     fitted = given["session"] or given["ground_file"]
     whose = (

@@ -12,13 +12,13 @@ import pytest
 from serpenoid import Ground
 from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.person.page import MOST_STREAMS, Page
 from serpenoid.calibration.taking.person.seat import Seat
 from serpenoid.calibration.taking.person.state import state_of
 from serpenoid.calibration.taking.procedure import next_step
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.calibration.taking.treadmill import Posture, take_step
 from serpenoid.model.errors import RobotLost
+from serpenoid.show.pages.server import MOST_STREAMS, Page
 from webdriver import Browser
 
 HTML = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")

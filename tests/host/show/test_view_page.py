@@ -12,7 +12,7 @@ import pytest
 import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
-from serpenoid.show.view_page import of_run, write_page
+from serpenoid.show.pages.view_page import of_run, write_page
 from show.browser import document, picture
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 5.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from ..options import (
     gait_options,
     interruptible,
     make_gait,
+    preset_robot,
     show_json,
 )
 from ..paths import OutFile
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from ...calibration.speed_samples import SpeedBand
     from ...model.gait import Gait
     from ...robot.tools.driven_run import DrivenRun
+    from ...show.live import View
 
 
 @click.command()
@@ -35,35 +38,44 @@ if TYPE_CHECKING:
 @PORT
 @click.option("--record", type=OutFile(),
               help="New file for every line of the run.")  # fmt: skip
+@click.option("--page", is_flag=True,
+              help="Show the robot live on a page of this machine's browser, with its twin: what "
+              "the model predicts, for the 2005 robot and ground without a fit.")  # fmt: skip
 @AS_JSON
 def drive(
-    duration_s: float | None, port: str | None, record: Path | None, as_json: bool, **given: Any
-) -> None:
+    duration_s: float | None, port: str | None, record: Path | None, page: bool, as_json: bool,
+    **given: Any,
+) -> None:  # fmt: skip
     """Drive a gait and watch it; Ctrl-C stops the robot first. Lay it straight before.
 
     With --session DIR or --ground FILE the speed that the fitted friction predicts stands beside.
 
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
-    Ctrl-C.
+    Ctrl-C, or Stop on the page.
     """
     fit = take_fit(given)
-    drive_gait(make_gait(given), duration_s, port, record, as_json, fit)
+    drive_gait(make_gait(given), duration_s, port, record, as_json, fit, page=page)
 
 
 def drive_gait(
     gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool,
-    fit: FrictionFit | None = None,
+    fit: FrictionFit | None = None, *, page: bool = False,
 ) -> None:  # fmt: skip
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
     fit: of this robot's friction, if there is one; the board must have the joints of its robot.
     """
     from ...robot.tools.driven_run import DrivenRun
+    from ...show.live import view
 
     band = None if fit is None else _predicted(fit, gait, as_json)
     run = DrivenRun(gait, port, record, None if fit is None else fit.robot.links)
     try:
-        interrupted = _watch(run, duration_s, as_json, band)
+        with ExitStack() as stack:
+            shows = [_page(stack, run, fit, as_json)] if page else []
+            if not as_json:
+                shows.append(stack.enter_context(view(band)))
+            interrupted = _watch(run, duration_s, shows)
     finally:  # a run that failed has a summary too
         _sum_up(run, as_json, band)
     if interrupted and duration_s is not None:
@@ -80,20 +92,32 @@ def _predicted(fit: FrictionFit, gait: Gait, quiet: bool) -> SpeedBand:
     return band
 
 
-def _watch(run: DrivenRun, duration_s: float | None, quiet: bool, band: SpeedBand | None) -> bool:
-    """Drive; return whether Ctrl-C ended it."""
-    from contextlib import nullcontext
+def _watch(run: DrivenRun, duration_s: float | None, shows: list[View]) -> bool:
+    """Drive; return whether Ctrl-C or the page ended it."""
 
-    from ...show.live import view
+    def show(now: DrivenRun) -> None:
+        for one in shows:
+            one(now)
 
     try:
-        with nullcontext(lambda _: None) if quiet else view(band) as watch:
-            run.run(duration_s, watch)
+        run.run(duration_s, show)
     except KeyboardInterrupt:
         if run.last is None:
             raise
         return True
-    return False
+    return run.halted
+
+
+def _page(stack: ExitStack, run: DrivenRun, fit: FrictionFit | None, quiet: bool) -> View:
+    """Serve the page, say its address, and return what brings it up to date."""
+    from ...show.pages.live_page import LivePage
+
+    robot, ground = preset_robot("2005") if fit is None else (fit.robot, fit.ground)
+    whose = "2005 robot and ground" if fit is None else "robot and ground of the session"
+    run.links = robot.links
+    page = stack.enter_context(LivePage(run, robot, ground, whose))
+    click.echo(f"page: {page.url}", err=quiet)
+    return page.show
 
 
 def _sum_up(run: DrivenRun, as_json: bool, band: SpeedBand | None) -> None:

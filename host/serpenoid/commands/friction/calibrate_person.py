@@ -80,9 +80,9 @@ def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: C
     """Serve the page, say its address, and return a function that brings it up to date."""
     from importlib.resources import files
 
-    from ...calibration.taking.person.page import Page
     from ...calibration.taking.person.state import state_of
     from ...calibration.taking.procedure import skipped_keys
+    from ...show.pages.server import Page
 
     html = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
     page = stack.enter_context(Page(html, seat and seat.halt, lan=lan))

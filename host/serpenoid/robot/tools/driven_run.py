@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...model.errors import BadInput, ClockWrong, FramesMissing
+from ...model.errors import BadInput, ClockWrong, FramesMissing, RobotHeld
 from ..robot import Robot
 from ..wire.protocol import Telemetry
 
@@ -58,7 +59,7 @@ class DrivenRun:
 
     def __init__(self, gait: Gait, port: str | None, record: Path | None, links: int | None = None):
         self.gait = gait
-        self._links = links
+        self.links, self.halted = links, False
         self.robot = Robot(port, record=record)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
@@ -75,12 +76,23 @@ class DrivenRun:
         with self.robot as robot:
             self._check_links()
             _make_watchable(robot)
-            robot.gait(self.gait)
-            for frame in robot.frames(duration_s):
-                self._count(frame)
-                watch(self)
+            self._follow(duration_s, watch)
         self._check_frames()
         self.robot.clock.check()
+
+    def halt(self) -> None:
+        """Stop the robot, joints held, and with it the run; from any thread."""
+        self.halted = True
+        self.robot.stop(stay=True)
+
+    def _follow(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
+        with suppress(RobotHeld):
+            self.robot.gait(self.gait)
+        for frame in self.robot.frames(duration_s):
+            if self.halted:
+                return
+            self._count(frame)
+            watch(self)
 
     @property
     def elapsed_s(self) -> float:
@@ -117,9 +129,9 @@ class DrivenRun:
 
     def _check_links(self) -> None:
         links = self.robot.hello.joints + 1
-        if self._links not in (None, links):
+        if self.links not in (None, links):
             raise BadInput(
-                f"the friction is of a robot of {self._links} links, but this board moves {links} "
+                f"the friction is of a robot of {self.links} links, but this board moves {links} "
                 "links; give the session of this robot, or none"
             )
 

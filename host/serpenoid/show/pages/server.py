@@ -1,4 +1,4 @@
-"""A page beside the treadmill: one server that shows a session's state and can stop the robot.
+"""The server of a page beside the robot: it shows a state as it changes, and can stop the robot.
 
 It answers three requests, all under an unguessable token: the page, its stream of states, and
 Stop. Host and Origin are checked, so that no other page in the same browser reaches it.
@@ -10,14 +10,16 @@ import json
 import secrets
 import socket
 import threading
+import time
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-from ....model.errors import BadInput, SerpenoidError
+from ...model.errors import BadInput, SerpenoidError
 
 BEAT_S = 1.0  # a stream that is silent for three of these is lost, the page says
 MOST_STREAMS = 16
+LAST_WORD_S = 0.5
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'nonce-{nonce}'; connect-src 'self'"
 )
@@ -66,8 +68,15 @@ class Page:
         with self._changed:
             self._closed = True
             self._changed.notify_all()
+        self._wait_for_streams()
         self._server.shutdown()
         self._server.server_close()
+
+    def _wait_for_streams(self) -> None:
+        """Let the open pages hear the last state; a phone out of reach is not waited for."""
+        end_s = time.monotonic() + LAST_WORD_S
+        for _ in range(MOST_STREAMS):
+            self.streams.acquire(timeout=max(0.0, end_s - time.monotonic()))
 
     @property
     def url(self) -> str:
@@ -84,12 +93,12 @@ class Page:
     def next_state(self, seen: int) -> tuple[int, str | None] | None:
         """Return version and state once newer than `seen`, the state None after a beat without.
 
-        Return None when the page is closed.
+        Return None when the page is closed, and its last state seen.
         """
         with self._changed:
             if self._version == seen and not self._closed:
                 self._changed.wait(BEAT_S)
-            if self._closed:
+            if self._closed and self._version == seen:
                 return None
             return self._version, None if self._version == seen else self._state
 

@@ -1,0 +1,1 @@
+"""Pages of the browser that move: the crawling snake, from a file or live; their server."""
