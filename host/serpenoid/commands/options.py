@@ -97,6 +97,8 @@ def make_robot(
     given: dict[str, Any], base: tuple[Robot, Ground] | None = None
 ) -> tuple[Robot, Ground]:
     """Take robot and ground from the preset, a fit, or else `base`, and what overrides it."""
+    from ..model.robot import Robot
+
     preset, fit = given.pop("preset"), take_fit(given)
     if fit is not None:
         if preset is not None:

@@ -7,13 +7,14 @@ import math
 import re
 from pathlib import Path
 
+import matplotlib.image
 import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
 from serpenoid.show.pages.view_page import of_run, write_page
-from show.browser import document, picture
+from webdriver import Browser
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 5.0)
 GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
@@ -98,13 +99,19 @@ def test_refusals(arguments, said, serpenoid, tmp_path, monkeypatch) -> None:
     assert said in errors
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("width", [390, 1100])
 def test_a_browser_draws_it(page, tmp_path, width) -> None:
-    url = page.as_uri()
-    assert 'data-drawn="yes"' in document(url + "?t=3", width)
-    assert "3.00 s" in document(url + "?t=3", width)
-    one, other = (picture(f"{url}?t={t}", tmp_path, width) for t in (1, 5))
+    seen = []
+    with Browser(width, 844) as browser:
+        for t_s in (1, 5):
+            browser.opens(f"{page.as_uri()}?t={t_s}")
+            assert browser.runs("return document.body.dataset.drawn") == "yes"
+            assert browser.text("#clock") == f"{t_s}.00 s"
+            browser.picture(tmp_path / f"{t_s}.png")
+            seen.append(matplotlib.image.imread(tmp_path / f"{t_s}.png")[:, :, :3])
+        assert browser.runs("return innerWidth") == width
+        assert browser.runs("return document.documentElement.scrollWidth") <= width
+    one, other = seen
     assert np.mean(np.any(one != other, axis=2)) > 1e-3  # the snake is elsewhere
     orange = np.all(np.abs(other - np.array([0xC1, 0x44, 0x0E]) / 255) < 0.05, axis=2)
     assert orange.sum() > 30  # the robot's set-points are drawn

@@ -77,8 +77,9 @@ class DrivenRun:
             self._check_links()
             _make_watchable(robot)
             self._follow(duration_s, watch)
-        self._check_frames()
-        self.robot.clock.check()
+        if self.frames or not self.halted:
+            self._check_frames()
+            self.robot.clock.check()
 
     def halt(self) -> None:
         """Stop the robot, joints held, and with it the run; from any thread."""

@@ -75,8 +75,12 @@ class Page:
     def _wait_for_streams(self) -> None:
         """Let the open pages hear the last state; a phone out of reach is not waited for."""
         end_s = time.monotonic() + LAST_WORD_S
-        for _ in range(MOST_STREAMS):
+        free = [
             self.streams.acquire(timeout=max(0.0, end_s - time.monotonic()))
+            for _ in range(MOST_STREAMS)
+        ]
+        for _ in filter(None, free):
+            self.streams.release()
 
     @property
     def url(self) -> str:

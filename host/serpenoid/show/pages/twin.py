@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from ...simulation.simulate import simulate
 from ..plot import along_travel
 
 Array = NDArray[np.float64]
+Places = NDArray[np.complex128]  # x + iy
 
 
 @dataclass(frozen=True)
@@ -61,17 +63,17 @@ class Twin:
         cycle, within = np.divmod(phase_rad, 2 * math.pi)
         turned = np.exp(1j * self._turn_rad * cycle)[:, None]
         moved = self._step * _geometric(cmath.exp(1j * self._turn_rad), cycle)[:, None]
-        place = turned * self._table(within, self._place) + moved
-        velocity = turned * self._table(within, self._velocity)
+        place: Places = turned * self._table(within, self._place) + moved
+        velocity: Places = turned * self._table(within, self._velocity)
         theta = self._table(within, self._theta_rad) + self._turn_rad * cycle[:, None]
         return Motion(place.real, place.imag, theta, velocity.real, velocity.imag)
 
-    def _table(self, phase_rad: Array, columns: NDArray) -> NDArray:
+    def _table(self, phase_rad: Array, columns: NDArray[Any]) -> NDArray[Any]:
         return np.stack([np.interp(phase_rad, self._phase_rad, c) for c in columns.T], axis=1)
 
 
-def _geometric(ratio: complex, count: Array) -> NDArray[np.complex128]:
+def _geometric(ratio: complex, count: Array) -> Places:
     """Return 1 + ratio + ... to `count` terms, of a ratio of size 1."""
     if abs(ratio - 1) < 1e-9:
         return count.astype(complex)
-    return (1 - ratio**count) / (1 - ratio)
+    return np.asarray((1 - ratio**count) / (1 - ratio), dtype=complex)

@@ -1,0 +1,102 @@
+"""The page of `drive --page`: the twin at any phase, and the live robot in a real browser."""
+
+from __future__ import annotations
+
+import http.client
+import math
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.model.errors import BadInput
+from serpenoid.robot.tools.driven_run import DrivenRun
+from serpenoid.show.pages.live_page import LivePage
+from serpenoid.show.pages.twin import Twin
+from webdriver import Browser
+
+ROBOT = sn.Robot(6, 0.0756, 0.076)
+GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+GAIT = sn.Gait(math.radians(60), math.radians(75), 3.0)
+
+
+@pytest.mark.parametrize("offset_rad", [0.0, 0.2])
+def test_a_later_cycle_is_the_first_one_moved_on(offset_rad):
+    gait = sn.Gait(1.0, 1.3, 4.0, offset_rad)
+    scene = sn.Scene(ROBOT, GROUND, gait, start="steady", method="nonsmooth", dt_s=1e-3,
+                     duration_s=3.2 * gait.period_s)  # fmt: skip
+    run = sn.simulate(scene)
+    motion = Twin(ROBOT, GROUND, gait).at(gait.omega_rad_s * run.t_s)
+    place, twin = run.x_m + 1j * run.y_m, motion.x_m + 1j * motion.y_m
+    # the twin is turned along its travel and begins at the origin; shapes and ways are the same
+    turn = np.exp(1j * (motion.theta_rad[0, 0] - run.theta_rad[0, 0]))
+    moved = turn * (place - place[0].mean()) + twin[0].mean()
+    assert np.abs(moved - twin).max() < 2e-3 * 0.076
+    assert motion.theta_rad - run.theta_rad == pytest.approx(np.angle(turn), abs=2e-3)
+    assert motion.slip_m_s == pytest.approx(
+        run.vy_m_s * np.cos(run.theta_rad) - run.vx_m_s * np.sin(run.theta_rad), abs=2e-3
+    )
+
+
+@contextmanager
+def driven():
+    """Drive the virtual robot beside its page; gives the run, its page and its thread."""
+    run = DrivenRun(GAIT, "virtual", None, links=6)
+    with LivePage(run, ROBOT, GROUND, "2005 robot and ground") as page:
+        thread = threading.Thread(target=lambda: run.run(30.0, page.show))
+        thread.start()
+        try:
+            yield run, page, thread
+        finally:
+            if thread.is_alive():
+                run.halt()
+            thread.join(10)
+
+
+def test_a_phone_sees_the_robot_crawl_stops_it_and_scrubs_what_it_saw(tmp_path: Path):
+    with Browser(390, 844) as phone:
+        with driven() as (run, page, thread):
+            phone.opens(page.url)
+            phone.sees("#told", "gait; ")
+            phone.waits_for("end > 2.5 && d.t_s.length > 40")
+            assert phone.runs("return innerWidth") == 390
+            assert phone.runs("const e = document.documentElement; return e.scrollWidth") <= 390
+            # once the ramp is over the robot's telemetry lies on its twin
+            off = phone.runs("return d.joint_deg[last].map((v, j) => v - d.set_joint_deg[last][j])")
+            assert np.abs(off).max() < 1.0
+            assert phone.runs("return d.x_m[last][0] - d.x_m[0][0]") > 0.02
+            phone.clicks("#stop")
+            phone.sees("#told", "stopped")
+            thread.join(5)
+            assert not thread.is_alive()
+            assert run.halted
+        phone.sees("#told", "stopped from here")
+        assert phone.runs("return document.querySelector('#stop').disabled")
+        phone.runs("at('when').value = 0; at('when').oninput()")
+        assert phone.runs("return Math.abs(now - begin) < 1e-9 && !playing")
+
+
+def test_only_this_machine_is_answered():
+    with driven() as (_, page, _thread):
+        port, path = int(page.url.split(":")[2].split("/")[0]), "/" + page.url.split("/")[3] + "/"
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5)
+        connection.request("GET", path, headers={"Host": "evil.example"})
+        assert connection.getresponse().status == 404
+        assert "127.0.0.1" in page.url
+
+
+def test_another_robot_is_refused_before_it_moves():
+    run = DrivenRun(GAIT, "virtual", None, links=4)
+    with pytest.raises(BadInput, match="of 4 links, but this board moves 6"):
+        run.run(1.0, lambda _: None)
+    assert run.last is None
+
+
+def test_the_command_says_where_the_page_is(serpenoid):
+    status, said, _ = serpenoid("drive", "--port", "virtual:fast", "--alpha-deg", "60",
+                                "--beta-deg", "75", "--omega-rad-s", "3", "--duration-s", "1",
+                                "--page")  # fmt: skip
+    assert status == 0
+    assert "page: http://127.0.0.1:" in said
