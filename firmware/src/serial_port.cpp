@@ -35,7 +35,10 @@ void poll() {
 ISR(RECEIVED_vect) {
     const uint8_t flags = UCSR0A;
     const uint8_t byte = UDR0;
-    sei();  // a servo's edge need not wait for the rest; the next byte is 40 µs away
+    UCSR0B &= static_cast<uint8_t>(~_BV(RXCIE0));
+    sei();  // a servo's edge need not wait for the rest, the next byte must
     if (flags & _BV(DOR0)) serial_port::queues.in.lose();
     serial_port::queues.in.push(flags & _BV(FE0) ? firmware::Input::kHole : byte);
+    cli();
+    UCSR0B |= _BV(RXCIE0);
 }

@@ -12,6 +12,7 @@ from avr.truth import pulse_errors_us
 pytestmark = [pytest.mark.avr, pytest.mark.slow]
 
 LINES = 10_500
+BUFFER_US = 127 * 40  # the receive buffer of an Uno at a full wire's pace
 VERDICTS = ("ok:", "err:")
 COMMANDS = ["ping"] * 6 + ["gait 30 80 5"] * 2 + ["set every 5", "wriggle"]
 ERRORS = {"wriggle": "err command"}
@@ -127,6 +128,7 @@ def test_ten_thousand_lines_through_a_bad_cable(start):
     counted = {name: after[name] - before[name] for name in truth.counts}
     assert counted == dict(truth.counts)
     assert after["rxfull"] == after["overruns"] == board.counts.overrun_bytes == 0
+    assert after["frame_us"] < BUFFER_US, "the receive buffer may fill during the longest pass"
 
     seen = telemetry(board.lines[first:])
     errors = np.abs(pulse_errors_us(board, seen, wave_of(seen)))

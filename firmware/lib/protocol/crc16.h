@@ -7,13 +7,13 @@ namespace firmware {
 
 const uint16_t kCrcStart = 0xFFFF;
 
-// One byte more. The eight shifts of the textbook, folded: 16 bits are too few for a table in RAM.
+// One byte more. The eight shifts of the textbook, folded, in halves of 8 bits: an AVR has no more.
 inline uint16_t crc16_next(uint16_t crc, uint8_t byte) {
-    uint16_t x = static_cast<uint16_t>(static_cast<uint16_t>(crc << 8) | (crc >> 8));
-    x = static_cast<uint16_t>(x ^ byte);
-    x = static_cast<uint16_t>(x ^ ((x & 0xFF) >> 4));
-    x = static_cast<uint16_t>(x ^ static_cast<uint16_t>(x << 12));
-    return static_cast<uint16_t>(x ^ static_cast<uint16_t>((x & 0xFF) << 5));
+    uint8_t x = static_cast<uint8_t>((crc >> 8) ^ byte);
+    x = static_cast<uint8_t>(x ^ (x >> 4));
+    const uint8_t high = static_cast<uint8_t>(crc ^ static_cast<uint8_t>(x << 4) ^ (x >> 3));
+    const uint8_t low = static_cast<uint8_t>(x ^ static_cast<uint8_t>(x << 5));
+    return static_cast<uint16_t>(high << 8 | low);
 }
 
 inline uint16_t crc16(const char* data, uint8_t length) {

@@ -30,27 +30,21 @@ void Input::lose() {
 }
 
 void Input::watch(uint8_t byte) {
-    if (forget_) {
-        forget_ = false;
-        progress_ = kStart;
-    }
-    if (byte == '\n' || byte == '\r') {
-        if (progress_ == kKey || progress_ == kStop) mark_ = head_;
-        if (progress_ == kKey) keys_ = static_cast<uint8_t>(keys_ + 1);
-        if (progress_ == kStop) words_ = static_cast<uint8_t>(words_ + 1);
-        progress_ = kStart;
-        return;
-    }
     static const uint8_t kWord[] = {'s', 't', 'o', 'p'};
-    if (progress_ == kStart && byte == '!') {
-        progress_ = kKey;
-    } else if (progress_ == kStart && byte == 's') {
-        progress_ = kS;
-    } else if (progress_ >= kS && progress_ <= kSto && byte == kWord[progress_ - kS + 1]) {
-        progress_ = static_cast<uint8_t>(progress_ + 1);
-    } else {
-        progress_ = kOther;
+    const uint8_t progress = forget_ ? static_cast<uint8_t>(kStart) : progress_;
+    forget_ = false;
+    uint8_t next = kOther;
+    if (byte == '\n' || byte == '\r') {
+        if (progress == kKey || progress == kStop) mark_ = head_;
+        if (progress == kKey) keys_ = static_cast<uint8_t>(keys_ + 1);
+        if (progress == kStop) words_ = static_cast<uint8_t>(words_ + 1);
+        next = kStart;
+    } else if (progress == kStart) {
+        next = byte == '!' ? kKey : byte == 's' ? kS : kOther;
+    } else if (progress >= kS && progress <= kSto && byte == kWord[progress - kS + 1]) {
+        next = static_cast<uint8_t>(progress + 1);
     }
+    progress_ = next;
 }
 
 uint8_t Input::free_places() const {

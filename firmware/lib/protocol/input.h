@@ -17,8 +17,7 @@ class Input {
     static const uint8_t kHole = 0;  // stands for bytes that were lost
 
     Input()
-        : queue_(),
-          head_(0),
+        : head_(0),
           tail_(0),
           mark_(0),
           arrivals_(0),
@@ -29,7 +28,8 @@ class Input {
           last_(0),
           progress_(kStart),
           forget_(false),
-          full_(0) {}
+          full_(0),
+          queue_() {}
 
     // By the interrupt: one byte has come; some were lost before the next one.
     void push(uint8_t byte);
@@ -55,13 +55,13 @@ class Input {
     uint8_t free_places() const;
     void store(uint8_t byte);
 
-    uint8_t queue_[kSize];
     volatile uint8_t head_, tail_, mark_;
     volatile uint8_t arrivals_, keys_, words_;
     uint8_t keys_taken_, words_taken_;
     volatile uint8_t last_, progress_;
     volatile bool forget_;
     volatile uint16_t full_;
+    uint8_t queue_[kSize];  // last, where the rest is reached in fewer steps on an AVR
 };
 
 }  // namespace firmware

@@ -48,7 +48,7 @@ Output& Output::put_flash(const char* text) {
 
 void Output::put_digits(uint32_t value, uint8_t decimals) {
     bool started = false;
-    for (uint8_t i = 0; i < 10; ++i) {
+    for (uint8_t i = value < 100000UL && decimals < 5 ? 5 : 0; i < 10; ++i) {
         const uint32_t power = flash_u32(&kPowersOfTen[i]);
         char digit = '0';
         while (value >= power) {

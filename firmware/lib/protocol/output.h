@@ -15,7 +15,7 @@ class Output {
     // The longest telemetry line has 96 bytes and 18 a joint.
     static const uint16_t kSize = kJoints <= 8 ? 256 : 512;
 
-    Output() : queue_(), head_(0), tail_(0), draft_(0), crc_(0), fits_(true) {}
+    Output() : head_(0), tail_(0), draft_(0), crc_(0), fits_(true), queue_() {}
 
     // How long a line may be now.
     uint16_t room() const { return (tail_ - head_ - 1U) % kSize; }
@@ -41,10 +41,11 @@ class Output {
     void put_digits(uint32_t value, uint8_t decimals);
     void put_hex16(uint16_t value);
 
-    uint8_t queue_[kSize];
+    // The queue comes last: an AVR reaches only the first 64 bytes of an object at once.
     uint16_t head_, tail_, draft_;  // behind the last whole line; next byte to go; next to write
     uint16_t crc_;                  // of the draft
     bool fits_;
+    uint8_t queue_[kSize];
 };
 
 }  // namespace firmware
