@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-pytest_plugins = ["avr.fixtures", "robot.boards"]
+pytest_plugins = ["avr.fixtures", "robot.boards", "robot.joints_board"]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -24,7 +24,8 @@ def board_gait(robot: Robot, gait: Gait) -> Gait:
     """
     robot.gait(gait)
     frames = list(robot.frames(RAMP_S + (PERIODS + 0.2) * gait.period_s))
-    settled = [f for f in frames if f.frame - frames[0].frame > RAMP_S / 0.02]
+    ramp_frames = RAMP_S * 1e6 / robot.hello.frame_us
+    settled = [f for f in frames if f.frame - frames[0].frame > ramp_frames]
     if len(settled) < 8 or settled[-1].state != "gait":
         raise BadInput("the board did not go into the gait; see `serpenoid doctor`")
     phase = np.unwrap([f.phase_rad for f in settled])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...model.errors import BadInput, DamagedLine, RecordingFailed
 from ..wire.clock import BoardClock
-from ..wire.protocol import Telemetry, parse
+from ..wire.protocol import Hello, Telemetry, frame_us, parse
 from .recorder import TITLE
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ class _Reading:
         self._sent: list[tuple[float, str]] = []
         self._said: list[tuple[float, str]] = []
         self._damaged = self._lost = 0
+        self._frame_us: int | None = None  # as greeted
         self._end: str | None = None
 
     def take(self, number: int, row: bytes) -> None:
@@ -105,8 +106,9 @@ class _Reading:
         """Return all that was taken."""
         import numpy as np
 
-        clock, f = BoardClock(), [frame for _, frame in self._frames]
+        f = [frame for _, frame in self._frames]
         joints = max((len(x.setpoint_rad) for x in f), default=0)
+        clock = BoardClock(self._frame_us or frame_us(joints))
         board_us = [clock.unwrap(x.frame, x.board_us) for x in f]
         return Stream(
             begun=begun,
@@ -157,6 +159,8 @@ class _Reading:
             return
         if not isinstance(message, Telemetry):
             self._said.append((host_s, text.decode("ascii")))
+            if isinstance(message, Hello):
+                self._frame_us = message.frame_us
         elif self._frames and len(message.setpoint_rad) != len(self._frames[0][1].setpoint_rad):
             raise ValueError("this frame has another number of joints than the first one")
         else:

@@ -15,7 +15,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
-from ..._core import firmware
 from ...model.errors import (
     FramesMissing,
     RobotClosed,
@@ -34,7 +33,6 @@ from .protocol import Data, Telemetry, Verdict, seal
 RETRY_S = 0.1
 PATIENCE_S = 2.0
 PING_S = 0.4
-FRAME_S: float = firmware.FRAME_S
 QUIET_S = 1.0  # without a frame, and the two next ones, telemetry has ended
 LAST_QUIET_S = 0.5  # the same at the end of a run, when nothing more will show
 PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
@@ -176,11 +174,11 @@ class Dialogue:
 
     def _check_telemetry(self, most_s: float) -> None:
         """Raise FramesMissing if frames should come and do not, in time spent listening."""
-        quiet_s, every = self.inbox.quiet_s, self.inbox.every
-        if every and quiet_s > most_s + 2 * FRAME_S * every:
+        quiet_s, tell_s = self.inbox.quiet_s, self.inbox.telemetry_s
+        if tell_s and quiet_s > most_s + 2 * tell_s:
             raise FramesMissing(
                 f"no telemetry for {quiet_s:.1f} s, though the board should tell every "
-                f"{every * FRAME_S:g} s: is it this firmware, does it hang, is the cable sound? "
+                f"{tell_s:g} s: is it this firmware, does it hang, is the cable sound? "
                 "`serpenoid doctor` tells"
             )
 

@@ -78,6 +78,16 @@ class Inbox:
         if frames != self._every:
             self._every, self._counted, self.quiet_s = frames, None, 0.0
 
+    @property
+    def frame_us(self) -> int:
+        """Return the time from frame to frame, which depends on the number of joints."""
+        return self.hello.frame_us if self.hello else FRAME_US
+
+    @property
+    def telemetry_s(self) -> float:
+        """Return the time from one telemetry line to the next, 0 if there are none or unknown."""
+        return (self._every or 0) * self.frame_us * 1e-6
+
     def ask(self, number: int, text: str) -> Pending:
         """Note the command that goes out now; what comes for it is put into what is returned."""
         self.pending = Pending(number, text)
@@ -87,8 +97,7 @@ class Inbox:
     def open_session(self, host_s: float) -> None:
         """From now on a greeting means a reset; counts start anew."""
         self.in_session, self._session_s = True, host_s
-        frame_us = self.hello.frame_us if self.hello else FRAME_US
-        self.clock, self.losses, self.latest = BoardClock(frame_us), Losses(), None
+        self.clock, self.losses, self.latest = BoardClock(self.frame_us), Losses(), None
         self._counted, self.quiet_s = None, 0.0
         self.unread.clear()
 

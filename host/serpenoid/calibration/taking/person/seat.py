@@ -11,7 +11,6 @@ from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
 from ....robot.robot import Robot
 
-JOINTS = 5
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
 SILENCE_S = 2.0
 HOURS_S = 6 * 3600.0
@@ -48,9 +47,8 @@ class Seat:
     def pose(self, bend_deg: float) -> None:
         """Turn every link by the bend, left and right in turn: joints at twice that angle."""
         self.powered = True
-        joint_rad = math.radians(2 * bend_deg)
         with self._unless_stopped():
-            self._robot.pose([joint_rad * (-1) ** j for j in range(JOINTS)])
+            self._robot.bent(math.radians(bend_deg))
             end_s = time.monotonic() + MOVED_S
             while self._robot.status().moving:
                 if time.monotonic() > end_s:
