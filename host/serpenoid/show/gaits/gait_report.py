@@ -40,6 +40,7 @@ def robust(found: RobustGait) -> None:
         ["wanted speed", f"{found.wanted_m_s:.4g} m/s"],
         ["95 % of the sampled robots are faster than", f"{found.low_speed_m_s:.4g} m/s"],
         ["the same, of other samples", f"{found.checked_low_m_s:.4g} m/s"],
+        ["standard error of either", f"{found.low_error_m_s:.2g} m/s"],
         [f"{found.cost}", f"{found.power_w:.4g} W"],
         ["more than the least-power gait's", f"{100 * found.premium:.3g} %"],
         ["95 % of the robots with that gait make", f"{found.fragile_low_m_s:.4g} m/s"],

@@ -1,0 +1,174 @@
+"""The search for a robust gait: sampled speeds, their low percentile, the rate that lifts it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import _core
+from ..model.core_model import core_model
+from ..model.gait import Gait
+from ..model.robot import Robot
+from ..periodic.grid import threads_to_use
+from ..periodic.steady import MAX_ELEMENTS
+from .quadratic_search import Array, Point, least
+from .shape_search import Shape
+from .uncertainty import Sample
+
+if TYPE_CHECKING:
+    from .gait_cloud import Candidate
+    from .least_power import Finder
+
+KEEP, QUANTILE = 0.9, 0.05
+_RTOL = 3e-3
+_RANKED = 32  # samples by which the shapes of the cloud are ranked
+_KEPT = 8  # one in so many samples is followed: the slowest where the search starts
+_MOST_OVER = 2.5  # a shape that needs so many times its nominal rate is given up
+_NEAR = 0.03  # of the low speed: closer than this the rate is corrected by the slope known
+
+
+def sampled_speeds(robot: Robot, gait: Gait, samples: Sequence[Sample]) -> Array:
+    """Return the speed of each sampled robot under one command, m/s; 0 where none was found."""
+    models = [core_model(robot, sample.ground, sample.gait(gait)) for sample in samples]
+    threads = min(threads_to_use(None), len(models))
+    table = _core.sweep(models, [gait.omega_rad_s], _RTOL, False, MAX_ELEMENTS, threads, None)
+    return np.nan_to_num(np.asarray(table)[:, 0, 0])
+
+
+def low_speed(speeds: Array, count: int) -> float:
+    """Return the 5th percentile of `count` speeds of which these are the slowest."""
+    order = np.sort(speeds)
+    at = QUANTILE * (count - 1)
+    k = min(int(at), order.size - 2)
+    return float(order[k] + (at - k) * (order[k + 1] - order[k]))
+
+
+def smooth_low_speed(speeds: Array, count: int) -> float:
+    """Return the same percentile as Harrell and Davis estimate it: a mean over its neighbours.
+
+    Less scattered than one sample, and smooth as the gait changes.
+    """
+    from scipy.stats import beta
+
+    order = np.sort(speeds)
+    a, b = (count + 1) * QUANTILE, (count + 1) * (1 - QUANTILE)
+    weight = np.diff(beta.cdf(np.arange(order.size + 1) / count, a, b))
+    return float(weight @ order / weight.sum())
+
+
+def low_speed_error(speeds: Array) -> float:
+    """Return the standard error of the 5th percentile of samples, from those around it."""
+    order, count = np.sort(speeds), speeds.size
+    spread = math.sqrt(count * QUANTILE * (1 - QUANTILE))
+    low, high = (int(np.clip(QUANTILE * count + s * spread, 0, count - 1)) for s in (-1, 1))
+    return float(order[high] - order[low]) / 2
+
+
+class RobustSearch:
+    """Cost of a shape at the lowest rate at which its slow cases are fast enough."""
+
+    def __init__(self, found: Finder, samples: list[Sample], wanted: float) -> None:
+        self.search, self.robot, self.wanted = found.search, found.robot, wanted
+        self.goal = KEEP * wanted
+        self.cloud = found.cloud
+        self.drawn = self.samples = samples
+        self.slope = 1.3  # of ln low speed against ln rate, where it was looked at last
+        self.evaluations = 0
+
+    def keep_slowest(self, drawn: list[Sample], gait: Gait) -> None:
+        """Go on with the samples that are slowest under a gait."""
+        self.drawn = drawn
+        kept = max(self.drawn_count // _KEPT, 12)
+        speeds = sampled_speeds(self.robot, gait, self.drawn)
+        self.evaluations += self.drawn_count
+        self.samples = [self.drawn[i] for i in np.argsort(speeds)[:kept]]
+
+    @property
+    def drawn_count(self) -> int:
+        """Return the number of samples, of which those followed are the slowest."""
+        return len(self.drawn)
+
+    def off(self, gait: Gait, smooth: bool = True) -> float:
+        """Return ln of the low speed over what it must be."""
+        self.evaluations += len(self.samples)
+        speeds = sampled_speeds(self.robot, gait, self.samples)
+        low = (smooth_low_speed if smooth else low_speed)(speeds, self.drawn_count)
+        return math.log(max(low, 1e-6 * self.goal) / self.goal)
+
+    def rate(self, gait: Gait, near: float = _NEAR, smooth: bool = True) -> float | None:
+        """Return the rate that makes a shape fast enough, by secants from a gait's own."""
+        first = last = gait.omega_rad_s
+        x, before = math.log(first), None
+        for _ in range(8):
+            y = self.off(replace(gait, omega_rad_s=math.exp(x)), smooth)
+            if before is not None and abs(x - before[0]) > 1e-3:
+                self.slope = min(max((y - before[1]) / (x - before[0]), 0.5), 6.0)
+            before = (x, y)
+            x += min(max(-y / self.slope, -0.4), 0.4)
+            last = math.exp(x)
+            if abs(y) < near:
+                return last
+            if last > _MOST_OVER * first:
+                return None
+        return None
+
+    def at(self, at: Array, guess: float, most_w: float = math.inf) -> Point:
+        """Return ln of the cost of a shape; one that costs more than most_w is left."""
+        shape, nowhere = Shape(*at), Point(at, math.inf, -1.0)
+        if not 0 < shape.alpha_rad <= math.pi:
+            return nowhere
+        rate = self.rate(Gait(shape.alpha_rad, shape.beta_rad, guess))
+        if rate is None:
+            return nowhere
+        state = self.search.solve(Gait(shape.alpha_rad, shape.beta_rad, rate), 1e-3)
+        if state.speed_m_s < self.wanted:  # as it is thought to be it must make the speed, too
+            state = self.search.at_speed(shape, self.wanted, rate, 1e-3)
+        if state is None:
+            return nowhere
+        room = self.search.limits.room(state.gait, self.search.torque_nm(state.gait)).values()
+        watts = getattr(state, f"{self.search.cost}_w")
+        if watts > most_w:
+            return nowhere
+        return Point(at, math.log(max(watts, 1e-300)), min(room, default=math.inf), state)
+
+    def coarse(self) -> Point | None:
+        """Return the best of the cloud's shapes by a rough percentile.
+
+        Shapes that cost more than the best even as they are thought to be are left out.
+        """
+        drawn, best = self.drawn, None
+        self.drawn = self.samples = drawn[:: max(1, len(drawn) // _RANKED)]
+        for start in self.cloud.cheapest_shapes(self.wanted, within=2.0):
+            most = math.inf if best is None else math.exp(best.value)
+            if start.watts > 1.1 * most:
+                break
+            point = self.from_candidate(start, most)
+            if math.isfinite(point.value) and (best is None or point.better < best.better):
+                best = point
+        self.drawn = self.samples = drawn
+        return best
+
+    def from_candidate(self, start: Candidate, most_w: float) -> Point:
+        """Return the point of a shape of the cloud, from the rate that it needs nominally."""
+        base = self.search.point(np.array(start.shape), self.wanted, start.omega_rad_s, 1e-3)
+        state: Any = base.data
+        if state is None or base.value > math.log(most_w):
+            return Point(base.at, math.inf, -1.0)
+        return self.at(base.at, state.gait.omega_rad_s, most_w)
+
+    def polish(self, start: Point, drawn: list[Sample], radius: float, smallest: float) -> Point:
+        """Return the best shape near a start by the samples that are slowest there."""
+        state: Any = start.data
+        rate = state.gait.omega_rad_s
+        self.keep_slowest(drawn, state.gait)
+        low, high = self.search.bounds()
+        first = self.at(start.at, rate)
+        if not math.isfinite(first.value):
+            return start
+        return least(
+            lambda shapes: [self.at(s, rate) for s in shapes], first, radius, smallest, low, high
+        )[0]
