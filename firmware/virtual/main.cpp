@@ -4,6 +4,7 @@
 #include <iostream>
 #include <string>
 
+#include "controller.h"  // PlatformIO looks for libraries in this file alone
 #include "virtual_board.hpp"
 
 namespace {

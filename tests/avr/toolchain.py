@@ -63,6 +63,7 @@ def run(command: list[str], env: dict[str, str] | None = None) -> str:
         cwd=ROOT,
         env=env,
         text=True,
+        stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
     )
@@ -108,7 +109,8 @@ def prepare_core() -> Path:
     shutil.copytree(HERE / "pio-offline" / "platforms", core / "platforms")
     mark_installed(core / "platforms" / "atmelavr", "platform", "platformio", "atmelavr", "5.1.0")
     mark_installed(core / "platforms" / "native", "platform", "platformio", "native", "1.2.1")
-    framework = install_tool(core, "framework-arduino-avr", "5.3.0")
+    install_tool(core, "toolchain-atmelavr", "1.70300.191015")  # Debian's compiler is on PATH
+    framework = install_tool(core, "framework-arduino-avr", "5.2.0")
     for part in ("cores", "variants", "libraries", "boards.txt"):
         (framework / part).symlink_to(ARDUINO / part)
     install_tool(core, "tool-avrdude", "1.60300.0")
