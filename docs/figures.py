@@ -11,6 +11,8 @@ from pathlib import Path
 
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.files import read_csv
+from serpenoid.bench.stability.figure import overview
+from serpenoid.bench.stability.files import read_cells
 from serpenoid.commands.demo import run_demo
 
 STORED = Path(__file__).resolve().parents[1] / "host" / "docs"
@@ -30,7 +32,16 @@ def accuracy(path: Path) -> None:
     accuracy_figure(read_csv(STORED / "accuracy.csv"), path, where)
 
 
-FIGURES: dict[str, Callable[[Path], None]] = {"speed.png": speed, "accuracy.png": accuracy}
+def stability(path: Path) -> None:
+    """Draw the maps that stand in stability.csv; `serpenoid bench stability` measures."""
+    overview(read_cells(STORED / "stability.csv"), path)
+
+
+FIGURES: dict[str, Callable[[Path], None]] = {
+    "speed.png": speed,
+    "accuracy.png": accuracy,
+    "stability.png": stability,
+}
 
 
 def main() -> None:

@@ -30,6 +30,10 @@ def test_a_stored_figure_is_todays(name, tmp_path) -> None:
     assert found < MOST, f"host/docs/{name} is stale: `make figures`"
 
 
+def test_every_stored_picture_has_its_drawing() -> None:
+    assert {path.name for path in figures.STORED.glob("*.png")} == set(figures.FIGURES)
+
+
 def test_another_picture_is_told() -> None:
     one = np.ones((40, 40, 3))
     other = one.copy()

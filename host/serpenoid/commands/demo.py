@@ -50,7 +50,7 @@ def run_demo(out: Path) -> None:
     plot.speed_against_frequency(
         points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}° (Fig. 17)", files[1]
     )
-    plot.path_and_poses(run, "α = 30°, β = 80°, ω = 5 rad/s", files[2])
+    plot.path_and_poses(run, "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s", files[2])
     text = json.dumps(finite(as_json(fit, points, state)), indent=2, allow_nan=False)
     files[3].write_text(text + "\n")
     _summary(fit, points, files)

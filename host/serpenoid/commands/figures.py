@@ -81,7 +81,9 @@ def _of_time(out: Path, comparison: Comparison) -> Shown:
 
     errors_in_time(comparison, out / "fig6-7.png")
     plot.path_and_poses(
-        study.path_run(study.PATH_GAIT, 3), "α = 30°, β = 80°, ω = 5 rad/s", out / "fig12-13.png"
+        study.path_run(study.PATH_GAIT, 3),
+        "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s",
+        out / "fig12-13.png",
     )
     return [
         ("fig6-7.png", "Figs. 6 and 7: implicit less exact model, tail of three links"),

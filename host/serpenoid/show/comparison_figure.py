@@ -8,16 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..calibration.comparison import ComparedGait, Comparison
-from .plot import BLUE, GREY, ORANGE, RED, figure
+from .plot import BLUE, GREY, HUGS, ORANGE, RED, figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-HUGS = (
-    "The curve hugs the band's upper edge at low frequency: there wheels that stick do not\n"
-    "slip, and more friction across them adds no speed, while less of it soon costs much."
-)
 
 
 def comparison_figure(found: Comparison, path: Path) -> None:

@@ -38,6 +38,10 @@ _STYLE: dict[str, Any] = {
     "lines.linewidth": 1.8,
     "legend.frameon": False,
 }
+HUGS = (
+    "The curve hugs the band's upper edge at low frequency: there wheels that stick do not\n"
+    "slip, and more friction across them adds no speed, while less of it soon costs much."
+)
 
 
 @contextmanager
@@ -114,7 +118,7 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
         np.array([getattr(p, name) for p in points])
         for name in ("frequency_hz", "explicit_m_s", "low_m_s", "high_m_s", "implicit_m_s")
     )
-    with figure(7.2, 5.4) as (fig, _unused):
+    with figure(7.2, 5.8) as (fig, _unused):
         fig.clear()
         top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
         top.fill_between(f, low, high, color=BLUE, alpha=0.16, lw=0,
@@ -130,6 +134,7 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
         bottom.set(xlabel="gait frequency (Hz)", ylabel="implicit less\nexact (%)")
         bottom.set_xlim(left=0)
         fig.align_ylabels()
+        fig.supxlabel(HUGS, fontsize=8, color=GREY)
         fig.savefig(path)
 
 
@@ -163,12 +168,21 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
         top, bottom = fig.subplots(2, 1, height_ratios=[1, 1.9])
         cycles = round(run.t_s[-1] / run.scene.gait.period_s)
         _paths(top, run)
-        top.set_title(f"{title}: {cycles} cycles, y enlarged three times (Fig. 12)")
+        top.set_title(f"{cycles} cycles, y enlarged three times (Fig. 12)")
         _poses(bottom, run)
-        bottom.set_title(
-            "six poses of one cycle, set apart downwards; the dot is the head (Fig. 13)"
-        )
+        bottom.set_title("six poses of one cycle to scale, x as y, set apart downwards; "
+                         "the dot is the head (Fig. 13)")  # fmt: skip
+        fig.suptitle(f"{title}: {_robot_words(run)}", fontsize=10, color=GREY, ha="left", x=0.01)
         fig.savefig(path)
+
+
+def _robot_words(run: Run) -> str:
+    robot, ground = run.scene.robot, run.scene.ground
+    dry = f", ft0 = {ground.ft0:.3g}, fn0 = {ground.fn0:.3g} N" if ground.dry else ""
+    return (
+        f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m; per link "
+        f"ct = {ground.ct:.3g}, cn = {ground.cn:.3g} N s/m{dry}"
+    )
 
 
 def _paths(ax: Axes, run: Run) -> None:

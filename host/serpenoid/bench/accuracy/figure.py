@@ -18,9 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # ours one by one, in strong colours; of each family of peers the best that any of them does
-OURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#3A9BDC", "#000000", "#882255")
+OURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#000000", "#882255", "#3A9BDC")
 PEERS = {"SciPy": "#8c8c8c", "SUNDIALS": "#7a68ad", "Numba": "#4f7a4f", "MuJoCo": "#a8813a"}
 MARKERS = "osD^vP*X"
+LEFT_OUT = ("euler", "semi_implicit_euler")  # of order 1: nobody's choice, and in the CSV
+APART = 0.065  # of a panel's height, between two names
 ERRORS, TIMES = (3.0, 1e-15), (3e-6, 5.0)  # the same in all panels
 Points = list[tuple[float, float]]
 
@@ -29,6 +31,8 @@ def _styles(methods: Sequence[Row]) -> dict[str, dict[str, Any]]:
     """Return how each series is drawn, the same in all panels; ours come first."""
     styles: dict[str, dict[str, Any]] = {}
     for row in methods:
+        if row.method.endswith(LEFT_OUT):
+            continue
         k = len(styles)
         if row.family in PEERS:
             look = {"color": PEERS[row.family], "lw": 1.2, "ms": 4, "zorder": 2, "mfc": "white"}
@@ -43,6 +47,8 @@ def series(rows: Sequence[Row], scene: str) -> dict[str, Points]:
     """Return (error, seconds) of each method of ours, and of each family of peers its front."""
     found: dict[str, Points] = {}
     for method, line in lines(rows, scene).items():
+        if method.endswith(LEFT_OUT):
+            continue
         name = line[0].family if line and line[0].family in PEERS else method
         points = [
             (r.error, r.time_s / r.simulated_s)
@@ -70,29 +76,35 @@ def _panel(ax: Axes, rows: Sequence[Row], scene: str, styles: dict[str, dict[str
         error, seconds = zip(*points, strict=True)
         ax.loglog(error, seconds, **styles[name])
         ends.append((*min(points), name))
-    _label(ax, ends, styles)
     ax.axvspan(ERRORS[1], reference(problem).known_to, color="#eeeeee", lw=0)
     ax.set(title=problem.title, xlim=ERRORS, ylim=TIMES)
+    _label(ax, ends, styles)
 
 
 def _label(ax: Axes, ends: list[tuple[float, float, str]], styles: dict[str, Any]) -> None:
-    """Write each name beside its line's most accurate point, those that would meet set apart."""
-    placed: list[tuple[float, float]] = []
-    for error, seconds, name in sorted(ends, key=lambda end: end[1]):
-        height = seconds
-        for other_error, other in placed:
-            near = abs(math.log10(other_error / error)) < LABEL_DECADES
-            if near and height < APART * other:
-                height = APART * other
-        placed.append((error, height))
-        short = name.removeprefix("serpenoid ").replace("semi_implicit_euler", "semi-impl.")
+    """Write the names in a column beside the panel, each led to its line's most accurate point."""
+    low, high = (math.log(t) for t in TIMES)
+    ends = sorted(ends, key=lambda end: end[1])
+    wanted = [(math.log(seconds) - low) / (high - low) for _, seconds, _ in ends]
+    for (error, seconds, name), height in zip(ends, set_apart(wanted), strict=True):
         ax.annotate(
-            short, (error, height), xytext=(5, 0), textcoords="offset points", va="center",
-            fontsize=7.5, color=styles[name]["color"], annotation_clip=False,
+            name.removeprefix("serpenoid "), (error, seconds), xytext=(1.03, height),
+            textcoords="axes fraction", va="center", fontsize=8, color=styles[name]["color"],
+            annotation_clip=False, arrowprops={
+                "arrowstyle": "-", "color": styles[name]["color"], "lw": 0.5, "alpha": 0.7,
+                "shrinkA": 0, "shrinkB": 3},
         )  # fmt: skip
 
 
-LABEL_DECADES, APART = 3.5, 1.9  # how wide a name is, and how high, on the panels' axes
+def set_apart(wanted: Sequence[float]) -> list[float]:
+    """Return rising places near those wanted, APART from one another, the last at most 1."""
+    places: list[float] = []
+    for place in wanted:
+        places.append(max(place, places[-1] + APART) if places else place)
+    for k in reversed(range(len(places))):
+        above = 1.0 + APART if k + 1 == len(places) else places[k + 1]
+        places[k] = min(places[k], above - APART)
+    return places
 
 
 def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -> None:
@@ -105,7 +117,7 @@ def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -
     columns = min(3, len(scenes))
     down = -(-len(scenes) // columns)
     styles = _styles(ours_first(rows))
-    with figure(4.4 * columns, 3.4 * down + 0.7) as (fig, _unused):
+    with figure(4.9 * columns, 3.4 * down + 0.9) as (fig, _unused):
         fig.clear()
         axes = fig.subplots(down, columns, squeeze=False, sharex=True, sharey=True)
         for ax, scene in zip(axes.flat, scenes, strict=False):
@@ -118,7 +130,8 @@ def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -
             ax.set_ylabel("processor time (s)\nper simulated second")
         fig.suptitle(
             "Filled: this package; open: the best of what else one might take. Lower is faster, "
-            f"right is more accurate;\ngrey: the reference is not known better. {where}",
+            "right is more accurate.\nGrey: the reference is not known better. Left out, but in "
+            f"the CSV: Euler's methods, of order 1. {where}",
             fontsize=9, color=GREY, ha="left", x=0.01,
         )  # fmt: skip
         fig.savefig(path, dpi=120)

@@ -12,7 +12,7 @@ from typing import Any
 from . import extremes, free_snake
 from . import map as stability_map
 from .extremes import DEFECTS, Outcome
-from .figure import WORDS, kind, stability_figure
+from .figure import WORDS, kind, overview, shown, stability_figure
 from .free_snake import Drift
 from .map import FULL, QUICK, Cell
 
@@ -26,6 +26,31 @@ def _write(rows: Sequence[Any], path: Path) -> None:
         writer.writerows(asdict(row) for row in rows)
 
 
+def write_cells(cells: Sequence[Cell], path: Path) -> None:
+    """Write cells of a map in short: growth and limit to three digits."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(_SHORT)
+        for c in cells:
+            writer.writerow([c.method, c.links, f"{c.damping_n_s_m:g}", f"{c.stiffness_n_m:.4g}",
+                             f"{c.dt_s:.4g}", f"{c.growth:.3g}", f"{c.limit_s:.3g}",
+                             int(c.refused), c.note])  # fmt: skip
+
+
+def read_cells(path: Path) -> list[Cell]:
+    """Return the cells of a file that write_cells wrote."""
+    with path.open(newline="") as file:
+        return [
+            Cell(row["method"], int(row["links"]), float(row["damping_n_s_m"]),
+                 float(row["stiffness_n_m"]), float(row["dt_s"]), float(row["growth"]),
+                 float(row["limit_s"]), row["refused"] == "1", row["note"])
+            for row in csv.DictReader(file)
+        ]  # fmt: skip
+
+
+_SHORT = [f.name for f in fields(Cell)]
+
+
 def measure_and_write(
     out: Path, quick: bool, tell: Callable[[str], None]
 ) -> tuple[list[Cell], list[Outcome], list[Drift]]:
@@ -35,6 +60,8 @@ def measure_and_write(
     _write(cells, out / "stability_map.csv")
     for method in stability_map.fixed_step_methods():
         stability_figure(cells, method, out / f"stability_{method}.png")
+    write_cells(shown(cells), out / "stability.csv")
+    overview(cells, out / "stability.png")
     outcomes = extremes.run(quick, tell)
     _write(outcomes, out / "stability_extremes.csv")
     drifts = free_snake.run(10**4 if quick else 10**5, tell)
