@@ -1,7 +1,8 @@
 """Set-valued (Bingham, Coulomb) friction without smoothing: smooth motion between switching events.
 
 Each link has two contacts, along and across. A contact slips with a sign (force -C v - F_0 s) or
-sticks (v = 0, force within [-F_0, F_0], found as the multiplier of v' = 0). DOP853 runs between
+sticks (v = 0, force within [-F_0, F_0], found as the multiplier of v' = 0); C and F_0 along a link
+may be others backwards. DOP853 runs between
 events; at each event the modes of the contacts at rest are chosen by trying every combination and
 keeping the one that obeys the law, which is unique because the friction is a convex potential.
 Angles driven, flat ground, body-frame velocities u as in body_frame.py.
@@ -59,20 +60,49 @@ class System:
 
     @property
     def viscous(self) -> Array:
-        """Return C of every contact, (2n,)."""
+        """Return C of every contact that slips forwards or to the left, (2n,)."""
         return np.tile([self.p.ct, self.p.cn], self.p.links)
 
     @property
+    def viscous_back(self) -> Array:
+        """Return C of every contact that slips the other way, (2n,)."""
+        return np.tile([self.p.backwards[0], self.p.cn], self.p.links)
+
+    @property
     def threshold(self) -> Array:
-        """Return F_0 of every contact, (2n,)."""
+        """Return F_0 of every contact that slips forwards or to the left, (2n,)."""
         return np.tile([self.p.ft0, self.p.fn0], self.p.links)
+
+    @property
+    def threshold_back(self) -> Array:
+        """Return F_0 of every contact that slips the other way, (2n,)."""
+        return np.tile([self.p.backwards[1], self.p.fn0], self.p.links)
+
+    @property
+    def grips(self) -> Array:
+        """Tell which contacts can stick, (2n,)."""
+        return self.threshold + self.threshold_back > 0
+
+    @property
+    def switches(self) -> Array:
+        """Tell which contacts have modes, (2n,): those that stick, or slip in two ways."""
+        return self.grips | (self.viscous != self.viscous_back)
+
+    def slack(self, force: Array) -> Array:
+        """Return how far holding forces (2n,) are from what makes their contacts give way."""
+        return np.where(force > 0, self.threshold_back - force, self.threshold + force)
+
+    def slipping(self, slip: Array, mode: Array) -> Array:
+        """Return the forces (2n,) on contacts that slip in a mode."""
+        viscous = np.where(mode < 0, self.viscous_back, self.viscous)
+        return -viscous * slip - np.where(mode < 0, self.threshold_back, self.threshold) * mode
 
     def forces(self, t_s: float, u: Array, mode: Array) -> tuple[Array, Array, Contacts, bf.Shape]:
         """Return u', contact forces (2n,), contacts and shape in a mode (2n,) of -1, 0, +1."""
         p, shape = self.p, bf.shape_at(self.p, self.gait, t_s)
         touch = contacts_at(shape, u)
-        stuck = (mode == 0) & (self.threshold > 0)
-        force = np.where(stuck, 0.0, -self.viscous * touch.slip - self.threshold * mode)
+        stuck = (mode == 0) & self.grips
+        force = np.where(stuck, 0.0, self.slipping(touch.slip, mode))
         load = bf.resultant(shape, -p.mass_kg * bf.known_accelerations(shape, u))
         load[2] -= p.inertia * shape.psi[2].sum()
         inverse = np.linalg.inv(bf.mass_matrix(p, shape))
@@ -97,7 +127,7 @@ class System:
         for trial in product((0, 1, -1), repeat=len(resting)):
             candidate = mode.copy()
             candidate[resting] = trial
-            if np.sum((candidate == 0) & (self.threshold > 0)) <= 3:
+            if np.sum((candidate == 0) & self.grips) <= 3:
                 candidates.append((self.margin(t_s, u, candidate, resting), candidate))
         margin, best = max(candidates, key=lambda pair: pair[0])
         if margin < -1e-6 * self.threshold.max():
@@ -110,7 +140,7 @@ class System:
             u_dot, force, touch, _ = self.forces(t_s, u, mode)
         except np.linalg.LinAlgError:
             return -np.inf
-        grip = self.threshold[resting] - np.abs(force[resting])
+        grip = self.slack(force)[resting]
         onset = self.p.mass_kg * mode[resting] * (touch.rows @ u_dot + touch.bias)[resting]
         return float(np.where(mode[resting] == 0, grip, onset).min(initial=np.inf))
 
@@ -138,15 +168,16 @@ def first_modes(system: System, t_s: float, u: Array) -> Array:
     """Return the modes of a state without history."""
     slip = contacts_at(bf.shape_at(system.p, system.gait, t_s), u).slip
     mode = np.sign(slip).astype(int)
-    resting = np.flatnonzero((np.abs(slip) < SLACK_M_S) & (system.threshold > 0))
+    mode[(mode == 0) & ~system.grips] = 1
+    resting = np.flatnonzero((np.abs(slip) < SLACK_M_S) & system.grips)
     return system.choose(t_s, u, mode, resting)
 
 
 def alarms(system: System, t_s: float, y: Array, mode: Array) -> Array:
     """Return one number a contact (2n,), negative once its mode has ended."""
     _, force, touch, _ = system.forces(t_s, y[:3], mode)
-    grip = system.threshold - np.abs(force)
-    return np.where(system.threshold == 0, 1.0, np.where(mode == 0, grip, mode * touch.slip))
+    ends = np.where(mode == 0, system.slack(force), mode * touch.slip)
+    return np.where(system.switches, ends, 1.0)
 
 
 def run(
@@ -160,7 +191,7 @@ def run(
         if stalled > 3 * system.p.links:
             raise RuntimeError(f"contact modes do not settle at t = {t}: {mode}")
         began = t
-        y = settle_on_contacts(system, t, y, (mode == 0) & (system.threshold > 0))
+        y = settle_on_contacts(system, t, y, (mode == 0) & system.grips)
         solver = DOP853(
             lambda s, z, held=mode: system.rate(s, z, held),
             t,
@@ -234,7 +265,11 @@ def switch(system: System, t_s: float, y: Array, mode: Array, contact: int) -> A
         force = system.forces(t_s, y[:3], mode)[1][contact]
         released[contact] = -int(np.sign(force))
         return released
+    if not system.grips[contact]:  # nothing holds it: it goes on, the other way
+        passed = mode.copy()
+        passed[contact] *= -1
+        return passed
     slip = contacts_at(bf.shape_at(system.p, system.gait, t_s), y[:3]).slip
     resting = (mode == 0) | (np.abs(slip) < SLACK_M_S)  # symmetry brings contacts to rest in pairs
     resting[contact] = True
-    return system.choose(t_s, y[:3], mode, np.flatnonzero(resting & (system.threshold > 0)))
+    return system.choose(t_s, y[:3], mode, np.flatnonzero(resting & system.grips))

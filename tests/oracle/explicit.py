@@ -61,13 +61,18 @@ def friction(p: Params, theta: Array, velocity: Array, signs: Array | None = Non
     """Return the friction force on each link (n, 2), opposing motion: f = -(C v + F_0 sgn v).
 
     `signs` (n, 2), tangential then normal, replaces sgn v where the velocity is zero and the
-    force therefore a choice within [-1, 1].
+    force therefore a choice within [-1, 1]. Along a link C and F_0 go over from those backwards to
+    those forwards as the sign does.
     """
     tangent, normal = axes(theta)
     vt, vn = np.sum(velocity * tangent, -1), np.sum(velocity * normal, -1)
     if signs is None:
         signs = np.stack([np.sign(vt.real), np.sign(vn.real)], -1)
-    ft = -(p.ct * vt + p.ft0 * signs[:, 0])
+    ct, ft0 = (
+        (ahead + back) / 2 + (ahead - back) / 2 * signs[:, 0]
+        for ahead, back in zip((p.ct, p.ft0), p.backwards, strict=True)
+    )
+    ft = -(ct * vt + ft0 * signs[:, 0])
     fn = -(p.cn * vn + p.fn0 * signs[:, 1])
     return ft[:, None] * tangent + fn[:, None] * normal
 

@@ -17,6 +17,7 @@ class Params:
 
     `half_length_m` is the paper's l, half the link length. `inertia_kg_m2` left at None is the
     uniform rod's m l**2 / 3. `gravity_m_s2` is the component of gravity in the plane of motion.
+    `ct_back`, `ft0_back`: along the links towards the tail, if not as towards the head.
     """
 
     links: int
@@ -28,6 +29,16 @@ class Params:
     ft0: float = 0.0
     fn0: float = 0.0
     gravity_m_s2: tuple[float, float] = (0.0, 0.0)
+    ct_back: float | None = None
+    ft0_back: float | None = None
+
+    @property
+    def backwards(self) -> tuple[float, float]:
+        """Return C and F_0 along the links towards the tail."""
+        return (
+            self.ct if self.ct_back is None else self.ct_back,
+            self.ft0 if self.ft0_back is None else self.ft0_back,
+        )
 
     @property
     def inertia(self) -> float:

@@ -36,7 +36,8 @@ def params_of(scene: sn.Scene) -> Params:
     )
     return Params(
         robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
-        ground.ct, ground.cn, ground.ft0, ground.fn0, gravity,
+        ground.ct_forward, ground.cn, ground.ft0_forward, ground.fn0, gravity,
+        ground.ct_backward, ground.ft0_backward,
     )  # fmt: skip
 
 

@@ -56,6 +56,9 @@ SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait&
       ground_(ground),
       omega_(gait.omega),
       nm_(robot.n * robot.m),
+      ft0_(ground.ft0_mean()),
+      thrust_(ground.thrust()),
+      grip_(ground.grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
       table_(robot.n, gait) {
     for (Node& k : node_) k.row.resize(2 * robot.n);
 }
@@ -68,10 +71,17 @@ void SlidingPiece::fill(Node& k, double tau) {
         k.row[2 * i] = shape_.link[i].t, k.row[2 * i + 1] = shape_.link[i].n;
 }
 
+void SlidingPiece::drag(Node& k, const std::vector<double>& way) const {
+    if (ground_.ct == ground_.ct_back) return;
+    static_cast<ViscousSums&>(k) = {};
+    for (int c = 0; c < 2 * robot_.n; ++c) k.add(k.row[c], viscous(c, way[c]));
+}
+
 void SlidingPiece::sum_mode(Node& k, const SlidingMode& mode) const {
+    drag(k, mode.sign);
     k.dry = {}, k.dry_e = 0;
     for (int c = 0; c < 2 * robot_.n; ++c) {
-        const double f = mu(c) * mode.sign[c];
+        const double f = mu(c) * mode.sign[c] - thrust(c);
         const Row& g = k.row[c];
         k.dry[0] += f * g.x, k.dry[1] += f * g.y, k.dry[2] += f * g.r, k.dry_e += f * g.e;
     }
@@ -210,7 +220,7 @@ double SlidingPiece::error(const Vec3& scale) const {
     constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it
     const Rule& rule = Rule::get();
     const Vec3 F = free_rate(node_[0], p0_), slope = rate(0);
-    Vec3 Q, g[3];
+    Vec3 Q, g[3]{};
     for (int i = 0; i < 3; ++i) Q[i] = (slope[i] - F[i]) / scale[i];
     for (int a = 0; a < mode_->count; ++a) {
         g[a] = direction(node_[0].row[mode_->stuck[a]]);
@@ -219,7 +229,9 @@ double SlidingPiece::error(const Vec3& scale) const {
     const Vec3 x = least_squares(g, mode_->count, Q);
     double most = 0, force = 0;
     for (int a = 0; a < mode_->count; ++a)
-        force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / mu(mode_->stuck[a]));
+        force =
+            std::max(force, grip(mode_->stuck[a]) * std::fabs(omega_ * x[a] - stuck_force(a, 0)) /
+                                mu(mode_->stuck[a]));
     for (int i = 0; i < 3; ++i) {
         for (int a = 0; a < mode_->count; ++a) Q[i] += x[a] * g[a][i];
         most = std::max(most, std::fabs(Q[i]));

@@ -6,11 +6,13 @@
 //     omega p' = -(D u + omega d) - sum_sliding mu s g - sum_stuck lambda g + w (p_y, -p_x, 0),
 //     g_a . u + omega e_a = 0 for every stuck wheel a,
 //
-// g and e being a wheel's row. Radau collocation (radau_collocation.hpp) on the piece: p is a
-// polynomial that satisfies at every stage the constraints, and of the first equation the part that
-// no lambda enters, so that there are three unknowns a stage however many wheels stick. The rest of
-// it gives lambda. Newton's matrix gives the derivative by the start as well, and the polynomial
-// the state between the stages, where a mode may end.
+// g and e being a wheel's row. A ratchet has the D of the mode, the mean of both ways as mu and
+// half their difference as a constant thrust along its links. Radau collocation
+// (radau_collocation.hpp) on the piece: p is a polynomial that satisfies at every stage the
+// constraints, and of the first equation the part that no lambda enters, so that there are three
+// unknowns a stage however many wheels stick. The rest of it gives lambda. Newton's matrix gives
+// the derivative by the start as well, and the polynomial the state between the stages, where a
+// mode may end.
 #pragma once
 
 #include <array>
@@ -51,7 +53,19 @@ class SlidingPiece {
 
     void fill(Node& node, double tau);
     Vec3 velocity(const Node& node, const Vec3& p) const;
-    double mu(int wheel) const { return wheel % 2 ? ground_.fn0 : ground_.ft0; }
+    double mu(int wheel) const { return wheel % 2 ? ground_.fn0 : ft0_; }
+    double thrust(int wheel) const { return wheel % 2 ? 0 : thrust_; }
+    double viscous(int wheel, double way) const {
+        return wheel % 2 ? ground_.cn : ground_.ct_going(way);
+    }
+    // Whether its mode ends when it stops.
+    bool has_modes(int wheel) const {
+        return mu(wheel) > 0 || (wheel % 2 == 0 && ground_.ct != ground_.ct_back);
+    }
+    // mu over the force that counts as little or much for a wheel that is held.
+    double grip(int wheel) const { return wheel % 2 ? 1 : grip_; }
+    // The viscous friction of wheels that go these ways; without a ratchet it is there already.
+    void drag(Node& node, const std::vector<double>& way) const;
 
     // Solve over h of phase from tau, where node(0) has been filled. False when Newton's method
     // does not come to a step below `close` (of the scales).
@@ -83,7 +97,7 @@ class SlidingPiece {
 
     Robot robot_;
     Ground ground_;
-    double omega_, nm_;
+    double omega_, nm_, ft0_, thrust_, grip_;
     GaitTable table_;
     Shape shape_;
     std::array<Node, kStages + 1> node_;

@@ -18,9 +18,15 @@ DryMotion::DryMotion(const Robot& robot, const Ground& ground, const Gait& gait,
       omega_(gait.omega),
       speed_scale_(gait.omega * robot.l * std::max(gait.alpha, least_bend)),
       arm_(robot.n * robot.l),
+      ft0_(ground.ft0_mean()),
+      thrust_(ground.thrust()),
+      grip_(ground.grip(robot.n * robot.m * omega_ * speed_scale_)),
+      ratchet_(ground.ct != ground.ct_back),
       table_(robot.n, gait) {
     const double v = speed_scale_;
-    power_scale_ = robot.n * v * (ground.ft0 + ground.fn0 + (ground.ct + ground.cn) * v);
+    power_scale_ = robot.n * v *
+                   (std::max(ground.ft0, ground.ft0_back) + ground.fn0 +
+                    (std::max(ground.ct, ground.ct_back) + ground.cn) * v);
 }
 
 double DryMotion::momentum(double w, double tau) {
@@ -35,26 +41,31 @@ double DryMotion::rate(double L, double tau) {
 
 // H and the kinks of one step of h seconds; b holds only the friction's part. Wheels of a straight
 // chain have one and the same kink, where an active-set method could cycle: each kink is moved by
-// its own 1e-11 or less of the speed scale, always the same, which leaves no two alike.
-void DryMotion::assemble(double h) {
+// its own 1e-11 or less of the speed scale, always the same, which leaves no two alike. The wheels
+// of a ratchet go as their mode says, or as they went `before` (u), where no mode is known.
+void DryMotion::assemble(double h, const double* before) {
     const double nm = robot_.n * robot_.m;
     H_ = {nm, 0, 0, 0, nm, 0, 0, 0, shape_.J};
     b_ = {0, 0, 0};
     kinks_.clear();
-    const auto wheel = [&](const Row& row, double c, double dry) {
+    const auto wheel = [&](const Row& row, double c, double dry, double thrust, bool modes) {
         const Vec3 g{row.x, row.y, row.r};
         const double e = omega_ * row.e, hc = h * c;
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) H_[3 * i + j] += hc * g[i] * g[j];
-            b_[i] -= hc * e * g[i];
+            b_[i] -= (hc * e - h * thrust) * g[i];
         }
-        if (dry == 0) return;
+        if (!modes) return;
         const double apart = std::fmod(0.6180339887 * static_cast<double>(kinks_.size() + 1), 1.0);
         kinks_.push_back({g, e + 1e-11 * speed_scale_ * apart, h * dry});
     };
     for (const LinkShape& link : shape_.link) {
-        wheel(link.t, ground_.ct, ground_.ft0);
-        wheel(link.n, ground_.cn, ground_.fn0);
+        double ct = ground_.ct;
+        if (ratchet_)
+            ct = ground_.ct_going(before ? link.t.speed(before, omega_)
+                                         : convex_.sign(static_cast<int>(kinks_.size())));
+        wheel(link.t, ct, ft0_, thrust_, has_modes(false));
+        wheel(link.n, ground_.cn, ground_.fn0, 0, has_modes(true));
     }
 }
 
@@ -67,9 +78,9 @@ void DryMotion::wheel_forces(const DryState& state, std::vector<double>& force) 
     int kink = 0;
     force.clear();
     for (const LinkShape& k : shape_.link) {
-        const double t = ground_.ft0 > 0 ? ground_.ft0 * convex_.sign(kink++) : 0;
-        const double n = ground_.fn0 > 0 ? ground_.fn0 * convex_.sign(kink++) : 0;
-        force.push_back(-ground_.ct * k.t.speed(u, omega_) - t);
+        const double way = has_modes(false) ? convex_.sign(kink++) : 0;
+        const double n = has_modes(true) ? ground_.fn0 * convex_.sign(kink++) : 0;
+        force.push_back(-ground_.ct_going(way) * k.t.speed(u, omega_) - (ft0_ * way - thrust_));
         force.push_back(-ground_.cn * k.n.speed(u, omega_) - n);
     }
 }
@@ -132,8 +143,8 @@ double DryMotion::dissipation(const Vec3& u) const {
     double sum = 0;
     for (const LinkShape& k : shape_.link) {
         const double t = k.t.speed(u.data(), omega_), n = k.n.speed(u.data(), omega_);
-        sum += ground_.ct * t * t + ground_.cn * n * n + ground_.ft0 * std::fabs(t) +
-               ground_.fn0 * std::fabs(n);
+        sum += ground_.ct_going(t) * t * t + ground_.cn * n * n +
+               (t < 0 ? ground_.ft0_back : ground_.ft0) * std::fabs(t) + ground_.fn0 * std::fabs(n);
     }
     return sum;
 }
@@ -143,7 +154,8 @@ bool DryMotion::euler(const DryState& from, double tau, double h_phase, bool fix
                       double& w) {
     const double h = h_phase / omega_, end = tau + h_phase;
     shape_.set(robot_, table_, std::sin(end), std::cos(end), false);
-    assemble(h);
+    const double before[3] = {from.v[DryState::Vx], from.v[DryState::Vy], w};
+    assemble(h, fixed ? nullptr : before);
     const double nm = robot_.n * robot_.m, c = std::cos(h * w), s = std::sin(h * w);
     b_[0] += nm * (c * from.v[DryState::Vx] + s * from.v[DryState::Vy]);
     b_[1] += nm * (c * from.v[DryState::Vy] - s * from.v[DryState::Vx]);
@@ -191,14 +203,16 @@ double DryMotion::error_norm(const DryState& a, const DryState& b) const {
 void DryMotion::margins(const DryState& s, double tau, std::vector<double>& margin) {
     const double u[3] = {s.v[DryState::Vx], s.v[DryState::Vy], rate(s.v[DryState::L], tau)};
     margin.clear();
-    const auto wheel = [&](const Row& row, double dry) {
-        if (dry == 0) return;
+    const auto wheel = [&](const Row& row, bool modes) {
+        if (!modes) return;
         const int c = static_cast<int>(margin.size());
         margin.push_back(convex_.sign(c) * row.speed(u, omega_) / speed_eps_);
     };
-    for (const LinkShape& k : shape_.link) wheel(k.t, ground_.ft0), wheel(k.n, ground_.fn0);
+    for (const LinkShape& k : shape_.link)
+        wheel(k.t, has_modes(false)), wheel(k.n, has_modes(true));
     for (int a = 0; a < convex_.held_count(); ++a)
-        margin[convex_.held_kink(a)] = (1 - std::fabs(s.v[DryState::stick + a])) / stick_eps_;
+        margin[convex_.held_kink(a)] =
+            grip(convex_.held_kink(a)) * (1 - std::fabs(s.v[DryState::stick + a])) / stick_eps_;
 }
 
 // Fraction of the step at which the first mode ends: by the line through both ends, or, for a dip
@@ -302,11 +316,9 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
     speed_eps_ = std::max(0.003 * tolerance, 1e-13) * speed_scale_;
     stick_eps_ = std::max(0.1 * tolerance, 1e-6);
     // long enough for dry friction to take a whole miss of the event back, at both bounds
-    const double least = std::min(ground_.ft0 > 0 ? ground_.ft0 : ground_.fn0,
-                                  ground_.fn0 > 0 ? ground_.fn0 : ground_.ft0);
     longest_kick_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-7, 1e-4);  // it errs by its square
-    shortest_kick_ =
-        std::clamp(20 * speed_eps_ * robot_.n * robot_.m * omega_ / least, 1e-7, longest_kick_);
+    shortest_kick_ = std::clamp(
+        20 * speed_eps_ * robot_.n * robot_.m * omega_ / ground_.least_dry(), 1e-7, longest_kick_);
     convex_.forget();
     kick_ = 0, step_ = std::max(step_, 1e-4);
     if (!kick(state, tau, tau_end)) return false;

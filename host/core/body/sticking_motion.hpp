@@ -8,7 +8,9 @@
 //              + h sum_links [ct v_t^2/2 + ft0 |v_t| + cn v_n^2/2 + fn0 |v_n|],
 //     V* = V_k turned by -h w_k (body axes turn with link 1),  w* = (L_k - omega K)/J.
 //
-// On a slope V* has h g, too, in the axes of the heading theta_k + h w_k; weight turns nothing.
+// On a slope V* has h g, too, in the axes of the heading theta_k + h w_k; weight turns nothing. A
+// ratchet has the ct of the way that its wheel goes, the mean of both ways as ft0, and half their
+// difference as a constant thrust along its link.
 //
 // Its solution says of every wheel whether it slides forwards, backwards or sticks: the mode. While
 // the mode lasts the motion is smooth, and Euler steps of n_j = 1, 2, 3, ... parts with the mode
@@ -74,11 +76,13 @@ class DryMotion {
     };
     bool euler(const DryState& from, double tau, double h_phase, bool fixed, DryState& to,
                double& w);
-    void assemble(double h);
+    void assemble(double h, const double* before);
     void wheel_forces(const DryState& state, std::vector<double>& force);
     void joint_power(const DryState& state, double tau, double* power, int stride);
     bool add_positive(const DryState& from, double tau, double H, double tolerance);
     double dissipation(const Vec3& u) const;
+    double grip(int kink) const { return has_modes(true) && kink % 2 ? 1 : grip_; }
+    bool has_modes(bool across) const { return across ? ground_.fn0 > 0 : ratchet_ || ft0_ > 0; }
     double error_norm(const DryState& a, const DryState& b) const;
     bool extrapolate(const DryState& from, double tau, double H, double tolerance, Step& step);
     void margins(const DryState& s, double tau, std::vector<double>& margin);
@@ -90,6 +94,9 @@ class DryMotion {
     Ground ground_;
     Slope slope_;
     double omega_, speed_scale_, power_scale_, arm_;
+    double ft0_, thrust_, grip_;  // along a link; grip_: sliding_piece.hpp
+    bool ratchet_;                // of the viscous friction
+
     double* positive_ = nullptr;
     GaitTable table_;
     Shape shape_;

@@ -17,7 +17,6 @@ struct ViscousSums {
         for (const LinkShape& k : shape.link) add(k.t, ground.ct), add(k.n, ground.cn);
     }
 
-  private:
     void add(const Row& g, double c) {
         D[0] += c * g.x * g.x, D[1] += c * g.x * g.y, D[2] += c * g.x * g.r;
         D[3] += c * g.y * g.y, D[4] += c * g.y * g.r, D[5] += c * g.r * g.r;

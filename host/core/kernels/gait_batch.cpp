@@ -25,6 +25,8 @@ std::vector<const kernels::Set*> instruction_sets() {
 namespace {
 
 kernels::Law law_of(const BatchScene& scene) {
+    if (scene.ground.ratchet())
+        return scene.smoothing > 0 ? kernels::Law::smoothed_ratchet : kernels::Law::ratchet;
     if (!scene.ground.dry()) return kernels::Law::viscous;
     return scene.smoothing > 0 ? kernels::Law::smoothed : kernels::Law::dry;
 }

@@ -5,11 +5,14 @@
 // Each instruction set is a translation unit of its own; which one runs is asked of the processor.
 #pragma once
 
+#include <array>
+
 #include "model/params.hpp"
 
 namespace serpenoid::kernels {
 
-enum class Law { viscous, dry, smoothed };
+enum class Law { viscous, dry, smoothed, ratchet, smoothed_ratchet };
+constexpr int kLaws = 5;
 
 // What a row of packs holds: a chain has a row for `width` links, a batch one for every link.
 enum Row : int {
@@ -71,7 +74,7 @@ struct Kernel {
 struct Set {
     const char* name;
     int width;  // doubles a pack
-    Kernel chain[3], batch[3];
+    std::array<Kernel, kLaws> chain, batch;
     Sincos sincos;
 };
 

@@ -70,6 +70,35 @@ struct PackedSmoothed : Dry<V> {
     V square;
 };
 
+// The same two with other coefficients backwards (friction_law.hpp).
+template <class V>
+struct PackedRatchet : Dry<V> {
+    explicit PackedRatchet(const Task& q)
+        : Dry<V>(q), ct_back(all<V>(-q.ground.ct_back)), ft0_back(all<V>(-q.ground.ft0_back)) {}
+    V along(V v) const {
+        const BitsOf<V> back = v < 0;
+        return fused(choose<V>(back, ct_back, this->ct), v,
+                     choose<V>(back, ft0_back, this->ft0) * Dry<V>::sgn(v));
+    }
+    V ct_back, ft0_back;
+};
+
+template <class V>
+struct PackedSmoothedRatchet : PackedSmoothed<V> {
+    explicit PackedSmoothedRatchet(const Task& q)
+        : PackedSmoothed<V>(q),
+          ct_half(all<V>(-0.5 * (q.ground.ct - q.ground.ct_back))),
+          ft0_half(all<V>(-0.5 * (q.ground.ft0 - q.ground.ft0_back))) {
+        this->ct = all<V>(-0.5 * (q.ground.ct + q.ground.ct_back));
+        this->ft0 = all<V>(-0.5 * (q.ground.ft0 + q.ground.ft0_back));
+    }
+    V along(V v) const {
+        const V s = this->soft(v);
+        return fused(fused(ct_half, s, this->ct), v, fused(ft0_half, s, this->ft0) * s);
+    }
+    V ct_half, ft0_half;
+};
+
 template <class L, template <class> class LawOf>
 class Stepper {
     using V = typename L::V;
@@ -218,6 +247,13 @@ constexpr Kernel kernel_of() {
             [](Task& q, double t, double end) { Stepper<L, LawOf>(q).step(t, end); }};
 }
 
+// In the order of Law.
+template <class L>
+constexpr std::array<Kernel, kLaws> kernels_of() {
+    return {kernel_of<L, PackedViscous>(), kernel_of<L, Dry>(), kernel_of<L, PackedSmoothed>(),
+            kernel_of<L, PackedRatchet>(), kernel_of<L, PackedSmoothedRatchet>()};
+}
+
 template <int W>
 void sincos_packs(const double* x, double* sine, double* cosine, long packs) {
     using V = Pack<W>;
@@ -228,13 +264,7 @@ void sincos_packs(const double* x, double* sine, double* cosine, long packs) {
 
 template <int W>
 constexpr Set set_of(const char* name) {
-    return {name,
-            W,
-            {kernel_of<PackedChain<W>, PackedViscous>(), kernel_of<PackedChain<W>, Dry>(),
-             kernel_of<PackedChain<W>, PackedSmoothed>()},
-            {kernel_of<Batch<W>, PackedViscous>(), kernel_of<Batch<W>, Dry>(),
-             kernel_of<Batch<W>, PackedSmoothed>()},
-            sincos_packs<W>};
+    return {name, W, kernels_of<PackedChain<W>>(), kernels_of<Batch<W>>(), sincos_packs<W>};
 }
 
 }  // namespace

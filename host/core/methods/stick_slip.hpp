@@ -1,11 +1,11 @@
 // Nonsmooth steps of the implicit model: exact sticking, wheel by wheel, order 2.
 //
 // Each link of that model is a body of its own, so the speed v of a wheel along or across it has a
-// scalar equation  v' = g - kappa v - mu sgn v,  kappa = c/m, mu = F0/m, where g is all that is not
-// friction (the turning of the direction itself included). With g held over a step it is solved
-// exactly, rest and reversal too: a wheel at rest stays there while |g| <= mu. A plain step, of
-// order 1: springs, dampers and drives kick the rates; angles move with the new ones; wheels slide
-// along the directions at the end; places follow.
+// scalar equation  v' = g - kappa v - mu sgn v,  kappa = c/m, mu = F0/m (along a ratchet other ones
+// backwards), where g is all that is not friction (the turning of the direction itself included).
+// With g held over a step it is solved exactly, rest and reversal too: a wheel at rest stays there
+// while -mu <= g <= mu. A plain step, of order 1: springs, dampers and drives kick the rates;
+// angles move with the new ones; wheels slide along the directions at the end; places follow.
 //
 // A step of the method is two plain ones of half its length and a whole one, extrapolated:
 // 2 y(h/2) - y(h), velocities along and across the links, where what rests in both rests exactly.
@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "methods/fixed_step.hpp"
@@ -22,40 +23,58 @@
 
 namespace serpenoid {
 
-// One direction of all wheels over a step of h seconds.
+// One direction of all wheels over a step of h seconds; the friction may differ by the way they go.
 class Slide {
   public:
+    struct Way {
+        double kappa, mu, reach;
+    };
+
     Slide(double viscous, double dry, double m, double h)
-        : kappa_(viscous / m), mu_(dry / m), h_(h), reach_(reach(h)) {}
+        : Slide({viscous, dry}, {viscous, dry}, m, h) {}
+    Slide(std::pair<double, double> ahead, std::pair<double, double> back, double m, double h)
+        : h_(h), ahead_(way(ahead, m)), back_(way(back, m)) {}
 
     // Speed at the end from that at the start.
     double operator()(double v, double g) const {
         double left = h_;
         if (v != 0) {
-            const double speed = std::fabs(v), brake = mu_ - std::copysign(1.0, v) * g;
-            const double end = speed - (kappa_ * speed + brake) * reach_;
+            const Way& w = going(v);
+            const double speed = std::fabs(v), brake = w.mu - std::copysign(1.0, v) * g;
+            const double end = speed - (w.kappa * speed + brake) * w.reach;
             if (end >= 0) return std::copysign(end, v);
-            left -= kappa_ > 0 ? std::log1p(kappa_ * speed / brake) / kappa_ : speed / brake;
+            left -= w.kappa > 0 ? std::log1p(w.kappa * speed / brake) / w.kappa : speed / brake;
         }
-        if (std::fabs(g) <= mu_) return 0;
-        return (g - std::copysign(mu_, g)) * reach(left);
+        const Way& w = going(g);
+        if (std::fabs(g) <= w.mu) return 0;
+        return (g - std::copysign(w.mu, g)) * reach(w.kappa, left);
     }
 
     // A step from its two halves' result and the whole one's.
     double extrapolate(double halves, double whole) const {
         const double both = 2 * halves - whole;
-        return mu_ == 0 || (halves * whole > 0 && halves * both > 0) ? both : halves;
+        const bool same = halves * whole > 0 && halves * both > 0;
+        return (ahead_.mu == 0 && back_.mu == 0) || same ? both : halves;
     }
 
     // Acceleration by friction at a speed; a wheel at rest takes g up as far as it can.
     double friction(double v, double g, bool rests) const {
-        if (rests) return -std::clamp(g, -mu_, mu_);
-        return -(kappa_ * v + std::copysign(mu_, v));
+        if (rests) return -std::clamp(g, -back_.mu, ahead_.mu);
+        const Way& w = going(v);
+        return -(w.kappa * v + std::copysign(w.mu, v));
     }
 
   private:
-    double reach(double t) const { return kappa_ > 0 ? -std::expm1(-kappa_ * t) / kappa_ : t; }
-    double kappa_, mu_, h_, reach_;
+    const Way& going(double v) const { return v < 0 ? back_ : ahead_; }
+    Way way(std::pair<double, double> friction, double m) const {
+        const double kappa = friction.first / m;
+        return {kappa, friction.second / m, reach(kappa, h_)};
+    }
+    static double reach(double kappa, double t) {
+        return kappa > 0 ? -std::expm1(-kappa * t) / kappa : t;
+    }
+    double h_;
+    Way ahead_, back_;
 };
 
 // The system is an implicit one without friction; its state starts with the centres.
@@ -101,7 +120,9 @@ class StickSlip : public FixedStep {
     }
 
   private:
-    Slide along(double h) const { return {ground_.ct, ground_.ft0, robot_.m, h}; }
+    Slide along(double h) const {
+        return {{ground_.ct, ground_.ft0}, {ground_.ct_back, ground_.ft0_back}, robot_.m, h};
+    }
     Slide across(double h) const { return {ground_.cn, ground_.fn0, robot_.m, h}; }
 
     // Speed of wheel i along and across its link, in the directions that the chain has.

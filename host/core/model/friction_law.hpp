@@ -50,4 +50,31 @@ struct Smoothed {
     double square;
 };
 
+// Bingham's law with wheels that roll backwards another way than forwards.
+struct Ratchet {
+    explicit Ratchet(const Ground& g, double = 0) : ground(g) {}
+    double along(double v) const {
+        if (v < 0) return ground.ft0_back - ground.ct_back * v;
+        return v > 0 ? -(ground.ft0 + ground.ct * v) : 0;
+    }
+    double across(double v) const { return -(ground.cn * v + ground.fn0 * sgn(v)); }
+    Ground ground;
+};
+
+// The same, smoothed: with s = v / sqrt(v^2 + width^2) in place of the sign, coefficients go over
+// from backwards to forwards as s goes from -1 to 1; the force never drives.
+struct SmoothedRatchet : Smoothed {
+    SmoothedRatchet(const Ground& g, double width_m_s)
+        : Smoothed(g, width_m_s),
+          ct_half(0.5 * (g.ct - g.ct_back)),
+          ft0_half(0.5 * (g.ft0 - g.ft0_back)) {
+        ground.ct = g.ct_mean(), ground.ft0 = g.ft0_mean();
+    }
+    double along(double v) const {
+        const double s = soft(v);
+        return -((ground.ct + ct_half * s) * v + (ground.ft0 + ft0_half * s) * s);
+    }
+    double ct_half, ft0_half;
+};
+
 }  // namespace serpenoid

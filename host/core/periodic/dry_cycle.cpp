@@ -85,19 +85,23 @@ bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double lengt
     SlidingPiece::Node& k = piece_.node(0);
     piece_.fill(k, tau);
     const Vec3 u0 = piece_.velocity(k, state.p);
+    way_.clear();
+    for (const Row& row : k.row) way_.push_back(row.speed(u0.data(), omega_));
     piece_.fill(k, tau + dtau);
+    piece_.drag(k, way_);
     const double *D = k.D, speed = scale_[0] / nm_;
     const Mat3 H = {nm_ + h * D[0], h * D[1], h * D[2], h * D[1],      nm_ + h * D[3],
                     h * D[4],       h * D[2], h * D[4], k.J + h * D[5]};
     const double c = std::cos(h * u0[2]), n = std::sin(h * u0[2]);
-    const Vec3 b = {c * state.p[0] + n * state.p[1] - h * omega_ * k.d[0],
-                    c * state.p[1] - n * state.p[0] - h * omega_ * k.d[1],
-                    state.p[2] - omega_ * k.K - h * omega_ * k.d[2]};
+    Vec3 b = {c * state.p[0] + n * state.p[1] - h * omega_ * k.d[0],
+              c * state.p[1] - n * state.p[0] - h * omega_ * k.d[1],
+              state.p[2] - omega_ * k.K - h * omega_ * k.d[2]};
     kinks_.clear(), wheel_of_kink_.clear();
     for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
-        const double mu = piece_.mu(wheel);
-        if (mu == 0) continue;
+        if (!piece_.has_modes(wheel)) continue;
         const Row& g = k.row[wheel];
+        const double thrust = h * piece_.thrust(wheel), mu = piece_.mu(wheel);
+        b[0] += thrust * g.x, b[1] += thrust * g.y, b[2] += thrust * g.r;
         const double apart = std::fmod(0.6180339887 * static_cast<double>(kinks_.size() + 1), 1.0);
         kinks_.push_back({{g.x, g.y, g.r}, omega_ * g.e + 1e-11 * speed * apart, h * mu});
         wheel_of_kink_.push_back(wheel);
@@ -117,7 +121,8 @@ bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double lengt
                    2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
                    omega_ * omega_ * k.dd;
     for (std::size_t c = 0; c < kinks_.size(); ++c)
-        watts += piece_.mu(wheel_of_kink_[c]) * std::fabs(kinks_[c].at(u));
+        watts += piece_.mu(wheel_of_kink_[c]) * std::fabs(kinks_[c].at(u)) -
+                 piece_.thrust(wheel_of_kink_[c]) * kinks_[c].at(u);
     state.dissipated += h * watts;
     tau = dtau == tau_end - tau ? tau_end : tau + dtau;
     skipped_ += dtau;
@@ -142,7 +147,7 @@ double DryCycle::margin_at(const SlidingPiece& piece, int wheel, int a, int j) c
     auto& p = const_cast<SlidingPiece&>(piece);
     if (a >= 0) {
         const double f = j < 0 ? piece.stuck_force(a, 0) : piece.stage_force(j, a);
-        return (1 - std::fabs(f) / piece.mu(wheel)) / force_eps_;
+        return piece.grip(wheel) * (1 - std::fabs(f) / piece.mu(wheel)) / force_eps_;
     }
     const SlidingPiece::Node& k = p.node(j + 1);
     const Vec3 u = piece.velocity(k, j < 0 ? piece.at(0) : piece.stage(j));
@@ -156,7 +161,7 @@ DryCycle::Ending DryCycle::ending(const SlidingPiece& piece) const {
     const auto& c = Rule::get().c;
     Ending first;
     for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
-        if (piece.mu(wheel) == 0) continue;
+        if (!piece.has_modes(wheel)) continue;
         int a = -1;
         for (int b = 0; b < mode_.count; ++b)
             if (mode_.stuck[b] == wheel) a = b;
@@ -302,11 +307,11 @@ void DryCycle::add_positive(double tau, double h, double x) {
         const Vec3 p = piece_.at(z);
         const double u[3] = {p[0] / nm_, p[1] / nm_, (p[2] - omega_ * shape_.K) / shape_.J};
         const auto push = [&](int wheel, const Row& row) {
-            const double c = wheel % 2 ? ground_.cn : ground_.ct;
+            const double c = piece_.viscous(wheel, mode_.sign[wheel]);
             double dry = piece_.mu(wheel) * mode_.sign[wheel];
             for (int a = 0; a < mode_.count; ++a)
                 if (mode_.stuck[a] == wheel) dry = piece_.stuck_force(a, z);
-            return -c * row.speed(u, omega_) - dry;
+            return piece_.thrust(wheel) - c * row.speed(u, omega_) - dry;
         };
         double force[3] = {0, 0, 0};
         std::vector<std::pair<double, double>> friction(robot_.n);
@@ -337,10 +342,9 @@ bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
     double tau = 0;
     speed_eps_ = std::max(0.01 * tolerance, 1e-12) * scale_[0] / nm_;
     force_eps_ = std::max(0.1 * tolerance, 1e-7);
-    const double least = std::min(ground_.ft0 > 0 ? ground_.ft0 : ground_.fn0,
-                                  ground_.fn0 > 0 ? ground_.fn0 : ground_.ft0);
     longest_kick_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
-    shortest_kick_ = std::clamp(20 * speed_eps_ * nm_ * omega_ / least, 1e-7, longest_kick_);
+    shortest_kick_ =
+        std::clamp(20 * speed_eps_ * nm_ * omega_ / ground_.least_dry(), 1e-7, longest_kick_);
     jump_.waits = false, kick_ = 0, skipped_ = 0;
     convex_.forget();
     if (!change_mode(state, tau, tau_end, {})) return false;

@@ -78,6 +78,7 @@ class DryCycle {
     Convex3 convex_;
     std::vector<Kink> kinks_;
     std::vector<int> wheel_of_kink_;
+    std::vector<double> way_;  // of every wheel before a kick, by its sign
     Jump jump_;
     std::vector<double>* positive_ = nullptr;
     double net_work_ = 0;

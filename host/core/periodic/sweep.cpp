@@ -31,7 +31,7 @@ void solve_rates(Solver&& solver, const std::vector<double>& omegas, const Stead
 
 void solve_shape(const SweepShape& k, const std::vector<double>& omegas,
                  const SteadyOptions& options, double* to) {
-    if (k.ground.dry())
+    if (!k.ground.smooth())
         solve_rates(SteadyDry(k.robot, k.ground, k.gait), omegas, options, to);
     else
         solve_rates(SteadyViscous(k.robot, k.ground, k.gait), omegas, options, to);

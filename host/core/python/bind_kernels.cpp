@@ -78,10 +78,12 @@ auto kernel_sincos(const std::string& set_name, Vector x) {
 void bind_kernels(nb::module_& m) {
     nb::class_<BatchScene>(m, "BatchScene")
         .def("__init__", [](BatchScene* self, int n, double mass, double half_length,
-                            double inertia, double ct, double cn, double ft0, double fn0, double k,
-                            double c, double smoothing) {
-            new (self)
-                BatchScene{{n, mass, half_length, inertia}, {ct, cn, ft0, fn0}, {k, c}, smoothing};
+                            double inertia, double ct, double cn, double ft0, double fn0,
+                            double ct_back, double ft0_back, double k, double c, double smoothing) {
+            new (self) BatchScene{{n, mass, half_length, inertia},
+                                  {ct, cn, ft0, fn0, ct_back, ft0_back},
+                                  {k, c},
+                                  smoothing};
         });
     m.def("instruction_sets", &set_names);
     m.def("run_batch", &run);

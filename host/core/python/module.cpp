@@ -50,7 +50,8 @@ struct Model {
 
 SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
     const SteadyOptions options{rtol, powers, max_elements};
-    if (m.ground.dry()) return SteadyDry(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
+    if (!m.ground.smooth())
+        return SteadyDry(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
     return SteadyViscous(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
 }
 
@@ -256,10 +257,10 @@ NB_MODULE(_core, m) {
     nb::class_<Model>(m, "Model")
         .def("__init__",
              [](Model* self, int n, double mass, double half_length, double inertia, double ct,
-                double cn, double ft0, double fn0, double alpha, double beta, double omega,
-                double offset) {
+                double cn, double ft0, double fn0, double ct_back, double ft0_back, double alpha,
+                double beta, double omega, double offset) {
                  new (self) Model{{n, mass, half_length, inertia},
-                                  {ct, cn, ft0, fn0},
+                                  {ct, cn, ft0, fn0, ct_back, ft0_back},
                                   {alpha, beta, omega, offset}};
              })
         .def("set_joints", [](Model& model, Vector gain, Vector shift) {

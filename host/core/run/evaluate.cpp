@@ -9,9 +9,9 @@ namespace serpenoid {
 void evaluate(const RunRequest& q, const double* joint_acceleration, Chain& chain, Joints& joints) {
     chain.directions();
     if (q.smoothing > 0)
-        GroundForce<Smoothed, Flat>(q.ground, q.smoothing, {}, 0)(chain);
+        GroundForce<SmoothedRatchet, Flat>(q.ground, q.smoothing, {}, 0)(chain);
     else
-        GroundForce<Bingham, Flat>(q.ground, 0, {}, 0)(chain);
+        GroundForce<Ratchet, Flat>(q.ground, 0, {}, 0)(chain);
     const bool angle = q.drive == Drive::angle;
     if (q.formulation == Formulation::explicit_) {
         chain.follow(q.robot.l);

@@ -28,8 +28,10 @@ std::vector<double> error_scale(const RunRequest& q, const System& system) {
     const double rate = rate_unit(q);
     const double length = 2 * q.robot.l, speed = length * rate;
     const Ground& g = q.ground;
-    const double link = (q.robot.m + (g.ct + g.cn) / rate) * speed * speed;
-    const double energy = q.robot.n * (link + (g.ft0 + g.fn0) * length);
+    const double viscous = std::max(g.ct, g.ct_back) + g.cn;
+    const double dry = std::max(g.ft0, g.ft0_back) + g.fn0;
+    const double link = (q.robot.m + viscous / rate) * speed * speed;
+    const double energy = q.robot.n * (link + dry * length);
     return error_scale(system, length * q.robot.n, rate, energy);
 }
 

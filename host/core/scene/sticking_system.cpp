@@ -15,11 +15,12 @@ constexpr double kCreep = 100;       // times at_rest: how fast one that rests m
 }  // namespace
 
 StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const Ground& ground,
-                               double at_rest)
-    : System(*slippery), inner_(std::move(slippery)), at_rest_(at_rest) {
+                               double at_rest, double moves)
+    : System(*slippery), inner_(std::move(slippery)), ground_(ground), at_rest_(at_rest) {
+    const bool along = ground.ft0_mean() > 0 || ground.ct != ground.ct_back;
     for (int i = 0; i < chain.n(); ++i) {
-        if (ground.ft0 > 0) ways_.push_back({i, false, ground.ft0});
-        if (ground.fn0 > 0) ways_.push_back({i, true, ground.fn0});
+        if (along) ways_.push_back({i, false, ground.ft0_mean(), ground.grip(moves)});
+        if (ground.fn0 > 0) ways_.push_back({i, true, ground.fn0, 1});
     }
     for (std::size_t w = 0; w < ways_.size(); ++w) resting_.push_back(static_cast<int>(w));
 }
@@ -47,11 +48,21 @@ void StickingSystem::push(const Way& w, double part) {
     chain.fy[i] += f * (w.across ? chain.c[i] : chain.s[i]);
 }
 
+// What a ratchet has beside the mean of both ways.
+void StickingSystem::differ(const Way& w) {
+    const int i = w.link;
+    const double more = ground_.ct_going(w.sign) - ground_.ct_mean();
+    const double f = ground_.thrust() - more * speed(w);
+    chain.fx[i] += f * chain.c[i], chain.fy[i] += f * chain.s[i];
+}
+
 // All forces but those of what rests, and the accelerations by them.
 void StickingSystem::slide(double t, const double* y) {
     inner_->load(t, y);
-    for (const Way& w : ways_)
+    for (const Way& w : ways_) {
+        if (ground_.ratchet() && !w.across) differ(w);
         if (w.sign != 0) push(w, -w.sign);
+    }
     inner_->accelerate();
     free_x_ = chain.fx, free_y_ = chain.fy;
 }
@@ -117,12 +128,12 @@ void StickingSystem::find(double t, double* y) {
     for (std::size_t w = 0; w < ways_.size(); ++w) {
         const double v = speed(ways_[w]);
         const bool rested = ways_[w].sign == 0 && known_;
-        if (rested || std::fabs(v) <= at_rest_) {
+        if (ways_[w].dry > 0 && (rested || std::fabs(v) <= at_rest_)) {
             slow.push_back(static_cast<int>(w));
             share.push_back(rested ? ways_[w].share : -ways_[w].sign);
             ways_[w].sign = 0;
         } else {
-            ways_[w].sign = v > 0 ? 1 : -1;
+            ways_[w].sign = v > 0 || (v == 0 && ways_[w].sign >= 0) ? 1 : -1;
         }
     }
     known_ = true;
@@ -152,7 +163,7 @@ void StickingSystem::margins(double t, const double* y, std::vector<double>& mar
             margin[w] = 1 + ways_[w].sign * speed(ways_[w]) / (kBackwards * at_rest_);
     for (std::size_t i = 0; i < resting_.size(); ++i) {
         ways_[resting_[i]].share = share_[i];
-        margin[resting_[i]] = 1 + (1 - std::fabs(share_[i])) / kOverBound;
+        margin[resting_[i]] = 1 + ways_[resting_[i]].grip * (1 - std::fabs(share_[i])) / kOverBound;
     }
 }
 

@@ -11,6 +11,10 @@
 //     1/2 (mu z).W (mu z) + (mu z).a  over |z| <= 1     (box_quadratic.hpp),
 // which is Gauss's principle of least constraint with dry friction in it. What is inside its bound
 // rests, what is at it slides, its acceleration against the force. There is no smoothing width.
+//
+// A ratchet's links have the mean of both ways as mu and half the difference as a constant thrust;
+// its viscous friction is that of the mode, and a wheel without dry friction changes its way when
+// it stops, without a rest.
 #pragma once
 
 #include <memory>
@@ -23,8 +27,10 @@ namespace serpenoid {
 
 class StickingSystem final : public System, public Modes {
   public:
-    // The system has all but the dry friction. Slower than `at_rest`, m/s, a wheel may rest.
-    StickingSystem(std::unique_ptr<PairedSystem> slippery, const Ground& ground, double at_rest);
+    // The system has all but the dry friction, and the mean viscous friction of a ratchet. Slower
+    // than `at_rest`, m/s, a wheel may rest; `moves`: a force that moves the links, N.
+    StickingSystem(std::unique_ptr<PairedSystem> slippery, const Ground& ground, double at_rest,
+                   double moves);
 
     int dim() const override { return inner_->dim(); }
     void set(const Chain& from, double* y) const override { inner_->set(from, y); }
@@ -49,6 +55,7 @@ class StickingSystem final : public System, public Modes {
         int link;
         bool across;
         double dry;        // bound of its force, N
+        double grip;       // sliding_piece.hpp
         int sign = 0;      // 0 rests, else which way it slides
         double share = 0;  // of the bound, while it rests
     };
@@ -56,11 +63,13 @@ class StickingSystem final : public System, public Modes {
     double acceleration(const Way& w) const;
     void push(const Way& w, double part);
     void slide(double t, const double* y);
+    void differ(const Way& w);
     void respond(const std::vector<int>& ways);
     void hold(const std::vector<int>& ways);
     void put_to_rest(const std::vector<int>& ways, double* y);
 
     std::unique_ptr<PairedSystem> inner_;
+    Ground ground_;
     double at_rest_;
     bool known_ = false;  // modes have been found before
     std::vector<Way> ways_;

@@ -18,6 +18,9 @@ std::unique_ptr<Made> with_force(const RunRequest& q, const Make& make) {
         return q.slope.tilted() ? make.template operator()<GroundForce<Law, Tilted>>()
                                 : make.template operator()<GroundForce<Law, Flat>>();
     };
+    if (q.ground.ratchet())
+        return q.smoothing > 0 ? plane.template operator()<SmoothedRatchet>()
+                               : plane.template operator()<Ratchet>();
     if (q.ground.dry() && q.smoothing > 0) return plane.template operator()<Smoothed>();
     if (q.ground.dry() && q.ground.viscous()) return plane.template operator()<Bingham>();
     if (q.ground.dry()) return plane.template operator()<Coulomb>();

@@ -26,6 +26,8 @@ class Model:
         arg9: float,
         arg10: float,
         arg11: float,
+        arg12: float,
+        arg13: float,
         /,
     ) -> None: ...
     def set_joints(
@@ -219,6 +221,8 @@ class BatchScene:
         arg8: float,
         arg9: float,
         arg10: float,
+        arg11: float,
+        arg12: float,
         /,
     ) -> None: ...
 

@@ -113,7 +113,7 @@ def one_cycle(robot: Robot, ground: Ground, gait: Gait, cycles: int = 3) -> tupl
     run = simulate(
         Scene(
             robot, ground, gait, start="steady", dt_s=gait.period_s / 600, record_every=5,
-            method="nonsmooth" if ground.dry else "rk4", duration_s=cycles * gait.period_s,
+            method="rk4" if ground.smooth else "nonsmooth", duration_s=cycles * gait.period_s,
         )
     )  # fmt: skip
     return s, run

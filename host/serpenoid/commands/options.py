@@ -37,6 +37,25 @@ _DEGREES = {"alpha": (0.0, 180.0), "beta": (-360.0, 360.0), "offset": (-180.0, 1
 _GROUND = {name: name for name in ("ct", "cn", "ft0", "fn0")}
 
 
+class BothWays(click.ParamType):
+    """Read one number, or two for ratchet wheels: forwards,backwards."""
+
+    name = "N[,N]"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | tuple[float, ...]:
+        """Return the number or numbers; how many and which are allowed is Ground's to say."""
+        try:
+            numbers = tuple(float(part) for part in str(value).split(","))
+        except ValueError:
+            self.fail(f"{value!r} is no number, nor two (forwards,backwards)", param, ctx)
+        return numbers[0] if len(numbers) == 1 else numbers
+
+
+BOTH_WAYS = BothWays()
+
+
 def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
     """Return one decorator that adds options to a command in the order given."""
 
@@ -63,9 +82,11 @@ robot_options = stacked([
     click.option("--mass-kg", type=float, help="Mass of a link."),
     click.option("--length-m", type=float, help="Length of a link, joint to joint."),
     click.option("--inertia-kg-m2", type=float, help="Of a link; a uniform rod's unless given."),
-    click.option("--ct", type=float, help="Viscous friction along a link, N s/m."),
+    click.option("--ct", type=BOTH_WAYS,
+                 help="Viscous friction along a link, N s/m; ratchet: forwards,backwards."),
     click.option("--cn", type=float, help="Viscous friction across a link, N s/m."),
-    click.option("--ft0", type=float, help="Dry friction along a link, N."),
+    click.option("--ft0", type=BOTH_WAYS,
+                 help="Dry friction along a link, N; ratchet: forwards,backwards."),
     click.option("--fn0", type=float, help="Dry friction across a link, N."),
 ])  # fmt: skip
 
@@ -194,7 +215,7 @@ def as_typed(text: str, options: dict[str, str]) -> str:
         if "_" in field:
             text = re.sub(rf"(?<![\w.-]){field}(?!\w)", option, text)
         else:
-            text = re.sub(rf"^{field} is ", f"{option} is ", text)
+            text = re.sub(rf"^{field}((?: \w+)?) is ", rf"{option}\1 is ", text)
     return text
 
 

@@ -188,7 +188,7 @@ def _check_that_all_apply(typed: set[str], scene: Scene, accuracy: float | None)
         ("--stiffness-n-m", pinned, f"{springs} implicit too"),
         ("--damping-n-s-m", pinned, f"{springs} implicit too"),
         ("--gap", pinned, f"{springs} implicit too"),
-        ("--smoothing-m-s", not scene.ground.dry, "the ground has no dry friction"),
+        ("--smoothing-m-s", scene.ground.smooth, "the ground has no dry friction"),
         ("--incline-direction-deg", scene.incline_rad == 0, "the ground is level"),
         ("--tolerance", not (scene.adaptive or accuracy), steps),
     ):

@@ -48,7 +48,7 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self.ground = ground or Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.0, fn0=0.0)
         self.torque_nm, self.control_s, self.episode_s = torque_nm, control_s, episode_s
         self.work_cost_m_j = work_cost_m_j
-        self.smoothing_m_s = smoothing_m_s if self.ground.dry else 0.0
+        self.smoothing_m_s = 0.0 if self.ground.smooth else smoothing_m_s
         n = self.robot.links
         self.action_space = spaces.Box(-1.0, 1.0, (n - 1,), np.float32)
         self.observation_space = spaces.Box(-np.inf, np.inf, (2 * n + 3,), np.float32)

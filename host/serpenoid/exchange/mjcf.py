@@ -7,6 +7,7 @@ from xml.etree import ElementTree as ET
 
 from ..model.checks import check_number
 from ..model.core_model import check_parts
+from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
 
@@ -22,10 +23,15 @@ def to_mjcf(robot: Robot, ground: Ground, *, timestep_s: float = 1e-3) -> str:
     """
     check_parts(robot, ground)
     check_number("timestep_s", timestep_s, 0.0, open_low=True)
+    if ground.ratchet:
+        raise BadInput(
+            f"ct is {ground.ct!r} and ft0 {ground.ft0!r}: MuJoCo has no friction that differs "
+            "forwards and backwards; give a Ground with single values"
+        )
     if ground.dry:
         warnings.warn(
-            f"MuJoCo has no dry friction that differs along and across: ft0 {ground.ft0:g} N and "
-            f"fn0 {ground.fn0:g} N are left out",
+            "MuJoCo has no dry friction that differs along and across: ft0 "
+            f"{ground.ft0_forward:g} N and fn0 {ground.fn0:g} N are left out",
             stacklevel=2,
         )
     root = ET.Element("mujoco", model="serpenoid")
@@ -72,7 +78,7 @@ def _link(parent: ET.Element, robot: Robot, link: int) -> ET.Element:
 
 
 def _drag(actuators: ET.Element, site: str, ground: Ground) -> None:
-    for name, axis, c in (("along", "1 0 0", ground.ct), ("across", "0 1 0", ground.cn)):
+    for name, axis, c in (("along", "1 0 0", ground.ct_forward), ("across", "0 1 0", ground.cn)):
         ET.SubElement(
             actuators, "general", name=f"{site}_{name}", site=site, gear=f"{axis} 0 0 0",
             gainprm="0", biastype="affine", biasprm=f"0 0 {-c!r}",

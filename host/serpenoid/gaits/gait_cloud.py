@@ -44,13 +44,13 @@ class GaitCloud:
         self.robot, self.ground, self.cost, self.limits = robot, ground, cost, limits
         n = robot.links
         first, step, many = (
-            (_FIRST_DRY, _STEP_DRY, _MANY_DRY) if ground.dry else (_FIRST, _STEP, _MANY)
+            (_FIRST, _STEP, _MANY) if ground.smooth else (_FIRST_DRY, _STEP_DRY, _MANY_DRY)
         )
         least_lag = min(math.radians(22), 2.2 / n)  # a third of a wave on the body
         lags = np.geomspace(
-            least_lag, math.radians(165), (10 if ground.dry else 12) if n <= 8 else 18
+            least_lag, math.radians(165), (12 if ground.smooth else 10) if n <= 8 else 18
         )
-        swings = np.radians(np.array(_SWING_DRY_DEG if ground.dry else _SWING_DEG, dtype=float))
+        swings = np.radians(np.array(_SWING_DEG if ground.smooth else _SWING_DRY_DEG, dtype=float))
         self.beta_rad = np.broadcast_to(lags, (swings.size, lags.size))
         self.alpha_rad = 2 * swings[:, None] * np.sin(lags / 2)
         self.omega_rad_s = np.empty(0)
@@ -75,8 +75,8 @@ class GaitCloud:
                 return
             found = sweep(
                 self.robot, self.ground, alpha_rad=self.alpha_rad[rows, j],
-                beta_rad=self.beta_rad[0, j], omega_rad_s=rates, rtol=3e-3 if self.ground.dry
-                else 1e-4, powers=self.cost != "power",
+                beta_rad=self.beta_rad[0, j], omega_rad_s=rates, rtol=1e-4 if self.ground.smooth
+                else 3e-3, powers=self.cost != "power",
             )  # fmt: skip
             good = found.converged[:, 0]
             speed[rows, j] = np.where(good, found.speed_m_s[:, 0], np.nan)

@@ -65,13 +65,13 @@ class Finder:
         solver = solve or exact_solver(robot, ground, powers=cost != "power")
         self.search = ShapeSearch(robot, ground, solver, cost, limits)
         self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
-        self.kinks = 2e-3 if ground.dry else 0.0  # how far small valleys were found apart
-        self.smallest = 0.012 if ground.dry or not self.exact else 0.002
+        self.kinks = 0.0 if ground.smooth else 2e-3  # how far small valleys were found apart
+        self.smallest = 0.002 if ground.smooth and self.exact else 0.012
 
     def follow(self, start: Candidate, speed: float, radius: float) -> tuple[Point, float]:
         """Return the lowest point of the valley that a candidate lies in."""
         low, high = self.search.bounds()
-        coarse = 3e-4 if self.ground.dry or not self.exact else 1e-7
+        coarse = 1e-7 if self.ground.smooth and self.exact else 3e-4
         rtol = max(self.rtol, coarse)
         evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
         first = evaluate([np.array(start.shape)])[0]
@@ -79,7 +79,7 @@ class Finder:
 
     def candidates(self, speed: float) -> list[Candidate]:
         """Return where to start: the cloud's valleys that may hold the least."""
-        return self.cloud.candidates(speed, most=4 if self.ground.dry else 6, within=1.4)
+        return self.cloud.candidates(speed, most=6 if self.ground.smooth else 4, within=1.4)
 
     def cheapest(self, speed: float, extra: Candidate | None = None) -> LeastPower:
         """Return the cheapest gait; extra: one more start."""
@@ -92,7 +92,7 @@ class Finder:
         if not ends:
             raise self.unreachable(speed)
         ends.sort(key=lambda e: e[0].value)
-        if self.ground.dry:  # kinks make small valleys in the large one
+        if not self.ground.smooth:  # kinks make small valleys in the large one
             at = ends[0][0]
             state: Any = at.data
             again = Candidate(0.0, Shape(*at.at), state.gait.omega_rad_s)
@@ -152,7 +152,9 @@ def finder(
     check_choice("formulation", formulation, FORMULATIONS)
     springs = formulation == "implicit"
     if rtol is None:
-        rtol = 1e-4 if springs else 1e-5 if ground.dry else 1e-10 if cost == "power" else 1e-8
+        rtol = (
+            1e-4 if springs else 1e-5 if not ground.smooth else 1e-10 if cost == "power" else 1e-8
+        )
     check_ground(ground, rtol)
 
     def soft(gait: Gait, rtol: float) -> Any:

@@ -79,7 +79,7 @@ class GaitLimits:
 def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -> float:
     """Return the largest joint torque of a cycle of the periodic state, exact model, N m."""
     scene = Scene(
-        robot, ground, gait, start="steady", method="nonsmooth" if ground.dry else "rk4",
+        robot, ground, gait, start="steady", method="rk4" if ground.smooth else "nonsmooth",
         dt_s=gait.period_s / steps, duration_s=gait.period_s, record=("joints",), record_every=1,
     )  # fmt: skip
     return float(np.abs(simulate(scene).joint_torque_nm).max())

@@ -102,5 +102,4 @@ class Sample:
 
 
 def _scaled(ground: Ground, factors: Sequence[float]) -> Ground:
-    values = [getattr(ground, n) * f for n, f in zip(FRICTION, factors, strict=True)]
-    return Ground(*map(float, values))
+    return ground.scaled(*map(float, factors))

@@ -23,11 +23,19 @@ def check_parts(robot: object, ground: object, gait: object = None) -> None:
             )
 
 
+def friction_numbers(ground: Ground) -> tuple[float, float, float, float, float, float]:
+    """Return ct, cn, ft0, fn0, and what ct and ft0 are backwards, as the core takes them."""
+    return (
+        ground.ct_forward, ground.cn, ground.ft0_forward, ground.fn0,
+        ground.ct_backward, ground.ft0_backward,
+    )  # fmt: skip
+
+
 def core_model(robot: Robot, ground: Ground, gait: Gait) -> _core.Model:
     """Hand the three to the compiled core (which counts length by halves, as the paper does)."""
     model = _core.Model(
         robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
-        ground.ct, ground.cn, ground.ft0, ground.fn0,
+        *friction_numbers(ground),
         gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad,
     )  # fmt: skip
     if gait.joint_gain or gait.joint_shift_rad:

@@ -1,11 +1,18 @@
-"""Friction of the ground on every link: viscous, dry, along and across."""
+"""Friction of the ground on every link: viscous, dry, along and across, forwards and backwards."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from .checks import check_number
+from .errors import BadInput
 from .robot import check_links
+
+Both = float | tuple[float, float]  # one value, or (forwards, backwards)
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,28 +21,98 @@ class Ground:
 
     The force opposes the motion: f^t = -(ct v^t + ft0 sgn v^t), f^n likewise, with sgn(0) the
     whole interval [-1, 1] (wheels stick). ct, cn in N s/m (Eqs. 28-29); ft0, fn0 in N (Bingham,
-    Eqs. 59 and 62 divided by n). All per link, none negative. Raises BadInput.
+    Eqs. 59 and 62 divided by n). All per link, none negative.
+
+    Ratchet wheels: ct and ft0 may each be a pair (forwards, backwards), for v^t > 0 (towards the
+    head) and v^t < 0; at rest the ground then holds with any force from -ft0[0] to +ft0[1]. Two
+    equal values are the single one. Wheels that cannot roll back have a large backward value.
+    Raises BadInput.
     """
 
-    ct: float
+    ct: Both
     cn: float
-    ft0: float = 0.0
+    ft0: Both = 0.0
     fn0: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("ct", "cn", "ft0", "fn0"):
+        for name in ("ct", "ft0"):
+            object.__setattr__(self, name, _check_both(name, getattr(self, name)))
+        for name in ("cn", "fn0"):
             object.__setattr__(self, name, check_number(name, getattr(self, name), 0.0))
 
     @classmethod
     def whole_body(
-        cls, links: int, ct: float, cn: float, ft0: float = 0.0, fn0: float = 0.0
+        cls, links: int, ct: Both, cn: float, ft0: Both = 0.0, fn0: float = 0.0
     ) -> Ground:
         """Divide friction measured on the whole snake evenly among its links."""
         n = check_links(links)
         total = cls(ct, cn, ft0, fn0)
-        return cls(total.ct / n, total.cn / n, total.ft0 / n, total.fn0 / n)
+        return cls(_over(total.ct, n), total.cn / n, _over(total.ft0, n), total.fn0 / n)
+
+    @property
+    def ct_forward(self) -> float:
+        """Return ct towards the head, N s/m."""
+        return self.ct[0] if isinstance(self.ct, tuple) else self.ct
+
+    @property
+    def ct_backward(self) -> float:
+        """Return ct towards the tail, N s/m."""
+        return self.ct[1] if isinstance(self.ct, tuple) else self.ct
+
+    @property
+    def ft0_forward(self) -> float:
+        """Return ft0 towards the head, N."""
+        return self.ft0[0] if isinstance(self.ft0, tuple) else self.ft0
+
+    @property
+    def ft0_backward(self) -> float:
+        """Return ft0 towards the tail, N."""
+        return self.ft0[1] if isinstance(self.ft0, tuple) else self.ft0
+
+    def scaled(
+        self, ct: float = 1.0, cn: float = 1.0, ft0: float = 1.0, fn0: float = 1.0
+    ) -> Ground:
+        """Return ground with each friction times a factor, both ways alike."""
+        return Ground(_times(self.ct, ct), self.cn * cn, _times(self.ft0, ft0), self.fn0 * fn0)
 
     @property
     def dry(self) -> bool:
         """Tell whether there is a friction force at rest (Coulomb or Bingham)."""
-        return self.ft0 > 0.0 or self.fn0 > 0.0
+        return max(self.ft0_forward, self.ft0_backward, self.fn0) > 0.0
+
+    @property
+    def ratchet(self) -> bool:
+        """Tell whether links go forwards otherwise than backwards."""
+        return isinstance(self.ct, tuple) or isinstance(self.ft0, tuple)
+
+    @property
+    def smooth(self) -> bool:
+        """Tell whether friction is a smooth function of the speed: viscous, the same both ways."""
+        return not self.dry and not self.ratchet
+
+
+def _check_both(name: str, value: object) -> Both:
+    """Return one number, or two that differ, or raise BadInput."""
+    if not isinstance(value, (Sequence, np.ndarray)) or isinstance(value, (str, bytes)):
+        return check_number(name, value, 0.0)
+    if np.ndim(value) == 0:
+        return check_number(name, value, 0.0)
+    if len(value) != 2:
+        raise BadInput(f"{name} is {value!r}; it must be one number, or two: forwards, backwards")
+    both = []
+    for way, one in zip(("forwards", "backwards"), value, strict=True):
+        if isinstance(one, float) and math.isinf(one):
+            raise BadInput(
+                f"{name} {way} is {one}; it must be finite: for wheels that cannot roll that way "
+                "take some thousand times the other value"
+            )
+        both.append(check_number(f"{name} {way}", one, 0.0))
+    return both[0] if both[0] == both[1] else (both[0], both[1])
+
+
+def _over(value: Both, links: int) -> Both:
+    return (value[0] / links, value[1] / links) if isinstance(value, tuple) else value / links
+
+
+def _times(value: Both, factor: float) -> Both:
+    return (value[0] * factor, value[1] * factor) if isinstance(value, tuple) else value * factor

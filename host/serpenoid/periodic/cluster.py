@@ -21,7 +21,7 @@ CONNECT_S = 10.0
 
 def stretch_length(grid: Grid) -> int:
     """Return how many shapes make a good stretch."""
-    dry = any(ground.dry for ground in grid.grounds)
+    dry = not all(ground.smooth for ground in grid.grounds)
     return max(1, (_DRY_GAITS if dry else _GAITS) // len(grid.omega_rad_s))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..model.core_model import friction_numbers
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.kinematics import joint_motion
@@ -84,8 +85,8 @@ def batch_scene(scene: Scene) -> _core.BatchScene:
     robot, ground = scene.robot, scene.ground
     return _core.BatchScene(
         robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
-        ground.ct, ground.cn, ground.ft0, ground.fn0, scene.joint_stiffness_n_m,
-        scene.joint_damping_n_s_m, scene.smoothing_m_s,
+        *friction_numbers(ground), scene.joint_stiffness_n_m, scene.joint_damping_n_s_m,
+        scene.smoothing_m_s,
     )  # fmt: skip
 
 

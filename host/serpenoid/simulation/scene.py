@@ -207,7 +207,7 @@ class Scene:
         """Return which friction law the ground makes of the links' speeds, one of LAWS."""
         if self.smoothing_m_s > 0:
             return "smoothed"
-        return "dry" if self.ground.dry else "viscous"
+        return "viscous" if self.ground.smooth else "dry"
 
     @property
     def steps(self) -> int:

@@ -179,13 +179,14 @@ def modes(scene: Scene, any_shape: bool = False) -> tuple[Array, Array]:
 
     Springs of the implicit joints, servos, and friction (stiff = 0).
     """
-    friction = max(scene.ground.ct, scene.ground.cn) / scene.robot.link_mass_kg
+    ground, mass_kg = scene.ground, scene.robot.link_mass_kg
+    friction = max(ground.ct_forward, ground.ct_backward, ground.cn) / mass_kg
     if scene.method == "nonsmooth":
         friction = 0.0  # implicit in that method
     stiff, damped = [np.zeros(1)], [np.array([friction])]
     if scene.smoothing_m_s > 0:
-        dry = max(scene.ground.ft0, scene.ground.fn0) / scene.smoothing_m_s
-        damped[0] = damped[0] + dry / scene.robot.link_mass_kg
+        dry = max(ground.ft0_forward, ground.ft0_backward, ground.fn0) / scene.smoothing_m_s
+        damped[0] = damped[0] + dry / mass_kg
     if scene.formulation == "implicit":
         most, least = joint_modes(scene, any_shape)
         mu = np.linspace(least, most, 64)

@@ -15,6 +15,7 @@ from .core_run import run_core
 from .scene import Scene
 
 Array = NDArray[np.float64]
+_FOLLOWS = {"viscous": "rk4", "smoothed": "dop853", "dry": "nonsmooth"}  # a law closely enough
 _FORWARD = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0  # derivative from five points, order 4
 
 
@@ -99,8 +100,8 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
     if scene.drive != "angle":
         h = min(h, 1e-5)
     exact = replace(
-        scene, formulation="explicit", method="rk4", start=start, dt_s=h, duration_s=4 * h,
-        record=("joints",), record_every=1,
+        scene, formulation="explicit", method=_FOLLOWS[scene.law], start=start, dt_s=h,
+        duration_s=4 * h, tolerance=1e-9,        record=("joints",), record_every=1,
     )  # fmt: skip
     out = run_core(exact, start)
     force = np.stack([out["joint_force_x_n"], out["joint_force_y_n"]], axis=2)  # (5, n-1, 2)

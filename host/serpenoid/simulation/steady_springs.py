@@ -92,7 +92,7 @@ def steady_springs(
         Scene(
             robot, ground, gait, formulation="implicit", start="steady",
             joint_stiffness_n_m=joint_stiffness_n_m, joint_damping_n_s_m=joint_damping_n_s_m,
-            method="nonsmooth" if ground.dry else "rk4",
+            method="rk4" if ground.smooth else "nonsmooth",
         )
     )  # fmt: skip
     floor = 1e-4 * gait.omega_rad_s * robot.links * robot.link_length_m
@@ -100,7 +100,9 @@ def steady_springs(
     once = replace(scene, start=run.state(), duration_s=gait.period_s)
     last = simulate(replace(once, record=("joints",), record_every=1))
     finer = simulate(replace(once, dt_s=scene.dt_s / 2, record_every=2 * scene.every))
-    steps = abs(last.travel_m - finer.travel_m) / gait.period_s * (2.0 if ground.dry else 16 / 15)
+    steps = (
+        abs(last.travel_m - finer.travel_m) / gait.period_s * (16 / 15 if ground.smooth else 2.0)
+    )
     power = last.joint_power_w[1:]  # a period's samples: the mean is as good as the steps
     return SteadySprings(
         speed, float(power.sum(axis=1).mean()), float(np.abs(power).sum(axis=1).mean()),

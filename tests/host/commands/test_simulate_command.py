@@ -22,7 +22,7 @@ OPTIONS = {
     "--mass-kg": ("0.5", "robot.link_mass_kg", 0.5),
     "--length-m": ("0.2", "robot.link_length_m", 0.2),
     "--inertia-kg-m2": ("0.003", "robot.link_inertia_kg_m2", 0.003),
-    "--ct": ("0.3", "ground.ct", 0.3),
+    "--ct": ("0.3,0.9", "ground.ct", (0.3, 0.9)),
     "--cn": ("3", "ground.cn", 3.0),
     "--ft0": ("0.01", "ground.ft0", 0.01),
     "--fn0": ("0.02", "ground.fn0", 0.02),
@@ -95,7 +95,9 @@ def test_an_option_overrides_its_field_of_the_file_alone(option: str, tmp_path: 
     assert field(scene, name) == wanted
     goes_along = {"link_inertia_kg_m2"} if option in ("--mass-kg", "--length-m") else set()
     goes_along |= {"drive"} if option == "--servo" else set()
-    goes_along |= {"method"} if option in ("--ft0", "--fn0") else set()  # the scene's own choice
+    goes_along |= (
+        {"method"} if option in ("--ct", "--ft0", "--fn0") else set()
+    )  # the scene's own choice
     kept = {"robot", "ground", "gait"} | goes_along
     for f in dataclasses.fields(sn.Scene):
         if f.name not in kept | {name.split(".")[0]}:
@@ -221,6 +223,9 @@ def test_refusals(args: list[str], said: str) -> None:
         (["--omega-rad-s", "-5"], "--omega-rad-s is -5.0"),
         (["--mass-kg", "-1"], "--mass-kg is -1.0"),
         (["--ct", "-1"], "--ct is -1.0"),
+        (["--ct", "0.1,-1"], "--ct backwards is -1.0"),
+        (["--ft0", "0.1,0.2,0.3"], "two: forwards, backwards"),
+        (["--ft0", "0.1;0.2"], "forwards,backwards"),
         (["--incline-deg", "100"], "--incline-deg is 100.0"),
         (["--formulation", "implicit", "--stiffness-n-m", "-5"], "--stiffness-n-m is -5.0"),
     ],

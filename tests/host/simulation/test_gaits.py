@@ -25,6 +25,8 @@ GROUNDS = {
     "viscous": (sn.Ground(0.1, 10.0), 0.0),
     "dry": (sn.Ground(0.1, 10.0, 0.02, 0.05), 0.0),
     "smoothed": (sn.Ground(0.1, 10.0, 0.02, 0.05), 1e-2),
+    "ratchet": (sn.Ground((0.1, 0.7), 10.0, (0.02, 0.3), 0.05), 0.0),
+    "smoothed ratchet": (sn.Ground((0.1, 0.7), 10.0, (0.02, 0.3), 0.05), 1e-2),
 }
 
 
@@ -57,12 +59,15 @@ def numpy_rate(scene: sn.Scene, gait: sn.Gait, t: float, y: np.ndarray) -> np.nd
     along = np.stack([np.cos(theta), np.sin(theta)], axis=1)
     across = np.stack([-np.sin(theta), np.cos(theta)], axis=1)
 
-    def drag(v, c, dry):
+    def drag(v, c, dry, c_back, dry_back):
         width = scene.smoothing_m_s
-        return -c * v - dry * (v / np.sqrt(v**2 + width**2) if width > 0 else np.sign(v))
+        sign = v / np.sqrt(v**2 + width**2) if width > 0 else np.sign(v)
+        c, dry = ((f + b) / 2 + (f - b) / 2 * sign for f, b in ((c, c_back), (dry, dry_back)))
+        return -c * v - dry * sign
 
-    force = drag((speed * along).sum(1), g.ct, g.ft0)[:, None] * along
-    force += drag((speed * across).sum(1), g.cn, g.fn0)[:, None] * across
+    ways = g.ct_forward, g.ft0_forward, g.ct_backward, g.ft0_backward
+    force = drag((speed * along).sum(1), *ways)[:, None] * along
+    force += drag((speed * across).sum(1), g.cn, g.fn0, g.cn, g.fn0)[:, None] * across
     arm, arm_rate = half * along, half * omega[:, None] * across
     gap = (place - arm)[1:] - (place + arm)[:-1]
     gap_rate = (speed - arm_rate)[1:] - (speed + arm_rate)[:-1]

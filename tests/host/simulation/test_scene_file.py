@@ -46,6 +46,7 @@ SCENES = {
     "torques": sn.Scene(ROBOT, GROUND, GAIT, drive="torque", torque=[0.1, 1 / 3, -2e-8]),
     "torque table": sn.Scene(ROBOT, GROUND, GAIT, drive="torque", torque=TIMES),
     "state": sn.Scene(ROBOT, GROUND, GAIT, start=STATE),
+    "ratchet": sn.Scene(ROBOT, sn.Ground((0.1 / 3, 1.0), 2.0, (0.0, 1 / 7)), GAIT),
     "numpy's numbers": sn.Scene(
         ROBOT, GROUND, GAIT, dt_s=np.float32(0.001), duration_s=np.int64(3)
     ),
@@ -157,6 +158,8 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
         (swap("links = 6", "links = 1"), ":4: links is 1; .* from 2 to"),
         (swap("links = 6", "links = 6.5"), ":4: links is 6.5"),
         (swap("ct_n_s_m = 0.014", "ct_n_s_m = -1"), ":8: ct is -1"),
+        (swap("ct_n_s_m = 0.014", "ct_n_s_m = [1, 2, 3]"), r":8: ct is \[1, 2, 3\]"),
+        (swap("ct_n_s_m = 0.014", "ct_n_s_m = [1, -2]"), ":8: ct backwards is -2"),
         (swap("duration_s = 2", "duration_s = inf"), ":2: duration_s is inf"),
         (swap("duration_s = 2", "duration_s = 1e20"), ":2: duration_s 1e\\+20 at dt_s"),
         (swap("duration_s = 2", "duration_s = 1e300"), ":2: duration_s is 1e\\+300"),

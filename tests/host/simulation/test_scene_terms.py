@@ -20,6 +20,7 @@ GROUNDS = {
     "none": NONE,
     "coulomb": sn.Ground(0.0, 0.0, 0.05, 0.2),
     "bingham": sn.Ground(0.1, 1.0, 0.05, 0.2),
+    "ratchet": sn.Ground((0.1, 0.4), 1.0, (0.05, 0.3), 0.2),
 }
 SLOW_SERVO = sn.Servo(0.8, 0.01, 0.05, 3.0, 0.02)  # at its limits, in every way, most of the time
 
@@ -76,7 +77,7 @@ FAULTS = {
 }
 DRIVES = ("angle", "table", "function", "constant", "servo")
 CASES = [
-    (formulation, drive, fault, tuple(GROUNDS)[(i + j) % 4], 0.3 * (j % 2), (i + j) % 5 == 0)
+    (formulation, drive, fault, tuple(GROUNDS)[(i + j) % 5], 0.3 * (j % 2), (2 * i + j) % 5 == 0)
     for formulation in FORMULATIONS
     for i, drive in enumerate(DRIVES)
     for j, fault in enumerate(FAULTS)

@@ -322,6 +322,7 @@ class Radau final : public Method {
 
 template <template <class> class Model>
 std::unique_ptr<Method> with_law(const RunRequest& q, System& system) {
+    if (q.ground.ratchet()) return std::make_unique<Radau<Model<SmoothedRatchet>>>(q, system);
     if (q.ground.dry()) return std::make_unique<Radau<Model<Smoothed>>>(q, system);
     return std::make_unique<Radau<Model<Viscous>>>(q, system);
 }

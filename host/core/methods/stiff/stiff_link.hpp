@@ -31,6 +31,11 @@ inline double slope_across(const Smoothed& law, double v) {
     const double w = v * v + law.square;
     return -(law.ground.cn + law.ground.fn0 * law.square / (w * std::sqrt(w)));
 }
+inline double slope_along(const SmoothedRatchet& law, double v) {
+    const double w = v * v + law.square, s = law.soft(v), ds = law.square / (w * std::sqrt(w));
+    return -(law.ground.ct + law.ct_half * (s + v * ds) +
+             (law.ground.ft0 + 2 * law.ft0_half * s) * ds);
+}
 
 // A link on its way: direction, turning; velocity and acceleration of its centre.
 struct LinkMotion {

@@ -45,7 +45,7 @@ def _model_text(problem: Problem, dt_s: float) -> str:
             f'<inertial pos="0 0 0" mass="{r.link_mass_kg}" '
             f'diaginertia="{inertia} {inertia} {inertia}"/><site name="s{i}"/>'
         )
-        for axis, c in (("1 0 0", g.ct), ("0 1 0", g.cn)):
+        for axis, c in (("1 0 0", g.ct_forward), ("0 1 0", g.cn)):
             dampers += (
                 f'<general site="s{i}" gear="{axis} 0 0 0" gainprm="0" biastype="affine" '
                 f'biasprm="0 0 {-c}"/>'

@@ -31,7 +31,7 @@ def rate_of(problem: Problem, width_m_s: float = 0.0) -> Rate:
 
     def friction(c: Array, s: Array, vx: Array, vy: Array) -> tuple[Array, Array]:
         vt, vn = c * vx + s * vy, c * vy - s * vx
-        ft = -ground.ct * vt - (ground.ft0 * sign(vt) if ground.ft0 else 0)
+        ft = -ground.ct_forward * vt - (ground.ft0_forward * sign(vt) if ground.ft0 else 0)
         fn = -ground.cn * vn - (ground.fn0 * sign(vn) if ground.fn0 else 0)
         return ft * c - fn * s, ft * s + fn * c
 

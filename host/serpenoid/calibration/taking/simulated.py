@@ -98,7 +98,8 @@ class SimulatedTreadmill:
         """Return the slip at which friction balances the pull; None where the wheels stick."""
         ground, c, s = self.truth.ground, math.cos(lambda_rad), math.sin(lambda_rad)
         pull_n = self._setup.weight_n * math.sin(incline_rad)
-        slip = (pull_n - ground.ft0 * c - ground.fn0 * s) / (ground.ct * c * c + ground.cn * s * s)
+        dry_n = ground.ft0_forward * c + ground.fn0 * s
+        slip = (pull_n - dry_n) / (ground.ct_forward * c * c + ground.cn * s * s)
         return slip if slip > 0.0 else None
 
     def _normal(self, sigma: float) -> float:
@@ -162,7 +163,7 @@ class SimulatedTreadmill:
         """Return the share of a disturbance that is left when a station is read."""
         ground, c, s = self.truth.ground, math.cos(self._lambda_rad), math.sin(self._lambda_rad)
         mass_kg = self._setup.robot.links * self._setup.robot.link_mass_kg
-        return math.exp(-step.settle_s * (ground.ct * c * c + ground.cn * s * s) / mass_kg)
+        return math.exp(-step.settle_s * (ground.ct_forward * c * c + ground.cn * s * s) / mass_kg)
 
     def _gait(self, step: Step) -> Cells:
         gait = step.gait

@@ -39,11 +39,16 @@ def gait_words(gait: Gait) -> str:
     )
 
 
+def _both(value: float | tuple[float, float]) -> str:
+    """Return a friction, forwards and backwards where these differ."""
+    return f"{value[0]:.3g}/{value[1]:.3g}" if isinstance(value, tuple) else f"{value:.3g}"
+
+
 def robot_words(robot: Robot, ground: Ground) -> str:
     """Return robot and ground for a title."""
-    friction = f"ct {ground.ct:.3g}, cn {ground.cn:.3g} N s/m"
+    friction = f"ct {_both(ground.ct)}, cn {ground.cn:.3g} N s/m"
     if ground.dry:
-        friction += f", ft0 {ground.ft0:.3g}, fn0 {ground.fn0:.3g} N"
+        friction += f", ft0 {_both(ground.ft0)}, fn0 {ground.fn0:.3g} N"
     return (
         f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m; "
         f"{friction} a link"

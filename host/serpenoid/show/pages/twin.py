@@ -46,7 +46,7 @@ class Twin:
     def __init__(self, robot: Robot, ground: Ground, gait: Gait):
         scene = Scene(
             robot, ground, gait, start="steady", dt_s=gait.period_s / 400, record_every=2,
-            method="nonsmooth" if ground.dry else "rk4", duration_s=gait.period_s,
+            method="rk4" if ground.smooth else "nonsmooth", duration_s=gait.period_s,
         )  # fmt: skip
         self.scene = scene
         run = along_travel(simulate(scene))

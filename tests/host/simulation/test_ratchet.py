@@ -1,0 +1,211 @@
+"""Ratchet wheels: friction that differs forwards and backwards, in every formulation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle import bingham
+from oracle.params import Gait, Params
+from serpenoid.simulation.judge import difference
+
+OF_2005 = sn.Robot(6, 0.0756, 0.076)
+SMALL = sn.Robot(3, 0.0756, 0.076)
+RATCHET = sn.Ground((0.014, 0.05), 0.2, (0.0233, 0.06), 0.045)
+GROUNDS = {
+    "both": RATCHET,
+    "dry": sn.Ground(0.014, 0.2, (0.0, 0.05), 0.045),
+    "viscous": sn.Ground((0.014, 0.14), 0.2),
+    "viscous, dry across": sn.Ground((0.14, 0.014), 0.2, 0.0, 0.045),
+}
+GAIT = sn.Gait(math.radians(40), math.radians(60), 2.0)
+FREE = sn.Gait(math.radians(60), math.radians(100), 4.0)
+
+
+def along(run: sn.Run) -> np.ndarray:
+    """Return the speed of every link along itself, (T, n)."""
+    return np.cos(run.theta_rad) * run.vx_m_s + np.sin(run.theta_rad) * run.vy_m_s
+
+
+def travel_m_s(run: sn.Run) -> float:
+    """Return the centre of mass's way from the first to the last row over the time, m/s."""
+    way = [(v[-1] - v[0]).mean() for v in (run.x_m, run.y_m)]
+    return math.hypot(*way) / run.t_s[-1]
+
+
+@pytest.mark.parametrize("formulation", ["explicit", "implicit"])
+@pytest.mark.parametrize("heading", [0.0, math.pi])
+def test_on_a_slope_it_rolls_forwards_and_holds_backwards(formulation: str, heading: float) -> None:
+    """All links alike: m v' = -m g sin +- (ft0 + ct v), from rest; ft0 backwards holds it."""
+    straight, incline = sn.Gait(0.0, 0.0, 2.0), 0.05  # 0.037 N a link
+    start = sn.LinkState.joined(OF_2005, [0.0, 0.0, *[heading] * 6], [0.0] * 8)
+    run = sn.simulate(sn.Scene(
+        OF_2005, RATCHET, straight, formulation=formulation, method="nonsmooth", start=start,
+        incline_rad=incline, incline_direction_rad=0.0, duration_s=1.0, dt_s=1e-3, tolerance=1e-9,
+    ))  # fmt: skip
+    m, pull = OF_2005.link_mass_kg, 9.80665 * math.sin(incline)
+    kappa = RATCHET.ct_forward / m
+    slides = (pull - RATCHET.ft0_forward / m) / kappa * -math.expm1(-kappa)
+    wanted = 0.0 if heading == 0.0 else slides  # facing uphill it would have to roll backwards
+    assert along(run)[-1] == pytest.approx([wanted] * 6, abs=1e-8)
+
+
+def oracle_of(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait) -> bingham.System:
+    g, half = ground, robot.link_length_m / 2
+    p = Params(
+        robot.links, robot.link_mass_kg, half, None, g.ct_forward, g.cn, g.ft0_forward, g.fn0,
+        ct_back=g.ct_backward, ft0_back=g.ft0_backward,
+    )  # fmt: skip
+    return bingham.System(p, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
+
+
+@pytest.mark.parametrize("name", GROUNDS)
+def test_half_a_cycle_is_that_of_the_event_driven_reference(name: str) -> None:
+    """In time, and for the periodic state: half a period later it is its own mirror image."""
+    steady = sn.steady_gait(SMALL, GROUNDS[name], FREE, rtol=1e-6)
+    scene = sn.Scene(SMALL, GROUNDS[name], FREE, method="nonsmooth", start="steady",
+                     duration_s=FREE.period_s / 2, tolerance=1e-9)  # fmt: skip
+    run = sn.simulate(scene)
+    start, end = run.state(0), run.state()
+    u0 = np.array([start.vx_m_s[0], start.vy_m_s[0], start.omega_rad_s[0]])
+    system = oracle_of(SMALL, GROUNDS[name], FREE)
+    y0 = np.array([*u0, 0.0, start.x_m[0], start.y_m[0]])
+    *_, last = bingham.run(system, y0, 0.0, FREE.period_s / 2, rtol=1e-7)
+    wanted = last.at(last.end_s)
+    c, s = math.cos(end.theta_rad[0]), math.sin(end.theta_rad[0])
+    vx, vy = end.vx_m_s[0], end.vy_m_s[0]
+    found = [c * vx + s * vy, c * vy - s * vx, end.omega_rad_s[0], end.theta_rad[0],
+             end.x_m[0], end.y_m[0]]  # fmt: skip
+    assert found == pytest.approx(wanted, abs=3e-7)
+    scale = FREE.omega_rad_s * SMALL.link_length_m
+    assert wanted[:3] == pytest.approx(u0 * [1, -1, -1], abs=3e-5 * scale)
+    assert min(steady.speed_m_s, abs(wanted[4])) > 1e-3  # it moves
+
+
+@pytest.mark.parametrize("name", GROUNDS)
+def test_every_method_comes_to_the_same_motion(name: str) -> None:
+    """The body frame, modes with a ledger, rk4 with sgn 0 = 0, and smoothed friction."""
+    scene = sn.Scene(OF_2005, GROUNDS[name], GAIT, method="nonsmooth", start="steady",
+                     duration_s=GAIT.period_s / 2, tolerance=1e-9)  # fmt: skip
+    run = sn.simulate(scene)
+    others: tuple[tuple[dict[str, Any], float], ...] = (
+        ({"record": ("energy",)}, 1e-6),
+        ({"method": "rk4"}, 2e-3),
+        ({"method": "dop853", "smoothing_m_s": 1e-5, "tolerance": 1e-6}, 2e-3),
+    )
+    for changes, within in others:
+        off = difference(run, sn.simulate(replace(scene, **changes)))
+        assert max(off.position_m, off.angle_rad) < within
+
+
+@pytest.mark.parametrize("drive", ["angle", "torque", "limp"])
+@pytest.mark.parametrize("name", GROUNDS)
+def test_energy_is_kept_and_friction_only_takes(name: str, drive: str) -> None:
+    kinds: dict[str, dict[str, Any]] = {
+        "angle": {},
+        "torque": {"drive": "torque", "torque": [2e-3, -1e-3, 1.5e-3, -2e-3, 1e-3]},
+        "limp": {"limp": (2,)},
+    }
+    run = sn.simulate(sn.Scene(
+        OF_2005, GROUNDS[name], GAIT, method="nonsmooth", duration_s=1.0, dt_s=0.01,
+        tolerance=1e-9, record=("energy",), **kinds[drive],
+    ))  # fmt: skip
+    kinetic, _, _, joints, friction, _, _ = run.energy_j.T
+    assert (np.diff(friction) > -1e-12).all()
+    balance = kinetic - kinetic[0] - joints + friction
+    # what wheels lose when they are put to rest, and the steps' tolerance
+    assert np.abs(balance).max() < 2e-6 * max(friction[-1], kinetic.max())
+
+
+def test_implicit_friction_is_the_same_under_three_methods() -> None:
+    soft = sn.Scene(OF_2005, RATCHET, GAIT, formulation="implicit", joint_stiffness_n_m=3000.0,
+                    method="nonsmooth", duration_s=0.5, dt_s=2.5e-4)  # fmt: skip
+    run = sn.simulate(soft)
+    for method, changes, within in (
+        ("rk4", {}, 1e-4),
+        ("radau", {"smoothing_m_s": 1e-5, "tolerance": 1e-6}, 1e-4),
+        ("dop853", {"smoothing_m_s": 1e-4, "tolerance": 1e-6}, 1e-3),
+    ):
+        off = difference(run, sn.simulate(replace(soft, method=method, **changes)))
+        assert max(off.position_m, off.angle_rad) < within, method
+
+
+def test_smoothed_methods_agree_to_their_tolerance() -> None:
+    """The smoothed law is smooth, zero to backwards to forwards: high orders keep their order."""
+    soft = sn.Scene(OF_2005, RATCHET, GAIT, formulation="implicit", joint_stiffness_n_m=300.0,
+                    method="radau", duration_s=0.3, smoothing_m_s=2e-3, tolerance=1e-8)  # fmt: skip
+    off = difference(sn.simulate(soft), sn.simulate(replace(soft, method="dop853")))
+    assert max(off.position_m, off.angle_rad) < 1e-6
+
+
+def test_a_pair_next_to_equal_is_next_to_the_single_value() -> None:
+    plain = sn.Ground(0.014, 0.2, 0.0233, 0.045)
+    hair = 1 + 1e-9
+    pair = sn.Ground((0.014, 0.014 * hair), 0.2, (0.0233, 0.0233 * hair), 0.045)
+    assert pair.ratchet
+    for formulation in ("explicit", "implicit"):
+        scene = sn.Scene(OF_2005, plain, GAIT, method="nonsmooth", formulation=formulation,
+                         duration_s=0.5, tolerance=1e-9)  # fmt: skip
+        off = difference(sn.simulate(scene), sn.simulate(replace(scene, ground=pair)))
+        assert off.position_m < 1e-7
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e6])
+def test_wheels_that_cannot_roll_back(factor: float) -> None:
+    """Backward ct and backward ft0 without end are the same wheel: no link goes backwards."""
+    viscous = sn.Ground((0.014, 0.014 * factor), 0.2, 0.0233, 0.045)
+    dry = sn.Ground(0.014, 0.2, (0.0233, 0.0233 * factor), 0.045)
+    speeds = [sn.steady_gait(OF_2005, g, GAIT, rtol=1e-5).speed_m_s for g in (viscous, dry)]
+    assert speeds[0] == pytest.approx(speeds[1], rel=50 / factor + 2e-5)
+    for ground in (viscous, dry):
+        run = sn.simulate(sn.Scene(OF_2005, ground, GAIT, duration_s=3.0, tolerance=1e-7))
+        assert along(run)[50:].min() > -3 / factor - 1e-5  # m/s: some 0.03 N over ct
+        assert along(run).max() > 0.01
+
+
+def test_turning_round_is_swapping_the_values_and_reversing_the_wave() -> None:
+    """Head and tail change places: (forwards, backwards) becomes (backwards, forwards)."""
+    swapped = sn.Ground((0.05, 0.014), 0.2, (0.06, 0.0233), 0.045)
+    back = replace(GAIT, beta_rad=-GAIT.beta_rad)
+    here, there = (sn.steady_gait(OF_2005, *k) for k in ((RATCHET, GAIT), (swapped, back)))
+    assert there.speed_m_s == pytest.approx(here.speed_m_s, rel=3e-6)
+    assert there.power_w == pytest.approx(here.power_w, rel=3e-6)
+    plain = sn.steady_gait(OF_2005, RATCHET, back)  # against its teeth it crawls otherwise
+    assert abs(plain.speed_m_s / here.speed_m_s - 1) > 0.1
+
+
+def test_periodic_powers_are_those_of_a_run_in_time() -> None:
+    for ground in (RATCHET, GROUNDS["viscous"]):
+        steady = sn.steady_gait(OF_2005, ground, GAIT, rtol=1e-6)
+        run = sn.simulate(sn.Scene(
+            OF_2005, ground, GAIT, start="steady", duration_s=GAIT.period_s, tolerance=1e-9,
+            record=("energy",),
+        ))  # fmt: skip
+        _, _, _, joints, friction, _, positive = run.energy_j[-1] / GAIT.period_s
+        assert steady.speed_m_s == pytest.approx(travel_m_s(run), rel=3e-6)
+        assert steady.power_w == pytest.approx(friction, rel=1e-5)
+        assert steady.power_w == pytest.approx(joints, rel=1e-5)
+        assert steady.positive_power_w == pytest.approx(positive, rel=1e-5)
+
+
+def test_a_sweep_knows_ratchets() -> None:
+    grid: dict[str, Any] = {"alpha_rad": [0.5, 0.9], "beta_rad": [1.0], "omega_rad_s": [2.0, 5.0]}
+    grounds = [RATCHET, GROUNDS["viscous"]]
+    one, two = (sn.sweep(OF_2005, grounds, **grid, rtol=1e-4, threads=n) for n in (1, 2))
+    assert one.converged.all()
+    assert one.speed_m_s.tobytes() == two.speed_m_s.tobytes()
+    alone = sn.steady_gait(OF_2005, grounds[1], sn.Gait(0.9, 1.0, 5.0), rtol=1e-4)
+    assert one.speed_m_s[1, 1, 0, 1] == pytest.approx(alone.speed_m_s, rel=1e-4)
+
+
+def test_what_smooth_methods_cannot_do_is_said() -> None:
+    for method in ("dop853", "collocation"):
+        with pytest.raises(sn.BadInput, match="nonsmooth"):
+            sn.Scene(OF_2005, GROUNDS["viscous"], GAIT, method=method)
+    assert sn.Scene(OF_2005, GROUNDS["viscous"], GAIT).method == "nonsmooth"
+    with pytest.raises(sn.BadInput, match="rtol"):
+        sn.steady_gait(OF_2005, GROUNDS["viscous"], GAIT, rtol=1e-10)
