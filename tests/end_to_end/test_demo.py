@@ -42,6 +42,9 @@ def test_demo(tmp_path) -> None:
         assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low)
     assert loop["comparison"]["verdict"] == "agrees"
     assert loop["advice"]["readings"]
+    wanted = loop["wanted"]
+    assert wanted["low_m_s"] < wanted["speed_m_s"] < wanted["high_m_s"]
+    assert wanted["speed_m_s"] == pytest.approx(0.1, rel=0.01)
     assert "</html>" in (out / "report.html").read_text()
     assert len(load_session(out / "session").kept) > 12
     assert found["path_gait"]["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)

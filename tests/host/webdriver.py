@@ -30,13 +30,15 @@ def programs() -> tuple[str, str]:
 class Browser:
     """One window; `with Browser() as browser:`."""
 
-    def __init__(self, width: int = 1100, height: int = 900, dark: bool = False):
+    def __init__(
+        self, width: int = 1100, height: int = 900, dark: bool = False, paper: bool = False
+    ):
         self._chromium, driver = programs()
         self._process = subprocess.Popen(
             [driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
         )
         self._size = width, height
-        self._dark = dark
+        self._dark, self._paper = dark, paper
 
     def __enter__(self) -> Browser:
         port = 0
@@ -53,11 +55,11 @@ class Browser:
         wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
         self._base += "/" + self._ask("", wanted)["sessionId"]
         metrics = {"width": self._size[0], "height": self._size[1], "deviceScaleFactor": 1,
-                   "mobile": self._size[0] < 500}  # fmt: skip
+                   "mobile": self._size[0] < 500 or self._paper}  # fmt: skip
         self._devtools("Emulation.setDeviceMetricsOverride", metrics)
-        if self._dark:
-            features = [{"name": "prefers-color-scheme", "value": "dark"}]
-            self._devtools("Emulation.setEmulatedMedia", {"features": features})
+        features = [{"name": "prefers-color-scheme", "value": "dark" if self._dark else "light"}]
+        media = {"media": "print" if self._paper else "screen", "features": features}
+        self._devtools("Emulation.setEmulatedMedia", media)
         return self
 
     def __exit__(self, *_: object) -> None:

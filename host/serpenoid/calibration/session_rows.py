@@ -94,6 +94,12 @@ def read_events(folder: Path, notes: list[str] | None = None) -> list[Event]:
     return found
 
 
+def events_of(session: Session) -> list[Event]:
+    """Return the events of a session's folder; none of one in memory or of format 1."""
+    there = session.folder is not None and (session.folder / "events.csv").exists()
+    return read_events(session.folder) if session.folder and there else []
+
+
 def change_of(text: str, path: Path) -> Table:
     """Return an amendment's line of TOML as a table; raises BadInput, naming the path."""
     try:

@@ -31,10 +31,13 @@ def session_folder() -> Path:
     return Path(_core.__file__).parent / "calibration_data" / "nirakh-2005"
 
 
-def run_demo(out: Path) -> None:
-    """Fit, predict, draw and sum up; everything it finds is written to the folder `out`."""
+def run_demo(out: Path, own: FrictionFit | None = None) -> None:
+    """Fit, predict, draw and sum up; everything it finds is written to the folder `out`.
+
+    own: of a robot whose friction is then the simulated treadmill's truth.
+    """
     out.mkdir(parents=True, exist_ok=True)
-    run_loop(out)
+    run_loop(out, own)
     say("[6/6] the session of 2005, as far as the paper gives it")
     session = load_session(session_folder())
     fit = fit_friction(session)

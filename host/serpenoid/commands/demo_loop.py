@@ -13,6 +13,8 @@ from ..calibration.advice import Advice, advise
 from ..calibration.comparison import Comparison, compare, gait_count
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import DOUBTFUL
+from ..calibration.session_rows import events_of
+from ..calibration.speed_samples import speed_band
 from ..calibration.taking.board_run import board_gait
 from ..calibration.taking.journal import Journal
 from ..calibration.taking.new_session import create_session, default_setup
@@ -22,6 +24,7 @@ from ..gaits.least_power import least_power_gait
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
+from ..model.robot import Robot as Body
 from ..robot.robot import Robot
 from ..show import report
 from ..show.comparison_figure import comparison_figure
@@ -36,31 +39,38 @@ if TYPE_CHECKING:
 NAME = "demo, simulated"
 TRUTH = Truth(Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27), math.radians(0.12), misreads=0.05)
 SEED = 2005
-WANTED_M_S = 0.1
 
 
-def run_loop(out: Path) -> dict[str, Any]:
+def run_loop(out: Path, own: FrictionFit | None = None) -> dict[str, Any]:
     """Take a session, fit, predict, compare, and drive the gait for a speed; return the figures.
 
-    The session is left in out/session, to be looked at by every other command.
+    own: of a robot whose friction is then the truth; that of 2005 unless given. The session is left
+    in out/session, to be looked at by every other command.
     """
+    truth = TRUTH if own is None else replace(TRUTH, ground=Ground(**own.whole_snake))
+    say(
+        "No robot, no treadmill: both are simulated, with the firmware's own controller, so that "
+        "the truth is known. It is the afternoon that `serpenoid calibrate` leads through.\n"
+    )
     say("[1/6] a session on the simulated treadmill, by the procedure that a person follows")
-    session = take_session(out / "session")
-    say(f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs, the "
+    session = take_session(out / "session", truth, own and own.robot)
+    say(f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs; the "
         f"inclinometer's zero found at {math.degrees(session.zero.value_rad):+.2f} deg (true: "
-        f"{math.degrees(TRUTH.incline_zero_rad):+.2f}); the robot is the virtual one")  # fmt: skip
+        f"{math.degrees(truth.incline_zero_rad):+.2f})")  # fmt: skip
     say("[2/6] friction fitted, beside the truth that no fit knows")
     session, fit = _without_outlier(session, fit_friction(session))
-    found = {"fit": fit.to_dict(), "truth": _truth_table(fit)}
+    found = {"fit": fit.to_dict(), "truth": _truth_table(fit, truth.ground)}
     say("[3/6] speeds predicted from it, and the gait runs over them")
     compared = _compare(session, fit, out / "comparison.png")
     say("[4/6] the reading to take next")
     advised = _advise(session)
     found |= {"comparison": compared.to_dict(), "advice": advised.to_dict()}
-    say(f"[5/6] the cheapest gait for {WANTED_M_S:g} m/s on this ground, sent to the virtual robot")
-    found["wanted"] = _drive_wanted(session, fit)
-    page = session_page(session, fit, compared, advised)
+    wanted_m_s = float(f"{compared.gaits[1].exact_m_s:.1g}")
+    say(f"[5/6] the cheapest gait for {wanted_m_s:g} m/s on this ground, sent to the virtual robot")
+    found["wanted"] = _drive_wanted(session, fit, wanted_m_s)
+    page = session_page(session, fit, compared, advised, events_of(session))
     (out / "report.html").write_text(page, encoding="utf-8")
+    say(f"      all of it in one page: {out / 'report.html'}")
     (out / "loop.json").write_text(json.dumps(finite(found), indent=2, allow_nan=False) + "\n")
     return found
 
@@ -70,7 +80,7 @@ def say(text: str) -> None:
     report.console.print(text, highlight=False, markup=False)
 
 
-def take_session(folder: Path) -> Session:
+def take_session(folder: Path, truth: Truth = TRUTH, body: Body | None = None) -> Session:
     """Take the demo's session anew; raises BadInput where another one is in its place."""
     if (folder / "session.toml").exists():
         if f'name = "{NAME}"' not in (folder / "session.toml").read_text(encoding="utf-8"):
@@ -80,11 +90,11 @@ def take_session(folder: Path) -> Session:
         default_setup(NAME), kind="simulated", source="a simulated treadmill, seed 2005",
         note="the demo's: no measurement", surface="simulated belt",
     )  # fmt: skip
-    create_session(folder, setup)
+    create_session(folder, setup if body is None else replace(setup, robot=body))
     with Robot("virtual:fast") as robot, Journal(folder) as journal:
         setup = journal.session.setup
         treadmill = SimulatedTreadmill(
-            setup, TRUTH, SEED, run_gait=lambda gait: board_gait(robot, gait)
+            setup, truth, SEED, run_gait=lambda gait: board_gait(robot, gait)
         )
         journal.event("start", detail="demo")
         with report.busy("stations, bends and gait runs"):
@@ -109,8 +119,8 @@ def _without_outlier(session: Session, fit: FrictionFit) -> tuple[Session, Frict
         return journal.session, fits[worst]
 
 
-def _truth_table(fit: FrictionFit) -> dict[str, float]:
-    truth = {name: getattr(TRUTH.ground, name) for name in ("ct", "cn", "ft0", "fn0")}
+def _truth_table(fit: FrictionFit, ground: Ground) -> dict[str, float]:
+    truth = {name: getattr(ground, name) for name in ("ct", "cn", "ft0", "fn0")}
     rows = [
         [row.name, row.unit, f"{row.value:.4g}", f"{row.low:.3g} to {row.high:.3g}",
          f"{true:.3g}", "yes" if row.low <= true <= row.high else "no"]
@@ -136,15 +146,17 @@ def _advise(session: Session) -> Advice:
     return found
 
 
-def _drive_wanted(session: Session, fit: FrictionFit) -> dict[str, float]:
+def _drive_wanted(session: Session, fit: FrictionFit, speed_m_s: float) -> dict[str, float]:
     with report.busy("searching"):
-        best = least_power_gait(session.setup.robot, fit.ground, speed_m_s=WANTED_M_S)
+        best = least_power_gait(session.setup.robot, fit.ground, speed_m_s=speed_m_s)
     gait = best.gait
     with Robot("virtual:fast") as robot:
         made = board_gait(robot, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
+    band = speed_band(fit, made)
     alpha, beta = math.degrees(made.alpha_rad), math.degrees(made.beta_rad)
     frequency_hz = made.omega_rad_s / (2 * math.pi)
     say(f"      alpha {alpha:.2f} deg, beta {beta:.2f} deg, {frequency_hz:.4f} Hz, "
         f"{1000 * best.power_w:.1f} mW; so the board's own set-points have it")  # fmt: skip
+    say(f"      predicted: {band.in_words()}")
     return {"alpha_deg": alpha, "beta_deg": beta, "frequency_hz": frequency_hz,
-            "power_w": best.power_w}  # fmt: skip
+            "power_w": best.power_w} | band.to_dict()  # fmt: skip

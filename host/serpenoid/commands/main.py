@@ -7,6 +7,7 @@ import sys
 import threading
 import warnings
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -19,8 +20,10 @@ from .friction.advise import advise
 from .friction.calibrate import calibrate
 from .friction.compare import compare
 from .friction.fit import fit
+from .friction.given import take_fit
 from .friction.report import report
 from .optimize import optimize
+from .options import fit_options
 from .paths import OutFolder
 from .simulate import simulate
 from .steady import steady
@@ -40,11 +43,16 @@ def cli() -> None:
 @cli.command()
 @click.option("--out", type=OutFolder(), default=Path("demo-out"),
               show_default=True, help="Folder for figures and figures' numbers.")  # fmt: skip
-def demo(out: Path) -> None:
-    """Go from the 2005 treadmill to a predicted speed: fit, predict, draw."""
+@fit_options
+def demo(out: Path, **given: Any) -> None:
+    """Go through the whole loop without a robot: treadmill, friction, speed, next reading, gait.
+
+    With --session DIR or --ground FILE it is your robot, and its friction the truth that the
+    simulated treadmill has. The 2005 session follows.
+    """
     from .demo import run_demo
 
-    run_demo(out)
+    run_demo(out, take_fit(given))
 
 
 cli.add_command(BENCH_GROUP)

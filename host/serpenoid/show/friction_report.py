@@ -11,9 +11,9 @@ from .report import console, table
 
 def show_comparison(found: Comparison) -> None:
     """Print predicted and measured speeds, and the verdict."""
-    columns = ["gait", "exact (m/s)", "95 % friction", "95 % with joints", "implicit", "measured",
-               "off by"]  # fmt: skip
-    table(f"{found.session}: predicted and measured speed", columns, list(map(_row, found.gaits)))
+    columns = ["gait", "exact", "95 % friction", "with joints", "implicit", "measured", "off by"]
+    title = f"{found.session}: predicted and measured speed, m/s"
+    table(title, columns, list(map(_row, found.gaits)))
     console.print(found.verdict_text, highlight=False)
 
 
@@ -26,8 +26,8 @@ def _row(p: ComparedGait) -> list[str]:
     return [
         f"{alpha:.3g}°/{beta:.3g}°, {p.frequency_hz:.3g} Hz",
         f"{p.exact_m_s:.4f}",
-        f"{p.low_m_s:.4f} to {p.high_m_s:.4f}",
-        f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}",
+        f"{p.low_m_s:.4f}–{p.high_m_s:.4f}",
+        f"{p.low_all_m_s:.4f}–{p.high_all_m_s:.4f}",
         f"{p.implicit_m_s:.4f}",
         measured,
         off,

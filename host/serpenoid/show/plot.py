@@ -103,6 +103,8 @@ def draw_friction(
         ax.set_xlim(left=0)
         ax.set_ylim(bottom=0)
     axes[0].legend(loc="lower right", fontsize=8)
+    if len(voided["bent"][0]):
+        axes[1].legend(loc="lower right", fontsize=8)
     p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
     fig.suptitle(
         f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",

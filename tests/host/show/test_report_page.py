@@ -10,7 +10,10 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid.calibration.comparison import ComparedGait, Comparison
+from serpenoid.calibration.session import BendCheck, GaitRun, ZeroReading
+from serpenoid.calibration.session_rows import Event
 from serpenoid.show.session.report_page import session_page
+from webdriver import Browser
 
 
 @pytest.fixture(scope="module")
@@ -62,3 +65,55 @@ def test_another_reading_changes_the_page(made):
     other = changed(made, 4, belt_speed_m_s=made.readings[4].belt_speed_m_s + 0.01)
     pages = [session_page(m, sn.fit_friction(m), None, None) for m in (made, other)]
     assert pages[0] != pages[1]
+
+
+def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
+    run = GaitRun(40, 1.2, 1.3, 3.1, 0.1, 0.002, voided=True, comment="hit the wall")
+    more = replace(
+        made, gait_runs=(run,), zeros=(ZeroReading(41, 0.002, -0.001),),
+        bends=(BendCheck(42, 0.26, 2.6),),
+    )  # fmt: skip
+    events = [
+        Event("2026-01-02T03:04:05.678Z", "note", 0, "warm <room>"),
+        Event("2026-01-02T03:04:06.678Z", "connect", 0, "uno, firmware 0.2.0, protocol 2"),
+    ]
+    page = session_page(more, sn.fit_friction(made), None, None, events)
+    assert '<tr class="void"><td>40</td>' in page
+    assert "voided: hit the wall" in page
+    assert "zero +0.029°" in page
+    assert "protractor 149°: λ = 15.52°" in page
+    assert "<td>2026-01-02 03:04</td><td>noted</td><td></td><td>warm &lt;room&gt;</td>" in page
+    assert "Robot: uno, firmware 0.2.0, protocol 2." in page
+    plain = session_page(made, sn.fit_friction(made), None, None)
+    assert "What happened" not in plain
+    assert "Gait runs" not in plain
+
+
+SHOWN = """
+const wide = [...document.querySelectorAll('.wide, figure')];
+return {page: document.documentElement.scrollWidth, window: innerWidth,
+  clipped: wide.filter(e => e.scrollWidth > e.clientWidth + 1).length, parts: wide.length,
+  back: getComputedStyle(document.body).backgroundColor,
+  drawing: getComputedStyle(document.querySelector('figure svg')).filter,
+  struck: getComputedStyle(document.querySelector('.void td')).textDecorationLine}
+"""
+
+
+@pytest.mark.parametrize(
+    ("width", "dark", "paper"),
+    [(1100, False, False), (1100, True, False), (390, False, False), (688, False, True)],
+)
+def test_it_is_right_in_a_browser(made, tmp_path, width, dark, paper):
+    """On a screen, in the dark, on a phone, and on A4 (688 px between its margins)."""
+    file = tmp_path / "report.html"
+    file.write_text(session_page(made, sn.fit_friction(made), compared(), None), encoding="utf-8")
+    with Browser(width, 900, dark, paper) as browser:
+        browser.opens(file.as_uri())
+        seen = browser.runs(SHOWN)
+    assert seen["window"] == width
+    assert seen["page"] <= width  # what is wider scrolls in its own box ...
+    assert seen["parts"] >= 5
+    assert width == 390 or seen["clipped"] == 0  # ... and on paper nothing is out of sight
+    assert (seen["back"] == "rgb(23, 25, 28)") is dark
+    assert ("invert" in seen["drawing"]) is dark
+    assert seen["struck"] == "line-through"

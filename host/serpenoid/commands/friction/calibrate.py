@@ -67,11 +67,11 @@ def take(
 
 def _dry_run(folder: Path) -> None:
     from ...calibration.session_file import read_session
-    from ...calibration.session_rows import read_events
+    from ...calibration.session_rows import events_of
     from ...calibration.taking.procedure import next_step, progress, skipped_keys
 
     session = read_session(folder)
-    skipped = skipped_keys(read_events(folder))
+    skipped = skipped_keys(events_of(session))
     for name, state in progress(session, skipped):
         click.echo(f"{name:14} {state}")
     step = next_step(session, skipped)
@@ -208,16 +208,12 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
 def status(folder: Path, as_json: bool) -> None:
     """Tell how far a session is, what was read, and the next step; writes nothing."""
     from ...calibration.session_file import read_session
-    from ...calibration.session_rows import read_events
+    from ...calibration.session_rows import events_of
     from ...calibration.taking.procedure import next_step, progress, skipped_keys
     from ...show.session import table
 
     session = read_session(folder)
-    try:
-        events = read_events(folder)
-    except BadInput:  # format 1 has none
-        events = []
-    skipped = skipped_keys(events)
+    skipped = skipped_keys(events_of(session))
     parts, step = progress(session, skipped), next_step(session, skipped)
     if as_json:
         return show_json(table.as_dict(session, parts, step.say))

@@ -20,6 +20,7 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again."""
     from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
+    from ...calibration.session_rows import events_of
     from ...show.report import progress
     from ...show.session.report_page import session_page
 
@@ -35,6 +36,7 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
             advised = advice.advise(loaded)
     except BadInput as error:  # the files' fault, not the arguments'
         raise SerpenoidError(str(error)) from error
-    out.write_text(session_page(loaded, fit, compared, advised), encoding="utf-8")
+    page = session_page(loaded, fit, compared, advised, events_of(loaded))
+    out.write_text(page, encoding="utf-8")
     verdict = None if compared is None else compared.verdict
     show_json({"report": str(out), "verdict": verdict}) if as_json else click.echo(f"wrote {out}")

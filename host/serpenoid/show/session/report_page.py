@@ -12,7 +12,8 @@ from typing import Any
 from ...calibration.advice import Advice
 from ...calibration.comparison import Comparison
 from ...calibration.friction_result import FrictionFit
-from ...calibration.session import Session
+from ...calibration.session import BendCheck, GaitRun, Session, ZeroReading
+from ...calibration.session_rows import Event
 from ..comparison_figure import draw_comparison
 from ..plot import draw_friction, figure
 
@@ -24,22 +25,35 @@ _STYLE = """
 body{margin:0 auto;max-width:60rem;padding:1.5rem 1rem;background:var(--paper);color:var(--ink);
 font:16px/1.5 system-ui,sans-serif}
 h1{font-size:1.6rem;margin:0}h2{font-size:1.15rem;margin:2rem 0 .5rem}
+h3{font-size:1rem;margin:1.2rem 0 .3rem}
 .soft{color:var(--soft)}.verdict{border-left:4px solid #0072B2;padding:.4rem .8rem;margin:1rem 0}
 .wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
 th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
-figure{margin:0;background:#fff;border-radius:6px;overflow-x:auto}
+figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
 figure svg{display:block;width:100%;min-width:34rem;height:auto}
-.void{text-decoration:line-through;color:var(--soft)}
+.void{color:var(--soft)}.void td{text-decoration:line-through}
+.told th:last-child,.told td:last-child{text-align:left;white-space:normal;min-width:9rem;
+text-decoration:none}
 code{overflow-wrap:anywhere}
-@media print{figure,table{break-inside:avoid}figure svg{min-width:0}}
+@media screen and (prefers-color-scheme:dark){figure{background:none}
+figure svg{filter:invert(.9) hue-rotate(180deg)}}
+@media screen and (max-width:500px){body{padding:1rem .7rem}table{font-size:.85rem}
+th,td{padding:.25rem .4rem}}
+@media print{@page{size:A4;margin:14mm}body{font-size:9.5pt;max-width:none;padding:0}
+h2{break-after:avoid}figure,tr{break-inside:avoid}figure svg{min-width:0;max-height:110mm}
+.wide{overflow:visible}table{font-size:8.5pt}th,td{padding:.1rem .35rem}}
 """
 
 
 def session_page(
-    session: Session, fit: FrictionFit, compared: Comparison | None, advice: Advice | None
+    session: Session,
+    fit: FrictionFit,
+    compared: Comparison | None,
+    advice: Advice | None,
+    events: Sequence[Event] = (),
 ) -> str:
-    """Return the whole page; what is None is left out."""
+    """Return the whole page; what is None is left out. events: the session's, if they are told."""
     setup = session.setup
     parts = [
         f"<h1>{escape(setup.name)}</h1>", _story(session), _summary(fit, compared),
@@ -51,8 +65,9 @@ def session_page(
         parts += ["<h2>Speed</h2>", drawn, _speed_table(compared)]
     if advice is not None:
         parts += ["<h2>The next reading</h2>", _advice(advice)]
-    parts += ["<h2>Readings</h2>", _readings(session, fit), "<h2>Where this comes from</h2>",
-              _provenance(session, fit)]  # fmt: skip
+    parts += ["<h2>Readings</h2>", _readings(session, fit), *_other_readings(session),
+              *_told(events), "<h2>Where this comes from</h2>",
+              _provenance(session, fit, events)]  # fmt: skip
     head = (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -81,14 +96,21 @@ def _svg(width: float, height: float, columns: int, draw: Callable[[Any, Any], N
     return f"<figure>{re.sub(r'url[(]#', f'url(#{salt}-', drawn)}</figure>"
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], classes: Sequence[str] = ()) -> str:
+def _table(
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    classes: Sequence[str] = (),
+    told: bool = False,
+) -> str:
+    """Return a table of numbers; classes: of its rows; told: the last column is in words."""
     top = "".join(f"<th>{escape(h)}</th>" for h in head)
     marks = list(classes) or [""] * len(rows)
     body = "".join(
         f'<tr class="{mark}">' + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>"
         for row, mark in zip(rows, marks, strict=True)
     )
-    return f'<div class="wide"><table><tr>{top}</tr>{body}</table></div>'
+    kind = ' class="told"' if told else ""
+    return f'<div class="wide"><table{kind}><tr>{top}</tr>{body}</table></div>'
 
 
 def _story(session: Session) -> str:
@@ -135,6 +157,7 @@ def _speed_table(compared: Comparison) -> str:
     for p in compared.gaits:
         seen = "" if p.measured_m_s is None else f"{p.measured_m_s:.4f} ± {p.sigma_m_s:.4f}"
         rows.append([
+            f"{math.degrees(p.alpha_rad):.3g}°/{math.degrees(p.beta_rad):.3g}°, "
             f"{p.frequency_hz:.3g} Hz", f"{p.exact_m_s:.4f}",
             f"{p.low_m_s:.4f} to {p.high_m_s:.4f}",
             f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}", f"{p.implicit_m_s:.4f}", seen,
@@ -159,15 +182,65 @@ def _readings(session: Session, fit: FrictionFit) -> str:
     ]  # fmt: skip
     head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)",
             "comment"]  # fmt: skip
-    return _table(head, rows, ["void" if r.voided else "" for r in session.readings])
+    return _table(head, rows, ["void" if r.voided else "" for r in session.readings], told=True)
 
 
-def _provenance(session: Session, fit: FrictionFit) -> str:
+def _other_readings(session: Session) -> list[str]:
+    """Return tables of the gait runs, and of what zero and protractor showed."""
+    parts = []
+    if session.gait_runs:
+        rows = [
+            [str(r.number), f"{math.degrees(r.alpha_rad):.3g}°/{math.degrees(r.beta_rad):.3g}°",
+             f"{r.omega_rad_s / (2 * math.pi):.4g}", f"{r.speed_m_s:.4f} ± {r.speed_sigma_m_s:.4f}",
+             _remark(r)]
+            for r in session.gait_runs
+        ]  # fmt: skip
+        head = ["gait run", "gait", "true rate (Hz)", "speed (m/s)", "comment"]
+        marks = ["void" if r.voided else "" for r in session.gait_runs]
+        parts += ["<h3>Gait runs</h3>", _table(head, rows, marks, told=True)]
+    shown = [
+        (r, f"inclinometer {math.degrees(r.shown_rad):+.2f}°, turned "
+         f"{math.degrees(r.reversed_rad):+.2f}°: zero {math.degrees(r.zero_rad):+.3f}°")
+        for r in session.zeros
+    ] + [
+        (r, f"protractor {math.degrees(r.between_links_rad):.4g}°: "
+         f"λ = {math.degrees(r.found_rad):.4g}°")
+        for r in session.bends
+    ]  # fmt: skip
+    if shown:
+        shown.sort(key=lambda pair: pair[0].number)
+        rows = [[str(r.number), "; ".join(filter(None, [text, _remark(r)]))] for r, text in shown]
+        marks = ["void" if r.voided else "" for r, _ in shown]
+        table = _table(["number", "shown"], rows, marks, told=True)
+        parts += ["<h3>Zero and bends</h3>", table]
+    return parts
+
+
+def _remark(reading: GaitRun | ZeroReading | BendCheck) -> str:
+    return ": ".join(filter(None, ["voided" if reading.voided else "", reading.comment]))
+
+
+def _told(events: Sequence[Event]) -> list[str]:
+    """Return remarks, corrections and steps left out, in the order they came."""
+    names = {"note": "noted", "amend": "amended", "skip": "left out", "void": "voided",
+             "restore": "restored", "undo": "undone"}  # fmt: skip
+    rows = [
+        [e.time_utc[:16].replace("T", " "), names[e.event], str(e.reading or ""), e.detail]
+        for e in events
+        if e.event in names
+    ]
+    head = ["time (UTC)", "what", "reading", "why"]
+    return ["<h2>What happened</h2>", _table(head, rows, told=True)] if rows else []
+
+
+def _provenance(session: Session, fit: FrictionFit, events: Sequence[Event]) -> str:
     from importlib.metadata import version
 
     setup = session.setup
+    boards = list(dict.fromkeys(e.detail for e in events if e.event == "connect"))
+    driven = f"<p>Robot: {escape('; '.join(boards))}.</p>" if boards else ""
     return (
-        f'<p>{escape(setup.source)}</p><p class="soft">{escape(setup.note)}</p>'
+        f'<p>{escape(setup.source)}</p>{driven}<p class="soft">{escape(setup.note)}</p>'
         f"<p>Fitted ({escape(fit.method)}) by serpenoid {escape(version('serpenoid'))}; readings' "
         f"SHA-256 <code>{escape(fit.session_sha256)}</code>. To cite: the session by its name and "
         "hash, the program by its CITATION.cff, and Nirakh, Brennan and Gandhi, IMECE2005-82742, "
