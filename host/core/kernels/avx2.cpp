@@ -1,9 +1,10 @@
 // The kernels for x86 processors with AVX2 and FMA; the build compiles this file alone for those.
+#include "kernels/cycle_powers.hpp"
 #include "kernels/rk4_kernel.hpp"
 
 namespace serpenoid::kernels {
 #ifdef __AVX2__
-const Set avx2 = set_of<4>("avx2");
+const Set avx2 = set_of<4>("avx2", cycle_kernel<4>());
 #else
 const Set avx2 = {};  // another kind of processor
 #endif

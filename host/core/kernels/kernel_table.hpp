@@ -7,6 +7,7 @@
 
 #include <array>
 
+#include "kernels/cycle_table.hpp"
 #include "model/params.hpp"
 
 namespace serpenoid::kernels {
@@ -76,6 +77,7 @@ struct Set {
     int width;  // doubles a pack
     std::array<Kernel, kLaws> chain, batch;
     Sincos sincos;
+    CycleKernel cycle;
 };
 
 extern const Set scalar, baseline, avx2;

@@ -1,6 +1,7 @@
 // The threads of sweep.hpp.
 #include "periodic/sweep.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -8,6 +9,7 @@
 #include <thread>
 
 #include "periodic/dry.hpp"
+#include "periodic/spectral.hpp"
 #include "periodic/viscous.hpp"
 
 namespace serpenoid {
@@ -29,12 +31,42 @@ void solve_rates(Solver&& solver, const std::vector<double>& omegas, const Stead
     for (const double omega : omegas) put(solver.solve(omega, options), to), to += kSweepColumns;
 }
 
+// Rates in packs; those that no pack resolves one by one, by elements.
+void solve_viscous(const SweepShape& k, const std::vector<double>& omegas,
+                   const SteadyOptions& options, double* to) {
+    SteadyViscous by_elements(k.robot, k.ground, k.gait);
+    if (k.gait.offset != 0) return solve_rates(by_elements, omegas, options, to);
+    SpectralViscous packs(k.robot, k.ground, k.gait);
+    std::vector<SteadyState> found(packs.width());
+    for (std::size_t first = 0; first < omegas.size(); first += found.size()) {
+        const std::size_t count = std::min(found.size(), omegas.size() - first);
+        packs.solve(&omegas[first], static_cast<int>(count), options, found.data());
+        for (std::size_t i = 0; i < count; ++i, to += kSweepColumns)
+            put(found[i].converged ? found[i] : by_elements.solve(omegas[first + i], options), to);
+    }
+}
+
+}  // namespace
+
+SteadyState steady_state(const SweepShape& k, const SteadyOptions& options) {
+    const double omega = k.gait.omega;
+    if (!k.ground.smooth()) return SteadyDry(k.robot, k.ground, k.gait).solve(omega, options);
+    if (k.gait.offset == 0) {
+        SteadyState found;
+        SpectralViscous(k.robot, k.ground, k.gait).solve(&omega, 1, options, &found);
+        if (found.converged) return found;
+    }
+    return SteadyViscous(k.robot, k.ground, k.gait).solve(omega, options);
+}
+
+namespace {
+
 void solve_shape(const SweepShape& k, const std::vector<double>& omegas,
                  const SteadyOptions& options, double* to) {
     if (!k.ground.smooth())
         solve_rates(SteadyDry(k.robot, k.ground, k.gait), omegas, options, to);
     else
-        solve_rates(SteadyViscous(k.robot, k.ground, k.gait), omegas, options, to);
+        solve_viscous(k, omegas, options, to);
 }
 
 }  // namespace

@@ -10,12 +10,16 @@
 
 namespace serpenoid {
 
-// A robot on its ground, and the shape of its gait; the gait's omega does not count.
+// A robot on its ground, and the shape of its gait; the gait's omega does not count
+// in sweeps.
 struct SweepShape {
     Robot robot;
     Ground ground;
     Gait gait;
 };
+
+// The periodic state of one, at the gait's own rate.
+SteadyState steady_state(const SweepShape& shape, const SteadyOptions& options);
 
 enum SweepColumn {
     kSpeed,

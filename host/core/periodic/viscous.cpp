@@ -340,15 +340,18 @@ void SteadyViscous::slowest(const Mesh& m, double omega, SteadyState& out) const
     constexpr double kFair = 3;
     const int halves = mirrored_ ? 2 : 1;
     const double log_radius = log_spectral_radius(out.monodromy);
-    double false_ones = 0;
+    double false_ones = 0, stiffest = 0;
     for (int e = 0; e < m.elements; ++e) {
         Mat3 A;
         const int middle = e * kStages + kStages / 2;
         derivative(m.nodes[middle], now_.stage[middle], omega, A);
-        false_ones += halves * std::log(gauss_growth(m.h * (A[0] + A[4] + A[8])));
+        const double z = m.h * (A[0] + A[4] + A[8]);
+        stiffest = std::min(stiffest, z);
+        false_ones += halves * std::log(gauss_growth(z));
     }
     out.slowest = log_radius, out.slowest_error = 0;
-    if (-log_radius < kFair * m.elements * halves && false_ones < log_radius - 5) return;
+    const bool none_false = stiffest > -kFair || false_ones < log_radius - 5;
+    if (-log_radius < kFair * m.elements * halves && none_false) return;
     double before = followed_slowest(m, omega, 2);
     for (int pieces = 4; pieces <= 64; pieces *= 2) {
         const double next = followed_slowest(m, omega, pieces);

@@ -15,9 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "periodic/dry.hpp"
+#include "periodic/spectral.hpp"
 #include "periodic/sweep.hpp"
-#include "periodic/viscous.hpp"
 #include "run/evaluate.hpp"
 #include "run/simulation.hpp"
 #include "scene/energy_ledger.hpp"
@@ -49,10 +48,17 @@ struct Model {
 };
 
 SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
-    const SteadyOptions options{rtol, powers, max_elements};
-    if (!m.ground.smooth())
-        return SteadyDry(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
-    return SteadyViscous(m.robot, m.ground, m.gait).solve(m.gait.omega, options);
+    return steady_state({m.robot, m.ground, m.gait}, {rtol, powers, max_elements});
+}
+
+// By the packs of one instruction set alone, for tests; `converged` tells whether they resolve it.
+SteadyState steady_by(const std::string& set_name, const Model& m, double rtol) {
+    SteadyState found;
+    for (const kernels::Set* set : instruction_sets())
+        if (set_name == set->name)
+            SpectralViscous(m.robot, m.ground, m.gait, *set)
+                .solve(&m.gait.omega, 1, {rtol, true, 0}, &found);
+    return found;
 }
 
 // Periodic states of all models at all rates, (models, rates, kSweepColumns). Ctrl-C and progress
@@ -292,6 +298,7 @@ NB_MODULE(_core, m) {
             },
             nb::rv_policy::move);
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
+    m.def("steady_by", &steady_by);
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg().none());
     bind_run(m);

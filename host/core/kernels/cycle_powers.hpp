@@ -1,0 +1,232 @@
+// Mean of |P_i| over a cycle, by packs of gaits: sums over nodes, mended where a power changes
+// sign.
+//
+// q = T phi' repeats each half cycle and is smooth; s q, with the sign s that makes it positive,
+// has kinks where s changes. For a kink at the place a of the cell [0, 1] between two nodes (phase
+// in steps), s = sigma to its right, and q = sum b_j t^j about the cell's left node,
+//     integral |q| = sum over nodes |q| + 2 sigma sum_j b_j (B_{j+1} - a^{j+1}) / (j + 1),
+// with Bernoulli's numbers B_1 = 1/2, 1/6, 0, -1/30, ...: the end corrections of Euler and
+// Maclaurin. b is a polynomial through eight nodes; as a small correction it need not be
+// better.
+#pragma once
+
+#include "kernels/cycle_kernel.hpp"
+#include "kernels/cycle_shape.hpp"
+
+namespace serpenoid::kernels {
+namespace {
+
+template <int W>
+class CyclePowers {
+    using V = Pack<W>;
+    using B = BitsOf<V>;
+    static constexpr int kWide = 8;  // nodes of the local polynomial
+
+  public:
+    explicit CyclePowers(const CycleTask& task)
+        : q(task),
+          N(task.nodes),
+          motion(reinterpret_cast<V*>(task.work)),
+          torque(motion + 10 * N),
+          power(torque + N) {
+        const CycleNewton<W> gait(q);
+        const V* y = reinterpret_cast<const V*>(q.y);
+        const V g = *reinterpret_cast<const V*>(q.g);
+        for (int k = 0; k < N; ++k) {
+            V f[3];
+            gait.slope(k, f);
+            const V *u = y + 3 * k, nu = u[2];
+            const V row[10] = {f[0] - nu * u[1], f[1] + nu * u[0], f[2],     nu * nu, nu,
+                               all<V>(1),        g * u[0],         g * u[1], g * nu,  g};
+            for (int b = 0; b < 10; ++b) motion[10 * k + b] = row[b];
+        }
+    }
+
+    void run(V* out) {
+        sum_ = V{}, error_ = V{};
+        for (int i = 0; i < q.joints; ++i) joint(i);
+        if (count_ > 0) flush();
+        const V each = all<V>(1.0 / N);
+        out[kAbsPower] = sum_ * each, out[kAbsPowerError] = error_ * each;
+    }
+
+  private:
+    // Kinks side by side, whichever gait and joint they are of.
+    struct Kinks {
+        V torque[kWide], power[kWide];
+        V place;  // in the cell; where `found` is 0 to be looked for, as a root of the torque
+        V found;
+        V rate_root;  // place at which the rate changes its sign, anywhere outside the cell or in
+        V before;     // sign of the rate to the left of that
+        V sigma;      // given, or 0
+    };
+
+    void joint(int i) {
+        const double* table = q.joint + static_cast<long>(i) * kJointFields * N;
+        V swing{}, high[4] = {};
+        for (int k = 0; k < N; ++k) {
+            V T{};
+            for (int b = 0; b < 10; ++b) T = fused(all<V>(table[b * N + k]), motion[10 * k + b], T);
+            const V rate = all<V>(table[kRate * N + k]);
+            torque[k] = T, power[k] = T * rate;
+            sum_ += choose<V>(power[k] < 0, -power[k], power[k]);
+            swing += rate * rate;
+            for (int c = 0; c < 4; ++c) high[c] += all<V>(q.modes[8 * k + 4 + c]) * T;
+        }
+        // what the torque's last modes may hide
+        V tail{};
+        for (const V& v : high) tail += v * v;
+        error_ += square_root(tail * swing) * all<V>(kHidden / N);
+        const double turn = q.turn[i] / q.step;
+        const int turn_cell = turn < N ? static_cast<int>(turn) : N - 1;
+        for (int k = 0; k < N; ++k) cell(k, turn - k, k == turn_cell, q.before[i]);
+    }
+
+    V at(const V* values, int k, bool odd) const {
+        if (k < 0) return odd ? -values[k + N] : values[k + N];
+        if (k >= N) return odd ? -values[k - N] : values[k - N];
+        return values[k];
+    }
+
+    void cell(int k, double rate_root, bool turns, double before) {
+        const V t0 = torque[k], t1 = at(torque, k + 1, true);
+        const V ta = at(torque, k - 1, true), tb = at(torque, k + 2, true);
+        const B change = (t0 > 0) ^ (t1 > 0);
+        // no change between the nodes, but a dip that may reach zero
+        const V sign = choose<V>(t0 > 0, all<V>(1), all<V>(-1));
+        const V left = sign * (t0 - ta), right = sign * (tb - t1);
+        const V low = choose<V>(sign * t0 < sign * t1, sign * t0, sign * t1);
+        const B dip = ~change & (left < 0) & (right > 0) & (low < 0.25 * (right - left));
+        if (!turns && !any<V>(change | dip)) return;
+        for (int lane = 0; lane < W; ++lane) {
+            if (change[lane]) push(k, lane, 0, false, rate_root, before, 0);
+            if (dip[lane]) search(k, lane, rate_root, before);
+            if (turns) push(k, lane, rate_root, true, rate_root, before, 0);
+        }
+    }
+
+    void push(int k, int lane, double place, bool found, double rate_root, double before,
+              double sigma) {
+        const int c = count_++;
+        for (int j = 0; j < kWide; ++j) {
+            kinks_.torque[j][c] = at(torque, k + j - 3, true)[lane];
+            kinks_.power[j][c] = at(power, k + j - 3, false)[lane];
+        }
+        kinks_.place[c] = place, kinks_.found[c] = found, kinks_.rate_root[c] = rate_root;
+        kinks_.before[c] = before, kinks_.sigma[c] = sigma, lane_[c] = lane;
+        if (count_ == W) flush();
+    }
+
+    // A pair of roots in one cell, if there is one: looked for at sixteen places.
+    [[gnu::noinline]] void search(int k, int lane, double rate_root, double before) {
+        constexpr int kPlaces = 16;
+        double b[kWide] = {};
+        for (int j = 0; j < kWide; ++j)
+            for (int p = 0; p < kWide; ++p)
+                b[p] += q.stencil[kWide * p + j] * at(torque, k + j - 3, true)[lane];
+        const auto value = [&](double x) {
+            double sum = b[kWide - 1];
+            for (int p = kWide - 2; p >= 0; --p) sum = sum * x + b[p];
+            return sum;
+        };
+        double old = value(0);
+        for (int i = 1; i <= kPlaces; ++i) {
+            const double x = static_cast<double>(i) / kPlaces, now = value(x);
+            if ((old > 0) != (now > 0)) {
+                double low = x - 1.0 / kPlaces, high = x;
+                for (int half = 0; half < 20; ++half) {
+                    const double middle = (low + high) / 2;
+                    ((value(middle) > 0) == (old > 0) ? low : high) = middle;
+                }
+                const double rate = low < rate_root ? before : -before;
+                push(k, lane, low, true, rate_root, before, now > 0 ? rate : -rate);
+            }
+            old = now;
+        }
+    }
+
+    void flush() {
+        V t[kWide] = {}, b[kWide] = {}, ends{};
+        for (int p = 0; p < kWide; ++p)
+            for (int j = 0; j < kWide; ++j) {
+                const V m = all<V>(q.stencil[kWide * p + j]);
+                t[p] = fused(m, kinks_.torque[j], t[p]), b[p] = fused(m, kinks_.power[j], b[p]);
+            }
+        for (int j = 0; j < kWide; ++j)
+            ends = fused(all<V>(q.stencil[kWide * kWide + j]), kinks_.power[j], ends);
+        const V one = all<V>(1);
+        const V a = choose<V>(kinks_.found > 0, kinks_.place, root(t));
+        V reach{}, at_place{};
+        for (int p = kWide - 1; p >= 0; --p) {
+            reach = fused(reach, a, b[p] * all<V>(1.0 / (p + 1)));
+            at_place = fused(at_place, a, t[p]);
+        }
+        const V after = kinks_.torque[4];  // at the cell's end
+        const V rate = choose<V>(a < kinks_.rate_root, kinks_.before, -kinks_.before);
+        const V of_torque = choose<V>(after > 0, rate, -rate);
+        const V of_rate = choose<V>(at_place > 0, -kinks_.before, kinks_.before);
+        V sigma = choose<V>(kinks_.found > 0, of_rate, of_torque);
+        sigma = choose<V>((kinks_.sigma > 0) | (kinks_.sigma < 0), kinks_.sigma, sigma);
+        const V mend = 2 * sigma * (ends - a * reach);
+        const V size = choose<V>(b[6] < 0, -b[6], b[6]) + choose<V>(b[7] < 0, -b[7], b[7]);
+        const V doubt = size * one * kLast;
+        for (int c = 0; c < count_; ++c) sum_[lane_[c]] += mend[c], error_[lane_[c]] += doubt[c];
+        count_ = 0;
+    }
+
+    // Root in [0, 1] of a polynomial whose sign differs at the ends: halving, which finds the one
+    // that matters even next to another at an end, regula falsi, Newton.
+    V root(const V* t) const {
+        V low{}, high = all<V>(1), at_low = kinks_.torque[3], at_high = kinks_.torque[4], slope;
+        for (int i = 0; i < 3; ++i) {
+            const V x = 0.5 * (low + high), value = polynomial(t, x, slope);
+            const B left = (value > 0) ^ (at_low > 0);
+            high = choose<V>(left, x, high), at_high = choose<V>(left, value, at_high);
+            low = choose<V>(left, low, x), at_low = choose<V>(left, at_low, value);
+        }
+        V x = low + (high - low) * at_low / (at_low - at_high);
+        for (int i = 0; i < 2; ++i) {
+            const V value = polynomial(t, x, slope);
+            x -= value / slope;
+            x = choose<V>(x > low, x, low);
+            x = choose<V>(x < high, x, high);
+        }
+        return x;
+    }
+
+    static V polynomial(const V* t, V x, V& slope) {
+        V value = t[kWide - 1];
+        slope = V{};
+        for (int p = kWide - 2; p >= 0; --p) {
+            slope = fused(slope, x, value);
+            value = fused(value, x, t[p]);
+        }
+        return value;
+    }
+
+    static constexpr double kHidden = 8;  // of the torque's last modes, in a sum with kinks
+    static constexpr double kLast =
+        1.0 / 4;  // of the last coefficients, whose weights are 1/100 and less
+
+    const CycleTask& q;
+    int N;
+    V *motion, *torque, *power;
+    V sum_, error_;
+    Kinks kinks_{};
+    int lane_[W];
+    int count_ = 0;
+};
+
+template <int W>
+void cycle_powers(CycleTask& q, double* out) {
+    CyclePowers<W>(q).run(reinterpret_cast<Pack<W>*>(out));
+}
+
+template <int W>
+constexpr CycleKernel cycle_kernel() {
+    return {CycleTables<W>::run, cycle_newton<W>, cycle_averages<W>, cycle_powers<W>,
+            cycle_refine<W>};
+}
+
+}  // namespace
+}  // namespace serpenoid::kernels

@@ -1,0 +1,104 @@
+// Vector kernels of periodic states on viscous ground: what they work on (periodic/spectral.hpp
+// derives it), and who has which.
+//
+// A pack holds as many gaits of one shape as one register does, which differ in their rate; tables
+// of the shape are single numbers that all of them share.
+#pragma once
+
+#include "numerics/spectral_row.hpp"
+
+namespace serpenoid::kernels {
+
+// The chain of a shape: joint i has the angle sine[i] cos(tau) + cosine[i] sin(tau).
+struct CycleChain {
+    int links;
+    double mass, half_length, inertia, ct, cn;
+    const double *cosine, *sine;
+};
+
+// What is known of a node of phase, [field][node]: v' = -g (B (v, nu) + b) + nu (v_y, -v_x) and
+// nu' = -g (W (v, nu) + w) - j nu - k, g = 1/omega, v = V/omega, nu = theta_1'/omega.
+enum NodeField : int {
+    kBxx,
+    kBxy,
+    kBxw,
+    kByy,
+    kByw,
+    kWx,
+    kWy,
+    kWw,
+    kJ1,     // the matrix
+    kSlope,  // and its derivatives by tau
+    kBx = kSlope + 9,
+    kBy,
+    kW,
+    kK1,     // what no unknown enters
+    kArm2,   // J / (n m), m^2
+    kSpin2,  // (K / J)^2
+    kLoss,   // dissipation of the chain at rest / (n m)
+    kNodeFields
+};
+
+// What is known of a joint at a node, [joint][field][node]: T/omega^2 is the sum of ten products.
+enum JointField : int {
+    kByAx,
+    kByAy,
+    kByTurning,
+    kBySpin2,
+    kBySpin,
+    kByShape,  // of the motion
+    kByVx,
+    kByVy,
+    kByNu,
+    kByBend,  // of friction, times g
+    kRate,    // d phi_i / d tau
+    kJointFields
+};
+
+// A pack of gaits on a mesh of phases. Packs, in memory aligned to 64 bytes.
+struct CycleTask {
+    int nodes, joints;
+    double step;              // of phase
+    const double* node;       // [kNodeFields][nodes]
+    const double* joint;      // [joints][kJointFields][nodes]
+    const double* turn;       // phase in [0, pi) at which the joint's rate changes its sign
+    const double* before;     // the sign that it has before that
+    const SpectralRow* rows;  // 2 nodes - 1 of them
+    const double* modes;      // [nodes][8]: of the last two pairs of even and of odd modes
+    const double* stencil;    // [8][8]: powers of the place in a cell, in steps, by the values at
+                              // eight nodes, three before the cell; then [8]: see cycle_powers.hpp
+    const double* g;          // 1/omega, one pack
+    double* y;                // [nodes][3]: v_x, v_y, nu
+    double* work;             // kWork packs a node
+    static constexpr int kWork = 40;
+};
+
+// What comes out, a pack each.
+enum CycleOut : int {
+    kChange2,  // squares of the last change and of the speeds, summed over nodes
+    kSize2,
+    kTransfer,                 // over half a cycle, nine
+    kAdvance = kTransfer + 9,  // mean velocity along the path, per omega
+    kHeading,                  // of link 1 at phase 0 from the direction of the path
+    kDissipated,               // mean, per n m omega^2
+    kTail,                     // size of the last modes, as a square beside kSize2
+    kLogRadius,                // binary logarithm, of half a cycle's multiplier
+    kAbsPower,                 // mean of sum |T phi'| / omega^3
+    kAbsPowerError,
+    kCycleOuts
+};
+
+struct CycleKernel {
+    // Tables of `nodes` phases, a multiple of the width; joint may be null. Scratch: 16 packs a
+    // link.
+    void (*tables)(const CycleChain&, const double* sine, const double* cosine, int nodes,
+                   double* node, double* joint, double* scratch);
+    void (*newton)(CycleTask&, double* out);    // one iteration: y, kChange2 to kTransfer
+    void (*averages)(CycleTask&, double* out);  // kAdvance to kLogRadius
+    void (*powers)(CycleTask&, double* out);    // kAbsPower, kAbsPowerError
+    // y on twice as many nodes: old ones keep it, new ones by the modes. `even`, `odd`: values at
+    // the middle of a cell, by cell minus node, from 1 - nodes on.
+    void (*refine)(int nodes, const double* even, const double* odd, double* y, double* scratch);
+};
+
+}  // namespace serpenoid::kernels

@@ -1,0 +1,242 @@
+// Periodic states for packs of rates; the derivation stands in spectral.hpp.
+#include "periodic/spectral.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <numeric>
+
+namespace serpenoid {
+
+namespace {
+
+constexpr int kMostNodes = SpectralMesh::kCoarsest << (SpectralMesh::kLevels - 1);
+
+constexpr double kSlowest = 1e-3;  // most error of the multiplier's logarithm
+
+// Which fields of the matrix change their sign half a cycle later, in the order of NodeField.
+constexpr bool kOdd[9] = {false, true, true, false, false, true, false, false, false};
+
+// Whether Hermite's rule shrinks what decays fast by more than `log_radius` in `steps` of z < 0: by
+// Pade's approximant, (1 + z/2 + z^2/12) / (1 - z/2 + z^2/12), which is 1 again at infinity.
+bool decays_faster(double z, int steps, double log_radius) {
+    constexpr double kBest = -3.46, kMargin = 5;
+    if (z > kBest) return true;
+    const double even = 1 + z * z / 12, odd = z / 2;
+    return steps * std::log((even + odd) / (even - odd)) < log_radius - kMargin;
+}
+
+double lane(const double* out, int what, int width, int k) { return out[what * width + k]; }
+
+}  // namespace
+
+SpectralViscous::Memory SpectralViscous::packs(long count, int width) {
+    const std::size_t bytes = (count * width * sizeof(double) + 63) / 64 * 64;
+    Memory memory(static_cast<double*>(std::aligned_alloc(64, bytes)));
+    if (!memory) throw std::bad_alloc();
+    return memory;
+}
+
+SpectralViscous::SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait,
+                                 const kernels::Set& set)
+    : robot_(robot),
+      ground_(ground),
+      table_(robot.n, gait),
+      alpha_(gait.alpha),
+      set_(set),
+      y_(packs(3 * kMostNodes, set_.width)),
+      start_(packs(3 * SpectralMesh::kCoarsest, set_.width)),
+      g_(packs(1, set_.width)),
+      out_(packs(kernels::kCycleOuts, set_.width)) {
+    std::fill_n(start_.get(), 3 * SpectralMesh::kCoarsest * set_.width, 0.0);
+    for (int i = 0; i + 1 < robot.n; ++i) {
+        const double from = table_.lag(i);  // the rate goes with cos(tau + lag)
+        const double root = M_PI * (std::ceil(from / M_PI - 0.5) + 0.5) - from;
+        turn_.push_back(std::clamp(root, 0.0, M_PI));
+        before_.push_back(std::copysign(1.0, alpha_ * std::cos(from + root - M_PI / 2)));
+    }
+}
+
+void SpectralViscous::tables(int k, bool powers) {
+    Level& to = level_[k];
+    if (to.node && (to.powers || !powers)) return;
+    const SpectralMesh& mesh = SpectralMesh::level(k);
+    const int n = robot_.n, N = mesh.nodes;
+    std::vector<double> cosine(n - 1), sine(n - 1);
+    for (int i = 0; i + 1 < n; ++i)
+        cosine[i] = alpha_ * table_.cosine(i), sine[i] = alpha_ * table_.sine(i);
+    to.node = packs(kernels::kNodeFields * N, 1);
+    if (powers) to.joint = packs(long{kernels::kJointFields} * N * (n - 1), 1);
+    to.powers = powers;
+    if (N > work_nodes_) work_ = packs(long{kernels::CycleTask::kWork} * N, set_.width);
+    work_nodes_ = std::max(work_nodes_, N);
+    const Memory scratch = packs(16 * n, set_.width);
+    const kernels::CycleChain chain{n,          robot_.m,   robot_.l,      robot_.I,
+                                    ground_.ct, ground_.cn, cosine.data(), sine.data()};
+    set_.cycle.tables(chain, mesh.sine.data(), mesh.cosine.data(), N, to.node.get(), to.joint.get(),
+                      scratch.get());
+    to.stiffest = 0;
+    for (int i = 0; i < N; ++i)
+        to.stiffest =
+            std::max(to.stiffest, to.node[kernels::kBxx * N + i] + to.node[kernels::kByy * N + i] +
+                                      to.node[kernels::kWw * N + i]);
+    for (int field = 0; field < kernels::kSlope; ++field) {
+        double* slope = &to.node[(kernels::kSlope + field) * N];
+        std::fill_n(slope, N, 0.0);
+        for (int j = 0; j < N; ++j) {
+            const double value = to.node[field * N + j];
+            const double* row = (kOdd[field] ? mesh.odd_slope : mesh.even_slope).data() + N - 1 - j;
+            for (int i = 0; i < N; ++i) slope[i] += row[i] * value;
+        }
+    }
+}
+
+kernels::CycleTask SpectralViscous::task(int k) const {
+    const SpectralMesh& mesh = SpectralMesh::level(k);
+    const Level& own = level_[k];
+    return {mesh.nodes,   robot_.n - 1,   mesh.step,        own.node.get(),    own.joint.get(),
+            turn_.data(), before_.data(), mesh.rows.data(), mesh.modes.data(), mesh.stencil.data(),
+            g_.get(),     y_.get(),       work_.get()};
+}
+
+// Newton's steps until what is left of the last change is below `enough` in every gait: as much of
+// it as it was itself of the one before.
+bool SpectralViscous::iterate(int k, double enough, Pack& found) {
+    constexpr int kMost = 15;
+    constexpr double kFirst = 0.1, kLeast = 0.01;  // what a step leaves, where nothing is known
+    kernels::CycleTask work = task(k);
+    for (int i = 0; i < kMost; ++i) {
+        set_.cycle.newton(work, out_.get());
+        bool done = true;
+        for (int j = 0; j < set_.width; ++j) {
+            const double size = lane(out_.get(), kernels::kSize2, set_.width, j);
+            const double change2 = lane(out_.get(), kernels::kChange2, set_.width, j);
+            if (!std::isfinite(change2)) return false;
+            const double change = size > 0 ? std::sqrt(change2 / size) : 0;
+            ++found[j].iterations;
+            const double shrinks = change / found[j].change;
+            found[j].left = change * std::clamp(shrinks, i == 0 ? kFirst : kLeast, 1.0);
+            found[j].change = change;
+            if (found[j].left > enough) done = false;
+        }
+        if (done) return true;
+    }
+    return false;
+}
+
+void SpectralViscous::evaluate(int k, bool powers, const double* omega, Pack& found) {
+    kernels::CycleTask work = task(k);
+    const int W = set_.width;
+    double* out = out_.get();
+    set_.cycle.averages(work, out);
+    if (powers) set_.cycle.powers(work, out);
+    const int N = SpectralMesh::level(k).nodes;
+    const double* loss = &level_[k].node[kernels::kLoss * N];
+    const double still = std::accumulate(loss, loss + N, 0.0) / N;
+    for (int j = 0; j < W; ++j) {
+        const auto at = [&](int what) { return lane(out, what, W, j); };
+        const double w = omega[j], size = at(kernels::kSize2);
+        Found& to = found[j];
+        to.speed = w * at(kernels::kAdvance);
+        to.heading = at(kernels::kHeading);
+        to.power = robot_.n * robot_.m * w * w * at(kernels::kDissipated);
+        to.still_power = robot_.n * robot_.m * w * w * still;
+        to.tail = size > 0 ? std::sqrt(at(kernels::kTail) / size) : 0;
+        to.log_radius = 2 * M_LN2 * at(kernels::kLogRadius);
+        to.abs_power = powers ? w * w * w * at(kernels::kAbsPower) : 0;
+        to.abs_error = powers ? w * w * w * at(kernels::kAbsPowerError) : 0;
+        for (int i = 0; i < 9; ++i) to.transfer[i] = at(kernels::kTransfer + i);
+    }
+}
+
+// Fill what is asked for; true if it is as good as wanted.
+bool SpectralViscous::judge(int k, const SteadyOptions& options, double omega, const Found& coarse,
+                            const Found& fine, int j, SteadyState& to) const {
+    const int W = set_.width, N = SpectralMesh::level(k).nodes;
+    const double shrunk = coarse.tail > 0 ? std::clamp(fine.tail / coarse.tail, 1e-3, 1.0) : 1e-3;
+    to.speed = to.chord = std::fabs(fine.speed);
+    to.direction = fine.speed < 0 ? M_PI - fine.heading : -fine.heading;
+    to.power = fine.power;
+    to.speed_error = std::fabs(fine.speed - coarse.speed) * shrunk + fine.left * to.speed;
+    // a change of the motion by `left` of itself changes power by no more than Cauchy and Schwarz
+    // allow, with the friction of the chain held still
+    to.power_error = std::fabs(fine.power - coarse.power) * shrunk +
+                     2 * fine.left * std::sqrt(fine.still_power * to.power);
+    to.turn = 0, to.elements = N, to.iterations = fine.iterations;
+    to.start = {omega * y_[j], omega * y_[W + j], omega * y_[2 * W + j]};
+    if (options.powers) {
+        to.abs_power = fine.abs_power, to.positive_power = (fine.abs_power + fine.power) / 2;
+        to.positive_power_error =
+            (fine.abs_error + 2 * fine.left * fine.still_power + to.power_error) / 2;
+    }
+    const double J = level_[k].node[kernels::kArm2 * N] * robot_.n * robot_.m;
+    Mat3 half = {};
+    for (int i = 0; i < 9; ++i) half[i] = fine.transfer[i];
+    for (int i = 0; i < 2; ++i) half[3 * i + 2] /= J, half[6 + i] *= J;
+    to.monodromy = multiply(half, half);
+    const double change = fine.log_radius - coarse.log_radius;  // the transfer's order is four
+    to.slowest = fine.log_radius + change / 15;
+    to.slowest_error = std::fabs(change) / 15 + fine.left * std::fabs(to.slowest);
+    const bool told_apart =
+        decays_faster(-SpectralMesh::level(k).step * level_[k].stiffest / omega, 2 * N, to.slowest);
+    const double floor = std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
+    return told_apart && to.slowest_error <= kSlowest * std::fabs(to.slowest) &&
+           to.speed_error <= std::max(options.rtol * to.speed, floor) &&
+           std::max(to.power_error, to.positive_power_error) <=
+               options.rtol * std::max(to.power, to.positive_power) + 1e-300;
+}
+
+// Evaluate the level's solution; where its iteration alone is not close enough, go on with it.
+bool SpectralViscous::settle(int k, const double* omega, int count, const SteadyOptions& options,
+                             const Pack& coarse, Pack& found, SteadyState* to) {
+    constexpr int kMore = 4;
+    for (int more = 0;; ++more) {
+        evaluate(k, options.powers && k > 0, omega, found);
+        if (k == 0) return false;
+        bool all = true, left = false;
+        for (int j = 0; j < count; ++j) {
+            if (to[j].converged) continue;
+            to[j].converged = judge(k, options, omega[j], coarse[j], found[j], j, to[j]);
+            Found exact = found[j];
+            exact.left = 0;
+            SteadyState unused;
+            left = left ||
+                   (!to[j].converged && judge(k, options, omega[j], coarse[j], exact, j, unused));
+            all = all && to[j].converged;
+        }
+        if (all || !left || more == kMore) return all;
+        if (!iterate(k, HUGE_VAL, found)) return false;
+    }
+}
+
+void SpectralViscous::solve(const double* omega, int count, const SteadyOptions& options,
+                            SteadyState* to) {
+    const int W = set_.width;
+    std::array<double, kWidest> rates;
+    for (int j = 0; j < W; ++j) {
+        rates[j] = omega[std::min(j, count - 1)];
+        g_[j] = 1 / rates[j];
+        if (j < count) to[j] = {};
+    }
+    Pack found{}, coarse;
+    std::copy_n(start_.get(), 3 * SpectralMesh::kCoarsest * W, y_.get());
+    for (int k = 0; k < SpectralMesh::kLevels; ++k) {
+        if (k > 0) {
+            const SpectralMesh& mesh = SpectralMesh::level(k - 1);
+            set_.cycle.refine(mesh.nodes, mesh.even_half.data(), mesh.odd_half.data(), y_.get(),
+                              work_.get());
+        }
+        tables(k, options.powers && k > 0);
+        for (Found& f : found) f.change = 1;
+        const double enough = (k == 0 ? 1 : 0.02) * std::clamp(options.rtol, 1e-11, 1e-4);
+        if (!iterate(k, enough, found)) return;
+        if (k == 0)
+            for (int i = 0; i < 3 * SpectralMesh::kCoarsest; ++i)
+                std::fill_n(&start_[i * W], W, y_[i * W + count - 1]);
+        const bool all = settle(k, rates.data(), count, options, coarse, found, to);
+        if (all) return;
+        coarse = found;
+    }
+}
+
+}  // namespace serpenoid

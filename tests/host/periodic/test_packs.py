@@ -1,0 +1,112 @@
+"""Packs of rates on viscous ground: against the other solver, every instruction set, claims."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid import _core
+from serpenoid.model.core_model import core_model
+
+PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+
+
+def wild(rng: np.random.Generator) -> tuple[sn.Robot, sn.Ground, float, float, np.ndarray]:
+    """Return a robot of 3 to 40 links, ground with a ratio of 1e-3 to 1e4, a shape, four rates."""
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(math.log(low), math.log(high))))
+
+    robot = sn.Robot(int(rng.integers(3, 41)), between(0.003, 3), between(0.02, 0.3))
+    along = between(1e-3, 30)
+    ground = sn.Ground(along, along * between(1e-3, 1e4))
+    rates = np.sort(np.exp(rng.uniform(math.log(0.01), math.log(100), 4)))
+    return robot, ground, rng.uniform(0.05, 1.5), rng.uniform(0.1, 1.7), rates
+
+
+def by_elements(
+    robot: sn.Robot, ground: sn.Ground, alpha: float, beta: float, rate: float
+) -> sn.Steady:
+    """Solve by elements over the whole cycle: a gait that steers by next to nothing."""
+    gait = sn.Gait(alpha, beta, rate, offset_rad=1e-13)
+    return sn.steady_gait(robot, ground, gait, rtol=1e-8)
+
+
+def test_packs_agree_with_elements_for_wild_robots() -> None:
+    rng = np.random.default_rng(4)
+    for _ in range(6):
+        robot, ground, alpha, beta, rates = wild(rng)
+        m = sn.sweep(robot, ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=rates, threads=1)
+        assert m.converged.all()
+        for k, rate in enumerate(rates.tolist()):
+            s = by_elements(robot, ground, alpha, beta, rate)
+            floor = 1e-4 * rate * robot.links * robot.link_length_m
+            assert abs(m.speed_m_s[0, 0, k] - s.speed_m_s) < 1e-7 * max(s.speed_m_s, floor)
+            assert m.power_w[0, 0, k] == pytest.approx(s.power_w, rel=1e-6)
+            assert m.abs_power_w[0, 0, k] == pytest.approx(s.abs_power_w, rel=3e-6)
+
+
+def test_errors_of_packs_are_what_they_claim() -> None:
+    rng = np.random.default_rng(8)
+    over = [0, 0]
+    for _ in range(20):
+        robot, ground, alpha, beta, rates = wild(rng)
+        grid = {"alpha_rad": alpha, "beta_rad": beta, "omega_rad_s": rates, "threads": 1}
+        truth = sn.sweep(robot, ground, rtol=1e-11, **grid)
+        for rtol in (1e-2, 1e-6):
+            m = sn.sweep(robot, ground, rtol=rtol, **grid)
+            floor = 1e-4 * rates * robot.links * robot.link_length_m
+            error = abs(m.speed_m_s - truth.speed_m_s) / np.maximum(m.speed_m_s, floor)
+            over[0] += int((error > 3 * m.error_estimate + 1e-10).sum())
+            error = abs(m.positive_power_w - truth.positive_power_w)
+            allowed = 3 * m.positive_power_error_w + 1e-10 * truth.positive_power_w
+            over[1] += int((error > allowed).sum())
+    assert max(over) <= 2  # of 160 each: 99 % within three times the claim
+
+
+def test_every_instruction_set_finds_the_same() -> None:
+    model = core_model(PAPER, VISCOUS, sn.Gait(math.radians(30), math.radians(80), 5.0))
+    for name in _core.instruction_sets():
+        s = _core.steady_by(name, model, 1e-9)
+        assert s.converged
+        assert s.speed == pytest.approx(0.292060796024, rel=2e-12)
+        assert s.power == pytest.approx(0.073312554830, rel=2e-11)
+        assert s.positive_power == pytest.approx(0.2939930, rel=1e-7)
+
+
+def test_a_torque_that_touches_zero_between_two_nodes() -> None:
+    """Two links at a crawl: the torque's two roots lie in one cell, one of them at its end."""
+    robot = sn.Robot(2, 0.13074918359595453, 0.2847517775223594)
+    ground = sn.Ground(0.7673112770284728, 60.83189479289118)
+    shape = (0.8035949122116643, 0.5876476856635192)
+    s = sn.steady_gait(robot, ground, sn.Gait(*shape, 0.5115080579256062))
+    fine = by_elements(robot, ground, *shape, 0.5115080579256062)
+    assert s.abs_power_w == pytest.approx(fine.abs_power_w, rel=1e-6)
+
+
+def test_the_slowest_multiplier_where_hardly_anything_decays() -> None:
+    """Two multipliers of nearly one size: both solvers give the larger, not their mean."""
+    robot = sn.Robot(3, 1.0394581138114403, 0.09192328410587881)
+    ground = sn.Ground(0.01256786936222491, 5.055393456204161e-05)
+    shape, rate = (0.7844566659643128, 1.3900706037442236), 21.26329495906344
+    for s in (
+        sn.steady_gait(robot, ground, sn.Gait(*shape, rate)),
+        by_elements(robot, ground, *shape, rate),
+    ):
+        largest = abs(s.floquet_multipliers[0])
+        period = 2 * math.pi / rate
+        assert s.settling_time_s == pytest.approx(-period / math.log(largest), rel=2e-3)
+
+
+@pytest.mark.slow
+def test_the_papers_whole_grid_against_elements() -> None:
+    alpha, beta = np.radians(np.arange(5, 76, 14)), np.radians(np.arange(20, 91, 14))
+    m = sn.sweep(
+        PAPER, VISCOUS, alpha_rad=alpha, beta_rad=beta, omega_rad_s=np.arange(1.0, 21.0, 3)
+    )
+    for at in np.ndindex(m.speed_m_s.shape):
+        s = by_elements(PAPER, VISCOUS, alpha[at[0]], beta[at[1]], float(m.omega_rad_s[at[2]]))
+        assert m.speed_m_s[at] == pytest.approx(s.speed_m_s, rel=1e-8)
+        assert m.positive_power_w[at] == pytest.approx(s.positive_power_w, rel=1e-6)
