@@ -28,6 +28,8 @@ size_t board_read(VirtualBoard* board, char* bytes, size_t most) {
     return said.size();
 }
 
-double board_time_s(const VirtualBoard* board) { return static_cast<double>(board->now_us()) * 1e-6; }
+double board_time_s(const VirtualBoard* board) {
+    return static_cast<double>(board->now_us()) * 1e-6;
+}
 
 }  // extern "C"

@@ -189,7 +189,8 @@ def _draw(rows: list[Cost], path: Path) -> None:
         by_links.set(xlabel="links", ylabel="processor time of a gait (ms)")
         by_error.set(xlabel="largest error of the speed, relative")
         by_error.invert_xaxis()
-        by_links.legend(), by_error.legend()
+        by_links.legend()
+        by_error.legend()
         fig.suptitle(
             f"Periodic states, all powers. {machine.cpu()}, one core", fontsize=9, color=GREY
         )
