@@ -15,6 +15,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..show import plot, report
+from ..show.progress import progress
 from .demo_loop import run_loop, say
 from .options import finite
 
@@ -43,7 +44,7 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     fit = fit_friction(session)
     robot = session.setup.robot
     report.fit(fit)
-    with report.progress(len(GAITS), "predicting speeds") as advance:
+    with progress(len(GAITS), "predicting speeds") as advance:
         points = predict_all(robot, fit, GAITS, progress=advance)
     _speed_table(points)
     state, run = one_cycle(PATH_ROBOT, PATH_GROUND, PATH_GAIT)

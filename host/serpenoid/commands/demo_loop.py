@@ -29,6 +29,7 @@ from ..robot.robot import Robot
 from ..show import report
 from ..show.comparison_figure import comparison_figure
 from ..show.friction_report import show_advice, show_comparison
+from ..show.progress import progress
 from ..show.session.report_page import session_page
 from .options import finite
 
@@ -132,7 +133,7 @@ def _truth_table(fit: FrictionFit, ground: Ground) -> dict[str, float]:
 
 
 def _compare(session: Session, fit: FrictionFit, out: Path) -> Comparison:
-    with report.progress(gait_count(session), "gaits") as advance:
+    with progress(gait_count(session), "gaits") as advance:
         found = compare(session, fit, progress=advance)
     show_comparison(found)
     comparison_figure(found, out)

@@ -38,12 +38,12 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
     each, claims.json and index.html. About half a minute.
     """
     from ..gaits.paper_study import Reading, as_dict
-    from ..show import report
     from ..show.gaits.paper_page import claim_table, write_page
+    from ..show.progress import progress
 
     out.mkdir(parents=True, exist_ok=True)
     reading = Reading(power, angles, speed_along)
-    with report.progress(6, "figures") as advance:
+    with progress(6, "figures") as advance:
         found, shown = interruptible(lambda: _draw(out, reading, advance))
     values = as_dict(found, reading)
     (out / "claims.json").write_text(json.dumps(finite(values), indent=2) + "\n")

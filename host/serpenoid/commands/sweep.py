@@ -155,16 +155,16 @@ def _one(
 ) -> None:  # fmt: skip
     """Solve and write the gaits of one robot."""
     from ..periodic.sweep import sweep as run_sweep
-    from ..show import report
+    from ..show.progress import progress
     from ..show.sweep_files import sweep_values, write_sweep
 
     count = math.prod(map(len, grid.values()))
-    with report.progress(count, "gaits") as advance:
+    with progress(count, "gaits") as advance:
         found = run_sweep(robot, ground, **grid, **how, progress=advance)
     if out is not None:
         write_sweep(found, out)
         missed = int((~found.converged).sum())
-        report.notices.print(f"wrote {count} gaits to {out}; {missed} did not converge")
+        click.echo(f"wrote {count} gaits to {out}; {missed} did not converge", err=True)
     if as_json:
         show_json(sweep_values(found))
 
@@ -172,15 +172,15 @@ def _one(
 def _study(out: Path, robot: Any, ground: Any, **options: Any) -> None:
     """Solve a study into its folder."""
     from ..periodic.study import sweep_study
-    from ..show import report
+    from ..show.progress import progress
 
     count = math.prod(
         [len(part) for part in (robot, ground) if isinstance(part, list)]
         + [len(options[name]) for name in ("alpha_rad", "beta_rad", "omega_rad_s")]
     )
-    with report.progress(count, "gaits") as advance:
+    with progress(count, "gaits") as advance:
         study = sweep_study(robot, ground, out=out, progress=advance, **options)
     missed = sum(int((~chunk["converged"]).sum()) for chunk in study)
-    report.notices.print(
-        f"{count} gaits in {len(study.chunks)} chunks in {out}; {missed} did not converge"
+    click.echo(
+        f"{count} gaits in {len(study.chunks)} chunks in {out}; {missed} did not converge", err=True
     )

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from rich.progress import (
     BarColumn,
-    MofNCompleteColumn,
     Progress,
     ProgressColumn,
     TextColumn,
@@ -34,17 +33,6 @@ def _bar(columns: tuple[ProgressColumn, ...]) -> Progress:
     """Return a bar on standard error that leaves no trace, and none at all off a terminal."""
     errors = screen(stderr=True)
     return Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
-
-
-@contextmanager
-def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
-    """Show a bar on standard error; gives a function that takes the number just done."""
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    )  # fmt: skip
-    with _bar(columns) as bar:
-        task = bar.add_task(what, total=total)
-        yield lambda done: bar.advance(task, done)
 
 
 @contextmanager

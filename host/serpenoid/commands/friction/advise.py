@@ -30,13 +30,13 @@ def advise(
     from ...calibration.advice import advise as ask
     from ...calibration.session_file import load_session
     from ...model.gait import Gait
-    from ...show import report
     from ...show.friction_report import show_advice
+    from ...show.progress import progress
 
     wanted = [Gait(math.radians(a), math.radians(b), 2 * math.pi * hz) for a, b, hz in gaits]
     try:
         loaded = load_session(session)
-        with report.progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
+        with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
             found = ask(loaded, wanted, samples=samples, runs=not stations_only, progress=advance)
     except BadInput as error:  # the files' fault, not the arguments'
         raise SerpenoidError(str(error)) from error

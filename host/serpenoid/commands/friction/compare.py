@@ -38,14 +38,14 @@ def compare(
     from ...calibration import comparison
     from ...calibration.session_file import load_session
     from ...model.gait import Gait
-    from ...show import report
     from ...show.friction_report import show_comparison
+    from ...show.progress import progress
 
     more = [Gait(math.radians(a), math.radians(b), 2 * math.pi * hz) for a, b, hz in gaits]
     try:
         loaded = load_session(session)
         fit = session_fit(session)
-        with report.progress(comparison.gait_count(loaded, more), "gaits") as advance:
+        with progress(comparison.gait_count(loaded, more), "gaits") as advance:
             found = comparison.compare(
                 loaded, fit, gaits=more, amplitude_sigma=amplitude_sigma, samples=samples,
                 progress=advance,

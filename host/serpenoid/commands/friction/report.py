@@ -21,7 +21,7 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
     from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
     from ...calibration.session_rows import events_of
-    from ...show.report import progress
+    from ...show.progress import progress
     from ...show.session.report_page import session_page
 
     out = out or session / "report.html"
