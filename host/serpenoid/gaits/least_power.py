@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -179,6 +179,51 @@ class _Soft:
     error_estimate: float
 
 
+class EitherWave:
+    """Finds the cheapest gaits with waves from head to tail and, on a ratchet, from tail to head.
+
+    A wave from tail to head is one from head to tail of a robot whose head and tail have changed
+    places; without a ratchet that is the same robot. Each search starts from the gait of the speed
+    before, too.
+    """
+
+    def __init__(self, ground: Ground, search: Callable[[Ground], Finder]) -> None:
+        self.ground = ground
+        grounds = [ground, ground.turned_round()] if ground.ratchet else [ground]
+        self.searches = [search(one) for one in grounds]
+        self.starts: list[Candidate | None] = [None] * len(grounds)
+
+    def cheapest(self, speed: float) -> LeastPower:
+        """Return the cheapest gait for a speed; raises NotConverged."""
+        found: list[LeastPower] = []
+        lost: NotConverged | None = None
+        for k, search in enumerate(self.searches):
+            try:
+                one = search.cheapest(speed, self.starts[k])
+            except NotConverged as error:
+                lost = lost or error
+                continue
+            gait = one.gait
+            shape = Shape.of(gait.alpha_rad, gait.beta_rad)
+            self.starts[k] = Candidate(0.0, shape, gait.omega_rad_s)
+            found.append(one if k == 0 else self._turned_back(one, search))
+        if not found:
+            raise lost or NotConverged(f"no gait reaches {speed:g} m/s")
+        best, *others = sorted(found, key=lambda one: one.power_w)
+        return replace(
+            best, basins=sum(one.basins for one in found),
+            runner_up_w=min(best.runner_up_w, *(one.power_w for one in others), math.inf),
+            evaluations=sum(one.evaluations for one in found),
+        )  # fmt: skip
+
+    def _turned_back(self, found: LeastPower, search: Finder) -> LeastPower:
+        """Return the gait as it is for the robot that has its head in front."""
+        gait = replace(found.gait, beta_rad=-found.gait.beta_rad)
+        rtol = max(search.rtol, 1e-6)
+        steady = exact_solver(search.robot, self.ground, powers=True)(gait, rtol)
+        return replace(found, gait=gait, steady=steady)
+
+
 def least_power_gait(
     robot: Robot,
     ground: Ground,
@@ -195,16 +240,20 @@ def least_power_gait(
 
     cost: "power" (net; the paper's), "abs_power" or "positive_power" (a servo that does not
     regenerate). A cloud of shapes and rates first; every valley of it that may hold the least is
-    then followed to its lowest point by quadratic models, with the rate solved for the speed.
+    then followed to its lowest point by quadratic models, with the rate solved for the speed. On a
+    ratchet waves from tail to head (beta below 0) are looked through as well.
     formulation: "implicit" follows the valleys by the paper's springs, from the exact model's
     cloud. rtol: accuracy of the final state (1e-10 viscous, 1e-5 dry unless given). Raises
     BadInput, and NotConverged with the fastest gait there is when none reaches the speed.
     """
-    found = finder(
-        robot, ground, [speed_m_s], cost, limits, rtol, formulation, joint_stiffness_n_m,
-        joint_damping_n_s_m,
-    )  # fmt: skip
-    return replace(found.cheapest(float(speed_m_s)), formulation=formulation)
+
+    def search(on: Ground) -> Finder:
+        return finder(
+            robot, on, [speed_m_s], cost, limits, rtol, formulation, joint_stiffness_n_m,
+            joint_damping_n_s_m,
+        )  # fmt: skip
+
+    return replace(EitherWave(ground, search).cheapest(float(speed_m_s)), formulation=formulation)
 
 
 def power_front(
@@ -222,16 +271,11 @@ def power_front(
     BadInput.
     """
     speeds = [float(v) for v in speeds_m_s]
-    search = finder(robot, ground, speeds, cost, limits, rtol)
+    search = EitherWave(ground, lambda on: finder(robot, on, speeds, cost, limits, rtol))
     found: list[LeastPower | None] = []
-    start = None
     for speed in speeds:
         try:
-            best = search.cheapest(speed, start)
+            found.append(search.cheapest(speed))
         except NotConverged:
             found.append(None)
-            continue
-        found.append(best)
-        gait = best.gait
-        start = Candidate(0.0, Shape.of(gait.alpha_rad, gait.beta_rad), gait.omega_rad_s)
     return tuple(found)

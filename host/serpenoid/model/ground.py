@@ -75,6 +75,11 @@ class Ground:
         """Return ground with each friction times a factor, both ways alike."""
         return Ground(_times(self.ct, ct), self.cn * cn, _times(self.ft0, ft0), self.fn0 * fn0)
 
+    def turned_round(self) -> Ground:
+        """Return ground for wheels that are mounted the other way round."""
+        ct, ft0 = ((v[1], v[0]) if isinstance(v, tuple) else v for v in (self.ct, self.ft0))
+        return Ground(ct, self.cn, ft0, self.fn0)
+
     @property
     def dry(self) -> bool:
         """Tell whether there is a friction force at rest (Coulomb or Bingham)."""
