@@ -34,7 +34,7 @@ quick: $(VENV)/built lint
 	$(VENV)/bin/python -m pytest -q -m "not slow" $(addprefix --ignore=,$(LONG))
 
 test-slow: $(VENV)/built $(VENV)/dev
-	@sh .ci/need chromium=chromium $$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
+	@sh .ci/need chromium=chromium Xvfb=xvfb $$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
 	$(VENV)/bin/python -m pytest -m slow
 
 build: $(VENV)/built

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
-_STYLE: dict[str, Any] = {
+STYLE: dict[str, Any] = {
     "figure.dpi": 110,
     "savefig.dpi": 160,
     "figure.constrained_layout.use": True,
@@ -51,7 +51,7 @@ def figure(width_in: float, height_in: float, columns: int = 1) -> Iterator[tupl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(cast(Any, _STYLE)):
+    with mpl.rc_context(cast(Any, STYLE)):
         made = Figure(figsize=(width_in, height_in))
         FigureCanvasAgg(made)
         yield made, made.subplots(1, columns)

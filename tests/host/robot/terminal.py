@@ -24,6 +24,7 @@ class Person:
             stdout=self._slave,
             stderr=self._slave,
             start_new_session=True,
+            env={k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")},
         )
         self.screen = ""
 

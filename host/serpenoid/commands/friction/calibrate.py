@@ -51,9 +51,11 @@ calibrate.add_command(new)
 @click.option("--page", "with_page", is_flag=True,
               help="Serve a page for whoever stands at the treadmill.")  # fmt: skip
 @click.option("--lan", is_flag=True, help="With --page: reachable from a phone in the same net.")
+@click.option("--window/--no-window", default=None,
+              help="A window for the picture; where there is a display unless told.")  # fmt: skip
 def take(
     folder: Path, script: Path | None, dry_run: bool, port: str | None, patience_s: float,
-    with_page: bool, lan: bool,
+    with_page: bool, lan: bool, window: bool | None,
 ) -> None:  # fmt: skip
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
     if dry_run:
@@ -62,7 +64,7 @@ def take(
         return _scripted(folder, script)
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
-    return with_a_person(folder, port, patience_s, with_page, lan)
+    return with_a_person(folder, port, patience_s, with_page, lan, window)
 
 
 def _dry_run(folder: Path) -> None:

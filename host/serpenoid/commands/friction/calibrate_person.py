@@ -17,9 +17,13 @@ BY_HAND = "by hand"  # what the page's script goes by, too
 
 
 def with_a_person(
-    folder: Path, port: str | None, patience_s: float, with_page: bool, lan: bool
-) -> None:
-    """Take or resume a session at the terminal; exit status 1 where the robot was lost."""
+    folder: Path, port: str | None, patience_s: float, with_page: bool, lan: bool,
+    window: bool | None = None,
+) -> None:  # fmt: skip
+    """Take or resume a session at the terminal; exit status 1 where the robot was lost.
+
+    window: whether to open one for the picture; None where there is a display.
+    """
     from contextlib import ExitStack
 
     from ...calibration.taking.journal import Journal
@@ -42,7 +46,7 @@ def with_a_person(
         robot = BY_HAND if seat is None else seat.greeting
         for line in begin(journal, people, robot):
             console.say(line)
-        told = [_pictures(console)]
+        told = [_pictures(console, *_window(stack, journal, window))]
         if with_page:
             told.append(_page(stack, journal, seat, lan, console))
         dialogue = Dialogue(journal, console, seat, _each(told), patience_s)
@@ -99,16 +103,33 @@ def _state(seat: Seat) -> str:
     return "stopped" if seat.held else "holds" if seat.powered else "idle"
 
 
-def _pictures(console: Any) -> Any:
-    """Return a function that draws the session after each new station."""
+def _window(stack: Any, journal: Journal, wanted: bool | None) -> list[Any]:
+    """Open a window and return a function that draws in it, if there is a display for it."""
+    from ...calibration.taking.person.state import state_of
+    from ...calibration.taking.procedure import skipped_keys
+    from ...show.session.window import Window, display_is_there
+
+    if wanted is False or not (wanted or display_is_there()):
+        return []
+    window = stack.enter_context(Window())
+    return [
+        lambda session, step: window.show(
+            state_of(session, step, skipped_keys(journal.events), BY_HAND)
+        )
+    ]
+
+
+def _pictures(console: Any, *windows: Any) -> Any:
+    """Return a function that draws the session after each new station: in a window, or in text."""
     from ...show.session.terminal_plot import picture
 
     shown = [-1]
 
     def told(session: Session, step: Any) -> None:
+        in_window = [show(session, step) for show in windows]
         drawn = picture(session) if len(session.kept) != shown[0] else ""
         if drawn and shown[0] >= 0:
-            console.say(drawn)
+            console.say("" if any(in_window) else drawn)
             console.say(_so_far(session))
         shown[0] = len(session.kept)
 
