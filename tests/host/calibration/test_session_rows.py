@@ -215,7 +215,7 @@ def test_events_are_held_to_the_same(folder):
 
 def test_amendments_are_read_strictly(folder):
     for detail, says in (
-        ('"robot.links = 5"', "unknown key 'robot'"),
+        ('"robot.links = 5"', "unknown key 'links'; known are mass_kg"),
         ('"instruments.lambda_sigma = 1"', "kept as 'lambda_sigma_deg'"),
         ('"plan.lambda_deg = [90]"', "lambda_deg is 90"),
         ("hm", "is not TOML"),
