@@ -70,7 +70,7 @@ class NextReading:
 
 @dataclass(frozen=True)
 class Advice:
-    """What advise found: the band now, the readings by what they bring, best first."""
+    """What advise found: the band now, relative, and the readings, best first."""
 
     gaits: tuple[Gait, ...]
     band: float
@@ -101,7 +101,8 @@ def advise(
 ) -> Advice:
     """Rank the readings that could be taken next by the speed band they leave.
 
-    gaits: those that matter; the session's planned ones unless given. runs: whether to count gait
+    gaits: those that matter; the session's planned ones unless given. lambdas_deg: bends to choose
+    from, in degrees. runs: whether to count gait
     runs, those taken and those to take. Raises BadInput if there is no gait, and what fit_friction
     raises for readings that leave a parameter open: then it names the reading that would close it.
     """

@@ -56,9 +56,10 @@ class Comparison:
 
     gaits: those run, else those planned. curve: speed over frequency of the first one's amplitude
     and phase lag, friction's band alone. p_value: the chance of residuals as large if model, fit
-    and stated errors hold; p_friction, p_amplitude: if friction, or the joints' amplitude, may be
-    off by four times as much as stated. None without runs. verdict: agrees, friction, amplitude,
-    friction or amplitude, neither, not measured; verdict_text says it in words.
+    and stated errors hold; p_friction, p_amplitude: that chance if friction, or the joints'
+    amplitude (amplitude_sigma, relative), may be off by four times as much as stated. None without
+    runs. verdict: agrees, friction, amplitude, friction or amplitude, neither, not measured;
+    verdict_text says it in words.
     """
 
     session: str

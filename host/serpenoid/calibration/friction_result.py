@@ -103,7 +103,7 @@ class FrictionFit:
 
     @property
     def whole_snake(self) -> dict[str, float]:
-        """Return ct, cn, ft0, fn0 of the whole snake, as Ground.whole_body takes them."""
+        """Return ct, cn (N s/m), ft0, fn0 (N) of the whole_snake, for Ground.whole_body."""
         return {name: self.parameters[name].value for name in NAMES}
 
     def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
@@ -137,7 +137,7 @@ class FrictionFit:
 
     @property
     def p_value(self) -> float | None:
-        """Return the chance of a chi2 at least this large if model and uncertainties hold."""
+        """Return p_value, the chance of so large a chi2 if model and uncertainties hold."""
         from scipy.special import chdtrc
 
         return float(chdtrc(self.dof, self.chi2)) if self.dof > 0 else None

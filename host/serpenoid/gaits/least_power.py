@@ -30,13 +30,13 @@ ANY = GaitLimits()
 
 @dataclass(frozen=True, slots=True)
 class LeastPower:
-    """Hold the cheapest gait for a speed: the gait, the power that was made least, the speed.
+    """Hold the cheapest gait for a speed: the gait, power_w that was made least, W, speed_m_s, m/s.
 
     steady: the exact model's periodic state. active: the limits that the gait has reached, in
-    words. power_error_w: how much less power there may be: error of the power, plus what the last
-    model of the search still saw below it. basins: separate valleys of shapes that were followed to
-    their lowest point; runner_up_w: the power of the next best one (inf: there was one valley).
-    evaluations: periodic states solved on the way, the coarse cloud not counted.
+    words. power_error_w: how much less power there may be, W: error of the power, plus what the
+    last model of the search still saw below it. basins: separate valleys of shapes that were
+    followed to their lowest point; runner_up_w: the power, W, of the next best one (inf: there was
+    one valley). evaluations: periodic states solved on the way, the coarse cloud not counted.
     """
 
     gait: Gait
@@ -236,15 +236,16 @@ def least_power_gait(
     joint_damping_n_s_m: float = 1.0,
     rtol: float | None = None,
 ) -> LeastPower:
-    """Find alpha, beta and omega that give a speed for the least mean power, over all shapes.
+    """Find alpha, beta and omega that give a speed, m/s, for the least mean power, over all shapes.
 
     cost: "power" (net; the paper's), "abs_power" or "positive_power" (a servo that does not
     regenerate). A cloud of shapes and rates first; every valley of it that may hold the least is
     then followed to its lowest point by quadratic models, with the rate solved for the speed. On a
     ratchet waves from tail to head (beta below 0) are looked through as well.
-    formulation: "implicit" follows the valleys by the paper's springs, from the exact model's
-    cloud. rtol: accuracy of the final state (1e-10 viscous, 1e-5 dry unless given). Raises
-    BadInput, and NotConverged with the fastest gait there is when none reaches the speed.
+    formulation: "implicit" follows the valleys by the paper's springs, N/m, and dampers, N s/m,
+    from the exact model's cloud. rtol: relative accuracy of the final state (1e-10 viscous, 1e-5
+    dry unless given). Raises BadInput, and NotConverged with the fastest gait there is when none
+    reaches the speed.
     """
 
     def search(on: Ground) -> Finder:
@@ -267,8 +268,8 @@ def power_front(
 ) -> tuple[LeastPower | None, ...]:
     """Find the least-power gait of every speed; None for a speed that no gait reaches.
 
-    One cloud serves all speeds, and each speed also starts from its neighbour's gait. Raises
-    BadInput.
+    One cloud serves all speeds, in m/s, and each speed also starts from its neighbour's gait. rtol:
+    relative accuracy of the final states. Raises BadInput.
     """
     speeds = [float(v) for v in speeds_m_s]
     search = EitherWave(ground, lambda on: finder(robot, on, speeds, cost, limits, rtol))

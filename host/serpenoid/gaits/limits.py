@@ -28,9 +28,9 @@ _NAMES = {
 class GaitLimits:
     """State what a gait may ask of the robot; infinite where there is no limit.
 
-    joint_angle_rad: of every joint, either way (110 deg unless told: links would touch).
-    servo_speed_rad_s, servo_torque_nm: of every joint at any time, so alpha omega stays below the
-    first. omega_low_rad_s, omega_high_rad_s: of the gait's rate. Raises BadInput.
+    joint_angle_rad: of every joint, either way, rad (110 deg unless told: links would touch).
+    servo_speed_rad_s, rad/s, servo_torque_nm, N m: of every joint at any time, so alpha omega stays
+    below the first. omega_low_rad_s, omega_high_rad_s: of the gait's rate, rad/s. Raises BadInput.
     """
 
     joint_angle_rad: float = math.radians(110.0)
@@ -47,7 +47,7 @@ class GaitLimits:
         check_number("omega_low_rad_s", self.omega_low_rad_s, 0.0, self.omega_high_rad_s)
 
     def room(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:
-        """Return by how many e-folds a gait stays below each limit there is; negative: beyond."""
+        """Return by how many e-folds a gait, or torque in N m, is below each limit."""
         used = {
             "joint_angle_rad": (abs(gait.offset_rad) + gait.alpha_rad, self.joint_angle_rad),
             "servo_speed_rad_s": (gait.alpha_rad * gait.omega_rad_s, self.servo_speed_rad_s),
@@ -62,7 +62,7 @@ class GaitLimits:
         }
 
     def active(self, gait: Gait, torque_nm: float = 0.0) -> tuple[str, ...]:
-        """Return the limits that a gait has reached, in words."""
+        """Return the limits that a gait, or torque_nm in N m, has reached, in words."""
         room = self.room(gait, torque_nm)
         return tuple(_NAMES[name] for name, left in room.items() if left <= _ACTIVE)
 

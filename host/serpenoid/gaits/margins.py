@@ -25,7 +25,7 @@ _RTOL = 1e-3
 class Margins:
     """Hold what a gait can bear; all as fractions.
 
-    amplitude, grip: how much the joints' amplitude, or fn0, may fall before the speed loses a
+    amplitude, grip: by what share the joints' amplitude, or fn0, may fall before the speed loses a
     tenth (inf: by 60 % it has not; grip is NaN without dry friction across the links).
     amplitude_loss, grip_loss: of the speed, when the amplitude is 10 %, or fn0 13 % less.
     """

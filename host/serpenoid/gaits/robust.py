@@ -30,11 +30,11 @@ _OF_FRAGILE = 512
 class RobustGait:
     """Hold the cheapest gait whose slow cases are fast enough.
 
-    gait, power_w, speed_m_s: at the ground as it is thought to be. low_speed_m_s: 5th percentile
-    of the speed over the samples that chose the gait, speeds_m_s (S,); checked_low_m_s: over
-    other samples that had no part in it; low_error_m_s: standard error of either. fragile: the
-    least-power gait for the same speed; fragile_low_m_s: its 5th percentile. premium: power of this
-    one over that, less 1.
+    gait, power_w (W), speed_m_s (m/s): at the ground as it is thought to be. low_speed_m_s: 5th
+    percentile of the speed over the samples that chose the gait, speeds_m_s (S,); checked_low_m_s:
+    over other samples that had no part in it; low_error_m_s: standard error of either, m/s.
+    fragile: the least-power gait for the same speed; fragile_low_m_s: its 5th percentile. premium:
+    power of this one over that, less 1.
     """
 
     gait: Gait
@@ -76,10 +76,11 @@ def robust_gait(
 ) -> RobustGait:
     """Find the least power such that 95 % of the robots that may be real keep 90 % of the speed.
 
-    On the ground as it is thought to be the gait makes the wanted speed or more. Speeds are solved
-    for sampled robots, never linearised: at a cliff their spread is skewed. The shape is chosen by
-    half the samples (those that are slow, by a smoothed percentile), its rate by all of them; the
-    gait is then checked on as many others. Raises BadInput, and NotConverged when no gait will do.
+    On the ground as it is thought to be the gait makes the wanted speed, m/s, or more. Speeds are
+    solved for sampled robots, never linearised: at a cliff their spread is skewed. The shape is
+    chosen by half the samples (those that are slow, by a smoothed percentile), its rate by all of
+    them; the gait is then checked on as many others. Raises BadInput, and NotConverged when no gait
+    will do.
     """
     check_number("samples", samples, 20, 65536)
     uncertainty = uncertainty or Uncertainty()

@@ -34,7 +34,7 @@ class Uncertainty:
     sampled elsewhere, such as by a session's fit. The default is what a session with one bend of
     7.5 deg leaves open; correlated: its correlations, too, or none. amplitude: relative, of each
     joint on its own; common_amplitude: of all joints together; lag_rad: of each joint's phase on
-    its own (a lag that all joints share changes nothing). Raises BadInput.
+    its own, rad (a lag that all joints share changes nothing). Raises BadInput.
     """
 
     friction: tuple[float, float, float, float] = (0.06, 0.35, 0.06, 0.13)

@@ -13,7 +13,7 @@ from .errors import BadInput
 
 @dataclass(frozen=True, slots=True)
 class TorqueTable:
-    """Hold joint torques by time: t_s (K,) rising, torque_nm (K, n-1), linear in between.
+    """Hold joint torques by time: t_s (K,) rising, s, torque_nm (K, n-1), N m, linear in between.
 
     Before the first time and after the last the first and last rows hold. Raises BadInput.
     """
@@ -40,10 +40,11 @@ class TorqueTable:
 class Servo:
     """Describe the servo of a joint: towards its setpoint in proportion, damped, within limits.
 
-    Torque stiffness_nm_rad * error - damping_nms_rad * rate, where the error is what exceeds
-    dead_band_rad. At most torque_limit_nm when stalled, falling in a straight line to nothing at
-    speed_limit_rad_s, as a motor's does; braking has the whole torque. The setpoint is what the
-    firmware's fixed-point code gives for the gait, held for each 20 ms frame. Raises BadInput.
+    Torque stiffness_nm_rad (N m/rad) * error - damping_nms_rad (N m s/rad) * rate, where the error
+    is what exceeds dead_band_rad, rad. At most torque_limit_nm (N m) when stalled, falling in a
+    straight line to nothing at speed_limit_rad_s (rad/s), as a motor's does; braking has the whole
+    torque. The setpoint is what the firmware's fixed-point code gives for the gait, held for each
+    20 ms frame. Raises BadInput.
 
     The defaults are round numbers for a hobby servo of 6 V (0.3 N m, 60 degrees in 0.12 s), not
     measurements.

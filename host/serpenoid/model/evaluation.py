@@ -38,7 +38,7 @@ class AngleDrive:
 
     @classmethod
     def of(cls, robot: Robot, gait: Gait, t_s: float) -> AngleDrive:
-        """Take them from a gait at time t_s (Eq. 57)."""
+        """Take them from a gait at the time of t_s, in s (Eq. 57)."""
         return cls(joint_motion(gait, robot.links - 1, t_s).acceleration_rad_s2)
 
 
@@ -46,9 +46,9 @@ class AngleDrive:
 class Acceleration:
     """Hold what one evaluation gives; arrays over links (n,) or joints (n-1,), ground frame.
 
-    ax_m_s2, ay_m_s2, alpha_rad_s2: accelerations of the centres and angles. friction_x_n,
-    friction_y_n: force of the ground on each link. joint_force_x_n, joint_force_y_n,
-    joint_torque_nm: on link i from link i+1.
+    ax_m_s2, ay_m_s2 (m/s^2), alpha_rad_s2 (rad/s^2): of the centres and angles. friction_x_n,
+    friction_y_n: force of the ground on each link, N. joint_force_x_n, joint_force_y_n, N,
+    joint_torque_nm, N m: on link i from link i+1.
     """
 
     ax_m_s2: Array
@@ -62,7 +62,7 @@ class Acceleration:
 
     @property
     def qddot(self) -> Array:
-        """Return (x'', y'' of link 1, theta_1''..theta_n''), (n+2,)."""
+        """Return qddot: x'', y'' of link 1, m/s^2, theta_1''..theta_n'', rad/s^2, (n+2,)."""
         return np.concatenate((self.ax_m_s2[:1], self.ay_m_s2[:1], self.alpha_rad_s2))
 
 
@@ -81,8 +81,8 @@ def acceleration(
 
     state: a LinkState, or (q, qdot) as LinkState.joined takes them; the explicit model uses only
     link 1's position and velocity and all angles and rates. drive: TorqueDrive or AngleDrive. Dry
-    friction is taken with sgn 0 = 0, or as v / sqrt(v^2 + w^2) with w = smoothing_m_s > 0. Raises
-    BadInput.
+    friction is taken with sgn 0 = 0, or as v / sqrt(v^2 + w^2) with w = smoothing_m_s > 0, m/s.
+    joint_stiffness_n_m in N/m, joint_damping_n_s_m in N s/m. Raises BadInput.
     """
     check_choice("formulation", formulation, FORMULATIONS)
     if not isinstance(state, LinkState):

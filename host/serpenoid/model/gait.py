@@ -19,8 +19,8 @@ class Gait:
     """Describe the joint angles phi_i(t) = offset + alpha sin(omega t + (i - 1) beta), Eq. 57.
 
     phi_i = theta_{i+1} - theta_i is the angle of joint i, i = 1..n-1 counted from the tail.
-    alpha_rad: amplitude, 0..pi. beta_rad: phase lag from joint to joint. omega_rad_s: angular
-    rate, above 0. offset_rad: constant bend of every joint, which steers.
+    alpha_rad: amplitude, 0..pi rad. beta_rad: phase lag from joint to joint, rad. omega_rad_s:
+    angular rate, above 0, rad/s. offset_rad: constant bend of every joint, rad, which steers.
 
     What real servos make of it: joint_gain, a factor of each joint's amplitude, 0..2, and
     joint_shift_rad, added to each joint's phase; one value a joint, tail first, or () for none.
@@ -55,7 +55,7 @@ class Gait:
 
     @property
     def period_s(self) -> float:
-        """Return 2 pi / omega."""
+        """Return 2 pi / omega, s."""
         return 2 * math.pi / self.omega_rad_s
 
     def joint_factors(self, joints: int) -> tuple[Array, Array]:

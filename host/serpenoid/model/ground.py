@@ -44,7 +44,7 @@ class Ground:
     def whole_body(
         cls, links: int, ct: Both, cn: float, ft0: Both = 0.0, fn0: float = 0.0
     ) -> Ground:
-        """Divide friction measured on the whole snake evenly among its links."""
+        """Divide the whole snake's ct, cn (N s/m), ft0, fn0 (N) evenly among its links."""
         n = check_links(links)
         total = cls(ct, cn, ft0, fn0)
         return cls(_over(total.ct, n), total.cn / n, _over(total.ft0, n), total.fn0 / n)

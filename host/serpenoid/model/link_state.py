@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 class LinkState:
     """Hold where every link is and how it moves: six arrays (n,), ground frame, from the tail.
 
-    x_m, y_m: centres; theta_rad: absolute angles; vx_m_s, vy_m_s, omega_rad_s: their rates.
+    x_m, y_m: centres, m; theta_rad: absolute angles, rad; vx_m_s, vy_m_s, m/s, omega_rad_s, rad/s:
+    their rates.
     """
 
     x_m: Array
@@ -49,8 +50,8 @@ class LinkState:
     def joined(cls, robot: Robot, q: ArrayLike, qdot: ArrayLike) -> LinkState:
         """Place all links from q = (x, y, theta_1..theta_n) of Eqs. 10-21 and its rates.
 
-        x, y are the centre of link 1 (the tail); the joints are closed, as the explicit model
-        wants.
+        q: x, y, the centre of link 1 (the tail), in m, angles in rad; qdot: in m/s, rad/s. The
+        joints are closed, as the explicit model wants.
         """
         n = robot.links
         p, v = finite_vector("q", q, n + 2), finite_vector("qdot", qdot, n + 2)
@@ -67,7 +68,9 @@ class LinkState:
     def in_gait(
         cls, robot: Robot, gait: Gait, t_s: float, tail: ArrayLike, tail_rate: ArrayLike
     ) -> LinkState:
-        """Place all links from link 1, (x, y, theta_1) and its rates, and the gait at time t_s."""
+        """Place all links from link 1 and the gait at time t_s, in s.
+
+        tail: (x, y, theta_1) of link 1 in m, m, rad; tail_rate: its rates in m/s, m/s, rad/s."""
         phi, rate, _ = joint_motion(gait, robot.links - 1, t_s)
         p, v = finite_vector("tail", tail, 3), finite_vector("tail_rate", tail_rate, 3)
         theta = p[2] + np.concatenate(([0.0], np.cumsum(phi)))

@@ -25,9 +25,9 @@ class Robot:
     """Describe the body of a robot: equal rigid links; serpenoid.robot.Robot is a board to drive.
 
     Link 1 is the tail, link n the head. links: number of links n, 2 or more. link_mass_kg: mass m
-    of one link. link_length_m: full length 2l of one link, joint to joint. link_inertia_kg_m2:
-    moment of inertia I_c of one link about its centre; a uniform rod's m L^2 / 12 unless given.
-    Raises BadInput.
+    of one link, kg. link_length_m: full length 2l of one link, joint to joint, m.
+    link_inertia_kg_m2: moment of inertia I_c of one link about its centre, kg m^2; a uniform rod's
+    m L^2 / 12 unless given. Raises BadInput.
     """
 
     links: int
@@ -48,7 +48,7 @@ class Robot:
 
     @property
     def inertia_kg_m2(self) -> float:
-        """Return the moment of inertia I_c of one link, given or not."""
+        """Return the moment of inertia I_c of one link, kg m^2, given or not."""
         assert self.link_inertia_kg_m2 is not None  # set above
         return self.link_inertia_kg_m2
 

@@ -28,15 +28,15 @@ class Steady:
     over a period through the period. A gait that steers turns about a centre; seen in axes that
     turn evenly with it, the centre of mass has a mean place, whose distance from the centre is
     radius_m (inf when straight): this hangs on no phase. chord_m_s: |displacement over the period
-    that begins at phase 0| / period, which does. turn_rad_per_cycle: change of heading a period.
-    power_w: net mean of P = -sum T_i phi_i'; abs_power_w, positive_power_w: means of sum |P_i| and
-    sum max(P_i, 0). error_estimate: of the speed, relative (where the speed is next to nothing: to
-    1e-4 of body length times omega); power_error_w, abs_power_error_w, positive_power_error_w: of
-    each power. direction_rad: direction of travel counted from the heading of link 1 at phase 0.
-    body_velocity: (Vx, Vy, theta_1') at phase 0, velocity of the centre of mass along and across
-    link 1, m/s, m/s, rad/s. monodromy: derivative (3, 3) of (Vx, Vy, angular momentum) after a
-    period by those before it. settling_time_s: in which the slowest disturbance falls to 1/e, inf
-    when none does; settling_error: of it, relative.
+    that begins at phase 0| / period, which does. turn_rad_per_cycle: change of heading a period,
+    rad. power_w: net mean of P = -sum T_i phi_i', W; abs_power_w, positive_power_w: means of sum
+    |P_i| and sum max(P_i, 0), W. error_estimate: of the speed, relative (where the speed is next to
+    nothing: to 1e-4 of body length times omega); power_error_w, abs_power_error_w,
+    positive_power_error_w: of each power. direction_rad: direction of travel counted from the
+    heading of link 1 at phase 0. body_velocity: (Vx, Vy, theta_1') at phase 0, velocity of the
+    centre of mass along and across link 1, m/s, m/s, rad/s. monodromy: derivative (3, 3) of (Vx,
+    Vy, angular momentum; m/s, m/s, kg m^2/s) after a period by those before it. settling_time_s: in
+    which the slowest disturbance falls to 1/e, inf when none does; settling_error: of it, relative.
     """
 
     robot: Robot
@@ -70,7 +70,7 @@ class Steady:
 
     @property
     def floquet_multipliers(self) -> NDArray[np.complex128]:
-        """Return the three factors by which a small disturbance changes each period, by size.
+        """Return floquet_multipliers: three factors of a small disturbance, a period, by size.
 
         The largest is the one that counts. One that is smaller by ten decades or more is next to
         nothing, but its digits mean nothing.

@@ -87,9 +87,9 @@ def sweep_study(
 ) -> Study:
     """Solve a grid of any size, as sweep does, into a folder of chunks.
 
-    Memory holds a few chunks at a time. Chunks that are there already, of the same study, are kept:
-    call it again to go on after an interruption. Raises BadInput (the folder holds something else),
-    ClusterFailed.
+    alpha_rad, beta_rad in rad, omega_rad_s in rad/s; rtol: relative accuracy. Memory holds a few
+    chunks at a time. Chunks that are there already, of the same study, are kept: call it again to
+    go on after an interruption. Raises BadInput (the folder holds something else), ClusterFailed.
     """
     grid = Grid(
         several(Robot, robot), several(Ground, ground), axis("alpha_rad", alpha_rad),

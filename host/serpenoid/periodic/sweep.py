@@ -18,10 +18,11 @@ class Sweep:
     """Hold periodic states over a grid; all arrays are indexed [alpha, beta, omega].
 
     With several robots or grounds, [robot, ground, alpha, beta, omega]; a single one has no axis.
-    speed_m_s to positive_power_w, turn_rad_per_cycle, settling_time_s: as in Steady.
+    alpha_rad, beta_rad in rad, omega_rad_s in rad/s: the axes. speed_m_s (m/s), power_w,
+    abs_power_w, positive_power_w (W), turn_rad_per_cycle (rad), settling_time_s (s): as in Steady.
     error_estimate: of the speed, relative (see Steady); power_error_w, positive_power_error_w: of
-    the powers (twice the latter plus the former: of abs_power_w). converged: whether the accuracy
-    that was asked for was reached; where it was not the best is given, with its error.
+    the powers, W (twice the latter plus the former: of abs_power_w). converged: whether the
+    accuracy that was asked for was reached; where it was not the best is given, with its error.
     """
 
     alpha_rad: NDArray[np.float64]
@@ -54,14 +55,15 @@ def sweep(
 ) -> Sweep:
     """Solve every gait of a grid, for one robot and ground or for all pairs of several.
 
-    Each value has the accuracy that steady_gait gives, and says so. Shapes (alpha, beta) are shared
-    out to threads, as many as there are processors unless given; the figures are the same to the
-    last bit for any number of them. scheduler: the address of a Dask cluster, such as
-    "tcp://10.0.0.1:8786", whose workers then solve the shapes, to the same bits; one that is lost
-    is done without (needs `pip install serpenoid[dask]`, here and on the workers). progress is
-    called, in the caller's thread, with the number of gaits done since its last call; Ctrl-C and an
-    exception of progress end the sweep, on a cluster, too. A result larger than memory: see
-    sweep_study. Raises BadInput, ClusterFailed.
+    alpha_rad, beta_rad in rad, omega_rad_s in rad/s: a value or a list each, as Gait has them.
+    rtol: relative accuracy. Each value has the accuracy that steady_gait gives, and says so. Shapes
+    (alpha, beta) are shared out to threads, as many as there are processors unless given; the
+    figures are the same to the last bit for any number of them. scheduler: the address of a Dask
+    cluster, such as "tcp://10.0.0.1:8786", whose workers then solve the shapes, to the same bits;
+    one that is lost is done without (needs `pip install serpenoid[dask]`, here and on the workers).
+    progress is called, in the caller's thread, with the number of gaits done since its last call;
+    Ctrl-C and an exception of progress end the sweep, on a cluster, too. A result larger than
+    memory: see sweep_study. Raises BadInput, ClusterFailed.
     """
     grid = Grid(
         several(Robot, robot), several(Ground, ground), axis("alpha_rad", alpha_rad),

@@ -126,7 +126,7 @@ class Robot:
         return self._dialogue.inbox.latest
 
     def true_rate_rad_s(self, omega_rad_s: float) -> tuple[float, float]:
-        """Return the rate in host seconds of a gait commanded at omega, and its s.d."""
+        """Return the rate, rad/s of host time, of a gait commanded at omega, and its s.d."""
         return self.clock.true_rate(omega_rad_s)
 
     def command(self, text: str) -> tuple[Verdict, list[Data]]:
@@ -150,7 +150,7 @@ class Robot:
         self._obeyed(" ".join(["gait", *fields, degrees(gait.offset_rad)]))
 
     def pose(self, angles_rad: Sequence[float]) -> None:
-        """Move all joints, tail first, to angles, none faster than the board's `pose_speed`."""
+        """Move all joints, tail first, to angles in rad, none faster than `pose_speed`."""
         if len(angles_rad) != (joints := self.hello.joints):
             raise BadInput(f"a pose has {joints} angles, one a joint, not {len(angles_rad)}")
         self._obeyed(" ".join(["pose", *(degrees(a) for a in angles_rad)]))
@@ -162,9 +162,9 @@ class Robot:
     def bent(self, lambda_rad: float) -> None:
         """Bend the robot so that its links stand at +lambda, -lambda, ... to its axis.
 
-        lambda is the paper's angle between each link and the belt. A joint turns by twice that:
-        joints go to +2 lambda, -2 lambda, ..., and a protractor laid on two neighbouring links
-        shows 180 degrees - 2 lambda (the paper's 7.5 degrees: 165 degrees).
+        lambda, in rad, is the paper's angle between each link and the belt. A joint turns by twice
+        that: joints go to +2 lambda, -2 lambda, ..., and a protractor laid on two neighbouring
+        links shows 180 degrees - 2 lambda (the paper's 7.5 degrees: 165 degrees).
         """
         self._obeyed(f"pose bent {degrees(lambda_rad)}")
 
@@ -193,7 +193,7 @@ class Robot:
         return found
 
     def set(self, name: str, value: float) -> None:
-        """Change a setting, in the unit of PROTOCOL.md; save() makes it outlive the power."""
+        """Set a setting's value, in the unit of PROTOCOL.md; save() makes it outlive the power."""
         self._obeyed(f"set {word(name)} {digits(value)}")
 
     def trims(self) -> tuple[Trim, ...]:
@@ -202,7 +202,7 @@ class Robot:
         return self._asked("trim", lambda data: trims_of(data, joints))
 
     def trim(self, joint: int, field: str, value: float) -> None:
-        """Change one field (centre, scale, dir, low, high) of a joint; units: PROTOCOL.md."""
+        """Set a joint's centre, scale, dir, low or high to a value; units: PROTOCOL.md."""
         self._obeyed(f"trim {joint:d} {word(field)} {digits(value)}")
 
     def save(self, *, unattended: bool = False) -> None:
@@ -226,7 +226,7 @@ class Robot:
         return self._asked("status", status_of)
 
     def frames(self, duration_s: float | None = None) -> Iterator[Telemetry]:
-        """Iterate over the frames that come from now on, for a time or without end.
+        """Iterate over the frames that come from now on, for a time in s or without end.
 
         Frames wait for a slow program, up to five minutes of them; older ones are then counted
         in losses.unread_frames. Iterating keeps the robot going.

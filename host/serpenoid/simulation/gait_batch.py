@@ -34,10 +34,10 @@ class GaitRuns:
 
     t_s: the time of the state, the scene's duration where `diverged` is False; where it is True,
     the last time at which the state was seen to be finite, at most 64 steps before it left the
-    finite numbers. x_m, y_m: link centres, theta_rad: angles, vx_m_s, vy_m_s, omega_rad_s: their
-    rates, ground frame. displacement_m (G, 2): way of the centre of mass since the start.
-    speed_m_s: its length over t_s (0 where t_s is 0): the mean of the whole run, its start
-    included, not that of the periodic state. All finite.
+    finite numbers. x_m, y_m: link centres, m, theta_rad: angles, rad, vx_m_s, vy_m_s, m/s,
+    omega_rad_s, rad/s: their rates, ground frame. displacement_m (G, 2): way of the centre of mass
+    since the start, m. speed_m_s: its length over t_s, m/s (0 where t_s is 0): the mean of the
+    whole run, its start included, not that of the periodic state. All finite.
     """
 
     scene: Scene

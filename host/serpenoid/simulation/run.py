@@ -44,15 +44,15 @@ class Judge(Protocol):
 class Run:
     """Hold a run: T recorded times t_s (T,), and (T, n) arrays over links counted from the tail.
 
-    x_m, y_m: link centres, theta_rad: angles, vx_m_s, vy_m_s, omega_rad_s: their rates, ground
-    frame. Empty unless recorded: joint_force_x_n, joint_force_y_n, joint_torque_nm, (T, n-1), on
-    link i from link i+1 ("joints"); friction_x_n, friction_y_n, (T, n), of the ground on each link
-    ("friction"); energy_j, (T, 7), columns ENERGY_COLUMNS: three stores, then what joints, friction
-    and dampers did since t = 0 and the work of joints that do not regenerate ("energy").
-    judge: finds the run's error. picked: what an accuracy that was asked for chose, and why (else
-    empty).
-    steps: how many the method took. local_error: sum of the errors that an adaptive method thinks
-    its steps made, in the scale of scene.tolerance (0: it has no idea).
+    x_m, y_m: link centres, m, theta_rad: angles, rad, vx_m_s, vy_m_s, m/s, omega_rad_s, rad/s:
+    their rates, ground frame; t_s in s. Empty unless recorded: joint_force_x_n, joint_force_y_n, N,
+    joint_torque_nm, N m, (T, n-1), on link i from link i+1 ("joints"); friction_x_n, friction_y_n,
+    N, (T, n), of the ground on each link ("friction"); energy_j, J, (T, 7), columns ENERGY_COLUMNS:
+    three stores, then what joints, friction and dampers did since t = 0 and the work of joints that
+    do not regenerate ("energy"). judge: finds the run's error. picked: what an accuracy that was
+    asked for chose, and why (else empty). steps: how many the method took. local_error: sum of the
+    errors that an adaptive method thinks its steps made, in the scale of scene.tolerance, which is
+    relative (0: it has no idea).
     """
 
     scene: Scene
@@ -90,12 +90,12 @@ class Run:
 
     @property
     def centre_m(self) -> Array:
-        """Return where the centre of mass was, x and y, (T, 2)."""
+        """Return where the centre of mass was, x and y in m, (T, 2)."""
         return np.stack([self.x_m.mean(axis=1), self.y_m.mean(axis=1)], axis=1)
 
     @property
     def centre_velocity_m_s(self) -> Array:
-        """Return how the centre of mass moved, x and y, (T, 2)."""
+        """Return how the centre of mass moved, x and y in m/s, (T, 2)."""
         return np.stack([self.vx_m_s.mean(axis=1), self.vy_m_s.mean(axis=1)], axis=1)
 
     @property
@@ -104,7 +104,7 @@ class Run:
         return float(np.hypot(*(self.centre_m[-1] - self.centre_m[0])))
 
     def mean_speed_m_s(self, period_s: float) -> Array:
-        """Return |displacement of the centre of mass| / period over the period before each time.
+        """Return |displacement of the centre of mass| / period_s over the period (s) before, m/s.
 
         At the recorded times from one period after the start on, (times,); a time between two
         recorded ones is interpolated. Empty for a run shorter than a period.
@@ -143,12 +143,12 @@ class Run:
 
     @property
     def joint_power_w(self) -> Array:
-        """Return -T_i phi_i', the mechanical power of each joint, (T, n-1)."""
+        """Return -T_i phi_i', the mechanical power of each joint, W, (T, n-1)."""
         return -self.joint_torque_nm * np.diff(self.omega_rad_s, axis=1)
 
     @property
     def gap_m(self) -> Array:
-        """Return Delta_i, how far each joint is open (Eqs. 53-56), (T, n-1, 2)."""
+        """Return Delta_i, how far each joint is open (Eqs. 53-56), m, (T, n-1, 2)."""
         half = self.scene.robot.link_length_m / 2
 
         def open_by(centre: Array, along: Array) -> Array:

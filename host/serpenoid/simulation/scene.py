@@ -32,30 +32,31 @@ _FIRMWARE_LIMITS = {"alpha_rad": math.pi / 2, "beta_rad": math.pi, "offset_rad":
 class Scene:
     """Describe one run of the simulator. SI units, radians. Raises BadInput.
 
-    formulation: "explicit" (pinned joints) or "implicit" (Eqs. 51-56 with joint_stiffness_n_m k and
-    joint_damping_n_s_m c).
+    formulation: "explicit" (pinned joints) or "implicit" (Eqs. 51-56 with joint_stiffness_n_m k,
+    N/m, and joint_damping_n_s_m c, N s/m).
 
     drive: "angle" (the gait's joint angles are imposed), "torque" (`torque`, N m, is a TorqueTable,
     an (n-1,) list of constants, or a function of time) or "servo" (a Servo follows the gait as the
     firmware sends it). Joints count from 1 at the tail: `limp` lists those without torque, `locked`
     maps others to the angle at which they stay.
 
-    incline_rad: slope of the ground, which rises towards incline_direction_rad of the ground's
-    frame (0: along x). Friction stays as given: measure it on the slope.
+    incline_rad: slope of the ground, rad, which rises towards incline_direction_rad, rad, of the
+    ground's frame (0: along x). Friction stays as given: measure it on the slope.
 
     method: one of methods.METHODS, or "auto": "nonsmooth" on dry ground, else "rk4"; the scene then
     has that method's name, and chooses anew when `replace` changes it. Methods with fixed steps
-    take dt_s; adaptive ones keep each step's error below `tolerance` (body lengths, radians, and
-    those times omega), and dt_s is only the grid of the recorded times. On dry ground all but
-    "nonsmooth" take sgn 0 = 0: wheels that should hold chatter, the order is 1 (the 2005 robot at
-    1 rad/s: rk4 is 3 % slow at 10 ms, 0.1 % at 1 ms), and recorded joint torques stay wrong by a
-    quarter at any step.
+    take dt_s; adaptive ones keep each step's error below `tolerance` (relative: body lengths,
+    radians, and those times omega), and dt_s is only the grid of the recorded times. On dry ground
+    all but "nonsmooth" take sgn 0 = 0: wheels that should hold chatter, the order is 1 (the 2005
+    robot at 1 rad/s: rk4 is 3 % slow at 10 ms, 0.1 % at 1 ms), and recorded joint torques stay
+    wrong by a quarter at any step.
 
     start: "zero_momentum" (from rest: link 1 at the origin along x, neither the centre of mass
     moves nor the chain turns as a whole), "link1_at_rest" (x = y = theta_1 = 0 and their rates: the
     paper's, in which the body moves), "steady" (from the periodic state) or a LinkState. gap: what
     the implicit formulation starts from, "slow_manifold" (springs already carry the joint forces,
-    no ringing) or "zero". smoothing_m_s: above 0 dry friction is smoothed by that width, for study.
+    no ringing) or "zero". smoothing_m_s: above 0 dry friction is smoothed by that width, m/s, for
+    study.
 
     record: "joints" adds forces and torques of the joints, "friction" the force of the ground on
     each link, "energy" a ledger (kinetic energy, work, heat) that is integrated with the motion.

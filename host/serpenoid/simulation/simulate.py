@@ -25,7 +25,7 @@ def simulate(
     """Run a scene and return what it recorded; progress is called with the time, now and then.
 
     accuracy: if given, method (unless the scene names one) and step or tolerance are chosen so that
-    the estimated error stays below it, in body lengths and radians, and Run.picked says which and
+    the estimated error stays below it, in body lengths and rad, and Run.picked says which and
     why; NotConverged says why not. keep: "dt_s", "tolerance": which may not be changed for it.
     Raises StepTooLarge, before anything runs, when dt_s is outside the method's stability region,
     Diverged when the state leaves the finite numbers or the method gives up, naming the time, and

@@ -27,8 +27,8 @@ _STEPS_A_CYCLE = 1000
 class SteadySprings:
     """Hold the periodic state of a gait by the implicit model (Eqs. 51-56).
 
-    speed_m_s, power_w, abs_power_w, positive_power_w: as in Steady. error_estimate: of the speed,
-    relative: how much it still changes from cycle to cycle, and the time steps.
+    speed_m_s (m/s), power_w, abs_power_w, positive_power_w (W): as in Steady. error_estimate: of
+    the speed, relative: how much it still changes from cycle to cycle, and the time steps.
     modelling_error: of the speed, relative to the exact model's, signed. cycles: run until then.
     """
 
@@ -82,9 +82,10 @@ def steady_springs(
 ) -> SteadySprings:
     """Run the implicit model until it repeats, and compare it with the exact model's speed.
 
-    Starts from the exact periodic state on the slow manifold and follows it until the speed of a
-    cycle varies by less than rtol (1e-9 to 0.1). Dry friction sticks (method "nonsmooth"). Raises
-    BadInput, and NotConverged after 4096 cycles.
+    joint_stiffness_n_m in N/m, joint_damping_n_s_m in N s/m. Starts from the exact periodic state
+    on the slow manifold and follows it until the speed of a cycle varies by less than rtol,
+    relative (1e-9 to 0.1). Dry friction sticks (method "nonsmooth"). Raises BadInput, and
+    NotConverged after 4096 cycles.
     """
     check_number("rtol", rtol, 1e-9, 0.1)
     exact = steady_gait(robot, ground, gait, powers=False)
