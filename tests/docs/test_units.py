@@ -42,7 +42,7 @@ def documented(thing: object) -> Iterator[tuple[str, str, str]]:
             continue
         if isinstance(member, property):
             kind = inspect.signature(member.fget).return_annotation
-            yield name, str(kind), f"{inspect.getdoc(member)}\n{text}"
+            yield name, str(kind), f"{name}: {inspect.getdoc(member)}\n{text}"
         elif isinstance(member, (staticmethod, classmethod)) or inspect.isfunction(member):
             inner = getattr(member, "__func__", member)
             said = inspect.getdoc(inner) or ""

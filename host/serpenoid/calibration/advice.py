@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ..model.checks import check_kind
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from .comparison import AMPLITUDE_SIGMA
@@ -102,10 +103,11 @@ def advise(
     """Rank the readings that could be taken next by the speed band they leave.
 
     gaits: those that matter; the session's planned ones unless given. lambdas_deg: bends to choose
-    from, in degrees. runs: whether to count gait
-    runs, those taken and those to take. Raises BadInput if there is no gait, and what fit_friction
-    raises for readings that leave a parameter open: then it names the reading that would close it.
+    from, in degrees. runs: whether to count gait runs, those taken and those to take. Raises
+    BadInput if there is no gait, and what fit_friction raises for readings that leave a parameter
+    open: then it names the reading that would close it.
     """
+    check_kind("session", session, Session)
     wanted = tuple(gaits) or session.setup.procedure.gaits
     if not wanted:
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.checks import check_number
+from ..model.checks import check_kind, check_number
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..simulation.steady_springs import steady_springs
@@ -95,6 +95,7 @@ def compare(
     are sampled, since speed is skewed where wheels stick. progress is called with the gaits done,
     of `gait_count`. Raises BadInput where there is neither a run nor a gait.
     """
+    check_kind("session", session, Session)
     check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)
     fit = fit or fit_friction(session)
     runs = _by_gait(session)

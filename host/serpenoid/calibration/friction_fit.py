@@ -18,7 +18,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..model.checks import check_choice
+from ..model.checks import check_choice, check_kind
 from ..model.errors import BadInput, NotConverged
 from ..model.ground import Ground
 from .fitting.data import FitData, Floats
@@ -56,6 +56,7 @@ def fit_friction(session: Session, *, method: str = "joint") -> FrictionFit:
     four: fewer than two straight or two bent ones (three if naive), speeds too close to each other,
     or a bend that its uncertainty could undo.
     """
+    check_kind("session", session, Session)
     check_choice("method", method, METHODS)
     data = FitData.of(session)
     check_readings(session, data, 3 if method == "naive" else 2)

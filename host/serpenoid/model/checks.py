@@ -42,6 +42,15 @@ def check_number(
     return number
 
 
+def check_kind(name: str, value: object, kind: type, order: str = "") -> None:
+    """Raise BadInput unless value is of the kind; order: of the arguments, for swapped ones."""
+    if not isinstance(value, kind):
+        order = f": the order is {order}" if order else ""
+        raise BadInput(
+            f"{name} is a {type(value).__name__}; it must be a serpenoid.{kind.__name__}{order}"
+        )
+
+
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> str:
     """Return value if it is one of the choices, or raise BadInput listing them."""
     if not isinstance(value, str) or value not in choices:

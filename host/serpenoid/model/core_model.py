@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .. import _core
-from .errors import BadInput
+from .checks import check_kind
 from .gait import Gait
 from .ground import Ground
 from .robot import Robot
@@ -16,11 +16,8 @@ def check_parts(robot: object, ground: object, gait: object = None) -> None:
         ("ground", ground, Ground),
         ("gait", gait, Gait),
     ):
-        if not isinstance(value, kind) and not (name == "gait" and value is None):
-            raise BadInput(
-                f"{name} is a {type(value).__name__}; it must be a serpenoid.{kind.__name__}: "
-                "the order is robot, ground, gait"
-            )
+        if not (name == "gait" and value is None):
+            check_kind(name, value, kind, "robot, ground, gait")
 
 
 def friction_numbers(ground: Ground) -> tuple[float, float, float, float, float, float]:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .checks import check_choice, check_number
-from .core_model import core_model
+from .checks import check_choice, check_kind, check_number
+from .core_model import check_parts, core_model
 from .errors import BadInput
 from .gait import Gait
 from .ground import Ground
@@ -84,12 +84,17 @@ def acceleration(
     friction is taken with sgn 0 = 0, or as v / sqrt(v^2 + w^2) with w = smoothing_m_s > 0, m/s.
     joint_stiffness_n_m in N/m, joint_damping_n_s_m in N s/m. Raises BadInput.
     """
+    check_parts(robot, ground)
     check_choice("formulation", formulation, FORMULATIONS)
     if not isinstance(state, LinkState):
+        if not isinstance(state, (tuple, list)) or len(state) != 2:
+            raise BadInput(f"state is a {type(state).__name__}; give a LinkState or (q, qdot)")
         state = LinkState.joined(robot, *state)
     if state.links != robot.links:
         raise BadInput(f"state has {state.links} links, the robot has {robot.links}")
     torque = isinstance(drive, TorqueDrive)
+    if not torque:
+        check_kind("drive", drive, AngleDrive)
     name = "torque_nm" if torque else "acceleration_rad_s2"
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
     request.formulation = getattr(_core.Formulation, formulation)

@@ -72,7 +72,7 @@ class Ground:
     def scaled(
         self, ct: float = 1.0, cn: float = 1.0, ft0: float = 1.0, fn0: float = 1.0
     ) -> Ground:
-        """Return ground with each friction times a factor, both ways alike."""
+        """Return ground with ct, cn, ft0 and fn0 each times a factor, both ways alike."""
         return Ground(_times(self.ct, ct), self.cn * cn, _times(self.ft0, ft0), self.fn0 * fn0)
 
     def turned_round(self) -> Ground:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..model.checks import check_kind
 from ..model.core_model import friction_numbers
 from ..model.errors import BadInput
 from ..model.gait import Gait
@@ -119,6 +120,7 @@ def simulate_gaits(scene: Scene, gaits: Sequence[Gait]) -> GaitRuns:
     numbers is marked in `diverged` and stops no other. Raises StepTooLarge, before anything runs,
     when dt_s is too long under any gait, and BadInput.
     """
+    check_kind("scene", scene, Scene, "scene, gaits")
     if isinstance(scene.method, OwnChoice):
         scene = replace(scene, method="rk4")
     _check(scene, gaits)

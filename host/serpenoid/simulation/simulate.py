@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
+from ..model.checks import check_kind
 from ..model.errors import BadInput
 from ..model.link_state import LinkState
 from .accuracy import simulate_to
@@ -31,6 +32,7 @@ def simulate(
     Diverged when the state leaves the finite numbers or the method gives up, naming the time, and
     BadInput.
     """
+    check_kind("scene", scene, Scene)
     if accuracy is not None:
         return simulate_to(accuracy, scene, lambda one: simulate(one, progress), keep)
     if keep:

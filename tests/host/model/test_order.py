@@ -28,3 +28,21 @@ def test_ground_and_gait_exchanged(call) -> None:
 def test_robot_last() -> None:
     with pytest.raises(sn.BadInput, match="robot is a Ground"):
         sn.steady_gait(GROUND, ROBOT, GAIT)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: sn.simulate(ROBOT), "scene is a Robot; it must be a serpenoid.Scene"),
+        (lambda: sn.simulate_gaits([GAIT], ROBOT), "scene is a list; .* scene, gaits"),
+        (lambda: sn.fit_friction("my-robot"), "session is a str; it must be a serpenoid.Session"),
+        (lambda: sn.compare("my-robot"), "session is a str"),
+        (lambda: sn.advise(GAIT), "session is a Gait"),
+        (lambda: sn.acceleration(GROUND, ROBOT, None, drive=None), "robot is a Ground"),
+        (lambda: sn.acceleration(ROBOT, GROUND, None, drive=None), "state is a NoneType"),
+        (lambda: sn.acceleration(ROBOT, GROUND, ([0] * 8, [0] * 8), drive=GAIT), "drive is a Gait"),
+    ],
+)
+def test_another_kind_is_named(call, said) -> None:
+    with pytest.raises(sn.BadInput, match=said):
+        call()
