@@ -189,9 +189,10 @@ class EitherWave:
 
     def __init__(self, ground: Ground, search: Callable[[Ground], Finder]) -> None:
         self.ground = ground
-        grounds = [ground, ground.turned_round()] if ground.ratchet else [ground]
-        self.searches = [search(one) for one in grounds]
-        self.starts: list[Candidate | None] = [None] * len(grounds)
+        self.searches = [search(ground)]
+        if ground.ratchet:
+            self.searches.append(search(ground.turned_round()))
+        self.starts: list[Candidate | None] = [None] * len(self.searches)
 
     def cheapest(self, speed: float) -> LeastPower:
         """Return the cheapest gait for a speed; raises NotConverged."""
