@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import signal
+# `signal` without its enums, whose import would take milliseconds in which a Ctrl-C still raises.
+import _signal as signal  # type: ignore[import-not-found]
 
 
 def main() -> None:

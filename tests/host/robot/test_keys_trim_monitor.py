@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 import pytest
-from robot.fake_board import FakeBoard, sealed
+from robot.fake_board import FakeBoard, nothing, sealed
 from robot.terminal import Person
 from serpenoid._core import firmware
 from serpenoid.model.errors import RobotLost, StopUnconfirmed
@@ -152,6 +152,11 @@ def monitored() -> tuple[Monitor, VirtualLink, list[str]]:
     return talk, link, shown
 
 
+def type_and_go(talk: Monitor, text: str) -> None:
+    talk._keys = scripted(text)
+    talk.go()
+
+
 def scripted(text: str):
     """Return a keyboard on which a text is typed, then the input's end."""
     left = [*text]
@@ -169,7 +174,7 @@ def verdicts(shown: list[str]) -> list[str]:
 
 def test_commands_are_sent_in_order_and_answered():
     talk, _, shown = monitored()
-    talk.go(scripted("stax\x7ftus\ndance\n\n"), lambda _: None)
+    type_and_go(talk, "stax\x7ftus\ndance\n\n")
     assert verdicts(shown)[:2] == ["ok: #0", "ok: #1"]
     assert verdicts(shown)[2].startswith("err: #2 command")
     assert any(line.startswith("counters: good=2") for line in shown)
@@ -177,7 +182,7 @@ def test_commands_are_sent_in_order_and_answered():
 
 def test_pings_keep_a_gait_going_and_stay_out_of_sight():
     talk, link, shown = monitored()
-    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    type_and_go(talk, "gait 30 80 5\n")
     while link.now_s() < 10:
         talk.step()
     assert link.board.state == "gait"
@@ -191,33 +196,33 @@ def test_pings_keep_a_gait_going_and_stay_out_of_sight():
 
 def test_one_key_stops_before_all_that_waits():
     talk, link, shown = monitored()
-    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    type_and_go(talk, "gait 30 80 5\n")
     for key in [*"pose bent 2", "enter", "!"]:
         talk.press(key)
     for _ in range(3):
         talk.step()
     assert link.board.state == "hold"
     assert any(line.endswith("before it: pose bent 2") for line in shown)
-    talk.go(scripted("pose bent 2\n"), lambda _: None)
+    type_and_go(talk, "pose bent 2\n")
     assert link.board.state == "pose"
 
 
 def test_a_reset_is_told_and_a_session_opened_again():
     talk, link, shown = monitored()
-    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    type_and_go(talk, "gait 30 80 5\n")
     link.board.boot("brownout")
     while link.now_s() < 5:
         talk.step()
     assert link.board.session
     assert len([line for line in shown if "started again" in line]) == 1
     assert any("reset=brownout" in line for line in shown)
-    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    type_and_go(talk, "gait 30 80 5\n")
     assert link.board.state == "gait"
 
 
 def test_a_stop_key_that_is_lost_is_made_good_by_a_stop_that_is_confirmed():
     talk, link, shown = monitored()
-    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    type_and_go(talk, "gait 30 80 5\n")
     write = link.write
     link.write = lambda data: write(data.replace(b"!", b"?"))  # the key is lost on the way
     talk.leave()
@@ -227,7 +232,7 @@ def test_a_stop_key_that_is_lost_is_made_good_by_a_stop_that_is_confirmed():
 
 def test_a_stop_that_is_not_confirmed_is_told():
     talk, link, _ = monitored()
-    talk.go(scripted("gait 30 80 5\n"), lambda _: None)
+    type_and_go(talk, "gait 30 80 5\n")
     read = link.read
     link.read = lambda timeout_s: (read(timeout_s), b"")[1]
     with pytest.raises(StopUnconfirmed):
@@ -238,13 +243,13 @@ def test_damage_is_shown_and_a_verdict_that_never_comes_ends_it():
     talk, link, shown = monitored()
     read, link.read = link.read, lambda timeout_s: read(timeout_s).replace(b"ok: #", b"ok: $")
     with pytest.raises(RobotLost, match="no verdict for 'status'"):
-        talk.go(scripted("status\n"), lambda _: None)
+        type_and_go(talk, "status\n")
     assert any(line.startswith("damaged: b'ok: $") for line in shown)
 
 
 def test_what_the_board_could_not_read_is_not_sent():
     talk, _, shown = monitored()
-    talk.go(scripted(f"{'x' * 90}\nping"), lambda _: None)
+    type_and_go(talk, f"{'x' * 90}\nping")
     assert any("at most 80" in line for line in shown)
     assert "not sent, for want of a line end: ping" in shown
     assert not any(line.startswith("ok: #1") for line in shown)
@@ -257,7 +262,9 @@ def test_a_line_without_end_is_not_kept():
     assert len(talk.typed) == 200
 
 
-def test_another_protocol_ends_the_monitor(serpenoid):
+def test_another_protocol_ends_the_monitor(serpenoid, monkeypatch):
+    monkeypatch.setattr("sys.stdin", None)  # as closed
+
     def newer(line: bytes) -> bytes:
         body = re.sub(rb"protocol=\d+", b"protocol=9", line.rpartition(b" *")[0])
         return sealed(body.decode()) if line.startswith(b"hello:") else line
@@ -301,6 +308,36 @@ def test_monitor_from_a_pipe(any_port):
     assert "counters: good=2" in run.stdout
     assert "err: #2 command - no such command; type help" in run.stdout
     assert "\x1b" not in run.stdout
+
+
+def test_the_stop_key_goes_out_before_the_board_has_greeted():
+    """A board that does not reset when its port is opened may be moving."""
+
+    def deaf_to_hello(line: bytes) -> bytes:
+        return b"" if b"hello" in line else line
+
+    with (
+        FakeBoard(nothing, deaf_to_hello) as fake,
+        Person("monitor", "--port", fake.port) as person,
+    ):
+        person.sees("Ctrl-D stops it and leaves")
+        while not fake.await_state("gait", 0.3):  # it may reset only now
+            fake.board.write(b"set silence off\ngait 30 80 5\n")
+        person.presses("!")
+        assert fake.await_state("hold", 1.0)
+        assert person.leaves() == 1
+        assert person.now == person.before
+        assert "no greeting" in person.screen
+
+
+def test_what_is_typed_before_the_greeting_is_sent_after_it():
+    with FakeBoard() as fake, Person("monitor", "--port", fake.port) as person:
+        person.sees("Ctrl-D stops it and leaves")
+        person.presses("gait 30 80 5\r")
+        person.sees("state: gait why=command")
+        person.presses("\x04")
+        assert person.leaves() == 0
+        assert fake.state == "hold"
 
 
 @pytest.mark.parametrize("how", ["ctrl-c", "ctrl-d", "term"])

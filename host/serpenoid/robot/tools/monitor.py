@@ -36,12 +36,20 @@ class Monitor:
 
     The conversation is a Dialogue: lines are checked both ways, sent again for want of a verdict,
     and pings keep a gait going while the person reads. Commands wait for one another in a thread
-    of their own, so that a key is heard at any time. show takes a line; every: show so many
-    telemetry lines as one.
+    of their own, so that a key is heard at any time, even while the board has not greeted yet.
+    show takes a line; every: show so many telemetry lines as one. redraw shows what is typed.
     """
 
-    def __init__(self, link: Link, show: Callable[[str], None], every: int):
+    def __init__(
+        self,
+        link: Link,
+        show: Callable[[str], None],
+        every: int,
+        keys: Keyboard | None = None,
+        redraw: Callable[[str], None] = lambda _: None,
+    ):
         self._link, self._show, self._every = link, show, every
+        self._keys, self._redraw = keys, redraw
         self._talk = self._new_dialogue()
         self._queue: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # None: no more
         self._sender: threading.Thread | None = None
@@ -53,15 +61,14 @@ class Monitor:
     def open(self, timeout_s: float = GREETING_S) -> None:
         """Wait for the board's greeting and open a session; raise NoAnswer, ProtocolMismatch."""
         self._talk.start()
-        greet(self._talk, timeout_s)
+        self._greet(timeout_s)
         if not self._link.lockstep:
             self._sender = threading.Thread(target=self._send_on, daemon=True)
             self._sender.start()
 
-    def go(self, keys: Keyboard, redraw: Callable[[str], None]) -> None:
-        """Talk until the input ends; redraw shows what is being typed. Raises what ended it."""
-        while self.press(keys(0.0 if self._link.lockstep else HEAR_S)):
-            redraw(self.typed)
+    def go(self) -> None:
+        """Talk until the input ends. Raises what ended the conversation."""
+        while self._hear(0.0 if self._link.lockstep else HEAR_S):
             self.step()
         if self.typed:
             self._show(f"not sent, for want of a line end: {self.typed}")
@@ -97,7 +104,7 @@ class Monitor:
             self._talk.fall_silent()
             self._talk, self._failure = self._new_dialogue(), None
             self._talk.start()
-            greet(self._talk, GREETING_S)
+            self._greet(GREETING_S)
 
     def halt(self) -> None:
         """Stop the robot at once and forget what was still to be sent."""
@@ -119,6 +126,34 @@ class Monitor:
         told = None if farewell.unseen is self._failure else farewell.unseen
         if problem := told or farewell.unstopped:
             raise problem
+
+    def _hear(self, most_s: float) -> bool:
+        """Take the next key, if one comes in time; return False at the end of the input."""
+        if self._keys and not self.press(self._keys(most_s)):
+            self._keys = None
+        self._redraw(self.typed)
+        return self._keys is not None
+
+    def _greet(self, timeout_s: float) -> None:
+        """Wait for the board's greeting with an ear for the keys: a stop does not wait for it."""
+        if self._link.lockstep:
+            greet(self._talk, timeout_s)
+            return
+        failures: list[RobotError] = []
+
+        def wait() -> None:
+            try:
+                greet(self._talk, timeout_s)
+            except RobotError as error:
+                failures.append(error)
+
+        waiting = threading.Thread(target=wait, daemon=True)
+        waiting.start()
+        while waiting.is_alive():
+            if not self._hear(HEAR_S):
+                waiting.join(HEAR_S)
+        if failures:
+            raise failures[0]
 
     def _new_dialogue(self) -> Dialogue:
         return Dialogue(self._link, None, math.inf, self._heard)
@@ -177,8 +212,11 @@ def converse(port: str | None, every: int) -> None:
     Raises PortMissing, PortBusy, NoAnswer, ProtocolMismatch, RobotLost, StopUnconfirmed.
     """
     screen = _Screen()
-    talk = Monitor(open_link(port), screen.show, every)
+    with keyboard() as keys:
+        _converse(Monitor(open_link(port), screen.show, every, keys, screen.tell), screen)
 
+
+def _converse(talk: Monitor, screen: _Screen) -> None:
     def stop() -> None:
         with suppress(RobotError):
             talk.halt()
@@ -189,8 +227,7 @@ def converse(port: str | None, every: int) -> None:
         with suppress(KeyboardInterrupt):
             screen.greet()
             talk.open()
-            with keyboard() as keys:
-                talk.go(keys, screen.tell)
+            talk.go()
     except BaseException:
         guard.held = True
         with suppress(RobotError, OSError):  # the first is the one to tell
