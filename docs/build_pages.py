@@ -148,6 +148,7 @@ def pictures(folder: Path) -> None:
         invoke(
             ["simulate", "--scene", str(LIMPING), "--no-error", "--plot", str(folder / "run.png")]
         )
+        invoke(["figures", "--out", str(OUT / "pages" / "study-of-2005")])
         invoke(["view", "virtual", "--out", str(folder / "virtual.html")])
         invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])
 

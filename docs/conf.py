@@ -20,6 +20,7 @@ exclude_patterns = ["_build", "ext"]
 html_theme = "furo"
 html_title = f"serpenoid {release}"
 html_static_path = ["_static", "generated/static"]
+html_extra_path = ["generated/pages"]
 html_css_files = ["serpenoid.css"]
 html_theme_options = {"top_of_page_buttons": []}
 html_copy_source = False

@@ -34,8 +34,9 @@ Shown = list[tuple[str, str]]  # pictures with their captions
 def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool) -> None:
     """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
 
-    Writes Figs. 6 to 13 and 15 to 17, the cliff of a fragile and a robust gait, a data file beside
-    each, claims.json and index.html. About half a minute.
+    Writes Figs. 6 to 13 and 15 to 17, fronts of least-power and robust gaits, the cliff of a
+    fragile and a robust gait, the robot crawling (SVG; GIF for slides), a data file beside each,
+    claims.json and index.html. About a minute.
     """
     from ..gaits.paper_study import Reading, as_dict
     from ..show.gaits.paper_page import claim_table, write_page
@@ -43,7 +44,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
 
     out.mkdir(parents=True, exist_ok=True)
     reading = Reading(power, angles, speed_along)
-    with progress(6, "figures") as advance:
+    with progress(7, "figures") as advance:
         found, shown = interruptible(lambda: _draw(out, reading, advance))
     values = as_dict(found, reading)
     (out / "claims.json").write_text(json.dumps(finite(values), indent=2) + "\n")
@@ -59,32 +60,46 @@ def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[
     """Compute and draw; return the claims, and the pictures with their captions."""
     from ..gaits import paper_study as study
 
-    comparison = study.compare_formulations()
+    closed = study.compare_formulations("zero")
+    opened = study.compare_formulations("slow_manifold")
     advance(1)
     cloud, front = study.papers_sweep(powers=reading.power != "net"), study.papers_front(reading)
     advance(1)
-    shown = [*_of_time(out, comparison), *_of_optima(out, cloud, front, reading)]
+    shown = [*_crawling(out), *_of_time(out, closed, opened)]
+    shown += _of_optima(out, cloud, front, reading)
     advance(1)
     shown += _of_experiment(out)
     advance(1)
+    shown += _of_robustness(out, study.COSTS[reading.power])
+    advance(1)
     shown += _of_cliffs(out)
     advance(1)
-    claims = study.claims(comparison, front, reading)
+    claims = study.claims(closed, opened, front, reading)
     advance(1)
     return claims, shown
 
 
-def _of_time(out: Path, comparison: Comparison) -> Shown:
+def _crawling(out: Path) -> Shown:
+    from ..gaits import paper_study as study
+    from ..show.gaits import crawl
+
+    found = crawl.crawl(study.OF_2005, study.BINGHAM, study.EXPERIMENT)
+    crawl.write_svg(found, out / "crawl.svg")
+    crawl.write_gif(found, out / "crawl.gif")
+    crawl.write_data(found, out / "crawl.svg")
+    return [("crawl.svg", "The 2005 robot crawling, with slip and forces (crawl.gif for slides)")]
+
+
+def _of_time(out: Path, closed: Comparison, opened: Comparison) -> Shown:
     from ..gaits import paper_study as study
     from ..show import plot
-    from ..show.gaits.paper_figures import errors_in_time
+    from ..show.gaits.paper_figures import errors_in_time, path_data
 
-    errors_in_time(comparison, out / "fig6-7.png")
-    plot.path_and_poses(
-        study.path_run(study.PATH_GAIT, 3),
-        "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s",
-        out / "fig12-13.png",
-    )
+    errors_in_time(closed, opened, out / "fig6-7.png")
+    run = study.path_run(study.PATH_GAIT, 3)
+    title = "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s"
+    plot.path_and_poses(run, title, out / "fig12-13.png")
+    path_data(run, out / "fig12-13.png")
     return [
         ("fig6-7.png", "Figs. 6 and 7: implicit less exact model, tail of three links"),
         ("fig12-13.png", "Figs. 12 and 13: path and six poses of the periodic state"),
@@ -96,14 +111,16 @@ def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Readin
     from ..show.gaits import gait_figures
     from ..show.gaits.paper_figures import power_of
 
+    cost = study.COSTS[reading.power]
+    robust = study.robust_front(study.ROBOT, study.GROUND, study.ROBUST_M_S, cost, samples=256)
     along = [1.0 if reading.speed_along == "mean" else study.along_x(b.gait) for b in front]
-    words = f"six links of 1 kg, 0.12 m; {reading.power} power"
+    words = f"{gait_figures.robot_words(study.ROBOT, study.GROUND)}; {reading.power} power"
     amplitudes = [study.shown_amplitude_deg(b.gait, reading) for b in front]
-    power_of(cloud, front, along, study.COSTS[reading.power], words, out / "fig8.png")
+    power_of(cloud, front, robust, along, cost, words, out / "fig8.png")
     gait_figures.optimum_figure(front, {"beta_deg": 80, "alpha_deg": 30}, words,
                                 out / "fig9-11.png", amplitudes, along)  # fmt: skip
     gait_figures.shape_maps(cloud, 4, f"{words}; ω = 5 rad/s", out / "shapes.png")
-    return [("fig8.png", "Fig. 8: power against speed, and the least"),
+    return [("fig8.png", "Fig. 8: power against speed, the least, and the robust gaits'"),
             ("fig9-11.png", "Figs. 9 to 11: the optimum's rate, lag and amplitude"),
             ("shapes.png", "Speed and cost of transport over the shapes")]  # fmt: skip
 
@@ -114,12 +131,14 @@ def _of_experiment(out: Path) -> Shown:
     from ..calibration.session_file import load_session
     from ..model.gait import Gait
     from ..show import plot
+    from ..show.gaits.paper_figures import friction_data, speed_data
     from .demo import ALPHA_DEG, BETA_DEG, session_folder
 
     session = load_session(session_folder())
     fit = fit_friction(session)
     plot.friction_lines(session, fit, out / "fig15-16.png", "readings regenerated from the lines "
                         "that the paper prints: its own are lost")  # fmt: skip
+    friction_data(session, fit, out / "fig15-16.png")
     gaits = [
         Gait(math.radians(ALPHA_DEG), math.radians(BETA_DEG), 2 * math.pi * f)
         for f in (0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
@@ -127,8 +146,25 @@ def _of_experiment(out: Path) -> Shown:
     points = predict_all(session.setup.robot, fit, gaits)
     plot.speed_against_frequency(points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}°",
                                  out / "fig17.png")  # fmt: skip
+    speed_data(points, out / "fig17.png")
     return [("fig15-16.png", "Figs. 15 and 16: friction along and across the links"),
             ("fig17.png", "Fig. 17: speed against frequency of the 2005 robot")]  # fmt: skip
+
+
+def _of_robustness(out: Path, cost: str) -> Shown:
+    from ..gaits import paper_study as study
+    from ..gaits.least_power import power_front
+    from ..show.gaits.gait_figures import robot_words
+    from ..show.gaits.paper_figures import power_of
+
+    speeds = study.FRONT_2005_M_S
+    found = power_front(study.OF_2005, study.BINGHAM, speeds_m_s=speeds, cost=cost)
+    front = [best for best in found if best is not None]
+    robust = study.robust_front(study.OF_2005, study.BINGHAM, speeds, cost, samples=256)
+    words = f"2005 robot: {robot_words(study.OF_2005, study.BINGHAM)}"
+    cloud = study.cloud_2005(powers=cost != "power")
+    power_of(cloud, front, robust, [1.0] * len(front), cost, words, out / "front-2005.png")
+    return [("front-2005.png", "The 2005 robot on dry ground: least power, and what robust costs")]
 
 
 def _of_cliffs(out: Path) -> Shown:

@@ -22,7 +22,7 @@ from .shape_search import exact_solver
 from .uncertainty import Sample, Uncertainty
 
 SAMPLES = 2048
-_FOR_SHAPE = (4, 2)  # one in so many samples chooses the shape, roughly and finely; all its rate
+_FOR_SHAPE = (4, 1)  # one in so many samples chooses the shape, roughly and finely
 _OF_FRAGILE = 512
 
 
@@ -78,9 +78,9 @@ def robust_gait(
 
     On the ground as it is thought to be the gait makes the wanted speed, m/s, or more. Speeds are
     solved for sampled robots, never linearised: at a cliff their spread is skewed. The shape is
-    chosen by half the samples (those that are slow, by a smoothed percentile), its rate by all of
-    them; the gait is then checked on as many others. Raises BadInput, and NotConverged when no gait
-    will do.
+    chosen by the slow ones among them and a smoothed percentile, its rate by the percentile itself;
+    the gait is then checked on as many others. Raises BadInput, and NotConverged when no gait will
+    do.
     """
     check_number("samples", samples, 20, 65536)
     uncertainty = uncertainty or Uncertainty()

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
 from serpenoid.gaits import paper_study
+from serpenoid.show.gaits import crawl
 
 
 def run(*words: str, code: int = 0):
@@ -102,6 +105,48 @@ def test_the_whole_study(tmp_path: Path) -> None:
     assert verdicts["Fig. 6"] == verdicts["Fig. 8"] == verdicts["Fig. 9"] == "agrees"
     assert verdicts["Fig. 10"] == verdicts["the search"] == "differs"
     page = (tmp_path / "index.html").read_text()
-    for name in ("fig6-7", "fig8", "fig9-11", "fig12-13", "fig15-16", "fig17", "cliff-fragile"):
+    for name in ("fig6-7", "fig8", "fig9-11", "fig12-13", "fig15-16", "fig17", "cliff-fragile",
+                 "front-2005", "shapes"):  # fmt: skip
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
         assert f"{name}.png" in page
+        assert f'"{name}.csv"' in page
+        assert len((tmp_path / f"{name}.csv").read_text().splitlines()) > 5
+    assert (tmp_path / "crawl.gif").read_bytes()[:6] == b"GIF89a"
+    assert "crawl.svg" in page
+    commands = {c["command"] for c in found["claims"]}
+    for command in sorted(c for c in commands if not c.startswith(("figures", "demo"))):
+        run(*command.split(), "--json")
+
+
+def test_a_crawl_closes_in_itself_and_shows_what_the_ground_does(tmp_path: Path) -> None:
+    """The cycle's end is its start, forces add up to what moves the snake, no script in the SVG."""
+    found = crawl.crawl(paper_study.OF_2005, paper_study.BINGHAM, paper_study.EXPERIMENT)
+    for values in (found.x_m, found.y_m, found.theta_rad, found.slip_m_s):
+        assert values[-1] == pytest.approx(values[0], abs=2e-4)
+    assert found.way_m == pytest.approx(0.204, rel=0.01)
+    assert abs(found.force_n.sum(axis=1)[:-1].mean(axis=0)).max() < 2e-3
+    grip = paper_study.BINGHAM.fn0
+    tangent = np.stack([np.cos(found.theta_rad), np.sin(found.theta_rad)], axis=2)
+    normal = np.stack([-tangent[..., 1], tangent[..., 0]], axis=2)
+    across = (found.force_n * normal).sum(axis=2)
+    assert np.abs(across[found.stuck]).max() <= 1.001 * grip
+    sliding = np.abs(found.slip_m_s) > 1e-3
+    assert (across[sliding] * found.slip_m_s[sliding] < 0).all()
+    assert found.stuck.any()
+    assert sliding.any()
+    crawl.write_svg(found, tmp_path / "c.svg")
+    svg = (tmp_path / "c.svg").read_text()
+    ElementTree.fromstring(svg)
+    assert "<script" not in svg
+    assert svg.count('class="force"') == svg.count('class="wheel"') == 6
+
+
+def test_the_start_explains_fig_6() -> None:
+    """Closed gaps ring and double the error; both starts settle to errors of the same size."""
+    closed = paper_study.compare_formulations("zero")
+    opened = paper_study.compare_formulations("slow_manifold")
+    first, other = (np.abs(c.theta_error_rad) for c in (closed, opened))
+    assert first.max() == pytest.approx(1.70e-3, rel=0.01)
+    assert closed.t_s[first.argmax()] == pytest.approx(0.031, abs=0.002)
+    assert other.max() == pytest.approx(0.869e-3, rel=0.01)
+    assert first[closed.t_s > 8].max() == pytest.approx(other[opened.t_s > 8].max(), rel=0.05)

@@ -126,7 +126,7 @@ def optimum_figure(
                             xytext=(0, 4), textcoords="offset points")  # fmt: skip
             ax.set(xlabel="speed (m/s)", title=name)
             ax.set_ylim(0, 1.15 * max(*values, stated or 0))
-        fig.suptitle(title, fontsize=10)
+        fig.suptitle(title, fontsize=9, color=GREY)
         fig.savefig(path)
     rows = [list(row) for row in zip(speed, *[values for _, values, _ in parts], strict=True)]
     write_csv(beside(path), ["speed_m_s", "omega_rad_s", "beta_deg", "alpha_deg"], rows)
@@ -140,14 +140,17 @@ def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
     alpha, beta = np.degrees(found.alpha_rad), np.degrees(found.beta_rad)
     parts = (("speed (m/s)", speed), ("net power over speed (N)", cost))
     least = float(np.nanmin(cost))
-    scales = (np.linspace(0, speed.max(), 17), least * np.geomspace(1, 16, 17).round(2))
+    scales = (np.linspace(0, speed.max() * 1.0001, 17), least * np.geomspace(1, 16, 17))
     with figure(9.6, 4.0, 2) as (fig, axes):
         for ax, (name, values), levels in zip(axes, parts, scales, strict=True):
-            shade = ax.contourf(alpha, beta, values.T, levels, cmap="cividis", extend="max")
-            fig.colorbar(shade, ax=ax)
+            past = np.nanmax(values) > levels[-1]
+            shade = ax.contourf(
+                alpha, beta, values.T, levels, cmap="cividis", extend="max" if past else "neither"
+            )
+            fig.colorbar(shade, ax=ax, ticks=levels[::4], format="%.3g")
             ax.set(xlabel="α (deg)", ylabel="β (deg)", title=name)
             ax.grid(visible=False)
-        fig.suptitle(title, fontsize=10)
+        fig.suptitle(title, fontsize=9, color=GREY)
         fig.savefig(path)
     rows = [
         [a, b, speed[i, j], power[i, j]]

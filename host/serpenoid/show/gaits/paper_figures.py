@@ -9,57 +9,111 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...calibration.friction_fit import friction_points, point_errors
 from ...periodic.sweep import Sweep
-from ..plot import BLUE, GREY, RED, figure
+from ..plot import BLUE, GREY, RED, along_travel, figure
 from ..report import write_csv
 from .gait_figures import beside
 
 if TYPE_CHECKING:
+    from ...calibration.friction_result import FrictionFit
+    from ...calibration.prediction import SpeedPoint
+    from ...calibration.session import Session
     from ...gaits.least_power import LeastPower
     from ...gaits.paper_study import Comparison
+    from ...gaits.robust import RobustGait
+    from ...simulation.run import Run
 
 
-def errors_in_time(found: Comparison, path: Path) -> None:
+def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
     """Draw how far the implicit model is off the exact one in time (Figs. 6 and 7)."""
-    speed = np.hypot(*found.velocity_error_m_s.T)
     with figure(9.6, 3.6, 2) as (fig, (left, right)):
-        left.plot(found.t_s, 1e3 * found.theta_error_rad, color=BLUE, lw=1.2)
+        for found, colour, style, name in (
+            (closed, RED, "-", "all gaps closed at first (the paper)"),
+            (opened, BLUE, "--", "gaps opened by the forces at first"),
+        ):
+            speed = np.hypot(*found.velocity_error_m_s.T)
+            left.plot(found.t_s, 1e3 * found.theta_error_rad, style, color=colour, lw=1.0,
+                      label=name)  # fmt: skip
+            right.semilogy(found.t_s, np.maximum(speed, 1e-6), style, color=colour, lw=0.9)
         left.set(xlabel="t (s)", ylabel="1e-3 rad", title="angle of the tail (Fig. 6)")
-        right.semilogy(found.t_s, np.maximum(speed, 1e-9), color=RED, lw=1.0)
+        left.set_ylim(-1.9, 2.4)
+        left.legend(loc="upper right", fontsize=8)
         right.set(xlabel="t (s)", ylabel="m/s", title="velocity of the tail (Fig. 7)")
         fig.suptitle(
-            "three links, α = 30°, β = 90°, ω = 3 rad/s; k = 1000 N/m, c = 1 N s/m, RK4 of 1 ms",
+            "implicit less exact model: three links of 1 kg, 0.12 m; α = 30°, β = 90°, ω = 3 rad/s;"
+            " k = 1000 N/m, c = 1 N s/m, RK4 of 1 ms",
             fontsize=9, color=GREY,
         )  # fmt: skip
         fig.savefig(path)
-    rows = np.column_stack([found.t_s, found.theta_error_rad, found.velocity_error_m_s]).tolist()
-    header = ["t_s", "theta_error_rad", "vx_error_m_s", "vy_error_m_s"]
-    write_csv(beside(path), header, rows)
+    rows = np.column_stack([
+        closed.t_s, closed.theta_error_rad, closed.velocity_error_m_s, opened.theta_error_rad,
+        opened.velocity_error_m_s,
+    ])  # fmt: skip
+    names = ("theta_error_rad", "vx_error_m_s", "vy_error_m_s")
+    header = ["t_s", *(f"{gaps}_{name}" for gaps in ("closed", "opened") for name in names)]
+    write_csv(beside(path), header, rows[::2].tolist())
 
 
 def power_of(
-    cloud: Sweep, front: Sequence[LeastPower], along: Sequence[float], cost: str, title: str,
-    path: Path,
+    cloud: Sweep, front: Sequence[LeastPower], robust: Sequence[RobustGait],
+    along: Sequence[float], cost: str, title: str, path: Path,
 ) -> None:  # fmt: skip
-    """Draw the power of all gaits against speed, and the least (Fig. 8).
+    """Draw the power of all gaits against speed, the least (Fig. 8), and the robust gaits'.
 
-    along: what part of each optimum's speed counts. cost: a power's name.
+    along: what part of each optimum's speed counts. cost: a power's name. A robust gait stands at
+    the speed that was wanted, which 95 % of the robots that may be real keep to nine tenths.
     """
     watts = getattr(cloud, f"{cost}_w")
-    good = cloud.converged & (cloud.speed_m_s > 1e-3)
+    good = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
     speed = [b.speed_m_s * part for b, part in zip(front, along, strict=True)]
-    with figure(7.2, 4.8) as (fig, ax):
+    wanted = [b.wanted_m_s for b in robust]
+    with figure(7.2, 5.0) as (fig, ax):
         ax.scatter(cloud.speed_m_s[good], watts[good], s=2, color="#b0b0b0", lw=0,
                    rasterized=True, label=f"{int(good.sum())} gaits of the grid")  # fmt: skip
         ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label="least power")
-        ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log",
-               title=f"{title} (Fig. 8)")  # fmt: skip
+        if robust:
+            extra = [max(100 * b.premium, 0.0) for b in robust]
+            told = f"robust: {min(extra):.0f} to {max(extra):.0f} % more"
+            ax.plot(wanted, [b.power_w for b in robust], "s--", color=RED, mfc="white", ms=5,
+                    lw=1.2, label=told)  # fmt: skip
+        ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         ax.legend(loc="upper left")
+        fig.suptitle(title, fontsize=9, color=GREY)
         fig.savefig(path)
     rows = [
-        [v, b.power_w, math.degrees(b.gait.alpha_rad), math.degrees(b.gait.beta_rad),
+        [kind, v, b.power_w, math.degrees(b.gait.alpha_rad), math.degrees(b.gait.beta_rad),
          b.gait.omega_rad_s]
-        for v, b in zip(speed, front, strict=True)
+        for kind, speeds, found in (("least", speed, front), ("robust", wanted, robust))
+        for v, b in zip(speeds, found, strict=True)
     ]  # fmt: skip
-    header = ["speed_m_s", f"{cost}_w", "alpha_deg", "beta_deg", "omega_rad_s"]
+    header = ["kind", "speed_m_s", f"{cost}_w", "alpha_deg", "beta_deg", "omega_rad_s"]
     write_csv(beside(path), header, rows)
+
+
+def path_data(run: Run, path: Path) -> None:
+    """Write the data of Figs. 12 and 13: every link in time, along the mean way of travel."""
+    run, n = along_travel(run), run.scene.robot.links
+    names = [f"{what}{i + 1}_{unit}" for what, unit in (("x", "m"), ("y", "m"), ("theta", "rad"))
+             for i in range(n)]  # fmt: skip
+    rows = np.column_stack([run.t_s, run.x_m, run.y_m, run.theta_rad]).tolist()
+    write_csv(beside(path), ["t_s", *names], rows)
+
+
+def friction_data(session: Session, fit: FrictionFit, path: Path) -> None:
+    """Write the points of Figs. 15 and 16 with their errors, and the fitted lines at them."""
+    points, errors, whole = friction_points(session, fit), point_errors(session), fit.whole_snake
+    rows = []
+    for part, slope, rest in (("straight", "ct", "ft0"), ("bent", "cn", "fn0")):
+        columns = (*points[part], *errors[part], whole[slope] * points[part][0] + whole[rest])
+        rows += [[part, *row] for row in zip(*(c.tolist() for c in columns), strict=True)]
+    write_csv(
+        beside(path),
+        ["part", "speed_m_s", "force_n", "speed_sigma_m_s", "force_sigma_n", "line_n"], rows,
+    )  # fmt: skip
+
+
+def speed_data(points: Sequence[SpeedPoint], path: Path) -> None:
+    """Write the points of Fig. 17."""
+    rows = [list(point.to_dict().values()) for point in points]
+    write_csv(beside(path), list(points[0].to_dict()), rows)
