@@ -200,7 +200,8 @@ class Scene:
             raise BadInput(f"start has {self.start.links} links, the robot has {self.robot.links}")
         if self.start == "steady" and (self.drive != "angle" or self.limp or self.locked):
             raise BadInput(
-                "start 'steady' needs drive 'angle' and sound joints; give a LinkState instead"
+                "start 'steady' needs drive 'angle' and sound joints; give a LinkState, or take "
+                "start 'zero_momentum'"
             )
 
     @property
