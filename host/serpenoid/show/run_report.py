@@ -74,6 +74,8 @@ def _error_rows(error: RunError) -> list[list[str]]:
 
 
 def _share(relative: float) -> str:
+    if math.isinf(relative):
+        return "of what should rest"
     return "of nothing: at rest" if math.isnan(relative) else f"{relative:+.2g}"
 
 

@@ -11,7 +11,8 @@ class Difference:
     """Hold the largest differences between two runs over their common recorded times.
 
     position_m: of any link's centre. angle_rad: of any link. mean_speed: of the centre of mass from
-    start to end, relative to the other run (nan if that gets nowhere).
+    start to end, relative to the other run: nan where both rest, inf where only the other does. A
+    run rests that goes less than 1e-4 of its body's length a period.
     """
 
     position_m: float

@@ -31,6 +31,7 @@ _TOO_LITTLE = 1e-3  # for the finest run to be far off, when it differs by no mo
 _FAR = 0.1  # body lengths and radians that a warning names
 _BELIEVED = 0.01  # body lengths and radians
 _CHAOS = 1e4  # times its tolerance: what a smooth motion of a few cycles does not make of it
+_RESTS = 1e-4  # body lengths a period: a robot that goes less has no speed worth a share
 _UNKNOWN = Difference(math.inf, math.inf, math.inf)
 
 
@@ -68,9 +69,19 @@ def _apart(run: Run, other: Run) -> tuple[Array, Array, Array]:
 def difference(run: Run, other: Run) -> Difference:
     """Return how far two runs are apart at the times that both recorded."""
     _, position, angle = _apart(run, other)
-    goes = other.travel_m
-    speed = (run.travel_m - goes) / goes if goes > 0 else math.nan
-    return Difference(float(position.max()), float(angle.max()), speed)
+    return Difference(float(position.max()), float(angle.max()), _share_of_speed(run, other))
+
+
+def _share_of_speed(run: Run, other: Run) -> float:
+    """Return by what share of the other's mean speed a run's differs; nan where both rest."""
+    if _rests(other):
+        return math.nan if _rests(run) else math.inf
+    return (run.travel_m - other.travel_m) / other.travel_m
+
+
+def _rests(run: Run) -> bool:
+    periods = run.t_s[-1] / run.scene.gait.period_s
+    return bool(run.travel_m <= _RESTS * periods * run.scene.robot.body_length_m)
 
 
 def _believed_s(run: Run, other: Run) -> float:
@@ -140,13 +151,8 @@ def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
     scene, found = run.scene, []
     if not error.settled:
         found.append(_unsettled(run, error))
-    if error.modelling is not None and abs(error.modelling.mean_speed) > _PRESENT_AT:
-        percent = 100 * error.modelling.mean_speed
-        found.append(
-            f"the springs (k = {scene.joint_stiffness_n_m:g} N/m) change the mean speed by "
-            f"{percent:+.2g} %; the error falls as 1/k: take k = "
-            f"{scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %, or formulation 'explicit'"
-        )
+    if error.modelling is not None:
+        found += _springs_too_soft(scene, error.modelling)
     found += _steps_too_long(run, error.integration)
     if scene.law == "dry" and scene.method != "nonsmooth":
         found.append(
@@ -161,10 +167,30 @@ def warnings_of(run: Run, error: RunError) -> tuple[str, ...]:
     return tuple(found)
 
 
+def _springs_too_soft(scene: Scene, off: Difference) -> list[str]:
+    """Return what the springs do to the mean speed, where it is much."""
+    springs = f"the springs (k = {scene.joint_stiffness_n_m:g} N/m)"
+    if off.mean_speed == math.inf:
+        return [
+            f"{springs} move a robot that rests in the exact model; take formulation 'explicit'"
+        ]
+    if not abs(off.mean_speed) > _PRESENT_AT:
+        return []
+    percent = 100 * off.mean_speed
+    return [
+        f"{springs} change the mean speed by {percent:+.2g} %; the error falls as 1/k: take k = "
+        f"{scene.joint_stiffness_n_m * abs(percent):.1g} N/m for 1 %, or formulation 'explicit'"
+    ]
+
+
 def _steps_too_long(run: Run, off: Difference) -> list[str]:
     """Return what the time steps do to a run, where it is much."""
     take = "take a smaller " + ("tolerance" if run.scene.adaptive else "dt_s")
-    if not abs(off.mean_speed) <= _PRESENT_AT and run.travel_m > 0:
+    if math.isinf(off.position_m):  # no finer run came to its end, which is told already
+        return []
+    if off.mean_speed == math.inf:
+        return [f"the time steps move a robot that rests; {take}"]
+    if abs(off.mean_speed) > _PRESENT_AT:
         percent = 100 * abs(off.mean_speed)
         return [f"the time steps change the mean speed by about {percent:.2g} %; {take}"]
     if not off.size(run.scene.robot.body_length_m) <= _FAR:

@@ -75,7 +75,7 @@ def test_the_core_refuses_a_start_of_another_size(size):
         _core.run(core_request(SCENE), np.zeros(size), None)
     with pytest.raises(ValueError, match="links"):
         _core.evaluate(core_request(SCENE), np.zeros(size), np.zeros(2))
-    with pytest.raises(ValueError, match="drive"):
+    with pytest.raises(ValueError, match="value a joint"):
         _core.evaluate(core_request(SCENE), np.zeros(18), np.zeros(size))
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 import serpenoid as sn
-from serpenoid.simulation.error import Difference
-from serpenoid.simulation.judge import difference
+from serpenoid.simulation.error import Difference, RunError
+from serpenoid.simulation.judge import difference, warnings_of
 
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
@@ -157,3 +157,26 @@ def test_an_accuracy_out_of_reach_is_refused() -> None:
 def test_runs_that_agree_have_no_difference() -> None:
     run = sn.simulate(SCENES["plain"])
     assert difference(run, run) == Difference(0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("asked", [{"incline_rad": 0.017}, {"method": "rk4"}])
+def test_a_robot_at_rest_has_no_share_of_its_speed_to_be_off(asked):
+    still = sn.Gait(0.0, 1.4, 5.0)
+    scene = sn.Scene(
+        ROBOT_2005, GROUND_2005, still, duration_s=3.0, formulation="implicit", **asked
+    )
+    run = sn.simulate(scene)
+    assert math.isnan(run.error_estimate.integration.mean_speed)
+    assert math.isnan(run.error_estimate.modelling.mean_speed)
+    assert not [warning for warning in run.warnings if "mean speed" in warning]
+
+
+def test_what_moves_a_robot_that_should_rest_is_named():
+    going = sn.simulate(SCENES["dry"])
+    resting = sn.simulate(replace(SCENES["dry"], gait=sn.Gait(0.0, 1.4, 5.0)))
+    off = difference(going, resting)
+    assert off.mean_speed == math.inf
+    assert difference(resting, going).mean_speed == pytest.approx(-1)
+    said = warnings_of(going, RunError(off, off, ""))
+    assert "the springs (k = 1000 N/m) move a robot that rests in the exact model" in said[0]
+    assert said[1].startswith("the time steps move a robot that rests")
