@@ -110,7 +110,7 @@ def change_of(text: str, path: Path) -> Table:
 
 def _rows(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[tuple[Row, str]]:
     """Yield the whole lines below the header as dictionaries, and where each stands."""
-    text = read_text(path)
+    text = _text(path, columns)
     lines = text.split("\n")
     if lines[-1].strip():
         notes.append(
@@ -125,11 +125,25 @@ def _rows(path: Path, columns: tuple[str, ...], notes: list[str]) -> Iterator[tu
         )
     check_names(header, columns, f"{path}:1", "column")
     for number, line in enumerate(lines[1:-1], 2):
-        if not line.strip() or "\0" in line or line.rstrip("\r").endswith(TORN):
-            continue
         where = f"{path}:{number}"
+        if not line.strip() or line.endswith(TORN):
+            continue
+        if "\0" in line:
+            notes.append(f"{where}: damaged (zero bytes, as after a power cut), and does not count")
+            continue
         with located(where):
             yield _row(header, line), where
+
+
+def _text(path: Path, columns: tuple[str, ...]) -> str:
+    """Return the text of one of a session's files, which is there and has its first line."""
+    backup = f"take it from a backup; if there is none, its first line is {','.join(columns)}"
+    if not path.exists():
+        raise BadInput(f"{path}: not there, but it belongs to the session; {backup}")
+    text = read_text(path)
+    if not text.strip():
+        raise BadInput(f"{path}: the file is empty; {backup}")
+    return text
 
 
 def _cells(line: str) -> list[str]:

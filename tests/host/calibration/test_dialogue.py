@@ -117,6 +117,26 @@ def test_skip_and_its_undoing(folder):
     assert [e.event for e in read_events(folder)] == ["skip", "skip", "unskip"]
 
 
+def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):
+    from serpenoid.calibration.taking import journal as module
+
+    talk(folder, *ZERO, "", *STATION)
+    monkeypatch.setattr(module, "utc_now", lambda: "2001-02-03T04:05:06.007Z")
+    heard, session = talk(folder, "", "skip", "undo")
+    assert "no longer left out: station 0" in heard
+    assert len(session.kept) == 1
+
+
+def test_ctrl_c_says_that_all_is_kept(folder):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    person = Person(*ZERO, interrupt)
+    with Journal(folder) as journal, pytest.raises(KeyboardInterrupt):
+        Dialogue(journal, person).run()
+    assert "Everything read so far is kept" in person.heard
+
+
 def test_pause_note_status_help_and_quit(folder):
     heard, _ = talk(folder, *ZERO, "note warm room", "status", "help", "pause", "", "quit", "2.0")
     assert "zero before    done" in heard
@@ -142,7 +162,7 @@ def test_a_full_disk_is_told_and_the_next_reading_kept(folder, monkeypatch):
 
     monkeypatch.setattr(module, "append_line", append)
     heard, session = talk(folder, *ZERO, *ZERO)
-    assert "No space left on device: this reading is not saved, all earlier ones are" in heard
+    assert "No space left on device: this is not saved, all before it is" in heard
     assert len(session.zeros) == 1
 
 

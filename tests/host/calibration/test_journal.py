@@ -160,7 +160,7 @@ def test_a_full_disk_leaves_every_earlier_reading_and_nothing_half_written(folde
         soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
         resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) + 10, hard))
         try:
-            with pytest.raises(RecordingFailed, match="not saved, all earlier ones are; make room"):
+            with pytest.raises(RecordingFailed, match="not saved, all before it is; make room"):
                 journal.add("station", STATION)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))

@@ -190,7 +190,7 @@ def test_other_damage_is_told(folder):
     with pytest.raises(BadInput, match="semicolons; a spreadsheet did that"):
         load_session(folder)
     path.write_text("")
-    with pytest.raises(BadInput, match="no column reading"):
+    with pytest.raises(BadInput, match="the file is empty"):
         load_session(folder)
 
 
@@ -224,3 +224,22 @@ def test_amendments_are_read_strictly(folder):
         path.write_text(",".join(EVENT_COLUMNS) + "\n" + event("amend", detail=detail))
         with pytest.raises(BadInput, match=says):
             read_session(folder)
+
+
+def test_what_is_not_there_or_empty_has_a_way_on(folder):
+    for name in ("readings.csv", "events.csv"):
+        whole = (folder / name).read_text()
+        (folder / name).write_text("")
+        with pytest.raises(BadInput, match="the file is empty; take it from a backup"):
+            read_session(folder)
+        (folder / name).unlink()
+        with pytest.raises(BadInput, match="not there, but it belongs to the session; take it"):
+            read_session(folder)
+        (folder / name).write_text(whole)
+
+
+def test_zero_bytes_after_a_power_cut_are_told(folder):
+    append(folder, reading(1), "2,station\0\0\0\0\n", reading(3))
+    session = read_session(folder)
+    assert [r.number for r in session.kept] == [1, 3]
+    assert any(":3: damaged (zero bytes" in note for note in session.notes)

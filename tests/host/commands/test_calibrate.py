@@ -181,3 +181,12 @@ def test_a_sheet_with_one_bad_row_adds_nothing(folder, tmp_path, serpenoid, text
     status, _, err = serpenoid("calibrate", "add", str(folder), "--sheet", str(path))
     assert (status, says in err) == (2, True), err
     assert (folder / "readings.csv").read_bytes() == before
+
+
+def test_a_mistyped_command_is_no_folder(serpenoid, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    status, _, err = serpenoid("calibrate", "statsu", "session")
+    assert status == 2
+    assert "no session and no command 'statsu'; 'status'?" in err
+    (tmp_path / "statsu").mkdir()
+    assert "no session here" in serpenoid("calibrate", "statsu")[2]

@@ -145,7 +145,9 @@ class Journal:
             os.pwrite(self._lock, f"{os.getpid()}\n".encode(), 0)
         except OSError as error:
             self._release()
-            raise _full(path, error) from error
+            raise RecordingFailed(
+                f"{path}: {error.strerror}: nothing could be kept; make room on the disk first"
+            ) from error
 
     def _release(self) -> None:
         if self._lock >= 0:
@@ -200,6 +202,6 @@ def append_line(path: Path, line: str) -> None:
 
 def _full(path: Path, error: OSError) -> RecordingFailed:
     return RecordingFailed(
-        f"{path}: {error.strerror}: this reading is not saved, all earlier ones are; make room on "
-        "the disk, then type it again"
+        f"{path}: {error.strerror}: this is not saved, all before it is; make room on the disk, "
+        "then type it again"
     )

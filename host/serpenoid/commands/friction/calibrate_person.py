@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...model.errors import SerpenoidError
+from ...model.errors import RecordingFailed, SerpenoidError
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
@@ -24,7 +24,7 @@ def with_a_person(
 
     window: whether to open one for the picture; None where there is a display.
     """
-    from contextlib import ExitStack
+    from contextlib import ExitStack, suppress
 
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.dialogue import Dialogue, held_dialogue
@@ -51,7 +51,8 @@ def with_a_person(
             told.append(_page(stack, journal, seat, lan, console))
         dialogue = Dialogue(journal, console, seat, _each(told), patience_s)
         well = held_dialogue(dialogue, console)
-        journal.event("end")
+        with suppress(RecordingFailed):  # a full disk was told of already
+            journal.event("end")
     if not well:
         raise SystemExit(1)
     return None

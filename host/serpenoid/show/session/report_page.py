@@ -225,7 +225,12 @@ def _told(events: Sequence[Event]) -> list[str]:
     names = {"note": "noted", "amend": "amended", "skip": "left out", "void": "voided",
              "restore": "restored", "undo": "undone"}  # fmt: skip
     rows = [
-        [e.time_utc[:16].replace("T", " "), names[e.event], str(e.reading or ""), e.detail]
+        [
+            e.time_utc[:16].replace("T", " "),
+            names[e.event],
+            str(e.reading or "") if e.event != "skip" else "",
+            e.detail,
+        ]
         for e in events
         if e.event in names
     ]

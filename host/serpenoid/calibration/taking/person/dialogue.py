@@ -22,6 +22,7 @@ from .typed import read_typed, span
 from .words import Again, Left, Values, Words
 
 PATIENCE_S = 300.0
+LEFT = "Left. Everything read so far is kept; the same command goes on from here."
 Told = Callable[[Session, Step], None]
 
 
@@ -56,7 +57,10 @@ class Dialogue:
             while self._one_step():
                 pass
         except (Left, EOFError):
-            self.say("Left. Everything read so far is kept; the same command goes on from here.")
+            self.say(LEFT)
+        except KeyboardInterrupt:
+            self.say(f"\n{LEFT}")
+            raise
         finally:
             self._let_go()
 

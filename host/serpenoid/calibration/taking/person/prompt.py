@@ -62,6 +62,7 @@ class Console:
             else:
                 tick()
         if self._ended and not self._pending:
+            print(flush=True)
             raise EOFError
         line, _, self._pending = self._pending.partition(b"\n")
         if not sys.stdin.isatty():

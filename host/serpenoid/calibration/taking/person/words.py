@@ -90,7 +90,7 @@ class Words:
         raise Left
 
     def _skip(self, rest: str, step: Step) -> None:
-        self._journal.event("skip", detail=step.key)
+        self._journal.event("skip", max(self._journal.numbers, default=0), step.key)
         self._talk.say(f"  left out: {step.key}")
         raise Again
 
@@ -175,11 +175,13 @@ class Words:
         return int(text)
 
     def _last_skip(self) -> str:
-        """Return the step that was left out since the last reading, "" if none was."""
-        rows = reading_rows(self._journal.folder)
-        since = rows[-1]["time_utc"] if rows else ""
+        """Return the step that was left out since the last reading, "" if none was.
+
+        By the number of that reading, which `skip` keeps: clocks may be set back.
+        """
+        last = max(self._journal.numbers, default=0)
         skipped = skipped_keys(self._journal.events)
-        late = [e for e in self._journal.events if e.event == "skip" and e.time_utc > since]
+        late = [e for e in self._journal.events if e.event == "skip" and e.reading == last]
         return next((e.detail for e in reversed(late) if e.detail in skipped), "")
 
     def _last_kept(self) -> int:

@@ -1,0 +1,83 @@
+"""People who type anything: no word at any prompt breaks the dialogue or loses a reading."""
+
+import random
+import re
+import shutil
+from collections import deque
+
+import pytest
+from calibration.test_dialogue import Person
+from serpenoid.calibration.session_file import read_session
+from serpenoid.calibration.session_rows import reading_rows
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.calibration.taking.person.dialogue import Dialogue
+
+WORDS = (
+    "undo", "redo", "redo 2", "redo 99", "void 1", "void 3 slipped, badly", "void", "restore 1",
+    "skip", "pause", "note", 'note a "remark", with ; and \x00 and \u2028', "status", "help", "?",
+    "quit", "QUIT", "u", "redo -1", "void 1e3", "restore ²",
+)  # fmt: skip
+NONSENSE = (
+    "", " ", "nan", "inf", "-inf", "1e400", "0x10", "1,2,3", "1;2", "--5", "5 parsecs", "%", "é",
+    "\x1b[A", "[b]", "0", "-0", "9" * 400, "y", "n", "k", "2.3.4", "+", ",", ".", "½",
+)  # fmt: skip
+FITTING = (
+    "2",
+    "2.3",
+    "2,6",
+    "4 %",
+    "0.3",
+    "0.5 m/s",
+    "1.8 km/h",
+    "165",
+    "150",
+    "120",
+    "1.0",
+    "9.5",
+)
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory):
+    return create_session(tmp_path_factory.mktemp("fuzz") / "session", default_setup("made up"))
+
+
+def talk(folder, lines):
+    """Return what was heard; whatever was said to be kept is on the disk."""
+    person = Person(*lines)
+    with Journal(folder) as journal:
+        Dialogue(journal, person, patience_s=5).run()
+    kept = [int(n) for n in re.findall(r"kept as reading (\d+)", person.heard)]
+    there = [int(row["reading"]) for row in reading_rows(folder)]
+    assert set(kept) <= set(there)
+    assert there == sorted(set(there))
+    read_session(folder)
+    return person.heard
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_anything_at_any_prompt(begun, tmp_path, seed):
+    folder = shutil.copytree(begun, tmp_path / "session")
+    made = random.Random(seed)
+    lines = []
+    for _ in range(150):
+        pool = made.choices((WORDS, NONSENSE, FITTING), (1, 1, 4))[0]
+        lines.append(made.choice([w for w in pool if w.lower() != "quit"]))
+    heard = talk(folder, lines)
+    assert "Everything read so far is kept" in heard or "all of the plan is done" in heard
+
+
+ROAD = (
+    "0.1", "-0.1", "", "2.0", "0.2", "", "", "2.3", "0.5", "", "", "skip", "2.9", "1.05", "", "",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_every_word_at_every_prompt(begun, tmp_path, word):
+    for prompt in range(len(ROAD)):
+        folder = shutil.copytree(begun, tmp_path / f"session{prompt}")
+        lines = deque(ROAD[:prompt])
+        lines.extend((word, "", "quit"))
+        heard = talk(folder, lines)
+        assert heard.count("Everything read so far is kept") == 1
