@@ -57,12 +57,14 @@ def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> No
 
 
 def _gait_words(gait: Gait) -> str:
+    bent = f", bent by {math.degrees(gait.offset_rad):.3g}°" if gait.offset_rad else ""
     return (f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
-            f"ω = {gait.omega_rad_s:.3g} rad/s")  # fmt: skip
+            f"ω = {gait.omega_rad_s:.3g} rad/s{bent}")  # fmt: skip
 
 
 def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
     from ..show.pages.view_page import of_run
+    from ..show.run_figure import scene_words
     from ..simulation.scene_file import load_scene
     from ..simulation.simulate import simulate
 
@@ -70,8 +72,7 @@ def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str,
         raise click.UsageError("a scene file has its own robot and ground; leave the options out")
     scene = load_scene(path)
     run = interruptible(lambda: simulate(scene))
-    about = (f"{_gait_words(scene.gait)}; {scene.robot.links} links, {scene.formulation} model, "
-             f"method {scene.method}")  # fmt: skip
+    about = scene_words(scene).replace("\n", "; ")
     return scene.gait, path.stem.replace("_", " "), about, of_run(run)
 
 

@@ -33,18 +33,19 @@ def draw_run(run: Run, path: Path) -> None:
         if ledger:
             _energy(axes[2], run)
         axes[-1].set_xlabel("time (s)")
-        fig.suptitle(_about(run.scene), fontsize=9, color=GREY, ha="left", x=0.01)
+        fig.suptitle(scene_words(run.scene), fontsize=9, color=GREY, ha="left", x=0.01)
         fig.savefig(path)
 
 
-def _about(scene: Scene) -> str:
+def scene_words(scene: Scene) -> str:
     """Say what was run: robot, gait, drive, start, slope, faults, model, method."""
     robot, gait = scene.robot, scene.gait
     start = scene.start if isinstance(scene.start, str) else "a given state"
     parts = [
         f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m",
         f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
-        f"ω = {gait.omega_rad_s:.3g} rad/s",
+        f"ω = {gait.omega_rad_s:.3g} rad/s"
+        + (f", bent by {math.degrees(gait.offset_rad):.3g}°" if gait.offset_rad else ""),
     ]
     if scene.incline_rad:
         parts.append(f"slope of {math.degrees(scene.incline_rad):.3g}°")

@@ -95,7 +95,7 @@ def constants(scene: Scene, motion: Motion) -> dict[str, Any]:
         "link_length_m": scene.robot.link_length_m,
         "period_s": scene.gait.period_s,
         "dry": bool(scene.ground.fn0 > 0),
-    }
+    } | ({"uphill_rad": scene.incline_direction_rad} if scene.incline_rad else {})
 
 
 def rows(scene: Scene, motion: Motion) -> dict[str, Any]:
