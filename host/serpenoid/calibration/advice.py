@@ -1,7 +1,8 @@
 """Which reading to take next: the one that shrinks the speeds' bands most, by the fit's own sums.
 
-A reading that is yet to be taken is put beside the others at its expected value: its row of the
-Jacobian adds to the information, a bend not set before brings its own offset with it. Of speed, the
+A reading that is yet to be taken is put beside the others at its expected value, at an incline that
+the treadmill can be set to: its row of the Jacobian adds to the information, a bend set anew brings
+its own offset with it, a set point read again its rounding error. Of speed, the
 sampled frictions give the share that goes with friction linearly (a regression of sampled speeds,
 not a tangent); the new covariance says what is left of it. A gait run tells of its own speed, but
 for the joints' amplitude, which it shares with the gaits that matter.
@@ -21,16 +22,18 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from .comparison import AMPLITUDE_SIGMA
 from .fitting.data import FitData, Floats
-from .fitting.joint import PARAMETERS, Minimum, jacobian, minimise, starting_point
+from .fitting.joint import PARAMETERS, jacobian, starting_point
+from .fitting.rounding import nearest_shown
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
-from .session import Session
+from .session import Reading, Session
 from .speed_samples import Progress, sample_speeds
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0, 45.0)
 SLIPS_M_S = (0.1, 0.3, 0.6, 1.0)
 _MOST_TIMES, _WORTH_ANOTHER = 5, 0.1
 _Z95 = 1.959964
+_AS_GOOD = 4.0  # sigmas of a bend from the one that the robot lies in
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +66,7 @@ class NextReading:
             )
             links = f", neighbouring links at {180 - 2 * bend:.4g}°" if bend else ", straight"
             what = (
-                f"λ = {bend:g}°{links}, inclinometer at {incline:.2f}°, "
+                f"λ = {bend:.4g}°{links}, inclinometer at {incline:.2f}°, "
                 f"belt near {self.belt_speed_m_s:.2g} m/s"
             )
         return what + (f", {self.times} times" if self.times > 1 else "")
@@ -112,20 +115,19 @@ def advise(
     if not wanted:
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
     fit = fit_friction(session)
-    data = FitData.of(session)
-    found = minimise(data, starting_point(np.array(list(fit.whole_snake.values())), data))
+    whole = np.array(list(fit.whole_snake.values()))
     slopes = speed_slopes(fit, wanted, samples, progress)
     ran = [_sigmas_of_runs(session, gait) if runs else [] for gait in wanted]
     readings = [
-        _station(session, data, found, (slopes, ran), (math.radians(bend), slip))
-        for bend in lambdas_deg
-        for slip in SLIPS_M_S
+        _station(session, whole, (slopes, ran), at)
+        for at in _places(session, whole, [math.radians(bend) for bend in lambdas_deg])
     ]
-    readings += [_gait_run(session, found, slopes, ran, j) for j in range(len(wanted)) if runs]
+    covariance = _covariance(session, whole)
+    readings += [_gait_run(session, covariance, slopes, ran, j) for j in range(len(wanted)) if runs]
     most = session.setup.procedure.belt_speed_max_m_s
     able = [r for r in readings if (r.belt_speed_m_s or 0.0) <= most]
     ranked = sorted(able, key=lambda r: r.band)
-    return Advice(wanted, slopes.band(_covariance(found), ran), tuple(ranked))
+    return Advice(wanted, slopes.band(covariance, ran), tuple(ranked))
 
 
 @dataclass(frozen=True)
@@ -169,16 +171,53 @@ def speed_slopes(
     return SpeedSlopes(tuple(gaits), mean, slope.T)
 
 
-def _covariance(found: Minimum) -> Floats:
-    return np.asarray(np.linalg.inv(found.information), dtype=np.float64)
+def _covariance(session: Session, whole: Floats) -> Floats:
+    """Return the parameters' covariance that a session's readings leave, near these values."""
+    data = FitData.of(session)
+    slopes = jacobian(starting_point(whole, data), data)
+    return np.asarray(np.linalg.inv(slopes.T @ slopes), dtype=np.float64)
 
 
-def station_incline_rad(found: Minimum, weight_n: float, bend: float, slip_m_s: float) -> float:
-    """Return the incline at which the fitted snake holds its station at this slip (Eq. 60)."""
-    ct, cn, ft0, fn0 = found.x[:PARAMETERS].tolist()
+def _places(
+    session: Session, whole: Floats, bends: Sequence[float]
+) -> list[tuple[float, float, float]]:
+    """Return bends, inclines and slips worth a look: where the treadmill can be set to.
+
+    The bend that the robot lies in now stands for one that is as good as equal to it.
+    """
+    given, kept = session.setup.uncertainty, session.kept
+    shown = np.array([r.incline_rad for r in kept], dtype=float)
+    now, near = kept[-1].lambda_rad, _AS_GOOD * given.lambda_sigma_rad
+    zero, weight_n = session.zero.value_rad, session.setup.weight_n
+    found: dict[tuple[float, float], float] = {}
+    for bend in (now if now and abs(bend - now) < near else bend for bend in bends):
+        for wanted_m_s in SLIPS_M_S:
+            aim = station_incline_rad(whole, weight_n, bend, wanted_m_s) + zero
+            grade_step = session.setup.treadmill.incline_step_rad
+            incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
+            slip = station_slip_m_s(whole, weight_n, bend, incline - zero)
+            if slip > given.belt_speed_sigma_m_s and incline > 0.0:
+                found[bend, round(incline, 6)] = slip
+    return [(bend, incline, slip) for (bend, incline), slip in found.items()]
+
+
+def _pull(whole: Floats, bend: float) -> tuple[float, float]:
+    """Return A and B of Eq. 60: the whole snake's friction along the belt is A v + B."""
+    ct, cn, ft0, fn0 = whole.tolist()
     c, s = math.cos(bend), math.sin(bend)
-    pull = (ct * c * c + cn * s * s) * slip_m_s + ft0 * c + fn0 * s
-    return math.asin(min(pull / weight_n, 0.7))
+    return ct * c * c + cn * s * s, ft0 * c + fn0 * s
+
+
+def station_incline_rad(whole: Floats, weight_n: float, bend: float, slip_m_s: float) -> float:
+    """Return the incline at which a snake of this friction holds its station at this slip."""
+    slope, least = _pull(whole, bend)
+    return math.asin(min((slope * slip_m_s + least) / weight_n, 0.7))
+
+
+def station_slip_m_s(whole: Floats, weight_n: float, bend: float, incline_rad: float) -> float:
+    """Return the slip at which it holds its station at this incline, below 0 if it does not."""
+    slope, least = _pull(whole, bend)
+    return (weight_n * math.sin(incline_rad) - least) / max(slope, 1e-12)
 
 
 def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
@@ -194,19 +233,19 @@ def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
 
 def _station(
     session: Session,
-    data: FitData,
-    found: Minimum,
+    whole: Floats,
     speeds: tuple[SpeedSlopes, list[list[float]]],
-    at: tuple[float, float],
+    at: tuple[float, float, float],
 ) -> NextReading:
-    (slopes, ran), (bend, slip) = speeds, at
-    incline = station_incline_rad(found, data.weight_n, bend, slip)
-    given = session.setup.uncertainty
-    sigmas = (given.incline_sigma_rad, given.belt_speed_sigma_m_s, given.lambda_sigma_rad)
-    bands = [
-        slopes.band(_covariance_with(data, found, (bend, incline, slip), sigmas, times), ran)
-        for times in range(1, _MOST_TIMES + 1)
-    ]
+    (slopes, ran), (bend, incline, slip) = speeds, at
+    first = max(r.number for r in session.readings) + 1
+    bands = []
+    for times in range(1, _MOST_TIMES + 1):
+        more = (Reading(first + k, bend, incline, slip) for k in range(times))
+        after = replace(session, readings=(*session.readings, *more))
+        bands.append(slopes.band(_covariance(after, whole), ran))
+        if times > 1 and bands[-1] > (1.0 - _WORTH_ANOTHER) * bands[-2]:
+            break
     times = _worth(bands)
     return NextReading(
         "station", bands[0], times, bands[times - 1],
@@ -222,38 +261,12 @@ def _worth(bands: list[float]) -> int:
     return times
 
 
-def _covariance_with(
-    data: FitData, found: Minimum, at: tuple[float, float, float],
-    sigmas: tuple[float, float, float], times: int,
-) -> Floats:  # fmt: skip
-    """Return the unknowns' covariance once a station is read so many times more."""
-    bend, incline, slip = at
-    near = np.abs(data.posture_lambda_rad - bend) < max(sigmas[2], 1e-9)
-    added = bend > 0.0 and not near.any()
-    posture = -1 if bend == 0.0 else int(near.argmax()) if near.any() else len(near)
-    more = replace(
-        data,
-        lambda_rad=np.append(data.lambda_rad, bend),
-        incline_rad=np.append(data.incline_rad, incline),
-        slip_m_s=np.append(data.slip_m_s, slip),
-        incline_sigma_rad=np.append(data.incline_sigma_rad, sigmas[0] / math.sqrt(times)),
-        speed_sigma_m_s=np.append(data.speed_sigma_m_s, sigmas[1] / math.sqrt(times)),
-        posture=np.append(data.posture, posture),
-        posture_lambda_rad=np.append(data.posture_lambda_rad, [bend] * added),
-        posture_sigma_rad=np.append(data.posture_sigma_rad, [sigmas[2]] * added),
-    )
-    x = np.insert(found.x, len(found.x) - 1, [0.0] * added)
-    slopes = jacobian(x, more)
-    return np.asarray(np.linalg.inv(slopes.T @ slopes), dtype=np.float64)
-
-
 def _gait_run(
-    session: Session, found: Minimum, slopes: SpeedSlopes, ran: list[list[float]], j: int
+    session: Session, covariance: Floats, slopes: SpeedSlopes, ran: list[list[float]], j: int
 ) -> NextReading:
     """Return what a run of gait j brings: it measures its own speed, with a stopwatch."""
     gait, v = slopes.gaits[j], float(slopes.speed_m_s[j])
     sigma = session.setup.stopwatch.speed(1.0, 1.0 / v)[1]
-    covariance = _covariance(found)
     bands = []
     for times in range(1, _MOST_TIMES + 1):
         more = [[*s, *([sigma] * times if k == j else [])] for k, s in enumerate(ran)]

@@ -14,7 +14,7 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..simulation.steady_springs import steady_springs
 from .friction_fit import fit_friction
-from .friction_result import FrictionFit
+from .friction_result import FrictionFit, band
 from .session import GaitRun, Session
 from .speed_samples import Array, Progress, SpeedSamples, sample_speeds, speed
 
@@ -22,7 +22,6 @@ DOUBTFUL = 0.05  # a verdict's p-value
 INFLATED = 4.0  # a cause is allowed this many of its stated sigmas before it is ruled out
 AMPLITUDE_SIGMA = 0.03
 SAME_RATE = 1e-3  # rates closer than this, relative, are repeats of one gait
-BAND = (0.025, 0.975)
 _CURVE_SAMPLES, _CURVE_POINTS, _NOISE_DRAWS = 32, 9, 32
 
 
@@ -146,8 +145,8 @@ def _same(one: Gait, other: Gait) -> bool:
 def _point(fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun]) -> ComparedGait:
     gait = drawn.gaits[j]
     exact = speed(fit.robot, fit.ground, gait)
-    low, high = np.quantile(drawn.friction_m_s[:, j], BAND).tolist()
-    low_all, high_all = np.quantile(drawn.both_m_s[:, j], BAND).tolist()
+    low, high = band(drawn.friction_m_s[:, j])
+    low_all, high_all = band(drawn.both_m_s[:, j])
     measured = sigma = None
     if runs:
         weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0

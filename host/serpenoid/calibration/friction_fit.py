@@ -24,10 +24,10 @@ from ..model.ground import Ground
 from .fitting.data import FitData, Floats
 from .fitting.gate import bend_note, check_readings
 from .fitting.influence import Influence, influences, leave_one_out
-from .fitting.joint import PARAMETERS, Minimum, minimise, starting_point
+from .fitting.joint import PARAMETERS, Minimum, minimise, starting_point, whole_residuals
 from .fitting.joint import residuals as residuals_at
 from .fitting.naive import points, two_lines
-from .fitting.profile import intervals
+from .fitting.profile import intervals, quantiles
 from .fitting.robust import Summit, robust_minimum
 from .friction_result import (
     DOUBTFUL,
@@ -88,7 +88,7 @@ def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats,
 
 def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
-    data = FitData.of(session)
+    data = FitData.of(session).alone
     force = data.weight_n * np.cos(data.incline_rad) * data.incline_sigma_rad
     b, across = data.bent, np.sin(data.lambda_rad[data.bent])
     return {
@@ -118,6 +118,7 @@ def _naive(session: Session, data: FitData) -> FrictionFit:
     freedom = np.array([np.sum(~data.bent), np.sum(data.bent)] * 2) - 2
     widths = stdtrit(freedom, 0.5 + LEVEL / 2) * np.sqrt(np.diag(covariance))
     _check_signs(session, values)
+    data = data.alone
     residuals = residuals_at(starting_point(values, data), data)[: len(data)]
     chi2 = float(residuals @ residuals)
     raw = _Raw(values, covariance, _about(values, widths), residuals, chi2, np.ones(len(data)), {})
@@ -142,9 +143,10 @@ def _raw(session: Session, data: FitData, found: Summit) -> _Raw:
     covariance = np.asarray(np.linalg.inv(found.minimum.information), dtype=np.float64)
     sigmas = np.sqrt(np.diag(covariance))
     residuals = found.minimum.residuals[:count]
+    whole, share = whole_residuals(x, data)
     quantile = float(ndtri(0.5 + LEVEL / 2))
     if found.good.min() == 1.0:
-        ends = intervals(data, found.minimum, quantile**2)
+        ends = intervals(data, found.minimum, quantiles(data, found.minimum, LEVEL))
     else:
         ends = _about(x[:PARAMETERS], quantile * sigmas[:PARAMETERS])
     counted = found.good > 0.5
@@ -152,11 +154,11 @@ def _raw(session: Session, data: FitData, found: Summit) -> _Raw:
         values=x[:PARAMETERS],
         covariance=covariance[:PARAMETERS, :PARAMETERS],
         intervals=ends,
-        residuals=residuals,
+        residuals=whole,
         chi2=float(np.sum(residuals[counted] ** 2) + np.sum(found.minimum.residuals[count:] ** 2)),
         good=found.good,
         nuisances=_nuisances(data, x, sigmas),
-        influence=influences(found.minimum, [r.number for r in session.kept]),
+        influence=influences(found.minimum, [r.number for r in session.kept], share),
     )
 
 
@@ -167,9 +169,13 @@ def _about(values: Floats, widths: Floats) -> Floats:
 def _nuisances(data: FitData, x: Floats, sigmas: Floats) -> dict[str, Estimate]:
     """Return the offsets by the posture's name and the zero; they count in sigmas of the prior."""
     shown = np.degrees(data.posture_lambda_rad)
-    names = [f"lambda_offset_rad_at_{degrees:.4g}_deg" for degrees in shown]
+    names: list[str] = []
+    for name in (f"lambda_offset_rad_at_{degrees:.4g}_deg" for degrees in shown):
+        again = sum(n == name or n.startswith(name + "_again") for n in names)
+        names.append(name + (f"_again_{again}" if again else ""))
     units = np.append(data.posture_sigma_rad, data.zero_sigma_rad)
-    values, widths = units * x[PARAMETERS:], units * sigmas[PARAMETERS:]
+    told = [*range(PARAMETERS, PARAMETERS + len(names)), -1]
+    values, widths = units * x[told], units * sigmas[told]
     estimates = map(Estimate, values.tolist(), widths.tolist())
     return dict(zip([*names, "incline_zero_rad"], estimates, strict=True))
 

@@ -20,7 +20,7 @@ from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
-from .friction_result import FrictionFit
+from .friction_result import FrictionFit, band
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 SPRINGS_RTOL = 1e-3
@@ -69,7 +69,7 @@ def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
     """
     s = steady_gait(robot, fit.ground, gait, powers=False)
     sampled = _speeds(robot, fit.sample(SAMPLES), gait)
-    low, high = np.quantile(sampled, [0.025, 0.975])
+    low, high = band(sampled)
     springs = steady_springs(
         robot, fit.ground, gait, joint_stiffness_n_m=STIFFNESS_N_M,
         joint_damping_n_s_m=DAMPING_N_S_M, rtol=SPRINGS_RTOL,
@@ -79,8 +79,8 @@ def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
         explicit_m_s=s.speed_m_s,
         explicit_error_m_s=s.error_estimate * s.speed_m_s,
         sigma_m_s=float(sampled.std()),
-        low_m_s=float(low),
-        high_m_s=float(high),
+        low_m_s=low,
+        high_m_s=high,
         implicit_m_s=springs.speed_m_s,
         implicit_error_m_s=springs.error_estimate * springs.speed_m_s,
         settling_time_s=s.settling_time_s,

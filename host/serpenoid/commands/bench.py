@@ -135,7 +135,7 @@ def steady(out: Path, quick: bool) -> None:
 @BENCH_GROUP.command()
 @OUT
 @click.option("--sessions", type=click.IntRange(20), default=1000, show_default=True,
-              help="Simulated sessions of each bend.")  # fmt: skip
+              help="Simulated sessions of each kind.")  # fmt: skip
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
 def coverage(out: Path, sessions: int, seed: int) -> None:
     """Tell how often 95 % intervals hold the truth, over sessions on a simulated treadmill."""
@@ -143,28 +143,40 @@ def coverage(out: Path, sessions: int, seed: int) -> None:
     import json
 
     from ..bench.calibration.coverage import run
+    from ..bench.calibration.figure import coverage_figure
+    from ..show.report import table
 
     rows = [dataclasses.asdict(row) for row in run(sessions, seed, _tell)]
     out.mkdir(parents=True, exist_ok=True)
     (out / "coverage.json").write_text(json.dumps(rows, indent=2) + "\n")
-    for row in rows:
-        click.echo("  ".join(f"{name} {value:.4g}" for name, value in row.items()))
+    coverage_figure(rows, out / "coverage.png")
+    names = ("ct", "cn", "ft0", "fn0", "speed")
+    texts = [[row["case"], *(f"{row[name]:.1%}" for name in names)] for row in rows]
+    table(f"of {sessions} sessions the interval holds the truth in; in {out}",
+          ["case", *names], texts)  # fmt: skip
 
 
 @BENCH_GROUP.command()
 @OUT
-@click.option("--sessions", type=click.IntRange(1), default=20, show_default=True,
-              help="Simulated sessions.")  # fmt: skip
+@click.option("--sessions", type=click.IntRange(1), default=100, show_default=True,
+              help="Simulated sessions of each plan.")  # fmt: skip
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
 def advise(out: Path, sessions: int, seed: int) -> None:
-    """Count the readings that advice needs to the speed band of the paper's plan."""
+    """Count the readings that advice needs to the speed band of a fixed plan."""
     import dataclasses
     import json
 
-    from ..bench.calibration.advised import run
+    from ..bench.calibration.advised import ratios, run
+    from ..bench.calibration.figure import advised_figure
 
-    rows = [dataclasses.asdict(row) for row in run(sessions, seed, _tell)]
+    found = run(sessions, seed, _tell)
+    rows = [dataclasses.asdict(row) for row in found]
     out.mkdir(parents=True, exist_ok=True)
     (out / "advise.json").write_text(json.dumps(rows, indent=2) + "\n")
-    paper, advised = (sum(r[f"{k}_readings"] for r in rows) for k in ("paper", "advised"))
-    click.echo(f"{advised} advised readings for {paper} of the paper's plan: {advised / paper:.0%}")
+    advised_figure(rows, out / "advise.png")
+    for r in ratios(found):
+        click.echo(
+            f"{r.plan} plan: {r.plan_readings:.1f} readings leave a band of {r.target:.1%}; "
+            f"advised, {r.advised_readings:.1f} do ({r.ratio:.0%}; after the opening "
+            f"{r.after_opening:.0%}); {r.reached} of {r.sessions} sessions got there"
+        )

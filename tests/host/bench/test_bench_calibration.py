@@ -1,16 +1,19 @@
 """The studies of the calibration, made small: intervals cover, and advice saves readings."""
 
+import dataclasses
+
 import numpy as np
 import pytest
-from serpenoid.bench.calibration.advised import one
-from serpenoid.bench.calibration.coverage import GAIT, WHOLE_2005, coverage
+from serpenoid.bench.calibration.advised import Saved, advised, plan_of, planned, ratios
+from serpenoid.bench.calibration.coverage import CASES, GAIT, WHOLE, Case, judged, one, run
+from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
 from serpenoid.bench.calibration.speed_table import SpeedTable
 from serpenoid.calibration.speed_samples import speed
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.model.ground import Ground
 
 ROBOT = default_setup("test").robot
-TRUTH = np.array([[WHOLE_2005.ct, WHOLE_2005.cn, WHOLE_2005.ft0, WHOLE_2005.fn0]])
+NAMES = ("ct", "cn", "ft0", "fn0", "speed")
 
 
 @pytest.fixture(scope="module")
@@ -19,19 +22,50 @@ def table():
 
 
 def test_the_table_is_the_model(table):
-    exact = speed(ROBOT, Ground.whole_body(6, *TRUTH[0]), GAIT)
-    assert table(TRUTH)[0] == pytest.approx(exact, rel=0.03)
+    exact = speed(ROBOT, Ground.whole_body(6, *WHOLE), GAIT)
+    assert table(WHOLE[None])[0] == pytest.approx(exact, rel=0.03)
 
 
-def test_intervals_cover_sessions_of_the_real_procedure(table):
-    told = []
-    found = coverage(30.0, 80, 1, table, told.append)
-    # 80 shares scatter by 2.4 %; three of these below 95 %
-    assert min(found.ct, found.cn, found.ft0, found.fn0, found.speed) > 0.877
-    assert found.refused < 4
+@pytest.mark.parametrize("case", [Case((7.5,), 0.005), Case((30.0,), None)])
+def test_intervals_cover_sessions_of_the_real_procedure(table, case):
+    found = judged(case, [one(case, 1, k, table) for k in range(100)])
+    # 100 shares scatter by 2.2 %, five of them are looked at. With rounding errors taken for
+    # independent cn's covers 88 % of the first case.
+    assert min(getattr(found, name) for name in NAMES) > 0.87
+    assert found.refused < 5
 
 
-def test_four_chosen_readings_do_as_well_as_the_papers_plan(table):
-    found = one(2, table)
-    assert found.advised_band_m_s <= found.paper_band_m_s
-    assert found.advised_readings <= 0.5 * found.paper_readings
+@pytest.mark.slow
+def test_intervals_cover_93_to_97_percent():
+    cases = tuple(c for c in CASES if len(c.lambdas_deg) == 1)
+    for found in run(1000, 1, print, cases):
+        shares = np.array([getattr(found, name) for name in NAMES])
+        # 1000 shares scatter by 0.7 %
+        assert shares.min() > 0.923, found
+        assert shares.max() < 0.98, found
+
+
+def test_advice_needs_fewer_readings_than_the_plan(table):
+    count, band, _ = plan_of(("default", 1, table))
+    own, reached, _, first = advised(("default", 1, table, 0.12))
+    assert band < 0.2
+    assert reached <= 0.12
+    assert first < own <= 0.6 * count
+    assert len(planned("default", 1)[0].kept) == count
+
+
+def test_ratios_count_what_comes_after_the_opening():
+    rows = [Saved("p", k, 0.1, 4, 10, 6 + k, 0.1, 0.09, 0.0, 0.0, True) for k in (0, 2)]
+    found = ratios(rows)[0]
+    assert (found.plan_readings, found.advised_readings) == (10.0, 7.0)
+    assert (found.ratio, found.after_opening) == (pytest.approx(0.7), pytest.approx(0.5))
+
+
+def test_the_figures_are_drawn(tmp_path, table):
+    case = Case((30.0,), 0.005)
+    rows = [dataclasses.asdict(judged(case, [one(case, 1, k, table) for k in range(3)]))]
+    coverage_figure(rows, tmp_path / "coverage.png")
+    saved = [Saved("p", k, 0.1, 4, 10, 6 + k, 0.1, 0.09, 0.0, 0.0, True) for k in (0, 2)]
+    advised_figure([dataclasses.asdict(r) for r in saved], tmp_path / "advise.png")
+    for name in ("coverage.png", "advise.png"):
+        assert (tmp_path / name).stat().st_size > 5000

@@ -39,7 +39,7 @@ def test_the_band_foretold_is_the_one_that_comes(weak):
     slopes = SpeedSlopes((GAIT,), np.array([0.05]), np.array([[0.0, 0.0, 0.0, 0.1]]))
     told = advise(weak, [GAIT], samples=16, runs=False)
     same = [
-        r for r in told.readings if r.lambda_rad == pytest.approx(bend) and r.belt_speed_m_s == slip
+        r for r in told.readings if (r.lambda_rad, r.belt_speed_m_s) == pytest.approx((bend, slip))
     ]
     assert same[0].incline_rad == pytest.approx(incline, rel=1e-3)
     # by the same linear share of speed that advise takes: fn0 leads it

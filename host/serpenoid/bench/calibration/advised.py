@@ -1,104 +1,209 @@
-"""How many readings advice saves: advised sequences beside the paper's plan, same treadmill."""
+"""How many readings advice saves: advised sequences beside fixed plans, on the same treadmill.
+
+Target is the band that a plan's whole session leaves the speed of a gait, the median of all its
+sessions, known before any advice. An advised session begins with four of the plan's own readings,
+the first two straight and the first two bent (more where two cannot be fitted), so that nothing is
+won by a cleverer opening; then it does what advice says after every reading, until its band is as
+narrow.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from multiprocessing import get_context
 
 import numpy as np
 
-from ...calibration.advice import advise
+from ...calibration.advice import NextReading, advise
 from ...calibration.friction_fit import fit_friction
+from ...calibration.friction_result import band as speed_band
 from ...calibration.session import Session
 from ...calibration.taking.memory import MemoryRecord
 from ...calibration.taking.new_session import default_setup
-from ...calibration.taking.simulated import SimulatedTreadmill, Truth, drawn_truth
+from ...calibration.taking.simulated import SimulatedTreadmill, drawn_truth
 from ...calibration.taking.steps import Step
 from ...calibration.taking.treadmill import record_step, take_all
 from ...model.errors import BadInput
-from .coverage import GAIT, WHOLE_2005
+from .coverage import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
 from .speed_table import SpeedTable
 
-# Four readings that leave no parameter open; inclines of about 0.1 and 0.8 m/s.
-FIRST = ((0.0, 1.95), (0.0, 2.65), (30.0, 3.8), (30.0, 7.0))
-_MOST_READINGS, _SETTLE_S = 16, 16.0
+PLANS_DEG = {"paper": (0.0, 7.5), "default": (0.0, 7.5, 15.0, 30.0)}
+OPENING = 2  # readings of the straight series and of the first bend
+_MOST_READINGS, _SETTLE_S = 40, 16.0
 
 
 @dataclass(frozen=True)
 class Saved:
-    """One session: readings of the paper's plan, its band; advised readings to the same band."""
+    """One session: readings in all, planned and advised; opening: how many they have in common.
 
+    plan_band, advised_band: full width of the speed's 95 % band, relative; target: the plan's
+    median one. plan_off, advised_off: speed predicted less true one, relative. reached: whether the
+    advised band came down to the target at all.
+    """
+
+    plan: str
     seed: int
-    paper_readings: int
-    paper_band_m_s: float
+    target: float
+    opening: int
+    plan_readings: int
     advised_readings: int
-    advised_band_m_s: float
+    plan_band: float
+    advised_band: float
+    plan_off: float
+    advised_off: float
+    reached: bool
 
 
-def band_m_s(session: Session, table: SpeedTable) -> float:
-    """Return the width of the sampled speed's 95 % band."""
-    low, high = np.quantile(table(fit_friction(session).sample_whole(256)), [0.025, 0.975])
-    return float(high - low)
+@dataclass(frozen=True)
+class Ratio:
+    """What all sessions of a plan came to: mean readings, and advised over planned ones.
+
+    after_opening: the ratio of the readings that come after the common ones.
+    """
+
+    plan: str
+    sessions: int
+    reached: int
+    target: float
+    plan_readings: float
+    advised_readings: float
+    ratio: float
+    after_opening: float
 
 
-def _hold(record: MemoryRecord, treadmill: SimulatedTreadmill, at: tuple[float, float]) -> None:
-    """Bend the robot as told, hold one station, record both."""
-    bend_deg, incline_deg = at
-    shown = 0.0
-    if bend_deg:
-        pose = Step("bend", "bend", "", lambda_deg=bend_deg)
-        cells = dict(treadmill.answer(pose, record.session) or {})
-        record_step(record, replace(pose, cells={"lambda_deg": bend_deg}), cells)
-        shown = math.degrees(record.session.bends[-1].found_rad)
-    else:
-        treadmill.answer(Step("straight", "straight", ""), record.session)
-    step = Step(
-        "station", "station", "", lambda_deg=bend_deg, incline_deg=incline_deg,
-        settle_s=_SETTLE_S, cells={"lambda_deg": round(shown, 4)},
-    )  # fmt: skip
-    found = treadmill.answer(step, record.session)
-    if found is not None:
-        record_step(record, step, found)
+def band_and_off(session: Session, table: SpeedTable) -> tuple[float, float]:
+    """Return the width of the sampled speed's 95 % band, and how far off its middle is."""
+    whole = np.array([[getattr(WHOLE_2005, name) for name in ("ct", "cn", "ft0", "fn0")]])
+    true_m_s = float(table(whole)[0])
+    fit = fit_friction(session)
+    low, high = speed_band(table(fit.sample_whole(256)))
+    best = float(table(np.array([list(fit.whole_snake.values())]))[0])
+    return (high - low) / true_m_s, best / true_m_s - 1.0
 
 
-def one(seed: int, table: SpeedTable) -> Saved:
-    """Take the paper's plan, then an advised session until its band is as narrow."""
-    base = default_setup("advised")
-    plan = replace(base.procedure, lambda_rad=(0.0, math.radians(7.5)),
-                   incline_step_rad=math.radians(0.2), gaits=())  # fmt: skip
-    setup = replace(base, procedure=plan, kind="simulated")
-    truth: Truth = drawn_truth(setup, WHOLE_2005, np.random.default_rng(seed))
-    paper = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, truth, seed=seed))
-    wanted = band_m_s(paper, table)
-    record = MemoryRecord(setup)
-    treadmill = SimulatedTreadmill(setup, truth, seed=seed + 1000)
-    for name in ("zero before", "zero after"):  # the paper's plan reads them, too
-        step = Step(name, "zero", "")
-        record_step(record, step, treadmill.answer(step, record.session) or {})
-    for at in FIRST:
-        _hold(record, treadmill, at)
-    band = math.inf
-    for turn in range(_MOST_READINGS):
+def opening(session: Session) -> Session:
+    """Return a session's first readings straight and of its first bend: as few as can be fitted."""
+    straight = [r for r in session.kept if not r.lambda_rad]
+    bend = next(r.lambda_rad for r in session.kept if r.lambda_rad)
+    bent = [r for r in session.kept if r.lambda_rad == bend]
+    bends = tuple(b for b in session.bends if abs(b.found_rad - bend) < 1e-5)
+    for count in range(OPENING, len(session.kept)):
+        begun = replace(session, readings=(*straight[:count], *bent[:count]), bends=bends)
         try:
-            band = band_m_s(record.session, table)
-        except BadInput:  # a station slipped away, or two came out alike: one more of them
-            bend, incline = FIRST[turn % len(FIRST)]
-            _hold(record, treadmill, (bend, incline + 0.3))
+            fit_friction(begun)
+        except BadInput:
             continue
-        if band <= wanted:
-            break
-        best = advise(record.session, [GAIT], samples=24, runs=False).best
-        bend, incline = best.lambda_rad or 0.0, best.incline_rad or 0.0
-        _hold(record, treadmill, (math.degrees(bend), math.degrees(incline)))
-    return Saved(seed, len(paper.kept), wanted, len(record.session.kept), band)
+        return begun
+    return session
+
+
+class Advised:
+    """A session that goes on by advice, and the bend that its robot lies in; none at first."""
+
+    def __init__(self, record: MemoryRecord, treadmill: SimulatedTreadmill):
+        self.record, self.treadmill = record, treadmill
+        self.posed_rad = math.nan
+
+    def hold(self, told: NextReading) -> bool:
+        """Bend the robot as advised unless it lies so, hold the station; tell if there was one."""
+        if told.lambda_rad != self.posed_rad:
+            self._pose(told.lambda_rad or 0.0)
+        step = Step(
+            "station", "station", "", incline_deg=math.degrees(told.incline_rad or 0.0),
+            settle_s=_SETTLE_S, cells={"lambda_deg": round(math.degrees(self.posed_rad), 4)},
+        )  # fmt: skip
+        found = self.treadmill.answer(step, self.record.session)
+        if found is not None:
+            record_step(self.record, step, found)
+            self.posed_rad = self.record.session.kept[-1].lambda_rad  # as it was written down
+        return found is not None
+
+    def _pose(self, lambda_rad: float) -> None:
+        self.posed_rad = lambda_rad
+        if not lambda_rad:
+            self.treadmill.answer(Step("straight", "straight", ""), self.record.session)
+            return
+        bend_deg = math.degrees(lambda_rad)
+        pose = Step("bend", "bend", "", lambda_deg=bend_deg)
+        cells = dict(self.treadmill.answer(pose, self.record.session) or {})
+        record_step(self.record, replace(pose, cells={"lambda_deg": bend_deg}), cells)
+        self.posed_rad = self.record.session.bends[-1].found_rad
+
+
+def planned(plan: str, seed: int) -> tuple[Session, SimulatedTreadmill]:
+    """Return a whole session of a plan, and the same treadmill with nothing done on it yet."""
+    base = shown_in_steps(default_setup("advised"), INCLINE_STEP_DEG)
+    bends = tuple(map(math.radians, PLANS_DEG[plan]))
+    setup = replace(
+        base, kind="simulated", procedure=replace(base.procedure, lambda_rad=bends, gaits=())
+    )
+    truth = drawn_truth(setup, WHOLE_2005, np.random.default_rng(seed))
+    taken = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, truth, seed=seed))
+    return taken, SimulatedTreadmill(setup, truth, seed=seed)
+
+
+def plan_of(job: tuple[str, int, SpeedTable]) -> tuple[int, float, float]:
+    """Return a plan's readings, its band and how far off its speed is."""
+    plan, seed, table = job
+    taken = planned(plan, seed)[0]
+    return len(taken.kept), *band_and_off(taken, table)
+
+
+def advised(job: tuple[str, int, SpeedTable, float]) -> tuple[int, float, float, int]:
+    """Return an advised session's readings, band, how far off, and the opening's readings."""
+    plan, seed, table, target = job
+    taken, treadmill = planned(plan, seed)
+    goes_on = Advised(MemoryRecord(taken.setup, opening(taken)), treadmill)
+    first = len(goes_on.record.session.kept)
+    band, off = band_and_off(goes_on.record.session, table)
+    while band > target and len(goes_on.record.session.kept) < _MOST_READINGS:
+        ranked = advise(goes_on.record.session, [GAIT], samples=24, runs=False).readings
+        next(told for told in ranked if goes_on.hold(told))
+        band, off = band_and_off(goes_on.record.session, table)
+    return len(goes_on.record.session.kept), band, off, first
 
 
 def run(sessions: int, seed: int, tell: Callable[[str], None]) -> list[Saved]:
-    """Compare this many sessions."""
+    """Compare this many sessions with either plan, on all cores."""
     table = SpeedTable(default_setup("advised").robot, GAIT)
-    found = []
-    for k in range(sessions):
-        found.append(one(seed + k, table))
-        tell(f"{k + 1} of {sessions}: {found[-1]}")
+    seeds = range(seed, seed + sessions)
+    found: list[Saved] = []
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+        for plan in PLANS_DEG:
+            plans = list(pool.map(plan_of, [(plan, k, table) for k in seeds]))
+            target = float(np.median([band for _, band, _ in plans]))
+            tell(f"{plan} plan: the target is a band of {target:.1%}")
+            jobs = [(plan, k, table, target) for k in seeds]
+            for k, of_plan, own in zip(seeds, plans, pool.map(advised, jobs), strict=True):
+                found.append(_saved(plan, k, target, of_plan, own))
+                tell(f"{plan} plan, seed {k}: {of_plan[0]} readings, {own[0]} advised")
     return found
+
+
+def _saved(
+    plan: str, seed: int, target: float,
+    of_plan: tuple[int, float, float], own: tuple[int, float, float, int],
+) -> Saved:  # fmt: skip
+    return Saved(
+        plan, seed, target, own[3], of_plan[0], own[0], of_plan[1], own[1], of_plan[2], own[2],
+        own[1] <= target,
+    )  # fmt: skip
+
+
+def ratios(rows: Sequence[Saved]) -> list[Ratio]:
+    """Return what each plan's sessions came to; one that never got there counts as it stopped."""
+    out = []
+    for plan in dict.fromkeys(r.plan for r in rows):
+        of = [r for r in rows if r.plan == plan]
+        by_plan, own, first = (
+            float(np.mean([getattr(r, name) for r in of]))
+            for name in ("plan_readings", "advised_readings", "opening")
+        )
+        reached = sum(r.reached for r in of)
+        out.append(Ratio(plan, len(of), reached, of[0].target, by_plan, own, own / by_plan,
+                         (own - first) / (by_plan - first)))  # fmt: skip
+    return out

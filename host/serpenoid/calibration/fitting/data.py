@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..session import Session
+from ..session import Reading, Session
+from .rounding import DRAWS, shared_rounding
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -21,6 +22,7 @@ ZERO_SIGMA_RAD = math.radians(0.1)
 # and servos. Taken for independent (0), cn's interval covers 90 % if they are all the same; taken
 # for half the same, 90 % if they are independent; with a quarter it covers 93 to 97 % either way.
 TOGETHER = 0.25
+_SAME_RAD = math.radians(1e-3)  # a bend written down with four decimals
 
 
 @dataclass(frozen=True)
@@ -28,9 +30,11 @@ class FitData:
     """The kept readings, and which of them share an error.
 
     lambda_rad, incline_rad (as shown, less the zero where that was measured), slip_m_s,
-    incline_sigma_rad, speed_sigma_m_s: per reading. posture: per reading, which of
-    posture_sigma_rad's bends it was taken at; -1 when straight. zero_sigma_rad: of what is left of
-    the inclinometer's zero, common to all. zero_assumed: it is ours, since the set-up claimed 0.
+    incline_sigma_rad (what is a reading's own), speed_sigma_m_s: per reading. posture: per reading,
+    which of posture_sigma_rad's bends it was taken at; -1 when straight. rounding: per reading,
+    which of rounding_sigma_rad's errors its incline has; -1 where that is its own. rounding_draws:
+    (draws, errors) of these, in sigmas. zero_sigma_rad: of what is left of the inclinometer's zero,
+    common to all. zero_assumed: it is ours, since the set-up claimed 0.
     """
 
     lambda_rad: Floats
@@ -41,6 +45,9 @@ class FitData:
     posture: Whole
     posture_lambda_rad: Floats
     posture_sigma_rad: Floats
+    rounding: Whole
+    rounding_sigma_rad: Floats
+    rounding_draws: Floats
     weight_n: float
     zero_sigma_rad: float
     zero_assumed: bool
@@ -52,16 +59,24 @@ class FitData:
         given = [session.uncertainty_of(r) for r in kept]
         lambda_rad = np.array([r.lambda_rad for r in kept], dtype=float)
         lambda_sigma_rad = np.array([g.lambda_sigma_rad for g in given], dtype=float)
-        posture, angles, sigmas = postures(lambda_rad, lambda_sigma_rad)
+        posture, angles, sigmas = postures(lambda_rad, lambda_sigma_rad, settings(session))
+        shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
+        incline_sigma_rad = np.array([g.incline_sigma_rad for g in given], dtype=float)
+        rounding, sigma_rad, draws = roundings(
+            shown_rad, incline_sigma_rad, session.setup.treadmill.incline_step_rad
+        )
         return cls(
             lambda_rad=lambda_rad,
-            incline_rad=np.array([r.incline_rad for r in kept], dtype=float) - zero.value_rad,
+            incline_rad=shown_rad - zero.value_rad,
             slip_m_s=np.array([r.slip_speed_m_s for r in kept], dtype=float),
-            incline_sigma_rad=np.array([g.incline_sigma_rad for g in given], dtype=float),
+            incline_sigma_rad=np.where(rounding < 0, incline_sigma_rad, 0.0),
             speed_sigma_m_s=np.array([g.belt_speed_sigma_m_s for g in given], dtype=float),
             posture=posture,
             posture_lambda_rad=angles,
             posture_sigma_rad=sigmas,
+            rounding=rounding,
+            rounding_sigma_rad=sigma_rad,
+            rounding_draws=draws,
             weight_n=session.setup.weight_n,
             zero_sigma_rad=zero.sigma_rad or ZERO_SIGMA_RAD,
             zero_assumed=not zero.sigma_rad,
@@ -78,20 +93,41 @@ class FitData:
     @property
     def nuisances(self) -> int:
         """Return how many unknowns there are besides the four parameters."""
-        return len(self.posture_sigma_rad) + 1
+        return len(self.posture_sigma_rad) + len(self.rounding_sigma_rad) + 1
 
     @cached_property
     def whitening(self) -> Floats:
         """Return W that makes nuisances x, in sigmas of their priors, independent: W x."""
-        bends = self.nuisances - 1
+        bends = len(self.posture_sigma_rad)
         correlation = np.eye(self.nuisances)
         correlation[:bends, :bends] += TOGETHER * (1.0 - np.eye(bends))
+        correlation[bends:-1, bends:-1] = self.rounding_correlation
         return np.asarray(np.linalg.inv(np.linalg.cholesky(correlation)), dtype=np.float64)
+
+    @cached_property
+    def rounding_correlation(self) -> Floats:
+        """Return how far the shared rounding errors go together, (errors, errors)."""
+        draws = self.rounding_draws
+        together = draws.T @ draws / max(len(draws), 1)
+        # less than a ten thousandth of it is a set point's own, or many points had no inverse
+        return together + 1e-4 * np.eye(len(together))
+
+    @property
+    def alone(self) -> FitData:
+        """Return the same readings with every incline's error taken for its own."""
+        shared = np.append(self.rounding_sigma_rad, 0.0)[self.rounding]
+        return replace(
+            self,
+            incline_sigma_rad=np.hypot(self.incline_sigma_rad, shared),
+            rounding=np.full(len(self), -1, dtype=np.intp),
+            rounding_sigma_rad=np.empty(0),
+            rounding_draws=np.empty((len(self.rounding_draws), 0)),
+        )
 
     def picked(self, index: Whole | NDArray[np.bool_]) -> FitData:
         """Return some of the readings, with the postures as they are."""
         names = ("lambda_rad", "incline_rad", "slip_m_s", "incline_sigma_rad", "speed_sigma_m_s",
-                 "posture")  # fmt: skip
+                 "posture", "rounding")  # fmt: skip
         return replace(self, **{name: getattr(self, name)[index] for name in names})
 
     def without(self, index: int) -> FitData:
@@ -99,20 +135,62 @@ class FitData:
         return self.picked(np.delete(np.arange(len(self)), index))
 
 
-def postures(lambda_rad: Floats, sigma_rad: Floats) -> tuple[Whole, Floats, Floats]:
+def settings(session: Session) -> Whole:
+    """Return per kept reading which protractor check its bend was set by; -1 where none tells."""
+    checks = [b for b in session.bends if not b.voided]
+
+    def of(reading: Reading) -> int:
+        earlier = [
+            k for k, b in enumerate(checks)
+            if b.number < reading.number and abs(b.found_rad - reading.lambda_rad) < _SAME_RAD
+        ]  # fmt: skip
+        return earlier[-1] if earlier else -1
+
+    return np.array([of(r) for r in session.kept], dtype=np.intp)
+
+
+def postures(
+    lambda_rad: Floats, sigma_rad: Floats, setting: Whole | None = None
+) -> tuple[Whole, Floats, Floats]:
     """Return which posture each reading was taken in (-1: straight), their angles and sigmas.
 
-    Bends that differ by less than a standard deviation of the bend are one posture: they were set
-    once, and share its error.
+    setting: which protractor check a bend was set by, -1 where none tells: each is a posture of its
+    own. Bends without one that differ by less than a standard deviation of the bend are one
+    posture: they were set once, and share its error.
     """
     index = np.full(len(lambda_rad), -1, dtype=np.intp)
-    found: list[tuple[float, float]] = []
-    for k in np.argsort(lambda_rad, kind="stable"):
-        angle, sigma = float(lambda_rad[k]), float(sigma_rad[k])
+    by = np.full(len(lambda_rad), -1, dtype=np.intp) if setting is None else setting
+    found: list[tuple[float, float, int]] = []
+    for k in np.lexsort((lambda_rad, by)):
+        angle, sigma, check = float(lambda_rad[k]), float(sigma_rad[k]), int(by[k])
         if angle <= 0.0:
             continue
-        if not found or angle - found[-1][0] > max(found[-1][1], 1e-9):
-            found.append((angle, sigma))
-        index[k] = len(found) - 1
-    angles, sigmas = zip(*found, strict=True) if found else ((), ())
+        old = [p for p, (at, width, by_check) in enumerate(found)
+               if by_check == check and angle - at <= max(width, 1e-9)]  # fmt: skip
+        if not old:
+            found.append((angle, sigma, check))
+        index[k] = old[-1] if old else len(found) - 1
+    angles, sigmas, _ = zip(*found, strict=True) if found else ((), (), ())
     return index, np.array(angles), np.array(sigmas)
+
+
+def roundings(
+    shown_rad: Floats, sigma_rad: Floats, grade_step: float
+) -> tuple[Whole, Floats, Floats]:
+    """Return which shared rounding error each reading has (-1: none), their sigmas, draws.
+
+    Readings of inclinometers that err differently share nothing.
+    """
+    index = np.full(len(shown_rad), -1, dtype=np.intp)
+    sigmas: list[float] = []
+    draws = np.empty((DRAWS, 0))
+    for sigma in np.unique(sigma_rad).tolist():
+        own = np.flatnonzero(sigma_rad == sigma)
+        found = shared_rounding(shown_rad[own], sigma, grade_step)
+        if found is not None:
+            index[own] = len(sigmas) + found[0]
+            # another inclinometer's phase is another's: shuffled
+            shuffle = np.random.default_rng(len(sigmas)).permutation(DRAWS)
+            draws = np.column_stack([draws, found[1][shuffle]])
+            sigmas += [sigma] * found[1].shape[1]
+    return index, np.array(sigmas), draws

@@ -27,8 +27,11 @@ class LeaveOneOut:
     shift: Floats
 
 
-def leave_one_out(found: Minimum, count: int) -> LeaveOneOut:
-    """Return the influence of the first `count` rows, to first order about the minimum."""
+def leave_one_out(found: Minimum, count: int, share: Floats | float = 1.0) -> LeaveOneOut:
+    """Return the influence of the first `count` rows, to first order about the minimum.
+
+    share: of a row's variance in the reading's, where rounding is shared (`whole_residuals`).
+    """
     covariance = np.linalg.inv(found.information)
     slopes, r = found.jacobian[:count], found.residuals[:count]
     gain = slopes @ covariance
@@ -37,7 +40,7 @@ def leave_one_out(found: Minimum, count: int) -> LeaveOneOut:
     rest = np.where(checked, 1.0 - leverage, 1.0)
     r = np.where(checked, r, 0.0)
     return LeaveOneOut(
-        leverage=np.minimum(leverage, 1.0),
+        leverage=np.clip(1.0 - (1.0 - leverage) / share, 0.0, 1.0),
         studentised=r / np.sqrt(rest),
         chi2=found.chi2 - r**2 / rest,
         shift=gain * (r / rest)[:, None],
@@ -71,9 +74,9 @@ class Influence:
         }
 
 
-def influences(found: Minimum, numbers: list[int]) -> tuple[Influence, ...]:
+def influences(found: Minimum, numbers: list[int], share: Floats) -> tuple[Influence, ...]:
     """Return what each reading does, in the readings' order."""
-    out = leave_one_out(found, len(numbers))
+    out = leave_one_out(found, len(numbers), share)
     sigma = np.sqrt(np.diag(np.linalg.inv(found.information)))[:PARAMETERS]
     shift = (out.shift[:, :PARAMETERS] / sigma).tolist()
     columns = (out.leverage.tolist(), out.studentised.tolist(), shift, out.chi2.tolist())

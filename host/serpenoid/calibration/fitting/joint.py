@@ -90,11 +90,30 @@ def residuals(x: Floats, data: FitData) -> Floats:
     return np.concatenate([balance(x, data)[0], data.whitening @ x[PARAMETERS:]])
 
 
+def whole_residuals(x: Floats, data: FitData) -> tuple[Floats, Floats]:
+    """Return the readings' residuals with the shared rounding in them, and s_i's share in theirs.
+
+    The residual is over all that a reading may err by, alone and in common.
+    """
+    bare = x.copy()
+    bare[PARAMETERS + len(data.posture_sigma_rad) : -1] = 0.0
+    residual, spread, *_, per_incline = balance(bare, data)
+    share = spread / np.hypot(spread, per_incline * _roundings(x, data)[1])
+    return residual * share, share**2
+
+
 def _offsets(x: Floats, data: FitData) -> tuple[Floats, Floats]:
     """Return each reading's offset of lambda and its prior's sigma, 0 where straight."""
     sigma = np.append(data.posture_sigma_rad, 0.0)  # -1, a straight reading's, picks the 0
     unit = np.append(x[PARAMETERS : PARAMETERS + len(data.posture_sigma_rad)], 0.0)
     return sigma[data.posture] * unit[data.posture], sigma[data.posture]
+
+
+def _roundings(x: Floats, data: FitData) -> tuple[Floats, Floats]:
+    """Return each reading's shared rounding error and its prior's sigma, 0 where it has none."""
+    sigma = np.append(data.rounding_sigma_rad, 0.0)
+    unit = np.append(x[PARAMETERS + len(data.posture_sigma_rad) : -1], 0.0)
+    return sigma[data.rounding] * unit[data.rounding], sigma[data.rounding]
 
 
 def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:
@@ -103,7 +122,7 @@ def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:
     angle = data.lambda_rad + _offsets(x, data)[0]
     cos, sin = np.cos(angle), np.sin(angle)
     slope = ct * cos**2 + cn * sin**2
-    incline = data.incline_rad - data.zero_sigma_rad * x[-1]
+    incline = data.incline_rad - data.zero_sigma_rad * x[-1] - _roundings(x, data)[0]
     excess_n = data.weight_n * np.sin(incline) - slope * data.slip_m_s - (ft0 * cos + fn0 * sin)
     per_incline_n = data.weight_n * np.cos(incline)
     spread_n = np.hypot(per_incline_n * data.incline_sigma_rad, slope * data.speed_sigma_m_s)
@@ -121,12 +140,16 @@ def jacobian(x: Floats, data: FitData) -> Floats:
     speed = data.slip_m_s + r * slope * data.speed_sigma_m_s**2 / spread
     by_offset = _offsets(x, data)[1] * (2 * (cn - ct) * sin * cos * speed + fn0 * cos - ft0 * sin)
     spread_by_zero = per_incline * data.incline_sigma_rad**2 * data.weight_n * np.sin(incline)
-    by_zero = data.zero_sigma_rad * (per_incline + r * spread_by_zero / spread)
+    by_incline = per_incline + r * spread_by_zero / spread
     out = np.zeros((len(data) + data.nuisances, len(x)))
     out[: len(data), :PARAMETERS] = np.column_stack([cos**2 * speed, sin**2 * speed, cos, sin])
     bent = np.flatnonzero(data.bent)
     out[bent, PARAMETERS + data.posture[bent]] = by_offset[bent]
-    out[: len(data), -1] = by_zero
+    rounded = np.flatnonzero(data.rounding >= 0)
+    first = PARAMETERS + len(data.posture_sigma_rad)
+    by_rounding = _roundings(x, data)[1] * by_incline
+    out[rounded, first + data.rounding[rounded]] = by_rounding[rounded]
+    out[: len(data), -1] = data.zero_sigma_rad * by_incline
     out[: len(data)] /= -spread[:, None]
     out[len(data) :, PARAMETERS:] = data.whitening
     return out

@@ -17,11 +17,36 @@ import numpy as np
 from .data import FitData, Floats
 from .joint import PARAMETERS, Minimum, jacobian, residuals
 
-_ROUNDS, _SETTLED = 60, 1e-6
+_ROUNDS, _SETTLED, _HALVINGS = 60, 1e-6, 16
 
 
-def intervals(data: FitData, found: Minimum, rise: float) -> Floats:
-    """Return (4, 2): lowest and highest ct, cn, ft0, fn0 with chi2 at most `rise` above least.
+def quantiles(data: FitData, found: Minimum, level: float) -> Floats:
+    """Return (4,): how many sigmas either side hold the level, with rounding's own distribution.
+
+    To first order an estimate errs by a normal part and by -C_kr R^-1 u of the shared rounding
+    errors u, R their correlation: a mixture over the draws of u.
+    """
+    from scipy.special import ndtr, ndtri
+
+    if not len(data.rounding_sigma_rad):
+        return np.full(PARAMETERS, ndtri(0.5 + level / 2))
+    covariance = np.linalg.inv(found.information)
+    sigma = np.sqrt(np.diag(covariance))[:PARAMETERS]
+    shared = slice(len(found.x) - 1 - len(data.rounding_sigma_rad), -1)
+    gain = covariance[:PARAMETERS, shared] @ np.linalg.inv(data.rounding_correlation)
+    by_rounding = gain @ data.rounding_draws.T / sigma[:, None]
+    rest = np.sqrt(np.maximum(1.0 - np.mean(by_rounding**2, axis=1), 1e-6))[:, None]
+    low, high = np.zeros((PARAMETERS, 1)), np.full((PARAMETERS, 1), 2 * ndtri(0.5 + level / 2))
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        ends = [ndtr((sign * middle - by_rounding) / rest) for sign in (1.0, -1.0)]
+        held = np.mean(ends[0] - ends[1], axis=1, keepdims=True)
+        low, high = np.where(held < level, middle, low), np.where(held < level, high, middle)
+    return ((low + high) / 2).ravel()
+
+
+def intervals(data: FitData, found: Minimum, quantile: Floats) -> Floats:
+    """Return (4, 2): lowest and highest ct, cn, ft0, fn0 with chi2 at most quantile^2 above least.
 
     None below 0. Where the search does not settle, the covariance's own interval stands.
     """
@@ -29,8 +54,8 @@ def intervals(data: FitData, found: Minimum, rise: float) -> Floats:
     out = np.empty((PARAMETERS, 2))
     for k in range(PARAMETERS):
         for side, sign in enumerate((-1.0, 1.0)):
-            end = _extreme(data, found, k, sign, found.chi2 + rise)
-            plain = found.x[k] + sign * np.sqrt(rise) * sigma[k]
+            end = _extreme(data, found, k, sign, found.chi2 + quantile[k] ** 2)
+            plain = found.x[k] + sign * quantile[k] * sigma[k]
             out[k, side] = max(plain if end is None else end, 0.0)
     return out
 

@@ -14,12 +14,13 @@ _PARTS = {Reading: "readings", GaitRun: "gait_runs", ZeroReading: "zeros", BendC
 
 
 class MemoryRecord:
-    """Keep readings as a journal does, but on no disk."""
+    """Keep readings as a journal does, but on no disk; begun: a session to be gone on with."""
 
-    def __init__(self, setup: Setup):
-        self.session = Session(setup, ())
+    def __init__(self, setup: Setup, begun: Session | None = None):
+        self.session = begun or Session(setup, ())
         self.events: list[Event] = []
-        self._count = 0
+        parts = (getattr(self.session, part) for part in _PARTS.values())
+        self._count = max((r.number for part in parts for r in part), default=0)
 
     def add(
         self, kind: str, cells: Mapping[str, float | str], *, replaces: int = 0, comment: str = ""

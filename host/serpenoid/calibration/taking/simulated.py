@@ -32,7 +32,8 @@ class Truth:
     """What a person at the treadmill does not know.
 
     ground: of the whole snake. incline_zero_rad: what the inclinometer shows where it is level.
-    belt_scale: true belt speed over shown. joint_sigma_rad: of one bend as it comes out, before
+    belt_scale: true belt speed over shown. incline_scale: the treadmill's true steps of grade over
+    those stated. joint_sigma_rad: of one bend as it comes out, before
     the protractor tells. disturbance_m_s: of the robot when it is let go. misreads: share of
     readings that are typed wrong. amplitude: of the joints in a gait, true over commanded.
     """
@@ -40,6 +41,7 @@ class Truth:
     ground: Ground
     incline_zero_rad: float = 0.0
     belt_scale: float = 1.0
+    incline_scale: float = 1.0
     joint_sigma_rad: float = math.radians(1.0)
     disturbance_m_s: float = 0.05
     misreads: float = 0.0
@@ -135,7 +137,8 @@ class SimulatedTreadmill:
         aim = math.tan(
             math.radians(step.incline_deg) - self.truth.incline_zero_rad - self._deck_rad
         )
-        grade = round(aim / steps.incline_step_rad) * steps.incline_step_rad
+        grade_step = steps.incline_step_rad * self.truth.incline_scale
+        grade = round(aim / grade_step) * grade_step
         incline_rad = math.atan(grade) + self._deck_rad
         slip = self.true_slip_m_s(incline_rad, self._lambda_rad)
         if slip is None:

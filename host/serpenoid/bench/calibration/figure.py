@@ -1,0 +1,61 @@
+"""Draws what the calibration's studies found: coverage of intervals, readings that advice saves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...show.plot import BLUE, GREEN, GREY, ORANGE, RED, figure
+
+Row = Mapping[str, Any]
+WANTED = (0.93, 0.97)
+_OF = {"ct": BLUE, "cn": ORANGE, "ft0": GREEN, "fn0": RED, "speed": "#000000"}
+
+
+def coverage_figure(rows: Sequence[Row], path: Path) -> None:
+    """Draw each case's coverage with two standard deviations of its own scatter."""
+    with figure(8.0, 1.0 + 0.72 * len(rows)) as (fig, ax):
+        ax.axvspan(*(100 * end for end in WANTED), color="#eeeeee", zorder=0)
+        for k, row in enumerate(rows):
+            for j, (name, colour) in enumerate(_OF.items()):
+                at = k + 0.13 * (j - 2)
+                label = {"label": name} if k == 0 else {}
+                ax.errorbar(
+                    100 * row[name], at, xerr=200 * row["sigma"], fmt="o", ms=5, lw=1.2,
+                    color=colour, **label,
+                )  # fmt: skip
+        ax.axvline(95.0, color=GREY, lw=1.0)
+        ax.set_yticks(range(len(rows)), [row["case"].replace("lambda", "λ") for row in rows])
+        ax.set_ylim(len(rows) - 0.5, -0.5)
+        ax.set_xlim(min(90.0, *(100 * row[n] - 2.5 for row in rows for n in _OF)), 100.0)
+        ax.grid(axis="y", visible=False)
+        ax.set_xlabel("simulated sessions whose 95 % interval holds the truth (%)")
+        ax.set_title(f"{rows[0]['sessions']} sessions a line; wanted: 93 to 97 %")
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        fig.savefig(path)
+
+
+def advised_figure(rows: Sequence[Row], path: Path) -> None:
+    """Draw how many readings each session took, planned and advised, to the same band."""
+    plans = list(dict.fromkeys(row["plan"] for row in rows))
+    with figure(4.6 * len(plans), 3.8, len(plans)) as (fig, axes):
+        for ax, plan in zip(np.atleast_1d(axes), plans, strict=True):
+            of = [row for row in rows if row["plan"] == plan]
+            both = [[row[f"{kind}_readings"] for row in of] for kind in ("plan", "advised")]
+            bins = np.arange(min(map(min, both)) - 0.5, max(map(max, both)) + 1.5)
+            for counts, colour, name in zip(
+                both, (GREY, BLUE), (f"{plan} plan", "advised"), strict=True
+            ):
+                shown = f"{name}: {np.mean(counts):.1f} on average"
+                ax.hist(counts, bins, color=colour, alpha=0.65, label=shown)
+            ax.axvline(of[0]["opening"], color=GREY, lw=1.0, ls=":")
+            ax.text(of[0]["opening"], 0.02, " opening", rotation=90, color=GREY,
+                    transform=ax.get_xaxis_transform(), ha="right", va="bottom")  # fmt: skip
+            ax.set_xlabel("readings to the target")
+            ax.set_title(f"speed's 95 % band of {of[0]['target']:.0%}, in full")
+            ax.legend()
+        np.atleast_1d(axes)[0].set_ylabel("sessions")
+        fig.savefig(path)

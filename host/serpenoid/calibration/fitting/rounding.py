@@ -1,0 +1,109 @@
+"""What an inclinometer's rounding has in common between readings.
+
+An inclinometer that shows steps of g rounds the same incline the same way every time, and inclines
+that are a treadmill's step h apart round in a pattern: with p = h / g the error runs through a
+sawtooth, e_k = g saw(phi + k p), and only phi is anybody's guess. So a set point that is read again
+has the same error again, and a series' errors may rise and fall together: taken for independent
+they would make ct and cn look better known than they are.
+
+So phi is drawn evenly, and h, known to a hundredth alone, as a normal distribution. What the errors
+then have in common is their correlation; how far they may reach together is told by the draws
+themselves, for sawteeth have no tails.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.intp]
+
+STEP_SIGMA = 0.01  # of a treadmill's step, relative
+DRAWS = 1024
+_TRIALS = 256
+_LEAST_STEP = 1.5  # of the treadmill in the inclinometer's; below, set points cannot be told apart
+_ON_GRID, _SLACK = 0.02, 0.1  # in steps of the inclinometer
+_GOLDEN = (5**0.5 - 1) / 2
+
+
+def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
+    """Return the inclinometer's step, if its readings lie on such steps; else None.
+
+    A step of g has the standard deviation g / sqrt(12); one that was rounded when it was written
+    down, say 0.03 for 0.1 degrees, is recognised.
+    """
+    exact = float(np.degrees(sigma_rad)) * np.sqrt(12.0)
+    for step in (exact, float(f"{exact:.0e}")):
+        steps = np.degrees(shown_rad) / step
+        if np.abs(steps - np.round(steps)).max() < _ON_GRID:
+            return float(np.radians(step))
+    return None
+
+
+def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Whole | None:
+    """Return which of its steps the treadmill stood at, from any one; None where it had none."""
+    if grade_step < _LEAST_STEP * step_rad:
+        return None
+    grade = np.tan(shown_rad)[:, None] - grade_step * np.arange(_TRIALS) / _TRIALS
+    nearest = np.round(grade / grade_step)
+    off = np.abs(grade - nearest * grade_step).max(axis=0)
+    best = int(off.argmin())
+    if off[best] > (0.5 + _SLACK) * step_rad + grade_step / _TRIALS:
+        return None
+    return nearest[:, best].astype(np.intp)
+
+
+def sawteeth(set_point: Whole, step_rad: float, grade_step: float) -> Floats:
+    """Return (DRAWS, points) rounding errors in their standard deviations.
+
+    set_point: in rising order. One that comes twice showed now this, now that: it is not held
+    exactly, and goes with no other.
+    """
+    from scipy.special import ndtri
+
+    even = (np.arange(DRAWS) + 0.5) / DRAWS
+    scale = 1.0 + STEP_SIGMA * ndtri((np.arange(DRAWS) * _GOLDEN + 0.5) % 1.0)
+    true = scale[:, None] * np.arctan(grade_step * set_point) / step_rad
+    phase = even[:, None] + true - true[:, :1]
+    for k in np.flatnonzero(np.append(False, np.diff(set_point) == 0)):
+        phase[:, k] = np.random.default_rng(k).permutation(even)
+    return np.sqrt(12.0) * (phase - np.round(phase))
+
+
+def shared_rounding(
+    shown_rad: Floats, sigma_rad: float, grade_step: float
+) -> tuple[Whole, Floats] | None:
+    """Return which rounding error each reading has, and draws of these errors, as sawteeth does.
+
+    None where the readings do not lie on the inclinometer's steps, or not on the treadmill's: then
+    nothing tells that their errors go together.
+    """
+    step_rad = shown_step_rad(shown_rad, sigma_rad)
+    points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
+    if step_rad is None or points is None:
+        return None
+    shown = np.round(shown_rad / step_rad).astype(np.intp)
+    pairs, index = np.unique(np.column_stack([points, shown]), axis=0, return_inverse=True)
+    return index.astype(np.intp).ravel(), sawteeth(pairs[:, 0], step_rad, grade_step)
+
+
+def nearest_shown(
+    wanted_rad: float, shown_rad: Floats, sigma_rad: float, grade_step: float
+) -> float:
+    """Return what the inclinometer is likely to show at the treadmill's step nearest to an incline.
+
+    shown_rad: so far, which tell how the treadmill's steps lie. The incline itself where nothing is
+    known of steps.
+    """
+    step_rad = shown_step_rad(shown_rad, sigma_rad) if len(shown_rad) else None
+    points = None if step_rad is None else set_points(shown_rad, step_rad, grade_step)
+    if step_rad is None or points is None:
+        return wanted_rad
+    off = np.tan(shown_rad) - grade_step * points
+    middle = float(off.max() + off.min()) / 2
+    grade = grade_step * np.round((np.tan(wanted_rad) - middle) / grade_step)
+    same = np.flatnonzero(points == np.round(grade / grade_step))
+    if len(same):
+        return float(shown_rad[same[-1]])
+    return float(np.round(np.arctan(grade + middle) / step_rad) * step_rad)

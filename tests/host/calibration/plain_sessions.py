@@ -1,0 +1,141 @@
+"""Sessions with known truth from plain NumPy: no procedure, treadmill or fit of the package."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from serpenoid import Robot
+from serpenoid.calibration.session import (
+    BendCheck,
+    Procedure,
+    Reading,
+    Session,
+    Setup,
+    TreadmillSteps,
+    Uncertainty,
+    ZeroReading,
+)
+
+G = 9.81
+
+
+@dataclass(frozen=True)
+class World:
+    """What is true: a robot's mass and friction, instruments, a treadmill, what goes wrong.
+
+    steps_deg: of the inclinometer. grade: the treadmill's step, 0 for any incline. zero_drift_deg:
+    between the zero read before and the one after. outliers: readings off by this many of their
+    standard deviations, one a session. misread_deg: one incline typed wrong by this.
+    """
+
+    mass_kg: float = 0.4536
+    ct: float = 0.084
+    cn: float = 1.2
+    ft0: float = 0.14
+    fn0: float = 0.27
+    steps_deg: float = 0.1
+    grade: float = 0.005
+    speed_sigma: float = 0.012
+    bend_sigma_deg: float = 0.5
+    zero_drift_deg: float = 0.0
+    outliers: tuple[float, ...] = ()
+    misread_deg: float = 0.0
+    bends_deg: tuple[float, ...] = (7.5, 15.0, 30.0)
+    top_m_s: float = 1.0
+
+    @property
+    def truth(self):
+        """Return ct, cn, ft0, fn0 of the whole snake."""
+        return np.array([self.ct, self.cn, self.ft0, self.fn0])
+
+    def slip(self, incline, bend):
+        """Return the slip at which the snake stays where it is."""
+        c, s = np.cos(bend), np.sin(bend)
+        pull = self.mass_kg * G * np.sin(incline) - self.ft0 * c - self.fn0 * s
+        return pull / (self.ct * c**2 + self.cn * s**2)
+
+
+def shown(incline, steps_deg):
+    """Round as an inclinometer does."""
+    return np.radians(np.round(np.degrees(incline) / steps_deg) * steps_deg)
+
+
+def inclines(world, bend, deck, rng):
+    """Return the inclines that the treadmill is set to, at most 8, up to the top speed."""
+    if world.grade:
+        grade = np.arange(0.0, 0.2, world.grade * max(1, round(0.0052 / world.grade)))
+        found = np.arctan(grade) + deck
+    else:
+        found = np.radians(np.arange(0.3, 11.0, 0.29) + rng.uniform(-0.1, 0.1, 37)) + deck
+    slip = world.slip(found, bend)
+    held = found[(slip > 0.04) & (slip < world.top_m_s)]
+    return held[:: max(1, len(held) // 8)]
+
+
+def plain_session(world, rng):
+    """Take a session: zero, straight, every bend with its check, zero."""
+    zero, deck = np.radians([rng.normal() * 0.15, rng.uniform(-0.15, 0.15)])
+    rows, checks, zeros = [], [], []
+
+    def read_zero(number, now):
+        slope = np.radians(rng.uniform(-0.4, 0.4))
+        ends = [float(shown(sign * slope + now, world.steps_deg)) for sign in (1, -1)]
+        zeros.append(ZeroReading(number, *ends, before=not rows))
+
+    read_zero(1, zero)
+    number, count = 1, 0
+    planned = [(b, i) for b in (0.0, *world.bends_deg) for i in [None]]
+    drift = np.radians(world.zero_drift_deg)
+    for bend_deg, _ in planned:
+        bend = np.radians(bend_deg)
+        true_bend = bend + (np.radians(rng.normal()) if bend_deg else 0.0)
+        told = 0.0
+        if bend_deg:
+            number += 1
+            seen = np.degrees(true_bend) + rng.normal() * world.bend_sigma_deg
+            between = round(180 - 2 * seen, 1)
+            checks.append(BendCheck(number, float(bend), float(np.radians(between))))
+            told = checks[-1].found_rad
+        for incline in inclines(world, true_bend, deck, rng):
+            number, count = number + 1, count + 1
+            slip = world.slip(incline, true_bend) + rng.normal() * world.speed_sigma
+            belt = np.round(slip / 0.02778) * 0.02778
+            now = zero + drift * count / 24
+            seen = shown(incline + now, world.steps_deg)
+            if slip > 0.0:
+                rows.append([number, told, float(seen), float(belt), float(belt - slip)])
+    read_zero(number + 1, zero + drift)
+    _spoil(world, rows, rng)
+    return _session(world, rows, checks, zeros)
+
+
+def _spoil(world, rows, rng):
+    """Put outliers and a misreading in."""
+    weight = world.mass_kg * G
+    picked = rng.permutation(len(rows))[: len(world.outliers) + 1]
+    for k, off in zip(picked, world.outliers, strict=False):
+        bend = rows[k][1]
+        slope = world.ct * np.cos(bend) ** 2 + world.cn * np.sin(bend) ** 2
+        by_incline = weight * np.radians(world.steps_deg) / np.sqrt(12) / slope
+        # to one side at random, unless the belt would then stand
+        shift = off * np.hypot(world.speed_sigma, by_incline) * rng.choice([-1, 1])
+        slip = rows[k][3] - rows[k][4]
+        rows[k][4] -= shift if slip + shift > 0.02 else -shift
+    if world.misread_deg:
+        rows[picked[-1]][2] += float(np.radians(world.misread_deg))
+
+
+def _session(world, rows, checks, zeros):
+    unit = Uncertainty(
+        float(np.radians(world.steps_deg) / np.sqrt(12)), float(np.radians(0.1)),
+        world.speed_sigma, float(np.radians(world.bend_sigma_deg)),
+    )  # fmt: skip
+    plan = Procedure(
+        tuple(map(float, np.radians((0.0, *world.bends_deg)))), 0.03, 0.005, world.top_m_s, G
+    )
+    setup = Setup(
+        "plain", "simulated", "a test", "none", Robot(6, world.mass_kg / 6, 0.076), plan, unit,
+        treadmill=TreadmillSteps(incline_step_rad=world.grade or 1e-4),
+    )  # fmt: skip
+    return Session(
+        setup, tuple(Reading(*row) for row in rows), zeros=tuple(zeros), bends=tuple(checks)
+    )
