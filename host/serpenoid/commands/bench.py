@@ -134,6 +134,32 @@ def steady(out: Path, quick: bool) -> None:
 
 @BENCH_GROUP.command()
 @OUT
+@click.option("--quick", is_flag=True, help="One gait instead of three.")
+def rod(out: Path, quick: bool) -> None:
+    """Time a gait's speed beside PyElastica, which follows a rod until it repeats: rod.csv.
+
+    The rod is the paper's robot as far as it can be stated: a link an element, joint angles as
+    intrinsic curvature, viscous wheels; not pinned joints, a link's own inertia, sticking, powers.
+    """
+    from importlib.util import find_spec
+
+    from ..bench.cost.rod import GAITS, measure, write
+
+    if not find_spec("elastica"):
+        raise click.ClickException("PyElastica is not installed; pip install 'serpenoid[bench]'")
+    rows = measure(list(GAITS)[: 1 if quick else None])
+    write(rows, out / "rod.csv")
+    for row in rows:
+        click.echo(
+            f"{row.gait}: PyElastica {row.rod_m_s:.5f} m/s in {row.rod_s:.3g} s of processor time "
+            f"({row.rod_cycles} cycles), exact model {row.exact_m_s:.5f} m/s in "
+            f"{1e6 * row.exact_s:.3g} us: {100 * row.apart:+.1f} %, {row.times:.2g} times as long"
+        )
+    click.echo(f"in {out / 'rod.csv'}")
+
+
+@BENCH_GROUP.command()
+@OUT
 @click.option("--sessions", type=click.IntRange(20), default=1000, show_default=True,
               help="Simulated sessions of each kind.")  # fmt: skip
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
