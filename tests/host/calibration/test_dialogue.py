@@ -5,11 +5,13 @@ from collections import deque
 from pathlib import Path
 
 import pytest
+from serpenoid import Ground, fit_friction
 from serpenoid.calibration.session_rows import read_events
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.person.dialogue import Dialogue, held_dialogue
 from serpenoid.calibration.taking.person.seat import Seat
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.model.errors import RobotHeld, RobotLost
 
 
@@ -62,6 +64,49 @@ def test_a_few_steps_by_hand(folder):
     assert heard.endswith("Everything read so far is kept; the same command goes on from here.\n")
     heard, _ = talk(folder)
     assert "Inclinometer zero" not in heard  # it goes on, posing anew
+
+
+class Led:
+    """Reads off a simulated treadmill what each prompt asks for."""
+
+    def __init__(self, setup):
+        truth = Truth(Ground(0.084, 1.2, 0.14, 0.27), math.radians(0.1))
+        self.treadmill = SimulatedTreadmill(setup, truth, seed=4)
+        self.heard, self.cells = "", {}
+
+    def told(self, session, step):
+        self.step = step
+        self.cells = {} if step.kind == "done" else self.treadmill.answer(step, session)
+
+    def say(self, text):
+        self.heard += text + "\n"
+
+    def forget(self):
+        pass
+
+    def ask(self, prompt, patience_s, tick):
+        tick()
+        self.heard += prompt + "\n"
+        if self.cells is None:
+            return "skip"
+        asked = [f for f in self.step.fields if prompt == f"  {f.words} ({f.unit}): "]
+        return f"{self.cells[asked[0].column]:g}".replace(".", ",") if asked else ""
+
+
+def test_it_leads_through_all_of_a_session_with_the_robot(folder):
+    """What comes out is what the script takes without a person: the same procedure."""
+    with Seat("virtual:fast") as seat, Journal(folder) as journal:
+        journal.event("amend", detail="plan.gait_runs = 1")
+        person = Led(journal.session.setup)
+        assert held_dialogue(Dialogue(journal, person, seat, person.told), person)
+        session = journal.session
+        assert seat._robot.status().state == "idle"
+    assert person.heard.rstrip().endswith("all of the plan is done")
+    assert {round(math.degrees(b.lambda_rad), 1) for b in session.bends} == {7.5, 15, 30}
+    assert len(session.zeros) == 2
+    assert len(session.kept_gait_runs) == 3
+    for row, true in zip(fit_friction(session).rows(), (0.084, 1.2, 0.14, 0.27), strict=True):
+        assert abs(row.value - true) < 3.5 * row.sigma
 
 
 def test_comma_decimals_units_and_nonsense(folder):

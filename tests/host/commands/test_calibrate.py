@@ -1,6 +1,7 @@
 """`serpenoid calibrate` without a person: begun, scripted, corrected, looked at, misused."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -164,11 +165,46 @@ def test_a_sheet_is_printed_and_taken_in_once(folder, tmp_path, serpenoid):
     assert (again[0], "nothing is added twice" in again[2]) == (2, True)
 
 
+def test_the_sheet_to_type_into_takes_a_whole_session(folder, tmp_path, serpenoid):
+    with Journal(folder) as journal:
+        gait = "{ alpha_deg = 70, beta_deg = 75, omega_rad_s = 3.0 }"
+        journal.event("amend", detail=f"plan.gaits = [{gait}]")
+    path = tmp_path / "typed.csv"
+    assert serpenoid("calibrate", "sheet", str(folder), "--out", str(path))[0] == 0
+    lines = [line.split(",") for line in path.read_text().splitlines()]
+    at = lines[0].index
+    empty = serpenoid("calibrate", "add", str(folder), "--sheet", str(path))
+    assert (empty[0], "no line has a reading in it" in empty[2]) == (2, True)
+    read = {
+        "zero": {"incline_deg": "0,1", "reversed_deg": "0,3"},
+        "bend": {"between_links_deg": "148"},
+        "station": {"incline_deg": "2,5", "belt_speed_km_h": "1,8", "comment": "ok"},
+        "gait": {"distance_m": "1", "duration_s": "10"},
+    }
+    kinds = []
+    for line in lines[1:]:
+        if line[0] not in kinds[-1:] or line[0] == "gait":  # the rest stays empty
+            for name, text in read[line[0]].items():
+                line[at(name)] = text
+        kinds.append(line[0])
+    path.write_text("\r\n".join(";".join(line) for line in lines))
+    status, out, err = serpenoid("calibrate", "add", str(folder), "--sheet", str(path))
+    assert status == 0, err
+    assert out.startswith("12 reading(s) added; 4 stations and 3 gait runs kept")
+    session = load_session(folder)
+    # A station's bend is what the protractor above it showed, not what was planned.
+    assert [round(math.degrees(r.lambda_rad), 3) for r in session.kept] == [0, 16, 16, 16]
+    assert session.kept[0].belt_speed_m_s == pytest.approx(0.5)
+    assert session.gait_runs[0].omega_rad_s == pytest.approx(3.0, rel=1e-5)
+    assert [round(math.degrees(z.zero_rad), 3) for z in session.zeros] == [0.2, 0.2]
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         ("station,0,2.3,0.4\n", "typed.csv:1: the first line must name the columns"),
-        ("kind,lambda_deg\nstation,0\n", "typed.csv:2: incline_deg is ''"),
+        ("kind,lambda_deg,belt_speed_m_s\nstation,0,1\n", "typed.csv:2: incline_deg is ''"),
+        ("kind,lambda_deg\nstation,0\n", "no line has a reading in it"),
         (f"{HEAD}station,0,2,3,0.4\n", "parted by semicolons"),
         (f"{HEAD}station,0,2.3,0.4\nhop,0,2,1\n", ":3: kind is"),
         ("", "must name the columns"),

@@ -1,25 +1,34 @@
 """Readings that were written down by hand and typed into a spreadsheet, taken in at once.
 
-The file's columns are those of readings.csv that a kind needs, `incline_percent` and
-`belt_speed_km_h` allowed. Semicolons with decimal commas are a spreadsheet's habit, and read.
+The file's columns are those of readings.csv that a kind needs, other units allowed (OTHER_UNITS).
+Semicolons with decimal commas are a spreadsheet's habit, and read. A station that names no bend has
+that of the protractor check above it; a line in which nothing was read is left out.
 """
 
 from __future__ import annotations
 
 import csv
 import hashlib
+import math
 from pathlib import Path
 
 from ...model.errors import BadInput
 from ...model.toml_table import located, read_text
-from .journal import Journal
+from ..session import Session
+from .journal import Journal, csv_line
 from .person.typed_cells import FIELDS, read_cells
 
-_OTHER_UNITS = {
+OTHER_UNITS = {
     "incline_percent": ("incline_deg", "%"),
     "belt_speed_km_h": ("belt_speed_m_s", "km/h"),
     "drift_km_h": ("drift_m_s", "km/h"),
+    "frequency_hz": ("omega_rad_s", "Hz"),
 }
+PLANNED = ("lambda_deg", "alpha_deg", "beta_deg", "omega_rad_s", "frequency_hz")  # not read off
+TYPED = ("kind", "lambda_deg", "between_links_deg", "incline_deg", "reversed_deg",
+         "belt_speed_km_h", "drift_m_s", "alpha_deg", "beta_deg", "frequency_hz", "distance_m",
+         "duration_s", "comment")  # fmt: skip
+LINES = 6  # to fill in, a bend
 HEADINGS = "kind, lambda_deg, incline_deg, belt_speed_m_s, drift_m_s, comment"
 
 
@@ -37,11 +46,24 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
     if not rows or "kind" not in _names(rows[0]):
         raise BadInput(f"{path}:1: the first line must name the columns, such as {HEADINGS}")
     header = _names(rows[0])
-    made = []
+    made: list[tuple[str, dict[str, float], str]] = []
+    lambda_deg = ""
     for number, cells in enumerate(rows[1:], 2):
-        if any(cell.strip() for cell in cells):
-            with located(f"{path}:{number}"):
-                made.append(_reading(header, cells, journal))
+        if not any(cell.strip() for cell in cells):
+            continue
+        with located(f"{path}:{number}"):
+            row = _row(header, cells)
+            if not any(v for name, v in row.items() if name not in (*PLANNED, "kind", "comment")):
+                continue
+            if row["kind"] == "station" and not row.get("lambda_deg"):
+                row["lambda_deg"] = lambda_deg
+            made.append(_reading(row, journal))
+        if made[-1][0] == "bend":
+            lambda_deg = f"{(180 - made[-1][1]['between_links_deg']) / 2:.6g}"
+    if not made:
+        raise BadInput(
+            f"{path}: no line has a reading in it; type them in, then add the file again"
+        )
     for kind, values, comment in made:
         journal.add(kind, values, comment=comment)
     journal.event("note", detail=f"sheet {path.name}, {digest}")
@@ -53,22 +75,42 @@ def _names(cells: list[str]) -> list[str]:
     return [cell.strip() for cell in cells]
 
 
-def _reading(
-    header: list[str], cells: list[str], journal: Journal
-) -> tuple[str, dict[str, float], str]:
-    """Return kind, values and comment of a row, checked as a journal checks them."""
+def sheet_text(session: Session) -> str:
+    """Return a CSV to type the printed sheet into: its lines, with what the plan says filled in."""
+    plan = session.setup.procedure
+    rows: list[dict[str, str]] = [{"kind": "zero"}]
+    for lambda_rad in plan.lambda_rad:
+        bend = f"{math.degrees(lambda_rad):.6g}"
+        rows += [{"kind": "bend", "lambda_deg": bend}] if lambda_rad else []
+        rows += [{"kind": "station", "lambda_deg": "" if lambda_rad else "0"}] * LINES
+    rows.append({"kind": "zero"})
+    for gait in plan.gaits:
+        degrees = {f"{name}_deg": f"{math.degrees(getattr(gait, name + '_rad')):.6g}"
+                   for name in ("alpha", "beta")}  # fmt: skip
+        rate = f"{gait.omega_rad_s / (2 * math.pi):.6g}"
+        rows += [{"kind": "gait", **degrees, "frequency_hz": rate}] * plan.gait_runs
+    return "".join(csv_line([row.get(name, "") for name in TYPED])
+                   for row in [dict(zip(TYPED, TYPED, strict=True)), *rows])  # fmt: skip
+
+
+def _row(header: list[str], cells: list[str]) -> dict[str, str]:
+    """Return a line's cells by their columns."""
     if len(cells) != len(header):
         raise BadInput(
             f"{len(cells)} cells where the header has {len(header)}; decimals with a comma need "
             "cells parted by semicolons"
         )
-    row = dict(zip(header, _names(cells), strict=True))
+    return dict(zip(header, _names(cells), strict=True))
+
+
+def _reading(row: dict[str, str], journal: Journal) -> tuple[str, dict[str, float], str]:
+    """Return kind, values and comment of a row, checked as a journal checks them."""
     kind, comment = row.pop("kind"), row.pop("comment", "")
     if kind not in FIELDS:
         raise BadInput(f"kind is {kind!r}; it must be one of {', '.join(FIELDS)}")
     pairs = []
     for name, value in row.items():
-        column, unit = _OTHER_UNITS.get(name, (name, ""))
+        column, unit = OTHER_UNITS.get(name, (name, ""))
         if value:
             pairs.append(f"{column}={value} {unit}".rstrip())
     values = read_cells(kind, pairs, journal.session.setup)

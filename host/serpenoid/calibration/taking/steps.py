@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from ...model.gait import Gait
@@ -16,7 +17,7 @@ UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},
     "mass": {"kg": 1.0, "g": 0.001, "lb": 0.45359237},
     "count": {"": 1.0},
-    "rate": {"rad/s": 1.0},
+    "rate": {"rad/s": 1.0, "Hz": 2 * math.pi},
     "time": {"s": 1.0, "min": 60.0},
 }
 

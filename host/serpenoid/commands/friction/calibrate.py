@@ -10,6 +10,7 @@ import click
 
 from ...model.errors import BadInput
 from ..options import AS_JSON, show_json
+from ..paths import OutFile
 from .calibrate_new import new
 from .calibrate_person import count, program, with_a_person
 
@@ -141,15 +142,16 @@ def _add_sheet(journal: Journal, path: Path) -> None:
 
 @calibrate.command()
 @FOLDER
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), default=Path("sheet.html"),
-              show_default=True, help="Page to write, for printing on A4.")  # fmt: skip
+@click.option("--out", type=OutFile(".html", ".csv"), default=Path("sheet.html"), show_default=True,
+              help="Page to print on A4; or CSV to type it into.")  # fmt: skip
 def sheet(folder: Path, out: Path) -> None:
     """Write a sheet to print and fill in by hand; `add --sheet` takes the readings in later."""
     from ...calibration.session_file import read_session
     from ...show.session.sheet import write_sheet
 
     write_sheet(read_session(folder), out)
-    click.echo(f"wrote {out}; print it from a browser")
+    typed = f"type the readings into it, then: serpenoid calibrate add {folder} --sheet {out}"
+    click.echo(f"wrote {out}; {typed if out.suffix == '.csv' else 'print it from a browser'}")
 
 
 @calibrate.command()

@@ -7,10 +7,12 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...calibration.taking.procedure import settle_s
+from ...calibration.taking.sheet import LINES, sheet_text
+
 if TYPE_CHECKING:
     from ...calibration.session import Session
 
-LINES = 6  # to fill in, a bend
 STYLE = """
 @page { size: A4; margin: 14mm; }
 body { font: 11pt/1.35 system-ui, sans-serif; color: #000; background: #fff; max-width: 182mm;
@@ -35,6 +37,7 @@ def sheet(session: Session) -> str:
     parts = [
         f"<h1>Calibration: {html.escape(setup.name)}</h1><p>{html.escape(about)}</p>"
         "<p>date: ____________ &emsp; who: ________________________</p>",
+        f"<p>{_how(session)}</p>",
         f"<section><h2>Inclinometer zero, before (kind zero)</h2>{zero}</section>",
         *(_bend(lambda_rad) for lambda_rad in setup.procedure.lambda_rad),
         f"<section><h2>Inclinometer zero, after (kind zero)</h2>{zero}</section>",
@@ -48,8 +51,21 @@ def sheet(session: Session) -> str:
 
 
 def write_sheet(session: Session, path: Path) -> None:
-    """Write the sheet."""
-    path.write_text(sheet(session), encoding="utf-8")
+    """Write the sheet: to print, or as CSV to type it into."""
+    typed = path.suffix.lower() == ".csv"
+    path.write_text(sheet_text(session) if typed else sheet(session), encoding="utf-8")
+
+
+def _how(session: Session) -> str:
+    """Return in two lines what a person without the program has to know."""
+    plan = session.setup.procedure
+    first, step = (math.degrees(x) for x in (plan.incline_start_rad, plan.incline_step_rad))
+    return (
+        f"Incline from about {first:.3g}° in steps of {step:.2g}° or more; raise the belt until "
+        f"the robot holds its place; wait {settle_s(session, 0.0):.0f} s straight, less when bent; "
+        f"write down. A series ends at {plan.belt_speed_max_m_s:.3g} m/s "
+        f"({3.6 * plan.belt_speed_max_m_s:.3g} km/h). Strike out, do not overwrite."
+    )
 
 
 def _bend(lambda_rad: float) -> str:
@@ -62,8 +78,7 @@ def _bend(lambda_rad: float) -> str:
         heading = f"Bend {bend:g}° (kind station)"
         check = (
             f"Joints at ±{2 * bend:g}°; a protractor between neighbouring links shows "
-            f"{180 - 2 * bend:g}°. It showed (kind bend): ________ °, so lambda_deg = "
-            "(180° − that) / 2 = ________ °"
+            f"{180 - 2 * bend:g}°. It showed (kind bend): ________ °"
         )
     return f"<section><h2>{heading}</h2><p>{check}</p>{_table(columns, LINES)}</section>"
 

@@ -105,5 +105,5 @@ def _example(field: Field) -> str:
 
 
 _SAMPLES = {"incline": "2.3 or 4 %", "angle": "150", "speed": "0.45 or 1.6 km/h",
-            "length": "1.2 or 76 mm", "rate": "3.14", "time": "9.5", "mass": "0.48 or 480 g",
-            "grade": "0.5", "belt": "0.1"}  # fmt: skip
+            "length": "1.2 or 76 mm", "rate": "3.14 or 0.5 Hz", "time": "9.5",
+            "mass": "0.48 or 480 g", "grade": "0.5", "belt": "0.1"}  # fmt: skip
