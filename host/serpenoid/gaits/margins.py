@@ -12,10 +12,11 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.steady import steady_gait
+from ..periodic.steady import speed_floor_m_s, steady_gait
 
 LOSS = 0.1  # of the speed, that a margin allows
 LESS_AMPLITUDE, LESS_GRIP = 0.10, 0.13  # servos under load; one sigma of a 7.5 deg session
+BELOW = 1.0, 3.0  # gaining more than this by 10 % or 60 % of amplitude it lies below one
 CLIFF = 0.25  # a gait that loses more than this of its speed to either stands at a cliff
 _MOST = 0.6
 _RTOL = 1e-3
@@ -27,13 +28,27 @@ class Margins:
 
     amplitude, grip: by what share the joints' amplitude, or fn0, may fall before the speed loses a
     tenth (inf: by 60 % it has not; grip is NaN without dry friction across the links).
-    amplitude_loss, grip_loss: of the speed, when the amplitude is 10 %, or fn0 13 % less.
+    amplitude_loss, grip_loss: of the speed, when the amplitude is 10 %, or fn0 13 % less;
+    amplitude_gain, far_gain: of it, when the amplitude is 10 % or 60 % more. All are NaN for a gait
+    that does not travel: there is no speed to lose.
     """
 
     amplitude: float
     grip: float
     amplitude_loss: float
     grip_loss: float
+    amplitude_gain: float = 0.0
+    far_gain: float = 0.0
+
+    @property
+    def travels(self) -> bool:
+        """Tell whether the gait gets along at all."""
+        return not math.isnan(self.amplitude_loss)
+
+    @property
+    def below_cliff(self) -> bool:
+        """Tell whether 10 % more amplitude would double the speed, or 60 % make it fourfold."""
+        return self.amplitude_gain > BELOW[0] or self.far_gain > BELOW[1]
 
     @property
     def near_cliff(self) -> bool:
@@ -43,6 +58,14 @@ class Margins:
     @property
     def warning(self) -> str:
         """Return what a user must know, or nothing."""
+        if not self.travels:
+            return "this gait does not travel: there is no speed to lose"
+        if self.below_cliff:
+            more, gain = max((self.amplitude_gain, 10), (self.far_gain, 60))[::-1]
+            return (
+                f"this gait is below a cliff: {more} % more amplitude makes it {1 + gain:.2g} "
+                "times as fast"
+            )
         if not self.near_cliff:
             return ""
         told = [f"10 % less amplitude costs {100 * self.amplitude_loss:.0f} % of the speed"]
@@ -52,7 +75,9 @@ class Margins:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name, for JSON."""
-        return asdict(self) | {"near_cliff": self.near_cliff}
+        return asdict(self) | {
+            "near_cliff": self.near_cliff, "below_cliff": self.below_cliff,
+        }  # fmt: skip
 
 
 def _fall(speed_at: Callable[[float], float], full: float) -> float:
@@ -90,10 +115,16 @@ def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
 
     check_parts(robot, ground, gait)
     full = speed(ground, gait)
+    if full <= speed_floor_m_s(robot, gait.omega_rad_s):
+        return Margins(*(math.nan,) * 6)
     grip = ground.fn0 > 0
     return Margins(
         _fall(weaker, full),
         _fall(looser, full) if grip else math.nan,
         1 - weaker(LESS_AMPLITUDE) / full,
         1 - looser(LESS_GRIP) / full if grip else math.nan,
+        *(
+            weaker(-min(gain, math.pi / gait.alpha_rad - 1)) / full - 1
+            for gain in (LESS_AMPLITUDE, _MOST)
+        ),
     )

@@ -21,6 +21,11 @@ def _percent(fraction: float) -> str:
     return "more than 60 %" if math.isinf(fraction) else f"{100 * fraction:.3g} %"
 
 
+def _lost(fraction: float) -> str:
+    """Return a loss as percent; a negative one is a gain."""
+    return f"none: {_percent(-fraction)} gained" if fraction < -5e-4 else _percent(fraction)
+
+
 def optimum(found: LeastPower) -> None:
     """Print what is known of an optimum."""
     rows = [
@@ -55,10 +60,11 @@ def margins(found: Margins) -> None:
     rows = [
         ["amplitude may fall by, for a tenth of the speed", _percent(found.amplitude)],
         ["fn0 may fall by, for a tenth of the speed", _percent(found.grip)],
-        ["speed lost with 10 % less amplitude", _percent(found.amplitude_loss)],
-        ["speed lost with 13 % less fn0", _percent(found.grip_loss)],
+        ["speed lost with 10 % less amplitude", _lost(found.amplitude_loss)],
+        ["speed lost with 13 % less fn0", _lost(found.grip_loss)],
     ]
-    table("margins", ["", "value"], rows)
+    if found.travels:
+        table("margins", ["", "value"], rows)
     if found.warning:
         notices.print(f"serpenoid: warning: {found.warning}")
 
