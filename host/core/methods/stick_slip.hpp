@@ -11,6 +11,9 @@
 // 2 y(h/2) - y(h), velocities along and across the links, where what rests in both rests exactly.
 // Where they disagree whether a wheel rests, or which way it goes, the halves count (an error of
 // h^2, in the few steps in which a wheel changes its mode).
+//
+// An energy ledger behind the state knows a system without friction: its heat is booked here, the
+// impulse of friction over a plain step times the mean speed.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +23,7 @@
 
 #include "methods/fixed_step.hpp"
 #include "model/params.hpp"
+#include "scene/energy_ledger.hpp"
 
 namespace serpenoid {
 
@@ -88,7 +92,9 @@ class StickSlip : public FixedStep {
           dy_(frictionless.dim()),
           whole_(frictionless.dim()),
           of_whole_(2 * robot.n),
-          of_halves_(2 * robot.n) {}
+          of_halves_(2 * robot.n) {
+        if (dynamic_cast<EnergyLedger*>(&frictionless)) heat_ = EnergyLedger::heat_at(dy_.size());
+    }
 
     void give_forces(double, System& system) override {
         Chain& k = system.chain;
@@ -147,19 +153,27 @@ class StickSlip : public FixedStep {
         for (std::size_t i = 4 * n; i < dy_.size(); ++i)
             if (rate_of_[i] >= 0) y[i] += h * y[rate_of_[i]];
         system_.fill(t + h, y);  // the directions at the end of the step
+        double heat = 0;
+        const auto slide = [&](const Slide& way, double& v, double kicked) {
+            const double before = v;
+            v = way(before, (kicked - before) / h);
+            heat += robot_.m * (kicked - v) * (before + v) / 2;
+        };
         for (int i = 0; i < n; ++i) {
             double &vt = speed[2 * i], &vn = speed[2 * i + 1];
-            vt = t_way(vt, (speed_t(i, y) - vt) / h);
-            vn = n_way(vn, (speed_n(i, y) - vn) / h);
+            slide(t_way, vt, speed_t(i, y));
+            slide(n_way, vn, speed_n(i, y));
             set_velocity(i, vt, vn, y);
             y[i] += h * y[2 * n + i], y[n + i] += h * y[3 * n + i];
         }
+        if (heat_ > 0) y[heat_] += heat;
     }
 
     Robot robot_;
     Ground ground_;
     std::vector<int> rate_of_;
     std::vector<double> dy_, whole_, of_whole_, of_halves_;
+    std::size_t heat_ = 0;  // where the ledger's is, 0 without one
 };
 
 }  // namespace serpenoid

@@ -191,7 +191,6 @@ nb::list method_table() {
         row["name"] = k.name, row["order"] = k.order, row["stability"] = k.stability;
         row["formulations"] = k.formulations, row["adaptive"] = k.adaptive;
         row["drives"] = k.drives, row["laws"] = k.laws, row["records"] = k.records;
-        row["implicit_records"] = k.implicit_records;
         row["plain"] = k.plain, row["faults"] = k.faults;
         rows.append(row);
     }

@@ -25,6 +25,9 @@ class EnergyLedger final : public System {
         if (q.formulation == Formulation::explicit_) spring_ = {0, 0};
     }
 
+    // Where friction's heat is in a state of so many numbers, the ledger's four at its end.
+    static std::size_t heat_at(std::size_t dim) { return dim - 3; }
+
     int dim() const override { return inner_->dim() + 4; }
     void set(const Chain& from, double* y) const override {
         inner_->set(from, y);

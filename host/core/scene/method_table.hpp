@@ -17,8 +17,7 @@ struct MethodKind {
     const char* adaptive = "";  // formulations in which it picks its steps; in the others dt_s
     const char* drives = "angle torque servo";
     const char* laws = "viscous smoothed dry";
-    const char* records = "joints friction energy";           // beside the motion: explicit,
-    const char* implicit_records = "joints friction energy";  // and implicit
+    const char* records = "joints friction energy";  // beside the motion
     bool plain = false;           // all joints must follow the gait, on the level
     bool faults = true;           // runs with limp or locked joints
     bool holds_dampers = false;   // dampers take the rates of the step before
@@ -56,7 +55,6 @@ inline constexpr MethodKind kMethods[] = {
      .stability = "stick_slip",
      .adaptive = "explicit",
      .laws = "viscous dry",
-     .implicit_records = "joints friction",
      .makes_friction = true},
 };
 

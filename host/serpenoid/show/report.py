@@ -73,7 +73,7 @@ def steady(s: Steady) -> None:
         ["power, each joint's absolute value", f"{s.abs_power_w:.6g} W"],
         ["power, no regeneration", f"{s.positive_power_w:.6g} W"],
         ["turn per cycle", f"{math.degrees(s.turn_rad_per_cycle):.4g} deg"],
-        ["radius of the path", f"{s.radius_m:.4g} m"],
+        ["radius of the path", f"{s.radius_m:.4g} m" if s.radius_m < math.inf else "straight"],
         ["settling time (to 1/e)", f"{s.settling_time_s:.3g} s"],
         ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
     ]

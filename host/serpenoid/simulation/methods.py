@@ -16,8 +16,8 @@ class MethodKind:
     order: of convergence at recorded times, for smooth motion. stability: the rule for its fixed
     steps (stability.py), empty for methods without. adaptive: formulations in which it takes steps
     of its own to scene.tolerance; in the others steps of dt_s. records: what it can record besides
-    the motion, implicit_records: with the implicit formulation. plain: whether all joints must
-    follow the gait, on the level. faults: whether it runs with limp or locked joints.
+    the motion. plain: whether all joints must follow the gait, on the level. faults: whether it
+    runs with limp or locked joints.
     """
 
     order: int
@@ -27,12 +27,11 @@ class MethodKind:
     drives: tuple[str, ...]
     laws: tuple[str, ...]
     records: tuple[str, ...]
-    implicit_records: tuple[str, ...]
     plain: bool
     faults: bool
 
 
-_WORDS = ("formulations", "adaptive", "drives", "laws", "records", "implicit_records")
+_WORDS = ("formulations", "adaptive", "drives", "laws", "records")
 
 
 def _kind(row: dict[str, Any]) -> MethodKind:
@@ -107,9 +106,9 @@ def objection(
         return "does not run with limp or locked joints"
     if scene.incline_rad > 0 and kind.plain:
         return "does not run with an incline"
-    can = kind.implicit_records if formulation == "implicit" else kind.records
-    lacks = [one for one in (scene.record if record is None else record) if one not in can]
-    return f"in formulation {formulation!r} cannot record {lacks[0]!r}" if lacks else None
+    asked = scene.record if record is None else record
+    lacks = [one for one in asked if one not in kind.records]
+    return f"cannot record {lacks[0]!r}" if lacks else None
 
 
 def default_method(scene: Asked) -> str:

@@ -233,3 +233,25 @@ def test_hours_of_sticking_and_slipping() -> None:
     x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     exact = sn.steady_gait(robot, ground, gait).speed_m_s
     assert math.hypot(x[-1] - x[0], y[-1] - y[0]) / 1800 == pytest.approx(exact, rel=1e-4)
+
+
+def balance(scene: sn.Scene) -> float:
+    """Return the largest |stores - (work - heat)| of a run with a ledger."""
+    energy = sn.simulate(scene).energy_j
+    stores, work, heat, dampers = np.split(energy[:, :6], [3, 4, 5], axis=1)
+    kept = stores.sum(axis=1) - stores[0].sum()
+    return float(np.abs(kept - (work - heat - dampers).ravel()).max())
+
+
+@pytest.mark.parametrize(
+    "how", [{}, {"drive": "servo", "servo": sn.Servo(), "limp": (3,), "incline_rad": 0.1}],
+    ids=["angles", "servos, limp, on a slope"],
+)  # fmt: skip
+def test_springs_with_sticking_wheels_keep_the_energy_to_order_2(how) -> None:
+    coarse = replace(SOFT, record=("energy",), joint_stiffness_n_m=1e3, dt_s=2e-4, duration_s=0.5,
+                     **how)  # fmt: skip
+    off, less = balance(coarse), balance(replace(coarse, dt_s=1e-4))
+    assert off < 5e-3
+    assert 3.0 < off / less < 6.0
+    heat = sn.simulate(coarse).energy_j[:, 4]
+    assert np.diff(heat).min() > -1e-12  # friction never gives
