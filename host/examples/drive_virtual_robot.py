@@ -19,4 +19,5 @@ with Robot("virtual:fast", record=recording) as robot:  # leaving the block stop
     print(f"true rate {rate_rad_s:.6f} +- {sd_rad_s:.6f} rad/s, {robot.losses}")
 
 stream = load_stream(recording)
-print(f"{len(stream.frame)} frames, pulses {stream.pulse_us.min()} to {stream.pulse_us.max()} us")
+pulses = stream.pulse_us[stream.pulse_us > 0]  # 0: not attached yet, one servo follows the other
+print(f"{len(stream.frame)} frames, pulses {pulses.min()} to {pulses.max()} us")

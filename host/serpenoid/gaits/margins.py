@@ -29,8 +29,8 @@ class Margins:
     amplitude, grip: by what share the joints' amplitude, or fn0, may fall before the speed loses a
     tenth (inf: by 60 % it has not; grip is NaN without dry friction across the links).
     amplitude_loss, grip_loss: of the speed, when the amplitude is 10 %, or fn0 13 % less;
-    amplitude_gain, far_gain: of it, when the amplitude is 10 % or 60 % more. All are NaN for a gait
-    that does not travel: there is no speed to lose.
+    amplitude_gain, far_gain: share of it, when the amplitude is 10 % or 60 % more. All are NaN for
+    a gait that does not travel: there is no speed to lose.
     """
 
     amplitude: float
