@@ -22,7 +22,7 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from .comparison import AMPLITUDE_SIGMA
 from .fitting.data import FitData, Floats
-from .fitting.joint import PARAMETERS, jacobian, starting_point
+from .fitting.joint import jacobian, starting_point
 from .fitting.rounding import nearest_shown
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
@@ -132,7 +132,7 @@ def advise(
 
 @dataclass(frozen=True)
 class SpeedSlopes:
-    """Speeds of the gaits that matter: (gaits,) values, (gaits, 4) change by friction."""
+    """Speeds of the gaits that matter: (gaits,) values, (gaits, P) change by friction."""
 
     gaits: tuple[Gait, ...]
     speed_m_s: Floats
@@ -144,7 +144,8 @@ class SpeedSlopes:
         ran: per gait, the standard deviations of its runs' speeds. Each tells its own speed, but
         for the joints' amplitude, which runs of one gait share.
         """
-        friction = covariance[:PARAMETERS, :PARAMETERS]
+        of = self.slope.shape[1]
+        friction = covariance[:of, :of]
         for slope, v, sigmas in zip(
             self.slope, self.speed_m_s, ran or [()] * len(self.slope), strict=True
         ):
@@ -203,7 +204,7 @@ def _places(
 
 def _pull(whole: Floats, bend: float) -> tuple[float, float]:
     """Return A and B of Eq. 60: the whole snake's friction along the belt is A v + B."""
-    ct, cn, ft0, fn0 = whole.tolist()
+    ct, cn, ft0, fn0 = whole[:4].tolist()  # facing down
     c, s = math.cos(bend), math.sin(bend)
     return ct * c * c + cn * s * s, ft0 * c + fn0 * s
 

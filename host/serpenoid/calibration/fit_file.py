@@ -14,10 +14,9 @@ import numpy as np
 
 from ..model.checks import check_number
 from ..model.errors import BadInput
-from ..model.ground import Ground
 from ..model.robot import Robot
-from .fitting.influence import Influence
-from .friction_result import NAMES, WHOLE, Estimate, FrictionFit, WholeSnake
+from .fitting.influence import BOTH_WAYS, Influence
+from .friction_result import NAMES, WHOLE, Estimate, FrictionFit, WholeSnake, ground_of
 
 FORMAT = 1
 NAME = "fit.json"
@@ -101,11 +100,13 @@ def _check_format(given: Mapping[str, Any]) -> None:
 
 def _from_json(given: Mapping[str, Any]) -> FrictionFit:
     _check_format(given)
-    whole = [given["parameters"][name + WHOLE] for name in NAMES]
-    values = [check_number(n + WHOLE, p["value"], 0.0) for n, p in zip(NAMES, whole, strict=True)]
+    names = [name for name in BOTH_WAYS if name in NAMES or name + WHOLE in given["parameters"]]
+    whole = [given["parameters"][name + WHOLE] for name in names]
+    values = [check_number(n + WHOLE, p["value"], 0.0) for n, p in zip(names, whole, strict=True)]
+    size = len(names)
     covariance = np.array(given["covariance"]["values"], dtype=float)
-    if covariance.shape != (4, 4) or not (np.linalg.eigvalsh(covariance) > 0.0).all():
-        raise BadInput("covariance is not a positive definite matrix of 4 by 4 numbers")
+    if covariance.shape != (size, size) or not (np.linalg.eigvalsh(covariance) > 0.0).all():
+        raise BadInput(f"covariance is not a positive definite matrix of {size} by {size} numbers")
     covariance.flags.writeable = False
     robot = Robot(**given["robot"])
     nuisances = {name: Estimate(**e) for name, e in given["nuisances"].items()}
@@ -118,7 +119,7 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
         intervals=_named(tuple(map(float, p["interval"])) for p in whole),
         covariance=covariance,
         robot=robot,
-        ground=Ground.whole_body(robot.links, *values),
+        ground=ground_of(robot.links, values),
         chi2=float(given["chi2"]),
         dof=int(given["dof"]),
         nuisances=MappingProxyType(nuisances),
@@ -132,13 +133,13 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
 
 
 def _named(values: Any) -> WholeSnake[Any]:
-    return WholeSnake(dict(zip(NAMES, values, strict=True)))
+    return WholeSnake(dict(zip(BOTH_WAYS, values, strict=False)))
 
 
 def _influence(given: Mapping[str, Any]) -> Influence:
     shift = given["shift_in_sigmas"]
     return Influence(
         int(given["reading"]), float(given["leverage"]), float(given["studentised"]),
-        (float(shift["ct"]), float(shift["cn"]), float(shift["ft0"]), float(shift["fn0"])),
+        tuple(float(shift[name]) for name in BOTH_WAYS if name in NAMES or name in shift),
         float(given["chi2_without"]),
     )  # fmt: skip

@@ -20,11 +20,10 @@ import numpy as np
 
 from ..model.checks import check_choice, check_kind
 from ..model.errors import BadInput, NotConverged
-from ..model.ground import Ground
 from .fitting.data import FitData, Floats
 from .fitting.gate import bend_note, check_readings
-from .fitting.influence import Influence, influences, leave_one_out
-from .fitting.joint import PARAMETERS, Minimum, minimise, starting_point, whole_residuals
+from .fitting.influence import BOTH_WAYS, Influence, influences, leave_one_out
+from .fitting.joint import Minimum, minimise, starting_point, whole_residuals
 from .fitting.joint import residuals as residuals_at
 from .fitting.naive import points, two_lines
 from .fitting.profile import intervals, quantiles
@@ -32,11 +31,11 @@ from .fitting.robust import Summit, robust_minimum
 from .friction_result import (
     DOUBTFUL,
     LEVEL,
-    NAMES,
     UNITS,
     Estimate,
     FrictionFit,
     WholeSnake,
+    ground_of,
     notes_on,
 )
 from .session import Session
@@ -47,6 +46,8 @@ _REFITTED = 3  # so many suspects are fitted without, since a gross outlier is n
 
 def fit_friction(session: Session, *, method: str = "joint") -> FrictionFit:
     """Fit ct, cn, ft0 and fn0 to a session's kept readings.
+
+    Readings taken facing up the belt tell ct and ft0 backwards: the ground is then a ratchet.
 
     method: "joint" (errors in variables, all readings at once, no parameter below 0; sigma is
     absolute, never rescaled by the scatter: chi2 tells whether the stated uncertainties hold),
@@ -74,8 +75,7 @@ def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Float
     "straight": v_t and F_t by Eq. 58. "bent": v_n and F_n by Eq. 61, which takes the tangential
     friction as known, here from the fit. m/s and N, whole snake.
     """
-    whole = fit.whole_snake
-    return points(FitData.of(session), whole["ct"], whole["ft0"])
+    return points(FitData.of(session), np.array(list(fit.whole_snake.values())))
 
 
 def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
@@ -91,15 +91,17 @@ def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
     data = FitData.of(session).alone
     force = data.weight_n * np.cos(data.incline_rad) * data.incline_sigma_rad
     b, across = data.bent, np.sin(data.lambda_rad[data.bent])
+    ahead, back = ~b & ~data.back, ~b & data.back
     return {
-        "straight": (data.speed_sigma_m_s[~b], force[~b]),
+        "straight": (data.speed_sigma_m_s[ahead], force[ahead]),
+        "back": (data.speed_sigma_m_s[back], force[back]),
         "bent": (data.speed_sigma_m_s[b] * across, force[b] / across),
     }
 
 
 @dataclass(frozen=True)
 class _Raw:
-    """What a method found: values, covariance, (4, 2) intervals, in NAMES' order."""
+    """What a method found: values, covariance, (P, 2) intervals, in BOTH_WAYS' order."""
 
     values: Floats
     covariance: Floats
@@ -115,7 +117,8 @@ def _naive(session: Session, data: FitData) -> FrictionFit:
     from scipy.special import stdtrit
 
     values, covariance = two_lines(data)
-    freedom = np.array([np.sum(~data.bent), np.sum(data.bent)] * 2) - 2
+    straight, back, bent = _parts(data)
+    freedom = np.array([straight, bent, straight, bent, back, back])[: data.parameters] - 2
     widths = stdtrit(freedom, 0.5 + LEVEL / 2) * np.sqrt(np.diag(covariance))
     _check_signs(session, values)
     data = data.alone
@@ -148,11 +151,11 @@ def _raw(session: Session, data: FitData, found: Summit) -> _Raw:
     if found.good.min() == 1.0:
         ends = intervals(data, found.minimum, quantiles(data, found.minimum, LEVEL))
     else:
-        ends = _about(x[:PARAMETERS], quantile * sigmas[:PARAMETERS])
+        ends = _about(x[: data.parameters], quantile * sigmas[: data.parameters])
     counted = found.good > 0.5
     return _Raw(
-        values=x[:PARAMETERS],
-        covariance=covariance[:PARAMETERS, :PARAMETERS],
+        values=x[: data.parameters],
+        covariance=covariance[: data.parameters, : data.parameters],
         intervals=ends,
         residuals=whole,
         chi2=float(np.sum(residuals[counted] ** 2) + np.sum(found.minimum.residuals[count:] ** 2)),
@@ -160,6 +163,12 @@ def _raw(session: Session, data: FitData, found: Summit) -> _Raw:
         nuisances=_nuisances(data, x, sigmas),
         influence=influences(found.minimum, [r.number for r in session.kept], share),
     )
+
+
+def _parts(data: FitData) -> tuple[int, int, int]:
+    """Return how many readings are straight forwards, straight backwards, and bent."""
+    straight, back = ~data.bent & ~data.back, ~data.bent & data.back
+    return int(np.sum(straight)), int(np.sum(back)), int(np.sum(data.bent))
 
 
 def _about(values: Floats, widths: Floats) -> Floats:
@@ -174,7 +183,7 @@ def _nuisances(data: FitData, x: Floats, sigmas: Floats) -> dict[str, Estimate]:
         again = sum(n == name or n.startswith(name + "_again") for n in names)
         names.append(name + (f"_again_{again}" if again else ""))
     units = np.append(data.posture_sigma_rad, data.zero_sigma_rad)
-    told = [*range(PARAMETERS, PARAMETERS + len(names)), -1]
+    told = [*range(data.parameters, data.parameters + len(names)), -1]
     values, widths = units * x[told], units * sigmas[told]
     estimates = map(Estimate, values.tolist(), widths.tolist())
     return dict(zip([*names, "incline_zero_rad"], estimates, strict=True))
@@ -182,7 +191,7 @@ def _nuisances(data: FitData, x: Floats, sigmas: Floats) -> dict[str, Estimate]:
 
 def _check_signs(session: Session, values: Floats) -> None:
     if values.min() < 0.0:
-        name = NAMES[int(values.argmin())]
+        name = BOTH_WAYS[int(values.argmin())]
         raise BadInput(
             f"{session.where}: the naive fit gives {name} = {values.min():.3g} {UNITS[name]}; it "
             "must be at least 0; use method='joint' or look for a misread value"
@@ -193,18 +202,18 @@ def _result(session: Session, data: FitData, raw: _Raw, method: str) -> Friction
     covariance = raw.covariance.copy()
     covariance.flags.writeable = False
     values, sigmas = raw.values.tolist(), np.sqrt(np.diag(covariance)).tolist()
-    ends = map(tuple, raw.intervals.tolist())
+    ends, names = map(tuple, raw.intervals.tolist()), BOTH_WAYS[: data.parameters]
     numbers = [r.number for r in session.kept]
     fit = FrictionFit(
         method=method,
         sigma="rescaled" if method == "naive" else "absolute",
-        parameters=WholeSnake(dict(zip(NAMES, map(Estimate, values, sigmas), strict=True))),
-        intervals=WholeSnake(dict(zip(NAMES, ends, strict=True))),
+        parameters=WholeSnake(dict(zip(names, map(Estimate, values, sigmas), strict=True))),
+        intervals=WholeSnake(dict(zip(names, ends, strict=True))),
         covariance=covariance,
         robot=session.setup.robot,
-        ground=Ground.whole_body(session.setup.robot.links, *values),
+        ground=ground_of(session.setup.robot.links, values),
         chi2=raw.chi2,
-        dof=int(np.sum(raw.good > 0.5)) - len(NAMES),
+        dof=int(np.sum(raw.good > 0.5)) - data.parameters,
         nuisances=MappingProxyType(raw.nuisances),
         residuals=tuple(raw.residuals.tolist()),
         outliers=tuple(n for n, good in zip(numbers, raw.good, strict=True) if good <= 0.5),
@@ -237,8 +246,8 @@ def _suspicious(session: Session, data: FitData, fit: FrictionFit, found: Minimu
     """
     if not _doubtful(fit):
         return fit
-    parts = np.bincount(data.bent, minlength=2)
-    enough = parts[data.bent.astype(int)] > 3
+    part = np.where(data.bent, 2, data.back)
+    enough = np.array(_parts(data))[part] > 3
     chi2 = np.where(enough, leave_one_out(found, len(data)).chi2, np.inf)
     suspects = [int(k) for k in np.argsort(chi2)[:_REFITTED] if enough[k]]
     left = {k: minimise(data.without(k), found.x).chi2 for k in suspects}

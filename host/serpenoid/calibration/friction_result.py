@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
@@ -13,17 +13,29 @@ from numpy.typing import NDArray
 from ..model.checks import check_number
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .fitting.influence import Influence
+from .fitting.influence import BOTH_WAYS, Influence
 from .session import Session
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")
 
-NAMES = ("ct", "cn", "ft0", "fn0")
-UNITS = MappingProxyType({"ct": "N s/m", "cn": "N s/m", "ft0": "N", "fn0": "N"})
+NAMES = BOTH_WAYS[:4]
+UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in BOTH_WAYS})
 LEVEL = 0.95
 WHOLE = "_whole"
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
+
+
+def whole_ground(whole: Sequence[float]) -> Ground:
+    """Return the whole snake's frictions, in the order of BOTH_WAYS, as a Ground."""
+    ct, cn, ft0, fn0, *back = whole
+    return Ground((ct, back[0]), cn, (ft0, back[1]), fn0) if back else Ground(ct, cn, ft0, fn0)
+
+
+def ground_of(links: int, whole: Sequence[float]) -> Ground:
+    """Return ground per link from the whole snake's frictions, in the order of BOTH_WAYS."""
+    total = whole_ground(whole)
+    return Ground.whole_body(links, total.ct, total.cn, total.ft0, total.fn0)
 
 
 class Estimate(NamedTuple):
@@ -83,9 +95,10 @@ class FrictionFit:
     """Hold the friction fitted to one session.
 
     parameters: name -> (value, sigma) for ct_whole, cn_whole (N s/m), ft0_whole, fn0_whole (N), of
-    the whole snake. intervals: name -> (low, high) at 95 %; none reaches below 0, where friction
-    cannot be. covariance: (4, 4), of the whole snake's values in the order of parameters. robot:
-    the one measured. ground: the same friction per link, as every simulation takes it. sigma:
+    the whole snake, and ct_back_whole, ft0_back_whole where readings were taken facing up the belt:
+    ct and ft0 are then those forwards. intervals: name -> (low, high) at 95 %; none reaches below
+    0, where friction cannot be. covariance: (P, P), of the whole snake's values in the order of
+    parameters. robot: the one measured. ground: the same per link, as simulations take it. sigma:
     "absolute" when it follows from the stated uncertainties of the instruments alone, "rescaled"
     when from the scatter of the readings alone. chi2, dof: of the readings (outliers left out) and
     priors under the stated uncertainties. nuisances: lambda_offset_rad_at_..._deg of every bend and
@@ -113,12 +126,17 @@ class FrictionFit:
     session_sha256: str = ""
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Return the short names of what was fitted, in the order of the covariance."""
+        return BOTH_WAYS[: len(self.covariance)]
+
+    @property
     def whole_snake(self) -> dict[str, float]:
-        """Return ct, cn (N s/m), ft0, fn0 (N) of the whole_snake, for Ground.whole_body."""
-        return {name: self.parameters[name].value for name in NAMES}
+        """Return ct, cn (N s/m), ft0, fn0 (N) of the whole snake (and ct_back, ft0_back)."""
+        return {name: self.parameters[name].value for name in self.names}
 
     def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
-        """Draw (count, 4) frictions of the whole snake that the readings allow, never below 0.
+        """Draw (count, P) frictions of the whole snake that the readings allow, never below 0.
 
         Each parameter alone is normal on either side of its value, as much wider on one side as its
         interval is, cut where friction cannot be; sigmas and correlations are the fit's. Scrambled
@@ -129,13 +147,13 @@ class FrictionFit:
 
         check_number("count", count, 1, 2**20)
         centre = np.array(list(self.whole_snake.values()))
-        ends = np.array([self.intervals[name] for name in NAMES])
+        ends = np.array([self.intervals[name] for name in self.names])
         sigma = np.sqrt(np.diag(self.covariance))
         sides = np.abs(ends - centre[:, None])
         below, above = 2.0 * sigma * sides.T / sides.sum(axis=1)
         root = np.linalg.cholesky(self.covariance / np.outer(sigma, sigma))
-        sobol = qmc.Sobol(len(NAMES), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
-        drawn = np.empty((0, len(NAMES)))
+        sobol = qmc.Sobol(len(self.names), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
+        drawn = np.empty((0, len(self.names)))
         while len(drawn) < count:
             size = 1 << (count - 1).bit_length()
             units = ndtri(sobol.random(size)) @ root.T
@@ -150,7 +168,7 @@ class FrictionFit:
         from them as it is skewed.
         """
         draws = self.sample_whole(count, seed).tolist()
-        return tuple(Ground.whole_body(self.robot.links, *draw) for draw in draws)
+        return tuple(ground_of(self.robot.links, draw) for draw in draws)
 
     @property
     def p_value(self) -> float | None:
@@ -163,7 +181,7 @@ class FrictionFit:
         """Return a table's lines, one a parameter of the whole snake."""
         return [
             Row(name + WHOLE, UNITS[name], *self.parameters[name], *self.intervals[name])
-            for name in NAMES
+            for name in self.names
         ]
 
     def to_dict(self) -> dict[str, Any]:
@@ -239,7 +257,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
 
 def _weak(fit: FrictionFit) -> list[str]:
     notes = []
-    for name in NAMES:
+    for name in fit.names:
         value, sigma = fit.parameters[name]
         if value < 1e-3 * sigma:
             notes.append(f"{name} ends at its limit of 0; its interval is rough.")

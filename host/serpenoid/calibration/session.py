@@ -11,12 +11,13 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..model.checks import check_number
+from ..model.checks import check_choice, check_number
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.robot import Robot
 
 KINDS = ("measured", "regenerated", "simulated")
+FACINGS = ("down", "up")
 # Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
 # snake tumbles before 45, and no treadmill runs at 10 m/s.
 MAX_LAMBDA_DEG, MAX_INCLINE_DEG, MAX_SPEED_M_S, MAX_GRAVITY_M_S2 = 60.0, 45.0, 10.0, 30.0
@@ -49,9 +50,10 @@ class Reading:
 
     number: from 1, unique in a session. lambda_rad: angle of every link to the direction of the
     belt, alternately left and right; 0 when straight. incline_rad: gamma as the inclinometer shows
-    it. belt_speed_m_s: uphill, so that the snake faces and rolls downhill. drift_m_s: what was left
-    of the snake's own motion, positive when carried along with the belt. voided: not to be used,
-    for the reason in comment. time_utc: ISO 8601, empty if not recorded. uncertainty: of the
+    it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls forwards. drift_m_s: what
+    was left of the snake's own motion, positive when carried along with the belt. voided: not to be
+    used, for the reason in comment. time_utc: ISO 8601, empty if not recorded. facing: "down" the
+    incline, or "up": the wheels then roll backwards, which tells a ratchet. uncertainty: of the
     instruments it was taken with, None for those of the session's set-up. Raises BadInput.
     """
 
@@ -64,9 +66,11 @@ class Reading:
     comment: str = ""
     time_utc: str = ""
     uncertainty: Uncertainty | None = None
+    facing: str = "down"
 
     def __post_init__(self) -> None:
         check_number("number", self.number, 1)
+        check_choice("facing", self.facing, FACINGS)
         check_number("lambda_rad", self.lambda_rad, 0.0, math.radians(MAX_LAMBDA_DEG))
         incline_limit = math.radians(MAX_INCLINE_DEG)
         check_number("incline_rad", self.incline_rad, 0.0, incline_limit, open_low=True)
@@ -300,6 +304,7 @@ class Session:
         rests_on = [
             repr(setup.robot), setup.procedure.gravity_m_s2, repr(self.zero),
             [[r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s,
-              repr(self.uncertainty_of(r))] for r in self.kept],
+              repr(self.uncertainty_of(r)), *(["up"] if r.facing == "up" else [])]
+             for r in self.kept],
         ]  # fmt: skip
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()

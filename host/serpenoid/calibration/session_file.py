@@ -20,6 +20,7 @@ from ..model.gait import Gait
 from ..model.robot import Robot
 from ..model.toml_table import Table, check_names, located, read_text
 from .session import (
+    FACINGS,
     KINDS,
     MAX_GRAVITY_M_S2,
     MAX_INCLINE_DEG,
@@ -279,7 +280,7 @@ def _load_readings(path: Path) -> tuple[Reading, ...]:
     found: dict[int, Reading] = {}
     try:
         header = next(rows, [])
-        check_names(header, COLUMNS, f"{path}:1", "column")
+        check_names(header, COLUMNS, f"{path}:1", "column", ("facing",))
         for cells in rows:
             with located(f"{path}:{rows.line_num}"):
                 reading = _reading(header, cells)
@@ -305,6 +306,7 @@ def _reading(header: list[str], cells: list[str]) -> Reading:
         incline_rad=math.radians(cell(row, "incline_deg", 0.0, MAX_INCLINE_DEG, open_low=True)),
         belt_speed_m_s=cell(row, "belt_speed_m_s", 0.0, MAX_SPEED_M_S),
         drift_m_s=cell(row, "drift_m_s", -MAX_SPEED_M_S, MAX_SPEED_M_S),
+        facing=check_choice("facing", row.get("facing", "") or "down", FACINGS),
         voided=check_choice("status", row["status"], STATUSES) == "void",
         comment=row["comment"],
         time_utc=time_of(row["time_utc"]),
@@ -316,8 +318,8 @@ def _check_repeat(earlier: Reading | None, later: Reading) -> None:
     if earlier is None:
         return
 
-    def measured(r: Reading) -> tuple[float, ...]:
-        return r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s
+    def measured(r: Reading) -> tuple[float | str, ...]:
+        return r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s, r.facing
 
     if earlier.voided or not later.voided or measured(earlier) != measured(later):
         raise BadInput(

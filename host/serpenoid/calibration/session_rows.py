@@ -21,6 +21,7 @@ from ..model.checks import check_choice, check_number
 from ..model.errors import BadInput
 from ..model.toml_table import Table, check_names, located, read_text
 from .session import (
+    FACINGS,
     MAX_INCLINE_DEG,
     MAX_LAMBDA_DEG,
     MAX_SPEED_M_S,
@@ -261,8 +262,15 @@ def _station(row: Row, common: dict[str, Any]) -> Reading:
         incline_rad=math.radians(cell(row, "incline_deg", 0.0, MAX_INCLINE_DEG, open_low=True)),
         belt_speed_m_s=cell(row, "belt_speed_m_s", 0.0, MAX_SPEED_M_S),
         drift_m_s=cell(row, "drift_m_s", -MAX_SPEED_M_S, MAX_SPEED_M_S),
+        facing=facing_of(row["more"]),
         **common,
     )
+
+
+def facing_of(more: str) -> str:
+    """Return which way a station's snake faced: down unless `more` says facing=up."""
+    said = [word.partition("=")[2] for word in more.split() if word.startswith("facing=")]
+    return check_choice("facing", said[-1], FACINGS) if said else "down"
 
 
 def _zero(row: Row, common: dict[str, Any]) -> ZeroReading:

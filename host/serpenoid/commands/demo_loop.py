@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..calibration.advice import Advice, advise
 from ..calibration.comparison import Comparison, compare, gait_count
 from ..calibration.friction_fit import fit_friction
-from ..calibration.friction_result import DOUBTFUL
+from ..calibration.friction_result import DOUBTFUL, whole_ground
 from ..calibration.session_rows import events_of
 from ..calibration.speed_samples import speed_band
 from ..calibration.taking.board_run import board_gait
@@ -48,7 +48,11 @@ def run_loop(out: Path, own: FrictionFit | None = None) -> dict[str, Any]:
     own: of a robot whose friction is then the truth; that of 2005 unless given. The session is left
     in out/session, to be looked at by every other command.
     """
-    truth = TRUTH if own is None else replace(TRUTH, ground=Ground(**own.whole_snake))
+    truth = (
+        TRUTH
+        if own is None
+        else replace(TRUTH, ground=whole_ground(list(own.whole_snake.values())))
+    )
     say(
         "No robot, no treadmill: both are simulated, with the firmware's own controller, so that "
         "the truth is known. It is the afternoon that `serpenoid calibrate` leads through.\n"

@@ -69,6 +69,21 @@ def _line(ax: Axes, fit: FrictionFit, slope: str, rest: str, most: float, colour
     ax.plot(v, force, color=colour)
 
 
+def _backwards(
+    ax: Axes, fit: FrictionFit, points: tuple[Any, Any], errors: tuple[Any, Any]
+) -> None:
+    """Draw what was read facing up the belt, and its line."""
+    (v, force), (dv, df) = points, errors
+    _line(ax, fit, "ct_back", "ft0_back", 1.08 * float(v.max()), ORANGE)
+    ax.errorbar(v, force, df, dv, fmt="s", color="black", mfc="white", ms=4, lw=0, elinewidth=1,
+                label="facing up: wheels roll backwards")  # fmt: skip
+    law = (
+        f"$F_t = {fit.parameters['ct_back'].value:.3g}\\,v_t "
+        f"+ {fit.parameters['ft0_back'].value:.3g}$ N backwards"
+    )
+    ax.text(0.04, 0.88, law, transform=ax.transAxes, color=ORANGE, va="top", fontsize=11)
+
+
 def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "") -> None:
     """Draw the readings and the fitted lines of friction along and across the links into a file."""
     with figure(9.0, 4.2, 2) as (fig, axes):
@@ -98,6 +113,8 @@ def draw_friction(
             f"+ {fit.parameters[rest].value:.3g}$ N"
         )
         ax.text(0.04, 0.95, law, transform=ax.transAxes, color=colour, va="top", fontsize=11)
+        if part == "straight" and len(kept["back"][0]):
+            _backwards(ax, fit, kept["back"], errors["back"])
         ax.set(title=title, xlabel=f"speed $v_{axis}$ (m/s)",
                ylabel=f"friction $F_{axis}$ of the whole snake (N)")  # fmt: skip
         ax.set_xlim(left=0)

@@ -19,6 +19,7 @@ RUNGS = {
     "by hand": "viscous, level, written by hand",
     "viscous": "viscous, level",
     "bingham": "+ Bingham friction",
+    "ratchet": "the same, on ratchet wheels",
     "incline": "+ incline",
     "servo": "+ servos",
     "record forces": "+ recording forces each step",

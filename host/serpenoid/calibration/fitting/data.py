@@ -34,7 +34,9 @@ class FitData:
     which of posture_sigma_rad's bends it was taken at; -1 when straight. rounding: per reading,
     which of rounding_sigma_rad's errors its incline has; -1 where that is its own. rounding_draws:
     (draws, errors) of these, in sigmas. zero_sigma_rad: of what is left of the inclinometer's zero,
-    common to all. zero_assumed: it is ours, since the set-up claimed 0.
+    common to all. zero_assumed: it is ours, since the set-up claimed 0. back: whether a reading's
+    wheels rolled backwards, the snake facing up the belt. ratchet: there are readings of both ways,
+    or were before some were left out.
     """
 
     lambda_rad: Floats
@@ -43,6 +45,7 @@ class FitData:
     incline_sigma_rad: Floats
     speed_sigma_m_s: Floats
     posture: Whole
+    back: NDArray[np.bool_]
     posture_lambda_rad: Floats
     posture_sigma_rad: Floats
     rounding: Whole
@@ -51,6 +54,7 @@ class FitData:
     weight_n: float
     zero_sigma_rad: float
     zero_assumed: bool
+    ratchet: bool = False
 
     @classmethod
     def of(cls, session: Session) -> FitData:
@@ -72,6 +76,7 @@ class FitData:
             incline_sigma_rad=np.where(rounding < 0, incline_sigma_rad, 0.0),
             speed_sigma_m_s=np.array([g.belt_speed_sigma_m_s for g in given], dtype=float),
             posture=posture,
+            back=np.array([r.facing == "up" for r in kept], dtype=bool),
             posture_lambda_rad=angles,
             posture_sigma_rad=sigmas,
             rounding=rounding,
@@ -80,6 +85,7 @@ class FitData:
             weight_n=session.setup.weight_n,
             zero_sigma_rad=zero.sigma_rad or ZERO_SIGMA_RAD,
             zero_assumed=not zero.sigma_rad,
+            ratchet=any(r.facing == "up" for r in kept),
         )
 
     def __len__(self) -> int:
@@ -89,6 +95,20 @@ class FitData:
     def bent(self) -> NDArray[np.bool_]:
         """Tell which readings were taken with the robot bent."""
         return self.posture >= 0
+
+    @property
+    def parameters(self) -> int:
+        """Return how many frictions there are to fit: ct, cn, ft0, fn0 (and ct, ft0 backwards).
+
+        They come first among the unknowns.
+        """
+        return 6 if self.ratchet else 4
+
+    def along(self, values: Floats) -> tuple[Floats, Floats]:
+        """Return each reading's ct and ft0, of the way that its wheels roll."""
+        if len(values) < 6 or not self.back.any():
+            return np.full(len(self), values[0]), np.full(len(self), values[2])
+        return np.where(self.back, values[4], values[0]), np.where(self.back, values[5], values[2])
 
     @property
     def nuisances(self) -> int:
@@ -127,7 +147,7 @@ class FitData:
     def picked(self, index: Whole | NDArray[np.bool_]) -> FitData:
         """Return some of the readings, with the postures as they are."""
         names = ("lambda_rad", "incline_rad", "slip_m_s", "incline_sigma_rad", "speed_sigma_m_s",
-                 "posture", "rounding")  # fmt: skip
+                 "posture", "rounding", "back")  # fmt: skip
         return replace(self, **{name: getattr(self, name)[index] for name in names})
 
     def without(self, index: int) -> FitData:

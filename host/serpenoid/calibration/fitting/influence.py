@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 
 from .data import Floats
-from .joint import PARAMETERS, Minimum
+from .joint import Minimum
 
 # A reading whose residual is its own to this share cannot be judged: nothing contradicts it.
 _ALONE = 1.0 - 1e-9
+
+
+BOTH_WAYS = ("ct", "cn", "ft0", "fn0", "ct_back", "ft0_back")  # in the order of the unknowns
 
 
 @dataclass(frozen=True)
@@ -52,19 +55,20 @@ class Influence:
     """What one reading does to a fit: how the parameters would move without it.
 
     reading: its number. leverage: 0 (the others say it as well) to 1 (nothing checks it).
-    studentised: residual over its own standard deviation. shift: change of ct, cn, ft0, fn0, if it
-    were left out, in standard deviations of each. chi2_without: chi2 of the fit without it.
+    studentised: residual over its own standard deviation. shift: change of ct, cn, ft0, fn0 (and
+    ct, ft0 backwards), if it were left out, in standard deviations of each. chi2_without: chi2 of
+    the fit without it.
     """
 
     reading: int
     leverage: float
     studentised: float
-    shift: tuple[float, float, float, float]
+    shift: tuple[float, ...]
     chi2_without: float
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name."""
-        shift = dict(zip(("ct", "cn", "ft0", "fn0"), self.shift, strict=True))
+        shift = dict(zip(BOTH_WAYS, self.shift, strict=False))
         return {
             "reading": self.reading,
             "leverage": self.leverage,
@@ -77,8 +81,8 @@ class Influence:
 def influences(found: Minimum, numbers: list[int], share: Floats) -> tuple[Influence, ...]:
     """Return what each reading does, in the readings' order."""
     out = leave_one_out(found, len(numbers), share)
-    sigma = np.sqrt(np.diag(np.linalg.inv(found.information)))[:PARAMETERS]
-    shift = (out.shift[:, :PARAMETERS] / sigma).tolist()
+    sigma = np.sqrt(np.diag(np.linalg.inv(found.information)))[: found.parameters]
+    shift = (out.shift[:, : found.parameters] / sigma).tolist()
     columns = (out.leverage.tolist(), out.studentised.tolist(), shift, out.chi2.tolist())
     return tuple(
         Influence(number, h, t, tuple(s), chi2)

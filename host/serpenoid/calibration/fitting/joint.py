@@ -1,8 +1,9 @@
 """The joint fit: errors in variables, all readings at once, as one small least-squares problem.
 
-Unknown are the four parameters, the true belt speed v_i of every reading, an offset d_p of lambda
-for every posture p, set independently of the others, and the inclinometer's zero z; the offsets and
-the zero have priors. A straight snake is taken to be straight. The fit minimises
+Unknown are the four parameters (and ct and ft0 backwards, where readings tell them), the true belt
+speed v_i of every reading, an offset d_p of lambda for every posture p, set independently of the
+others, and the inclinometer's zero z; the offsets and the zero have priors. A straight snake is
+taken to be straight. The fit minimises
 
     sum ((v_i' - v_i) / sv)^2 + ((gamma_i' - z - gamma(v_i)) / sg)^2 + |W (d / sd)|^2 + (z / sz)^2,
 
@@ -27,15 +28,14 @@ import numpy as np
 from ...model.errors import NotConverged
 from .data import FitData, Floats
 
-PARAMETERS = 4  # ct, cn, ft0, fn0 come first among the unknowns
-
 
 @dataclass(frozen=True)
 class Minimum:
     """A least sum of squares: x the unknowns, the nuisances in sigmas of their priors.
 
     residuals: of the readings (not weighted), then of the priors. jacobian: d residuals / d x.
-    chi2: their (weighted) sum of squares. information: the (weighted) normal matrix.
+    chi2: their (weighted) sum of squares. information: the (weighted) normal matrix. parameters:
+    how many of the unknowns are frictions, which come first.
     """
 
     x: Floats
@@ -43,6 +43,7 @@ class Minimum:
     jacobian: Floats
     chi2: float
     information: Floats
+    parameters: int
 
 
 def minimise(data: FitData, start: Floats, weights: Floats | None = None) -> Minimum:
@@ -52,12 +53,12 @@ def minimise(data: FitData, start: Floats, weights: Floats | None = None) -> Min
     """
     from scipy.optimize import least_squares
 
-    unknowns = PARAMETERS + data.nuisances
+    unknowns = data.parameters + data.nuisances
     root = np.ones(len(data) + data.nuisances)
     if weights is not None:
         root[: len(data)] = np.sqrt(weights)
     low = np.full(unknowns, -np.inf)
-    low[:PARAMETERS] = 0.0
+    low[: data.parameters] = 0.0
     found = least_squares(
         lambda x: root * residuals(x, data),
         start,
@@ -76,18 +77,18 @@ def minimise(data: FitData, start: Floats, weights: Floats | None = None) -> Min
     slopes = jacobian(found.x, data)
     return Minimum(
         found.x, residuals(found.x, data), slopes, 2 * float(found.cost),
-        slopes.T @ (root[:, None] ** 2 * slopes),
+        slopes.T @ (root[:, None] ** 2 * slopes), data.parameters,
     )  # fmt: skip
 
 
 def starting_point(values: Floats, data: FitData) -> Floats:
-    """Return unknowns from four values; one below 0 starts from its mirror image, inside."""
+    """Return unknowns from all frictions; one below 0 starts from its mirror image, inside."""
     return np.concatenate([np.abs(values), np.zeros(data.nuisances)])
 
 
 def residuals(x: Floats, data: FitData) -> Floats:
     """Return r_i of the readings, then those of the priors."""
-    return np.concatenate([balance(x, data)[0], data.whitening @ x[PARAMETERS:]])
+    return np.concatenate([balance(x, data)[0], data.whitening @ x[data.parameters :]])
 
 
 def whole_residuals(x: Floats, data: FitData) -> tuple[Floats, Floats]:
@@ -96,7 +97,7 @@ def whole_residuals(x: Floats, data: FitData) -> tuple[Floats, Floats]:
     The residual is over all that a reading may err by, alone and in common.
     """
     bare = x.copy()
-    bare[PARAMETERS + len(data.posture_sigma_rad) : -1] = 0.0
+    bare[data.parameters + len(data.posture_sigma_rad) : -1] = 0.0
     residual, spread, *_, per_incline = balance(bare, data)
     share = spread / np.hypot(spread, per_incline * _roundings(x, data)[1])
     return residual * share, share**2
@@ -105,20 +106,21 @@ def whole_residuals(x: Floats, data: FitData) -> tuple[Floats, Floats]:
 def _offsets(x: Floats, data: FitData) -> tuple[Floats, Floats]:
     """Return each reading's offset of lambda and its prior's sigma, 0 where straight."""
     sigma = np.append(data.posture_sigma_rad, 0.0)  # -1, a straight reading's, picks the 0
-    unit = np.append(x[PARAMETERS : PARAMETERS + len(data.posture_sigma_rad)], 0.0)
+    first = data.parameters
+    unit = np.append(x[first : first + len(data.posture_sigma_rad)], 0.0)
     return sigma[data.posture] * unit[data.posture], sigma[data.posture]
 
 
 def _roundings(x: Floats, data: FitData) -> tuple[Floats, Floats]:
     """Return each reading's shared rounding error and its prior's sigma, 0 where it has none."""
     sigma = np.append(data.rounding_sigma_rad, 0.0)
-    unit = np.append(x[PARAMETERS + len(data.posture_sigma_rad) : -1], 0.0)
+    unit = np.append(x[data.parameters + len(data.posture_sigma_rad) : -1], 0.0)
     return sigma[data.rounding] * unit[data.rounding], sigma[data.rounding]
 
 
 def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:
     """Return r_i, s_i and what the Jacobian needs besides: see the head of this file."""
-    ct, cn, ft0, fn0 = x[:PARAMETERS]
+    (ct, ft0), cn, fn0 = data.along(x[: data.parameters]), x[1], x[3]
     angle = data.lambda_rad + _offsets(x, data)[0]
     cos, sin = np.cos(angle), np.sin(angle)
     slope = ct * cos**2 + cn * sin**2
@@ -135,21 +137,25 @@ def jacobian(x: Floats, data: FitData) -> Floats:
     dr = (d excess - r ds) / s with s ds = A sv^2 dA (+ the incline's part), so that a change of A
     acts at the fitted speed v_i = v_i' + r A sv^2 / s and one of B as it is.
     """
-    ct, cn, ft0, fn0 = x[:PARAMETERS]
+    (ct, ft0), cn, fn0 = data.along(x[: data.parameters]), x[1], x[3]
     r, spread, cos, sin, slope, incline, per_incline = balance(x, data)
     speed = data.slip_m_s + r * slope * data.speed_sigma_m_s**2 / spread
     by_offset = _offsets(x, data)[1] * (2 * (cn - ct) * sin * cos * speed + fn0 * cos - ft0 * sin)
     spread_by_zero = per_incline * data.incline_sigma_rad**2 * data.weight_n * np.sin(incline)
     by_incline = per_incline + r * spread_by_zero / spread
     out = np.zeros((len(data) + data.nuisances, len(x)))
-    out[: len(data), :PARAMETERS] = np.column_stack([cos**2 * speed, sin**2 * speed, cos, sin])
+    out[: len(data), :4] = np.column_stack([cos**2 * speed, sin**2 * speed, cos, sin])
+    if data.ratchet:
+        back = np.flatnonzero(data.back)
+        for here, there in ((0, 4), (2, 5)):
+            out[back, there], out[back, here] = out[back, here], 0.0
     bent = np.flatnonzero(data.bent)
-    out[bent, PARAMETERS + data.posture[bent]] = by_offset[bent]
+    out[bent, data.parameters + data.posture[bent]] = by_offset[bent]
     rounded = np.flatnonzero(data.rounding >= 0)
-    first = PARAMETERS + len(data.posture_sigma_rad)
+    first = data.parameters + len(data.posture_sigma_rad)
     by_rounding = _roundings(x, data)[1] * by_incline
     out[rounded, first + data.rounding[rounded]] = by_rounding[rounded]
     out[: len(data), -1] = data.zero_sigma_rad * by_incline
     out[: len(data)] /= -spread[:, None]
-    out[len(data) :, PARAMETERS:] = data.whitening
+    out[len(data) :, data.parameters :] = data.whitening
     return out

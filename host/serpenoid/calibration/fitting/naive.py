@@ -7,14 +7,19 @@ import numpy as np
 from .data import FitData, Floats
 
 
-def points(data: FitData, ct: float, ft0: float) -> dict[str, tuple[Floats, Floats]]:
-    """Return part -> (speeds, forces): Eq. 58 straight, Eq. 61 bent; m/s and N, whole snake."""
+def points(data: FitData, values: Floats) -> dict[str, tuple[Floats, Floats]]:
+    """Return part -> (speeds, forces): Eq. 58 straight, Eq. 61 bent; m/s and N, whole snake.
+
+    values: the frictions, of which ct and ft0 are taken. "back" is "straight" facing up the belt.
+    """
+    ct, ft0 = data.along(values)
     pull_n = data.weight_n * np.sin(data.incline_rad)
     b, cos, sin = data.bent, np.cos(data.lambda_rad), np.sin(data.lambda_rad)
     along_n = (ct * data.slip_m_s * cos + ft0) * cos
     across_n = (pull_n[b] - along_n[b]) / sin[b]
     return {
-        "straight": (data.slip_m_s[~b], pull_n[~b]),
+        "straight": (data.slip_m_s[~b & ~data.back], pull_n[~b & ~data.back]),
+        "back": (data.slip_m_s[~b & data.back], pull_n[~b & data.back]),
         "bent": (data.slip_m_s[b] * sin[b], across_n),
     }
 
@@ -29,9 +34,11 @@ def _line(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 
 def two_lines(data: FitData) -> tuple[Floats, Floats]:
-    """Return (ct, cn, ft0, fn0) as the paper found them, and their (4, 4) covariance."""
-    (ct, ft0), straight_cov = _line(*points(data, 0.0, 0.0)["straight"])
-    (cn, fn0), bent_cov = _line(*points(data, ct, ft0)["bent"])
-    covariance = np.zeros((4, 4))
-    covariance[0::2, 0::2], covariance[1::2, 1::2] = straight_cov, bent_cov
-    return np.array([ct, cn, ft0, fn0]), covariance
+    """Return the frictions as the paper found them, and their covariance."""
+    straight = points(data, np.zeros(data.parameters))
+    values, covariance = np.zeros(data.parameters), np.zeros((data.parameters,) * 2)
+    for part, where in (("straight", [0, 2]), ("back", [4, 5]))[: 2 if data.ratchet else 1]:
+        values[where], covariance[np.ix_(where, where)] = _line(*straight[part])
+    across = [1, 3]
+    values[across], covariance[np.ix_(across, across)] = _line(*points(data, values)["bent"])
+    return values, covariance

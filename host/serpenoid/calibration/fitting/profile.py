@@ -15,13 +15,13 @@ from __future__ import annotations
 import numpy as np
 
 from .data import FitData, Floats
-from .joint import PARAMETERS, Minimum, jacobian, residuals
+from .joint import Minimum, jacobian, residuals
 
 _ROUNDS, _SETTLED, _HALVINGS = 60, 1e-6, 16
 
 
 def quantiles(data: FitData, found: Minimum, level: float) -> Floats:
-    """Return (4,): how many sigmas either side hold the level, with rounding's own distribution.
+    """Return (P,): how many sigmas either side hold the level, with rounding's own distribution.
 
     To first order an estimate errs by a normal part and by -C_kr R^-1 u of the shared rounding
     errors u, R their correlation: a mixture over the draws of u.
@@ -29,14 +29,17 @@ def quantiles(data: FitData, found: Minimum, level: float) -> Floats:
     from scipy.special import ndtr, ndtri
 
     if not len(data.rounding_sigma_rad):
-        return np.full(PARAMETERS, ndtri(0.5 + level / 2))
+        return np.full(data.parameters, ndtri(0.5 + level / 2))
     covariance = np.linalg.inv(found.information)
-    sigma = np.sqrt(np.diag(covariance))[:PARAMETERS]
+    sigma = np.sqrt(np.diag(covariance))[: data.parameters]
     shared = slice(len(found.x) - 1 - len(data.rounding_sigma_rad), -1)
-    gain = covariance[:PARAMETERS, shared] @ np.linalg.inv(data.rounding_correlation)
+    gain = covariance[: data.parameters, shared] @ np.linalg.inv(data.rounding_correlation)
     by_rounding = gain @ data.rounding_draws.T / sigma[:, None]
     rest = np.sqrt(np.maximum(1.0 - np.mean(by_rounding**2, axis=1), 1e-6))[:, None]
-    low, high = np.zeros((PARAMETERS, 1)), np.full((PARAMETERS, 1), 2 * ndtri(0.5 + level / 2))
+    low, high = (
+        np.zeros((data.parameters, 1)),
+        np.full((data.parameters, 1), 2 * ndtri(0.5 + level / 2)),
+    )
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         ends = [ndtr((sign * middle - by_rounding) / rest) for sign in (1.0, -1.0)]
@@ -46,13 +49,13 @@ def quantiles(data: FitData, found: Minimum, level: float) -> Floats:
 
 
 def intervals(data: FitData, found: Minimum, quantile: Floats) -> Floats:
-    """Return (4, 2): lowest and highest ct, cn, ft0, fn0 with chi2 at most quantile^2 above least.
+    """Return (P, 2): lowest and highest of each friction with chi2 at most quantile^2 above least.
 
     None below 0. Where the search does not settle, the covariance's own interval stands.
     """
     sigma = np.sqrt(np.diag(np.linalg.inv(found.information)))
-    out = np.empty((PARAMETERS, 2))
-    for k in range(PARAMETERS):
+    out = np.empty((data.parameters, 2))
+    for k in range(data.parameters):
         for side, sign in enumerate((-1.0, 1.0)):
             end = _extreme(data, found, k, sign, found.chi2 + quantile[k] ** 2)
             plain = found.x[k] + sign * quantile[k] * sigma[k]
@@ -74,14 +77,14 @@ def _extreme(data: FitData, found: Minimum, k: int, sign: float, level: float) -
         following = x - covariance @ pull + reach * covariance[:, k]
         if sign < 0.0 and following[k] <= 0.0 and x[k] <= 0.0:
             return 0.0
-        following[:PARAMETERS] = np.maximum(following[:PARAMETERS], 0.0)
+        following[: data.parameters] = np.maximum(following[: data.parameters], 0.0)
         # Halfway to 0, or half as far again, at most: the map is linear only nearby.
-        low, high = 0.5 * x[:PARAMETERS], 1.5 * x[:PARAMETERS]
-        tight = x[:PARAMETERS] > 1e-9
+        low, high = 0.5 * x[: data.parameters], 1.5 * x[: data.parameters]
+        tight = x[: data.parameters] > 1e-9
         near = np.clip(
-            following[:PARAMETERS], np.where(tight, low, 0.0), np.where(tight, high, np.inf)
+            following[: data.parameters], np.where(tight, low, 0.0), np.where(tight, high, np.inf)
         )
-        following[:PARAMETERS] = near
+        following[: data.parameters] = near
         moved = np.abs(following - x) / np.sqrt(np.diag(covariance))
         x = following
         if not np.isfinite(x).all():

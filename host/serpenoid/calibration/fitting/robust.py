@@ -114,4 +114,4 @@ def _curved(found: Minimum, good: Floats) -> Minimum:
         information = slopes.T @ (each[:, None] * slopes)
         if np.linalg.eigvalsh(information)[0] > 0.0:
             break
-    return Minimum(found.x, found.residuals, slopes, found.chi2, information)
+    return Minimum(found.x, found.residuals, slopes, found.chi2, information, found.parameters)

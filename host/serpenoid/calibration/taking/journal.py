@@ -162,9 +162,15 @@ class Journal:
 
 
 def reading_row(kind: str, cells: Mapping[str, Cell]) -> dict[str, str]:
-    """Return a row of all columns; raises BadInput for a kind or a column that is not known."""
+    """Return a row of all columns; raises BadInput for a kind or a column that is not known.
+
+    A station's `facing` (up or down the belt) goes into the column `more`.
+    """
     if kind not in KINDS_OF_READING:
         raise BadInput(f"kind is {kind!r}; it must be one of {', '.join(KINDS_OF_READING)}")
+    if "facing" in cells:  # of a ratchet's stations; it has no column of its own
+        more = f"facing={cells['facing']}" if cells["facing"] != "down" else ""
+        cells = {k: v for k, v in cells.items() if k != "facing"} | {"more": more}
     unknown = next((name for name in cells if name not in READING_COLUMNS), None)
     if unknown is not None:
         raise BadInput(f"unknown column {unknown!r}; known are {', '.join(READING_COLUMNS)}")

@@ -46,7 +46,7 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
     if not rows or "kind" not in _names(rows[0]):
         raise BadInput(f"{path}:1: the first line must name the columns, such as {HEADINGS}")
     header = _names(rows[0])
-    made: list[tuple[str, dict[str, float], str]] = []
+    made: list[tuple[str, dict[str, float | str], str]] = []
     lambda_deg = ""
     for number, cells in enumerate(rows[1:], 2):
         if not any(cell.strip() for cell in cells):
@@ -59,7 +59,7 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
                 row["lambda_deg"] = lambda_deg
             made.append(_reading(row, journal))
         if made[-1][0] == "bend":
-            lambda_deg = f"{(180 - made[-1][1]['between_links_deg']) / 2:.6g}"
+            lambda_deg = f"{(180 - float(made[-1][1]['between_links_deg'])) / 2:.6g}"
     if not made:
         raise BadInput(
             f"{path}: no line has a reading in it; type them in, then add the file again"
@@ -103,7 +103,7 @@ def _row(header: list[str], cells: list[str]) -> dict[str, str]:
     return dict(zip(header, _names(cells), strict=True))
 
 
-def _reading(row: dict[str, str], journal: Journal) -> tuple[str, dict[str, float], str]:
+def _reading(row: dict[str, str], journal: Journal) -> tuple[str, dict[str, float | str], str]:
     """Return kind, values and comment of a row, checked as a journal checks them."""
     kind, comment = row.pop("kind"), row.pop("comment", "")
     if kind not in FIELDS:

@@ -28,7 +28,8 @@ double by_hand(long steps) {
 // Every rung adds to the plain scene one thing, or to the rung before where it says so.
 bool climb(const std::string& rung, serpenoid::RunRequest& q) {
     if (rung == "viscous") return true;
-    if (rung == "bingham") return q.ground.ft0 = 0.02, q.ground.fn0 = 0.05, true;
+    if (rung == "bingham") return q.ground = {kPlain.ct, kPlain.cn, 0.02, 0.05}, true;
+    if (rung == "ratchet") return climb("bingham", q), q.ground.ft0_back = 0.2, true;
     if (rung == "incline") return climb("bingham", q), q.slope = {-0.5, 0}, true;
     if (rung == "servo") {
         climb("incline", q);

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from ....model.checks import check_choice
 from ....model.errors import BadInput
-from ...session import Setup
+from ...session import FACINGS, Setup
+from ...session_rows import facing_of
 from ..new_session import quoted
 from ..steps import Field
 from .typed import read_typed
@@ -40,15 +42,20 @@ FIELDS: dict[str, tuple[Field, ...]] = {
 
 def read_cells(
     kind: str, cells: Iterable[str], setup: Setup, old: Mapping[str, str] | None = None
-) -> dict[str, float]:
+) -> dict[str, float | str]:
     """Read NAME=VALUE pairs of one reading; raises BadInput.
 
-    A gait run's speed follows from distance and time unless given. old: the row that is redone.
+    A station may say facing=up (the belt) or down. A gait run's speed follows from distance and
+    time unless given. old: the row that is redone.
     """
     fields = {field.column: field for field in FIELDS[kind]}
     found: dict[str, float] = {}
+    words: dict[str, str] = {}
     for cell in cells:
         name, equals, text = cell.partition("=")
+        if kind == "station" and name == "facing":
+            words[name] = check_choice(name, text, FACINGS)
+            continue
         if not equals or name not in fields:
             raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {', '.join(fields)}")
         found[name] = read_typed(text, fields[name]).value
@@ -60,7 +67,7 @@ def read_cells(
         )
         speed, sigma = setup.stopwatch.speed(distance_m, duration_s)
         found = {"speed_m_s": speed, "speed_sigma_m_s": sigma} | found
-    return found
+    return found | words
 
 
 _KINDS = {"_m_s": "speed", "_kg": "mass", "_m": "length", "_deg": "angle", "_percent": "grade",
@@ -82,8 +89,11 @@ def amendment(change: str) -> str:
 
 
 def values_of(row: Mapping[str, str]) -> dict[str, float | str]:
-    """Return the numbers that a row holds, as they stand."""
-    return {f.column: row[f.column] for f in FIELDS[row["kind"]] if row[f.column]}
+    """Return the numbers that a row holds, as they stand, and which way a station faced."""
+    found: dict[str, float | str] = {
+        f.column: row[f.column] for f in FIELDS[row["kind"]] if row[f.column]
+    }
+    return found | ({"facing": facing_of(row["more"])} if row["kind"] == "station" else {})
 
 
 def _either(name: str, found: Mapping[str, float], old: Mapping[str, str] | None) -> float:

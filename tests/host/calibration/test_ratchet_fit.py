@@ -1,0 +1,170 @@
+"""Readings taken facing up and down the belt: friction forwards and backwards."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from calibration import synthetic_session as synthetic
+from serpenoid.calibration.advice import advise
+from serpenoid.calibration.friction_fit import friction_points, point_errors
+from serpenoid.calibration.session import Session
+
+AHEAD = synthetic.WHOLE_BODY_2005
+BACK = sn.Ground(ct=0.35, cn=1.2, ft0=0.42, fn0=0.27)
+WANTED = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27, "ct_back": 0.35, "ft0_back": 0.42}
+SETUP = synthetic.setup(15.0)
+
+
+def both_ways(rng: np.random.Generator | None = None, bent_back: bool = True) -> Session:
+    """Return a session read facing down, then facing up; one zero of the inclinometer for both."""
+    down = synthetic.session(SETUP, AHEAD, None)
+    up = synthetic.session(SETUP, BACK, None)
+    kept = [r for r in up.readings if bent_back or r.lambda_rad == 0]
+    readings = [*down.readings, *(replace(r, facing="up") for r in kept)]
+    if rng is not None:
+        unit = SETUP.uncertainty
+        zero, bend = unit.incline_zero_sigma_rad * rng.normal(), rng.normal()
+        readings = [erring(r, AHEAD if r.facing == "down" else BACK, zero, bend, rng)
+                    for r in readings]  # fmt: skip
+    return replace(down, readings=tuple(replace(r, number=k + 1) for k, r in enumerate(readings)))
+
+
+def erring(reading, truth, zero, bend, rng):
+    """Return a reading as instruments with the stated errors show it."""
+    unit = SETUP.uncertainty
+    angle = reading.lambda_rad + (bend * unit.lambda_sigma_rad if reading.lambda_rad else 0.0)
+    c, s, v = math.cos(angle), math.sin(angle), reading.belt_speed_m_s
+    pull = (truth.ct * c * c + truth.cn * s * s) * v + truth.ft0 * c + truth.fn0 * s
+    incline = math.asin(pull / SETUP.weight_n) + zero + unit.incline_sigma_rad * rng.normal()
+    shown = max(v + unit.belt_speed_sigma_m_s * rng.normal(), 1e-3)
+    return replace(reading, incline_rad=incline, belt_speed_m_s=shown)
+
+
+@pytest.mark.parametrize("method", ["joint", "robust", "naive"])
+def test_readings_without_errors_give_the_truth(method: str) -> None:
+    fit = sn.fit_friction(both_ways(), method=method)
+    assert fit.whole_snake == pytest.approx(WANTED, rel=1e-5)
+    ct, cn, ft0, fn0, *back = (fit.parameters[name].value for name in WANTED)
+    assert fit.ground == sn.Ground.whole_body(6, (ct, back[0]), cn, (ft0, back[1]), fn0)
+    assert fit.ground.ratchet
+    assert fit.covariance.shape == (6, 6)
+    assert [row.name for row in fit.rows()][4:] == ["ct_back_whole", "ft0_back_whole"]
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
+    rng = np.random.default_rng(11)
+    held = []
+    for _ in range(60):
+        fit = sn.fit_friction(both_ways(rng))
+        ends = np.array([fit.intervals[name] for name in WANTED])
+        truth = np.array(list(WANTED.values()))
+        held.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
+    # of 60 at 95 %: below 49 once in a thousand
+    assert (np.sum(held, axis=0) >= 49).all()
+
+
+def test_the_jacobian_is_that_of_the_residuals() -> None:
+    from serpenoid.calibration.fitting.data import FitData
+    from serpenoid.calibration.fitting.joint import jacobian, residuals
+
+    data = FitData.of(both_ways(np.random.default_rng(3)))
+    x = np.concatenate([list(WANTED.values()), 0.3 * np.ones(data.nuisances)])
+    wanted = np.empty((len(data) + data.nuisances, len(x)))
+    for k in range(len(x)):
+        step = np.zeros(len(x))
+        step[k] = 1e-6
+        wanted[:, k] = (residuals(x + step, data) - residuals(x - step, data)) / 2e-6
+    assert jacobian(x, data) == pytest.approx(wanted, rel=1e-6, abs=1e-6 * np.abs(wanted).max())
+
+
+def test_what_faces_down_alone_is_fitted_as_ever() -> None:
+    down = synthetic.session(SETUP, AHEAD, np.random.default_rng(1))
+    both = both_ways(np.random.default_rng(1))
+    fit = sn.fit_friction(down)
+    assert list(fit.whole_snake) == ["ct", "cn", "ft0", "fn0"]
+    assert not fit.ground.ratchet
+    assert both.sha256 != replace(both, readings=tuple(
+        replace(r, facing="down") for r in both.readings
+    )).sha256  # fmt: skip
+
+
+def test_bent_readings_one_way_are_enough() -> None:
+    fit = sn.fit_friction(both_ways(bent_back=False))
+    assert fit.whole_snake == pytest.approx(WANTED, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("keeps", "said"),
+    [
+        (lambda r: r.facing == "up", "ct and ft0 cannot be told from 0 straight"),
+        (lambda r: r.facing == "down" or r.lambda_rad > 0, "ct_back and ft0_back cannot be told"),
+    ],
+)
+def test_a_way_that_was_not_read_is_named(keeps, said: str) -> None:
+    session = both_ways()
+    kept = tuple(r for r in session.readings if keeps(r))
+    with pytest.raises(sn.BadInput, match=said):
+        sn.fit_friction(replace(session, readings=kept))
+    with pytest.raises(sn.BadInput, match="facing is 'left'"):
+        replace(session.readings[0], facing="left")
+
+
+def test_samples_files_and_speeds_know_both_ways(tmp_path) -> None:
+    fit = sn.fit_friction(both_ways(np.random.default_rng(5)))
+    assert all(ground.ratchet for ground in fit.sample(8))
+    assert fit.sample_whole(8).shape == (8, 6)
+    back = sn.load_fit(sn.save_fit(fit, tmp_path / "fit.json"))
+    assert back.to_dict() == fit.to_dict()
+    assert back.ground == fit.ground
+    gait = sn.Gait(math.radians(70), math.radians(75), 3.0)
+    speed = sn.steady_gait(fit.robot, fit.ground, gait, rtol=1e-4).speed_m_s
+    assert speed > 0.05
+
+
+def test_points_and_advice_know_both_ways() -> None:
+    session = both_ways(np.random.default_rng(7))
+    fit = sn.fit_friction(session)
+    points, errors = friction_points(session, fit), point_errors(session)
+    for part, slope, rest in (("straight", "ct", "ft0"), ("back", "ct_back", "ft0_back")):
+        v, force = points[part]
+        line = fit.parameters[slope].value * v + fit.parameters[rest].value
+        assert len(v) >= 5
+        assert (np.abs(force - line) < 5 * np.hypot(errors[part][1], 0.02)).all()
+    gait = sn.Gait(math.radians(70), math.radians(75), 3.0)
+    found = advise(session, gaits=[gait], samples=16)
+    assert found.readings[0].band < found.band
+
+
+def test_both_formats_tell_which_way_it_faced(tmp_path) -> None:
+    from serpenoid.calibration.session_rows import READING_COLUMNS, make
+    from serpenoid.calibration.taking.journal import reading_row
+
+    common = {"number": 1, "voided": False, "comment": "", "time_utc": ""}
+    row = dict.fromkeys(READING_COLUMNS, "") | {
+        "kind": "station", "lambda_deg": "0", "incline_deg": "3", "belt_speed_m_s": "0.2",
+        "drift_m_s": "0",
+    }  # fmt: skip
+    assert make(row, common).facing == "down"
+    assert make(row | {"more": "facing=up"}, common).facing == "up"
+    with pytest.raises(sn.BadInput, match="facing is 'sideways'"):
+        make(row | {"more": "facing=sideways"}, common)
+    cells = {"lambda_deg": 0.0, "incline_deg": 3.0, "belt_speed_m_s": 0.2, "drift_m_s": 0.0}
+    written = reading_row("station", cells | {"facing": "up"})
+    assert make(written, common).facing == "up"
+    assert set(written) == set(READING_COLUMNS)
+
+
+def test_a_reading_is_typed_and_redone_with_its_facing() -> None:
+    from serpenoid.calibration.taking.journal import reading_row
+    from serpenoid.calibration.taking.person.typed_cells import read_cells, values_of
+
+    cells = ["lambda_deg=0", "incline_deg=3", "belt_speed_m_s=0.2"]
+    row = reading_row("station", read_cells("station", [*cells, "facing=up"], SETUP))
+    assert row["more"] == "facing=up"
+    assert reading_row("station", read_cells("station", cells, SETUP))["more"] == ""
+    again = values_of(row) | read_cells("station", ["incline_deg=3.1"], SETUP, row)
+    assert reading_row("station", again)["more"] == "facing=up"
+    with pytest.raises(sn.BadInput, match="facing is 'aside'"):
+        read_cells("station", [*cells, "facing=aside"], SETUP)
