@@ -86,7 +86,7 @@ inline V total(V x) {
 constexpr double kFar = 1e6;
 
 template <class V>
-inline void sincos_near(V x, V& sine, V& cosine) {
+[[gnu::always_inline]] inline void sincos_near(V x, V& sine, V& cosine) {
     using B = BitsOf<V>;
     const V round = all<V>(0x1.8p52);  // adding it leaves a whole number
     const V shifted = fused(x, all<V>(0x1.45f306dc9c883p-1), round);
@@ -123,7 +123,7 @@ template <class V>
 
 // The same for any x: lanes beyond kFar take the library's functions, the others keep their bits.
 template <class V>
-inline void sincos(V x, V& sine, V& cosine) {
+[[gnu::always_inline]] inline void sincos(V x, V& sine, V& cosine) {
     sincos_near(x, sine, cosine);
     const BitsOf<V> far = (x > kFar) | (x < -kFar);
     if (__builtin_expect(any<V>(far), 0)) {
