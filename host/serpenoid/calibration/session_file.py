@@ -127,7 +127,13 @@ def check_amendment(setup: Setup, text: str, folder: Path) -> Setup:
 
 
 def _load_toml(folder: str | Path) -> Table:
-    top = Table.load(Path(folder) / "session.toml")
+    path = Path(folder) / "session.toml"
+    if not path.exists():
+        raise BadInput(
+            f"{folder}: no session here (no session.toml); `serpenoid calibrate new {folder}` "
+            "begins one"
+        )
+    top = Table.load(path)
     top.check_format(FORMAT)
     return top
 

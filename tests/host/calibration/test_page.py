@@ -9,7 +9,7 @@ from dataclasses import replace
 from importlib.resources import files
 
 import pytest
-from serpenoid import Ground
+from serpenoid import Gait, Ground
 from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.calibration.taking.person.seat import Seat
@@ -117,8 +117,6 @@ def test_streams_are_limited_and_end_with_the_page():
 
 def test_stop_reaches_the_moving_robot_within_200_ms():
     """From the request to a board that moves no more, while the dialogue's thread talks to it."""
-    from serpenoid import Gait
-
     with Seat("virtual") as seat, Page(HTML, seat.halt) as page:
         seat.go(Gait(math.radians(30), math.radians(75), 2.0))
         for _ in range(3):
@@ -182,6 +180,34 @@ def test_a_browser_follows_loses_and_finds_the_page_and_stops_the_robot(browser)
 
 def session_last(session):
     return f"{session.readings[-1].number}: "
+
+
+PRESS = """
+return new Promise(done => {
+  const told = document.querySelector('#told'), begun = performance.now();
+  new MutationObserver(() => {
+    if (told.textContent === 'the robot has stopped') done(performance.now() - begun);
+  }).observe(told, {childList: true, characterData: true, subtree: true});
+  document.querySelector('#stop').click();
+})
+"""
+
+
+def test_stop_in_a_browser_reaches_the_moving_robot_within_200_ms(browser):
+    """From the click to the board's own word that it has stopped: the best of three presses."""
+    session, step = session_in_progress(3)
+    took_ms = []
+    with Seat("virtual") as seat, Page(HTML, seat.halt) as page:
+        page.publish(state_of(session, step, frozenset(), "holds"))
+        browser.opens(page.url)
+        browser.sees("#link", "live")
+        for _ in range(3):
+            seat.go(Gait(math.radians(30), math.radians(75), 2.0))
+            assert seat._robot.status().state == "gait"
+            took_ms.append(browser.runs(PRESS))
+            assert seat._robot.status().state == "hold"
+            seat.release()
+    assert min(took_ms) < 200
 
 
 @pytest.mark.parametrize(("width", "dark"), [(390, False), (390, True)])

@@ -193,7 +193,7 @@ def test_missing_and_empty_files_are_refused(folder, tmp_path):
     assert "not UTF-8" in complaint(folder)
     path.unlink()
     assert "No such file" in complaint(folder)
-    assert "No such file" in complaint(tmp_path / "nowhere")
+    assert "no session here" in complaint(tmp_path / "nowhere")
 
 
 def test_a_reading_is_voided_by_appending_it_again(folder):
