@@ -209,10 +209,11 @@ def _station(session: Session, bend_deg: float, incline_deg: float, shown_rad: f
     wait_s = settle_s(session, lambda_rad)
     step_deg = math.degrees(session.setup.procedure.incline_step_rad)
     likely = expected_speed(session, lambda_rad, math.radians(incline_deg))
-    hint = "" if likely is None else f", about {likely[0]:.2f} to {likely[1]:.2f} m/s"
+    hint = "" if likely is None else f", about {belt_range(likely)}"
+    grade = 100 * math.tan(math.radians(incline_deg))
     say = (
-        f"Incline to about {incline_deg:.1f} deg. Raise the belt until the robot holds its place"
-        f"{hint}; wait {wait_s:.0f} s."
+        f"Incline to about {incline_deg:.1f} deg ({grade:.1f} %). Raise the belt until the robot "
+        f"holds its place{hint}; wait {wait_s:.0f} s."
     )
     drift = Field(
         "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed", -1.0, 1.0,
@@ -225,6 +226,12 @@ def _station(session: Session, bend_deg: float, incline_deg: float, shown_rad: f
         f"station {bend_deg:g} {incline_deg:.2f}", "station", say, (shown, belt, drift), bend_deg,
         incline_deg, wait_s, cells={"lambda_deg": round(math.degrees(shown_rad), 4)},
     )  # fmt: skip
+
+
+def belt_range(likely_m_s: tuple[float, float]) -> str:
+    """Return a range of belt speeds in both units that treadmills show."""
+    low, high = likely_m_s
+    return f"{low:.2f} to {high:.2f} m/s ({3.6 * low:.1f} to {3.6 * high:.1f} km/h)"
 
 
 def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:

@@ -8,7 +8,7 @@ from typing import Any
 from ....model.errors import SerpenoidError
 from ...session import Session
 from ..expected import line_of, of_bend
-from ..procedure import progress
+from ..procedure import belt_range, progress
 from ..steps import Step
 
 CURVE = 24  # points of a line
@@ -38,8 +38,9 @@ def _aim(step: Step) -> str:
     """Return the one thing to set now, to be read from afar."""
     if step.kind == "station":
         likely = step.fields[1].likely
-        belt = f"  belt {likely[0]:.2f} to {likely[1]:.2f} m/s" if likely else "  raise the belt"
-        return f"incline {step.incline_deg:.1f}°{belt}"
+        belt = f"  belt {belt_range(likely)}" if likely else "  raise the belt"
+        grade = 100 * math.tan(math.radians(step.incline_deg))
+        return f"incline {step.incline_deg:.1f}° = {grade:.1f} %{belt}"
     if step.kind == "bend":
         return f"bend {step.lambda_deg:g}°: {180 - 2 * step.lambda_deg:g}° between links"
     return {"zero": "inclinometer zero", "straight": "robot straight", "done": "all done",
