@@ -51,7 +51,7 @@ Vec3 direction(const Row& row) { return {row.x, row.y, row.r}; }
 
 }  // namespace
 
-SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait)
+SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait, Solve solve)
     : robot_(robot),
       ground_(ground),
       omega_(gait.omega),
@@ -59,7 +59,8 @@ SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait&
       ft0_(ground.ft0_mean()),
       thrust_(ground.thrust()),
       grip_(ground.grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
-      table_(robot.n, gait) {
+      table_(robot.n, gait),
+      solve_(solve) {
     for (Node& k : node_) k.row.resize(2 * robot.n);
 }
 
@@ -131,10 +132,9 @@ Vec3 SlidingPiece::stage_rate(int j) const {
     return r;
 }
 
-// One step of Newton's method; with `tangents` the derivative by p0 as well.
-bool SlidingPiece::step(bool tangents) {
+// One step of Newton's method, and the derivative by p0.
+bool SlidingPiece::step() {
     const auto& diff = differentiation();
-    const int columns = tangents ? 4 : 1;
     for (int j = 0; j < s; ++j) {
         const Node& k = node_[j + 1];
         int constraints;
@@ -144,9 +144,9 @@ bool SlidingPiece::step(bool tangents) {
         Vec3 Q = stage_rate(j);
         for (int i = 0; i < 3; ++i) Q[i] -= h_ * F[i];
         for (int r = 0; r < 3; ++r) {
-            double* row = &M_[(3 * j + r) * N];
-            double* right = &R_[(3 * j + r) * columns];
-            std::fill_n(row, N, 0.0);
+            double* row = &rows_[(3 * j + r) * kRow];
+            double* right = row + kRight;
+            std::fill_n(row, kRight, 0.0);
             Vec3 own;  // derivative by this stage beyond the polynomial's rate
             if (r < 3 - constraints) {
                 for (int m = 0; m < s; ++m)
@@ -160,21 +160,17 @@ bool SlidingPiece::step(bool tangents) {
                 right[0] = -g.speed(u.data(), omega_);
             }
             for (int i = 0; i < 3; ++i) row[3 * j + i] += own[i];
-            if (tangents)
-                for (int i = 0; i < 3; ++i) right[1 + i] = -own[i];
+            for (int i = 0; i < 3; ++i) right[1 + i] = -own[i];
         }
     }
-    const bool solved = tangents ? solve_dense<N, 4>(M_.data(), R_.data())
-                                 : solve_dense<N, 1>(M_.data(), R_.data());
-    if (!solved) return false;
+    if (!solve_(rows_.data())) return false;
     change_[0] = change_[1] = change_[2] = 0;
     for (int j = 0; j < s; ++j)
         for (int i = 0; i < 3; ++i) {
-            const double* r = &R_[(3 * j + i) * columns];
+            const double* r = &rows_[(3 * j + i) * kRow + kRight];
             Y_[j][i] += r[0];
             change_[i] = std::max(change_[i], std::fabs(r[0]));
-            if (tangents)
-                for (int c = 0; c < 3; ++c) T_[j][3 * i + c] = (i == c) + r[1 + c];
+            for (int c = 0; c < 3; ++c) T_[j][3 * i + c] = (i == c) + r[1 + c];
         }
     return true;
 }
@@ -192,7 +188,7 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
     double size = HUGE_VAL;
     for (int i = 0; i < 12; ++i) {
         const bool near = i > 0;  // the equations are almost linear: one step comes close
-        if (!step(near)) return false;
+        if (!step()) return false;
         size = std::max({change_[0] / scale[0], change_[1] / scale[1], change_[2] / scale[2]});
         if (!(size < 1e12)) return false;
         if (near && size < 0.1 && size * size < close) {
@@ -240,6 +236,7 @@ double SlidingPiece::error(const Vec3& scale) const {
 }
 
 Vec3 SlidingPiece::at(double x) const {
+    if (x == 0) return p0_;
     const auto w = Rule::get().dense(x);
     Vec3 p = p0_;
     for (int k = 0; k < s; ++k)

@@ -49,7 +49,10 @@ class SlidingPiece {
         double dry_e;          // and of mu s e
     };
 
-    SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait);
+    // Solves the stages' equations, rows of kRow numbers (stage_solve.hpp, which knows processors).
+    using Solve = bool (*)(double* rows);
+
+    SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait, Solve solve);
 
     void fill(Node& node, double tau);
     Vec3 velocity(const Node& node, const Vec3& p) const;
@@ -85,12 +88,12 @@ class SlidingPiece {
     void carry_on() { std::swap(node_[0], node_[kStages]); }  // the end becomes the start
 
   private:
-    static constexpr int s = kStages, N = 3 * s;
+    static constexpr int s = kStages, N = 3 * s, kRow = 20, kRight = 16;
     void sum_mode(Node& node, const SlidingMode& mode) const;
     Vec3 free_rate(const Node& node, const Vec3& p) const;
     Mat3 free_jacobian(const Node& node, const Vec3& p) const;
     void rows(int j, const Vec3& Q, const Mat3& A, double* matrix, double* right) const;
-    bool step(bool tangents);
+    bool step();
     void stuck_forces(const SlidingMode& mode);
     Vec3 stage_rate(int j) const;
     std::array<Vec3, 3> split(const Node& node, int& constraints) const;
@@ -107,8 +110,8 @@ class SlidingPiece {
     std::array<Vec3, kStages> Y_{};  // p at the stages
     std::array<Mat3, kStages> T_{};  // dp/dp0 there
     std::array<Vec3, kStages> lambda_{};
-    std::array<double, N * N> M_;
-    std::array<double, N * 4> R_;
+    alignas(64) std::array<double, N * kRow> rows_;
+    Solve solve_;
     double change_[3] = {0, 0, 0};
 };
 

@@ -2,8 +2,9 @@
 // to.
 #include "kernels/cycle_powers.hpp"
 #include "kernels/rk4_kernel.hpp"
+#include "kernels/stage_solve.hpp"
 
 namespace serpenoid::kernels {
-const Set baseline = set_of<2>("baseline", cycle_kernel<2>());
-const Set scalar = set_of<1>("scalar", cycle_kernel<1>());
+const Set baseline = set_of<2>("baseline", cycle_kernel<2>(), StageSolve<2>::run);
+const Set scalar = set_of<1>("scalar", cycle_kernel<1>(), StageSolve<1>::run);
 }  // namespace serpenoid::kernels

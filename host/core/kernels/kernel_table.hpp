@@ -78,6 +78,7 @@ struct Set {
     std::array<Kernel, kLaws> chain, batch;
     Sincos sincos;
     CycleKernel cycle;
+    bool (*solve_stages)(double* rows);  // stage_solve.hpp
 };
 
 extern const Set scalar, baseline, avx2;

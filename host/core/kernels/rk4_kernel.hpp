@@ -263,8 +263,9 @@ void sincos_packs(const double* x, double* sine, double* cosine, long packs) {
 }
 
 template <int W>
-constexpr Set set_of(const char* name, CycleKernel cycle) {
-    return {name, W, kernels_of<PackedChain<W>>(), kernels_of<Batch<W>>(), sincos_packs<W>, cycle};
+constexpr Set set_of(const char* name, CycleKernel cycle, bool (*solve)(double*)) {
+    return {name,  W,    kernels_of<PackedChain<W>>(), kernels_of<Batch<W>>(), sincos_packs<W>,
+            cycle, solve};
 }
 
 }  // namespace

@@ -158,12 +158,14 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options) 
     SteadyState out, coarse;
     const double floor = options.rtol * 1e-4 * gait_.omega * 2 * robot_.l * robot_.n;
     constexpr double kHidden = 0.4;
+    constexpr double kLast = 1e-13;
+    constexpr double kFirst = 0.25;  // so that the second level is mostly enough
     double before = 0;
     Vec3 last_z = z_;
     std::vector<double> before_positive;
     bool first = true;
     near_ = false;
-    for (double tolerance = std::clamp(options.rtol, 1e-6, 3e-4); tolerance > 1e-11;
+    for (double tolerance = std::clamp(kFirst * options.rtol, 1e-6, 3e-4); tolerance > kLast;
          tolerance *= 0.05) {
         const Ended ended =
             newton(cycle, tolerance, std::max(10 * tolerance, 1e-9), options.powers, out);
@@ -194,14 +196,33 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options) 
     return out;
 }
 
+// A state to start from: on the line through the last two rates' ones, unless that is far out.
+void SteadyDry::guess(double omega) {
+    const double apart = last_omega_ - before_omega_;
+    const double part = apart == 0 ? HUGE_VAL : (omega - last_omega_) / apart;
+    if (before_omega_ > 0 && std::fabs(part) <= 2)
+        for (int k = 0; k < 3; ++k) z_[k] += part * (z_[k] - z_before_[k]);
+}
+
 SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
     gait_.omega = omega;
     DryCycle cycle(robot_, ground_, gait_);
     cycle.limit(3'000'000 / robot_.n);
-    if (!started_) z_ = {0, 0, cycle.momentum(0, 0) / cycle.scale()[2]};
     SteadyState out;
-    if (started_ || wander(cycle, 200, 0.02, 1e-3)) out = by_pieces(cycle, options);
-    started_ = out.converged;
+    const bool followed = last_omega_ > 0;
+    const Vec3 last = z_;
+    if (followed) {
+        guess(omega);
+        out = by_pieces(cycle, options);
+    }
+    if (!out.converged) {  // from rest
+        z_ = {0, 0, cycle.momentum(0, 0) / cycle.scale()[2]};
+        SteadyState anew;
+        if (wander(cycle, 200, 0.02, 1e-3)) anew = by_pieces(cycle, options);
+        if (anew.converged || !(out.speed > 0)) out = anew;
+    }
+    before_omega_ = out.converged && followed ? last_omega_ : 0, z_before_ = last;
+    last_omega_ = out.converged ? omega : 0;
     if (out.converged) return out;
     const SteadyState slow = steady_dry_by_steps(robot_, ground_, gait_, options);
     if (slow.converged || !(out.speed > 0)) return slow;

@@ -30,18 +30,21 @@ class SteadyDry {
     void image(const CycleState& end, Vec3& r);
     void report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyState& out);
     void add_positive(bool first, std::vector<double>& before, SteadyState& out) const;
+    void guess(double omega);
     double slackness() const;
     double span() const { return gait_.offset == 0 ? M_PI : 2 * M_PI; }
 
     Robot robot_;
     Ground ground_;
     Gait gait_;
-    bool started_ = false, near_ = false;  // a state is known; it is good to a tolerance
-    Vec3 z_{};                             // state at phase 0, over the scales
-    CycleState end_;                       // of the last map
-    std::vector<double> positive_;         // and its integrals of P_i^+, J
-    double net_work_ = 0;                  // and the joints' work, J
-    Mat3 M_{};                             // derivative of the image by the state, over the scales
+    bool near_ = false;                         // the state is good to a tolerance
+    double last_omega_ = 0, before_omega_ = 0;  // rates whose states are known, if any
+    Vec3 z_before_{};                           // of the rate before the last
+    Vec3 z_{};                                  // state at phase 0, over the scales
+    CycleState end_;                            // of the last map
+    std::vector<double> positive_;              // and its integrals of P_i^+, J
+    double net_work_ = 0;                       // and the joints' work, J
+    Mat3 M_{};  // derivative of the image by the state, over the scales
 };
 
 }  // namespace serpenoid

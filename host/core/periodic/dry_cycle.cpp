@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "body/joint_power.hpp"
+#include "kernels/gait_batch.hpp"
 #include "periodic/positive_power.hpp"
 
 namespace serpenoid {
@@ -60,7 +61,7 @@ DryCycle::DryCycle(const Robot& robot, const Ground& ground, const Gait& gait)
       omega_(gait.omega),
       nm_(robot.n * robot.m),
       table_(robot.n, gait),
-      piece_(robot, ground, gait) {
+      piece_(robot, ground, gait, instruction_sets().front()->solve_stages) {
     const double v = gait.omega * robot.l * std::max(gait.alpha, 1e-9), arm = robot.n * robot.l;
     scale_ = {nm_ * v, nm_ * v, robot.n * (robot.I + robot.m * arm * arm / 12) * v / arm};
     mode_.sign.assign(2 * robot.n, 1.0);
