@@ -154,18 +154,18 @@ void SteadyDry::add_positive(bool first, std::vector<double>& before, SteadyStat
     before = positive_;
 }
 
-SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options) {
+SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, double from) {
     SteadyState out, coarse;
     const double floor = options.rtol * 1e-4 * gait_.omega * 2 * robot_.l * robot_.n;
-    constexpr double kHidden = 0.4;
+    constexpr double kHidden = 0.8;
     constexpr double kLast = 1e-13;
-    constexpr double kFirst = 0.25;  // so that the second level is mostly enough
+    constexpr double kFirst = 0.12;  // so that the second level is mostly enough
     double before = 0;
     Vec3 last_z = z_;
     std::vector<double> before_positive;
     bool first = true;
     near_ = false;
-    for (double tolerance = std::clamp(kFirst * options.rtol, 1e-6, 3e-4); tolerance > kLast;
+    for (double tolerance = from * std::clamp(kFirst * options.rtol, 1e-6, 3e-4); tolerance > kLast;
          tolerance *= 0.05) {
         const Ended ended =
             newton(cycle, tolerance, std::max(10 * tolerance, 1e-9), options.powers, out);
@@ -213,13 +213,18 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
     const Vec3 last = z_;
     if (followed) {
         guess(omega);
-        out = by_pieces(cycle, options);
+        out = by_pieces(cycle, options, 1);
     }
     if (!out.converged) {  // from rest
         z_ = {0, 0, cycle.momentum(0, 0) / cycle.scale()[2]};
         SteadyState anew;
-        if (wander(cycle, 200, 0.02, 1e-3)) anew = by_pieces(cycle, options);
-        if (anew.converged || !(out.speed > 0)) out = anew;
+        // what breaks off at one sequence of tolerances mostly does not at another
+        for (const double from : {1.0, 0.3, 0.1}) {
+            if (!wander(cycle, from == 1 ? 200 : 4, 0.02, 1e-3 * from)) continue;
+            anew = by_pieces(cycle, options, from);
+            if (anew.converged || !(out.speed > 0)) out = anew;
+            if (anew.converged) break;
+        }
     }
     before_omega_ = out.converged && followed ? last_omega_ : 0, z_before_ = last;
     last_omega_ = out.converged ? omega : 0;

@@ -23,7 +23,7 @@ class SteadyDry {
 
   private:
     enum class Ended { converged, stalled, broken };
-    SteadyState by_pieces(DryCycle& cycle, const SteadyOptions& options);
+    SteadyState by_pieces(DryCycle& cycle, const SteadyOptions& options, double from);
     bool wander(DryCycle& cycle, int most, double near, double tolerance);
     Ended newton(DryCycle& cycle, double tolerance, double goal, bool powers, SteadyState& out);
     bool step(const Vec3& r, Vec3& d) const;

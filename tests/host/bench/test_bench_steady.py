@@ -24,9 +24,14 @@ def made_up() -> list[Cost]:
 
 def test_ratios_are_of_this_run() -> None:
     lines = summary(made_up())
-    assert "100 us a gait, 0.45 s for 4500" in lines[0]
+    assert "100 us a gait, 0.450 s for 4500" in lines[0]
     assert "50 us" in lines[1]
     assert "20 times" in lines[1]
+
+
+def test_the_floor_is_told() -> None:
+    floor = Cost("floor", "viscous", 6, 1e-6, math.nan, 1e-6)
+    assert "floor 0.0045 s for 4500" in summary([*made_up(), floor])[-1]
 
 
 def test_files(tmp_path: Path) -> None:

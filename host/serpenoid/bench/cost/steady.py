@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 import statistics
+import subprocess
+import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,7 +34,7 @@ GRID_RTOL = {"viscous": 1e-6, "dry": 1e-4}
 class Cost:
     """Hold what one kind of gait costs: seconds of processor time for each, and how many."""
 
-    what: str  # "grid", "gait", "run", "links" or "error"
+    what: str  # "grid", "floor", "process", "gait", "run", "links" or "error"
     ground: str  # "viscous" or "dry"
     links: int
     rtol: float
@@ -69,6 +73,38 @@ def _grid_cost(ground: str, step: int) -> Cost:
     count = grid(ground, 4).speed_m_s.size and grid(ground, step).speed_m_s.size
     taken = processor_s(lambda: grid(ground, step), 3 if ground == "viscous" else 1)
     return Cost("grid", ground, 6, GRID_RTOL[ground], math.nan, taken / count)
+
+
+def _floor_cost() -> Cost:
+    """Return what the least arithmetic of a gait of the viscous grid takes at this core's best.
+
+    That is one step of Newton's method on 24 nodes, the means, and the joints' powers with two or
+    three kinks each: some 15 000 multiply-adds. The best is what NumPy's matrix product reaches
+    (60 wide: larger ones take several threads). The tables, 15 kB a shape, stay in the nearest
+    cache: there is no floor of memory.
+    """
+    nodes, joints, size, runs = 24, PAPER.links - 1, 60, 1000
+    step, means = nodes * (6 * nodes + 240), nodes * (nodes + 40)
+    powers = joints * (16 * nodes + round(2.5 * 190))
+    a = np.ones((size, size))
+    each = processor_s(lambda: [a @ a for _ in range(runs)], 9) / size**3 / runs
+    return Cost(
+        "floor", "viscous", 6, GRID_RTOL["viscous"], math.nan, (step + means + powers) * each
+    )
+
+
+def _process_cost() -> Cost:
+    """Return the processor time of `serpenoid sweep` of the viscous grid to a file, whole."""
+    times = []
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "serpenoid", "sweep", "--robot", "paper", "--threads", "1"]
+        for _ in range(3):
+            before = sum(os.times()[2:4])
+            subprocess.run(
+                [*command, "--out", f"{folder}/grid.csv"], check=True, capture_output=True
+            )
+            times.append(sum(os.times()[2:4]) - before)
+    return Cost("process", "viscous", 6, GRID_RTOL["viscous"], math.nan, min(times) / 4500)
 
 
 def _run_cost(ground: str) -> Cost:
@@ -113,6 +149,8 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
         tell(f"{ground}: grid, run, links, errors")
         rows += [_grid_cost(ground, 3 if quick else 1), _run_cost(ground)]
         rows.append(Cost("gait", ground, 6, 1e-8, math.nan, _alone_s(ground)))
+        if ground == "viscous":
+            rows += [_floor_cost(), _process_cost()]
         rows += [
             Cost("links", ground, n, GRID_RTOL[ground], math.nan,
                  _solve_s(ground, n, GRID_RTOL[ground]))
@@ -148,12 +186,23 @@ def summary(rows: list[Cost]) -> list[str]:
         cost = {r.what: r.seconds for r in own if r.what in ("grid", "run", "gait")}
         each = cost["grid"]
         lines += [
-            f"{ground}: the paper's grid at {GRID_RTOL[ground]:g}, all powers: {each * 1e6:.0f} us "
-            f"a gait, {4500 * each:.2f} s for 4500 on one core",
+            f"{ground}: the paper's grid at {GRID_RTOL[ground]:g}, all powers: {each * 1e6:.3g} us "
+            f"a gait, {4500 * each:.3f} s for 4500 on one core",
             f"{ground}: one gait alone, for the speed: {cost['gait'] * 1e6:.0f} us; a run in time "
             f"until the start is forgotten takes {cost['run'] / each:.0f} times a grid's gait",
         ]
+    lines += [
+        f"viscous: {r.what} {4500 * r.seconds:.4f} s for 4500: {_MEANS[r.what]}"
+        for r in rows
+        if r.what in _MEANS
+    ]
     return lines
+
+
+_MEANS = {
+    "floor": "the arithmetic of one Newton step and the powers, at this core's best",
+    "process": "`serpenoid sweep` to a CSV file, Python, imports and all",
+}
 
 
 def write(rows: list[Cost], folder: Path) -> None:
