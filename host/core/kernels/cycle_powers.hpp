@@ -224,8 +224,8 @@ void cycle_powers(CycleTask& q, double* out) {
 
 template <int W>
 constexpr CycleKernel cycle_kernel() {
-    return {CycleTables<W>::run, cycle_newton<W>, cycle_averages<W>, cycle_powers<W>,
-            cycle_refine<W>};
+    return {CycleTables<W>::run, cycle_slopes<W>, cycle_newton<W>,
+            cycle_averages<W>,   cycle_powers<W>, cycle_refine<W>};
 }
 
 }  // namespace

@@ -167,5 +167,27 @@ struct CycleTables {
     }
 };
 
+// Which fields of the matrix change their sign half a cycle later, in the order of NodeField.
+constexpr bool kOddField[kSlope] = {false, true, true, false, false, true, false, false, false};
+
+template <int W>
+void cycle_slopes(int N, const double* even, const double* odd, double* node) {
+    using V = Pack<W>;
+    for (int field = 0; field < kSlope; ++field) {
+        const double* values = node + static_cast<long>(field) * N;
+        V* to = reinterpret_cast<V*>(node + static_cast<long>(kSlope + field) * N);
+        for (int at = 0; at < N; at += W) {
+            const double* row = (kOddField[field] ? odd : even) + at + N - 1;
+            V sum{};
+            for (int j = 0; j < N; ++j) {
+                V weight;
+                __builtin_memcpy(&weight, row - j, sizeof weight);
+                sum = fused(weight, all<V>(values[j]), sum);
+            }
+            to[at / W] = sum;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace serpenoid::kernels

@@ -93,6 +93,8 @@ struct CycleKernel {
     // link.
     void (*tables)(const CycleChain&, const double* sine, const double* cosine, int nodes,
                    double* node, double* joint, double* scratch);
+    // Derivatives of the matrix's fields (kSlope) by rows of the mesh's matrices, 2 nodes - 1 each.
+    void (*slopes)(int nodes, const double* even, const double* odd, double* node);
     void (*newton)(CycleTask&, double* out);    // one iteration: y, kChange2 to kTransfer
     void (*averages)(CycleTask&, double* out);  // kAdvance to kLogRadius
     void (*powers)(CycleTask&, double* out);    // kAbsPower, kAbsPowerError

@@ -14,9 +14,6 @@ constexpr int kMostNodes = SpectralMesh::kCoarsest << (SpectralMesh::kLevels - 1
 
 constexpr double kSlowest = 1e-3;  // most error of the multiplier's logarithm
 
-// Which fields of the matrix change their sign half a cycle later, in the order of NodeField.
-constexpr bool kOdd[9] = {false, true, true, false, false, true, false, false, false};
-
 // Whether Hermite's rule shrinks what decays fast by more than `log_radius` in `steps` of z < 0: by
 // Pade's approximant, (1 + z/2 + z^2/12) / (1 - z/2 + z^2/12), which is 1 again at infinity.
 bool decays_faster(double z, int steps, double log_radius) {
@@ -80,15 +77,7 @@ void SpectralViscous::tables(int k, bool powers) {
         to.stiffest =
             std::max(to.stiffest, to.node[kernels::kBxx * N + i] + to.node[kernels::kByy * N + i] +
                                       to.node[kernels::kWw * N + i]);
-    for (int field = 0; field < kernels::kSlope; ++field) {
-        double* slope = &to.node[(kernels::kSlope + field) * N];
-        std::fill_n(slope, N, 0.0);
-        for (int j = 0; j < N; ++j) {
-            const double value = to.node[field * N + j];
-            const double* row = (kOdd[field] ? mesh.odd_slope : mesh.even_slope).data() + N - 1 - j;
-            for (int i = 0; i < N; ++i) slope[i] += row[i] * value;
-        }
-    }
+    set_.cycle.slopes(N, mesh.even_slope.data(), mesh.odd_slope.data(), to.node.get());
 }
 
 kernels::CycleTask SpectralViscous::task(int k) const {

@@ -108,7 +108,9 @@ def relative_error(error: float, speed: float, robot: Robot, gait: Gait) -> floa
 
 def check_ground(ground: Ground, rtol: float) -> None:
     """Refuse ground without any friction, and an accuracy that its solver does not give."""
-    check_number("rtol", rtol, 1e-12 if ground.smooth else 1e-7, 0.1)
+    least = 1e-12 if ground.smooth else 1e-7
+    if type(rtol) is not float or not least <= rtol <= 0.1:  # else there is nothing to say
+        check_number("rtol", rtol, least, 0.1)
     if max(ground.ct_forward, ground.ct_backward, ground.cn) == 0 and not ground.dry:
         raise BadInput(
             "there is no friction at all (ct, cn, ft0 and fn0 are 0): nothing damps the start, so "
