@@ -1,0 +1,161 @@
+"""Random programs against boards with random faults: each ends by name, and no robot moves on."""
+
+from __future__ import annotations
+
+import math
+import random
+import warnings
+from collections.abc import Callable
+
+import pytest
+from robot.fake_board import sealed
+from serpenoid import Gait
+from serpenoid.model.errors import SerpenoidError
+from serpenoid.robot import Robot
+from serpenoid.robot.tools.driven_run import DrivenRun
+from serpenoid.robot.wire.virtual import VirtualLink
+
+STOP = b"\n!\n"
+MOST_S = 90.0  # of the board's time that a run may take
+MOVING = ("gait", "safing")
+
+
+def losing(*words: bytes) -> Callable[[random.Random, bytes], bytes]:
+    """Return a fault that loses the lines which start with one of the words."""
+    return lambda _rng, line: b"" if line.startswith(words) else line
+
+
+def noisy(rng: random.Random, line: bytes) -> bytes:
+    """Flip a bit of every second line."""
+    at, wrong = rng.randrange(len(line)), bytearray(line)
+    wrong[at] ^= (1 << rng.randrange(8)) * rng.randrange(2)
+    return bytes(wrong)
+
+
+def refusing(_rng: random.Random, line: bytes) -> bytes:
+    if not line.startswith(b"ok: #"):
+        return line
+    return sealed(f"err: {line.split()[1].decode()} motion - not while the robot moves; stop it")
+
+
+TO_HOST = {
+    "mute": lambda _rng, _line: b"",
+    "no telemetry": losing(b"t:"),
+    "no verdicts": losing(b"ok:", b"err:"),
+    "no data": losing(b"set:", b"trim:", b"status:", b"counters:", b"state:"),
+    "loses lines": lambda rng, line: line * rng.randrange(2),
+    "says lines twice": lambda rng, line: line * rng.randint(1, 2),
+    "noise": noisy,
+    "refuses": refusing,
+    "garbage": lambda rng, line: rng.randbytes(rng.randrange(60)) + line,
+}
+TO_BOARD = {
+    "deaf": lambda _rng, _data: b"",
+    "loses commands": lambda rng, data: data * rng.randrange(2),
+    "noise to the board": noisy,
+}
+HAPPENS = {
+    "reset": lambda board: board.boot("brownout"),
+    "key": lambda board: board.write(STOP),
+    "another host": lambda board: board.write(b"\nbye\ngait 20 40 3\n"),
+    "limp": lambda board: board.write(b"\nbye\nidle\n"),
+    "hangs": lambda board: board.stall(3.0),
+}
+
+
+class FaultyLink(VirtualLink):
+    """A virtual board in lockstep with up to three faults, each for a time.
+
+    Noise spares the stop key; where the board is deaf its silence timer has to stop the robot.
+    """
+
+    def __init__(self, rng: random.Random):
+        super().__init__(fast=True)
+        self._rng, self._rest = rng, b""
+        kinds = rng.choices([*TO_HOST, *TO_BOARD, *HAPPENS], k=rng.randrange(4))
+        self.faults = {kind: self._when() for kind in kinds}
+
+    def _when(self) -> tuple[float, float]:
+        begun_s = self._rng.uniform(0.0, 3.0)
+        return begun_s, begun_s + self._rng.choice((0.2, 3.0, math.inf))
+
+    def _active(self, kinds: dict) -> list:
+        now_s = self.board.time_s
+        found = {kind: when for kind, when in self.faults.items() if kind in kinds}
+        return [kinds[kind] for kind, (a, b) in found.items() if a <= now_s < b]
+
+    def read(self, timeout_s: float) -> bytes:
+        for happen in self._active(HAPPENS):
+            self.faults = {k: v for k, v in self.faults.items() if HAPPENS.get(k) != happen}
+            happen(self.board)
+        *lines, self._rest = (self._rest + super().read(timeout_s)).split(b"\n")
+        return b"".join(self._spoilt(line + b"\n", TO_HOST) for line in lines)
+
+    def write(self, data: bytes) -> None:
+        deaf = "deaf" in self.faults and self._active({"deaf": TO_BOARD["deaf"]})
+        super().write(data if data == STOP and not deaf else self._spoilt(data, TO_BOARD))
+
+    def _spoilt(self, line: bytes, kinds: dict) -> bytes:
+        for spoil in self._active(kinds):
+            line = spoil(self._rng, line) if line else line
+        return line
+
+
+def some_gait(rng: random.Random) -> Gait:
+    return Gait(math.radians(rng.uniform(5, 40)), rng.uniform(-2, 2), rng.uniform(0.5, 8))
+
+
+def some_program(rng: random.Random) -> None:
+    """Talk to a robot in a random way."""
+    with Robot("any", timeout_s=3.0) as robot:
+        for _ in range(rng.randrange(1, 6)):
+            rng.choice(
+                [
+                    lambda: robot.gait(some_gait(rng)),
+                    lambda: list(robot.frames(rng.uniform(0, 2.5))),
+                    lambda: robot.bent(rng.uniform(-0.2, 0.2)),
+                    lambda: robot.set("every", rng.choice((1, 2, 5))),
+                    robot.status,
+                    robot.trims,
+                    robot.stop,
+                    robot.idle,
+                ]
+            )()
+
+
+def some_drive(rng: random.Random) -> None:
+    """Drive a gait; a run that ends well has its frames."""
+    duration_s = rng.uniform(0.5, 5.0)
+    run = DrivenRun(some_gait(rng), "any", None)
+    run.run(duration_s, lambda _: None)
+    assert run.frames >= 0.85 * (duration_s - 0.3) * 50 - 3
+
+
+def check(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = random.Random(seed)
+    link = FaultyLink(rng)
+    monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _port: link)
+    ended = "well"
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            rng.choice((some_program, some_drive))(rng)
+    except SerpenoidError as error:
+        ended = f"with {error!r}"
+    told = f"seed {seed}, {link.faults}, ended {ended}"
+    assert link.board.time_s < MOST_S, told
+    assert ended != "well" or link.board.state not in MOVING, told
+    link.board.run(20.0)
+    assert link.board.state not in MOVING, told
+
+
+@pytest.mark.parametrize("seed", range(15))
+def test_any_program_with_any_board_ends_well_or_by_name(seed, monkeypatch):
+    check(seed, monkeypatch)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hundred", range(10))
+def test_a_thousand_programs_end_well_or_by_name(hundred, monkeypatch):
+    for seed in range(1000 + 100 * hundred, 1100 + 100 * hundred):
+        check(seed, monkeypatch)
