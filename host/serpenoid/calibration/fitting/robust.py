@@ -6,7 +6,8 @@ g_i, the chance that reading i is good, weighs its square in the next joint fit.
 summits, since a line follows its outlier; so it is climbed from all readings, from those left
 when the worst one, two, ... are taken out in turn, and without each of the worst few. Each summit
 is taken for a normal distribution by its curvature, and the answer is their mixture's mean and
-covariance: a reading in doubt, or a choice between two stories, widens the intervals.
+covariance: a reading in doubt, or a choice between two stories, widens the intervals. Of many
+readings no single one makes a summit, and the climb begins from all of them alone.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from .joint import Minimum, balance, minimise
 
 BAD_CHANCE, BAD_WIDTH = 0.05, 12.0
 _ROUNDS, _SETTLED, _MOST_TAKEN_OUT, _SHARE_TAKEN_OUT, _SUSPECTS = 80, 1e-6, 5, 0.3, 4
+_MANY = 300  # readings
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,8 @@ def robust_minimum(data: FitData, plain: Minimum) -> Summit:
 
 def _starts(data: FitData, plain: Minimum) -> list[tuple[Floats, Floats]]:
     everything = np.arange(len(data))
+    if len(data) > _MANY:
+        return [(plain.x, np.ones(len(data)))]
     sets = [np.delete(everything, k) for k in _worst_first(plain, len(data))[1:_SUSPECTS]]
     starts = [(plain.x, np.ones(len(data)))]
     keep, found = everything, plain
