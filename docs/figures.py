@@ -13,6 +13,7 @@ from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.files import read_csv
 from serpenoid.bench.stability.figure import overview
 from serpenoid.bench.stability.files import read_cells
+from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
 from serpenoid.commands.demo import run_demo
 
 STORED = Path(__file__).resolve().parents[1] / "host" / "docs"
@@ -35,6 +36,16 @@ def accuracy(path: Path) -> None:
 def stability(path: Path) -> None:
     """Draw the maps that stand in stability.csv; `serpenoid bench stability` measures."""
     overview(read_cells(STORED / "stability.csv"), path)
+
+
+def coverage(path: Path) -> None:
+    """Draw the study that stands in coverage.json; `serpenoid bench coverage` makes it."""
+    coverage_figure(json.loads((STORED / "coverage.json").read_text()), path)
+
+
+def advise(path: Path) -> None:
+    """Draw the study that stands in advise.json; `serpenoid bench advise` makes it."""
+    advised_figure(json.loads((STORED / "advise.json").read_text()), path)
 
 
 FIGURES: dict[str, Callable[[Path], None]] = {
