@@ -11,9 +11,9 @@ from pathlib import Path
 
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.files import read_csv
+from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
 from serpenoid.bench.stability.figure import overview
 from serpenoid.bench.stability.files import read_cells
-from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
 from serpenoid.commands.demo import run_demo
 
 STORED = Path(__file__).resolve().parents[1] / "host" / "docs"

@@ -54,6 +54,7 @@ def advised_figure(rows: Sequence[Row], path: Path) -> None:
             ax.axvline(of[0]["opening"], color=GREY, lw=1.0, ls=":")
             ax.text(of[0]["opening"], 0.02, " opening", rotation=90, color=GREY,
                     transform=ax.get_xaxis_transform(), ha="right", va="bottom")  # fmt: skip
+            ax.xaxis.get_major_locator().set_params(integer=True)
             ax.set_xlabel("readings to the target")
             ax.set_title(f"speed's 95 % band of {of[0]['target']:.0%}, in full")
             ax.legend()
