@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 # Rates that are tried, as omega times body length over speed; then further up while that may help.
 _FIRST, _STEP, _MANY = 4.0, 1.9, 6
 _FIRST_DRY, _STEP_DRY, _MANY_DRY = 6.0, 2.4, 4  # a dry gait costs a hundred times as much
+_BEYOND = 2.0  # of the servos' speed: gaits so far beyond it are still looked at
 _SWING_DEG = (5, 9, 14, 20, 27, 35, 44, 54, 66, 80)
 _SWING_DRY_DEG = (9, 16, 24, 33, 43, 54, 66, 80)
 
@@ -73,14 +74,18 @@ class GaitCloud:
             rows = np.flatnonzero(allowed[:, j])
             if rows.size == 0:
                 return
+            least = float(self.alpha_rad[rows, j].min())
+            many = int(np.searchsorted(rates, _BEYOND * self.limits.servo_speed_rad_s / least))
+            if many == 0:
+                return
             found = sweep(
                 self.robot, self.ground, alpha_rad=self.alpha_rad[rows, j],
-                beta_rad=self.beta_rad[0, j], omega_rad_s=rates, rtol=1e-4 if self.ground.smooth
-                else 3e-3, powers=self.cost != "power",
+                beta_rad=self.beta_rad[0, j], omega_rad_s=rates[:many],
+                rtol=1e-4 if self.ground.smooth else 3e-3, powers=self.cost != "power",
             )  # fmt: skip
             good = found.converged[:, 0]
-            speed[rows, j] = np.where(good, found.speed_m_s[:, 0], np.nan)
-            cost[rows, j] = np.where(good, getattr(found, f"{self.cost}_w")[:, 0], np.nan)
+            speed[rows, j, :many] = np.where(good, found.speed_m_s[:, 0], np.nan)
+            cost[rows, j, :many] = np.where(good, getattr(found, f"{self.cost}_w")[:, 0], np.nan)
 
         on_threads(column, range(self.alpha_rad.shape[1]))
         self.omega_rad_s = np.concatenate([self.omega_rad_s, rates])
@@ -94,6 +99,8 @@ class GaitCloud:
             if np.nanmax(self.speed_m_s, initial=0) >= speed_m_s:
                 return
             if top >= self.limits.omega_high_rad_s:
+                return
+            if top * self.alpha_rad.min() > _BEYOND * self.limits.servo_speed_rad_s:
                 return
             self._extend(top * 3.0 ** np.arange(1, 4))
 
@@ -162,7 +169,31 @@ class GaitCloud:
         )  # fmt: skip
 
     def fastest(self) -> tuple[float, float, float, float]:
-        """Return speed, alpha, beta and rate of the fastest gait of the cloud within the limits."""
+        """Return speed, alpha, beta and rate of the fastest gait found within the limits."""
+        return max(self._fastest_of_cloud(), self._fastest_servos())
+
+    def _fastest_servos(self) -> tuple[float, float, float, float]:
+        """Return the fastest gait of shapes at the rate that the servos' speed allows, or less."""
+        best = (0.0, 0.0, 0.0, 0.0)
+        if self.limits.servo_speed_rad_s == math.inf:
+            return best
+        small = self.alpha_rad[:1] * np.array([[0.2], [0.4], [0.6], [0.8]])
+        for j, beta in enumerate(self.beta_rad[0].tolist()):
+            for alpha in np.concatenate([small[:, j], self.alpha_rad[:, j]]).tolist():
+                top = min(self.limits.servo_speed_rad_s / alpha, self.limits.omega_high_rad_s)
+                rates = np.array([0.25, 0.5, 1.0]) * top
+                if alpha > min(self.limits.joint_angle_rad, math.pi):
+                    continue
+                found = sweep(
+                    self.robot, self.ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=rates,
+                    rtol=1e-3, powers=False, threads=1,
+                )  # fmt: skip
+                v = np.where(found.converged, found.speed_m_s, 0.0)[0, 0]
+                k = int(v.argmax())
+                best = max(best, (float(v[k]), alpha, beta, float(rates[k])))
+        return best
+
+    def _fastest_of_cloud(self) -> tuple[float, float, float, float]:
         rate = np.broadcast_to(self.omega_rad_s, self.speed_m_s.shape)
         allowed = self.alpha_rad[:, :, None] * rate <= self.limits.servo_speed_rad_s * 1.0000001
         v = np.where(allowed & np.isfinite(self.speed_m_s), self.speed_m_s, 0.0)

@@ -165,3 +165,27 @@ def test_refusals() -> None:
     isotropic = sn.Ground(1.0, 1.0)  # no wheel grips better than another: nothing travels
     with pytest.raises(sn.NotConverged, match=r"no gait reaches 0\.1 m/s"):
         sn.least_power_gait(PAPER, isotropic, speed_m_s=0.1)
+
+
+def test_out_of_reach_of_the_servos_names_the_fastest_there_is() -> None:
+    """However far the wish: the fastest gait within servo speed is looked for at its own rates."""
+    limits = sn.GaitLimits(servo_speed_rad_s=6.0)
+    told = []
+    for wish in (10.0, 100.0):
+        with pytest.raises(sn.NotConverged) as caught:
+            sn.least_power_gait(
+                sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), speed_m_s=wish, limits=limits
+            )
+        told.append(float(str(caught.value).split("makes ")[1].split(" m/s")[0]))
+    assert told[0] == pytest.approx(told[1], rel=0.02)
+    assert 1.1 < told[0] < 3.0
+
+
+def test_a_torque_limit_on_a_gait_that_creeps() -> None:
+    """A step of RK4 for so slow a gait would be far too long; friction alone then loads joints."""
+    robot, ground = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+    limits = sn.GaitLimits(servo_torque_nm=0.2)
+    best = sn.least_power_gait(robot, ground, speed_m_s=1e-6, limits=limits)
+    free = sn.least_power_gait(robot, ground, speed_m_s=1e-6)
+    assert best.power_w == pytest.approx(free.power_w, rel=1e-6)
+    assert best.active == ()
