@@ -249,7 +249,7 @@ void cycle_averages(CycleTask& q, double* memory) {
     V advance{};
     for (int k = 0; k < N; ++k) {  // axes half way between both ends' headings
         V s, c;
-        sincos(theta[k] - 0.5 * turn, s, c);
+        sincos_near(theta[k] - 0.5 * turn, s, c);
         advance += c * y[3 * k] - s * y[3 * k + 1];
     }
     V tail{};
