@@ -23,7 +23,7 @@ uint32_t step_of(float omega_rad_s) {
 }
 
 // How far apart the oscillating parts of two shapes can be at the same phase, any joint.
-float swing_between(const Shape& a, const Shape& b) {
+float swing_between(const GaitShape& a, const GaitShape& b) {
     const uint32_t lag = static_cast<uint32_t>(b.beta_q31_turn - a.beta_q31_turn) << 1;
     const float lag_rad = magnitude(static_cast<float>(static_cast<int32_t>(lag))) * kRadPerQ32Turn;
     const float chord = lag_rad * (kJoints - 1);
@@ -33,7 +33,7 @@ float swing_between(const Shape& a, const Shape& b) {
            kRadPerQ14;
 }
 
-float shift_between(const Shape& a, const Shape& b) {
+float shift_between(const GaitShape& a, const GaitShape& b) {
     float most = 0;
     for (uint8_t i = 0; i < kJoints; ++i) {
         const int32_t shift = static_cast<int32_t>(b.base_q14[i]) - a.base_q14[i];
@@ -43,7 +43,7 @@ float shift_between(const Shape& a, const Shape& b) {
     return most * kRadPerQ14;
 }
 
-bool same(const Shape& a, const Shape& b) {
+bool same(const GaitShape& a, const GaitShape& b) {
     return swing_between(a, b) == 0 && shift_between(a, b) == 0;
 }
 
@@ -167,7 +167,7 @@ void Motion::proceed() {
     if (!blending_) turning_ = turning_ && gait_;
 }
 
-int16_t Motion::at(const Shape& shape, uint8_t joint) const {
+int16_t Motion::at(const GaitShape& shape, uint8_t joint) const {
     const int16_t swing = gait_angle(shape.alpha_q14, shape.beta_q31_turn, phase(), joint);
     return static_cast<int16_t>(shape.base_q14[joint] + swing);
 }

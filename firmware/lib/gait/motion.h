@@ -24,7 +24,7 @@ struct MotionLimits {
     int16_t high_q14[kJoints];
 };
 
-struct Shape {
+struct GaitShape {
     int16_t alpha_q14;
     int32_t beta_q31_turn;
     int16_t base_q14[kJoints];
@@ -63,14 +63,14 @@ class Motion {
     OWN_FRAME void begin();
     void proceed();
     bool approach(uint32_t step);
-    int16_t at(const Shape& shape, uint8_t joint) const;
+    int16_t at(const GaitShape& shape, uint8_t joint) const;
     int16_t held(uint8_t joint, int32_t wanted_q14);
 
     MotionLimits limits_;
     uint64_t phase_, step_, step_target_;  // in 2⁻⁶⁴ turns: the phase, its growth in a frame
     uint64_t step_next_;
     uint32_t step_blend_, rate_step_;  // in 2⁻³² turns: the most while blending; change in a frame
-    Shape from_, to_, next_;
+    GaitShape from_, to_, next_;
     uint32_t progress_q32_, progress_step_q32_;  // u above
     int16_t setpoint_q14_[kJoints];
     uint8_t clipped_;

@@ -22,7 +22,7 @@
 namespace serpenoid {
 
 // One direction of one wheel: speed = x Vx + y Vy + r w + omega e.
-struct Row {
+struct WheelDirection {
     double x, y, r, e;
     double speed(const double u[3], double omega) const {
         return x * u[0] + y * u[1] + r * u[2] + omega * e;
@@ -30,14 +30,14 @@ struct Row {
 };
 
 struct LinkShape {
-    Row t, n;             // (t.x, t.y) is the tangent, (n.x, n.y) the normal
+    WheelDirection t, n;  // (t.x, t.y) is the tangent, (n.x, n.y) the normal
     double rx, ry;        // rho, m
     double rx1, ry1;      // rho', m/rad
     double s1;            // sigma'
     double rx2, ry2, s2;  // second derivatives, filled only when asked for
 };
 
-struct Shape {
+struct BodyShape {
     std::vector<LinkShape> link;
     double J, K;    // kg m^2
     double J1, K1;  // their derivatives by tau, filled with the second derivatives
@@ -52,7 +52,7 @@ struct Shape {
     void rows();
 };
 
-inline void Shape::chain(double l, const GaitTable& gait, double sin_tau, double cos_tau) {
+inline void BodyShape::chain(double l, const GaitTable& gait, double sin_tau, double cos_tau) {
     const int n = gait.joints() + 1;
     link.resize(n);
     double angle = 0, s1 = 0, s2 = 0, c = 1, s = 0;
@@ -74,7 +74,7 @@ inline void Shape::chain(double l, const GaitTable& gait, double sin_tau, double
     }
 }
 
-inline void Shape::centre() {
+inline void BodyShape::centre() {
     double x = 0, y = 0, x1 = 0, y1 = 0, x2 = 0, y2 = 0;
     for (const LinkShape& k : link)
         x += k.rx, y += k.ry, x1 += k.rx1, y1 += k.ry1, x2 += k.rx2, y2 += k.ry2;
@@ -85,15 +85,15 @@ inline void Shape::centre() {
     }
 }
 
-inline void Shape::rows() {
+inline void BodyShape::rows() {
     for (LinkShape& k : link) {
         k.t.r = k.rx * k.t.y - k.ry * k.t.x, k.t.e = k.t.x * k.rx1 + k.t.y * k.ry1;
         k.n.r = k.rx * k.n.y - k.ry * k.n.x, k.n.e = k.n.x * k.rx1 + k.n.y * k.ry1;
     }
 }
 
-inline void Shape::set(const Robot& robot, const GaitTable& gait, double sin_tau, double cos_tau,
-                       bool second) {
+inline void BodyShape::set(const Robot& robot, const GaitTable& gait, double sin_tau,
+                           double cos_tau, bool second) {
     chain(robot.l, gait, sin_tau, cos_tau);
     centre();
     rows();

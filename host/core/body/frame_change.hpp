@@ -17,7 +17,7 @@ struct BodyState {
 struct TailFrame {
     double rx, ry, rx1, ry1, J, K;  // rho and rho' of the tail, and the moments of the shape
 
-    explicit TailFrame(const Shape& s)
+    explicit TailFrame(const BodyShape& s)
         : rx(s.link[0].rx),
           ry(s.link[0].ry),
           rx1(s.link[0].rx1),

@@ -13,8 +13,8 @@ struct BodyMotion {
     double udot[3];  // derivatives of these components
 
     // From u and the total friction force and couple: nm(V' + w x V) = F, (J w + omega K)' = M.
-    static BodyMotion from_forces(const Robot& r, const Shape& s, double omega, const double u[3],
-                                  const double force[3]) {
+    static BodyMotion from_forces(const Robot& r, const BodyShape& s, double omega,
+                                  const double u[3], const double force[3]) {
         const double nm = r.n * r.m, w = u[2];
         return {{u[0], u[1], w},
                 {force[0] / nm + w * u[1], force[1] / nm - w * u[0],
@@ -26,7 +26,7 @@ struct BodyMotion {
 // friction on every link along and across it: friction(i) returns {f_t, f_n}. The shape needs
 // second derivatives.
 template <class Friction, class Each>
-void joint_powers(const Robot& r, const Shape& s, double omega, const BodyMotion& b,
+void joint_powers(const Robot& r, const BodyShape& s, double omega, const BodyMotion& b,
                   Friction friction, Each each) {
     const double w = b.u[2], wdot = b.udot[2], ww = w * w, cross = 2 * w * omega,
                  oo = omega * omega;

@@ -47,7 +47,7 @@ Vec3 least_squares(const Vec3* g, int count, const Vec3& Q) {
     return x;
 }
 
-Vec3 direction(const Row& row) { return {row.x, row.y, row.r}; }
+Vec3 direction(const WheelDirection& row) { return {row.x, row.y, row.r}; }
 
 }  // namespace
 
@@ -83,7 +83,7 @@ void SlidingPiece::sum_mode(Node& k, const SlidingMode& mode) const {
     k.dry = {}, k.dry_e = 0;
     for (int c = 0; c < 2 * robot_.n; ++c) {
         const double f = mu(c) * mode.sign[c] - thrust(c);
-        const Row& g = k.row[c];
+        const WheelDirection& g = k.row[c];
         k.dry[0] += f * g.x, k.dry[1] += f * g.y, k.dry[2] += f * g.r, k.dry_e += f * g.e;
     }
 }
@@ -155,7 +155,7 @@ bool SlidingPiece::step() {
                     own[i] = -h_ * (d[r][0] * A[i] + d[r][1] * A[3 + i] + d[r][2] * A[6 + i]);
                 right[0] = -dot(d[r], Q);
             } else {
-                const Row& g = k.row[mode_->stuck[r - 3 + constraints]];
+                const WheelDirection& g = k.row[mode_->stuck[r - 3 + constraints]];
                 own = {g.x / nm_, g.y / nm_, g.r / k.J};
                 right[0] = -g.speed(u.data(), omega_);
             }

@@ -44,9 +44,9 @@ class SlidingPiece {
     // What is known of one phase: sums over the wheels, and the wheels.
     struct Node : ViscousSums {
         double J, K;
-        std::vector<Row> row;  // by wheel
-        Vec3 dry;              // sum of mu s g over sliding wheels
-        double dry_e;          // and of mu s e
+        std::vector<WheelDirection> row;  // by wheel
+        Vec3 dry;                         // sum of mu s g over sliding wheels
+        double dry_e;                     // and of mu s e
     };
 
     // Solves the stages' equations, rows of kRow numbers (stage_solve.hpp, which knows processors).
@@ -102,7 +102,7 @@ class SlidingPiece {
     Ground ground_;
     double omega_, nm_, ft0_, thrust_, grip_;
     GaitTable table_;
-    Shape shape_;
+    BodyShape shape_;
     std::array<Node, kStages + 1> node_;
     const SlidingMode* mode_ = nullptr;
     double h_ = 0;

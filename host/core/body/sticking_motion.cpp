@@ -48,7 +48,8 @@ void DryMotion::assemble(double h, const double* before) {
     H_ = {nm, 0, 0, 0, nm, 0, 0, 0, shape_.J};
     b_ = {0, 0, 0};
     kinks_.clear();
-    const auto wheel = [&](const Row& row, double c, double dry, double thrust, bool modes) {
+    const auto wheel = [&](const WheelDirection& row, double c, double dry, double thrust,
+                           bool modes) {
         const Vec3 g{row.x, row.y, row.r};
         const double e = omega_ * row.e, hc = h * c;
         for (int i = 0; i < 3; ++i) {
@@ -203,7 +204,7 @@ double DryMotion::error_norm(const DryState& a, const DryState& b) const {
 void DryMotion::margins(const DryState& s, double tau, std::vector<double>& margin) {
     const double u[3] = {s.v[DryState::Vx], s.v[DryState::Vy], rate(s.v[DryState::L], tau)};
     margin.clear();
-    const auto wheel = [&](const Row& row, bool modes) {
+    const auto wheel = [&](const WheelDirection& row, bool modes) {
         if (!modes) return;
         const int c = static_cast<int>(margin.size());
         margin.push_back(convex_.sign(c) * row.speed(u, omega_) / speed_eps_);
@@ -226,11 +227,11 @@ double DryMotion::event_before(const std::vector<double>& start, const Step& ste
             first = m0 <= 0 ? 0 : std::min(first, (m0 + 1) / (m0 - m2));
             continue;
         }
-        const double bend = ((m1 - m0) / x - (m2 - m0)) / (x - 1), slope = m2 - m0 - bend;
-        const double lowest = m0 - slope * slope / (4 * bend);
-        if (m0 > 0 && bend > 0 && slope < 0 && slope > -2 * bend && lowest < -2)
-            first = std::min(
-                first, (-slope - std::sqrt(slope * slope - 4 * bend * (m0 + 1))) / (2 * bend));
+        const double curvature = ((m1 - m0) / x - (m2 - m0)) / (x - 1), slope = m2 - m0 - curvature;
+        const double lowest = m0 - slope * slope / (4 * curvature);
+        if (m0 > 0 && curvature > 0 && slope < 0 && slope > -2 * curvature && lowest < -2)
+            first = std::min(first, (-slope - std::sqrt(slope * slope - 4 * curvature * (m0 + 1))) /
+                                        (2 * curvature));
     }
     return first;
 }

@@ -99,7 +99,7 @@ class DryMotion {
 
     double* positive_ = nullptr;
     GaitTable table_;
-    Shape shape_;
+    BodyShape shape_;
     Convex3 convex_;
     Mat3 H_{};
     Vec3 b_{};

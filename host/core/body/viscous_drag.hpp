@@ -13,11 +13,11 @@ struct ViscousSums {
     double d[3] = {}, dd = 0;
 
     ViscousSums() = default;
-    ViscousSums(const Shape& shape, const Ground& ground) {
+    ViscousSums(const BodyShape& shape, const Ground& ground) {
         for (const LinkShape& k : shape.link) add(k.t, ground.ct), add(k.n, ground.cn);
     }
 
-    void add(const Row& g, double c) {
+    void add(const WheelDirection& g, double c) {
         D[0] += c * g.x * g.x, D[1] += c * g.x * g.y, D[2] += c * g.x * g.r;
         D[3] += c * g.y * g.y, D[4] += c * g.y * g.r, D[5] += c * g.r * g.r;
         d[0] += c * g.x * g.e, d[1] += c * g.y * g.e, d[2] += c * g.r * g.e;

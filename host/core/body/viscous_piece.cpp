@@ -11,7 +11,7 @@ namespace serpenoid {
 namespace {
 
 // A and b of viscous_piece.hpp at one phase.
-void linear_part(const Shape& shape, const Robot& robot, const Ground& ground, double omega,
+void linear_part(const BodyShape& shape, const Robot& robot, const Ground& ground, double omega,
                  Mat3& A, Vec3& b) {
     const ViscousSums f(shape, ground);
     const double io = 1 / omega, inm = io / (robot.n * robot.m), iJ = 1 / shape.J;
@@ -43,18 +43,18 @@ void directions(const PhaseElement::Stages& x, PhaseElement::Stages& c, PhaseEle
 }  // namespace
 
 PhaseElement::PhaseElement(const Robot& robot, const Ground& ground, const GaitTable& table,
-                           double omega, double tau, double h, Shape& shape)
+                           double omega, double tau, double h, BodyShape& shape)
     : h_(h), omega_(omega) {
     const Rule& rule = Rule::get();
-    const auto at = [&](double phase, Mat3& A, Vec3& b, double& spin, double& bend) {
+    const auto at = [&](double phase, Mat3& A, Vec3& b, double& spin, double& recoil) {
         shape.set(robot, table, std::sin(phase), std::cos(phase), false);
         linear_part(shape, robot, ground, omega, A, b);
-        spin = 1 / (omega * shape.J), bend = shape.K / shape.J;
+        spin = 1 / (omega * shape.J), recoil = shape.K / shape.J;
     };
     std::array<Mat3, s> A;
     std::array<Vec3, s> b;
-    at(tau, A0_, b0_, spin0_, bend0_);
-    for (int k = 0; k < s; ++k) at(tau + h * rule.c[k], A[k], b[k], spin_[k], bend_[k]);
+    at(tau, A0_, b0_, spin0_, recoil0_);
+    for (int k = 0; k < s; ++k) at(tau + h * rule.c[k], A[k], b[k], spin_[k], recoil_[k]);
     J_ = shape.J;
     tabulate(A, b);
     Mat3 implicit = identity3();
@@ -140,7 +140,7 @@ void PhaseElement::follow(Solution& to) const {
     const Rule& rule = Rule::get();
     const double dt = h_ / omega_;
     Stages w, vx, vy;
-    for (int k = 0; k < s; ++k) w[k] = h_ * (spin_[k] * to.stage[L][k] - bend_[k]);
+    for (int k = 0; k < s; ++k) w[k] = h_ * (spin_[k] * to.stage[L][k] - recoil_[k]);
     Stages& turn = to.stage[angle];
     for (int j = 0; j < s; ++j) {
         turn[j] = 0;
@@ -169,7 +169,7 @@ void PhaseElement::defects(Solution& to) const {
         h_ * (A0_[0] * y0[0] + A0_[1] * y0[1] + A0_[2] * y0[2] + b0_[0] + turn * y0[Vy]),
         h_ * (A0_[3] * y0[0] + A0_[4] * y0[1] + A0_[5] * y0[2] + b0_[1] - turn * y0[Vx]),
         h_ * (A0_[6] * y0[0] + A0_[7] * y0[1] + A0_[8] * y0[2] + b0_[2]),
-        h_ * (turn - bend0_),
+        h_ * (turn - recoil0_),
         dt * y0[Vx],
         dt * y0[Vy]};
     for (int c = 0; c < count; ++c) {

@@ -41,7 +41,7 @@ class PhaseElement {
     };
 
     PhaseElement(const Robot& robot, const Ground& ground, const GaitTable& table, double omega,
-                 double tau, double h, Shape& scratch);
+                 double tau, double h, BodyShape& scratch);
 
     // Solve from to.start until q moves no stage by more than `slack` (m/s) any more.
     // Returns false when the iteration does not converge: the piece is too long.
@@ -60,8 +60,8 @@ class PhaseElement {
     std::array<std::array<double, N>, 3> from_;
     std::array<double, N> rest_;
     std::array<std::array<double, N>, 2 * s> swirl_;
-    Stages spin_, bend_;  // w = omega (spin L - bend): 1/(omega J) and K/J
-    double spin0_, bend0_;
+    Stages spin_, recoil_;  // w = omega (spin L - recoil): 1/(omega J) and K/J
+    double spin0_, recoil0_;
     Mat3 A0_, filter_;  // at the start; (1 - h bump A0)^-1, without which stiff defects mislead
     Vec3 b0_;
     std::array<Stages, 2> q_;

@@ -82,7 +82,7 @@ class SetValuedMotion : public Method {
     Slope slope_;
     double omega_, tolerance_, t_ = 0;
     GaitTable table_;
-    Shape shape_;
+    BodyShape shape_;
     DryMotion motion_;
     std::vector<double> accel_, wheel_force_;
     DryState dry_{};

@@ -152,8 +152,8 @@ class SignChanges {
         if ((fa > 0) != (fm > 0) || (fm > 0) != (fb > 0)) return;
         const double s0 = (fm - fa) / (m - a), s1 = (fb - fm) / (b - m), sign = fm > 0 ? 1 : -1;
         if (sign * s0 >= 0 || sign * s1 <= 0) return;
-        const double bend = (s1 - s0) / (b - a);
-        const double z = (a + m) / 2 - s0 / (2 * bend), v = p_(z);
+        const double curvature = (s1 - s0) / (b - a);
+        const double z = (a + m) / 2 - s0 / (2 * curvature), v = p_(z);
         if (!(z > a && z < b) || (v > 0) == (fm > 0)) return;
         if (z > m) {
             m = z, fm = v;  // the gaps on both sides find their roots

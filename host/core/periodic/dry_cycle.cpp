@@ -87,7 +87,7 @@ bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double lengt
     piece_.fill(k, tau);
     const Vec3 u0 = piece_.velocity(k, state.p);
     way_.clear();
-    for (const Row& row : k.row) way_.push_back(row.speed(u0.data(), omega_));
+    for (const WheelDirection& row : k.row) way_.push_back(row.speed(u0.data(), omega_));
     piece_.fill(k, tau + dtau);
     piece_.drag(k, way_);
     const double *D = k.D, speed = scale_[0] / nm_;
@@ -100,7 +100,7 @@ bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double lengt
     kinks_.clear(), wheel_of_kink_.clear();
     for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
         if (!piece_.has_modes(wheel)) continue;
-        const Row& g = k.row[wheel];
+        const WheelDirection& g = k.row[wheel];
         const double thrust = h * piece_.thrust(wheel), mu = piece_.mu(wheel);
         b[0] += thrust * g.x, b[1] += thrust * g.y, b[2] += thrust * g.r;
         const double apart = std::fmod(0.6180339887 * static_cast<double>(kinks_.size() + 1), 1.0);
@@ -180,8 +180,8 @@ DryCycle::Ending DryCycle::ending(const SlidingPiece& piece) const {
                 // lowest near here: look at the bottom of the parabola
                 const double s0 = (value - before) / (end - z),
                              s1 = (m[j + 1] - value) / (c[j + 1] - end);
-                const double bend = (s1 - s0) / (c[j + 1] - z);
-                const double low = (z + end) / 2 - s0 / (2 * bend);
+                const double curvature = (s1 - s0) / (c[j + 1] - z);
+                const double low = (z + end) / 2 - s0 / (2 * curvature);
                 const double there = polynomial(m0, m, low).first;
                 if (there < kBeyond) end = low, value = there, beyond = true;
             }
@@ -307,7 +307,7 @@ void DryCycle::add_positive(double tau, double h, double x) {
         shape_.set(robot_, table_, std::sin(tau + h * z), std::cos(tau + h * z), true);
         const Vec3 p = piece_.at(z);
         const double u[3] = {p[0] / nm_, p[1] / nm_, (p[2] - omega_ * shape_.K) / shape_.J};
-        const auto push = [&](int wheel, const Row& row) {
+        const auto push = [&](int wheel, const WheelDirection& row) {
             const double c = piece_.viscous(wheel, mode_.sign[wheel]);
             double dry = piece_.mu(wheel) * mode_.sign[wheel];
             for (int a = 0; a < mode_.count; ++a)
@@ -391,7 +391,7 @@ bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
         if (end.sliding) {
             SlidingPiece::Node& k = piece_.node(0);
             piece_.fill(k, tau);
-            const Row& g = k.row[end.wheel];
+            const WheelDirection& g = k.row[end.wheel];
             const double sign = mode_.sign[end.wheel];
             jump_.gradient = {sign * g.x / nm_, sign * g.y / nm_, sign * g.r / k.J};
         }

@@ -72,7 +72,7 @@ class DryCycle {
     Vec3 scale_;
     GaitTable table_;
     std::vector<double> lag_;  // of every joint, rad
-    Shape shape_;
+    BodyShape shape_;
     SlidingPiece piece_;
     SlidingMode mode_;
     Convex3 convex_;

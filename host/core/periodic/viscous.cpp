@@ -270,7 +270,7 @@ void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) cons
         out.chord = std::hypot(chord[0], chord[1]) / span;
         out.direction = std::atan2(arc[1], arc[0]), out.turn = chord[2];
     }
-    const Shape shape = node(0).shape;
+    const BodyShape shape = node(0).shape;
     out.start = {now_.start[0], now_.start[1], rate(now_.start[2], omega, shape.K, shape.J)};
 }
 
@@ -278,7 +278,7 @@ void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) cons
 // the rate is known, phi_i' = 0 where tau + lag_i is an odd multiple of pi/2.
 std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) const {
     constexpr int s = kStages;
-    std::vector<std::array<double, s>> torque(robot_.n - 1), bend(robot_.n - 1);
+    std::vector<std::array<double, s>> torque(robot_.n - 1), joint_rate(robot_.n - 1);
     std::vector<double> mean(robot_.n - 1, 0.0);
     for (int e = 0; e < m.elements; ++e) {
         for (int j = 0; j < s; ++j) {
@@ -294,14 +294,15 @@ std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) 
                 return std::pair{-ground_.ct * link.t.speed(u, omega),
                                  -ground_.cn * link.n.speed(u, omega)};
             };
-            joint_powers(robot_, k.shape, omega,
-                         BodyMotion::from_forces(robot_, k.shape, omega, u, force), friction,
-                         [&](int i, double T, double v) { torque[i][j] = T, bend[i][j] = v; });
+            joint_powers(
+                robot_, k.shape, omega, BodyMotion::from_forces(robot_, k.shape, omega, u, force),
+                friction,
+                [&](int i, double T, double v) { torque[i][j] = T, joint_rate[i][j] = v; });
         }
         for (int i = 0; i + 1 < robot_.n; ++i)
-            mean[i] +=
-                mean_positive_swing<s>(torque[i], bend[i], e * m.h, m.h, lag_[i], gait_.alpha) /
-                m.elements;
+            mean[i] += mean_positive_swing<s>(torque[i], joint_rate[i], e * m.h, m.h, lag_[i],
+                                              gait_.alpha) /
+                       m.elements;
     }
     return mean;
 }

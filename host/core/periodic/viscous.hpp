@@ -37,7 +37,7 @@ class SteadyViscous {
 
     struct Node : ViscousSums {
         double J, K;
-        Shape shape;
+        BodyShape shape;
     };
     struct Mesh {
         int elements;

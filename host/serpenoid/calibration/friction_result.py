@@ -79,7 +79,7 @@ def band(drawn: Floats) -> tuple[float, float]:
     return low, high
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """One line of a table of results; low and high bound the 95 % interval."""
 
     name: str
@@ -177,10 +177,10 @@ class FrictionFit:
 
         return float(chdtrc(self.dof, self.chi2)) if self.dof > 0 else None
 
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[TableRow]:
         """Return a table's lines, one a parameter of the whole snake."""
         return [
-            Row(name + WHOLE, UNITS[name], *self.parameters[name], *self.intervals[name])
+            TableRow(name + WHOLE, UNITS[name], *self.parameters[name], *self.intervals[name])
             for name in self.names
         ]
 

@@ -13,7 +13,7 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.sweep import sweep
 from .limits import GaitLimits
-from .shape_search import Shape, on_threads
+from .shape_search import GaitShape, on_threads
 
 Array = NDArray[np.float64]
 # Rates that are tried, as omega times body length over speed; then further up while that may help.
@@ -28,7 +28,7 @@ class Candidate(NamedTuple):
     """Hold a shape of the cloud, the rate that should give the speed, and what it should cost."""
 
     watts: float
-    shape: Shape
+    shape: GaitShape
     omega_rad_s: float
 
 
@@ -151,7 +151,9 @@ class GaitCloud:
         local = np.isfinite(price) & (price <= np.min(around, axis=0))
         picked = sorted(zip(price[local], np.argwhere(local).tolist(), strict=True))[:most]
         return [
-            Candidate(cost, Shape.of(self.alpha_rad[i, j], self.beta_rad[i, j]), float(rate[i, j]))
+            Candidate(
+                cost, GaitShape.of(self.alpha_rad[i, j], self.beta_rad[i, j]), float(rate[i, j])
+            )
             for cost, (i, j) in picked
             if cost <= within * picked[0][0]
         ]
@@ -162,7 +164,7 @@ class GaitCloud:
         good = np.argwhere(watts <= within * np.nanmin(watts, initial=math.inf)).tolist()
         return sorted(
             Candidate(
-                float(watts[i, j]), Shape.of(self.alpha_rad[i, j], self.beta_rad[i, j]),
+                float(watts[i, j]), GaitShape.of(self.alpha_rad[i, j], self.beta_rad[i, j]),
                 float(rate[i, j]),
             )
             for i, j in good

@@ -22,7 +22,7 @@ from ..simulation.steady_springs import steady_springs
 from .gait_cloud import Candidate, GaitCloud
 from .limits import GaitLimits
 from .quadratic_search import Array, Point, least
-from .shape_search import Shape, ShapeSearch, Solve, exact_solver
+from .shape_search import GaitShape, ShapeSearch, Solve, exact_solver
 
 COSTS = ("power", "abs_power", "positive_power")
 ANY = GaitLimits()
@@ -95,7 +95,7 @@ class Finder:
         if not self.ground.smooth:  # kinks make small valleys in the large one
             at = ends[0][0]
             state: Any = at.data
-            again = Candidate(0.0, Shape(*at.at), state.gait.omega_rad_s)
+            again = Candidate(0.0, GaitShape(*at.at), state.gait.omega_rad_s)
             ends[0] = self.follow(again, speed, 0.05)
         return self.finish(speed, ends)
 
@@ -103,7 +103,9 @@ class Finder:
         """Solve the best once more, to the accuracy that was asked for."""
         (best, gap), search = ends[0], self.search
         rough: Any = best.data
-        state = search.at_speed(Shape(*best.at), speed, rough.gait.omega_rad_s, self.rtol) or rough
+        state = (
+            search.at_speed(GaitShape(*best.at), speed, rough.gait.omega_rad_s, self.rtol) or rough
+        )
         watts = getattr(state, f"{search.cost}_w")
         apart = [p for p, _ in ends[1:] if np.abs(p.at - best.at).max() > 0.1]
         exact = self.exact_state(state)
@@ -205,7 +207,7 @@ class EitherWave:
                 lost = lost or error
                 continue
             gait = one.gait
-            shape = Shape.of(gait.alpha_rad, gait.beta_rad)
+            shape = GaitShape.of(gait.alpha_rad, gait.beta_rad)
             self.starts[k] = Candidate(0.0, shape, gait.omega_rad_s)
             found.append(one if k == 0 else self._turned_back(one, search))
         if not found:

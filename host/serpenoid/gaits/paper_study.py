@@ -22,7 +22,7 @@ from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
 from .least_power import LeastPower, power_front
 from .robust import RobustGait, robust_gait
-from .shape_search import Shape
+from .shape_search import GaitShape
 
 Array = NDArray[np.float64]
 D = math.pi / 180
@@ -130,7 +130,7 @@ def shown_amplitude_deg(gait: Gait, reading: Reading) -> float:
     """Return the amplitude as the reading counts it, of joints or of links."""
     if reading.angles == "joint":
         return math.degrees(gait.alpha_rad)
-    return math.degrees(math.exp(Shape.of(gait.alpha_rad, gait.beta_rad).swing))
+    return math.degrees(math.exp(GaitShape.of(gait.alpha_rad, gait.beta_rad).swing))
 
 
 def along_x(gait: Gait) -> float:

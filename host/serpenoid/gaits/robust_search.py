@@ -16,7 +16,7 @@ from ..model.robot import Robot
 from ..periodic.grid import threads_to_use
 from ..periodic.steady import MAX_ELEMENTS
 from .quadratic_search import Array, Point, least
-from .shape_search import Shape
+from .shape_search import GaitShape
 from .uncertainty import Sample
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ class RobustSearch:
 
     def at(self, at: Array, guess: float, most_w: float = math.inf) -> Point:
         """Return ln of the cost of a shape; one that costs more than most_w is left."""
-        shape, nowhere = Shape(*at), Point(at, math.inf, -1.0)
+        shape, nowhere = GaitShape(*at), Point(at, math.inf, -1.0)
         if not 0 < shape.alpha_rad <= math.pi:
             return nowhere
         rate = self.rate(Gait(shape.alpha_rad, shape.beta_rad, guess))

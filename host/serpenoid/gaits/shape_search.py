@@ -21,7 +21,7 @@ Solve = Callable[[Gait, float], Any]  # a gait, an accuracy -> .speed_m_s, .powe
 _MOST_STEPS = 40
 
 
-class Shape(NamedTuple):
+class GaitShape(NamedTuple):
     """Hold alpha and beta in the coordinates of the search.
 
     swing: ln of the amplitude of the links' headings, alpha / (2 sin(beta / 2)), which matters more
@@ -32,7 +32,7 @@ class Shape(NamedTuple):
     lag: float
 
     @classmethod
-    def of(cls, alpha_rad: float, beta_rad: float) -> Shape:
+    def of(cls, alpha_rad: float, beta_rad: float) -> GaitShape:
         """Return the shape with this amplitude and lag of the joints."""
         return cls(math.log(alpha_rad / (2 * math.sin(beta_rad / 2))), math.log(beta_rad))
 
@@ -72,7 +72,7 @@ class ShapeSearch:
         self.limits = limits
         self.evaluations = 0
 
-    def at_speed(self, shape: Shape, speed_m_s: float, guess: float, rtol: float) -> Any | None:
+    def at_speed(self, shape: GaitShape, speed_m_s: float, guess: float, rtol: float) -> Any | None:
         """Return the state of a shape at the rate that gives the speed, or None if none does.
 
         Secants on log speed against log rate, kept to steps of a factor of 3.
@@ -106,7 +106,7 @@ class ShapeSearch:
 
     def point(self, at: Array, speed_m_s: float, guess: float, rtol: float) -> Point:
         """Return ln of the cost at a shape, and the least room its limits leave."""
-        state = self.at_speed(Shape(*at), speed_m_s, guess, rtol)
+        state = self.at_speed(GaitShape(*at), speed_m_s, guess, rtol)
         if state is None:
             return Point(at, math.inf, -1.0)
         watts = getattr(state, f"{self.cost}_w")

@@ -9,7 +9,7 @@ import pytest
 import serpenoid as sn
 from serpenoid.gaits.least_power import finder
 from serpenoid.gaits.limits import peak_torque_nm
-from serpenoid.gaits.shape_search import Shape
+from serpenoid.gaits.shape_search import GaitShape
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
@@ -113,7 +113,7 @@ def test_limits_are_kept_and_named(limits, name: str) -> None:
     # along the limit no neighbour at the same speed is cheaper
     for factor in (0.98, 1.02):
         other = finder(PAPER, VISCOUS, [0.5], "power", limits).search.point(
-            np.array(Shape.of(best.gait.alpha_rad, factor * best.gait.beta_rad)), 0.5,
+            np.array(GaitShape.of(best.gait.alpha_rad, factor * best.gait.beta_rad)), 0.5,
             best.gait.omega_rad_s, 1e-8,
         )  # fmt: skip
         assert other.room < 0 or other.value > math.log(best.power_w) - 1e-6
@@ -141,7 +141,7 @@ def test_the_stated_error_covers_what_a_finer_search_finds() -> None:
     best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=0.15)
     search = finder(OF_2005, BINGHAM, [0.15], "power", best.limits).search
     for da, db in np.random.default_rng(3).uniform(-0.05, 0.05, (12, 2)):
-        shape = Shape.of(best.gait.alpha_rad * (1 + da), best.gait.beta_rad * (1 + db))
+        shape = GaitShape.of(best.gait.alpha_rad * (1 + da), best.gait.beta_rad * (1 + db))
         other = search.point(np.array(shape), 0.15, best.gait.omega_rad_s, 1e-5)
         assert math.exp(other.value) > best.power_w - 3 * best.power_error_w
 

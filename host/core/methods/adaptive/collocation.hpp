@@ -50,7 +50,7 @@ class Collocation final : public Method {
     bool mirrored_;
     int coarsest_;
     GaitTable table_;
-    Shape scratch_;
+    BodyShape scratch_;
     std::unordered_map<Piece, PhaseElement> kept_;
 
     double origin_s_ = 0, t_ = 0, from_s_ = 0, to_s_ = 0, error_ = 0;
@@ -63,7 +63,7 @@ class Collocation final : public Method {
     // the frame of the records costs as much as a step: made when asked for
     mutable bool fresh_ = false;
     mutable std::array<double, 6> y_{};
-    mutable Shape shape_;
+    mutable BodyShape shape_;
 };
 
 }  // namespace serpenoid
