@@ -14,12 +14,14 @@ from typing import Any
 import click
 import serpenoid as sn
 from click.testing import CliRunner
+from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
 from serpenoid.commands.main import cli
 from serpenoid.model import errors
 from serpenoid.robot.wire.error_table import ERRORS
 
 HERE = Path(__file__).resolve().parent
 OUT = HERE / "generated"
+STORED = HERE.parent / "host" / "docs"
 LIMPING = HERE.parent / "host" / "examples" / "limping_on_a_slope.toml"
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
 SESSION = str(HERE.parent / "calibration_data" / "nirakh-2005")
@@ -149,6 +151,8 @@ def pictures(folder: Path) -> None:
             ["simulate", "--scene", str(LIMPING), "--no-error", "--plot", str(folder / "run.png")]
         )
         invoke(["figures", "--out", str(OUT / "pages" / "study-of-2005")])
+        for name, draw in (("coverage", coverage_figure), ("advise", advised_figure)):
+            draw(json.loads((STORED / f"{name}.json").read_text()), folder / f"{name}.png")
         invoke(["view", "virtual", "--out", str(folder / "virtual.html")])
         invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])
 

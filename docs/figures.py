@@ -52,6 +52,8 @@ FIGURES: dict[str, Callable[[Path], None]] = {
     "speed.png": speed,
     "accuracy.png": accuracy,
     "stability.png": stability,
+    "coverage.png": coverage,
+    "advise.png": advise,
 }
 
 
