@@ -189,7 +189,7 @@ def _places(
     given, kept = session.setup.uncertainty, session.kept
     shown = np.array([r.incline_rad for r in kept], dtype=float)
     now, near = kept[-1].lambda_rad, _AS_GOOD * given.lambda_sigma_rad
-    zero, weight_n = session.zero.value_rad, session.setup.weight_n
+    (zero,), weight_n = session.zeros_rad(kept[-1:]), session.setup.weight_n
     found: dict[tuple[float, float], float] = {}
     for bend in (now if now and abs(bend - now) < near else bend for bend in bends):
         for wanted_m_s in SLIPS_M_S:

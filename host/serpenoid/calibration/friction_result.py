@@ -232,6 +232,11 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "The robot was not weighed, and one per cent of mass is one per cent of friction: "
             "`serpenoid calibrate amend DIR robot.mass_kg=480g` puts its mass in."
         )
+    if session.zero_drifts:
+        notes.append(
+            "The inclinometer's zero moved between before and after by more than its readings' "
+            "errors; it is taken to have drifted evenly. Measure it more often, or let it warm up."
+        )
     voided = len(session.readings) - len(session.kept)
     if voided:
         notes.append(f"{voided} voided reading(s) left out.")

@@ -8,8 +8,11 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from ..model.checks import check_choice, check_number
 from ..model.errors import BadInput
@@ -285,17 +288,59 @@ class Session:
         """Return the inclinometer's zero and its standard deviation.
 
         Measured by reversal: the mean, with what two readings' errors leave and with half of what
-        it moved between before and after. Not measured: 0, with what the set-up declares.
+        it moved between before and after; a quarter where it drifted and is followed (zeros_rad).
+        Not measured: 0, with what the set-up declares.
         """
-        kept = [z for z in self.zeros if not z.voided]
+        kept = self._kept_zeros
         if not kept:
             return Zero(0.0, self.setup.uncertainty.incline_zero_sigma_rad, 0)
-        read = [self.uncertainty_of(z).incline_sigma_rad / math.sqrt(2) for z in kept]
-        sigma_rad = math.sqrt(sum(s * s for s in read)) / len(kept)
-        sides = [[z.zero_rad for z in kept if z.before is side] for side in (True, False)]
-        means = [sum(side) / len(side) for side in sides if side]
-        moved_rad = abs(means[-1] - means[0]) / 2
+        means = self._zero_sides
+        moved_rad = abs(means[-1] - means[0]) / (4 if self.zero_drifts else 2)
+        sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(kept))
         return Zero(sum(means) / len(means), math.hypot(sigma_rad, moved_rad), len(kept))
+
+    @property
+    def zero_drifts(self) -> bool:
+        """Tell whether the zero moved by more than twice what its readings' errors explain."""
+        means = self._zero_sides
+        if len(means) < 2:
+            return False
+        return abs(means[1] - means[0]) > 2.0 * self._zero_drift_sigma_rad
+
+    def zeros_rad(self, readings: Sequence[Reading]) -> list[float]:
+        """Return the zero to be taken off each reading's incline, as it stood at the time.
+
+        A zero that drifts is taken to move evenly from one measurement to the next, in the order
+        of readings; else it is the mean for all.
+        """
+        if not self.zero_drifts:
+            return [self.zero.value_rad] * len(readings)
+        kept = sorted(self._kept_zeros, key=lambda z: z.number)
+        at, found = [z.number for z in kept], [z.zero_rad for z in kept]
+        return [float(np.interp(r.number, at, found)) for r in readings]
+
+    @property
+    def _kept_zeros(self) -> list[ZeroReading]:
+        return [z for z in self.zeros if not z.voided]
+
+    @property
+    def _zero_sides(self) -> list[float]:
+        """Return the mean zero before and after the stations, those of them that were measured."""
+        kept = self._kept_zeros
+        sides = [[z.zero_rad for z in kept if z.before is side] for side in (True, False)]
+        return [sum(side) / len(side) for side in sides if side]
+
+    @property
+    def _zero_drift_sigma_rad(self) -> float:
+        """Return the error of the difference between both sides' means."""
+        sides = [sum(z.before is side for z in self._kept_zeros) for side in (True, False)]
+        return self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in sides))
+
+    @property
+    def _zero_reading_sigma_rad(self) -> float:
+        """Return the error of one zero: two readings of the inclinometer, halved."""
+        read = [self.uncertainty_of(z).incline_sigma_rad / math.sqrt(2) for z in self._kept_zeros]
+        return math.sqrt(sum(s * s for s in read) / len(read))
 
     @property
     def sha256(self) -> str:
@@ -306,5 +351,6 @@ class Session:
             [[r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s,
               repr(self.uncertainty_of(r)), *(["up"] if r.facing == "up" else [])]
              for r in self.kept],
+            *([self.zeros_rad(self.kept)] if self.zero_drifts else []),
         ]  # fmt: skip
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()

@@ -23,7 +23,7 @@ class World:
     """What is true: a robot's mass and friction, instruments, a treadmill, what goes wrong.
 
     steps_deg: of the inclinometer. grade: the treadmill's step, 0 for any incline. zero_drift_deg:
-    between the zero read before and the one after. outliers: readings off by this many of their
+    over 24 stations, evenly. outliers: readings off by this many of their
     standard deviations, one a session. misread_deg: one incline typed wrong by this.
     """
 
@@ -103,7 +103,7 @@ def plain_session(world, rng):
             seen = shown(incline + now, world.steps_deg)
             if slip > 0.0:
                 rows.append([number, told, float(seen), float(belt), float(belt - slip)])
-    read_zero(number + 1, zero + drift)
+    read_zero(number + 1, zero + drift * (count + 1) / 24)
     _spoil(world, rows, rng)
     return _session(world, rows, checks, zeros)
 

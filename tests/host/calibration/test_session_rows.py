@@ -2,14 +2,17 @@
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from serpenoid import BadInput, load_session
-from serpenoid.calibration.session import Session, Uncertainty, ZeroReading
+from serpenoid import BadInput, fit_friction, load_session
+from serpenoid.calibration.session import Uncertainty, ZeroReading
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.session_rows import EVENT_COLUMNS, READING_COLUMNS, read_events
 
+NIRAKH = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 SETUP = """
 format = 2
 name = "made up"
@@ -97,14 +100,31 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
 
 
 def test_the_zero_is_the_mean_and_doubts_what_moved(folder):
-    assert read_session(folder).zero == (read_session(folder).zero)
-    assert math.degrees(read_session(folder).zero.sigma_rad) == pytest.approx(0.1)  # as declared
+    taken = read_session(folder)
+    assert math.degrees(taken.zero.sigma_rad) == pytest.approx(0.1)  # as declared
     before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
-    after = ZeroReading(2, math.radians(0.1), math.radians(0.3), before=False)
-    session = Session(read_session(folder).setup, (), zeros=(before, after))
-    assert math.degrees(session.zero.value_rad) == pytest.approx(0.15)
-    # Each zero has 0.03 / sqrt(2), their mean 0.015; half of what moved is 0.05.
+    after = ZeroReading(5, math.radians(0.1), math.radians(0.2), before=False)
+    session = replace(taken, zeros=(before, after))
+    assert math.degrees(session.zero.value_rad) == pytest.approx(0.125)
+    # Each zero has 0.03 / sqrt(2), their mean 0.015; half of what moved is 0.025.
+    assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.025))
+    reading = load_session(NIRAKH).readings[0]
+    assert session.zeros_rad([reading]) == [session.zero.value_rad]
+
+
+def test_a_zero_that_moved_by_more_than_its_errors_is_followed(folder):
+    taken = read_session(folder)
+    before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
+    after = ZeroReading(5, math.radians(0.5), math.radians(0.1), before=False)
+    reading = replace(load_session(NIRAKH).readings[0], number=3)
+    session = replace(taken, zeros=(before, after), readings=(reading,))
+    # A quarter of 0.2 is left of what moved.
     assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.05))
+    found = session.zeros_rad([replace(reading, number=n) for n in (1, 2, 4, 9)])
+    assert np.degrees(found) == pytest.approx([0.1, 0.15, 0.25, 0.3])
+    assert session.sha256 != replace(session, zeros=(before, replace(after, number=6))).sha256
+    fit = fit_friction(replace(load_session(NIRAKH), zeros=(before, after)))
+    assert "drifted evenly" in " ".join(fit.notes)
 
 
 def test_a_reading_knows_the_instruments_it_was_taken_with(folder):

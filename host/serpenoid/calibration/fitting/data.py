@@ -71,7 +71,7 @@ class FitData:
         )
         return cls(
             lambda_rad=lambda_rad,
-            incline_rad=shown_rad - zero.value_rad,
+            incline_rad=shown_rad - np.array(session.zeros_rad(kept)),
             slip_m_s=np.array([r.slip_speed_m_s for r in kept], dtype=float),
             incline_sigma_rad=np.where(rounding < 0, incline_sigma_rad, 0.0),
             speed_sigma_m_s=np.array([g.belt_speed_sigma_m_s for g in given], dtype=float),
