@@ -54,9 +54,13 @@ def processor_s(work: Callable[[], object], runs: int) -> float:
 
 
 def _gaits(links: int) -> list[sn.Gait]:
-    """Return four gaits with about one wave along the body."""
+    """Return four gaits with about one wave along the body, whose links swing equally far.
+
+    A joint's amplitude shrinks with the links, or a long chain would roll up.
+    """
     lag = min(math.radians(80), 2 * math.pi / links)
-    return [sn.Gait(a, lag, w) for a in (0.4, 0.9) for w in (2.0, 7.0)]
+    alpha = 2 * math.sin(lag / 2)  # links swing by alpha / (2 sin(lag / 2))
+    return [sn.Gait(a * alpha, lag, w) for a in (0.4, 0.9) for w in (2.0, 7.0)]
 
 
 def grid(ground: str, step: int = 1) -> sn.Sweep:
