@@ -31,7 +31,12 @@ from ...model.errors import BadInput
 from .coverage import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
 from .speed_table import SpeedTable
 
-PLANS_DEG = {"paper": (0.0, 7.5), "default": (0.0, 7.5, 15.0, 30.0)}
+# Bends, and the incline's step where it is not that of a treadmill of today (0.5 % of grade).
+PLANS_DEG: dict[str, tuple[tuple[float, ...], float | None]] = {
+    "paper": ((0.0, 7.5), 0.2),
+    "paper, steps of 0.5 %": ((0.0, 7.5), None),
+    "default": ((0.0, 7.5, 15.0, 30.0), None),
+}
 OPENING = 2  # readings of the straight series and of the first bend
 _MOST_READINGS, _SETTLE_S = 40, 16.0
 
@@ -137,10 +142,13 @@ class Advised:
 def planned(plan: str, seed: int) -> tuple[Session, SimulatedTreadmill]:
     """Return a whole session of a plan, and the same treadmill with nothing done on it yet."""
     base = shown_in_steps(default_setup("advised"), INCLINE_STEP_DEG)
-    bends = tuple(map(math.radians, PLANS_DEG[plan]))
-    setup = replace(
-        base, kind="simulated", procedure=replace(base.procedure, lambda_rad=bends, gaits=())
-    )
+    bends_deg, step_deg = PLANS_DEG[plan]
+    procedure = replace(base.procedure, lambda_rad=tuple(map(math.radians, bends_deg)), gaits=())
+    steps = base.treadmill
+    if step_deg is not None:
+        procedure = replace(procedure, incline_step_rad=math.radians(step_deg))
+        steps = replace(steps, incline_step_rad=math.tan(math.radians(step_deg)))
+    setup = replace(base, kind="simulated", procedure=procedure, treadmill=steps)
     truth = drawn_truth(setup, WHOLE_2005, np.random.default_rng(seed))
     taken = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, truth, seed=seed))
     return taken, SimulatedTreadmill(setup, truth, seed=seed)

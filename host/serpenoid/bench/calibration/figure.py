@@ -46,11 +46,10 @@ def advised_figure(rows: Sequence[Row], path: Path) -> None:
             of = [row for row in rows if row["plan"] == plan]
             both = [[row[f"{kind}_readings"] for row in of] for kind in ("plan", "advised")]
             bins = np.arange(min(map(min, both)) - 0.5, max(map(max, both)) + 1.5)
-            for counts, colour, name in zip(
-                both, (GREY, BLUE), (f"{plan} plan", "advised"), strict=True
-            ):
+            for counts, colour, name in zip(both, (GREY, BLUE), (plan, "advised"), strict=True):
                 shown = f"{name}: {np.mean(counts):.1f} on average"
                 ax.hist(counts, bins, color=colour, alpha=0.65, label=shown)
+            ax.set_ylim(0, 1.25 * ax.get_ylim()[1])  # room for the legend
             ax.axvline(of[0]["opening"], color=GREY, lw=1.0, ls=":")
             ax.text(of[0]["opening"], 0.02, " opening", rotation=90, color=GREY,
                     transform=ax.get_xaxis_transform(), ha="right", va="bottom")  # fmt: skip
