@@ -58,9 +58,13 @@ except SystemExit:
 """
 
 
+# A Robot leaves an ignored signal ignored, as it is for what nohup started.
+HEAR_HANGUPS = "import signal; signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
+
+
 def drive(port: str, program: str = DRIVER) -> subprocess.Popen[str]:
     child = subprocess.Popen(
-        [sys.executable, "-c", program, port],
+        [sys.executable, "-c", HEAR_HANGUPS + program, port],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
