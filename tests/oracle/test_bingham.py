@@ -67,7 +67,7 @@ def test_without_thresholds_it_is_the_viscous_state() -> None:
     assert found.abs_power_w == pytest.approx(smooth.abs_power_w, rel=1e-8)
 
 
-@pytest.mark.parametrize("index", [4, 26])
+@pytest.mark.parametrize("index", [pytest.param(4, marks=pytest.mark.slow), 26])
 def test_second_method_agrees(index: int) -> None:
     """Implicit Euler with convex steps knows nothing of events and travels as far in a cycle."""
     p, gait, row = ROWS[index]
@@ -107,7 +107,7 @@ def test_table_is_broad_and_says_how_good_it_is() -> None:
         assert row["other_method"] < max(20 * row["other_accuracy"], 1e-6)
 
 
-@pytest.mark.parametrize("index", [9, 19])
+@pytest.mark.parametrize("index", [9, pytest.param(19, marks=pytest.mark.slow)])
 def test_rows_of_the_table(index: int) -> None:
     p, gait, row = ROWS[index]
     found = bingham_periodic.steady(p, gait, 1e-9, start_of(row))

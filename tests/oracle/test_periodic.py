@@ -96,7 +96,7 @@ def test_table_is_broad_and_tight() -> None:
     assert max(row["fourier_tail"] for _, _, row in ROWS) < 1e-10
 
 
-@pytest.mark.parametrize("index", [1, 29, 54])
+@pytest.mark.parametrize("index", [1, *(pytest.param(k, marks=pytest.mark.slow) for k in (29, 54))])
 def test_rows_of_the_table(index: int) -> None:
     p, gait, row = ROWS[index]
     found = periodic.steady(p, gait)

@@ -159,7 +159,10 @@ def test_jacobian_is_the_derivative_of_theresiduals():
 
 @pytest.fixture(scope="module")
 def many():
-    """Fit 1000 made-up sessions of the 2005 procedure by both methods."""
+    """Fit 1000 made-up sessions of the 2005 procedure by both methods.
+
+    Of the whole procedure, 100 sessions a kind are fitted in tests/host/bench at every run.
+    """
     rng = np.random.default_rng(2005)
     made = [session(setup(7.5), WHOLE_BODY_2005, rng) for _ in range(1000)]
     naive = []
@@ -179,11 +182,13 @@ def coverage(fits):
     return np.mean(inside, axis=0)
 
 
+@pytest.mark.slow
 def test_joint_intervals_hold_the_truth_as_often_as_they_say(many):
     # The share found in 1000 sessions scatters by sqrt(0.95 * 0.05 / 1000) = 0.7 %; 3 of these.
     np.testing.assert_allclose(coverage(many["joint"]), 0.95, atol=0.021)
 
 
+@pytest.mark.slow
 def test_naive_intervals_are_too_narrow(many):
     cover = dict(zip(NAMES, coverage(many["naive"]), strict=True))
     # A study with 2000 sessions found 94 % for ct, whose readings share no error that matters to
@@ -193,6 +198,7 @@ def test_naive_intervals_are_too_narrow(many):
     assert max(cover[name] for name in ("cn", "ft0", "fn0")) < 0.90
 
 
+@pytest.mark.slow
 def test_scatter_is_what_the_study_found(many):
     found = np.std([values(fit) for fit in many["joint"]], axis=0) / TRUTH
     # The study: 6, 35, 6 and 13 %. Three standard deviations (2.2 %) of a scatter found from 1000
@@ -200,6 +206,7 @@ def test_scatter_is_what_the_study_found(many):
     np.testing.assert_allclose(found, [0.06, 0.35, 0.06, 0.13], rtol=0.15)
 
 
+@pytest.mark.slow
 def test_chi2_is_distributed_as_it_should_be(many):
     chances = np.array([fit.p_value for fit in many["joint"]])
     # Even on 0 to 1: its mean scatters by 0.29 / sqrt(1000) = 0.009; three of these. An
