@@ -28,7 +28,15 @@ demo: $(VENV)/built
 test: $(VENV)/built lint
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver $$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
-	$(VENV)/bin/python -m pytest -m "not slow"
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync=target test-host test-board
+
+# The halves of `make test`, which run beside each other.
+HOST = tests/host tests/end_to_end
+test-host:
+	@$(VENV)/bin/python -m pytest -m "not slow" $(HOST)
+
+test-board:
+	@$(VENV)/bin/python -m pytest -m "not slow" $(addprefix --ignore=,$(HOST))
 
 quick: $(VENV)/built lint
 	$(VENV)/bin/python -m pytest -q -m "not slow" $(addprefix --ignore=,$(LONG))
@@ -82,4 +90,4 @@ $(VENV)/built: $(SOURCES) | $(VENV)/run
 	@PATH="$$PWD/$(VENV)/bin:$$PATH" $(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: help demo test quick test-slow build lint format docs figures bench wheel clean
+.PHONY: help demo test test-host test-board quick test-slow build lint format docs figures bench wheel clean
