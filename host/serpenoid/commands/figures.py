@@ -110,11 +110,12 @@ def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Readin
     from ..gaits import paper_study as study
     from ..show.gaits import gait_figures
     from ..show.gaits.paper_figures import power_of
+    from ..show.plot import robot_words
 
     cost = study.COSTS[reading.power]
     robust = study.robust_front(study.ROBOT, study.GROUND, study.ROBUST_M_S, cost, samples=256)
     along = [1.0 if reading.speed_along == "mean" else study.along_x(b.gait) for b in front]
-    words = f"{gait_figures.robot_words(study.ROBOT, study.GROUND)}; {reading.power} power"
+    words = f"{robot_words(study.ROBOT, study.GROUND)}; {reading.power} power"
     amplitudes = [study.shown_amplitude_deg(b.gait, reading) for b in front]
     power_of(cloud, front, robust, along, cost, words, out / "fig8.png")
     gait_figures.optimum_figure(front, {"beta_deg": 80, "alpha_deg": 30}, words,
@@ -154,8 +155,8 @@ def _of_experiment(out: Path) -> Shown:
 def _of_robustness(out: Path, cost: str) -> Shown:
     from ..gaits import paper_study as study
     from ..gaits.least_power import power_front
-    from ..show.gaits.gait_figures import robot_words
     from ..show.gaits.paper_figures import power_of
+    from ..show.plot import robot_words
 
     speeds = study.FRONT_2005_M_S
     found = power_front(study.OF_2005, study.BINGHAM, speeds_m_s=speeds, cost=cost)

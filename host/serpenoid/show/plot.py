@@ -14,6 +14,8 @@ from ..calibration.friction_fit import friction_points, point_errors, voided_poi
 from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint
 from ..calibration.session import Session
+from ..model.ground import Ground
+from ..model.robot import Robot
 from ..simulation.run import Run
 
 if TYPE_CHECKING:
@@ -191,16 +193,29 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
         _poses(bottom, run)
         bottom.set_title("six poses of one cycle to scale, x as y, set apart downwards; "
                          "the dot is the head (Fig. 13)")  # fmt: skip
-        fig.suptitle(f"{title}: {_robot_words(run)}", fontsize=10, color=GREY, ha="left", x=0.01)
+        fig.suptitle(
+            f"{title}: {robot_words(run.scene.robot, run.scene.ground)}",
+            fontsize=10,
+            color=GREY,
+            ha="left",
+            x=0.01,
+        )
         fig.savefig(path)
 
 
-def _robot_words(run: Run) -> str:
-    robot, ground = run.scene.robot, run.scene.ground
-    dry = f", ft0 = {ground.ft0:.3g}, fn0 = {ground.fn0:.3g} N" if ground.dry else ""
+def _both(value: float | tuple[float, float]) -> str:
+    """Return a friction, forwards and backwards where these differ."""
+    return f"{value[0]:.3g}/{value[1]:.3g}" if isinstance(value, tuple) else f"{value:.3g}"
+
+
+def robot_words(robot: Robot, ground: Ground) -> str:
+    """Return robot and ground for a title."""
+    friction = f"ct {_both(ground.ct)}, cn {ground.cn:.3g} N s/m"
+    if ground.dry:
+        friction += f", ft0 {_both(ground.ft0)}, fn0 {ground.fn0:.3g} N"
     return (
-        f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m; per link "
-        f"ct = {ground.ct:.3g}, cn = {ground.cn:.3g} N s/m{dry}"
+        f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m; "
+        f"{friction} a link"
     )
 
 

@@ -20,9 +20,9 @@ from ...model.robot import Robot
 from ...simulation.run import Run
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
-from ..plot import BLUE, GREY, RED, along_travel, figure
+from ..plot import BLUE, GREY, RED, along_travel, figure, robot_words
 from ..report import write_csv
-from .gait_figures import beside, gait_words, robot_words
+from .gait_figures import beside, gait_words
 
 Array = NDArray[np.float64]
 FRAMES = 48
@@ -82,7 +82,7 @@ def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
     every = 20
     run = simulate(
         Scene(
-            robot, ground, gait, start="steady", method="nonsmooth" if ground.dry else "rk4",
+            robot, ground, gait, start="steady", method="rk4" if ground.smooth else "nonsmooth",
             dt_s=gait.period_s / (FRAMES * every), duration_s=gait.period_s, record_every=every,
             record=("friction",),
         )

@@ -17,7 +17,7 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...periodic.sweep import Sweep
-from ..plot import BLUE, GREY, ORANGE, figure
+from ..plot import BLUE, GREY, ORANGE, figure, robot_words
 from ..report import write_csv
 
 if TYPE_CHECKING:
@@ -36,22 +36,6 @@ def gait_words(gait: Gait) -> str:
     return (
         f"α = {math.degrees(gait.alpha_rad):.1f}°, β = {math.degrees(gait.beta_rad):.1f}°, "
         f"ω = {gait.omega_rad_s:.3g} rad/s"
-    )
-
-
-def _both(value: float | tuple[float, float]) -> str:
-    """Return a friction, forwards and backwards where these differ."""
-    return f"{value[0]:.3g}/{value[1]:.3g}" if isinstance(value, tuple) else f"{value:.3g}"
-
-
-def robot_words(robot: Robot, ground: Ground) -> str:
-    """Return robot and ground for a title."""
-    friction = f"ct {_both(ground.ct)}, cn {ground.cn:.3g} N s/m"
-    if ground.dry:
-        friction += f", ft0 {_both(ground.ft0)}, fn0 {ground.fn0:.3g} N"
-    return (
-        f"{robot.links} links of {robot.link_mass_kg:g} kg, {robot.link_length_m:g} m; "
-        f"{friction} a link"
     )
 
 
