@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-pytest_plugins = ["avr.fixtures", "robot.boards", "robot.joints_board"]
+pytest_plugins = ["avr.fixtures", "robot.boards", "robot.joints_board", "robot.patience"]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

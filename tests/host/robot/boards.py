@@ -5,19 +5,64 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from avr.board import Board
 from serpenoid.commands.main import main
+from serpenoid.model.errors import RobotLost
+from serpenoid.robot.wire.virtual import LEAST_S, STEP_S
 
 BOARDS = ["virtual", pytest.param("simulated", marks=pytest.mark.avr), "hardware"]
 
 
+class SimulatedLink:
+    """A wire to the simulated ELF in its own time, which passes in read() alone, however slowly."""
+
+    lockstep, name = True, "simulated"
+
+    def __init__(self, board: Board):
+        self.board, self._taken = board, 0
+        board.reset("external")
+
+    def now_s(self) -> float:
+        """Return the board's time."""
+        return self.board.time_s
+
+    def read(self, timeout_s: float) -> bytes:
+        """Let time pass and return what the board said in it."""
+        if self.board.run(max(LEAST_S, min(timeout_s, STEP_S))) != "running":
+            raise RobotLost(f"the simulated board is {self.board.state}")
+        said = bytes(byte for _, byte in self.board.sent[self._taken :])
+        self._taken = len(self.board.sent)
+        return said
+
+    def write(self, data: bytes) -> None:
+        """Put bytes on the wire to the board, at its pace."""
+        self.board.send(data)
+
+    def close(self) -> None:
+        """Do nothing: there is no port to give back."""
+
+
 @pytest.fixture(params=BOARDS)
-def any_port(request: pytest.FixtureRequest) -> str:
+def any_port(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Return the port of each board in turn; the hardware only where --port names it."""
     if request.param == "simulated":
+        board = request.getfixturevalue("start")("uno")
+        monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _: SimulatedLink(board))
+    return _port_of(request)
+
+
+@pytest.fixture(params=BOARDS)
+def any_live_port(request: pytest.FixtureRequest) -> str:
+    """Return the port of each board in turn, for a process of its own: in real time."""
+    if request.param == "simulated":
         return request.getfixturevalue("simulated_board").port
-    if request.param == "hardware":
-        return request.getfixturevalue("hardware_port")
-    return request.param
+    return _port_of(request)
+
+
+def _port_of(request: pytest.FixtureRequest) -> str:
+    return (
+        request.getfixturevalue("hardware_port") if request.param == "hardware" else request.param
+    )
 
 
 @pytest.fixture

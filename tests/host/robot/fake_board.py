@@ -10,10 +10,12 @@ import time
 import tty
 from collections.abc import Callable
 
+from robot.patience import LONG_S, clock, until
 from serpenoid._core import firmware
 from serpenoid.robot.wire import protocol
 
 Tamper = Callable[[bytes], bytes]
+MOST_AT_ONCE_S = 0.02  # that the board runs before its host may speak again
 
 
 def sealed(body: str) -> bytes:
@@ -41,13 +43,20 @@ class FakeBoard:
     """Run the controller in real time; every line passes through to_host or to_board first.
 
     Both may be exchanged at any time; they get one line with its end and return any bytes.
-    Opening the port starts the board again, as the reset of a real one does.
+    Opening the port starts the board again, as the reset of a real one does. pace: the clock it
+    goes by; a host in another process knows the wall's alone.
     """
 
     def __init__(
-        self, to_host: Tamper = honest, to_board: Tamper = honest, *, eeprom: bytes | None = None
+        self,
+        to_host: Tamper = honest,
+        to_board: Tamper = honest,
+        *,
+        eeprom: bytes | None = None,
+        pace: Callable[[], float] = clock,
     ):
         self.to_host, self.to_board = to_host, to_board
+        self._pace = pace
         self.board = firmware.Board()
         self.board.eeprom = eeprom or self.board.eeprom
         self.received = b""
@@ -66,7 +75,6 @@ class FakeBoard:
 
     def __exit__(self, *_: object) -> None:
         self.unplug()
-        self._thread.join(5.0)
 
     @property
     def state(self) -> str:
@@ -76,29 +84,39 @@ class FakeBoard:
         with self._using:
             self.board.boot(cause)
 
-    def unplug(self) -> None:
-        self._unplugged = True
+    def write(self, data: bytes) -> None:
+        """Put bytes on the wire that no host of ours has sent."""
+        with self._using:
+            self.board.write(data)
 
-    def await_state(self, state: str, timeout_s: float = 3.0) -> bool:
-        end_s = time.monotonic() + timeout_s
-        while self.state != state and time.monotonic() < end_s:
-            time.sleep(0.005)
-        return self.state == state
+    def unplug(self) -> None:
+        """Pull the cable; it is out on return, but where a tamper pulls it: then soon."""
+        self._unplugged = True
+        if threading.current_thread() is not self._thread:
+            self._thread.join(LONG_S)
+
+    def await_state(self, state: str, most_s: float = LONG_S) -> bool:
+        return until(lambda: self.state == state, most_s)
+
+    def goes_on(self, seconds: float) -> None:
+        """Wait while so much of the board's time passes."""
+        end_s = self.board.time_s + seconds
+        assert until(lambda: self.board.time_s >= end_s)
 
     def _run(self) -> None:
         self.board.boot("power")
         poll = select.poll()
         poll.register(self._master, select.POLLIN)
-        last_s = time.monotonic()
+        run_s = self._pace()
         while not self._unplugged:
             self._serve(poll.poll(0))
-            now_s = time.monotonic()
+            step_s = min(self._pace() - run_s, MOST_AT_ONCE_S)
+            run_s += step_s
             with self._using:
-                self.board.run(now_s - last_s)
+                self.board.run(step_s)
                 said = self.board.read()
             if self._open:
                 self._pass_on("host", said, self.to_host, self._send)
-            last_s = now_s
             time.sleep(0.002)
         os.close(self._master)
 

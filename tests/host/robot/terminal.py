@@ -11,6 +11,8 @@ import sys
 import termios
 import time
 
+from robot.patience import LONG_S
+
 
 class Person:
     """Run `serpenoid ARGUMENTS` behind a terminal; `before` is how the terminal was set."""
@@ -38,9 +40,9 @@ class Person:
         os.close(self._master)
         os.close(self._slave)
 
-    def sees(self, text: str, timeout_s: float = 15.0) -> str:
+    def sees(self, text: str, most_s: float = LONG_S) -> str:
         """Wait until the screen has shown a text since the last call; return what came."""
-        end = time.monotonic() + timeout_s
+        end = time.monotonic() + most_s
         while text not in self.screen:
             if time.monotonic() > end:
                 raise AssertionError(f"no {text!r} in {self.screen!r}")
@@ -55,9 +57,9 @@ class Person:
     def sends(self, number: signal.Signals) -> None:
         self.process.send_signal(number)
 
-    def leaves(self, timeout_s: float = 15.0) -> int:
+    def leaves(self, most_s: float = LONG_S) -> int:
         """Wait for the command's end, reading on; return its exit status."""
-        end = time.monotonic() + timeout_s
+        end = time.monotonic() + most_s
         while self.process.poll() is None and time.monotonic() < end:
             if select.select([self._master], [], [], 0.02)[0]:
                 self.screen += os.read(self._master, 4096).decode("utf-8", "replace")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from robot.fake_board import FakeBoard, honest
+from robot.patience import LONG_S
 
 PROTOCOL = Path(__file__).resolve().parents[3] / "firmware" / "PROTOCOL.md"
 ROUNDS = "range(10)"
@@ -51,7 +52,7 @@ def test_it_has_forty_lines():
 @pytest.mark.parametrize("wire", [lambda: honest, lossy], ids=["good wire", "bad wire"])
 def test_it_drives_the_robot_and_stops_it(wire, tmp_path):
     with FakeBoard(to_host=wire(), to_board=wire()) as board:
-        out, err = run(board, tmp_path).communicate(timeout=30)
+        out, err = run(board, tmp_path).communicate(timeout=LONG_S)
         assert board.await_state("hold"), err
     assert not err
     frames = [ast.literal_eval(line) for line in out.splitlines()]
@@ -63,8 +64,8 @@ def test_it_drives_the_robot_and_stops_it(wire, tmp_path):
 def test_it_stops_the_robot_however_it_ends(tmp_path):
     with FakeBoard() as board:
         child = run(board, tmp_path)
-        assert board.await_state("gait", 20.0)
+        assert board.await_state("gait")
         child.send_signal(2)
-        _, err = child.communicate(timeout=30)
+        _, err = child.communicate(timeout=LONG_S)
         assert board.await_state("hold")
     assert "KeyboardInterrupt" in err

@@ -7,12 +7,12 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from robot.fake_board import FakeBoard, nothing
+from robot.patience import until
 from serpenoid.robot.tools import upload as flash
 
 ROOT = Path(__file__).parents[3]
@@ -99,10 +99,7 @@ def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, number, sta
         _, said = run.communicate(timeout=60)
     assert run.returncode == status
     assert "flash it again" in said
-    pid, end_s = int(child.read_text()), time.monotonic() + 20
-    while alive(pid) and time.monotonic() < end_s:
-        time.sleep(0.01)
-    assert not alive(pid)
+    assert until(lambda: not alive(int(child.read_text())))
 
 
 def alive(pid: int) -> bool:

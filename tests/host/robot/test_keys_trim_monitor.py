@@ -11,6 +11,7 @@ import sys
 
 import pytest
 from robot.fake_board import FakeBoard, nothing, sealed
+from robot.patience import LONG_S
 from robot.terminal import Person
 from serpenoid._core import firmware
 from serpenoid.model.errors import RobotLost, StopUnconfirmed
@@ -278,7 +279,7 @@ def test_another_protocol_ends_the_monitor(serpenoid, monkeypatch):
 def test_monitor_without_a_screen_or_keys(closed):
     run = subprocess.run(
         ["sh", "-c", f"{sys.executable} -m serpenoid monitor --port virtual {closed}"],
-        input="status\n", capture_output=True, text=True, timeout=30, check=False,
+        input="status\n", capture_output=True, text=True, timeout=LONG_S, check=False,
     )  # fmt: skip
     assert (run.returncode, run.stderr) == (0, "")
 
@@ -293,17 +294,17 @@ def test_monitor_whose_reader_goes_away_stops_the_robot():
         assert child.stdout is not None
         child.stdin.write("gait 30 80 5\n")
         child.stdin.flush()
-        assert fake.await_state("gait", 20.0)
+        assert fake.await_state("gait")
         child.stdout.close()
-        assert fake.await_state("hold", 20.0)
-        assert child.wait(20) == 1
+        assert fake.await_state("hold")
+        assert child.wait(LONG_S) == 1
         child.stdin.close()
 
 
-def test_monitor_from_a_pipe(any_port):
+def test_monitor_from_a_pipe(any_live_port):
     run = subprocess.run(
-        [sys.executable, "-m", "serpenoid", "monitor", "--port", any_port],
-        input="status\nfoo\n", capture_output=True, text=True, timeout=30, check=True,
+        [sys.executable, "-m", "serpenoid", "monitor", "--port", any_live_port],
+        input="status\nfoo\n", capture_output=True, text=True, timeout=LONG_S, check=True,
     )  # fmt: skip
     assert "counters: good=2" in run.stdout
     assert "err: #2 command - no such command; type help" in run.stdout
@@ -322,9 +323,9 @@ def test_the_stop_key_goes_out_before_the_board_has_greeted():
     ):
         person.sees("Ctrl-D stops it and leaves")
         while not fake.await_state("gait", 0.3):  # it may reset only now
-            fake.board.write(b"set silence off\ngait 30 80 5\n")
+            fake.write(b"set silence off\ngait 30 80 5\n")
         person.presses("!")
-        assert fake.await_state("hold", 1.0)
+        assert fake.await_state("hold")
         assert person.leaves() == 1
         assert person.now == person.before
         assert "no greeting" in person.screen

@@ -12,6 +12,7 @@ import time
 
 import pytest
 from robot.fake_board import FakeBoard
+from robot.patience import LONG_S, until
 from serpenoid import Gait
 from serpenoid.model.errors import RobotUnattended
 from serpenoid.robot import Robot
@@ -43,7 +44,7 @@ try:
         child = os.fork()
         if child:
             status = os.waitpid(child, 0)[1]
-            frame = list(robot.frames(0.1))[-1]
+            frame = next(robot.frames(60.0))
             print(status, frame.state, flush=True)
         else:
             try:
@@ -106,10 +107,10 @@ def test_a_signal_at_any_moment_stops_the_robot(number, case):
         if case:  # an impatient second one must not cut the stopping short
             time.sleep(moment.uniform(0.0, 0.01))
             child.send_signal(number)
-        _, said = child.communicate(timeout=10)
+        _, said = child.communicate(timeout=LONG_S)
         assert fake.state in ("hold", "idle"), said
         assert fake.received.count(b"\n!\n") >= 1
-        assert not fake.board.session or case
+        assert until(lambda: not fake.board.session) or case
     assert child.returncode in ((130, -2) if number == signal.SIGINT else (128 + number, -number))
 
 
@@ -148,21 +149,29 @@ def test_a_killed_program_leaves_the_robot_to_its_silence_timer():
     program = DRIVER.partition("    while")[0] + "    robot.set('silence', 0.5); time.sleep(60)"
     with FakeBoard() as fake:
         child = drive(fake.port, program)
-        time.sleep(0.7)
-        assert fake.state == "gait"
+        assert fake.await_state("gait")
         child.kill()
-        child.communicate(timeout=10)
+        child.communicate()
         assert fake.await_state("safing")
 
 
 def test_a_sleeping_program_keeps_its_robot_going_and_a_lost_one_does_not():
-    with FakeBoard() as fake, Robot(fake.port, unattended_s=1.5) as robot:
+    said: list[tuple[float, bytes]] = []
+
+    def listen(line: bytes) -> bytes:
+        if line.startswith(b"state:"):
+            said.append((fake.board.time_s, line.split()[1]))
+        return line
+
+    with FakeBoard(listen) as fake, Robot(fake.port, unattended_s=1.5) as robot:
         robot.set("silence", 0.6)
         robot.gait(GAIT)
-        time.sleep(1.2)
-        assert fake.state == "gait"
-        robot.latest  # noqa: B018  # looking is not calling
-        assert fake.await_state("hold", 1.5)
+        while not fake.await_state("hold", 0.1):
+            robot.latest  # noqa: B018  # looking is not calling
+        assert until(lambda: said[-1][1] == b"hold")
+        (went_s, gait), (held_s, _) = said[-2:]
+        assert gait == b"gait"
+        assert held_s - went_s > 1.2  # two silence times
         with pytest.raises(RobotUnattended, match=r"1\.5 s.*was stopped.*unattended_s"):
             robot.straight()
         robot.straight()
@@ -173,7 +182,7 @@ def test_pings_are_as_frequent_as_the_boards_silence_time_asks():
     with FakeBoard() as fake, Robot(fake.port) as robot:
         robot.gait(GAIT)
         robot.command("set  silence  0.4")
-        time.sleep(1.0)
+        fake.goes_on(1.0)
         assert fake.state == "gait"
 
 
@@ -181,7 +190,7 @@ def test_pings_are_as_frequent_as_the_boards_silence_time_asks():
 def test_a_fork_neither_uses_nor_stops_its_parents_robot():
     with FakeBoard() as fake:
         child = drive(fake.port, FORKING)
-        said, errors = child.communicate(timeout=10)
+        said, errors = child.communicate(timeout=LONG_S)
         assert (said.split(), child.returncode) == (["closed", "left", "0", "gait"], 0), errors
         assert fake.state == "hold"
 
@@ -191,7 +200,7 @@ def test_a_process_that_was_suspended_is_told_that_the_board_went_safe():
         robot.set("silence", 0.2)
         robot.gait(GAIT)
         with robot._dialogue._talking:  # nobody can speak, as if the whole process slept
-            assert fake.await_state("safe", 2.0)
-        time.sleep(0.1)
+            assert fake.await_state("safe")
+        assert until(lambda: robot._dialogue.inbox.notice)
         with pytest.raises(RobotUnattended, match="safe pose"):
             robot.status()

@@ -6,10 +6,10 @@ import itertools
 import math
 import random
 import re
-import time
 
 import pytest
 from robot.fake_board import FakeBoard, honest, sealed
+from robot.patience import clock, until
 from serpenoid import Gait
 from serpenoid.model.errors import (
     DamagedLine,
@@ -38,7 +38,7 @@ def test_a_silent_board():
     with (
         FakeBoard(nothing) as fake,
         pytest.raises(NoAnswer, match=r"nothing came.*flash"),
-        Robot(fake.port, timeout_s=0.4),
+        Robot(fake.port, timeout_s=1.0),
     ):
         pass
     assert b"#0 hello" in fake.received
@@ -49,7 +49,7 @@ def test_a_wrong_baud_rate():
     with (
         FakeBoard(lambda line: noise.randbytes(len(line))) as fake,
         pytest.raises(NoAnswer, match="not of this firmware at 250000 baud"),
-        Robot(fake.port, timeout_s=0.4),
+        Robot(fake.port, timeout_s=1.0),
     ):
         pass
 
@@ -87,7 +87,7 @@ def test_greetings_that_are_always_damaged_are_told_as_such():
     with (
         FakeBoard(lambda line: line.replace(b" *", b" *0")) as fake,
         pytest.raises(NoAnswer, match=r"greetings came damaged.*cable"),
-        Robot(fake.port, timeout_s=0.5),
+        Robot(fake.port, timeout_s=1.0),
     ):
         pass
 
@@ -153,8 +153,9 @@ def test_lines_lost_on_the_way_to_the_board_are_sent_again_and_obeyed_once():
     with FakeBoard(to_board=lose_the_first) as fake, Robot(fake.port) as robot:
         robot.gait(GAIT)
         robot.trims()
-        counters = fake.board.counters
-        assert (counters["lost"], counters["repeated"], robot.losses.resent) == (0, 0, 3)
+        # a verdict that is slow to come has its command sent once more, too, and recognised
+        assert until(lambda: fake.board.counters["repeated"] == robot.losses.resent - 3)
+        assert fake.board.counters["lost"] == 0
 
 
 def test_a_lost_verdict_is_repeated_and_its_command_obeyed_once():
@@ -167,7 +168,8 @@ def test_a_lost_verdict_is_repeated_and_its_command_obeyed_once():
         fake.to_host = lose_every_other
         robot.gait(GAIT)
         fake.to_host = honest
-        assert fake.board.counters["repeated"] == 1
+        assert robot.losses.resent >= 1
+        assert until(lambda: fake.board.counters["repeated"] == robot.losses.resent)
 
 
 def test_data_lines_that_come_damaged_are_asked_for_again():
@@ -234,7 +236,7 @@ def test_half_and_doubled_frames_are_counted_and_never_used():
         fake.to_host = spoil
         frames = list(robot.frames(0.7))
         fake.to_host = honest
-        time.sleep(0.1)
+        robot.status()  # whose verdict comes after all that was spoilt
         losses = robot.losses
     numbers = [f.frame for f in frames]
     assert numbers == sorted(set(numbers))
@@ -247,8 +249,7 @@ def test_half_and_doubled_frames_are_counted_and_never_used():
 def test_a_line_without_end_does_not_fill_the_memory():
     with FakeBoard() as fake, Robot(fake.port) as robot:
         fake.to_host = lambda _: b"x" * 1000
-        time.sleep(0.3)
-        assert robot.losses.damaged_lines >= 2
+        assert until(lambda: robot.losses.damaged_lines >= 2)
         fake.to_host = honest
 
 
@@ -260,7 +261,7 @@ def test_a_flood_drowns_nothing(flood):
     with FakeBoard() as fake, Robot(fake.port) as robot:
         fake.to_host = pour
         robot.gait(GAIT)
-        assert fake.await_state("gait", 20.0)
+        assert fake.await_state("gait")
         for _ in range(20):  # each behind a flood of its own, however long that takes
             assert next(robot.frames(20.0)).state == "gait"
         robot.stop()
@@ -288,7 +289,7 @@ def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment
             robot.stop()
             robot.save()
 
-    begun_s = time.monotonic()
+    begun_s = clock()
     with FakeBoard() as fake:
         fake.to_board = watch
         fake.to_host = watch if moment == "hello:" else honest
@@ -297,7 +298,7 @@ def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment
         else:
             with pytest.raises(RobotLost, match=r"went away.*cable"):
                 run()
-    assert time.monotonic() - begun_s < 5.0
+    assert clock() - begun_s < 10.0
 
 
 def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
@@ -306,7 +307,6 @@ def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():
             with Robot(fake.port) as robot:
                 robot.gait(GAIT)
                 fake.unplug()
-                time.sleep(0.1)
                 raise ZeroDivisionError
 
 
@@ -315,4 +315,4 @@ def test_a_loss_that_no_call_met_is_told_on_leaving():
         with Robot(fake.port) as robot:
             robot.gait(GAIT)
             fake.unplug()
-            time.sleep(0.2)
+            assert until(lambda: robot._dialogue.failure)

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 from robot.fake_board import FakeBoard
+from robot.patience import LONG_S
 from serial.tools import list_ports
 from serpenoid.model.errors import NoAnswer, PortBusy, PortMissing, RobotClosed
 from serpenoid.robot import Robot
@@ -54,7 +55,7 @@ def test_two_programs_cannot_have_one_port_and_the_first_does_not_notice():
             pass
         other = subprocess.run(
             [sys.executable, "-c", OPENING, fake.port],
-            capture_output=True, text=True, timeout=20, check=False,
+            capture_output=True, text=True, timeout=LONG_S, check=False,
         )  # fmt: skip
         assert f"PortBusy: {fake.port} is in use by " in other.stderr
         assert f"(process {os.getpid()})" in other.stderr

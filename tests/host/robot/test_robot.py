@@ -22,7 +22,7 @@ def test_a_run_from_opening_to_stop(any_port):
         assert robot.settings()["silence"] == 2.0
         robot.gait(GAIT)
         frames = list(robot.frames(0.5))
-        assert 12 <= len(frames) <= 40  # a loaded machine lets a simulated board lag and catch up
+        assert 20 <= len(frames) <= 30
         numbers = [f.frame for f in frames]
         assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
         assert {f.state for f in frames} == {"gait"}
@@ -131,7 +131,7 @@ def test_reset_and_hang_of_the_simulated_board_end_the_run(simulated_board):
             with Robot(simulated_board.port) as robot:
                 robot.gait(GAIT)
                 harm()
-                list(robot.frames(3.0))
+                list(robot.frames(60.0))
 
 
 @pytest.mark.avr
@@ -139,7 +139,7 @@ def test_unplugging_the_simulated_board_is_a_loss(simulated_board):
     with pytest.raises(RobotLost, match="cable"), Robot(simulated_board.port) as robot:
         robot.gait(GAIT)
         simulated_board.unplug()
-        list(robot.frames(3.0))
+        list(robot.frames(60.0))
 
 
 @pytest.mark.avr
