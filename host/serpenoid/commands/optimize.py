@@ -99,9 +99,11 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     else:
         _print(found, margins)
     if send:
+        from ..robot.meant import Meant
         from .board.drive import drive_gait
 
-        drive_gait(found.gait, run["duration_s"], run["port"], run["record"], as_json, ask.fit)
+        meant = Meant(ask.robot.links, "the gait", "give its --links, or the session of this robot")
+        drive_gait(found.gait, as_json=as_json, fit=ask.fit, meant=meant, **run)
     return None
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from serpenoid.model.errors import BadInput
+from serpenoid.robot.meant import Meant
 from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.show.pages.live_page import LivePage
 from serpenoid.show.pages.twin import Twin
@@ -43,7 +44,7 @@ def test_a_later_cycle_is_the_first_one_moved_on(offset_rad):
 @contextmanager
 def driven():
     """Drive the virtual robot beside its page; gives the run, its page and its thread."""
-    run = DrivenRun(GAIT, "virtual", None, links=6)
+    run = DrivenRun(GAIT, "virtual", None)
     with LivePage(run, ROBOT, GROUND, "2005 robot and ground") as page:
         thread = threading.Thread(target=lambda: run.run(30.0, page.show))
         thread.start()
@@ -88,7 +89,7 @@ def test_only_this_machine_is_answered():
 
 
 def test_another_robot_is_refused_before_it_moves():
-    run = DrivenRun(GAIT, "virtual", None, links=4)
+    run = DrivenRun(GAIT, "virtual", None, Meant(4, "the page", "take that robot"))
     with pytest.raises(BadInput, match="of 4 links, but this board moves 6"):
         run.run(1.0, lambda _: None)
     assert run.last is None

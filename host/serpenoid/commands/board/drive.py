@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
     from ...calibration.speed_samples import SpeedBand
     from ...model.gait import Gait
+    from ...robot.meant import Meant
     from ...robot.tools.driven_run import DrivenRun
     from ...show.live import View
 
@@ -59,17 +60,18 @@ def drive(
 
 def drive_gait(
     gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool,
-    fit: FrictionFit | None = None, *, page: bool = False,
+    fit: FrictionFit | None = None, *, meant: Meant | None = None, page: bool = False,
 ) -> None:  # fmt: skip
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
-    fit: of this robot's friction, if there is one; the board must have the joints of its robot.
+    fit: of this robot's friction, if there is one; meant: the robot that the gait is for, that of
+    the fit unless given. A board of other joints is refused.
     """
     from ...robot.tools.driven_run import DrivenRun
     from ...show.live import view
 
     band = None if fit is None else _predicted(fit, gait, as_json)
-    run = DrivenRun(gait, port, record, None if fit is None else fit.robot.links)
+    run = DrivenRun(gait, port, record, meant or _meant(fit))
     try:
         with ExitStack() as stack:
             shows = [_page(stack, run, fit, as_json)] if page else []
@@ -80,6 +82,14 @@ def drive_gait(
         _sum_up(run, as_json, band)
     if interrupted and duration_s is not None:
         raise SystemExit(130)
+
+
+def _meant(fit: FrictionFit | None) -> Meant | None:
+    from ...robot.meant import Meant
+
+    if fit is None:
+        return None
+    return Meant(fit.robot.links, "the friction", "give the session of this robot, or none")
 
 
 def _predicted(fit: FrictionFit, gait: Gait, quiet: bool) -> SpeedBand:
@@ -110,11 +120,13 @@ def _watch(run: DrivenRun, duration_s: float | None, shows: list[View]) -> bool:
 
 def _page(stack: ExitStack, run: DrivenRun, fit: FrictionFit | None, quiet: bool) -> View:
     """Serve the page, say its address, and return what brings it up to date."""
+    from ...robot.meant import Meant
     from ...show.pages.live_page import LivePage
 
     robot, ground = preset_robot("2005") if fit is None else (fit.robot, fit.ground)
     whose = "2005 robot and ground" if fit is None else "robot and ground of the session"
-    run.links = robot.links
+    cure = "give the session of this robot, or leave --page out"
+    run.meant = run.meant or Meant(robot.links, f"the page's twin, {whose},", cure)
     page = stack.enter_context(LivePage(run, robot, ground, whose))
     click.echo(f"page: {page.url}", err=quiet)
     return page.show

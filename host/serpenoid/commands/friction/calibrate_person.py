@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.prompt import Console
     from ...calibration.taking.person.seat import Seat
+    from ...robot.meant import Meant
 
 BY_HAND = "by hand"  # what the page's script goes by, too
 
@@ -42,7 +43,7 @@ def with_a_person(
             people = ask_identity(journal, console)
         except (Left, EOFError):
             return console.say("Left; nothing was changed.")
-        seat = None if port is None else stack.enter_context(Seat(port))
+        seat = None if port is None else stack.enter_context(Seat(port, _meant(journal.session)))
         robot = BY_HAND if seat is None else seat.greeting
         for line in begin(journal, people, robot):
             console.say(line)
@@ -56,6 +57,13 @@ def with_a_person(
     if not well:
         raise SystemExit(1)
     return None
+
+
+def _meant(session: Session) -> Meant:
+    from ...robot.meant import Meant
+
+    cure = "take the board of that robot, or begin a session of this one: `serpenoid calibrate new`"
+    return Meant(session.setup.robot.links, "the session", cure)
 
 
 def begin(journal: Journal, people: str, robot: str) -> list[str]:

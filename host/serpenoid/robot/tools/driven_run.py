@@ -9,7 +9,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...model.errors import BadInput, ClockWrong, FramesMissing, RobotHeld
+from ...model.errors import ClockWrong, FramesMissing, RobotHeld
+from ..meant import Meant
 from ..robot import Robot
 from ..wire.protocol import Telemetry
 
@@ -55,12 +56,14 @@ class Summary:
 class DrivenRun:
     """One gait on one robot: `run` drives it, `summary` may be asked for even if that raised.
 
-    links: that the robot is to have, if that matters.
+    meant: the robot that the gait is for, if that matters.
     """
 
-    def __init__(self, gait: Gait, port: str | None, record: Path | None, links: int | None = None):
+    def __init__(
+        self, gait: Gait, port: str | None, record: Path | None, meant: Meant | None = None
+    ):
         self.gait = gait
-        self.links, self.halted = links, False
+        self.meant, self.halted = meant, False
         self.robot = Robot(port, record=record)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
@@ -70,12 +73,13 @@ class DrivenRun:
     def run(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
         """Drive for a time or without end, calling watch after every frame.
 
-        Raises what Robot raises, BadInput if it has other links than it should, FramesMissing if
+        Raises what Robot raises, BadInput if it is not the robot meant, FramesMissing if
         too few frames came, ClockWrong if the board's clock cannot be believed; whatever happens
         the robot is stopped first.
         """
         with self.robot as robot:
-            self._check_links()
+            if self.meant is not None:
+                self.meant.check(robot)
             _make_watchable(robot)
             self._follow(duration_s, watch)
         if self.frames or not self.halted:
@@ -128,14 +132,6 @@ class DrivenRun:
             drift.ppm, drift.sd_ppm, frequency_hz, frequency_sd_hz,
             None if self._record is None else str(self._record),
         )  # fmt: skip
-
-    def _check_links(self) -> None:
-        links = self.robot.hello.joints + 1
-        if self.links not in (None, links):
-            raise BadInput(
-                f"the friction is of a robot of {self.links} links, but this board moves {links} "
-                "links; give the session of this robot, or none"
-            )
 
     def _check_frames(self, duration_s: float) -> None:
         """Raise FramesMissing if many of a time's frames did not come, the last ones too."""

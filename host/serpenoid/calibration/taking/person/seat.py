@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
+from ....robot.meant import Meant
 from ....robot.robot import Robot
 
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
@@ -19,19 +20,25 @@ HOURS_S = 6 * 3600.0
 class Seat:
     """Hold one open robot. Joints move only in pose() and go(); `powered` tells whether they hold.
 
-    Inside `with Seat(port) as seat:` only. Raises what Robot raises.
+    Inside `with Seat(port) as seat:` only. meant: the robot of the session, if that matters. Raises
+    what Robot raises, BadInput if this is another.
     """
 
-    def __init__(self, port: str | None):
+    def __init__(self, port: str | None, meant: Meant | None = None):
+        self._meant = meant
         self._robot = Robot(port, unattended_s=HOURS_S)
         self.powered = False
         self.stopped = False  # by the page's Stop button, and nobody has seen it yet
         self.held = False  # by it, until release()
 
     def __enter__(self) -> Seat:
-        self._robot.__enter__()
-        if not self._robot.settings()["silence"]:
-            self._robot.set("silence", SILENCE_S)
+        with ExitStack() as opened:
+            robot = opened.enter_context(self._robot)
+            if self._meant is not None:
+                self._meant.check(robot)
+            if not robot.settings()["silence"]:
+                robot.set("silence", SILENCE_S)
+            opened.pop_all()
         return self
 
     def __exit__(self, *error: object) -> None:

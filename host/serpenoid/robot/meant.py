@@ -1,0 +1,26 @@
+"""The robot that something is meant for: a board that moves other links is refused."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..model.errors import BadInput
+from .robot import Robot
+
+
+@dataclass(frozen=True)
+class Meant:
+    """A number of links, what was made for a robot of so many, and what to do for another."""
+
+    links: int
+    what: str
+    cure: str
+
+    def check(self, robot: Robot) -> None:
+        """Raise BadInput, before anything moves, if the board moves other links."""
+        moved = robot.hello.joints + 1
+        if moved != self.links:
+            raise BadInput(
+                f"{self.what} is of a robot of {self.links} links, but this board moves {moved} "
+                f"links; {self.cure}"
+            )
