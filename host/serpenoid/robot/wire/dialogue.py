@@ -34,7 +34,6 @@ RETRY_S = 0.1
 PATIENCE_S = 2.0
 PING_S = 0.4
 QUIET_S = 1.0  # without a frame, and the two next ones, telemetry has ended
-LAST_QUIET_S = 0.5  # the same at the end of a run, when nothing more will show
 PINGS_A_SILENCE = 4  # so that the board does not go safe over one that is late
 LONGEST_LINE = 4096
 STOP = b"\n!\n"
@@ -168,14 +167,21 @@ class Dialogue:
             with self._changed:  # kept between the look and the taking
                 if self.wait(lambda: bool(unread), min(until_s, now_s + self._ping_s)):
                     return unread.popleft()
-            self._check_telemetry(QUIET_S if now_s < until_s else LAST_QUIET_S)
+            self._check_telemetry()
             if now_s >= until_s:
+                self._await_overdue()
                 return None
 
-    def _check_telemetry(self, most_s: float) -> None:
+    def _await_overdue(self) -> None:
+        """Wait at the end for a frame that is overdue: it comes, or FramesMissing is raised."""
+        while self.inbox.quiet_s > 2 * self.inbox.telemetry_s > 0:
+            self._check_telemetry()
+            self.pass_time(self._ping_s, lambda: not self.inbox.quiet_s)
+
+    def _check_telemetry(self) -> None:
         """Raise FramesMissing if frames should come and do not, in time spent listening."""
         quiet_s, tell_s = self.inbox.quiet_s, self.inbox.telemetry_s
-        if tell_s and quiet_s > most_s + 2 * tell_s:
+        if tell_s and quiet_s > QUIET_S + 2 * tell_s:
             raise FramesMissing(
                 f"no telemetry for {quiet_s:.1f} s, though the board should tell every "
                 f"{tell_s:g} s: is it this firmware, does it hang, is the cable sound? "
@@ -200,11 +206,11 @@ class Dialogue:
         for thread in self._threads:
             thread.join(PATIENCE_S)
 
-    def pass_time(self, most_s: float) -> None:
-        """Let time pass, keeping the board awake; raise what ended the run."""
+    def pass_time(self, most_s: float, done: Callable[[], bool] = lambda: False) -> None:
+        """Let time pass until done(), keeping the board awake; raise what ended the run."""
         if self.link.lockstep:
             self._ping_if_quiet()
-        self.wait(lambda: False, self.link.now_s() + most_s)
+        self.wait(done, self.link.now_s() + most_s)
 
     def _stop_surely(self) -> StopUnconfirmed | None:
         """Stop the robot; return why it may be moving still, None if this is sure."""
