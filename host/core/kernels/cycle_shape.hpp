@@ -7,8 +7,9 @@
 namespace serpenoid::kernels {
 namespace {
 
-// Links of a shape at a pack of phases; body_shape.hpp has the formulas.
-template <class V>
+// Links of a shape at a pack of phases; body_shape.hpp has the formulas. What takes second
+// derivatives stays empty without `second`.
+template <class V, bool second = true>
 struct ShapeOfPhases {
     struct Link {
         V c, s, rx, ry, rx1, ry1, rx2, ry2, s1, s2;
@@ -30,7 +31,8 @@ struct ShapeOfPhases {
         V angle{}, s1{}, s2{}, c = all<V>(1), s{}, x{}, y{}, x1{}, y1{}, x2{}, y2{};
         const auto half = [&] {
             x += l * c, y += l * s, x1 -= l * s1 * s, y1 += l * s1 * c;
-            x2 -= l * (s2 * s + s1 * s1 * c), y2 += l * (s2 * c - s1 * s1 * s);
+            if constexpr (second)
+                x2 -= l * (s2 * s + s1 * s1 * c), y2 += l * (s2 * c - s1 * s1 * s);
         };
         for (int i = 0;; ++i) {
             link[i] = {c, s, x, y, x1, y1, x2, y2, s1, s2};
@@ -38,19 +40,20 @@ struct ShapeOfPhases {
             half();
             const V a = all<V>(q.cosine[i]), b = all<V>(q.sine[i]);
             const V swing = a * sine + b * cosine;
-            angle += swing, s1 += a * cosine - b * sine, s2 -= swing;
+            angle += all<V>(q.offset) + swing, s1 += a * cosine - b * sine, s2 -= swing;
             sincos(angle, s, c);
             half();
         }
     }
 
     void centre() {
-        V sum[6] = {};
+        constexpr int kFields = second ? 6 : 4;
+        V sum[kFields] = {};
         for (int i = 0; i < n; ++i)
-            for (int k = 0; k < 6; ++k) sum[k] += (&link[i].rx)[k];
+            for (int k = 0; k < kFields; ++k) sum[k] += (&link[i].rx)[k];
         for (V& v : sum) v *= all<V>(1.0 / n);
         for (int i = 0; i < n; ++i)
-            for (int k = 0; k < 6; ++k) (&link[i].rx)[k] -= sum[k];
+            for (int k = 0; k < kFields; ++k) (&link[i].rx)[k] -= sum[k];
     }
 
     void moments(const CycleChain& q) {
@@ -59,6 +62,7 @@ struct ShapeOfPhases {
             const Link& k = link[i];
             square += k.rx * k.rx + k.ry * k.ry;
             cross += k.rx * k.ry1 - k.ry * k.rx1, turn += k.s1;
+            if constexpr (!second) continue;
             dot += k.rx * k.rx1 + k.ry * k.ry1;
             cross2 += k.rx * k.ry2 - k.ry * k.rx2, turn2 += k.s2;
         }

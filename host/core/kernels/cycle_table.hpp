@@ -9,11 +9,12 @@
 
 namespace serpenoid::kernels {
 
-// The chain of a shape: joint i has the angle sine[i] cos(tau) + cosine[i] sin(tau).
+// The chain of a shape: joint i has the angle offset + sine[i] cos(tau) + cosine[i] sin(tau).
 struct CycleChain {
     int links;
     double mass, half_length, inertia, ct, cn;
     const double *cosine, *sine;
+    double offset = 0;
 };
 
 // What is known of a node of phase, [field][node]: v' = -g (B (v, nu) + b) + nu (v_y, -v_x) and

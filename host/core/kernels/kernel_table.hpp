@@ -8,6 +8,7 @@
 #include <array>
 
 #include "kernels/cycle_table.hpp"
+#include "kernels/stage_table.hpp"
 #include "model/params.hpp"
 
 namespace serpenoid::kernels {
@@ -78,7 +79,7 @@ struct Set {
     std::array<Kernel, kLaws> chain, batch;
     Sincos sincos;
     CycleKernel cycle;
-    bool (*solve_stages)(double* rows);  // stage_solve.hpp
+    StageKernel stage;
 };
 
 extern const Set scalar, baseline, avx2;

@@ -263,9 +263,9 @@ void sincos_packs(const double* x, double* sine, double* cosine, long packs) {
 }
 
 template <int W>
-constexpr Set set_of(const char* name, CycleKernel cycle, bool (*solve)(double*)) {
+constexpr Set set_of(const char* name, CycleKernel cycle, StageKernel stage) {
     return {name,  W,    kernels_of<PackedChain<W>>(), kernels_of<Batch<W>>(), sincos_packs<W>,
-            cycle, solve};
+            cycle, stage};
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ struct RadauRule {
     std::array<double, s> at0;     // those polynomials at 0
     std::array<double, s> slope0;  // u'(0) = sum slope0_k (Y_k - y_0)
     double bump_height;            // largest |bump|
+    std::array<double, s> dense_scale;  // 1 / (c_k prod_j (c_k - c_j))
 
     static const RadauRule& get() {
         static const RadauRule instance;
@@ -41,7 +42,11 @@ struct RadauRule {
     // Weights of the stages, less the start, in u(x) - y_0.
     std::array<double, s> dense(double x) const {
         std::array<double, s> w;
-        for (int k = 0; k < s; ++k) w[k] = lagrange(k, x) * x / c[k];
+        for (int k = 0; k < s; ++k) {
+            w[k] = dense_scale[k] * x;
+            for (int j = 0; j < s; ++j)
+                if (j != k) w[k] *= x - c[j];
+        }
         return w;
     }
 
@@ -50,6 +55,9 @@ struct RadauRule {
         const Gauss<s>& gauss = Gauss<s>::get();
         for (int k = 0; k < s; ++k) c[k] = node(s - 1 - k);
         for (int k = 0; k < s; ++k) {
+            double product = c[k];
+            for (int j = 0; j < s; ++j) product *= j == k ? 1 : c[k] - c[j];
+            dense_scale[k] = 1 / product;
             at0[k] = lagrange(k, 0), slope0[k] = at0[k] / c[k];
             for (int j = 0; j < s; ++j) {
                 a[j * s + k] = 0;
@@ -86,6 +94,51 @@ struct RadauRule {
         }
         return (1 + x) / 2;
     }
+};
+
+// The polynomial through a start and its stages, in Newton's form.
+template <int s>
+class StagePolynomial {
+  public:
+    explicit StagePolynomial(const double* values) {  // the start's and the stages'
+        const auto& inverse = inverse_gaps();
+        for (int k = 0; k <= s; ++k) d_[k] = values[k];
+        for (int m = 1; m <= s; ++m)
+            for (int k = s; k >= m; --k) d_[k] = (d_[k] - d_[k - 1]) * inverse[k * (s + 1) + k - m];
+    }
+
+    double operator()(double x) const {
+        const auto& c = RadauRule<s>::get().c;
+        double value = d_[s];
+        for (int k = s - 1; k > 0; --k) value = value * (x - c[k - 1]) + d_[k];
+        return value * x + d_[0];
+    }
+
+    double slope(double x) const {
+        const auto& c = RadauRule<s>::get().c;
+        double value = d_[s], slope = 0;
+        for (int k = s - 1; k > 0; --k) {
+            slope = slope * (x - c[k - 1]) + value;
+            value = value * (x - c[k - 1]) + d_[k];
+        }
+        return slope * x + value;
+    }
+
+  private:
+    // 1 / (z_k - z_j), z being 0 and the stages.
+    static const std::array<double, (s + 1) * (s + 1)>& inverse_gaps() {
+        static const auto table = [] {
+            const auto& c = RadauRule<s>::get().c;
+            std::array<double, (s + 1) * (s + 1)> t{};
+            for (int k = 1; k <= s; ++k)
+                for (int j = 0; j < k; ++j)
+                    t[k * (s + 1) + j] = 1 / (c[k - 1] - (j > 0 ? c[j - 1] : 0));
+            return t;
+        }();
+        return table;
+    }
+
+    double d_[s + 1];
 };
 
 }  // namespace serpenoid

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "body/joint_power.hpp"
 #include "kernels/gait_batch.hpp"
 #include "periodic/positive_power.hpp"
 
@@ -15,28 +14,13 @@ namespace {
 
 constexpr int s = SlidingPiece::kStages;
 using Rule = SlidingPiece::Rule;
-
-// Polynomial through (0, v0) and the values at the stages: value and slope at x.
-std::pair<double, double> polynomial(double v0, const SlidingPiece::Stages& v, double x) {
-    const auto& c = Rule::get().c;
-    // Neville's scheme with its derivative, s + 1 points
-    double p[s + 1], d[s + 1], z[s + 1];
-    p[0] = v0, z[0] = 0;
-    for (int k = 0; k < s; ++k) p[k + 1] = v[k], z[k + 1] = c[k];
-    std::fill_n(d, s + 1, 0.0);
-    for (int m = 1; m <= s; ++m)
-        for (int k = 0; k + m <= s; ++k) {
-            const double w = 1 / (z[k] - z[k + m]), a = (x - z[k + m]) * w, b = (z[k] - x) * w;
-            d[k] = a * d[k] + b * d[k + 1] + w * (p[k] - p[k + 1]);
-            p[k] = a * p[k] + b * p[k + 1];
-        }
-    return {p[0], d[0]};
-}
+using Polynomial = StagePolynomial<s>;
+using Stages = std::array<double, s>;
 
 // Integral from 0 to x of the polynomial through values at the stages, as weights.
-SlidingPiece::Stages weights_to(double x) {
+Stages weights_to(double x) {
     const Rule& rule = Rule::get();
-    SlidingPiece::Stages b{};
+    Stages b{};
     if (x == 1) {
         for (int k = 0; k < s; ++k) b[k] = rule.a[(s - 1) * s + k];
         return b;
@@ -61,11 +45,15 @@ DryCycle::DryCycle(const Robot& robot, const Ground& ground, const Gait& gait)
       omega_(gait.omega),
       nm_(robot.n * robot.m),
       table_(robot.n, gait),
-      piece_(robot, ground, gait, instruction_sets().front()->solve_stages) {
+      piece_(robot, ground, gait, instruction_sets().front()->stage),
+      margin_(2 * robot.n),
+      torque_(robot.n),
+      rate_(robot.n) {
     const double v = gait.omega * robot.l * std::max(gait.alpha, 1e-9), arm = robot.n * robot.l;
     scale_ = {nm_ * v, nm_ * v, robot.n * (robot.I + robot.m * arm * arm / 12) * v / arm};
     mode_.sign.assign(2 * robot.n, 1.0);
     for (int i = 0; i + 1 < robot.n; ++i) lag_.push_back(table_.lag(i));
+    for (int c = 0; c < 2 * robot.n; ++c) apart_.push_back(std::fmod(0.6180339887 * (c + 1), 1.0));
 }
 
 double DryCycle::momentum(double w, double tau) {
@@ -83,28 +71,32 @@ double DryCycle::rate(double L, double tau) {
 // each kink is moved by its own 1e-11 or less of the speed scale.
 bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double length) {
     const double dtau = std::min(length, tau_end - tau), h = dtau / omega_;
-    SlidingPiece::Node& k = piece_.node(0);
-    piece_.fill(k, tau);
-    const Vec3 u0 = piece_.velocity(k, state.p);
+    piece_.look(tau, tau + dtau);
+    const Vec3 u0 = piece_.velocity(piece_.node(0), state.p);
+    if (jump_.waits) {
+        const WheelDirection g = piece_.row(jump_.wheel, 0);
+        jump_.gradient = {jump_.sign * g.x / nm_, jump_.sign * g.y / nm_,
+                          jump_.sign * g.r * piece_.node(0).iJ};
+    }
     way_.clear();
-    for (const WheelDirection& row : k.row) way_.push_back(row.speed(u0.data(), omega_));
-    piece_.fill(k, tau + dtau);
-    piece_.drag(k, way_);
+    for (int c = 0; c < 2 * robot_.n; ++c)
+        way_.push_back(piece_.row(c, 0).speed(u0.data(), omega_));
+    piece_.weigh(way_);
+    const SlidingPiece::Node& k = piece_.node(1);
     const double *D = k.D, speed = scale_[0] / nm_;
     const Mat3 H = {nm_ + h * D[0], h * D[1], h * D[2], h * D[1],      nm_ + h * D[3],
                     h * D[4],       h * D[2], h * D[4], k.J + h * D[5]};
     const double c = std::cos(h * u0[2]), n = std::sin(h * u0[2]);
-    Vec3 b = {c * state.p[0] + n * state.p[1] - h * omega_ * k.d[0],
-              c * state.p[1] - n * state.p[0] - h * omega_ * k.d[1],
-              state.p[2] - omega_ * k.K - h * omega_ * k.d[2]};
+    const Vec3 b = {c * state.p[0] + n * state.p[1] - h * (omega_ * k.d[0] + k.dry[0]),
+                    c * state.p[1] - n * state.p[0] - h * (omega_ * k.d[1] + k.dry[1]),
+                    state.p[2] - omega_ * k.K - h * (omega_ * k.d[2] + k.dry[2])};
     kinks_.clear(), wheel_of_kink_.clear();
     for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
         if (!piece_.has_modes(wheel)) continue;
-        const WheelDirection& g = k.row[wheel];
-        const double thrust = h * piece_.thrust(wheel), mu = piece_.mu(wheel);
-        b[0] += thrust * g.x, b[1] += thrust * g.y, b[2] += thrust * g.r;
-        const double apart = std::fmod(0.6180339887 * static_cast<double>(kinks_.size() + 1), 1.0);
-        kinks_.push_back({{g.x, g.y, g.r}, omega_ * g.e + 1e-11 * speed * apart, h * mu});
+        const WheelDirection g = piece_.row(wheel, 1);
+        kinks_.push_back({{g.x, g.y, g.r},
+                          omega_ * g.e + 1e-11 * speed * apart_[kinks_.size()],
+                          h * piece_.mu(wheel)});
         wheel_of_kink_.push_back(wheel);
     }
     if (!convex_.solve(H, b, kinks_)) {
@@ -143,71 +135,68 @@ void DryCycle::set_mode() {
     }
 }
 
-// How far a wheel is from the end of its mode at stage j (-1: the start), in units of the aim.
-double DryCycle::margin_at(const SlidingPiece& piece, int wheel, int a, int j) const {
-    auto& p = const_cast<SlidingPiece&>(piece);
-    if (a >= 0) {
-        const double f = j < 0 ? piece.stuck_force(a, 0) : piece.stage_force(j, a);
-        return piece.grip(wheel) * (1 - std::fabs(f) / piece.mu(wheel)) / force_eps_;
+// How far every wheel is from the end of its mode at the start and the stages, in units of the aim.
+void DryCycle::margins() {
+    piece_.speeds(margin_.data());
+    for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
+        const double unit = mode_.sign[wheel] / speed_eps_;
+        for (double& m : margin_[wheel].at) m *= unit;
     }
-    const SlidingPiece::Node& k = p.node(j + 1);
-    const Vec3 u = piece.velocity(k, j < 0 ? piece.at(0) : piece.stage(j));
-    return mode_.sign[wheel] * k.row[wheel].speed(u.data(), omega_) / speed_eps_;
+    for (int a = 0; a < mode_.count; ++a) {
+        const int wheel = mode_.stuck[a];
+        const double unit = piece_.grip(wheel) / force_eps_, mu = piece_.mu(wheel);
+        for (int j = 0; j <= s; ++j) {
+            const double f = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);
+            margin_[wheel].at[j] = unit * (1 - std::fabs(f) / mu);
+        }
+    }
 }
 
-// The first end of a mode in the piece: between the first pair of points of which the second is
-// beyond it, or in a dip between three.
-DryCycle::Ending DryCycle::ending(const SlidingPiece& piece) const {
+// The first end of a wheel's mode before `first`: between the first pair of points of which the
+// second is beyond it, or in a dip between three. A fraction of the piece, or 1.
+double DryCycle::end_of_wheel(const double* m, double first) const {
     constexpr double kBeyond = -2;
     const auto& c = Rule::get().c;
+    double before = m[0], z = 0;
+    for (int j = 0; j < s && z < first; ++j) {
+        double end = c[j], value = m[j + 1];
+        if (value >= kBeyond && j + 1 < s && value < before && value < m[j + 2]) {
+            // lowest near here: look at the bottom of the parabola
+            const double s0 = (value - before) / (end - z),
+                         s1 = (m[j + 2] - value) / (c[j + 1] - end);
+            const double curvature = (s1 - s0) / (c[j + 1] - z);
+            const double low = (z + end) / 2 - s0 / (2 * curvature);
+            const double there = Polynomial(m)(low);
+            if (there < kBeyond) end = low, value = there;
+        }
+        if (value < kBeyond) {
+            if (before <= -1) return z;
+            const Polynomial p(m);
+            const auto f = [&](double x) { return p(x) + 1; };
+            return bracketed_root(f, z, before + 1, end, value + 1);
+        }
+        before = m[j + 1], z = c[j];
+    }
+    return 1;
+}
+
+// The first end of a mode in the piece.
+DryCycle::Ending DryCycle::ending() {
+    margins();
     Ending first;
     for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
-        if (!piece.has_modes(wheel)) continue;
-        int a = -1;
-        for (int b = 0; b < mode_.count; ++b)
-            if (mode_.stuck[b] == wheel) a = b;
-        SlidingPiece::Stages m;
-        double before = margin_at(piece, wheel, a, -1), z = 0;
-        const double m0 = before;
-        bool beyond = false;
-        for (int j = 0; j < s; ++j) {
-            m[j] = margin_at(piece, wheel, a, j);
-            beyond = beyond || m[j] < kBeyond;
-        }
-        for (int j = 0; j < s && z < first.at; ++j) {
-            double end = c[j], value = m[j];
-            if (value >= kBeyond && j + 1 < s && value < before && value < m[j + 1]) {
-                // lowest near here: look at the bottom of the parabola
-                const double s0 = (value - before) / (end - z),
-                             s1 = (m[j + 1] - value) / (c[j + 1] - end);
-                const double curvature = (s1 - s0) / (c[j + 1] - z);
-                const double low = (z + end) / 2 - s0 / (2 * curvature);
-                const double there = polynomial(m0, m, low).first;
-                if (there < kBeyond) end = low, value = there, beyond = true;
-            }
-            if (value < kBeyond) {
-                if (before <= -1) {
-                    first = {z, wheel, a < 0};
-                    break;
-                }
-                const auto f = [&](double x) { return polynomial(m0, m, x).first + 1; };
-                const double at = bracketed_root(f, z, before + 1, end, value + 1);
-                if (at < first.at) first = {at, wheel, a < 0};
-                break;
-            }
-            before = m[j], z = c[j];
-        }
+        if (!piece_.has_modes(wheel)) continue;
+        const double at = end_of_wheel(margin_[wheel].at, first.at);
+        if (at < first.at) first = {at, wheel, mode_.sign[wheel] != 0};
     }
     return first;
 }
 
 // Remember what the derivative needs of the moment when a sliding wheel stops.
 void DryCycle::await_jump(const Ending& end, double h) {
-    SlidingPiece::Stages m;
-    for (int j = 0; j < s; ++j) m[j] = margin_at(piece_, end.wheel, -1, j);
-    const double m0 = margin_at(piece_, end.wheel, -1, -1);
-    jump_.slope = polynomial(m0, m, end.at).second * speed_eps_ / h;
+    jump_.slope = Polynomial(margin_[end.wheel].at).slope(end.at) * speed_eps_ / h;
     jump_.rate = piece_.rate(end.at), jump_.waits = true;
+    jump_.wheel = end.wheel, jump_.sign = mode_.sign[end.wheel];
 }
 
 void DryCycle::jump(const Vec3& after, CycleState& state) {
@@ -242,7 +231,7 @@ bool DryCycle::change_mode(CycleState& state, double& tau, double tau_end, const
 // Integrals over the first x of a piece of h, and the state there.
 void DryCycle::accumulate(double h, double x, CycleState& state) {
     const Rule& rule = Rule::get();
-    const SlidingPiece::Stages b = weights_to(x);
+    const Stages b = weights_to(x);
     const double dt = h / omega_;
     double turn[s];
     Vec3 turn_by[s], w_by[s];
@@ -258,13 +247,13 @@ void DryCycle::accumulate(double h, double x, CycleState& state) {
         turn[j] = from.theta, turn_by[j] = from.by_start[3];
         for (int k = 0; k < s; ++k) {
             const double w = dt * rule.a[j * s + k];
-            turn[j] += w * piece_.velocity(piece_.node(k + 1), piece_.stage(k))[2];
+            turn[j] += w * piece_.stage_velocity(k)[2];
             for (int c = 0; c < 3; ++c) turn_by[j][c] += w * w_by[k][c];
         }
     }
     for (int j = 0; j < s; ++j) {
         const SlidingPiece::Node& k = piece_.node(j + 1);
-        const Vec3 u = piece_.velocity(k, piece_.stage(j));
+        const Vec3& u = piece_.stage_velocity(j);
         const Mat3& T = piece_.stage_tangent(j);
         const double w = dt * b[j], heading = turn[j] - spin_ * (tau_start_ + h * rule.c[j]);
         const double cn = std::cos(heading), sn = std::sin(heading);
@@ -301,40 +290,18 @@ void DryCycle::add_positive(double tau, double h, double x) {
     constexpr int g = 5;
     const double start = -skipped_ / h, span = h * (x - start);
     const Gauss<g>& rule = Gauss<g>::get();
-    std::vector<std::array<double, g>> torque(robot_.n - 1), rate(robot_.n - 1);
-    for (int q = 0; q < g; ++q) {
-        const double z = start + (x - start) * rule.c[q];
-        shape_.set(robot_, table_, std::sin(tau + h * z), std::cos(tau + h * z), true);
-        const Vec3 p = piece_.at(z);
-        const double u[3] = {p[0] / nm_, p[1] / nm_, (p[2] - omega_ * shape_.K) / shape_.J};
-        const auto push = [&](int wheel, const WheelDirection& row) {
-            const double c = piece_.viscous(wheel, mode_.sign[wheel]);
-            double dry = piece_.mu(wheel) * mode_.sign[wheel];
-            for (int a = 0; a < mode_.count; ++a)
-                if (mode_.stuck[a] == wheel) dry = piece_.stuck_force(a, z);
-            return piece_.thrust(wheel) - c * row.speed(u, omega_) - dry;
-        };
-        double force[3] = {0, 0, 0};
-        std::vector<std::pair<double, double>> friction(robot_.n);
-        for (int i = 0; i < robot_.n; ++i) {
-            const LinkShape& k = shape_.link[i];
-            const double ft = push(2 * i, k.t), fn = push(2 * i + 1, k.n);
-            friction[i] = {ft, fn};
-            force[0] += ft * k.t.x + fn * k.n.x;
-            force[1] += ft * k.t.y + fn * k.n.y;
-            force[2] += ft * k.t.r + fn * k.n.r;
-        }
-        joint_powers(
-            robot_, shape_, omega_, BodyMotion::from_forces(robot_, shape_, omega_, u, force),
-            [&](int i) { return friction[i]; },
-            [&](int i, double T, double v) { torque[i][q] = T, rate[i][q] = v; });
-    }
+    double x_of[g];
+    for (int q = 0; q < g; ++q) x_of[q] = start + (x - start) * rule.c[q];
+    piece_.torques(g, x_of, torque_.data(), rate_.data());
     for (int i = 0; i + 1 < robot_.n; ++i) {
-        for (int q = 0; q < g; ++q)
-            net_work_ -= span / omega_ * rule.b[q] * torque[i][q] * rate[i][q];
+        std::array<double, g> torque, rate;
+        for (int q = 0; q < g; ++q) {
+            torque[q] = torque_[i].at[q], rate[q] = rate_[i].at[q];
+            net_work_ -= span / omega_ * rule.b[q] * torque[q] * rate[q];
+        }
         (*positive_)[i] +=
             span / omega_ *
-            mean_positive_swing<g>(torque[i], rate[i], tau + start * h, span, lag_[i], alpha_);
+            mean_positive_swing<g>(torque, rate, tau + start * h, span, lag_[i], alpha_);
     }
 }
 
@@ -369,7 +336,7 @@ bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
             continue;
         }
         if (jump_.waits) jump(piece_.rate(0), state);
-        const Ending end = ending(piece_);
+        const Ending end = ending();
         if (end.wheel >= 0 && h * end.at < 1e-12) {
             if (++stalled > 40) return false;
             if (!change_mode(state, tau, tau_end, end)) return false;
@@ -383,18 +350,10 @@ bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
         if (h * end.at > 100 * kick_) kick_ = 0;
         if (end.wheel < 0) {
             tau = h == tau_end - tau ? tau_end : tau + h;
-            piece_.carry_on();
             continue;
         }
         if (end.sliding) await_jump(end, h);
         tau += h * end.at;
-        if (end.sliding) {
-            SlidingPiece::Node& k = piece_.node(0);
-            piece_.fill(k, tau);
-            const WheelDirection& g = k.row[end.wheel];
-            const double sign = mode_.sign[end.wheel];
-            jump_.gradient = {sign * g.x / nm_, sign * g.y / nm_, sign * g.r / k.J};
-        }
         if (tau < tau_end && !change_mode(state, tau, tau_end, end)) return false;
     }
     return true;

@@ -12,8 +12,8 @@
 #include <array>
 #include <vector>
 
-#include "body/sliding_piece.hpp"
 #include "numerics/kinked_quadratic.hpp"
+#include "periodic/sliding_piece.hpp"
 
 namespace serpenoid {
 
@@ -51,20 +51,21 @@ class DryCycle {
     };
     struct Jump {  // of the derivative, waiting for the rate after the event
         bool waits = false;
-        Vec3 rate, gradient;
-        double slope;
+        int wheel;
+        double sign, slope;
+        Vec3 rate, gradient;  // of the speed that reached zero
     };
     bool kick(CycleState& state, double& tau, double tau_end, double length);
     bool change_mode(CycleState& state, double& tau, double tau_end, const Ending& ending);
     void set_mode();
-    Ending ending(const SlidingPiece& piece) const;
-    double margin_at(const SlidingPiece& piece, int wheel, int a, int j) const;
+    void margins();
+    double end_of_wheel(const double* margins, double first) const;
+    Ending ending();
     void jump(const Vec3& rate_after, CycleState& state);
     void await_jump(const Ending& ending, double h);
     void accumulate(double h, double x, CycleState& state);
     void add_positive(double tau, double h, double x);
     bool advance(CycleState& state, double tau_end, double tolerance);
-    std::pair<double, double> margin_line(int wheel, double x) const;
 
     Robot robot_;
     Ground ground_;
@@ -74,6 +75,8 @@ class DryCycle {
     std::vector<double> lag_;  // of every joint, rad
     BodyShape shape_;
     SlidingPiece piece_;
+    std::vector<SlidingPiece::Lanes> margin_, torque_, rate_;
+    std::vector<double> apart_;
     SlidingMode mode_;
     Convex3 convex_;
     std::vector<Kink> kinks_;

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "body/body_shape.hpp"
-#include "body/viscous_drag.hpp"
+#include "kernels/kernel_table.hpp"
 #include "model/gait.hpp"
 #include "model/params.hpp"
 #include "numerics/dense.hpp"
@@ -39,23 +39,33 @@ class SlidingPiece {
   public:
     static constexpr int kStages = 5;
     using Rule = RadauRule<kStages>;
-    using Stages = std::array<double, kStages>;
+    using Lanes = kernels::Lanes;  // of the start (0) and the stages
 
-    // What is known of one phase: sums over the wheels, and the wheels.
-    struct Node : ViscousSums {
-        double J, K;
-        std::vector<WheelDirection> row;  // by wheel
-        Vec3 dry;                         // sum of mu s g over sliding wheels
-        double dry_e;                     // and of mu s e
+    // What is known of one phase: sums over the wheels.
+    struct Node {
+        double J, K, iJ;
+        double D[6], d[3], dd;  // of the viscous ones
+        Vec3 dry;               // sum of the others' forces times g
+        double dry_e;           // and times e
     };
 
-    // Solves the stages' equations, rows of kRow numbers (stage_solve.hpp, which knows processors).
-    using Solve = bool (*)(double* rows);
+    SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait,
+                 const kernels::StageKernel& kernel);
+    SlidingPiece(const SlidingPiece&) = delete;
+    SlidingPiece& operator=(const SlidingPiece&) = delete;
 
-    SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait, Solve solve);
+    // Nodes 0 and 1 at these phases, without the sums; then those of wheels that go these ways.
+    void look(double tau0, double tau1);
+    void weigh(const std::vector<double>& way);
 
-    void fill(Node& node, double tau);
-    Vec3 velocity(const Node& node, const Vec3& p) const;
+    const Node& node(int j) const { return node_[j]; }
+    WheelDirection row(int wheel, int j) const {
+        const kernels::StageWheel& g = wheel_[wheel];
+        return {g.x.at[j], g.y.at[j], g.r.at[j], g.e.at[j]};
+    }
+    Vec3 velocity(const Node& node, const Vec3& p) const {
+        return {p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * node.K) * node.iJ};
+    }
     double mu(int wheel) const { return wheel % 2 ? ground_.fn0 : ft0_; }
     double thrust(int wheel) const { return wheel % 2 ? 0 : thrust_; }
     double viscous(int wheel, double way) const {
@@ -67,11 +77,9 @@ class SlidingPiece {
     }
     // mu over the force that counts as little or much for a wheel that is held.
     double grip(int wheel) const { return wheel % 2 ? 1 : grip_; }
-    // The viscous friction of wheels that go these ways; without a ratchet it is there already.
-    void drag(Node& node, const std::vector<double>& way) const;
 
-    // Solve over h of phase from tau, where node(0) has been filled. False when Newton's method
-    // does not come to a step below `close` (of the scales).
+    // Solve over h of phase from tau. False when Newton's method does not come to a step below
+    // `close` (of the scales).
     bool solve(const SlidingMode& mode, double tau, double h, const Vec3& p0, const Vec3& scale,
                double close);
 
@@ -81,37 +89,47 @@ class SlidingPiece {
     Mat3 tangent(double x) const;               // dp(x)/dp0
     double stuck_force(int a, double x) const;  // lambda of the a-th stuck wheel
 
-    Node& node(int j) { return node_[j]; }  // 0 is the start, the stages follow
     const Vec3& stage(int j) const { return Y_[j]; }
+    const Vec3& stage_velocity(int j) const { return u_[j + 1]; }
     const Mat3& stage_tangent(int j) const { return T_[j]; }
     double stage_force(int j, int a) const { return lambda_[j][a]; }
-    void carry_on() { std::swap(node_[0], node_[kStages]); }  // the end becomes the start
+    // Every wheel's speed at the start and the stages.
+    void speeds(Lanes* to) const;
+    // Every joint's torque and rate at some fractions of the piece.
+    void torques(int count, const double* x, Lanes* torque, Lanes* rate);
 
   private:
     static constexpr int s = kStages, N = 3 * s, kRow = 20, kRight = 16;
-    void sum_mode(Node& node, const SlidingMode& mode) const;
-    Vec3 free_rate(const Node& node, const Vec3& p) const;
-    Mat3 free_jacobian(const Node& node, const Vec3& p) const;
-    void rows(int j, const Vec3& Q, const Mat3& A, double* matrix, double* right) const;
+    void shape(int lanes, const Lanes& tau);
+    void sum(int lanes, const std::vector<double>& way);
+    void velocities();
+    Vec3 free_rate(const Node& node, const Vec3& p, const Vec3& u) const;
+    Mat3 free_jacobian(const Node& node, const Vec3& p, const Vec3& u) const;
     bool step();
     void stuck_forces(const SlidingMode& mode);
     Vec3 stage_rate(int j) const;
-    std::array<Vec3, 3> split(const Node& node, int& constraints) const;
+    std::array<Vec3, 3> split(int j, int& constraints) const;
+    Vec3 direction(int wheel, int j) const;
 
     Robot robot_;
     Ground ground_;
-    double omega_, nm_, ft0_, thrust_, grip_;
-    GaitTable table_;
-    BodyShape shape_;
+    double omega_, nm_, inverse_nm_, ft0_, thrust_, grip_;
+    std::vector<double> cosine_, sine_;  // of the joints' angles
+    kernels::CycleChain chain_;
+    kernels::StageKernel kernel_;
+    kernels::StageSums sums_{};
+    std::vector<kernels::StageWheel> wheel_;
+    std::vector<double> viscous_, dry_;  // every wheel's coefficient, and force where it slides
+    std::vector<Lanes> force_, scratch_;
     std::array<Node, kStages + 1> node_;
     const SlidingMode* mode_ = nullptr;
-    double h_ = 0;
+    double tau_ = 0, h_ = 0;
     Vec3 p0_{};
-    std::array<Vec3, kStages> Y_{};  // p at the stages
-    std::array<Mat3, kStages> T_{};  // dp/dp0 there
+    std::array<Vec3, kStages> Y_{};      // p at the stages
+    std::array<Vec3, kStages + 1> u_{};  // u at the start and there
+    std::array<Mat3, kStages> T_{};      // dp/dp0 there
     std::array<Vec3, kStages> lambda_{};
     alignas(64) std::array<double, N * kRow> rows_;
-    Solve solve_;
     double change_[3] = {0, 0, 0};
 };
 

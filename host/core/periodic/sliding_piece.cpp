@@ -1,5 +1,5 @@
 // Newton's method on the stages of sliding_piece.hpp, and what its polynomial tells.
-#include "body/sliding_piece.hpp"
+#include "periodic/sliding_piece.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -47,73 +47,81 @@ Vec3 least_squares(const Vec3* g, int count, const Vec3& Q) {
     return x;
 }
 
-Vec3 direction(const WheelDirection& row) { return {row.x, row.y, row.r}; }
-
 }  // namespace
 
-SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait, Solve solve)
+SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait,
+                           const kernels::StageKernel& kernel)
     : robot_(robot),
       ground_(ground),
       omega_(gait.omega),
       nm_(robot.n * robot.m),
+      inverse_nm_(1 / nm_),
       ft0_(ground.ft0_mean()),
       thrust_(ground.thrust()),
       grip_(ground.grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
-      table_(robot.n, gait),
-      solve_(solve) {
-    for (Node& k : node_) k.row.resize(2 * robot.n);
+      kernel_(kernel),
+      wheel_(2 * robot.n),
+      viscous_(2 * robot.n),
+      dry_(2 * robot.n),
+      force_(2 * robot.n),
+      scratch_(8 * robot.n) {
+    const GaitTable table(robot.n, gait);
+    for (int i = 0; i + 1 < robot.n; ++i) {
+        cosine_.push_back(gait.alpha * table.cosine(i));
+        sine_.push_back(gait.alpha * table.sine(i));
+    }
+    chain_ = {robot.n,   robot.m,        robot.l,      robot.I,    ground.ct,
+              ground.cn, cosine_.data(), sine_.data(), gait.offset};
 }
 
-void SlidingPiece::fill(Node& k, double tau) {
-    shape_.set(robot_, table_, std::sin(tau), std::cos(tau), false);
-    k.J = shape_.J, k.K = shape_.K;
-    static_cast<ViscousSums&>(k) = ViscousSums(shape_, ground_);
-    for (int i = 0; i < robot_.n; ++i)
-        k.row[2 * i] = shape_.link[i].t, k.row[2 * i + 1] = shape_.link[i].n;
+void SlidingPiece::shape(int lanes, const Lanes& tau) {
+    kernel_.shape(chain_, lanes, tau, sums_, wheel_.data(), scratch_.front().at);
+    for (int j = 0; j < lanes; ++j)
+        node_[j].J = sums_.J.at[j], node_[j].K = sums_.K.at[j], node_[j].iJ = 1 / sums_.J.at[j];
 }
 
-void SlidingPiece::drag(Node& k, const std::vector<double>& way) const {
-    if (ground_.ct == ground_.ct_back) return;
-    static_cast<ViscousSums&>(k) = {};
-    for (int c = 0; c < 2 * robot_.n; ++c) k.add(k.row[c], viscous(c, way[c]));
-}
-
-void SlidingPiece::sum_mode(Node& k, const SlidingMode& mode) const {
-    drag(k, mode.sign);
-    k.dry = {}, k.dry_e = 0;
-    for (int c = 0; c < 2 * robot_.n; ++c) {
-        const double f = mu(c) * mode.sign[c] - thrust(c);
-        const WheelDirection& g = k.row[c];
-        k.dry[0] += f * g.x, k.dry[1] += f * g.y, k.dry[2] += f * g.r, k.dry_e += f * g.e;
+void SlidingPiece::sum(int lanes, const std::vector<double>& way) {
+    for (int c = 0; c < 2 * robot_.n; ++c) viscous_[c] = viscous(c, way[c]);
+    kernel_.sums(2 * robot_.n, lanes, wheel_.data(), viscous_.data(), dry_.data(), sums_);
+    for (int j = 0; j < lanes; ++j) {
+        Node& k = node_[j];
+        for (int i = 0; i < 6; ++i) k.D[i] = sums_.D[i].at[j];
+        for (int i = 0; i < 3; ++i) k.d[i] = sums_.d[i].at[j], k.dry[i] = sums_.dry[i].at[j];
+        k.dd = sums_.dd.at[j], k.dry_e = sums_.dry_e.at[j];
     }
 }
 
-Vec3 SlidingPiece::velocity(const Node& k, const Vec3& p) const {
-    return {p[0] / nm_, p[1] / nm_, (p[2] - omega_ * k.K) / k.J};
+void SlidingPiece::look(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
+
+void SlidingPiece::weigh(const std::vector<double>& way) {
+    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -thrust(c);
+    sum(2, way);
+}
+
+Vec3 SlidingPiece::direction(int wheel, int j) const {
+    const kernels::StageWheel& g = wheel_[wheel];
+    return {g.x.at[j], g.y.at[j], g.r.at[j]};
 }
 
 // dp/dtau without the stuck wheels' forces.
-Vec3 SlidingPiece::free_rate(const Node& k, const Vec3& p) const {
-    const Vec3 u = velocity(k, p);
+Vec3 SlidingPiece::free_rate(const Node& k, const Vec3& p, const Vec3& u) const {
     const double io = 1 / omega_, w = u[2], *D = k.D;
     return {io * (w * p[1] - k.dry[0] - D[0] * u[0] - D[1] * u[1] - D[2] * w) - k.d[0],
             io * (-w * p[0] - k.dry[1] - D[1] * u[0] - D[3] * u[1] - D[4] * w) - k.d[1],
             io * (-k.dry[2] - D[2] * u[0] - D[4] * u[1] - D[5] * w) - k.d[2]};
 }
 
-Mat3 SlidingPiece::free_jacobian(const Node& k, const Vec3& p) const {
-    const double io = 1 / omega_, im = io / nm_, iJ = io / k.J, *D = k.D;
-    const double w = io * (p[2] - omega_ * k.K) / k.J;
+Mat3 SlidingPiece::free_jacobian(const Node& k, const Vec3& p, const Vec3& u) const {
+    const double io = 1 / omega_, im = io * inverse_nm_, iJ = io * k.iJ, w = io * u[2], *D = k.D;
     return {-D[0] * im,          -D[1] * im + w, (-D[2] + p[1]) * iJ, -D[1] * im - w, -D[3] * im,
             (-D[4] - p[0]) * iJ, -D[2] * im,     -D[4] * im,          -D[5] * iJ};
 }
 
 // Three directions: first those in which no stuck wheel pushes, then the stuck wheels' rows.
-std::array<Vec3, 3> SlidingPiece::split(const Node& k, int& constraints) const {
+std::array<Vec3, 3> SlidingPiece::split(int j, int& constraints) const {
     constraints = mode_->count;
     std::array<Vec3, 3> d{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-    for (int a = 0; a < constraints; ++a)
-        d[3 - constraints + a] = direction(k.row[mode_->stuck[a]]);
+    for (int a = 0; a < constraints; ++a) d[3 - constraints + a] = direction(mode_->stuck[a], j);
     if (constraints == 2) d[0] = cross(d[1], d[2]);
     if (constraints == 1) {  // a row has a unit vector in its first two components
         const Vec3 g = d[2];
@@ -138,32 +146,32 @@ bool SlidingPiece::step() {
     for (int j = 0; j < s; ++j) {
         const Node& k = node_[j + 1];
         int constraints;
-        const auto d = split(k, constraints);
-        const Vec3 F = free_rate(k, Y_[j]), u = velocity(k, Y_[j]);
-        const Mat3 A = free_jacobian(k, Y_[j]);
+        const auto d = split(j + 1, constraints);
+        const Vec3 u = velocity(k, Y_[j]), F = free_rate(k, Y_[j], u);
+        const Mat3 A = free_jacobian(k, Y_[j], u);
         Vec3 Q = stage_rate(j);
         for (int i = 0; i < 3; ++i) Q[i] -= h_ * F[i];
         for (int r = 0; r < 3; ++r) {
-            double* row = &rows_[(3 * j + r) * kRow];
-            double* right = row + kRight;
-            std::fill_n(row, kRight, 0.0);
+            double* line = &rows_[(3 * j + r) * kRow];
+            double* right = line + kRight;
+            std::fill_n(line, kRight, 0.0);
             Vec3 own;  // derivative by this stage beyond the polynomial's rate
             if (r < 3 - constraints) {
                 for (int m = 0; m < s; ++m)
-                    for (int i = 0; i < 3; ++i) row[3 * m + i] = diff[j * s + m] * d[r][i];
+                    for (int i = 0; i < 3; ++i) line[3 * m + i] = diff[j * s + m] * d[r][i];
                 for (int i = 0; i < 3; ++i)
                     own[i] = -h_ * (d[r][0] * A[i] + d[r][1] * A[3 + i] + d[r][2] * A[6 + i]);
                 right[0] = -dot(d[r], Q);
             } else {
-                const WheelDirection& g = k.row[mode_->stuck[r - 3 + constraints]];
-                own = {g.x / nm_, g.y / nm_, g.r / k.J};
+                const WheelDirection g = row(mode_->stuck[r - 3 + constraints], j + 1);
+                own = {g.x * inverse_nm_, g.y * inverse_nm_, g.r * k.iJ};
                 right[0] = -g.speed(u.data(), omega_);
             }
-            for (int i = 0; i < 3; ++i) row[3 * j + i] += own[i];
+            for (int i = 0; i < 3; ++i) line[3 * j + i] += own[i];
             for (int i = 0; i < 3; ++i) right[1 + i] = -own[i];
         }
     }
-    if (!solve_(rows_.data())) return false;
+    if (!kernel_.solve(rows_.data())) return false;
     change_[0] = change_[1] = change_[2] = 0;
     for (int j = 0; j < s; ++j)
         for (int i = 0; i < 3; ++i) {
@@ -178,13 +186,13 @@ bool SlidingPiece::step() {
 bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Vec3& p0,
                          const Vec3& scale, double close) {
     const Rule& rule = Rule::get();
-    mode_ = &mode, h_ = h, p0_ = p0;
-    for (int j = 0; j < s; ++j) {
-        fill(node_[j + 1], tau + h * rule.c[j]);
-        sum_mode(node_[j + 1], mode);
-        Y_[j] = p0;
-    }
-    sum_mode(node_[0], mode);
+    mode_ = &mode, tau_ = tau, h_ = h, p0_ = p0;
+    Lanes phase{{tau}};
+    for (int j = 0; j < s; ++j) phase.at[j + 1] = tau + h * rule.c[j];
+    shape(s + 1, phase);
+    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = mu(c) * mode.sign[c] - thrust(c);
+    sum(s + 1, mode.sign);
+    Y_.fill(p0);
     double size = HUGE_VAL;
     for (int i = 0; i < 12; ++i) {
         const bool near = i > 0;  // the equations are almost linear: one step comes close
@@ -192,6 +200,7 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
         size = std::max({change_[0] / scale[0], change_[1] / scale[1], change_[2] / scale[2]});
         if (!(size < 1e12)) return false;
         if (near && size < 0.1 && size * size < close) {
+            velocities();
             stuck_forces(mode);
             return true;
         }
@@ -199,13 +208,25 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
     return false;
 }
 
+void SlidingPiece::velocities() {
+    u_[0] = velocity(node_[0], p0_);
+    for (int j = 0; j < s; ++j) u_[j + 1] = velocity(node_[j + 1], Y_[j]);
+}
+
+void SlidingPiece::speeds(Lanes* to) const {
+    Lanes u[3]{};
+    for (int j = 0; j <= s; ++j)
+        for (int i = 0; i < 3; ++i) u[i].at[j] = u_[j][i];
+    kernel_.speeds(2 * robot_.n, s + 1, wheel_.data(), u, omega_, to);
+}
+
 void SlidingPiece::stuck_forces(const SlidingMode& mode) {
     if (mode.count == 0) return;
     for (int j = 0; j < s; ++j) {
         Vec3 Q = stage_rate(j), g[3];
-        const Vec3 F = free_rate(node_[j + 1], Y_[j]);
+        const Vec3 F = free_rate(node_[j + 1], Y_[j], u_[j + 1]);
         for (int i = 0; i < 3; ++i) Q[i] = omega_ * (Q[i] / h_ - F[i]);
-        for (int a = 0; a < mode.count; ++a) g[a] = direction(node_[j + 1].row[mode.stuck[a]]);
+        for (int a = 0; a < mode.count; ++a) g[a] = direction(mode.stuck[a], j + 1);
         lambda_[j] = least_squares(g, mode.count, Q);
     }
 }
@@ -215,11 +236,11 @@ void SlidingPiece::stuck_forces(const SlidingMode& mode) {
 double SlidingPiece::error(const Vec3& scale) const {
     constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it
     const Rule& rule = Rule::get();
-    const Vec3 F = free_rate(node_[0], p0_), slope = rate(0);
+    const Vec3 F = free_rate(node_[0], p0_, u_[0]), slope = rate(0);
     Vec3 Q, g[3]{};
     for (int i = 0; i < 3; ++i) Q[i] = (slope[i] - F[i]) / scale[i];
     for (int a = 0; a < mode_->count; ++a) {
-        g[a] = direction(node_[0].row[mode_->stuck[a]]);
+        g[a] = direction(mode_->stuck[a], 0);
         for (int i = 0; i < 3; ++i) g[a][i] /= scale[i];
     }
     const Vec3 x = least_squares(g, mode_->count, Q);
@@ -247,12 +268,15 @@ Vec3 SlidingPiece::at(double x) const {
 // The rates at the stages, interpolated.
 Vec3 SlidingPiece::rate(double x) const {
     const Rule& rule = Rule::get();
+    const auto w = rule.dense(x);
     Vec3 r{};
     for (int j = 0; j < s; ++j) {
-        const double w = rule.dense(x)[j] * rule.c[j] / (x > 0 ? x : 1);
+        if (x == 0) {
+            for (int i = 0; i < 3; ++i) r[i] += rule.slope0[j] / h_ * (Y_[j][i] - p0_[i]);
+            continue;
+        }
         const Vec3 v = stage_rate(j);
-        const double at = x > 0 ? w : rule.at0[j];
-        for (int i = 0; i < 3; ++i) r[i] += at * v[i] / h_;
+        for (int i = 0; i < 3; ++i) r[i] += w[j] * rule.c[j] / (x * h_) * v[i];
     }
     return r;
 }
@@ -267,11 +291,29 @@ Mat3 SlidingPiece::tangent(double x) const {
 
 double SlidingPiece::stuck_force(int a, double x) const {
     const Rule& rule = Rule::get();
-    const auto w = rule.dense(x);
     double sum = 0;
-    for (int j = 0; j < s; ++j)
-        sum += (x != 0 ? w[j] * rule.c[j] / x : rule.at0[j]) * lambda_[j][a];
+    if (x == 0) {
+        for (int j = 0; j < s; ++j) sum += rule.at0[j] * lambda_[j][a];
+        return sum;
+    }
+    const auto w = rule.dense(x);
+    for (int j = 0; j < s; ++j) sum += w[j] * rule.c[j] / x * lambda_[j][a];
     return sum;
+}
+
+void SlidingPiece::torques(int count, const double* x, Lanes* torque, Lanes* rate) {
+    Lanes tau{}, momenta[3]{};
+    for (int c = 0; c < 2 * robot_.n; ++c)
+        force_[c] = {}, std::fill_n(force_[c].at, count, dry_[c]);
+    for (int q = 0; q < count; ++q) {
+        tau.at[q] = tau_ + h_ * x[q];
+        for (int a = 0; a < mode_->count; ++a)
+            force_[mode_->stuck[a]].at[q] += stuck_force(a, x[q]);
+        const Vec3 p = at(x[q]);
+        for (int i = 0; i < 3; ++i) momenta[i].at[q] = p[i];
+    }
+    kernel_.torques(chain_, count, tau, momenta, omega_, viscous_.data(), force_.data(), torque,
+                    rate, scratch_.front().at);
 }
 
 }  // namespace serpenoid
