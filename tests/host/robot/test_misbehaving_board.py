@@ -21,6 +21,7 @@ from serpenoid.model.errors import (
 )
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import dialogue
+from serpenoid.robot.wire.virtual import VirtualLink
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
 
@@ -299,6 +300,24 @@ def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment
             with pytest.raises(RobotLost, match=r"went away.*cable"):
                 run()
     assert clock() - begun_s < 10.0
+
+
+@pytest.mark.parametrize("word", [b" hello *", b" pose ", b" status *"])
+def test_a_process_that_slept_after_asking_still_hears_the_answer(word, monkeypatch):
+    """As when a machine is suspended, or too busy: time went by in which nobody listened."""
+    link, slept = VirtualLink(fast=True), [b""]
+
+    def write(data: bytes) -> None:
+        slept.append(data) if word in data else None
+        VirtualLink.write(link, data)
+
+    link.write = write
+    link.now_s = lambda: link.board.time_s + 100.0 * len(slept)
+    monkeypatch.setattr("serpenoid.robot.robot.open_link", lambda _port: link)
+    with Robot("any", unattended_s=1e4) as robot:
+        robot.straight()
+        robot.status()
+    assert len(slept) > 1
 
 
 def test_an_error_of_the_program_is_not_masked_by_the_loss_of_the_board():

@@ -31,6 +31,7 @@ from .link import Link
 from .protocol import Data, Telemetry, Verdict, seal
 
 RETRY_S = 0.1
+LEAST_S = 1e-6  # of patience: less is a rounding error
 PATIENCE_S = 2.0
 PING_S = 0.4
 QUIET_S = 1.0  # without a frame, and the two next ones, telemetry has ended
@@ -278,8 +279,11 @@ class Dialogue:
         return seal(text, self._number, hello.joints if hello else 5)
 
     def _exchange(self, text: str, patience_s: float) -> Answer | None:
-        """Send until a verdict comes: again after 100 ms, or when the line came damaged."""
-        line, end_s = self._sealed(text), self.link.now_s() + patience_s
+        """Send until a verdict comes: again after 100 ms, or when the line came damaged.
+
+        patience_s: of listening; a process that slept meanwhile did not listen.
+        """
+        line, left_s = self._sealed(text), patience_s
         with self._changed:
             pending = self.inbox.ask(self._number, text)
         while True:
@@ -288,13 +292,16 @@ class Dialogue:
                 self._check_held(text)
                 self._write(line)
             self._spoken_s = self.link.now_s()
-            retry_s = min(self._spoken_s + RETRY_S, end_s)
-            self.wait(lambda: pending.verdict is not None or pending.damaged, retry_s)
+            retry_s = min(RETRY_S, left_s)
+            self.wait(
+                lambda: pending.verdict is not None or pending.damaged, self._spoken_s + retry_s
+            )
             if pending.damaged:  # not at the pace of a board that answers everything so
                 self.wait(lambda: pending.verdict is not None, self._spoken_s + RETRY_S / 5)
             if pending.verdict:
                 return Answer(pending.verdict, pending.data)
-            if self.link.now_s() >= end_s:
+            left_s -= min(self.link.now_s() - self._spoken_s, retry_s)
+            if left_s < LEAST_S:
                 return None
             with self._changed:
                 self.inbox.lose(resent=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...model.errors import NoAnswer, ProtocolMismatch
-from .dialogue import Dialogue
+from .dialogue import LEAST_S, Dialogue
 from .link import BAUD
 from .protocol import PROTOCOL
 
@@ -13,15 +13,21 @@ ASK_S = 0.5
 
 
 def greet(talk: Dialogue, timeout_s: float) -> None:
-    """Open a session; raise ProtocolMismatch or NoAnswer."""
-    link = talk.link
-    end_s = link.now_s() + timeout_s
-    talk.wait(lambda: talk.inbox.heard, link.now_s() + min(BOOT_S, timeout_s / 2))
-    while link.now_s() < end_s:
+    """Open a session; raise ProtocolMismatch or NoAnswer.
+
+    timeout_s: of listening; a process that slept meanwhile did not listen.
+    """
+    now_s = talk.link.now_s
+    begun_s, boot_s = now_s(), min(BOOT_S, timeout_s / 2)
+    talk.wait(lambda: talk.inbox.heard, begun_s + boot_s)
+    left_s = timeout_s - min(now_s() - begun_s, boot_s)
+    while left_s > LEAST_S:
         _check_protocol(talk)
-        if talk.open_session(min(ASK_S, end_s - link.now_s())):
+        asked_s, ask_s = now_s(), min(ASK_S, left_s)
+        if talk.open_session(ask_s):
             _check_protocol(talk)
             return
+        left_s -= min(now_s() - asked_s, ask_s)
     raise _no_answer(talk, timeout_s)
 
 
