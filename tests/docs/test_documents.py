@@ -108,5 +108,11 @@ def run(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
     beside = Path(sys.executable).parent
     environment = os.environ | {"PATH": f"{beside}:{os.environ['PATH']}", "MPLBACKEND": "agg"}
     return subprocess.run(
-        words, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=300
+        words,
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=1800,
     )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("numba")
+pytest.importorskip("numba", reason="an optional peer: pip install 'serpenoid[bench]'")
 
 import serpenoid as sn
 from serpenoid.bench.peers import numba_equations, numpy_equations

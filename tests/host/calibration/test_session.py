@@ -266,7 +266,7 @@ def test_readings_made_in_python_are_held_to_the_same(changes):
     max_examples=300,
     derandomize=True,
     deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(
     name=st.sampled_from(["session.toml", "readings.csv"]),

@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 import serpenoid as sn
+from robot.patience import LONG_S
 from serpenoid import _core
 from serpenoid.show.run_report import _share
 from serpenoid.simulation.core_run import core_request
@@ -39,7 +40,7 @@ def test_ctrl_c_during_the_import_leaves_no_traceback(seed):
     assert child.stdout.readline() == "started\n"
     time.sleep(random.Random(seed).uniform(0.0, 0.15))
     child.send_signal(signal.SIGINT)
-    _, errors = child.communicate(timeout=30)
+    _, errors = child.communicate(timeout=LONG_S)
     assert child.returncode in (0, 130, -signal.SIGINT)
     assert "Traceback" not in errors
 

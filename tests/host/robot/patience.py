@@ -37,9 +37,9 @@ clock = PatientClock()
 def until(condition: Callable[[], object], most_s: float = LONG_S) -> bool:
     """Wait for a condition; tell whether it came to be."""
     end_s = time.monotonic() + most_s
-    while not condition() and time.monotonic() < end_s:
+    while not (found := condition()) and time.monotonic() < end_s:
         time.sleep(0.005)
-    return bool(condition())
+    return bool(found)
 
 
 @pytest.fixture(scope="session", autouse=True)

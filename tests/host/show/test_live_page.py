@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from robot.patience import LONG_S
 from serpenoid.model.errors import BadInput
 from serpenoid.robot.meant import Meant
 from serpenoid.robot.tools.driven_run import DrivenRun
@@ -46,14 +47,14 @@ def driven():
     """Drive the virtual robot beside its page; gives the run, its page and its thread."""
     run = DrivenRun(GAIT, "virtual", None)
     with LivePage(run, ROBOT, GROUND, "2005 robot and ground") as page:
-        thread = threading.Thread(target=lambda: run.run(30.0, page.show))
+        thread = threading.Thread(target=lambda: run.run(None, page.show))
         thread.start()
         try:
             yield run, page, thread
         finally:
             if thread.is_alive():
                 run.halt()
-            thread.join(10)
+            thread.join(LONG_S)
 
 
 def test_a_phone_sees_the_robot_crawl_stops_it_and_scrubs_what_it_saw(tmp_path: Path):
@@ -70,7 +71,7 @@ def test_a_phone_sees_the_robot_crawl_stops_it_and_scrubs_what_it_saw(tmp_path: 
             assert phone.runs("return d.x_m[last][0] - d.x_m[0][0]") > 0.02
             phone.clicks("#stop")
             phone.sees("#told", "stopped")
-            thread.join(5)
+            thread.join(LONG_S)
             assert not thread.is_alive()
             assert run.halted
         phone.sees("#told", "stopped from here")
@@ -82,7 +83,7 @@ def test_a_phone_sees_the_robot_crawl_stops_it_and_scrubs_what_it_saw(tmp_path: 
 def test_only_this_machine_is_answered():
     with driven() as (_, page, _thread):
         port, path = int(page.url.split(":")[2].split("/")[0]), "/" + page.url.split("/")[3] + "/"
-        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5)
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=LONG_S)
         connection.request("GET", path, headers={"Host": "evil.example"})
         assert connection.getresponse().status == 404
         assert "127.0.0.1" in page.url

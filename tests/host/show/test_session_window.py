@@ -6,12 +6,14 @@ import select
 import shutil
 import struct
 import subprocess
+import threading
 import time
 
 import matplotlib.image
 import numpy as np
 import pytest
 from calibration.test_page import session_in_progress
+from robot.patience import LONG_S, until
 from serpenoid.calibration.taking.person.state import state_of
 from serpenoid.commands.friction.calibrate_person import _pictures
 from serpenoid.show.session import window
@@ -71,13 +73,6 @@ def state(steps):
     return state_of(session, step, frozenset(), "by hand")
 
 
-def until(condition, timeout_s=30.0):
-    end = time.monotonic() + timeout_s
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
 def blue(path):
     """Return how many pixels have the colour of the straight robot's points."""
     if not path.exists():
@@ -90,12 +85,12 @@ def test_it_shows_the_newest_state_and_may_be_closed(screen):
     drawn = screen / "drawn.png"
     with Window() as shown:
         assert shown.show(state(5)) is False  # nobody waits for it
-        until(lambda: shown.shows and blue(drawn))
+        assert until(lambda: shown.shows and blue(drawn))
         before = blue(drawn)
         assert shown.show(state(6))
-        until(lambda: blue(drawn) > before)
+        assert until(lambda: blue(drawn) > before)
         (screen / "closed").touch()
-        until(lambda: not shown.shows)
+        assert until(lambda: not shown.shows)
         assert shown.show(state(7)) is False
         time.sleep(0.05)
         assert shown.show(state(7)) is False
@@ -104,23 +99,23 @@ def test_it_shows_the_newest_state_and_may_be_closed(screen):
 def test_it_ends_with_the_dialogue_however_that_ends(screen):
     with Window() as shown:
         shown.show(state(5))
-        until(lambda: shown.shows)
+        assert until(lambda: shown.shows)
     assert shown._process.poll() is not None
     with Window() as orphan:
-        until(lambda: orphan.shows)
+        assert until(lambda: orphan.shows)
         orphan._process.stdin.close()  # as when the dialogue is killed
-        until(lambda: orphan._process.poll() == 0)
+        assert until(lambda: orphan._process.poll() == 0)
 
 
 def test_a_window_that_hangs_holds_nobody_up(screen):
     with Window() as shown:
-        until(lambda: shown.shows)
+        assert until(lambda: shown.shows)
         os.kill(shown._process.pid, 19)  # SIGSTOP
-        begun = time.monotonic()
         big = state(5) | {"say": "x" * 100_000}
-        for _ in range(20):
-            shown.show(big)
-        assert time.monotonic() - begun < 1.0
+        work = threading.Thread(target=lambda: [shown.show(big) for _ in range(20)], daemon=True)
+        work.start()
+        work.join(LONG_S)
+        assert not work.is_alive()  # though nobody has read a byte
         shown._process.kill()
 
 
@@ -134,7 +129,7 @@ def test_without_windows_the_terminals_picture_stands_in(monkeypatch):
             self.said += text + "\n"
 
     with Window() as shown:
-        until(lambda: shown._process.poll() is not None)
+        assert until(lambda: shown._process.poll() is not None)
         assert shown._process.poll() == window.NO_WINDOW
         console = Screen()
         told = _pictures(console, lambda session, step: shown.show(state(5)))
@@ -170,12 +165,12 @@ def test_on_a_real_display(tmp_path, monkeypatch):
     command = ["Xvfb", "-displayfd", str(tell), "-screen", "0", "900x700x24", "-fbdir", tmp_path]
     server = subprocess.Popen(command, stderr=subprocess.DEVNULL, pass_fds=(tell,))
     try:
-        assert select.select([ready], [], [], 20)[0]
+        assert select.select([ready], [], [], LONG_S)[0]
         monkeypatch.setenv("DISPLAY", f":{os.read(ready, 20).decode().strip()}")
         with Window() as shown:
             shown.show(state(12))
-            until(lambda: shown.shows, 60)
-            until(lambda: _blue_on(tmp_path / "Xvfb_screen0") > 100, 60)
+            assert until(lambda: shown.shows)
+            assert until(lambda: _blue_on(tmp_path / "Xvfb_screen0") > 100)
     finally:
         server.terminate()
         server.wait()

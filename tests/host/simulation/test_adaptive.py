@@ -148,10 +148,10 @@ def test_a_stiff_scene_is_refused_by_the_explicit_method() -> None:
         duration_s=100.0,
         start="link1_at_rest",
     )
-    began = time.perf_counter()
+    began = time.process_time()
     with pytest.raises(Diverged, match="stiff"):
         sn.simulate(scene)
-    assert time.perf_counter() - began < 5  # the run itself would take hours
+    assert time.process_time() - began < 20  # the run itself would take hours
 
 
 @pytest.mark.parametrize("method", BOTH)
