@@ -55,6 +55,7 @@ def test_success_ends_with_the_greeting(pio, serpenoid):
         ("echo \"Error: Unknown environment names 'mega'\"; exit 1", "platformio.ini has no"),
         (f'{BUILT}; echo "stk500_getsync(): not in sync"; exit 1', "boot loader does not answer"),
         (f'{BUILT}; echo "can\'t open device /dev/x"; exit 1', "serpenoid doctor"),
+        (f'{BUILT}; echo "avrdude: Expected signature for ATmega328P is"; exit 1', "another chip"),
         (f'{BUILT}; echo "*** [upload] Error 1"; exit 7', "the upload failed (pio exited 7)"),
     ],
 )
@@ -135,6 +136,79 @@ def test_a_port_that_is_not_there_is_told_before_anything_is_built(pio, serpenoi
     status, _, errors = serpenoid("flash", "--board", "uno", "--port", str(tmp_path / "no"))
     assert (status, "there is no port" in errors) == (1, True)
     assert not arguments.exists()
+
+
+@pytest.mark.parametrize("port", ["ttyACM0", "a\x01b", "/tmp", "{folder}/file"])
+def test_what_is_no_port_is_told_before_anything_is_built(pio, serpenoid, tmp_path, port):
+    arguments = pio("exit 0")
+    (tmp_path / "file").touch()
+    port = port.format(folder=tmp_path)
+    status, _, errors = serpenoid("flash", "--board", "uno", "--port", port)
+    assert (status, "there is no port" in errors) == (1, True)
+    assert not arguments.exists()
+
+
+def test_a_port_by_its_id_tells_the_board_too(monkeypatch, tmp_path):
+    port = tmp_path / "usb-Arduino-if00"
+    port.symlink_to("/dev/ttyACM7")
+    found = SimpleNamespace(device="/dev/ttyACM7", description="", vid=0x2341, pid=0x43)
+    monkeypatch.setattr("serial.tools.list_ports.comports", lambda: [found])
+    assert flash.board_at(str(port)) == "uno"
+
+
+def test_a_platformio_that_cannot_run(pio, serpenoid):
+    pio("exit 0").with_name("pio").write_text("#!/nowhere/python\n")
+    before = signal.getsignal(signal.SIGTERM)
+    with FakeBoard() as board:
+        status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
+    assert (status, "PlatformIO cannot be started" in errors) == (1, True)
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+@pytest.fixture
+def wheel(monkeypatch, tmp_path):
+    """Pretend that the package came as a wheel, with a firmware in it; return its folder."""
+    brought = tmp_path / "site-packages" / "serpenoid"
+    (brought / "board" / "firmware" / "src").mkdir(parents=True)
+    (brought / "board" / "platformio.ini").touch()
+    (brought / "board" / "firmware" / "src" / "main.cpp").touch()
+    monkeypatch.setattr(flash._core, "__file__", str(brought / "_core.so"))
+    monkeypatch.setattr(flash, "__file__", str(brought / "robot" / "tools" / "a" / "upload.py"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    return brought / "board"
+
+
+def test_a_wheel_brings_its_firmware_and_nothing_of_another_day(wheel, pio, serpenoid):
+    arguments = pio("echo 'x.cpp:1: error'; exit 1")
+    with FakeBoard() as board:
+        for _ in range(2):
+            status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)
+            folder = Path(arguments.read_text().split()[2])
+            sources = folder / "firmware" / "src"
+            assert [path.name for path in sources.iterdir()] == ["main.cpp"]
+            (sources / "gone.cpp").touch()
+    assert (status, f"what was changed in {folder}?" in errors) == (1, True)
+
+
+def test_a_cache_that_cannot_be_written(wheel, pio, serpenoid, monkeypatch):
+    pio("exit 0")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
+    status, _, errors = serpenoid("flash", "--board", "uno", "--port", "/dev/ttyS0")
+    assert (status, "set XDG_CACHE_HOME" in errors) == (1, True)
+
+
+def test_interrupted_before_the_upload_the_board_is_whole(pio):
+    pio('echo "Building in release mode"; sleep 60')
+    with FakeBoard() as board:
+        run = subprocess.Popen(
+            [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port", board.port],
+            stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        assert "Building" in run.stderr.readline()
+        run.send_signal(signal.SIGINT)
+        _, said = run.communicate(timeout=60)
+    assert (run.returncode, "half a program" in said) == (130, False)
 
 
 def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):

@@ -22,13 +22,9 @@ def flash(board: str | None, port: str | None, project: Path | None, as_json: bo
 
     from ...robot.tools.upload import flash as build_and_upload
 
-    try:
-        hello = build_and_upload(
-            board, port, project, lambda text: click.echo(text, nl=False, err=True)
-        )
-    except (KeyboardInterrupt, SystemExit):
-        click.echo("\nthe board may hold half a program: flash it again before use", err=True)
-        raise
+    hello = build_and_upload(
+        board, port, project, lambda text: click.echo(text, nl=False, err=True)
+    )
     if as_json:
         show_json(asdict(hello))
     else:

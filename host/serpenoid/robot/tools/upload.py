@@ -29,6 +29,7 @@ KNOWN = {
 }
 GREETING_S = 10.0
 GRACE_S = 5.0
+HALF_DONE = "\nthe board may hold half a program: flash it again before use\n"
 UPLOADING = "Uploading "  # how PlatformIO announces it, once everything is built
 # What PlatformIO said, what it means, what to do; the last row of each table is for all else.
 BUILD_CAUSES = (
@@ -36,12 +37,14 @@ BUILD_CAUSES = (
      "PlatformIO could not download its compiler", "connect to the internet once and try again"),
     (r"UnknownEnvNames|Unknown environment", "platformio.ini has no such board",
      "take the project's own platformio.ini"),
-    (r"", "the firmware did not compile", "see above; `git status` tells what was changed"),
+    (r"", "the firmware did not compile", "see above; what was changed in {project}?"),
 )  # fmt: skip
 UPLOAD_CAUSES = (
     (r"not in sync|stk500|timeout communicating|protocol error",
      "the board's boot loader does not answer",
      "check --board and --port; a Nano with the old boot loader needs a newer one burnt"),
+    (r"[Ee]xpected signature|[Ii]nvalid device signature|[Dd]ouble check chip",
+     "the board has another chip", "give the --board that it is"),
     (r"can't open device|Permission denied|Resource busy",
      "the port could not be opened", "ask `serpenoid doctor`"),
     (r"", "the upload failed", "check --board, --port and the cable, then try again"),
@@ -69,7 +72,7 @@ def flash(
     command = [pio, "run", "-d", str(folder), "-e", board, "-t", "upload", "--upload-port", port]
     status, said = _run(command, show)
     if status:
-        raise FlashFailed(_why(said, status))
+        raise FlashFailed(_why(said, status).format(project=folder))
     with Robot(port, timeout_s=GREETING_S) as robot:
         return robot.hello
 
@@ -98,9 +101,18 @@ def installed_project() -> Path | None:
     brought = Path(_core.__file__).parent / "board"
     if not (brought / "platformio.ini").exists():
         return None
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache")
     place = cache / "serpenoid" / f"board-{version('serpenoid')}"
-    shutil.copytree(brought, place, dirs_exist_ok=True)
+    try:
+        place = place.expanduser()
+        if (place / "firmware").exists():  # maybe of another day, with files that are gone now
+            shutil.rmtree(place / "firmware")
+        shutil.copytree(brought, place, dirs_exist_ok=True)
+    except (OSError, RuntimeError) as error:  # the latter for a user without a home
+        raise FlashFailed(
+            f"the firmware cannot be laid out in {place} ({error}); set XDG_CACHE_HOME to a folder "
+            "that you may write to"
+        ) from error
     return place
 
 
@@ -108,7 +120,10 @@ def board_at(port: str) -> str:
     """Tell the board by its USB id; raise BadInput if that does not tell."""
     for found in serial_ports():
         for board, ids in KNOWN.items():
-            if found.device == port and (found.vendor_id, found.product_id) in ids:
+            if (
+                os.path.realpath(found.device) == os.path.realpath(port)
+                and (found.vendor_id, found.product_id) in ids
+            ):
                 return board
     raise BadInput(f"the USB id of {port} does not tell the board; give --board {'|'.join(BOARDS)}")
 
@@ -120,16 +135,10 @@ def _run(command: list[str], show: Callable[[str], None]) -> tuple[int, str]:
     """
     said = bytearray()
     guard = SignalGuard(lambda: None)  # SIGTERM and SIGHUP end it in order, too
-    guard.install()
-    with subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-    ) as process:
+    with _started(command) as process:
         assert process.stdout is not None
         try:
+            guard.install()
             while chunk := os.read(process.stdout.fileno(), 4096):
                 said += chunk
                 show(chunk.decode("utf-8", "replace"))
@@ -137,9 +146,26 @@ def _run(command: list[str], show: Callable[[str], None]) -> tuple[int, str]:
         except BaseException:
             guard.held = True
             _end(process)
+            if UPLOADING.encode() in said:
+                show(HALF_DONE)
             raise
         finally:
             guard.restore()
+
+
+def _started(command: list[str]) -> subprocess.Popen[bytes]:
+    try:
+        return subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise FlashFailed(
+            f"PlatformIO cannot be started ({error}): `pip install --force-reinstall platformio`"
+        ) from error
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

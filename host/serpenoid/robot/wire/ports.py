@@ -62,7 +62,7 @@ def users(device: str) -> list[culprit.Holder]:
 
 def check_free(device: str) -> None:
     """Raise PortMissing if there is no such port, PortBusy, naming who, if it is used."""
-    if device.startswith("/") and not Path(device).exists():
+    if os.name == "posix" and not Path(device).is_char_device():
         raise missing(device)
     if holders := users(device):
         raise PortBusy(culprit.why_held(device, holders))
