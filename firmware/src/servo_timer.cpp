@@ -26,9 +26,10 @@ bool stretched = false;
 
 uint16_t gap_ticks() {
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-        if (COMPARE != kLibraryRefreshTicks) return 0;
+        const uint16_t now = COUNT;  // past the compare, while its interrupt waits: no gap any more
+        if (COMPARE != kLibraryRefreshTicks || now >= kLibraryRefreshTicks) return 0;
         stretched = false;
-        return kLibraryRefreshTicks - COUNT;
+        return kLibraryRefreshTicks - now;
     }
     return 0;
 }

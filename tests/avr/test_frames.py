@@ -1,8 +1,10 @@
 """All joints in one frame: no refresh mixes two, and a setpoint's age stays what it was."""
 
+import random
+
 import numpy as np
 import pytest
-from avr.board import F_CPU_HZ
+from avr.board import F_CPU_HZ, symbols
 from avr.dialogue import Dialogue, fields, telemetry
 from avr.truth import line_errors_us
 
@@ -86,3 +88,30 @@ def test_pulses_as_long_as_they_can_be_leave_their_gap(start):
     """Eight joints at 2.4 ms each are 19.2 ms of pulses: the refresh is stretched for them."""
     talk = running(start("mega", joints=8), "gait 88 0 5")
     check_frames(talk, 4.0, 8, 22_500)
+
+
+# In ArduinoHardware, behind its table, five servos, five pulses and their due time.
+WAITING = 2 + 5 * 3 + 5 * 2 + 4
+
+
+@pytest.mark.slow
+def test_pulses_handed_over_as_a_refresh_begins_shorten_none(start):
+    """Frames so late that their pulses are handed over in the last microseconds of the gap."""
+    rng = random.Random(200992)
+    talk = running(start("uno"), "gait 5 80 1")
+    board = talk.board
+    assert talk.ask("set every 0").startswith("ok:")
+    hardware = next(at for name, at in symbols(board.elf).items() if "8hardwareE" in name)
+    first = board.pulses(0).rise_cycle[-1]
+    for refresh in range(1, 1500):
+        before_s = rng.uniform(0.0, 60e-6)
+        left_s = (first - board.cycle) / F_CPU_HZ + 0.02 * refresh - before_s
+        board.send(b"x" * 250, left_s - 0.008)  # the loop stays awake, and looks again and again
+        board.run(left_s)
+        board.write_at(hardware + WAITING, b"\1")
+    board.run(0.05)
+    for joint in range(5):
+        width_us = board.pulses(joint).width_us[100:]
+        assert len(width_us) > 1400
+        assert np.min(width_us) > 1450 - 3
+        assert np.max(width_us) < 1550 + PULSE_US
