@@ -15,6 +15,11 @@ settings.register_profile(
 )
 settings.load_profile("calm")
 
+# How somebody likes their terminal and their windows is nothing that tests may depend on.
+for taste in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "PYTHONWARNINGS"):
+    os.environ.pop(taste, None)
+os.environ["MPLBACKEND"] = "agg"
+
 # What CI need not have; make installs all the rest.
 OPTIONAL = ("needs a real robot", "an optional peer", "needs actionlint", "needs x86",
             "needs a Python with tkinter", "needs Linux", "needs a system with")  # fmt: skip

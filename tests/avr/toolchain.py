@@ -9,6 +9,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -70,6 +71,18 @@ def run(command: list[str], env: dict[str, str] | None = None) -> str:
     if done.returncode:
         raise ToolchainError(f"{' '.join(command)} exited {done.returncode}:\n{done.stdout}")
     return done.stdout
+
+
+def fetch(command: list[str]) -> None:
+    """Run a command that needs the network, which may fail for a moment."""
+    for pause_s in (1.0, 10.0):
+        try:
+            run(command)
+        except ToolchainError:
+            time.sleep(pause_s)
+        else:
+            return
+    run(command)
 
 
 @contextmanager
@@ -151,7 +164,7 @@ def fetch_servo(libdeps: Path) -> None:
     if not archive.exists():
         index = os.environ.get("PIP_INDEX_URL")
         chosen = ["--index-url", index] if index else []
-        run([sys.executable, "-m", "unearth", *chosen, SERVO_PACKAGE, "-d", str(BUILD)])
+        fetch([sys.executable, "-m", "unearth", *chosen, SERVO_PACKAGE, "-d", str(BUILD)])
     found = hashlib.sha256(archive.read_bytes()).hexdigest()
     if found != SERVO_SHA256:
         archive.unlink()

@@ -71,7 +71,7 @@ def test_poses_arrive_in_radians(any_port):
             (robot.straight, [0.0] * 5),
         ):
             move()
-            *_, last = robot.frames(2.0)
+            *_, last = robot.frames(0.8)  # at 360 degrees a second it is there
             assert last.setpoint_rad == pytest.approx(angles_rad, abs=math.radians(0.02))
         with pytest.raises(BadInput, match="5 angles"):
             robot.pose([0.0] * 4)
