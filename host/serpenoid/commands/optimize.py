@@ -10,13 +10,14 @@ import click
 
 from ..model.errors import NotConverged
 from ..model.words import FORMULATIONS
+from .friction.given import take_fit
 from .options import (
     AS_JSON,
     TypedCommand,
     describe,
     interruptible,
-    make_robot,
     robot_options,
+    robot_with_fit,
     show_json,
     stacked,
 )
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from ..model.robot import Robot
 
 _OF_A_FIT = ("links", "mass_kg", "length_m", "inertia_kg_m2", "ct", "cn", "ft0", "fn0")
+_GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
 limit_options = stacked([
@@ -126,11 +128,12 @@ class _Asked:
         if self.robust and self.formulation == "implicit":
             raise click.UsageError("--robust runs on the exact model; leave --formulation out")
         self.limits = _limits(given, send)
-        self.fit = _fit(given, self.robust)
+        fit = take_fit(given)
+        self.fit = _as_measured(given, fit, self.robust)
         self.uncertainty = _uncertainty(given, self.fit)
         self.robot: Robot
         self.ground: Ground
-        self.robot, self.ground = make_robot(given)
+        self.robot, self.ground = robot_with_fit(given, fit)
 
     def find(self, speed: float) -> LeastPower | RobustGait:
         """Search for one speed."""
@@ -170,11 +173,10 @@ def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
     return GaitLimits(**{name: value for name, value in taken.items() if value is not None})
 
 
-def _fit(given: dict[str, Any], robust: bool) -> FrictionFit | None:
-    """Return the fit of the options, None where they name none or change its friction or robot."""
-    from .friction.given import take_fit
-
-    fit = take_fit(dict(given))
+def _as_measured(
+    given: dict[str, Any], fit: FrictionFit | None, robust: bool
+) -> FrictionFit | None:
+    """Return the fit, None where there is none or options change its friction or robot."""
     changed = [f"--{name.replace('_', '-')}" for name in _OF_A_FIT if given.get(name) is not None]
     if fit is None or not changed:
         return fit
@@ -198,7 +200,7 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None) -> Uncertainty:
     }
     changes: dict[str, Any] = {k: v for k, v in taken.items() if v is not None}
     if fit is not None:
-        changes["grounds"] = fit.sample(128)
+        changes["grounds"] = fit.sample(_GROUNDS)
     return Uncertainty(**changes)
 
 

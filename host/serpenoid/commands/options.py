@@ -18,6 +18,7 @@ from ..model.errors import SerpenoidError
 from .friction.given import take_fit
 
 if TYPE_CHECKING:
+    from ..calibration.friction_result import FrictionFit
     from ..model.gait import Gait
     from ..model.ground import Ground
     from ..model.robot import Robot
@@ -118,9 +119,16 @@ def make_robot(
     given: dict[str, Any], base: tuple[Robot, Ground] | None = None
 ) -> tuple[Robot, Ground]:
     """Take robot and ground from the preset, a fit, or else `base`, and what overrides it."""
+    return robot_with_fit(given, take_fit(given), base)
+
+
+def robot_with_fit(
+    given: dict[str, Any], fit: FrictionFit | None, base: tuple[Robot, Ground] | None = None
+) -> tuple[Robot, Ground]:
+    """Take robot and ground as make_robot does, of a fit that has been read already."""
     from ..model.robot import Robot
 
-    preset, fit = given.pop("preset"), take_fit(given)
+    preset = given.pop("preset")
     if fit is not None:
         if preset is not None:
             raise click.UsageError("--robot and a fit both name robot and ground; give one of them")

@@ -186,7 +186,7 @@ class EitherWave:
 
     A wave from tail to head is one from head to tail of a robot whose head and tail have changed
     places; without a ratchet that is the same robot. Each search starts from the gait of the speed
-    before, too.
+    before, too. watts: what each search found last, inf for nothing.
     """
 
     def __init__(self, ground: Ground, search: Callable[[Ground], Finder]) -> None:
@@ -195,18 +195,20 @@ class EitherWave:
         if ground.ratchet:
             self.searches.append(search(ground.turned_round()))
         self.starts: list[Candidate | None] = [None] * len(self.searches)
+        self.watts = [math.inf] * len(self.searches)
 
     def cheapest(self, speed: float) -> LeastPower:
         """Return the cheapest gait for a speed; raises NotConverged."""
         found: list[LeastPower] = []
         lost: NotConverged | None = None
         for k, search in enumerate(self.searches):
+            self.watts[k] = math.inf
             try:
                 one = search.cheapest(speed, self.starts[k])
             except NotConverged as error:
                 lost = lost or error
                 continue
-            gait = one.gait
+            gait, self.watts[k] = one.gait, one.power_w
             shape = GaitShape.of(gait.alpha_rad, gait.beta_rad)
             self.starts[k] = Candidate(0.0, shape, gait.omega_rad_s)
             found.append(one if k == 0 else self._turned_back(one, search))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,7 +15,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady
-from .least_power import ANY, LeastPower, finder
+from .least_power import ANY, EitherWave, Finder, LeastPower, finder
 from .limits import GaitLimits
 from .quadratic_search import Point
 from .robust_search import KEEP, RobustSearch, low_speed, low_speed_error, sampled_speeds
@@ -80,26 +81,62 @@ def robust_gait(
     solved for sampled robots, never linearised: at a cliff their spread is skewed. The shape is
     chosen by the slow ones among them and a smoothed percentile, its rate by the percentile itself;
     the gait is then checked on as many others. Raises BadInput, and NotConverged when no gait will
-    do.
+    do. On a ratchet waves from tail to head (beta below 0) are looked through as well.
     """
     check_number("samples", samples, 20, 65536)
     uncertainty = uncertainty or Uncertainty()
     wanted = float(speed_m_s)
-    found = finder(robot, ground, [speed_m_s], cost, limits)
-    fragile = found.cheapest(wanted)
+    ways = EitherWave(ground, lambda on: finder(robot, on, [speed_m_s], cost, limits))
+    fragile = ways.cheapest(wanted)
     drawn = uncertainty.samples(robot, ground, samples, seed)
-    few, many = (drawn[: max(20, samples // part)] for part in _FOR_SHAPE)
-    work = RobustSearch(found, few, wanted)
-    start = work.coarse()
-    if start is not None:
-        rough = work.polish(start, few, 0.1, 0.04)
-        start = _settled(work, work.polish(rough, many, 0.04, 0.03), drawn)
-    if start is None:
+    best: _Found | None = None
+    for least_w, k in sorted(zip(ways.watts, range(2), strict=False)):
+        if least_w >= (best.watts if best else math.inf):  # robust it would cost more still
+            continue
+        seen = [one.turned_round() for one in drawn] if k else drawn
+        found = _one_way(ways.searches[k], seen, wanted)
+        if found is not None and (best is None or found.watts < best.watts):
+            best = replace(found, turned=k > 0)
+    if best is None:
         raise NotConverged(
             f"no gait keeps 95 % of the sampled robots above {KEEP * wanted:.3g} m/s within the "
             f"limits ({limits.in_words()}); ask for less speed, or know friction better"
         )
-    return _finished(start, work, fragile, drawn, uncertainty, seed)
+    return _finished(best, ground, fragile, drawn, uncertainty, seed)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A gait found with waves from head to tail, its cost, W, and the search that found it.
+
+    turned: the search knew the robot's tail as its head.
+    """
+
+    gait: Gait
+    watts: float
+    work: RobustSearch
+    turned: bool = False
+
+    @property
+    def as_sent(self) -> Gait:
+        """Return the gait for the robot that has its head in front."""
+        gait = self.gait
+        return replace(gait, beta_rad=-gait.beta_rad) if self.turned else gait
+
+
+def _one_way(search: Finder, drawn: list[Sample], wanted: float) -> _Found | None:
+    """Return the cheapest robust gait with waves from head to tail."""
+    few, many = (drawn[: max(20, len(drawn) // part)] for part in _FOR_SHAPE)
+    work = RobustSearch(search, few, wanted)
+    start = work.coarse()
+    if start is None:
+        return None
+    rough = work.polish(start, few, 0.1, 0.04)
+    best = _settled(work, work.polish(rough, many, 0.04, 0.03), drawn)
+    if best is None:
+        return None
+    state: Any = best.data
+    return _Found(state.gait, getattr(state, f"{search.search.cost}_w"), work)
 
 
 def _settled(work: RobustSearch, best: Point, drawn: list[Sample]) -> Point | None:
@@ -117,21 +154,20 @@ def _settled(work: RobustSearch, best: Point, drawn: list[Sample]) -> Point | No
 
 
 def _finished(
-    best: Point, work: RobustSearch, fragile: LeastPower, drawn: list[Sample],
+    best: _Found, ground: Ground, fragile: LeastPower, drawn: list[Sample],
     uncertainty: Uncertainty, seed: int,
 ) -> RobustGait:  # fmt: skip
     """Solve the gait once more, and look at all samples and at fresh ones."""
-    rough: Any = best.data
-    gait, search, robot = rough.gait, work.search, work.robot
-    exact = exact_solver(robot, search.ground, powers=True)(gait, 1e-4)
+    gait, work, search, robot = best.as_sent, best.work, best.work.search, best.work.robot
+    exact = exact_solver(robot, ground, powers=True)(gait, 1e-4)
     speeds = sampled_speeds(robot, gait, drawn)
-    fresh = uncertainty.samples(robot, search.ground, len(drawn), seed + 1)
+    fresh = uncertainty.samples(robot, ground, len(drawn), seed + 1, skip=len(drawn))
     of_fragile = drawn[:_OF_FRAGILE]
     return RobustGait(
         gait, getattr(exact, f"{search.cost}_w"), exact.speed_m_s, work.wanted, search.cost, exact,
         uncertainty, low_speed(speeds, len(drawn)),
         low_speed(sampled_speeds(robot, gait, fresh), len(fresh)), speeds, fragile,
         low_speed(sampled_speeds(robot, fragile.gait, of_fragile), len(of_fragile)),
-        search.limits.active(gait, search.torque_nm(gait)),
+        search.limits.active(gait, search.torque_nm(best.gait)),
         work.evaluations + search.evaluations + 2 * len(drawn) + len(of_fragile),
     )  # fmt: skip

@@ -52,16 +52,21 @@ class Uncertainty:
         for name, most in (("amplitude", 0.5), ("common_amplitude", 0.5), ("lag_rad", 1.0)):
             check_number(name, getattr(self, name), 0.0, most)
 
-    def samples(self, robot: Robot, ground: Ground, count: int, seed: int = 2005) -> list[Sample]:
-        """Draw robots that may be the real one: scrambled Sobol points, the same for a seed."""
+    def samples(
+        self, robot: Robot, ground: Ground, count: int, seed: int = 2005, skip: int = 0
+    ) -> list[Sample]:
+        """Draw robots that may be the real one: scrambled Sobol points, the same for a seed.
+
+        skip: so many of `grounds` are passed over, as far as there are others.
+        """
         from scipy.stats import norm, qmc
 
         joints = robot.links - 1
         sobol = qmc.Sobol(5 + 2 * joints, seed=seed)  # pyright: ignore[reportCallIssue]
         points = norm.ppf(np.clip(sobol.random(count), 1e-9, 1 - 1e-9))
         if self.grounds:
-            pick = np.random.default_rng(seed).permutation(len(self.grounds))
-            grounds = [self.grounds[pick[i % pick.size]] for i in range(count)]
+            pick = np.random.default_rng(2005).permutation(len(self.grounds))
+            grounds = [self.grounds[pick[(skip + i) % pick.size]] for i in range(count)]
         else:
             mix = np.linalg.cholesky(_AFTER_A_SESSION) if self.correlated else np.eye(4)
             factors = np.exp(points[:, :4] @ mix.T * np.array(self.friction))
@@ -99,6 +104,10 @@ class Sample:
     def gait(self, gait: Gait) -> Gait:
         """Return what the joints do when they are told to do a gait."""
         return replace(gait, joint_gain=self.joint_gain, joint_shift_rad=self.joint_shift_rad)
+
+    def turned_round(self) -> Sample:
+        """Return the same robot with its tail called head; it runs the gait with beta negated."""
+        return Sample(self.ground.turned_round(), self.joint_gain[::-1], self.joint_shift_rad[::-1])
 
 
 def _scaled(ground: Ground, factors: Sequence[float]) -> Ground:

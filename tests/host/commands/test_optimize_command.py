@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
 from serpenoid.gaits import paper_study
@@ -150,3 +152,16 @@ def test_the_start_explains_fig_6() -> None:
     assert closed.t_s[first.argmax()] == pytest.approx(0.031, abs=0.002)
     assert other.max() == pytest.approx(0.869e-3, rel=0.01)
     assert first[closed.t_s > 8].max() == pytest.approx(other[opened.t_s > 8].max(), rel=0.05)
+
+
+def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
+    of_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
+    for name in ("session.toml", "readings.csv"):
+        shutil.copy(of_2005 / name, tmp_path)
+    fit = sn.save_fit(sn.fit_friction(sn.load_session(tmp_path)), tmp_path)
+    rows = tmp_path / "readings.csv"
+    last = rows.read_text().splitlines()[-1]
+    with rows.open("a") as file:
+        file.write(last.replace(",kept,", ",void,") + "\n")
+    words = run("optimize", "--ground", str(fit), "--ft0", "0", "--fn0", "0", "--speed", "0.1")
+    assert words.stderr.count("is older than the readings") == 1

@@ -225,3 +225,12 @@ def test_refusals() -> None:
         sn.Uncertainty(friction=(0.1, 0.1))  # pyright: ignore[reportArgumentType]
     with pytest.raises(sn.BadInput, match="samples is 3"):
         sn.robust_gait(PAPER, VISCOUS, speed_m_s=0.1, samples=3)
+
+
+def test_the_check_draws_frictions_that_chose_nothing() -> None:
+    grounds = tuple(sn.Ground(0.01 + 1e-4 * k, 0.2) for k in range(64))
+    stated = sn.Uncertainty(grounds=grounds)
+    chose = {s.ground for s in stated.samples(OF_2005, BINGHAM, 32)}
+    check = {s.ground for s in stated.samples(OF_2005, BINGHAM, 32, seed=1, skip=32)}
+    assert chose | check == set(grounds)
+    assert not chose & check
