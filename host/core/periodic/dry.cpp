@@ -216,12 +216,23 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
         out = by_pieces(cycle, options, 1);
     }
     if (!out.converged) {  // from rest
-        z_ = {0, 0, cycle.momentum(0, 0) / cycle.scale()[2]};
+        const Vec3 rest = {0, 0, cycle.momentum(0, 0) / cycle.scale()[2]};
         SteadyState anew;
-        // what breaks off at one sequence of tolerances mostly does not at another
-        for (const double from : {1.0, 0.3, 0.1}) {
-            if (!wander(cycle, from == 1 ? 200 : 4, 0.02, 1e-3 * from)) continue;
+        // Newton's method mostly needs no settled start; what breaks off at one sequence of
+        // tolerances mostly does not at another. A state that repels is believed only of a motion
+        // that has led there.
+        struct Try {
+            double from;
+            int cycles;
+        };
+        constexpr Try kTries[] = {{1, 4}, {0.03, 4}, {1, 200}, {0.3, 4}, {0.1, 4}};
+        bool settled = false;
+        for (const auto& [from, cycles] : kTries) {
+            if (!settled) z_ = rest;
+            settled = settled || cycles > 4;
+            if (!wander(cycle, cycles, 0.02, 1e-3 * from)) continue;
             anew = by_pieces(cycle, options, from);
+            if (!settled && anew.slowest > 0) anew.converged = false;
             if (anew.converged || !(out.speed > 0)) out = anew;
             if (anew.converged) break;
         }
