@@ -67,6 +67,23 @@ class StageShape {
         }
     }
 
+    static void lowest(int wheels, int points, const Lanes* weights, const Lanes* values,
+                       double* out) {
+        for (int i = 0; i < wheels; ++i) {
+            const double* value = values[i].at;
+            V least = all<V>(__builtin_inf());
+            for (int p = 0; p < Lanes::kCount; p += W) {
+                V sum{};
+                for (int j = 0; j < points; ++j)
+                    sum = fused(in(weights[j], p), all<V>(value[j]), sum);
+                least = choose<V>(sum < least, sum, least);
+            }
+            double low = least[0];
+            for (int j = 1; j < W; ++j) low = least[j] < low ? least[j] : low;
+            out[i] = low;
+        }
+    }
+
     // joint_power.hpp has the formulas.
     static void torques(const CycleChain& q, int lanes, const Lanes& tau, const Lanes* momenta,
                         double omega, const double* viscous, const Lanes* dry, Lanes* torque,
@@ -96,7 +113,7 @@ class StageShape {
     }
 
     static constexpr StageKernel kernel() {
-        return {shape, sums, speeds, torques, StageSolve<W>::run};
+        return {shape, sums, speeds, lowest, torques, StageSolve<W>::run};
     }
 
   private:

@@ -33,6 +33,9 @@ struct StageKernel {
     // Every wheel's speed at u = (Vx, Vy, w).
     void (*speeds)(int wheels, int lanes, const StageWheel*, const Lanes* u, double omega,
                    Lanes* out);
+    // The least of each wheel's sums, by `points` weights of its lanes: of Bernstein's
+    // coefficients.
+    void (*lowest)(int wheels, int points, const Lanes* weights, const Lanes* values, double* out);
     // Every joint's torque and rate at such n m Vx, n m Vy, L, by the wheels' coefficients and dry
     // forces.
     void (*torques)(const CycleChain&, int lanes, const Lanes& tau, const Lanes* momenta,

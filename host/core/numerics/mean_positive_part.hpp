@@ -67,10 +67,11 @@ class NodePolynomial {
     std::array<double, s> coefficient_;
 };
 
-// Root of f between a and b, where fa and fb differ in sign (Illinois' regula falsi).
+// Root of f between a and b, where fa and fb differ in sign (Illinois' regula falsi), to `near` it.
 template <class Function>
-double bracketed_root(const Function& f, double a, double fa, double b, double fb) {
-    const double tiny = 1e-14 * (std::fabs(fa) + std::fabs(fb));
+double bracketed_root(const Function& f, double a, double fa, double b, double fb,
+                      double near = 0) {
+    const double tiny = std::fmax(near, 1e-14 * (std::fabs(fa) + std::fabs(fb)));
     for (int i = 0; i < 60 && std::fabs(b - a) > 1e-15; ++i) {
         const double x = b - fb * (b - a) / (fb - fa), fx = f(x);
         if (std::fabs(fx) <= tiny) return x;

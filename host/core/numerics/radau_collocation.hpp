@@ -1,6 +1,7 @@
 // Radau IIA collocation on [0, 1]: nodes, integration matrix, and what dense output needs.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -124,6 +125,22 @@ class StagePolynomial {
         return slope * x + value;
     }
 
+    // Bernstein's coefficients on [0, 1]: between the least and the largest lie all its values.
+    std::array<double, s + 1> bernstein() const {
+        const auto& c = RadauRule<s>::get().c;
+        std::array<double, s + 1> b{};
+        b[0] = d_[s];
+        for (int k = s - 1, degree = 1; k >= 0; --k, ++degree) {  // times (x - z_k), and d_k more
+            const double z = k > 0 ? c[k - 1] : 0;
+            for (int i = degree; i >= 0; --i) {
+                const double up = i > 0 ? b[i - 1] * i : 0;
+                const double keep = i < degree ? b[i] * (degree - i) : 0;
+                b[i] = (up * (1 - z) - keep * z) / degree + d_[k];
+            }
+        }
+        return b;
+    }
+
   private:
     // 1 / (z_k - z_j), z being 0 and the stages.
     static const std::array<double, (s + 1) * (s + 1)>& inverse_gaps() {
@@ -139,6 +156,36 @@ class StagePolynomial {
     }
 
     double d_[s + 1];
+};
+
+// A polynomial on a stretch of [0, 1], by Bernstein's coefficients there.
+template <int s>
+struct Stretch {
+    double from, to;
+    std::array<double, s + 1> b;
+
+    double least() const { return *std::min_element(b.begin(), b.end()); }
+
+    // Keep what is after the fraction x of it; returned is what is before.
+    Stretch cut(double x) {
+        Stretch before{from, from + (to - from) * x, {}};
+        from = before.to;
+        for (int k = 0; k <= s; ++k) {
+            before.b[k] = b[0];
+            for (int i = 0; i + k < s; ++i) b[i] += x * (b[i + 1] - b[i]);
+        }
+        return before;
+    }
+
+    // The first stretch at whose end it is below `limit`, by halving; `shortest` bounds the search.
+    bool first_below(double limit, double shortest, Stretch& found) const {
+        if (least() >= limit) return false;
+        found = *this;
+        if (to - from <= shortest) return b[s] < limit;
+        Stretch after = *this;
+        return after.cut(0.5).first_below(limit, shortest, found) ||
+               after.first_below(limit, shortest, found);
+    }
 };
 
 }  // namespace serpenoid

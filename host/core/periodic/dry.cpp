@@ -74,7 +74,7 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
     for (int i = 0; i < kMost; ++i) {
         Vec3 p, r, d;
         for (int k = 0; k < 3; ++k) p[k] = z_[k] * scale[k];
-        const bool watched = powers && (i > 0 || near_);
+        const bool watched = powers && (i > 0 || near_ || promising_);
         cycle.watch_powers(watched ? &positive_ : nullptr);
         const bool done = cycle.follow(p, span(), tolerance, 0, end_);
         cycle.watch_powers(nullptr);
@@ -97,6 +97,7 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
             continue;
         }
         if (!step(r, d)) return Ended::stalled;
+        if (i == 0 && !near_) promising_ = size(d) <= 4 * goal;
         if (size(d) <= goal && watched == powers) {
             report(cycle, d, tolerance, out);
             for (int k = 0; k < 3; ++k) z_[k] += d[k];
@@ -135,7 +136,7 @@ void SteadyDry::report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyS
     out.speed = std::hypot(x, y) * gait_.omega / (2 * M_PI);
     out.direction = std::atan2(y, x), out.turn = turn;
     out.monodromy = M, out.slowest = log_spectral_radius(M);
-    out.power = end_.dissipated / time;
+    out.power = moved(6, end_.dissipated) / time;
     out.start = {(z_[0] + d[0]) * scale[0] / nm, (z_[1] + d[1]) * scale[1] / nm,
                  cycle.rate((z_[2] + d[2]) * scale[2], 0)};
 }
@@ -167,8 +168,9 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
     near_ = false;
     for (double tolerance = from * std::clamp(kFirst * options.rtol, 1e-6, 3e-4); tolerance > kLast;
          tolerance *= 0.05) {
-        const Ended ended =
-            newton(cycle, tolerance, std::max(10 * tolerance, 1e-9), options.powers, out);
+        // the derivatives stand for the rest of the way; its square is what they miss
+        const double goal = std::max((near_ ? 60 : 40) * tolerance, 1e-9);
+        const Ended ended = newton(cycle, tolerance, goal, options.powers, out);
         if (ended == Ended::broken || (ended == Ended::stalled && first)) break;
         if (options.powers) add_positive(first, before_positive, out);
         near_ = true;
@@ -196,12 +198,36 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
     return out;
 }
 
-// A state to start from: on the line through the last two rates' ones, unless that is far out.
+// A state to start from: by the parabola through the last three rates' ones, over the period, or
+// the line through two, unless that is far out.
 void SteadyDry::guess(double omega) {
-    const double apart = last_omega_ - before_omega_;
-    const double part = apart == 0 ? HUGE_VAL : (omega - last_omega_) / apart;
-    if (before_omega_ > 0 && std::fabs(part) <= 2)
-        for (int k = 0; k < 3; ++k) z_[k] += part * (z_[k] - z_before_[k]);
+    constexpr double kFar = 8;
+    for (std::size_t count = known_.size(); count > 0; --count) {
+        const Known* const from = known_.data() + known_.size() - count;
+        Vec3 z{};
+        double weights = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            double weight = 1;
+            for (std::size_t j = 0; j < count; ++j)
+                if (j != k)
+                    weight *=
+                        (1 / omega - 1 / from[j].omega) / (1 / from[k].omega - 1 / from[j].omega);
+            weights += std::fabs(weight);
+            for (int i = 0; i < 3; ++i) z[i] += weight * from[k].z[i];
+        }
+        if (weights > kFar) continue;
+        z_ = z;
+        return;
+    }
+}
+
+// Keep what is known for the rates to come; after one that failed they begin anew.
+void SteadyDry::remember(double omega, bool converged) {
+    const auto same = [&](const Known& k) { return k.omega == omega; };
+    if (!converged) known_.clear();
+    std::erase_if(known_, same);
+    if (known_.size() == 3) known_.erase(known_.begin());
+    if (converged) known_.push_back({omega, z_});
 }
 
 SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
@@ -209,9 +235,8 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
     DryCycle cycle(robot_, ground_, gait_);
     cycle.limit(3'000'000 / robot_.n);
     SteadyState out;
-    const bool followed = last_omega_ > 0;
-    const Vec3 last = z_;
-    if (followed) {
+    promising_ = promising_ && known_.size() > 1;
+    if (!known_.empty()) {
         guess(omega);
         out = by_pieces(cycle, options, 1);
     }
@@ -237,8 +262,7 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
             if (anew.converged) break;
         }
     }
-    before_omega_ = out.converged && followed ? last_omega_ : 0, z_before_ = last;
-    last_omega_ = out.converged ? omega : 0;
+    remember(omega, out.converged);
     if (out.converged) return out;
     const SteadyState slow = steady_dry_by_steps(robot_, ground_, gait_, options);
     if (slow.converged || !(out.speed > 0)) return slow;

@@ -22,6 +22,10 @@ class SteadyDry {
     SteadyState solve(double omega, const SteadyOptions& options);
 
   private:
+    struct Known {
+        double omega;
+        Vec3 z;
+    };
     enum class Ended { converged, stalled, broken };
     SteadyState by_pieces(DryCycle& cycle, const SteadyOptions& options, double from);
     bool wander(DryCycle& cycle, int most, double near, double tolerance);
@@ -31,20 +35,21 @@ class SteadyDry {
     void report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyState& out);
     void add_positive(bool first, std::vector<double>& before, SteadyState& out) const;
     void guess(double omega);
+    void remember(double omega, bool converged);
     double slackness() const;
     double span() const { return gait_.offset == 0 ? M_PI : 2 * M_PI; }
 
     Robot robot_;
     Ground ground_;
     Gait gait_;
-    bool near_ = false;                         // the state is good to a tolerance
-    double last_omega_ = 0, before_omega_ = 0;  // rates whose states are known, if any
-    Vec3 z_before_{};                           // of the rate before the last
-    Vec3 z_{};                                  // state at phase 0, over the scales
-    CycleState end_;                            // of the last map
-    std::vector<double> positive_;              // and its integrals of P_i^+, J
-    double net_work_ = 0;                       // and the joints' work, J
-    Mat3 M_{};  // derivative of the image by the state, over the scales
+    bool near_ = false;             // the state is good to a tolerance
+    bool promising_ = false;        // guesses are so good that the first map may do
+    std::vector<Known> known_;      // up to three rates, the last one last
+    Vec3 z_{};                      // state at phase 0, over the scales
+    CycleState end_;                // of the last map
+    std::vector<double> positive_;  // and its integrals of P_i^+, J
+    double net_work_ = 0;           // and the joints' work, J
+    Mat3 M_{};                      // derivative of the image by the state, over the scales
 };
 
 }  // namespace serpenoid

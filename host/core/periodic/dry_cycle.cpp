@@ -17,6 +17,10 @@ using Rule = SlidingPiece::Rule;
 using Polynomial = StagePolynomial<s>;
 using Stages = std::array<double, s>;
 
+// What ends a mode, in units of the aim: at a stage, and between them, where the polynomial knows
+// less. In between lies what rounding does.
+constexpr double kBeyond = -2, kFarBeyond = -200;
+
 // Integral from 0 to x of the polynomial through values at the stages, as weights.
 Stages weights_to(double x) {
     const Rule& rule = Rule::get();
@@ -34,7 +38,14 @@ Stages weights_to(double x) {
     return b;
 }
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+// By the first p, of what is known by a piece's p.
+Mat3 rows_by(const Mat3& T, const CycleState& from) {
+    Mat3 B{};
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k)
+            for (int c = 0; c < 3; ++c) B[3 * i + c] += T[3 * i + k] * from.by_start[k][c];
+    return B;
+}
 
 }  // namespace
 
@@ -47,6 +58,7 @@ DryCycle::DryCycle(const Robot& robot, const Ground& ground, const Gait& gait)
       table_(robot.n, gait),
       piece_(robot, ground, gait, instruction_sets().front()->stage),
       margin_(2 * robot.n),
+      lowest_(2 * robot.n),
       torque_(robot.n),
       rate_(robot.n) {
     const double v = gait.omega * robot.l * std::max(gait.alpha, 1e-9), arm = robot.n * robot.l;
@@ -153,39 +165,33 @@ void DryCycle::margins() {
 }
 
 // The first end of a wheel's mode before `first`: between the first pair of points of which the
-// second is beyond it, or in a dip between three. A fraction of the piece, or 1.
+// second is beyond it, or in a dip between them. A fraction of the piece, or `first`.
 double DryCycle::end_of_wheel(const double* m, double first) const {
-    constexpr double kBeyond = -2;
     const auto& c = Rule::get().c;
-    double before = m[0], z = 0;
-    for (int j = 0; j < s && z < first; ++j) {
-        double end = c[j], value = m[j + 1];
-        if (value >= kBeyond && j + 1 < s && value < before && value < m[j + 2]) {
-            // lowest near here: look at the bottom of the parabola
-            const double s0 = (value - before) / (end - z),
-                         s1 = (m[j + 2] - value) / (c[j + 1] - end);
-            const double curvature = (s1 - s0) / (c[j + 1] - z);
-            const double low = (z + end) / 2 - s0 / (2 * curvature);
-            const double there = Polynomial(m)(low);
-            if (there < kBeyond) end = low, value = there;
-        }
-        if (value < kBeyond) {
-            if (before <= -1) return z;
-            const Polynomial p(m);
-            const auto f = [&](double x) { return p(x) + 1; };
-            return bracketed_root(f, z, before + 1, end, value + 1);
-        }
-        before = m[j + 1], z = c[j];
-    }
-    return 1;
+    const Polynomial p(m);
+    const auto between = [&](double z, double before, double end, double value) {
+        constexpr double kNear = 0.1;
+        if (before <= -1) return z;
+        return bracketed_root([&](double x) { return p(x) + 1; }, z, before + 1, end, value + 1,
+                              kNear);
+    };
+    double found = first, z = 0;
+    for (int j = 0; j < s && z < found; z = c[j++])
+        if (m[j + 1] < kBeyond) found = std::min(found, between(z, m[j], c[j], m[j + 1]));
+    Stretch<s> whole{0, 1, p.bernstein()}, dip;
+    if (found < 1) whole = whole.cut(found);
+    if (whole.first_below(kFarBeyond, 1.0 / 64, dip))
+        found = std::min(found, between(dip.from, dip.b[0], dip.to, dip.b[s]));
+    return found;
 }
 
 // The first end of a mode in the piece.
 DryCycle::Ending DryCycle::ending() {
     margins();
+    piece_.lowest(margin_.data(), lowest_.data());
     Ending first;
     for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
-        if (!piece_.has_modes(wheel)) continue;
+        if (!piece_.has_modes(wheel) || lowest_[wheel] >= kBeyond) continue;
         const double at = end_of_wheel(margin_[wheel].at, first.at);
         if (at < first.at) first = {at, wheel, mode_.sign[wheel] != 0};
     }
@@ -228,60 +234,59 @@ bool DryCycle::change_mode(CycleState& state, double& tau, double tau_end, const
     return true;
 }
 
+// What friction takes, W, and its derivative by u.
+std::pair<double, Vec3> DryCycle::dissipation(const SlidingPiece::Node& k, const Vec3& u) const {
+    const double* D = k.D;
+    const Vec3 drag = {D[0] * u[0] + D[1] * u[1] + D[2] * u[2] + omega_ * k.d[0],
+                       D[1] * u[0] + D[3] * u[1] + D[4] * u[2] + omega_ * k.d[1],
+                       D[2] * u[0] + D[4] * u[1] + D[5] * u[2] + omega_ * k.d[2]};
+    Vec3 by;
+    double watts = omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2] + omega_ * k.dd);
+    for (int i = 0; i < 3; ++i)
+        watts += (drag[i] + k.dry[i]) * u[i], by[i] = 2 * drag[i] + k.dry[i];
+    return {watts + omega_ * k.dry_e, by};
+}
+
 // Integrals over the first x of a piece of h, and the state there.
 void DryCycle::accumulate(double h, double x, CycleState& state) {
     const Rule& rule = Rule::get();
     const Stages b = weights_to(x);
     const double dt = h / omega_;
-    double turn[s];
-    Vec3 turn_by[s], w_by[s];
     const CycleState from = state;
+    std::array<Mat3, s> by;  // u at the stages by the first p
     for (int j = 0; j < s; ++j) {
-        const Mat3& T = piece_.stage_tangent(j);
-        for (int c = 0; c < 3; ++c)
-            w_by[j][c] = (T[6] * from.by_start[0][c] + T[7] * from.by_start[1][c] +
-                          T[8] * from.by_start[2][c]) /
-                         piece_.node(j + 1).J;
+        const double unit[3] = {1 / nm_, 1 / nm_, piece_.node(j + 1).iJ};
+        by[j] = rows_by(piece_.stage_tangent(j), from);
+        for (int i = 0; i < 9; ++i) by[j][i] *= unit[i / 3];
     }
     for (int j = 0; j < s; ++j) {
-        turn[j] = from.theta, turn_by[j] = from.by_start[3];
-        for (int k = 0; k < s; ++k) {
-            const double w = dt * rule.a[j * s + k];
-            turn[j] += w * piece_.stage_velocity(k)[2];
-            for (int c = 0; c < 3; ++c) turn_by[j][c] += w * w_by[k][c];
-        }
-    }
-    for (int j = 0; j < s; ++j) {
-        const SlidingPiece::Node& k = piece_.node(j + 1);
+        const double w = dt * b[j];
         const Vec3& u = piece_.stage_velocity(j);
-        const Mat3& T = piece_.stage_tangent(j);
-        const double w = dt * b[j], heading = turn[j] - spin_ * (tau_start_ + h * rule.c[j]);
+        double turn = from.theta;
+        Vec3 turn_by = from.by_start[3];
+        for (int k = 0; k < s; ++k) {
+            const double a = dt * rule.a[j * s + k];
+            turn += a * piece_.stage_velocity(k)[2];
+            for (int c = 0; c < 3; ++c) turn_by[c] += a * by[k][6 + c];
+        }
+        const double heading = turn - spin_ * (tau_start_ + h * rule.c[j]);
         const double cn = std::cos(heading), sn = std::sin(heading);
-        state.theta += w * u[2];
-        state.x += w * (cn * u[0] - sn * u[1]), state.y += w * (sn * u[0] + cn * u[1]);
-        const double* D = k.D;
-        state.dissipated += w * (u[0] * (D[0] * u[0] + 2 * D[1] * u[1] + 2 * D[2] * u[2]) +
-                                 u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
-                                 2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
-                                 omega_ * omega_ * k.dd + dot(k.dry, u) + omega_ * k.dry_e);
+        const double vx = cn * u[0] - sn * u[1], vy = sn * u[0] + cn * u[1];
+        const auto [watts, watts_by] = dissipation(piece_.node(j + 1), u);
+        state.theta += w * u[2], state.x += w * vx, state.y += w * vy;
+        state.dissipated += w * watts;
         for (int c = 0; c < 3; ++c) {
-            double vx = 0, vy = 0;
-            for (int i = 0; i < 3; ++i)
-                vx += T[i] * from.by_start[i][c] / nm_, vy += T[3 + i] * from.by_start[i][c] / nm_;
-            state.by_start[3][c] += w * w_by[j][c];
-            state.by_start[4][c] +=
-                w * (cn * vx - sn * vy - (sn * u[0] + cn * u[1]) * turn_by[j][c]);
-            state.by_start[5][c] +=
-                w * (sn * vx + cn * vy + (cn * u[0] - sn * u[1]) * turn_by[j][c]);
+            const double x_by = by[j][c], y_by = by[j][3 + c], w_by = by[j][6 + c];
+            state.by_start[3][c] += w * w_by;
+            state.by_start[4][c] += w * (cn * x_by - sn * y_by - vy * turn_by[c]);
+            state.by_start[5][c] += w * (sn * x_by + cn * y_by + vx * turn_by[c]);
+            state.by_start[6][c] +=
+                w * (watts_by[0] * x_by + watts_by[1] * y_by + watts_by[2] * w_by);
         }
     }
     state.p = x == 1 ? piece_.stage(s - 1) : piece_.at(x);
-    const Mat3 T = x == 1 ? piece_.stage_tangent(s - 1) : piece_.tangent(x);
-    for (int i = 0; i < 3; ++i)
-        for (int c = 0; c < 3; ++c) {
-            state.by_start[i][c] = 0;
-            for (int k = 0; k < 3; ++k) state.by_start[i][c] += T[3 * i + k] * from.by_start[k][c];
-        }
+    const Mat3 B = rows_by(x == 1 ? piece_.stage_tangent(s - 1) : piece_.tangent(x), from);
+    for (int i = 0; i < 9; ++i) state.by_start[i / 3][i % 3] = B[i];
 }
 
 // Add the integrals of P_i^+ over the first x of a piece, from the joints' torques at Gauss points;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "numerics/kinked_quadratic.hpp"
@@ -21,7 +22,7 @@ struct CycleState {
     Vec3 p{};                        // nm Vx, nm Vy, L
     double theta = 0, x = 0, y = 0;  // heading, and place in axes that turn by `spin`
     double dissipated = 0;           // J
-    std::array<Vec3, 6> by_start{};  // derivatives of p, theta, x, y by the first p
+    std::array<Vec3, 7> by_start{};  // derivatives of p, theta, x, y, dissipated by the first p
 };
 
 class DryCycle {
@@ -63,6 +64,7 @@ class DryCycle {
     Ending ending();
     void jump(const Vec3& rate_after, CycleState& state);
     void await_jump(const Ending& ending, double h);
+    std::pair<double, Vec3> dissipation(const SlidingPiece::Node& node, const Vec3& u) const;
     void accumulate(double h, double x, CycleState& state);
     void add_positive(double tau, double h, double x);
     bool advance(CycleState& state, double tau_end, double tolerance);
@@ -75,7 +77,9 @@ class DryCycle {
     std::vector<double> lag_;  // of every joint, rad
     BodyShape shape_;
     SlidingPiece piece_;
-    std::vector<SlidingPiece::Lanes> margin_, torque_, rate_;
+    std::vector<SlidingPiece::Lanes> margin_;
+    std::vector<double> lowest_;  // of the margins, a bound
+    std::vector<SlidingPiece::Lanes> torque_, rate_;
     std::vector<double> apart_;
     SlidingMode mode_;
     Convex3 convex_;

@@ -220,6 +220,20 @@ void SlidingPiece::speeds(Lanes* to) const {
     kernel_.speeds(2 * robot_.n, s + 1, wheel_.data(), u, omega_, to);
 }
 
+void SlidingPiece::lowest(const Lanes* values, double* to) const {
+    static const auto weights = [] {
+        std::array<Lanes, s + 1> w{};
+        for (int j = 0; j <= s; ++j) {
+            double unit[s + 1]{};
+            unit[j] = 1;
+            const auto b = StagePolynomial<s>(unit).bernstein();
+            for (int i = 0; i < Lanes::kCount; ++i) w[j].at[i] = b[std::min(i, s)];
+        }
+        return w;
+    }();
+    kernel_.lowest(2 * robot_.n, s + 1, weights.data(), values, to);
+}
+
 void SlidingPiece::stuck_forces(const SlidingMode& mode) {
     if (mode.count == 0) return;
     for (int j = 0; j < s; ++j) {

@@ -95,6 +95,8 @@ class SlidingPiece {
     double stage_force(int j, int a) const { return lambda_[j][a]; }
     // Every wheel's speed at the start and the stages.
     void speeds(Lanes* to) const;
+    // A lower bound of each wheel's polynomial through such values.
+    void lowest(const Lanes* values, double* to) const;
     // Every joint's torque and rate at some fractions of the piece.
     void torques(int count, const double* x, Lanes* torque, Lanes* rate);
 
