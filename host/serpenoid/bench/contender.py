@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ..model.errors import BadInput
+from ..model.ground import Ground
 from .problems import Array, Problem
 
 Work = Callable[[], Array]
@@ -30,3 +32,13 @@ class Contender:
 def even_step_s(problem: Problem, dt_s: float) -> float:
     """Return the step next to dt_s of which the duration is a whole number."""
     return problem.duration_s / max(1, round(problem.duration_s / dt_s))
+
+
+def check_smooth(peer: str, ground: Ground) -> None:
+    """Refuse ground that a peer cannot state: dry friction and ratchet wheels. Raises BadInput."""
+    for there, what in ((ground.dry, "wheels that stick"), (ground.ratchet, "ratchet wheels")):
+        if there:
+            raise BadInput(
+                f"{peer} cannot state {what} ({ground}): its friction here is a damper, the same "
+                "both ways; give viscous ground with one ct"
+            )

@@ -60,7 +60,7 @@ class Problem:
     @cached_property
     def start(self) -> LinkState:
         """Return the state from which every contender starts (consistent: no ringing)."""
-        method = "nonsmooth" if self.ground.dry else "rk4"
+        method = "rk4" if self.ground.smooth else "nonsmooth"
         return start_state(self.scene(method=method))
 
     @property

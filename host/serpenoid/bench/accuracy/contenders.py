@@ -27,7 +27,7 @@ def _own(problem: Problem, method: str) -> Contender:
 
 def own(problem: Problem) -> list[Contender]:
     """Return every method of ours that runs a problem's formulation and friction law."""
-    law = "dry" if problem.ground.dry else "viscous"
+    law = "viscous" if problem.ground.smooth else "dry"
     return [
         _own(problem, name)
         for name, kind in METHODS.items()

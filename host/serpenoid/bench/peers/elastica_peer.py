@@ -28,6 +28,7 @@ from elastica.timestepper.symplectic_steppers import (  # pyright: ignore[report
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ..contender import check_smooth
 
 STIFFNESS_NM = 50.0  # of a joint's bend, N m/rad
 _RADIUS_OF_LENGTH = 1 / 6
@@ -75,7 +76,7 @@ def _rod(robot: Robot, ground: Ground, gait: Gait) -> tuple[Any, Any]:
             along = system.tangents
             v = (system.velocity_collection[:, 1:] + system.velocity_collection[:, :-1]) / 2
             rolling = (v * along).sum(axis=0) * along
-            force = -(ground.ct * rolling + ground.cn * (v - rolling))
+            force = -(ground.ct_forward * rolling + ground.cn * (v - rolling))
             system.external_forces[:, :-1] += force / 2
             system.external_forces[:, 1:] += force / 2
 
@@ -99,8 +100,9 @@ def follow(
 ) -> RodGait:
     """Follow a gait from rest until a cycle's speed is the last one's to `settled`, relative.
 
-    Seconds of processor time leave out one step that compiles.
+    Seconds of processor time leave out one step that compiles. Raises BadInput.
     """
+    check_smooth("PyElastica", ground)
     snake, rod = _rod(robot, ground, gait)
     steps = math.ceil(gait.period_s / dt_s)
     dt_s, stepper, now = gait.period_s / steps, PositionVerlet(), 0.0

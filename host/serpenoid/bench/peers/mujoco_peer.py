@@ -5,7 +5,8 @@ each link (an actuator at the link's centre, which MuJoCo's implicit integrators
 Not comparable: MuJoCo cannot impose joint angles. They are held here by equality constraints with
 the gait's angle, rate and acceleration fed forward, renewed every step, so the gait itself is kept
 only to the order of the integrator; and it computes in three dimensions. Dry friction of a
-set-valued, anisotropic kind and the springs of the implicit model are left out.
+set-valued, anisotropic kind, ratchet wheels (a damper is the same both ways) and the springs of the
+implicit model are left out.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from __future__ import annotations
 import mujoco as mj  # pyright: ignore[reportMissingImports] (an optional extra)
 import numpy as np
 
-from ..contender import Contender, Work, even_step_s
+from ..contender import Contender, Work, check_smooth, even_step_s
 from ..problems import Array, Problem
 
 STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
@@ -24,7 +25,7 @@ def mujoco(problem: Problem) -> list[Contender]:
 
     Its RK4 is left out: with constraints renewed once a step it stays at an error of 1e-2.
     """
-    if problem.implicit or problem.ground.dry:
+    if problem.implicit or not problem.ground.smooth:
         return []
     return [Contender("MuJoCo implicitfast", "MuJoCo", "dt_s", STEPS_S, _work)]
 
@@ -32,6 +33,7 @@ def mujoco(problem: Problem) -> list[Contender]:
 def _model_text(problem: Problem, dt_s: float) -> str:
     """Return the scene in MuJoCo's language: link 1 on two slides and a hinge, the rest hinged."""
     r, g = problem.robot, problem.ground
+    check_smooth("MuJoCo", g)
     half, inertia = r.link_length_m / 2, r.inertia_kg_m2
     bodies, dampers, held = "", "", ""
     for i in range(r.links):

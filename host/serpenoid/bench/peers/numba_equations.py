@@ -17,7 +17,8 @@ from ..problems import Array, Problem
 
 _JIT = {"cache": True, "error_model": "numpy", "nogil": True}
 # places in `parameters`
-N, M, L, INERTIA, CT, CN, FT0, FN0, WIDTH, ALPHA, OMEGA, OFFSET, K, C, HEAD = range(15)
+(N, M, L, INERTIA, CT, CN, FT0, FN0, WIDTH, ALPHA, OMEGA, OFFSET, K, C, CT_BACK, FT0_BACK,
+ HEAD) = range(17)  # fmt: skip
 
 
 def parameters(problem: Problem, width_m_s: float = 0.0) -> Array:
@@ -29,8 +30,9 @@ def parameters(problem: Problem, width_m_s: float = 0.0) -> Array:
     lag = gait.beta_rad * np.arange(robot.links - 1)
     head = [
         robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.link_inertia_kg_m2,
-        ground.ct, ground.cn, ground.ft0, ground.fn0, width_m_s, gait.alpha_rad,
+        ground.ct_forward, ground.cn, ground.ft0_forward, ground.fn0, width_m_s, gait.alpha_rad,
         gait.omega_rad_s, gait.offset_rad, problem.stiffness_n_m, problem.damping_n_s_m,
+        ground.ct_backward, ground.ft0_backward,
     ]  # fmt: skip
     return np.concatenate([head, np.cos(lag), np.sin(lag)])
 
@@ -41,10 +43,19 @@ def _sign(v, width):
 
 
 @njit(**_JIT)
+def _along(v, p, dry):
+    """Return the force along a link: ratchet wheels resist differently backwards."""
+    force = -(p[CT] if v > 0 else p[CT_BACK]) * v
+    if dry:
+        force -= (p[FT0] if v > 0 else p[FT0_BACK]) * _sign(v, p[WIDTH])
+    return force
+
+
+@njit(**_JIT)
 def explicit_rate(t, y, p, dy):
     """Fill dy of the exact model: three unknowns by sums over the links."""
     n, m, half, inertia, w = int(p[N]), p[M], p[L], p[INERTIA], p[OMEGA]
-    dry = p[FT0] > 0 or p[FN0] > 0
+    dry = p[FT0] > 0 or p[FT0_BACK] > 0 or p[FN0] > 0
     st, ct = math.sin(w * t), math.cos(w * t)
     th, om, turn, vx, vy = y[2], y[5], 0.0, y[3], y[4]
     c, s = math.cos(th), math.sin(th)
@@ -65,9 +76,8 @@ def explicit_rate(t, y, p, dy):
             bx -= half * (turn0 * s0 + om0 * om0 * c0 + turn * s + om * om * c)
             by += half * (turn0 * c0 - om0 * om0 * s0 + turn * c - om * om * s)
         vt, vn = c * vx + s * vy, c * vy - s * vx
-        ft, fn = -p[CT] * vt, -p[CN] * vn
+        ft, fn = _along(vt, p, dry), -p[CN] * vn
         if dry:
-            ft -= p[FT0] * _sign(vt, p[WIDTH])
             fn -= p[FN0] * _sign(vn, p[WIDTH])
         qx, qy = ft * c - fn * s - m * bx, ft * s + fn * c - m * by
         gx += qx
@@ -90,7 +100,7 @@ def explicit_rate(t, y, p, dy):
 def implicit_rate(t, y, p, dy):
     """Fill dy of the model with springs and dampers in the joints (Eqs. 51-56)."""
     n, m, half, inertia, w = int(p[N]), p[M], p[L], p[INERTIA], p[OMEGA]
-    dry = p[FT0] > 0 or p[FN0] > 0
+    dry = p[FT0] > 0 or p[FT0_BACK] > 0 or p[FN0] > 0
     st, ct = math.sin(w * t), math.cos(w * t)
     th, om, turn = y[4 * n], y[4 * n + 1], 0.0
     couple = turns = c0 = s0 = om0 = 0.0
@@ -104,9 +114,8 @@ def implicit_rate(t, y, p, dy):
         c, s = math.cos(th), math.sin(th)
         vx, vy = y[2 * n + i], y[3 * n + i]
         vt, vn = c * vx + s * vy, c * vy - s * vx
-        ft, fn = -p[CT] * vt, -p[CN] * vn
+        ft, fn = _along(vt, p, dry), -p[CN] * vn
         if dry:
-            ft -= p[FT0] * _sign(vt, p[WIDTH])
             fn -= p[FN0] * _sign(vn, p[WIDTH])
         ax, ay = (ft * c - fn * s) / m, (ft * s + fn * c) / m
         if i > 0:

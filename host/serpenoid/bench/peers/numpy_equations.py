@@ -31,8 +31,9 @@ def rate_of(problem: Problem, width_m_s: float = 0.0) -> Rate:
 
     def friction(c: Array, s: Array, vx: Array, vy: Array) -> tuple[Array, Array]:
         vt, vn = c * vx + s * vy, c * vy - s * vx
-        ft = -ground.ct_forward * vt - (ground.ft0_forward * sign(vt) if ground.ft0 else 0)
-        fn = -ground.cn * vn - (ground.fn0 * sign(vn) if ground.fn0 else 0)
+        ct = np.where(vt > 0, ground.ct_forward, ground.ct_backward)
+        ft0 = np.where(vt > 0, ground.ft0_forward, ground.ft0_backward)
+        ft, fn = -ct * vt - ft0 * sign(vt), -ground.cn * vn - ground.fn0 * sign(vn)
         return ft * c - fn * s, ft * s + fn * c
 
     def explicit(t: float, y: Array) -> Array:

@@ -1,0 +1,70 @@
+"""Ratchet wheels among the peers: done right by those who can state them, refused by the others."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from scipy.integrate import solve_ivp
+from serpenoid.bench.accuracy.contenders import own
+from serpenoid.bench.contender import check_smooth
+from serpenoid.bench.peers.numpy_equations import rate_of
+from serpenoid.bench.problems import Problem, problems
+from serpenoid.model.errors import BadInput
+
+GROUNDS = {
+    "viscous": sn.Ground(ct=(0.1, 2.0), cn=10.0),
+    "dry": sn.Ground(ct=(0.1, 2.0), cn=10.0, ft0=(0.02, 0.3), fn0=0.1),
+    "held backwards": sn.Ground(ct=0.1, cn=10.0, ft0=(0.0, 0.3)),
+}
+
+
+def ratchet(name: str, ground: str = "viscous") -> Problem:
+    return replace(next(p for p in problems() if p.name == name), ground=GROUNDS[ground])
+
+
+def test_numpy_equations_and_the_core_go_the_same_way() -> None:
+    gait, ground = sn.Gait(1.2, 3.0, 3.0), sn.Ground(ct=(0.1, 20.0), cn=1.0)
+    problem = replace(ratchet("paper3"), gait=gait, ground=ground, duration_s=3.0)
+    out = solve_ivp(rate_of(problem), (0, 3), problem.first, "DOP853", rtol=1e-10, atol=1e-12)
+    end = out.y[:, -1]
+    run = sn.simulate(problem.scene(start=problem.start, method="nonsmooth", tolerance=1e-11))
+    # SciPy steps over the kinks of the friction by its error control alone
+    assert problem.error(problem.vector(run.state()), end) < 1e-7
+    forwards = replace(problem, ground=sn.Ground(0.1, 1.0)).scene(start=problem.start)
+    assert problem.error(problem.vector(sn.simulate(forwards).state()), end) > 0.1
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+@pytest.mark.parametrize("name", ["paper6", "paper6_k1e3"])
+def test_numba_and_numpy_rates_agree(name: str, ground: str) -> None:
+    equations = pytest.importorskip("serpenoid.bench.peers.numba_equations", exc_type=ImportError)
+    problem = ratchet(name, ground)
+    y = np.random.default_rng(3).normal(size=problem.first.size) * 0.3
+    compiled = equations.rate_array(problem.implicit, 0.4, y, equations.parameters(problem))
+    plain = rate_of(problem)(0.4, y)
+    assert np.abs(compiled - plain).max() < 1e-13 * np.abs(plain).max()
+
+
+@pytest.mark.parametrize(("ground", "said"), [("viscous", "ratchet wheels"), ("dry", "stick")])
+def test_a_damper_refuses_what_it_cannot_state(ground: str, said: str) -> None:
+    with pytest.raises(BadInput, match=f"PyElastica cannot state .*{said}"):
+        check_smooth("PyElastica", GROUNDS[ground])
+    check_smooth("PyElastica", sn.Ground(0.1, 10.0))
+
+
+def test_mujoco_does_not_take_the_forward_friction_for_a_ratchet() -> None:
+    peer = pytest.importorskip("serpenoid.bench.peers.mujoco_peer", exc_type=ImportError)
+    assert peer.mujoco(ratchet("paper3")) == []
+    with pytest.raises(BadInput, match="MuJoCo cannot state ratchet wheels"):
+        peer._work(ratchet("paper3"), 1e-3)
+    assert len(peer.mujoco(next(p for p in problems() if p.name == "paper3"))) == 1
+
+
+def test_our_own_methods_run_a_viscous_ratchet() -> None:
+    problem = replace(ratchet("paper3"), duration_s=0.1)
+    for one in own(problem):
+        assert np.isfinite(one.work(problem, one.settings[2])()).all(), one.name
+    assert {one.name for one in own(problem)} >= {"serpenoid rk4", "serpenoid nonsmooth"}
