@@ -141,12 +141,9 @@ def rod(out: Path, quick: bool) -> None:
     The rod is the paper's robot as far as it can be stated: a link an element, joint angles as
     intrinsic curvature, viscous wheels; not pinned joints, a link's own inertia, sticking, powers.
     """
-    from importlib.util import find_spec
-
     from ..bench.cost.rod import GAITS, measure, write
 
-    if not find_spec("elastica"):
-        raise click.ClickException("PyElastica is not installed; pip install 'serpenoid[bench]'")
+    _need("elastica", "PyElastica")
     rows = measure(list(GAITS)[: 1 if quick else None])
     write(rows, out / "rod.csv")
     for row in rows:
@@ -156,6 +153,52 @@ def rod(out: Path, quick: bool) -> None:
             f"{1e6 * row.exact_s:.3g} us: {100 * row.apart:+.1f} %, {row.times:.2g} times as long"
         )
     click.echo(f"in {out / 'rod.csv'}")
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option("--runs", type=click.IntRange(6), default=48, show_default=True,
+              help="Gaits that the rod follows at most, a second or two each.")  # fmt: skip
+@click.option("--full", is_flag=True, help="As many as CMA-ES wants (a hundred or two).")
+@click.option("--seed", type=click.IntRange(1), default=1, show_default=True, help="Of CMA-ES.")
+@click.option("--rate-hz", type=click.FloatRange(0.1, 3.0), default=0.8, show_default=True,
+              help="The gaits' frequency.")  # fmt: skip
+def rod_search(out: Path, runs: int, full: bool, seed: int, rate_hz: float) -> None:
+    """Search the fastest gait as PyElastica's continuum snake does, and by the exact model.
+
+    That is CMA-ES, which has a rod follow every gait anew. What it follows is kept in
+    rod-runs.csv: interrupted, or asked for more runs, the same command goes on.
+    """
+    import math
+
+    from ..bench.cost import rod_search as searching
+    from ..show.report import table
+
+    _need("elastica", "PyElastica")
+    _need("cma", "CMA-ES (cma)")
+    runs = 10_000 if full else runs
+    found = searching.search(out / "rod-runs.csv", runs, seed, _tell, 2 * math.pi * rate_hz)
+    searching.write(found, out / "rod-search.csv")
+    rows = [
+        [f.way, f"{f.gaits}", f"{f.seconds:.3g}", f"{1e3 * f.each_s:.3g}",
+         f"{math.degrees(f.alpha_rad):.1f}", f"{math.degrees(f.beta_rad):.1f}",
+         f"{f.rod_m_s:.4f}", f"{f.exact_m_s:.4f}"]
+        for f in found
+    ]  # fmt: skip
+    table(f"the fastest gait of the paper's robot at {rate_hz:g} Hz",
+          ["found by", "gaits", "s", "ms a gait", "alpha", "beta", "rod m/s", "exact m/s"],
+          rows)  # fmt: skip
+    for line in searching.summary(found):
+        click.echo(line)
+    click.echo("a rod cannot state: " + "; ".join(searching.NOT_STATED))
+    click.echo(f"in {out / 'rod-search.csv'} and rod-runs.csv")
+
+
+def _need(module: str, name: str) -> None:
+    from importlib.util import find_spec
+
+    if not find_spec(module):
+        raise click.ClickException(f"{name} is not installed; pip install 'serpenoid[bench]'")
 
 
 @BENCH_GROUP.command()

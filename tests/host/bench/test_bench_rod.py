@@ -26,7 +26,8 @@ def test_ratios_and_file(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_rod_crawls_as_fast_as_the_exact_model_with_its_inertia() -> None:
     pytest.importorskip("elastica", reason="an optional peer: pip install 'serpenoid[bench]'")
-    from serpenoid.bench.peers.elastica_peer import as_rod_sees_it, follow
+    from serpenoid.bench.peers.elastica_peer import follow
+    from serpenoid.bench.peers.rod_robot import as_rod_sees_it
 
     robot, ground = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
     gait = sn.Gait(math.radians(30), math.radians(80), 5.0)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import serpenoid as sn
 
+from ..peers.rod_robot import as_rod_sees_it
 from .steady import PAPER, VISCOUS, processor_s
 
 GAITS = {"paper": (30.0, 80.0, 5.0), "slow": (32.0, 84.0, 1.8), "fast": (25.0, 86.0, 10.0)}
@@ -44,7 +45,7 @@ class RodRow:
 
 def measure(names: list[str], settled: float = SETTLED) -> list[RodRow]:
     """Follow each gait by PyElastica, and solve it by the exact model."""
-    from ..peers.elastica_peer import as_rod_sees_it, follow
+    from ..peers.elastica_peer import follow
 
     rows = []
     for name in names:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import elastica as ea  # pyright: ignore[reportMissingImports] (an optional extra)
@@ -29,9 +29,9 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ..contender import check_smooth
+from .rod_robot import RADIUS_OF_LENGTH
 
 STIFFNESS_NM = 50.0  # of a joint's bend, N m/rad
-_RADIUS_OF_LENGTH = 1 / 6
 
 
 class _Snake(ea.BaseSystemCollection, ea.Forcing):  # pyright: ignore
@@ -53,16 +53,9 @@ class RodGait:
     bend_error_rad: float
 
 
-def as_rod_sees_it(robot: Robot) -> Robot:
-    """Return the robot with the inertia that a rod's masses at its nodes give to a link."""
-    m, length = robot.link_mass_kg, robot.link_length_m
-    own = m * (_RADIUS_OF_LENGTH * length) ** 2 / 4
-    return replace(robot, link_inertia_kg_m2=m * length**2 / 4 + own)
-
-
 def _rod(robot: Robot, ground: Ground, gait: Gait) -> tuple[Any, Any]:
     length, n = robot.link_length_m, robot.links
-    radius = _RADIUS_OF_LENGTH * length
+    radius = RADIUS_OF_LENGTH * length
     modulus = STIFFNESS_NM * length / (math.pi * radius**4 / 4)
     rod = CosseratRod.straight_rod(
         n, np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]), n * length, radius,
