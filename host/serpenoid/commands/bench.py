@@ -6,13 +6,14 @@ from pathlib import Path
 
 import click
 
+from .group import Commands
 from .paths import OutFolder
 
 OUT = click.option("--out", type=OutFolder(), show_default=True,
                    default=Path("bench-out"), help="Folder for figures and numbers.")  # fmt: skip
 
 
-@click.group(name="bench")
+@click.group(name="bench", cls=Commands)
 def BENCH_GROUP() -> None:
     """Measure error against run time beside other solvers, and stability."""
 

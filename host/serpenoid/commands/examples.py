@@ -20,8 +20,9 @@ def examples(folder: Path, as_json: bool) -> None:
     """Copy example scripts, example scenes and the 2005 session into a new FOLDER."""
     if folder.exists():
         raise click.UsageError(f"{folder} exists already; name a new folder")
-    shutil.copytree(BROUGHT / "examples", folder)
-    shutil.copytree(BROUGHT / "calibration_data", folder / "calibration_data")
+    bare = shutil.ignore_patterns("__pycache__")  # pip compiles what it installs
+    shutil.copytree(BROUGHT / "examples", folder, ignore=bare)
+    shutil.copytree(BROUGHT / "calibration_data", folder / "calibration_data", ignore=bare)
     files = sorted(str(path) for path in folder.rglob("*") if path.is_file())
     if as_json:
         return show_json({"files": files})

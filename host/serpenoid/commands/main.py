@@ -22,6 +22,7 @@ from .friction.compare import compare
 from .friction.fit import fit
 from .friction.given import take_fit
 from .friction.report import report
+from .group import Commands, of_arguments, of_system
 from .optimize import optimize
 from .options import fit_options
 from .paths import OutFolder
@@ -30,8 +31,20 @@ from .steady import steady
 from .sweep import sweep
 from .view import view
 
+SECTIONS = {
+    "See it work": ("demo", "examples", "view"),
+    "Predict": ("steady", "sweep", "optimize", "simulate", "figures"),
+    "Measure friction": ("calibrate", "fit", "advise", "compare", "report"),
+    "Run the robot": ("ports", "flash", "doctor", "trim", "drive", "monitor"),
+    "Hold it to account": ("bench",),
+}
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+
+@click.group(
+    cls=Commands,
+    sections=SECTIONS,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(package_name="serpenoid")
 def cli() -> None:
     """Predict, calibrate and drive a wheeled snake robot.
@@ -85,7 +98,7 @@ def main() -> None:
     try:
         status = cli.main(standalone_mode=False)
     except click.ClickException as error:
-        error.show()
+        click.echo(f"serpenoid: {of_arguments(error)}", err=True)
         status = error.exit_code
     except (click.Abort, KeyboardInterrupt):
         click.echo("stopped", err=True)
@@ -98,7 +111,7 @@ def main() -> None:
         click.echo(f"serpenoid: {error}", err=True)
         status = 2 if isinstance(error, BadInput) else 1
     except OSError as error:
-        click.echo(f"serpenoid: {error}", err=True)
+        click.echo(f"serpenoid: {of_system(error)}", err=True)
         status = 1
     except MemoryError:
         click.echo("serpenoid: out of memory; run shorter, or record less often", err=True)

@@ -13,7 +13,6 @@ from ..model.words import FORMULATIONS
 from .friction.given import take_fit
 from .options import (
     AS_JSON,
-    TypedCommand,
     describe,
     interruptible,
     robot_options,
@@ -59,7 +58,7 @@ send_options = stacked([
 ])  # fmt: skip
 
 
-@click.command(cls=TypedCommand)
+@click.command()
 @robot_options
 @click.option("--speed-m-s", "--speed", "speeds", required=True, metavar="M/S[,M/S...]",
               help="Wanted speed; several, with commas, give the whole front.")  # fmt: skip

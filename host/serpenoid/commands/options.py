@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..model.checks import check_number
-from ..model.errors import SerpenoidError
 from .friction.given import take_fit
 
 if TYPE_CHECKING:
@@ -142,20 +141,23 @@ def robot_with_fit(
     return replace(robot, **changes), replace(ground, **_take(given, _GROUND))
 
 
+def radians(name: str, degrees: float) -> float:
+    """Return an angle of a gait in radians; what is out of range is told in degrees."""
+    return math.radians(check_number(f"--{name}-deg", degrees, *_DEGREES[name]))
+
+
 def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     """Take a gait from degrees and either rate or frequency, over `base` if there is one."""
     from ..model.gait import Gait
 
     degrees = _take(given, {name: f"{name}_deg" for name in _DEGREES})
-    changes = {
-        f"{name}_rad": math.radians(check_number(f"--{name}-deg", value, *_DEGREES[name]))
-        for name, value in degrees.items()
-    }
+    changes: dict[str, Any] = {f"{name}_rad": radians(name, v) for name, v in degrees.items()}
     rates = _take(given, {"omega_rad_s": "omega_rad_s", "frequency_hz": "frequency_hz"})
     if len(rates) > 1 or not (rates or base):
         raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
     if "frequency_hz" in rates:
-        rates = {"omega_rad_s": 2 * math.pi * rates["frequency_hz"]}
+        frequency = check_number("--frequency-hz", rates.pop("frequency_hz"), 0.0, open_low=True)
+        rates["omega_rad_s"] = 2 * math.pi * frequency
     if base is not None:
         return replace(base, **changes, **rates)
     for name in ("alpha", "beta"):
@@ -232,16 +234,3 @@ def options_of(command: click.Command) -> dict[str, str]:
     names = {p.name: p.opts[0] for p in command.params if isinstance(p, click.Option) and p.name}
     typed = set(names.values())
     return names | {field: option for field, option in _TYPED.items() if option in typed}
-
-
-class TypedCommand(click.Command):
-    """A command whose errors name what was typed."""
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; an error of the package comes out in the words of its options."""
-        try:
-            return super().invoke(ctx)
-        except SerpenoidError as error:
-            if error.args and isinstance(error.args[0], str):
-                error.args = (as_typed(error.args[0], options_of(self)), *error.args[1:])
-            raise

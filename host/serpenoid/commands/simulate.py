@@ -15,7 +15,6 @@ from ..model.words import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..simulation.methods import METHODS
 from .options import (
     AS_JSON,
-    TypedCommand,
     describe,
     gait_options,
     interruptible,
@@ -99,7 +98,7 @@ scene_options = stacked([
 _ANGLES = {"incline_deg": (0.0, 90.0), "incline_direction_deg": (-360.0, 360.0)}
 
 
-@click.command(cls=TypedCommand)
+@click.command()
 @click.option("--scene", "scene_path", type=_FILE, help="Scene file; other options override it.")
 @click.option(
     "--save-scene", "saved_path", type=OutFile(".toml"), help="Write the scene to this file too."

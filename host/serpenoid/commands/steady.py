@@ -9,7 +9,6 @@ import click
 from ..model.words import FORMULATIONS
 from .options import (
     AS_JSON,
-    TypedCommand,
     describe,
     gait_options,
     interruptible,
@@ -20,7 +19,7 @@ from .options import (
 )
 
 
-@click.command(cls=TypedCommand)
+@click.command()
 @robot_options
 @gait_options
 @click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")

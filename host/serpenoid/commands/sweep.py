@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import AS_JSON, TypedCommand, make_robot, robot_options, show_json
+from .options import AS_JSON, make_robot, radians, robot_options, show_json
 from .paths import OutFile, OutFolder
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def _designs(
     return robots if body else robots[0], grounds if grip else grounds[0]
 
 
-@click.command(cls=TypedCommand)
+@click.command()
 @robot_options
 @click.option(
     "--vary",
@@ -137,8 +137,8 @@ def sweep(
         raise click.UsageError("--json is for a sweep that fits on a screen; a study is a folder")
     robot, ground = make_robot(given)
     grid = {
-        "alpha_rad": [math.radians(a) for a in _span(alpha_deg, "--alpha-deg")],
-        "beta_rad": [math.radians(b) for b in _span(beta_deg, "--beta-deg")],
+        "alpha_rad": [radians("alpha", a) for a in _span(alpha_deg, "--alpha-deg")],
+        "beta_rad": [radians("beta", b) for b in _span(beta_deg, "--beta-deg")],
         "omega_rad_s": _span(omega_rad_s, "--omega-rad-s"),
     }
     how = {"rtol": rtol, "threads": threads, "scheduler": scheduler}

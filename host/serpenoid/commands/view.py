@@ -43,6 +43,11 @@ def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> No
     """
     from ..show.pages.view_page import write_page
 
+    if what != "virtual" and not Path(what).is_file():
+        raise click.UsageError(
+            f"{what!r} is no file; name a scene (.toml), a recording of `serpenoid drive "
+            "--record`, or virtual"
+        )
     if what.endswith(".toml"):
         gait, title, about, shown = _scene(Path(what), given)
     else:

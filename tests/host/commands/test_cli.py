@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 import serpenoid as sn
+from click.testing import CliRunner
 from robot.patience import LONG_S
+from serpenoid.commands.main import cli
 
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
 
@@ -171,7 +175,14 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
         (["simulate", *GAIT, "--dt-s", "-1"], 2, "--dt-s is -1.0"),
         (["steady", *GAIT[:2], "--beta-deg", "inf", "--omega-rad-s", "5"], 2, "--beta-deg is inf"),
         (["optimize", "--speed-m-s", "0"], 2, "--speed-m-s is 0.0"),
-        (["fit", "no-such-folder"], 1, "no-such-folder"),
+        (["fit", "no-such-folder"], 2, "no-such-folder"),
+        (["report", "no-such-folder"], 2, "calibrate new no-such-folder"),
+        (["view", "no-such-file"], 2, "a recording of `serpenoid drive --record`"),
+        (["sweep", "--json", "--alpha-deg", "-3"], 2, "--alpha-deg is -3.0; it must be a finite"),
+        (["steady", *GAIT[:4], "--frequency-hz", "-1"], 2, "--frequency-hz is -1.0"),
+        (["steady", "--alpha-deg", "1,5"], 2, "decimals take a point: 1.5; see `"),
+        (["steady", "--links", "2.5"], 2, "'2.5' is no whole number; type one such as 6"),
+        (["steady", *GAIT, "--ground", "x" * 300], 1, "take a shorter name"),
         (["nonsense"], 2, "No such command"),
     ],
 )
@@ -179,7 +190,26 @@ def test_refusals(args: list[str], status: int, said: str) -> None:
     done = serpenoid(*args)
     assert done.returncode == status
     assert said in done.stderr
-    assert "Traceback" not in done.stderr
+    assert done.stderr.startswith("serpenoid: ")
+    assert done.stderr.count("\n") == 1  # one line, without a traceback
+
+
+def test_help_tells_every_command_in_full() -> None:
+    told = serpenoid("--help").stdout
+    assert set(re.findall(r"^  ([a-z]+)  ", told, re.MULTILINE)) == set(cli.commands)
+    assert "..." not in told.partition("See it work")[2]
+    assert "(Eqs. 58-62)" in " ".join(told.split())
+
+
+def test_examples_are_copied_without_what_python_compiled(tmp_path, monkeypatch) -> None:
+    brought = tmp_path / "brought"
+    for folder in ("examples", "calibration_data"):
+        (brought / folder / "__pycache__").mkdir(parents=True)
+        (brought / folder / "__pycache__" / "a.pyc").touch()
+        (brought / folder / "a.py").touch()
+    monkeypatch.setattr("serpenoid.commands.examples.BROUGHT", brought)
+    done = CliRunner().invoke(cli, ["examples", str(tmp_path / "got"), "--json"])
+    assert [Path(name).name for name in json.loads(done.stdout)["files"]] == ["a.py", "a.py"]
 
 
 def test_a_spoilt_reading_is_the_files_fault(tmp_path) -> None:
@@ -188,7 +218,7 @@ def test_a_spoilt_reading_is_the_files_fault(tmp_path) -> None:
     readings = folder / "readings.csv"
     readings.write_text(readings.read_text().replace("0.181468", "nan"))
     done = serpenoid("fit", str(folder))
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert "readings.csv:2" in done.stderr
     assert "nan" in done.stderr
     assert "Traceback" not in done.stderr

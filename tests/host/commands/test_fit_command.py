@@ -80,7 +80,7 @@ def test_compare_predicts_and_draws(folder, tmp_path):
     assert told["verdict"] == "not measured"
     assert told["gaits"][0]["exact_m_s"] == pytest.approx(0.152, rel=0.01)
     assert "<svg" in picture.read_text()
-    assert run("compare", folder, check=False).returncode == 1
+    assert run("compare", folder, check=False).returncode == 2
 
 
 def test_advise_names_the_next_reading(folder):

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import click
 
-from ...model.errors import BadInput, SerpenoidError
 from ..options import AS_JSON, show_json
 
 
@@ -34,10 +33,7 @@ def advise(
     from ...show.progress import progress
 
     wanted = [Gait(math.radians(a), math.radians(b), 2 * math.pi * hz) for a, b, hz in gaits]
-    try:
-        loaded = load_session(session)
-        with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
-            found = ask(loaded, wanted, samples=samples, runs=not stations_only, progress=advance)
-    except BadInput as error:  # the files' fault, not the arguments'
-        raise SerpenoidError(str(error)) from error
+    loaded = load_session(session)
+    with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
+        found = ask(loaded, wanted, samples=samples, runs=not stations_only, progress=advance)
     show_json(found.to_dict()) if as_json else show_advice(found)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...model.errors import BadInput
+from ..group import Commands
 from ..options import AS_JSON, show_json
 from ..paths import OutFile
 from .calibrate_new import new
@@ -21,7 +22,7 @@ FOLDER = click.argument("folder", type=click.Path(file_okay=False, path_type=Pat
 TOML = click.Path(exists=True, path_type=Path)
 
 
-class _FolderOrCommand(click.Group):
+class _FolderOrCommand(Commands):
     """Take `calibrate DIR` for `calibrate take DIR`."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import click
 
-from ...model.errors import BadInput, SerpenoidError
 from ..options import AS_JSON, show_json
 from ..paths import FIGURES, OutFile
 from .given import session_fit
@@ -42,16 +41,13 @@ def compare(
     from ...show.progress import progress
 
     more = [Gait(math.radians(a), math.radians(b), 2 * math.pi * hz) for a, b, hz in gaits]
-    try:
-        loaded = load_session(session)
-        fit = session_fit(session)
-        with progress(comparison.gait_count(loaded, more), "gaits") as advance:
-            found = comparison.compare(
-                loaded, fit, gaits=more, amplitude_sigma=amplitude_sigma, samples=samples,
-                progress=advance,
-            )  # fmt: skip
-    except BadInput as error:  # the files' fault, not the arguments'
-        raise SerpenoidError(str(error)) from error
+    loaded = load_session(session)
+    fit = session_fit(session)
+    with progress(comparison.gait_count(loaded, more), "gaits") as advance:
+        found = comparison.compare(
+            loaded, fit, gaits=more, amplitude_sigma=amplitude_sigma, samples=samples,
+            progress=advance,
+        )  # fmt: skip
     if figure is not None:
         from ...show.comparison_figure import comparison_figure
 

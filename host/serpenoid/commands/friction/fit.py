@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from ...model.errors import BadInput, SerpenoidError
 from ..options import AS_JSON, show_json
 from ..paths import FIGURES, OutFile
 
@@ -34,11 +33,8 @@ def fit(
     from ...calibration.session_file import load_session
     from ...show import report
 
-    try:
-        loaded = load_session(session)
-        found = fit_friction(loaded, method=method)
-    except BadInput as error:  # the file's fault, not the arguments'
-        raise SerpenoidError(str(error)) from error
+    loaded = load_session(session)
+    found = fit_friction(loaded, method=method)
     if figure is not None:
         from ...show.plot import friction_lines
 

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from ...model.errors import BadInput, SerpenoidError
 from ..options import AS_JSON, show_json
 from ..paths import OutFile
 from .given import session_fit
@@ -26,16 +25,13 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
 
     out = out or session / "report.html"
     compared = advised = None
-    try:
-        loaded = load_session(session)
-        fit = session_fit(session)
-        if comparison.compared_gaits(loaded):
-            with progress(comparison.gait_count(loaded), "gaits") as advance:
-                compared = comparison.compare(loaded, fit, progress=advance)
-        if loaded.setup.procedure.gaits:
-            advised = advice.advise(loaded)
-    except BadInput as error:  # the files' fault, not the arguments'
-        raise SerpenoidError(str(error)) from error
+    loaded = load_session(session)
+    fit = session_fit(session)
+    if comparison.compared_gaits(loaded):
+        with progress(comparison.gait_count(loaded), "gaits") as advance:
+            compared = comparison.compare(loaded, fit, progress=advance)
+    if loaded.setup.procedure.gaits:
+        advised = advice.advise(loaded)
     page = session_page(loaded, fit, compared, advised, events_of(loaded))
     out.write_text(page, encoding="utf-8")
     verdict = None if compared is None else compared.verdict

@@ -76,7 +76,7 @@ def _rows(path: Path) -> Iterator[tuple[int, bytes]]:
                 if row.endswith(b"\n"):  # else it is half a row
                     yield number, row[:-1]
     except OSError as error:
-        raise RecordingFailed(f"cannot read {path}: {error}") from error
+        raise RecordingFailed(f"cannot read {path}: {error.strerror or error}") from error
 
 
 class _Reading:

@@ -1,0 +1,82 @@
+"""What the command line says: help that is not cut, and errors in one line."""
+
+from __future__ import annotations
+
+import errno
+import inspect
+import os
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import click
+
+from ..model.errors import SerpenoidError
+from .options import as_typed, options_of
+
+_WRONG_TYPE = re.compile(r"('[^']*') is not a valid (float|integer)(?: range)?\.")
+_WANTED = {"float": "no number; type one such as 0.5, without a unit",
+           "integer": "no whole number; type one such as 6"}  # fmt: skip
+_CURES = {
+    errno.ENOSPC: "make room and try again",
+    errno.EACCES: "choose a place that is yours",
+    errno.EROFS: "choose a place that is yours",
+    errno.ENAMETOOLONG: "take a shorter name",
+}
+Sections = Mapping[str, Sequence[str]]
+
+
+class Commands(click.Group):
+    """A group whose help tells the first paragraph of every command, section by section."""
+
+    def __init__(self, *args: Any, sections: Sections | None = None, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.sections = sections
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands, each with its whole first paragraph."""
+        for title, names in (self.sections or {"Commands": self.list_commands(ctx)}).items():
+            with formatter.section(title):
+                formatter.write_dl([(name, _told(self.commands[name])) for name in names])
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; an error of the package comes out in the words of its options."""
+        try:
+            return super().invoke(ctx)
+        except SerpenoidError as error:
+            command = self.commands.get(ctx.invoked_subcommand or "")
+            if command is not None and error.args and isinstance(error.args[0], str):
+                error.args = (as_typed(error.args[0], options_of(command)), *error.args[1:])
+            raise
+
+
+def _told(command: click.Command) -> str:
+    """Return the first paragraph of a command's help, on one line and without its full stop."""
+    first = inspect.cleandoc(command.help or "").split("\n\n")[0]
+    return " ".join(first.split()).removesuffix(".")
+
+
+def of_arguments(error: click.ClickException) -> str:
+    """Return what click has against the arguments, as one line."""
+    text = " ".join(error.format_message().split())
+    text = _WRONG_TYPE.sub(lambda m: f"{m[1]} is {_comma(m[1]) or _WANTED[m[2]]}", text)
+    text = text.removeprefix("Invalid value for ").rstrip(".")
+    ctx = getattr(error, "ctx", None)
+    return f"{text}; see `{ctx.command_path} --help`" if ctx else text
+
+
+def of_system(error: OSError) -> str:
+    """Return what the system has against a file, as one line."""
+    if error.strerror is None or error.errno is None:
+        return str(error)
+    name = error.filename if error.filename is not None else ""
+    name = os.fsdecode(name) if isinstance(name, (str, bytes)) else str(name)
+    shown = name if len(name) < 100 else f"{name[:60]} ..."
+    cure = f"; {_CURES[error.errno]}" if error.errno in _CURES else ""
+    return f"{shown}{': ' if shown else ''}{error.strerror.lower()}{cure}"
+
+
+def _comma(shown: str) -> str:
+    """Say that decimals take a point, where a comma stands between digits."""
+    whole = re.fullmatch(r"'(-?\d*),(\d+)'", shown)
+    return f"no number; decimals take a point: {whole[1]}.{whole[2]}" if whole else ""
