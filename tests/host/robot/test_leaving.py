@@ -79,7 +79,7 @@ def drive(port: str, program: str = DRIVER) -> subprocess.Popen[str]:
 def test_an_exception_stops_the_robot_and_is_passed_on(any_port):
     with pytest.raises(ZeroDivisionError), Robot(any_port) as robot:
         robot.gait(GAIT)
-        assert next(robot.frames(1.0)).state == "gait"
+        assert next(robot.frames(LONG_S)).state == "gait"
         talk = robot._dialogue
         raise ZeroDivisionError
     assert talk.inbox.pending.text == "bye"

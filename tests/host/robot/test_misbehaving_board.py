@@ -9,7 +9,7 @@ import re
 
 import pytest
 from robot.fake_board import FakeBoard, honest, sealed
-from robot.patience import clock, until
+from robot.patience import LONG_S, clock, until
 from serpenoid import Gait
 from serpenoid.model.errors import (
     DamagedLine,
@@ -106,7 +106,7 @@ def test_a_reset_in_mid_run_ends_it_and_keeps_the_recording(tmp_path, tamper, fo
         Robot(fake.port, record=record) as robot,
     ):
         robot.gait(GAIT)
-        for number, _ in enumerate(robot.frames(5.0)):
+        for number, _ in enumerate(robot.frames(LONG_S)):
             if number == 20:
                 fake.to_host = tamper
                 fake.reset("brownout")
@@ -264,7 +264,7 @@ def test_a_flood_drowns_nothing(flood):
         robot.gait(GAIT)
         assert fake.await_state("gait")
         for _ in range(20):  # each behind a flood of its own, however long that takes
-            assert next(robot.frames(20.0)).state == "gait"
+            assert next(robot.frames(LONG_S)).state == "gait"
         robot.stop()
         assert fake.state == "hold"
 
@@ -282,7 +282,7 @@ def test_unplugged_at_every_state_of_the_dialogue_is_lost_and_never_hangs(moment
     def run() -> None:
         with Robot(fake.port, timeout_s=2.0) as robot:
             robot.gait(GAIT)
-            for _ in robot.frames(0.1):
+            for _ in itertools.islice(robot.frames(LONG_S), 5):
                 if moment == "frames":
                     fake.unplug()
             robot.pose([0.0, 0.1, 0.0, 0.1, 0.0])
