@@ -14,6 +14,7 @@ from serpenoid.bench.peers.numpy_equations import rate_of
 from serpenoid.bench.problems import Problem, problems
 from serpenoid.model.errors import BadInput
 
+PEER = "an optional peer: pip install 'serpenoid[bench]'"
 GROUNDS = {
     "viscous": sn.Ground(ct=(0.1, 2.0), cn=10.0),
     "dry": sn.Ground(ct=(0.1, 2.0), cn=10.0, ft0=(0.02, 0.3), fn0=0.1),
@@ -40,7 +41,9 @@ def test_numpy_equations_and_the_core_go_the_same_way() -> None:
 @pytest.mark.parametrize("ground", GROUNDS)
 @pytest.mark.parametrize("name", ["paper6", "paper6_k1e3"])
 def test_numba_and_numpy_rates_agree(name: str, ground: str) -> None:
-    equations = pytest.importorskip("serpenoid.bench.peers.numba_equations", exc_type=ImportError)
+    equations = pytest.importorskip(
+        "serpenoid.bench.peers.numba_equations", reason=PEER, exc_type=ImportError
+    )
     problem = ratchet(name, ground)
     y = np.random.default_rng(3).normal(size=problem.first.size) * 0.3
     compiled = equations.rate_array(problem.implicit, 0.4, y, equations.parameters(problem))
@@ -56,7 +59,9 @@ def test_a_damper_refuses_what_it_cannot_state(ground: str, said: str) -> None:
 
 
 def test_mujoco_does_not_take_the_forward_friction_for_a_ratchet() -> None:
-    peer = pytest.importorskip("serpenoid.bench.peers.mujoco_peer", exc_type=ImportError)
+    peer = pytest.importorskip(
+        "serpenoid.bench.peers.mujoco_peer", reason=PEER, exc_type=ImportError
+    )
     assert peer.mujoco(ratchet("paper3")) == []
     with pytest.raises(BadInput, match="MuJoCo cannot state ratchet wheels"):
         peer._work(ratchet("paper3"), 1e-3)
