@@ -127,14 +127,26 @@ bool DryMotion::add_positive(const DryState& from, double tau, double H, double 
             if (!extrapolate(from, tau, part, tolerance, step)) return false;
             joint_power(step.to, tau + part, &power[0][j], s);
         }
-        for (const auto& p : power) *positive_ += H / pieces / omega_ * mean_positive_part<s>(p);
+        for (const auto& p : power) {
+            *positive_ += H / pieces / omega_ * mean_positive_part<s>(p);
+            for (int j = 0; j < s; ++j) net_work_ += H / pieces / omega_ * rule.b[j] * p[j];
+        }
     }
     return true;
 }
 
+void DryMotion::add_positive_of_kick(const DryState& to, double tau, double length) {
+    std::vector<double> power(robot_.n - 1);
+    joint_power(to, tau, power.data(), 1);
+    for (const double p : power) {
+        net_work_ += length / omega_ * p;
+        *positive_ += length / omega_ * std::max(p, 0.0);
+    }
+}
+
 bool DryMotion::advance_with_power(DryState& state, double tau, double tau_end, double tolerance,
                                    double& positive) {
-    positive_ = &positive;
+    positive_ = &positive, net_work_ = 0;
     const bool done = advance(state, tau, tau_end, tolerance);
     positive_ = nullptr;
     return done;
@@ -172,13 +184,13 @@ bool DryMotion::euler(const DryState& from, double tau, double h_phase, bool fix
         return false;
     const Vec3& u = convex_.minimum();
     w = u[2];
-    const double heading = from.v[DryState::theta] + h * w;
+    const double theta = from.v[DryState::theta] + h * w, heading = theta - spin_ * end;
     const double ch = std::cos(heading), sh = std::sin(heading);
     DryState next;
     next.v = {u[0],
               u[1],
               shape_.J * w + omega_ * shape_.K,
-              heading,
+              theta,
               from.v[DryState::x] + h * (ch * u[0] - sh * u[1]),
               from.v[DryState::y] + h * (sh * u[0] + ch * u[1]),
               from.v[DryState::dissipated] + h * dissipation(u)};
@@ -304,6 +316,7 @@ bool DryMotion::kick(DryState& state, double& tau, double tau_end) {
         double w = start;
         if (euler(state, tau, kick_, false, state, w)) {
             tau = kick_ == tau_end - tau ? tau_end : tau + kick_;
+            if (positive_) add_positive_of_kick(state, tau, kick_);
             return true;
         }
         convex_.forget();

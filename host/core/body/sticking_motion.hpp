@@ -47,9 +47,13 @@ class DryMotion {
     bool advance(DryState& state, double tau, double tau_end, double tolerance);
 
     // The same, and add the time integral of sum P_i^+ to `positive`, J: joint powers at Gauss
-    // points within every smooth step.
+    // points within every smooth step, and after every short one times its length.
     bool advance_with_power(DryState& state, double tau, double tau_end, double tolerance,
                             double& positive);
+    double net_work() const { return net_work_; }  // of the joints then, J
+
+    // Count x and y in axes that turn by `spin` rad a rad of phase.
+    void turn_axes(double spin) { spin_ = spin; }
 
     // Find the mode of a state that advance did not leave, and put in its sticking forces.
     bool find_mode(DryState& state, double tau);
@@ -80,6 +84,7 @@ class DryMotion {
     void wheel_forces(const DryState& state, std::vector<double>& force);
     void joint_power(const DryState& state, double tau, double* power, int stride);
     bool add_positive(const DryState& from, double tau, double H, double tolerance);
+    void add_positive_of_kick(const DryState& to, double tau, double length);
     double dissipation(const Vec3& u) const;
     double grip(int kink) const { return has_modes(true) && kink % 2 ? 1 : grip_; }
     bool has_modes(bool across) const { return across ? ground_.fn0 > 0 : ratchet_ || ft0_ > 0; }
@@ -93,11 +98,12 @@ class DryMotion {
     Robot robot_;
     Ground ground_;
     Slope slope_;
-    double omega_, speed_scale_, power_scale_, arm_;
+    double omega_, speed_scale_, power_scale_, arm_, spin_ = 0;
     double ft0_, thrust_, grip_;  // along a link; grip_: sliding_piece.hpp
     bool ratchet_;                // of the viscous friction
 
     double* positive_ = nullptr;
+    double net_work_ = 0;
     GaitTable table_;
     BodyShape shape_;
     Convex3 convex_;

@@ -11,6 +11,13 @@ namespace serpenoid {
 
 namespace {
 
+// Of which nothing is known yet.
+SteadyState unknown() {
+    SteadyState s;
+    s.speed_error = s.power_error = s.positive_power_error = HUGE_VAL;
+    return s;
+}
+
 double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2])}); }
 
 // Of two logarithms, either of which may be that of zero.
@@ -143,21 +150,22 @@ void SteadyDry::report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyS
 
 // Sums over the joints; every joint's change from the level before counts as an error, and so does
 // what the joints' net work is off from what friction took.
-void SteadyDry::add_positive(bool first, std::vector<double>& before, SteadyState& out) const {
+void SteadyDry::add_positive(std::vector<double>& before, SteadyState& out) const {
     const double rate = gait_.omega / span();
+    before.resize(positive_.size());
     out.positive_power = 0;
     out.positive_power_error = std::fabs(net_work_ - end_.dissipated) * rate;
     for (std::size_t i = 0; i < positive_.size(); ++i) {
         out.positive_power += positive_[i] * rate;
-        if (!first) out.positive_power_error += std::fabs(positive_[i] - before[i]) * rate;
+        out.positive_power_error += std::fabs(positive_[i] - before[i]) * rate;
     }
     out.abs_power = 2 * out.positive_power - out.power;
     before = positive_;
 }
 
+// What breaks off at one tolerance mostly does not at another: a level has some tries.
 SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, double from) {
-    SteadyState out, coarse;
-    const double floor = options.rtol * 1e-4 * gait_.omega * 2 * robot_.l * robot_.n;
+    SteadyState out = unknown(), coarse;
     constexpr double kHidden = 0.8;
     constexpr double kLast = 1e-13;
     constexpr double kFirst = 0.12;  // so that the second level is mostly enough
@@ -165,37 +173,50 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
     Vec3 last_z = z_;
     std::vector<double> before_positive;
     bool first = true;
+    int broken = 0;
     near_ = false;
     for (double tolerance = from * std::clamp(kFirst * options.rtol, 1e-6, 3e-4); tolerance > kLast;
          tolerance *= 0.05) {
         // the derivatives stand for the rest of the way; its square is what they miss
         const double goal = std::max((near_ ? 60 : 40) * tolerance, 1e-9);
-        const Ended ended = newton(cycle, tolerance, goal, options.powers, out);
-        if (ended == Ended::broken || (ended == Ended::stalled && first)) break;
-        if (options.powers) add_positive(first, before_positive, out);
+        SteadyState next;
+        next.iterations = out.iterations;
+        if (newton(cycle, tolerance, goal, options.powers, next) != Ended::converged) {
+            if (++broken > 2) break;
+            z_ = last_z, tolerance *= 10;  // half of this one comes next
+            continue;
+        }
+        if (options.powers) add_positive(before_positive, next);
         near_ = true;
-        const double change = std::fabs(out.speed - coarse.speed);
+        const double change = std::fabs(next.speed - coarse.speed);
         // beside the change of the speed that of the state, and what an error of the map moves it
         // by: a lucky change would hide them
         Vec3 moved;
         for (int k = 0; k < 3; ++k) moved[k] = z_[k] - last_z[k];
-        out.speed_error = change + 0.05 * before +
-                          kHidden * (size(moved) + tolerance * slackness()) * cycle.scale()[0] /
-                              (robot_.n * robot_.m);
+        next.speed_error = change + 0.05 * before +
+                           kHidden * (size(moved) + tolerance * slackness()) * cycle.scale()[0] /
+                               (robot_.n * robot_.m);
         last_z = z_;
-        out.power_error = std::fabs(out.power - coarse.power);
+        next.power_error = std::fabs(next.power - coarse.power);
         if (options.powers)  // what the joints' work and the friction's are apart
-            out.power_error += std::fabs(net_work_ - end_.dissipated) * gait_.omega / span();
-        out.slowest_error = change_of(out.slowest, coarse.slowest);
-        out.converged = ended == Ended::converged && !first &&
-                        out.speed_error <= std::max(options.rtol * out.speed, floor) &&
-                        std::max(out.power_error, out.positive_power_error) <=
-                            10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
-        if (out.converged || ended != Ended::converged) break;
+            next.power_error += std::fabs(net_work_ - end_.dissipated) * gait_.omega / span();
+        next.slowest_error = change_of(next.slowest, coarse.slowest);
+        next.converged = !first && excess(next, options) <= 1;
+        if (first || excess(next, options) < excess(out, options)) out = next;
+        if (out.converged) break;
         before = first ? 0 : change;
-        coarse = out, first = false;
+        coarse = next, first = false;
     }
     return out;
+}
+
+// How many times the errors are what is asked for.
+double SteadyDry::excess(const SteadyState& s, const SteadyOptions& options) const {
+    const double floor = 1e-4 * gait_.omega * 2 * robot_.l * robot_.n;
+    const double watts = 10 * std::max(s.power, s.positive_power) + 1e-300 / options.rtol;
+    return std::max(s.speed_error / std::max(s.speed, floor),
+                    std::max(s.power_error, s.positive_power_error) / watts) /
+           options.rtol;
 }
 
 // A state to start from: by the parabola through the last three rates' ones, over the period, or
@@ -234,7 +255,7 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
     gait_.omega = omega;
     DryCycle cycle(robot_, ground_, gait_);
     cycle.limit(3'000'000 / robot_.n);
-    SteadyState out;
+    SteadyState out = unknown();
     promising_ = promising_ && known_.size() > 1;
     if (!known_.empty()) {
         guess(omega);
@@ -242,7 +263,6 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
     }
     if (!out.converged) {  // from rest
         const Vec3 rest = {0, 0, cycle.momentum(0, 0) / cycle.scale()[2]};
-        SteadyState anew;
         // Newton's method mostly needs no settled start; what breaks off at one sequence of
         // tolerances mostly does not at another. A state that repels is believed only of a motion
         // that has led there.
@@ -250,23 +270,22 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
             double from;
             int cycles;
         };
-        constexpr Try kTries[] = {{1, 4}, {0.03, 4}, {1, 200}, {0.3, 4}, {0.1, 4}};
+        constexpr Try kTries[] = {{1, 4}, {0.03, 4}, {1, 200}, {0.3, 4}, {0.1, 4}, {30, 4}};
         bool settled = false;
         for (const auto& [from, cycles] : kTries) {
             if (!settled) z_ = rest;
             settled = settled || cycles > 4;
             if (!wander(cycle, cycles, 0.02, 1e-3 * from)) continue;
-            anew = by_pieces(cycle, options, from);
+            SteadyState anew = by_pieces(cycle, options, from);
             if (!settled && anew.slowest > 0) anew.converged = false;
-            if (anew.converged || !(out.speed > 0)) out = anew;
+            if (anew.converged || excess(anew, options) < excess(out, options)) out = anew;
             if (anew.converged) break;
         }
     }
     remember(omega, out.converged);
     if (out.converged) return out;
     const SteadyState slow = steady_dry_by_steps(robot_, ground_, gait_, options);
-    if (slow.converged || !(out.speed > 0)) return slow;
-    return out;
+    return slow.converged || excess(slow, options) <= excess(out, options) ? slow : out;
 }
 
 }  // namespace serpenoid

@@ -33,7 +33,8 @@ class SteadyDry {
     bool step(const Vec3& r, Vec3& d) const;
     void image(const CycleState& end, Vec3& r);
     void report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyState& out);
-    void add_positive(bool first, std::vector<double>& before, SteadyState& out) const;
+    void add_positive(std::vector<double>& before, SteadyState& out) const;
+    double excess(const SteadyState& s, const SteadyOptions& options) const;
     void guess(double omega);
     void remember(double omega, bool converged);
     double slackness() const;

@@ -31,20 +31,33 @@ class HalfCycle {
 
     // z: state over scale. False when the steps fail.
     bool apply(const Vec3& z, double tolerance, Vec3& image) {
-        end_ = {};
-        for (int i = 0; i < 3; ++i) end_.v[i] = z[i] * scale_[i];
+        end_ = at(z);
         if (!motion_.advance(end_, 0, span_, tolerance)) return false;
         const double sign[3] = {1, flip_, flip_};
         for (int i = 0; i < 3; ++i) image[i] = sign[i] * end_.v[i] / scale_[i];
         return true;
     }
 
+    // The map from z with place counted in axes that turn evenly, by `turn` on the whole; x and y
+    // stay as they are when the steps fail.
+    void arc(const Vec3& z, double turn, double tolerance, double& x, double& y) {
+        DryState state = at(z);
+        motion_.turn_axes(turn / span_);
+        if (motion_.advance(state, 0, span_, tolerance))
+            x = state.v[DryState::x], y = state.v[DryState::y];
+        motion_.turn_axes(0);
+    }
+
     // Integral of sum P_i^+ over the map from z, J; negative when the steps fail.
     double positive_work(const Vec3& z, double tolerance) {
-        DryState state{};
-        for (int i = 0; i < 3; ++i) state.v[i] = z[i] * scale_[i];
+        DryState state = at(z);
         double work = 0;
         return motion_.advance_with_power(state, 0, span_, tolerance, work) ? work : -1;
+    }
+
+    // What the joints' work was off then from what friction took, J.
+    double work_missed() const {
+        return std::fabs(motion_.net_work() - end_.v[DryState::dissipated]);
     }
 
     Vec3 rest() const {
@@ -56,6 +69,12 @@ class HalfCycle {
     double span() const { return span_; }
 
   private:
+    DryState at(const Vec3& z) const {
+        DryState state{};
+        for (int i = 0; i < 3; ++i) state.v[i] = z[i] * scale_[i];
+        return state;
+    }
+
     DryMotion motion_;
     double span_, flip_;
     Vec3 scale_, start_;
@@ -114,6 +133,20 @@ class FixedPoint {
     }
 
     const Mat3& derivative() const { return M_; }
+
+    // The derivative by central differences; false when the steps fail.
+    bool derivative(double tolerance, double delta, Mat3& M) {
+        for (int j = 0; j < 3; ++j) {
+            Vec3 ahead = z_, behind = z_, up, down;
+            ahead[j] += delta, behind[j] -= delta;
+            if (!map_.apply(ahead, tolerance, up) || !map_.apply(behind, tolerance, down))
+                return false;
+            for (int i = 0; i < 3; ++i) M[3 * i + j] = (up[i] - down[i]) / (2 * delta);
+        }
+        evaluations += 6;
+        return true;
+    }
+
     const Vec3& point() const { return z_; }
     int evaluations = 0;
     double last_step = 0;  // of Newton's method, as a fraction of the speed scale
@@ -166,28 +199,72 @@ class FixedPoint {
     int lost_ = 0;
 };
 
-void report(HalfCycle& map, const FixedPoint& fixed, const Gait& gait, SteadyState& out) {
-    const auto& v = map.end().v;
-    double x = v[DryState::x], y = v[DryState::y], turn = v[DryState::theta];
-    const bool mirrored = gait.offset == 0;
-    Mat3 M = fixed.derivative();
+// The derivative over a period, in the units of the state.
+Mat3 monodromy(const HalfCycle& map, Mat3 M, bool mirrored) {
     const Vec3& scale = map.scale();
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) M[3 * i + j] *= scale[i] / scale[j];
+    return mirrored ? multiply(M, M) : M;
+}
+
+// Measured again from both sides, at two distances, as the secant method's derivative goes astray;
+// below what the steps' own errors make of it a multiplier cannot be told from nothing.
+void measure_multipliers(HalfCycle& map, FixedPoint& fixed, bool mirrored, double tolerance,
+                         SteadyState& out) {
+    const double near = std::max(1e-5, 0.3 * std::sqrt(tolerance));
+    Mat3 M, wide;
+    if (!fixed.derivative(tolerance, near, M) || !fixed.derivative(tolerance, 3 * near, wide))
+        return;
+    out.monodromy = monodromy(map, M, mirrored);
+    out.slowest = log_spectral_radius(out.monodromy);
+    const double noise = 10 * tolerance / near, seen = std::exp(out.slowest / (mirrored ? 2 : 1));
+    const double other = log_spectral_radius(monodromy(map, wide, mirrored));
+    out.slowest_error = out.slowest == other ? 0 : std::fabs(out.slowest - other);
+    out.slowest_error += (mirrored ? 2 : 1) * std::log1p(noise / (seen + 1e-300));
+}
+
+void report(HalfCycle& map, const FixedPoint& fixed, const Gait& gait, double tolerance,
+            SteadyState& out) {
+    const auto v = map.end().v;
+    double x = v[DryState::x], y = v[DryState::y], turn = v[DryState::theta];
+    const bool mirrored = gait.offset == 0;
+    const double time = map.span() / gait.omega;
+    const Vec3 &z = fixed.point(), &scale = map.scale();
     if (mirrored) {
         const double c = std::cos(turn), s = std::sin(turn), mx = c * x + s * y, my = s * x - c * y;
-        x += mx, y += my, turn = 0, M = multiply(M, M);
+        x += mx, y += my, turn = 0;
     }
-    out.monodromy = M;
-    out.slowest = log_spectral_radius(M);
-    out.speed = out.chord = std::hypot(x, y) * gait.omega / (2 * M_PI);
+    out.chord = std::hypot(x, y) * gait.omega / (2 * M_PI);
+    if (!mirrored) map.arc(z, turn, tolerance, x, y);
+    out.monodromy = monodromy(map, fixed.derivative(), mirrored);
+    out.slowest = log_spectral_radius(out.monodromy);
+    out.speed = std::hypot(x, y) * gait.omega / (2 * M_PI);
     out.direction = std::atan2(y, x);
     out.turn = turn;
-    const double time = map.span() / gait.omega;
     out.power = v[DryState::dissipated] / time;
-    const Vec3& z = fixed.point();
     out.start = {z[0] * scale[0], z[1] * scale[1], map.rate(z[2] * scale[2])};
     out.iterations = fixed.evaluations;
+}
+
+// One level: the periodic state at a tolerance, held against that of the level before. False when
+// the steps fail.
+bool level(HalfCycle& map, FixedPoint& fixed, const Gait& gait, const SteadyOptions& options,
+           double tolerance, const SteadyState& coarse, SteadyState& out) {
+    Vec3 image;
+    if (!fixed.solve(tolerance, std::max(3 * tolerance, 1e-12))) return false;
+    if (!map.apply(fixed.point(), tolerance, image)) return false;
+    report(map, fixed, gait, tolerance, out);
+    if (options.powers) {
+        const double work = map.positive_work(fixed.point(), tolerance);
+        if (work < 0) return false;
+        out.positive_power = work * gait.omega / map.span();
+        out.abs_power = 2 * out.positive_power - out.power;
+    }
+    out.slowest_error = std::fabs(out.slowest);
+    out.power_error = std::fabs(out.power - coarse.power);
+    out.positive_power_error = std::fabs(out.positive_power - coarse.positive_power);
+    if (options.powers) out.positive_power_error += map.work_missed() * gait.omega / map.span();
+    return true;
 }
 
 }  // namespace
@@ -196,35 +273,26 @@ SteadyState steady_dry_by_steps(const Robot& robot, const Ground& ground, const 
                                 const SteadyOptions& options) {
     HalfCycle map(robot, ground, gait);
     FixedPoint fixed(map);
-    SteadyState out, coarse;
+    SteadyState out;
+    out.speed_error = out.power_error = out.positive_power_error = HUGE_VAL;  // nothing known yet
     const double floor = options.rtol * 1e-4 * gait.omega * 2 * robot.l * robot.n;
     if (!fixed.wander(200, 1e-3)) return out;
-    bool first = true;
-    double change = 0, before = 0;
+    double before = 0, reached = 0;
     for (double tolerance = 1e-4; tolerance > 1e-11; tolerance *= 0.03) {
-        if (!fixed.solve(tolerance, std::max(3 * tolerance, 1e-12))) return out;
-        report(map, fixed, gait, out);
-        if (options.powers) {
-            const double work = map.positive_work(fixed.point(), tolerance);
-            if (work < 0) return out;
-            out.positive_power = work * gait.omega / map.span();
-            out.abs_power = 2 * out.positive_power - out.power;
-        }
+        SteadyState next = out;
+        if (!level(map, fixed, gait, options, tolerance, out, next)) break;
         // the last change, and what a lucky one would hide: part of the one before, Newton's rest
-        change = std::fabs(out.speed - coarse.speed);
-        out.speed_error = change + 0.03 * before + fixed.last_step * map.scale()[0];
-        before = first ? 0 : change;
-        out.slowest_error =
-            first ? std::fabs(out.slowest)
-                  : (out.slowest == coarse.slowest ? 0 : std::fabs(out.slowest - coarse.slowest));
-        out.power_error = std::fabs(out.power - coarse.power);
-        out.positive_power_error = std::fabs(out.positive_power - coarse.positive_power);
-        out.converged = !first && out.speed_error <= std::max(options.rtol * out.speed, floor) &&
-                        std::max(out.power_error, out.positive_power_error) <=
-                            10 * options.rtol * std::max(out.power, out.positive_power) + 1e-300;
+        const double change = std::fabs(next.speed - out.speed);
+        next.speed_error = change + 0.03 * before + fixed.last_step * map.scale()[0];
+        before = reached > 0 ? change : 0;
+        next.converged = reached > 0 &&
+                         next.speed_error <= std::max(options.rtol * next.speed, floor) &&
+                         std::max(next.power_error, next.positive_power_error) <=
+                             10 * options.rtol * std::max(next.power, next.positive_power) + 1e-300;
+        out = next, reached = tolerance;
         if (out.converged) break;
-        coarse = out, first = false;
     }
+    if (reached > 0) measure_multipliers(map, fixed, gait.offset == 0, reached, out);
     return out;
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "kernels/gait_batch.hpp"
-#include "periodic/positive_power.hpp"
+#include "numerics/mean_positive_part.hpp"
 
 namespace serpenoid {
 
@@ -132,7 +132,36 @@ bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double lengt
     tau = dtau == tau_end - tau ? tau_end : tau + dtau;
     skipped_ += dtau;
     set_mode();
+    settle_stuck(state);
     return true;
+}
+
+// Put the wheels that stick at rest to the last digit: what a kick leaves of their speeds, 1e-11 of
+// the scale, would over a short piece be taken for a force. Node 1 of the piece is where the kick
+// ended. Wheels of a straight chain have one and the same row: those stay as they are.
+void DryCycle::settle_stuck(CycleState& state) {
+    const SlidingPiece::Node& k = piece_.node(1);
+    const double mass[3] = {nm_, nm_, k.J};
+    const Vec3 u = piece_.velocity(k, state.p);
+    Mat3 S = identity3();
+    Vec3 pull{}, row[3]{};
+    for (int a = 0; a < mode_.count; ++a) {
+        const WheelDirection g = piece_.row(mode_.stuck[a], 1);
+        row[a] = {g.x, g.y, g.r}, pull[a] = -g.speed(u.data(), omega_);
+    }
+    for (int a = 0; a < mode_.count; ++a)
+        for (int b = 0; b < mode_.count; ++b) {
+            S[3 * a + b] = 0;
+            for (int i = 0; i < 3; ++i) S[3 * a + b] += row[a][i] * row[b][i] / mass[i];
+        }
+    if (mode_.count == 0 || !solve_dense<3, 1>(S.data(), pull.data())) return;
+    Vec3 p = state.p;
+    double moved = 0;
+    for (int i = 0; i < 3; ++i) {
+        for (int a = 0; a < mode_.count; ++a) p[i] += pull[a] * row[a][i];
+        moved = std::max(moved, std::fabs(p[i] - state.p[i]) / scale_[i]);
+    }
+    if (moved < 1e-8) state.p = p;
 }
 
 void DryCycle::set_mode() {
@@ -289,27 +318,6 @@ void DryCycle::accumulate(double h, double x, CycleState& state) {
     for (int i = 0; i < 9; ++i) state.by_start[i / 3][i % 3] = B[i];
 }
 
-// Add the integrals of P_i^+ over the first x of a piece, from the joints' torques at Gauss points;
-// the piece is drawn out backwards over the kick before it.
-void DryCycle::add_positive(double tau, double h, double x) {
-    constexpr int g = 5;
-    const double start = -skipped_ / h, span = h * (x - start);
-    const Gauss<g>& rule = Gauss<g>::get();
-    double x_of[g];
-    for (int q = 0; q < g; ++q) x_of[q] = start + (x - start) * rule.c[q];
-    piece_.torques(g, x_of, torque_.data(), rate_.data());
-    for (int i = 0; i + 1 < robot_.n; ++i) {
-        std::array<double, g> torque, rate;
-        for (int q = 0; q < g; ++q) {
-            torque[q] = torque_[i].at[q], rate[q] = rate_[i].at[q];
-            net_work_ -= span / omega_ * rule.b[q] * torque[q] * rate[q];
-        }
-        (*positive_)[i] +=
-            span / omega_ *
-            mean_positive_swing<g>(torque, rate, tau + start * h, span, lag_[i], alpha_);
-    }
-}
-
 bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
     constexpr double kShortest = 1e-10;
     double tau = 0;
@@ -319,6 +327,7 @@ bool DryCycle::advance(CycleState& state, double tau_end, double tolerance) {
     shortest_kick_ =
         std::clamp(20 * speed_eps_ * nm_ * omega_ / ground_.least_dry(), 1e-7, longest_kick_);
     jump_.waits = false, kick_ = 0, skipped_ = 0;
+    step_ = std::max(step_, 1e-3);  // it may have broken off at a very short one
     convex_.forget();
     if (!change_mode(state, tau, tau_end, {})) return false;
     int stalled = 0;

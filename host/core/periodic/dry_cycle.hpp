@@ -59,6 +59,7 @@ class DryCycle {
     bool kick(CycleState& state, double& tau, double tau_end, double length);
     bool change_mode(CycleState& state, double& tau, double tau_end, const Ending& ending);
     void set_mode();
+    void settle_stuck(CycleState& state);
     void margins();
     double end_of_wheel(const double* margins, double first) const;
     Ending ending();
@@ -67,6 +68,7 @@ class DryCycle {
     std::pair<double, Vec3> dissipation(const SlidingPiece::Node& node, const Vec3& u) const;
     void accumulate(double h, double x, CycleState& state);
     void add_positive(double tau, double h, double x);
+    void add_kick_work();
     bool advance(CycleState& state, double tau_end, double tolerance);
 
     Robot robot_;

@@ -122,6 +122,8 @@ def _settling(s: _core.SteadyState, gait: Gait) -> tuple[float, float]:
     """Return the settling time, s, and its relative error."""
     if not s.slowest < 0:
         return math.inf, 0.0
+    if math.isinf(s.slowest):  # nothing is left after a cycle
+        return 0.0, 0.0 if s.slowest_error == 0 else math.inf
     return gait.period_s / -s.slowest, s.slowest_error / -s.slowest
 
 

@@ -44,3 +44,66 @@ def test_wild_dry_robots_converge() -> None:
         except sn.NotConverged:
             lost += 1
     assert lost <= 2
+
+
+# robot (links, kg, m), ground (ct, cn, ft0, fn0), gait (alpha, beta, omega, offset); then speed,
+# net and positive power by an integration of its own: extrapolated implicit Euler in Python, whose
+# mode changes are found by halving steps to 1e-11 of a period (all its digits agree at two
+# tolerances). Three wheels that stick at once, hardly independent, used to break the pieces, and
+# the steps that take over then gave the chord of a path that turns, or work without its shortest
+# steps.
+THREE_STUCK = [
+    (
+        (7, 0.3923105956797782, 0.08427617476184865),
+        (0.047877268961768374, 0.07026086230986531, 0.07797135149543699, 0.33670297245883235),
+        (0.6562093612987732, 0.930306891062755, 1.4684313596837932, 0.0),
+        (0.1051711313, 0.0711148166, 0.0766914849),
+    ),
+    (
+        (8, 0.07846689057337346, 0.053221884471477215),
+        (0.03518527670713614, 0.10062916291724186, 0.026480993121816326, 0.09397698014907603),
+        (0.5901683075605526, 1.2231554919108452, 0.9140098788169324, 0.0),
+        (0.02482672685, 0.00749058481, 0.00998420889),
+    ),
+    (
+        (6, 0.22190559179089997, 0.06337239172411116),
+        (0.005917044884101908, 0.03814210414631287, 0.24439593160159603, 0.5168188188938933),
+        (1.1445486479346316, 1.481860276958618, 4.030933749447197, -0.037545674903685544),
+        (0.09950279259, 0.189885959, 0.255705737),
+    ),
+    (
+        (6, 0.30982676644726323, 0.07222934650513904),
+        (0.049802364335930195, 0.06301305488737993, 0.18728548273514486, 0.6923227754295143),
+        (0.7020375552034193, 1.4208224004498278, 2.673819816953346, -0.05094954901820334),
+        (0.0998662602, 0.126338446, 0.164807606),
+    ),
+]
+
+
+@pytest.mark.parametrize("case", THREE_STUCK, ids=lambda c: str(c[0][0]))
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6])
+def test_three_wheels_stuck_at_once(case: tuple, rtol: float) -> None:
+    robot, ground, gait, (speed, power, positive) = case
+    try:
+        s = sn.steady_gait(sn.Robot(*robot), sn.Ground(*ground), sn.Gait(*gait), rtol=rtol)
+    except sn.NotConverged as error:  # of the positive power alone
+        s = error.best
+    assert s.speed_m_s == pytest.approx(speed, rel=s.error_estimate + 1e-8)
+    assert s.power_w == pytest.approx(power, rel=1e-7, abs=s.power_error_w)
+    assert s.positive_power_w == pytest.approx(positive, rel=6e-4)  # spikes of sticking forces
+    assert s.error_estimate <= rtol
+
+
+def test_the_best_answer_is_a_state_with_the_errors_of_its_own_level() -> None:
+    """Ten times 1e-6 of the powers is beyond these chattering wheels; speed and loss are known."""
+    robot = sn.Robot(5, 0.7749911850922024, 0.040554207359343626)
+    ground = sn.Ground(1.8010825256861138, 68.02709323785253, 4.3835170410651525, 11.40519629403444)
+    gait = sn.Gait(1.2017761281416313, 1.6731097946154556, 14.705229722525305)
+    with pytest.raises(sn.NotConverged) as error:
+        sn.steady_gait(robot, ground, gait)
+    best = error.value.best
+    assert isinstance(best, sn.Steady)
+    assert best.speed_m_s == pytest.approx(0.184637541, rel=best.error_estimate + 3e-9)
+    assert 0 < best.error_estimate < 1e-6
+    assert best.positive_power_w == pytest.approx(8.61887095, abs=best.positive_power_error_w)
+    assert 1e-5 < best.positive_power_error_w < 1e-3

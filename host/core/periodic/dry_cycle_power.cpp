@@ -1,0 +1,46 @@
+// What the joints do over a piece of dry_cycle.hpp: the integrals of their positive powers.
+#include <algorithm>
+#include <array>
+
+#include "numerics/gauss_rule.hpp"
+#include "periodic/dry_cycle.hpp"
+#include "periodic/positive_power.hpp"
+
+namespace serpenoid {
+
+// Add the work of a kick as of the powers at the start of the piece that follows it.
+void DryCycle::add_kick_work() {
+    const double start = 0;
+    piece_.torques(1, &start, torque_.data(), rate_.data());
+    for (int i = 0; i + 1 < robot_.n; ++i) {
+        const double work = -skipped_ / omega_ * torque_[i].at[0] * rate_[i].at[0];
+        net_work_ += work, (*positive_)[i] += std::max(work, 0.0);
+    }
+}
+
+// Add the integrals of P_i^+ over the first x of a piece, from the joints' torques at Gauss points.
+// The piece is drawn out backwards over the kick before it, but where the kick was not much shorter
+// its polynomial does not reach so far.
+void DryCycle::add_positive(double tau, double h, double x) {
+    constexpr int g = 5;
+    constexpr double kFarthest = 0.1;  // of the part that is used
+    const bool drawn = skipped_ <= kFarthest * h * x;
+    if (!drawn) add_kick_work();
+    const double start = drawn ? -skipped_ / h : 0, span = h * (x - start);
+    const Gauss<g>& rule = Gauss<g>::get();
+    double x_of[g];
+    for (int q = 0; q < g; ++q) x_of[q] = start + (x - start) * rule.c[q];
+    piece_.torques(g, x_of, torque_.data(), rate_.data());
+    for (int i = 0; i + 1 < robot_.n; ++i) {
+        std::array<double, g> torque, rate;
+        for (int q = 0; q < g; ++q) {
+            torque[q] = torque_[i].at[q], rate[q] = rate_[i].at[q];
+            net_work_ -= span / omega_ * rule.b[q] * torque[q] * rate[q];
+        }
+        (*positive_)[i] +=
+            span / omega_ *
+            mean_positive_swing<g>(torque, rate, tau + start * h, span, lag_[i], alpha_);
+    }
+}
+
+}  // namespace serpenoid
