@@ -28,6 +28,7 @@ from .friction_fit import fit_friction
 from .friction_result import FrictionFit
 from .session import Reading, Session
 from .speed_samples import Progress, sample_speeds
+from .taking.expected import Series
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0, 45.0)
 SLIPS_M_S = (0.1, 0.3, 0.6, 1.0)
@@ -41,7 +42,8 @@ class NextReading:
     """A reading, and the relative half-width of the speeds' 95 % band once it is taken.
 
     kind: station (lambda_rad, incline_rad, belt_speed_m_s expected) or gait (alpha_rad, beta_rad,
-    frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for.
+    frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for. facing:
+    of a station, up the belt for a ratchet's wheels backwards.
     """
 
     kind: str
@@ -54,6 +56,7 @@ class NextReading:
     alpha_rad: float | None = None
     beta_rad: float | None = None
     frequency_hz: float | None = None
+    facing: str = "down"
 
     def in_words(self) -> str:
         """Return what to do."""
@@ -65,6 +68,7 @@ class NextReading:
                 math.degrees(self.incline_rad or 0),
             )
             links = f", neighbouring links at {180 - 2 * bend:.4g}°" if bend else ", straight"
+            links += ", facing up" if self.facing == "up" else ""
             what = (
                 f"λ = {bend:.4g}°{links}, inclinometer at {incline:.2f}°, "
                 f"belt near {self.belt_speed_m_s:.2g} m/s"
@@ -74,11 +78,15 @@ class NextReading:
 
 @dataclass(frozen=True)
 class Advice:
-    """What advise found: the band now, relative, and the readings, best first."""
+    """What advise found: the band now, relative, and the readings, best first.
+
+    note: what must be known beside, "" if nothing.
+    """
 
     gaits: tuple[Gait, ...]
     band: float
     readings: tuple[NextReading, ...]
+    note: str = ""
 
     @property
     def best(self) -> NextReading:
@@ -90,6 +98,7 @@ class Advice:
         return {
             "gaits": [asdict(g) for g in self.gaits],
             "band": self.band,
+            "note": self.note,
             "readings": [asdict(r) | {"in_words": r.in_words()} for r in self.readings],
         }
 
@@ -127,7 +136,16 @@ def advise(
     most = session.setup.procedure.belt_speed_max_m_s
     able = [r for r in readings if (r.belt_speed_m_s or 0.0) <= most]
     ranked = sorted(able, key=lambda r: r.band)
-    return Advice(wanted, slopes.band(covariance, ran), tuple(ranked))
+    return Advice(wanted, slopes.band(covariance, ran), tuple(ranked), _ratchet_note(session, fit))
+
+
+def _ratchet_note(session: Session, fit: FrictionFit) -> str:
+    if not session.setup.procedure.ratchet or len(fit.names) > 4:
+        return ""
+    return (
+        "The plan says that the wheels are ratchets, but nothing tells how they roll backwards: "
+        "these bands take them to roll alike both ways. Hold two straight stations facing up first."
+    )
 
 
 @dataclass(frozen=True)
@@ -181,8 +199,8 @@ def _covariance(session: Session, whole: Floats) -> Floats:
 
 def _places(
     session: Session, whole: Floats, bends: Sequence[float]
-) -> list[tuple[float, float, float]]:
-    """Return bends, inclines and slips worth a look: where the treadmill can be set to.
+) -> list[tuple[Series, float, float]]:
+    """Return series, inclines and slips worth a look: where the treadmill can be set to.
 
     The bend that the robot lies in now stands for one that is as good as equal to it.
     """
@@ -190,34 +208,37 @@ def _places(
     shown = np.array([r.incline_rad for r in kept], dtype=float)
     now, near = kept[-1].lambda_rad, _AS_GOOD * given.lambda_sigma_rad
     (zero,), weight_n = session.zeros_rad(kept[-1:]), session.setup.weight_n
-    found: dict[tuple[float, float], float] = {}
-    for bend in (now if now and abs(bend - now) < near else bend for bend in bends):
+    found: dict[tuple[Series, float], float] = {}
+    every = [Series(now if now and abs(bend - now) < near else bend) for bend in bends]
+    for series in [*every, *([Series(0.0, "up")] if len(whole) > 4 else [])]:
         for wanted_m_s in SLIPS_M_S:
-            aim = station_incline_rad(whole, weight_n, bend, wanted_m_s) + zero
+            aim = station_incline_rad(whole, weight_n, series, wanted_m_s) + zero
             grade_step = session.setup.treadmill.incline_step_rad
             incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
-            slip = station_slip_m_s(whole, weight_n, bend, incline - zero)
+            slip = station_slip_m_s(whole, weight_n, series, incline - zero)
             if slip > given.belt_speed_sigma_m_s and incline > 0.0:
-                found[bend, round(incline, 6)] = slip
-    return [(bend, incline, slip) for (bend, incline), slip in found.items()]
+                found[series, round(incline, 6)] = slip
+    return [(series, incline, slip) for (series, incline), slip in found.items()]
 
 
-def _pull(whole: Floats, bend: float) -> tuple[float, float]:
+def _pull(whole: Floats, series: Series) -> tuple[float, float]:
     """Return A and B of Eq. 60: the whole snake's friction along the belt is A v + B."""
-    ct, cn, ft0, fn0 = whole[:4].tolist()  # facing down
-    c, s = math.cos(bend), math.sin(bend)
+    ct, cn, ft0, fn0 = whole[:4].tolist()
+    if series.facing == "up":
+        ct, ft0 = whole[4:6].tolist()
+    c, s = math.cos(series.lambda_rad), math.sin(series.lambda_rad)
     return ct * c * c + cn * s * s, ft0 * c + fn0 * s
 
 
-def station_incline_rad(whole: Floats, weight_n: float, bend: float, slip_m_s: float) -> float:
+def station_incline_rad(whole: Floats, weight_n: float, series: Series, slip_m_s: float) -> float:
     """Return the incline at which a snake of this friction holds its station at this slip."""
-    slope, least = _pull(whole, bend)
+    slope, least = _pull(whole, series)
     return math.asin(min((slope * slip_m_s + least) / weight_n, 0.7))
 
 
-def station_slip_m_s(whole: Floats, weight_n: float, bend: float, incline_rad: float) -> float:
+def station_slip_m_s(whole: Floats, weight_n: float, series: Series, incline_rad: float) -> float:
     """Return the slip at which it holds its station at this incline, below 0 if it does not."""
-    slope, least = _pull(whole, bend)
+    slope, least = _pull(whole, series)
     return (weight_n * math.sin(incline_rad) - least) / max(slope, 1e-12)
 
 
@@ -236,13 +257,16 @@ def _station(
     session: Session,
     whole: Floats,
     speeds: tuple[SpeedSlopes, list[list[float]]],
-    at: tuple[float, float, float],
+    at: tuple[Series, float, float],
 ) -> NextReading:
-    (slopes, ran), (bend, incline, slip) = speeds, at
+    (slopes, ran), (series, incline, slip) = speeds, at
     first = max(r.number for r in session.readings) + 1
     bands = []
     for times in range(1, _MOST_TIMES + 1):
-        more = (Reading(first + k, bend, incline, slip) for k in range(times))
+        more = (
+            Reading(first + k, series.lambda_rad, incline, slip, facing=series.facing)
+            for k in range(times)
+        )
         after = replace(session, readings=(*session.readings, *more))
         bands.append(slopes.band(_covariance(after, whole), ran))
         if times > 1 and bands[-1] > (1.0 - _WORTH_ANOTHER) * bands[-2]:
@@ -250,7 +274,8 @@ def _station(
     times = _worth(bands)
     return NextReading(
         "station", bands[0], times, bands[times - 1],
-        lambda_rad=bend, incline_rad=incline, belt_speed_m_s=slip,
+        lambda_rad=series.lambda_rad, incline_rad=incline, belt_speed_m_s=slip,
+        facing=series.facing,
     )  # fmt: skip
 
 

@@ -16,13 +16,13 @@ from ..simulation.steady_springs import steady_springs
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit, band
 from .session import GaitRun, Session
-from .speed_samples import Array, Progress, SpeedSamples, sample_speeds, speed
+from .speed_samples import Progress, SpeedSamples, sample_speeds, speed
+from .verdict import Judge, Measured, in_words, of_gaits
 
-DOUBTFUL = 0.05  # a verdict's p-value
-INFLATED = 4.0  # a cause is allowed this many of its stated sigmas before it is ruled out
 AMPLITUDE_SIGMA = 0.03
+NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 SAME_RATE = 1e-3  # rates closer than this, relative, are repeats of one gait
-_CURVE_SAMPLES, _CURVE_POINTS, _NOISE_DRAWS = 32, 9, 32
+_CURVE_SAMPLES, _CURVE_POINTS = 32, 9
 
 
 @dataclass(frozen=True)
@@ -55,10 +55,10 @@ class Comparison:
 
     gaits: those run, else those planned. curve: speed over frequency of the first one's amplitude
     and phase lag, friction's band alone. p_value: the chance of residuals as large if model, fit
-    and stated errors hold; p_friction, p_amplitude: that chance if friction, or the joints'
-    amplitude (amplitude_sigma, relative), may be off by four times as much as stated. None without
-    runs. verdict: agrees, friction, amplitude, friction or amplitude, neither, not measured;
-    verdict_text says it in words.
+    and stated errors (amplitude_sigma of the joints' amplitude, relative) hold; p_friction,
+    p_amplitude: that chance once friction, or the amplitude, may be another one than stated; None
+    where that need not be asked. verdict: agrees, friction, amplitude, friction or amplitude,
+    neither, not measured; verdict_text says it in words.
     """
 
     session: str
@@ -108,13 +108,20 @@ def compare(
         fit, wanted, amplitude_sigma=amplitude_sigma, count=samples, seed=seed, progress=progress
     )
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
-    chances = _chances(drawn, points, np.random.default_rng(seed))
-    verdict = _verdict(chances)
     curve = _curve(fit, wanted, seed, progress)
-    return Comparison(
-        session.setup.name, amplitude_sigma, points, curve, session.kept_gait_runs, *chances,
-        verdict, _in_words(verdict, points, chances, amplitude_sigma),
-    )  # fmt: skip
+    common = (session.setup.name, amplitude_sigma, points, curve, session.kept_gait_runs)
+    ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
+    if not ran:
+        return Comparison(*common, None, None, None, "not measured", NOT_MEASURED)
+    measured = Measured(
+        tuple(drawn.gaits[j] for j in ran),
+        np.array([points[j].measured_m_s for j in ran], dtype=float),
+        np.array([points[j].sigma_m_s for j in ran], dtype=float),
+    )
+    found = Judge(fit, of_gaits(drawn, ran), amplitude_sigma, seed)(measured)
+    friction, amplitude = (c and c.p_value for c in (found.friction, found.amplitude))
+    text = in_words(found, measured, fit, amplitude_sigma, session.setup.weight_n)
+    return Comparison(*common, found.p_value, friction, amplitude, found.word, text)
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
@@ -169,90 +176,3 @@ def _curve(
     gaits = [Gait(first.alpha_rad, first.beta_rad, rate) for rate in grid]
     drawn = sample_speeds(fit, gaits, count=_CURVE_SAMPLES, seed=seed, progress=progress)
     return tuple(_point(fit, drawn, j, []) for j in range(len(gaits)))
-
-
-def _chances(
-    drawn: SpeedSamples, points: Sequence[ComparedGait], rng: np.random.Generator
-) -> tuple[float | None, float | None, float | None]:
-    """Return p as stated, with friction inflated, with amplitude inflated."""
-    ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
-    if not ran:
-        return None, None, None
-    measured = np.array([points[j].measured_m_s for j in ran], dtype=float)
-    noise = np.array([points[j].sigma_m_s for j in ran], dtype=float)
-    friction, both = drawn.friction_m_s[:, ran], drawn.both_m_s[:, ran]
-    best = np.array([points[j].exact_m_s for j in ran])
-    by_friction, by_amplitude = friction - best, both - friction
-    kinds = ((1.0, 1.0), (INFLATED, 1.0), (1.0, INFLATED))
-    found = [
-        _chance(best + f * by_friction + a * by_amplitude, measured, noise, rng) for f, a in kinds
-    ]
-    return found[0], found[1], found[2]
-
-
-def _chance(speeds: Array, measured: Array, noise: Array, rng: np.random.Generator) -> float:
-    """Return how often a draw with its measuring noise lies as far out as what was measured.
-
-    How far is told by the draws' own covariance; how often, by the draws themselves, since they
-    are skewed.
-    """
-    seen = np.repeat(speeds, _NOISE_DRAWS, axis=0)
-    seen = seen + noise * rng.normal(size=seen.shape)
-    centre = seen.mean(axis=0)
-    inverse = np.linalg.inv(np.cov(seen.T).reshape(len(noise), len(noise)))
-
-    def out(v: Array) -> Array:
-        return np.einsum("...i,ij,...j->...", v - centre, inverse, v - centre)
-
-    return float(np.mean(out(seen) >= out(measured)))
-
-
-def _verdict(chances: tuple[float | None, float | None, float | None]) -> str:
-    stated, friction, amplitude = chances
-    if stated is None or friction is None or amplitude is None:
-        return "not measured"
-    if stated >= DOUBTFUL:
-        return "agrees"
-    able = [n for n, p in (("friction", friction), ("amplitude", amplitude)) if p >= DOUBTFUL]
-    return " or ".join(able) or "neither"
-
-
-def _p(chance: float | None) -> str:
-    least = 1e-3  # as many draws can tell
-    return "p < 0.001" if chance is None or chance < least else f"p = {chance:.2g}"
-
-
-def _in_words(
-    verdict: str,
-    points: Sequence[ComparedGait],
-    chances: tuple[float | None, float | None, float | None],
-    amplitude_sigma: float,
-) -> str:
-    if verdict == "not measured":
-        return "No gait was run yet: these are predictions. Run one, and compare again."
-    off = [p for p in points if p.residual_m_s is not None]
-    worst = max(off, key=lambda p: abs(p.residual_m_s or 0.0) / p.exact_m_s if p.exact_m_s else 0.0)
-    share = (worst.residual_m_s or 0.0) / worst.exact_m_s if worst.exact_m_s else math.inf
-    seen = f"at most {share:+.1%} of the predicted speed, at {worst.frequency_hz:.3g} Hz"
-    if verdict == "agrees":
-        return f"Agrees: the robot runs as its friction predicts ({seen}; {_p(chances[0])})."
-    head = f"Differs: {seen} ({_p(chances[0])}). "
-    if verdict == "neither":
-        return head + (
-            f"Neither friction nor the joints' amplitude explains it, even {INFLATED:g} times as "
-            "uncertain as stated: look at the surface, the mass, the frequency, the gait itself."
-        )
-    if verdict == "friction or amplitude":
-        return head + (
-            "Friction or the joints' amplitude may be off by more than stated; these runs cannot "
-            "tell which. Measure the joints' amplitude, or run another frequency."
-        )
-    other = {"friction": "amplitude", "amplitude": "friction"}[verdict]
-    way = {
-        "friction": "Take the friction again, on the surface that the robot crawls on.",
-        "amplitude": f"Measure the joints: {amplitude_sigma:.0%} was stated.",
-    }[verdict]
-    return head + (
-        f"The data say that it is {verdict}, not {other}: only with {verdict} {INFLATED:g} times "
-        f"as uncertain do the runs fit. {way}"
-    )

@@ -210,7 +210,8 @@ class Stopwatch:
 class Procedure:
     """Which stations are to be held: every bend, from the first incline up to the top speed.
 
-    gaits: to be run on level ground afterwards, each gait_runs times.
+    gaits: to be run on level ground afterwards, each gait_runs times. ratchet: wheels roll harder
+    backwards, so that straight stations are held a second time, facing up the belt.
     """
 
     lambda_rad: tuple[float, ...]
@@ -220,6 +221,7 @@ class Procedure:
     gravity_m_s2: float
     gaits: tuple[Gait, ...] = ()
     gait_runs: int = 3
+    ratchet: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -155,7 +155,7 @@ def _setup(top: Table) -> Setup:
         "source": provenance.string("source"),
         "note": provenance.string("note"),
         "robot": _robot(top.table("robot")),
-        "weighed": _weighed(top.table("robot")),
+        "weighed": _said(top.table("robot"), "weighed", usual=True),
     }
     return _setup_1(top, words) if old else _setup_2(top, words)
 
@@ -172,7 +172,7 @@ def _setup_2(top: Table, words: dict[str, Any]) -> Setup:
     laboratory, plan = top.table("laboratory"), top.table("plan")
     instruments = top.table("instruments")
     laboratory.only("surface", "place", "people", "gravity_m_s2")
-    plan.only(*_PLAN, optional=("gaits", "gait_runs"))
+    plan.only(*_PLAN, optional=("gaits", "gait_runs", "ratchet"))
     instruments.only(*_SIGMAS, optional=_STEPS)
     procedure = _plan(plan, replace(_NO_PLAN, gravity_m_s2=_gravity(laboratory)))
     setup = Setup(
@@ -200,13 +200,11 @@ def _robot(table: Table) -> Robot:
         return Robot(links, mass_kg, length_m)
 
 
-def _weighed(table: Table) -> bool:
-    weighed = table.values.get("weighed", True)
-    if not isinstance(weighed, bool):
-        raise BadInput(
-            f"{table.where('weighed')}: weighed is {weighed!r}; it must be true or false"
-        )
-    return weighed
+def _said(table: Table, name: str, *, usual: bool) -> bool:
+    value = table.values.get(name, usual)
+    if not isinstance(value, bool):
+        raise BadInput(f"{table.where(name)}: {name} is {value!r}; it must be true or false")
+    return value
 
 
 def _plan(table: Table, before: Procedure) -> Procedure:
@@ -224,6 +222,8 @@ def _plan(table: Table, before: Procedure) -> Procedure:
         found["belt_speed_max_m_s"] = most_m_s
     if "gait_runs" in table.values:
         found["gait_runs"] = table.whole("gait_runs")
+    if "ratchet" in table.values:
+        found["ratchet"] = _said(table, "ratchet", usual=False)
     if "gaits" in table.values:
         found["gaits"] = _gaits(table)
     return replace(before, **found)

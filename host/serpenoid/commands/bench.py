@@ -250,3 +250,28 @@ def advise(out: Path, sessions: int, seed: int) -> None:
             f"advised, {r.advised_readings:.1f} do ({r.ratio:.0%}; after the opening "
             f"{r.after_opening:.0%}); {r.reached} of {r.sessions} sessions got there"
         )
+
+
+@BENCH_GROUP.command()
+@OUT
+@click.option("--sessions", type=click.IntRange(1), default=100, show_default=True,
+              help="Simulated sessions, each with every fault.")  # fmt: skip
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
+@click.option("--page", type=click.Path(exists=True, dir_okay=False, path_type=Path),
+              help="A Markdown page whose table between the markers is renewed.")  # fmt: skip
+def verdict(out: Path, sessions: int, seed: int, page: Path | None) -> None:
+    """Count how often compare's verdict is right, over sessions and runs with known faults."""
+    import dataclasses
+    import json
+
+    from ..bench.calibration.figure import verdict_figure
+    from ..bench.calibration.verdicts import markdown, run, update_page
+
+    rows = [dataclasses.asdict(row) for row in run(sessions, seed, _tell)]
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "verdict.json").write_text(json.dumps(rows, indent=2) + "\n")
+    verdict_figure(rows, out / "verdict.png")
+    if page is not None:
+        update_page(rows, page)
+    click.echo(markdown(rows))
+    click.echo(f"in {out}")

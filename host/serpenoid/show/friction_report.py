@@ -41,4 +41,6 @@ def show_advice(found: Advice, most: int = 5) -> None:
         for r in found.readings[:most]
     ]
     table(f"speed is known to {found.band:.1%} (95 %)", ["reading", "afterwards"], rows)
+    if found.note:
+        console.print(found.note, highlight=False)
     console.print(f"Take next: {found.best.in_words()}.", highlight=False)

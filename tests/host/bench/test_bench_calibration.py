@@ -6,10 +6,21 @@ import numpy as np
 import pytest
 from serpenoid.bench.calibration.advised import Saved, advised, plan_of, planned, ratios
 from serpenoid.bench.calibration.coverage import CASES, GAIT, WHOLE, Case, judged, one, run
-from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
+from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.calibration.speed_table import SpeedTable
+from serpenoid.bench.calibration.verdicts import (
+    BEGIN,
+    END,
+    FAULTS,
+    TrueSpeeds,
+    counted,
+    markdown,
+    update_page,
+    words,
+)
 from serpenoid.calibration.speed_samples import speed
 from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.model.errors import BadInput
 from serpenoid.model.ground import Ground
 
 ROBOT = default_setup("test").robot
@@ -69,3 +80,36 @@ def test_the_figures_are_drawn(tmp_path, table):
     advised_figure([dataclasses.asdict(r) for r in saved], tmp_path / "advise.png")
     for name in ("coverage.png", "advise.png"):
         assert (tmp_path / name).stat().st_size > 5000
+
+
+@pytest.fixture(scope="module")
+def verdicts():
+    names = ("nothing", "ft0 +40%", "amplitude -30%", "tape -20%")
+    faults = tuple(f for f in FAULTS if f.name in names)
+    setup = default_setup("test")
+    true = TrueSpeeds(setup.robot, setup.procedure.gaits, faults)
+    found = [words((faults, seed, true)) for seed in range(3)]
+    return [dataclasses.asdict(counted(f, found)) for f in faults]
+
+
+def test_verdicts_on_gross_faults_are_right(verdicts):
+    counts = {row["fault"]: row["counts"] for row in verdicts}
+    assert counts["nothing"]["agrees"] >= 2
+    assert counts["ft0 +40%"]["friction"] == 3
+    assert counts["amplitude -30%"]["amplitude"] >= 2
+    assert counts["amplitude -30%"]["friction"] == 0
+    assert counts["tape -20%"]["neither"] == 3
+    assert sum(counts["nothing"].values()) == 3
+
+
+def test_the_table_of_verdicts_goes_into_a_page(tmp_path, verdicts):
+    page = tmp_path / "page.md"
+    page.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
+    update_page(verdicts, page)
+    assert page.read_text() == f"before\n{BEGIN}\n{markdown(verdicts)}\n{END}\nafter\n"
+    assert "**100 %**" in page.read_text()
+    verdict_figure(verdicts, tmp_path / "verdict.png")
+    assert (tmp_path / "verdict.png").stat().st_size > 5000
+    page.write_text("no markers")
+    with pytest.raises(BadInput, match="once each"):
+        update_page(verdicts, page)

@@ -13,7 +13,7 @@ from serpenoid.calibration.session import GaitRun
 from serpenoid.calibration.speed_samples import sample_speeds
 
 GROUND = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-RATES = [2 * math.pi * hz for hz in (0.4, 1.0)]
+RATES = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]
 
 
 def gait(rate, amplitude=1.0):
@@ -53,14 +53,14 @@ def test_the_verdict_names_the_cause(fitted, amplitude, factor, verdict):
     assert {"agrees": "Agrees", "amplitude": "it is amplitude", "neither": "Neither"}[
         verdict
     ] in found.verdict_text
-    assert [p.runs for p in found.gaits] == [(100,), (101,)]
+    assert [p.runs for p in found.gaits] == [(100,), (101,), (102,)]
     json.dumps(found.to_dict(), allow_nan=False)
 
 
 def test_another_surface_is_told_as_friction(fitted):
     made, fit = fitted
-    # the robot crawled where friction along its links is 15 % more, five of the fit's sigmas
-    slow = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14 * 1.15, fn0=0.27)
+    # the robot crawled where friction along its links is 30 % more, five of the fit's sigmas
+    slow = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14 * 1.3, fn0=0.27)
     runs = tuple(
         replace(r, speed_m_s=sn.steady_gait(made.setup.robot, slow, r.gait, rtol=1e-3).speed_m_s)
         for r in measured(made).gait_runs

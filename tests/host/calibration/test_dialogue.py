@@ -184,7 +184,7 @@ def test_ctrl_c_says_that_all_is_kept(folder):
 
 def test_pause_note_status_help_and_quit(folder):
     heard, _ = talk(folder, *ZERO, "note warm room", "status", "help", "pause", "", "quit", "2.0")
-    assert "zero before    done" in heard
+    assert "zero before   done" in heard
     assert "redo [N]" in heard
     assert "paused. Enter goes on" in heard
     found = [(e.event, e.detail) for e in read_events(folder)]
@@ -221,7 +221,7 @@ def test_the_robot_is_bent_by_the_tool_and_let_go_at_the_end(folder):
             return "165"
 
         with Journal(folder) as journal:
-            journal.event("skip", detail="bend 0")
+            journal.event("skip", detail="straight")
         heard, session = talk(folder, *ZERO, "", look, seat=seat)
         assert not seat.powered
         assert seat._robot.status().state == "idle"

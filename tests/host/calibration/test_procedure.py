@@ -54,7 +54,7 @@ def test_the_steps_come_in_order(record):
 
 def test_a_bend_counts_as_the_protractor_shows_it(record):
     record.add("zero", {"incline_deg": 0.1, "reversed_deg": 0.0})
-    skipped = frozenset({"bend 0", "bend 7.5"})
+    skipped = frozenset({"straight", "bend 7.5"})
     record.add("bend", {"lambda_deg": 15.0, "between_links_deg": 148.0})
     step = next_step(record.session, skipped, 15.0)
     assert (step.kind, step.cells["lambda_deg"]) == ("station", 16.0)
@@ -65,7 +65,7 @@ def test_a_bend_counts_as_the_protractor_shows_it(record):
 
 def test_the_zero_is_read_again_at_the_end(record):
     station(record, 2.0, 0.2)
-    skipped = frozenset({"zero before", *(f"bend {b:g}" for b in (0, 7.5, 15, 30))})
+    skipped = frozenset({"zero before", "straight", *(f"bend {b:g}" for b in (7.5, 15, 30))})
     assert next_step(record.session, skipped).key == "zero after"
     record.add("zero", {"incline_deg": 0.1, "reversed_deg": 0.0})
     assert next_step(record.session, skipped).kind == "done"

@@ -59,3 +59,24 @@ def advised_figure(rows: Sequence[Row], path: Path) -> None:
             ax.legend()
         np.atleast_1d(axes)[0].set_ylabel("sessions")
         fig.savefig(path)
+
+
+def verdict_figure(rows: Sequence[Row], path: Path) -> None:
+    """Draw the shares of each verdict, one bar a fault; the right one is framed."""
+    colours = dict(zip(rows[0]["counts"], (GREY, BLUE, ORANGE, GREEN, RED), strict=True))
+    with figure(8.0, 1.6 + 0.27 * len(rows)) as (fig, ax):
+        for k, row in enumerate(rows):
+            left = 0.0
+            for word, count in row["counts"].items():
+                share = 100 * count / row["sessions"]
+                label = {"label": word} if k == 0 else {}
+                frame = "black" if word == row["right"] else "none"
+                ax.barh(k, share, 0.7, left, color=colours[word], edgecolor=frame, lw=1.2, **label)
+                left += share
+        ax.set_yticks(range(len(rows)), [row["fault"] for row in rows])
+        ax.set_ylim(len(rows) - 0.4, -0.6)
+        ax.set_xlim(0.0, 100.0)
+        ax.grid(axis="y", visible=False)
+        ax.set_xlabel(f"share of {rows[0]['sessions']} simulated sessions (%); framed: right")
+        ax.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0), ncols=5, fontsize="small")
+        fig.savefig(path)

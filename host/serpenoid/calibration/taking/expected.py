@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..session import Reading, Session
+from ..session import Procedure, Reading, Session
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
 FIRST = 0.6  # of the top speed, above which the very first station is asked about
@@ -41,21 +41,54 @@ class Line:
         return self.mean_sine + (speed_m_s - self.mean_m_s) / self.slope
 
 
+@dataclass(frozen=True)
+class Series:
+    """Stations of one pose: a bend of the plan, straight, or straight and facing up the belt."""
+
+    lambda_rad: float
+    facing: str = "down"
+
+    @property
+    def key(self) -> str:
+        """Return what events call it."""
+        if self.lambda_rad:
+            return f"bend {math.degrees(self.lambda_rad):.5g}"
+        return "straight up" if self.facing == "up" else "straight"
+
+    @property
+    def name(self) -> str:
+        """Return what people call it."""
+        if self.lambda_rad:
+            return f"{math.degrees(self.lambda_rad):.5g}°"
+        return "straight, facing up" if self.facing == "up" else "straight"
+
+
+def series_of(plan: Procedure) -> list[Series]:
+    """Return the series of a plan in their order; ratchets are held facing up, too, if straight."""
+    found = []
+    for lambda_rad in plan.lambda_rad:
+        found.append(Series(lambda_rad))
+        if plan.ratchet and not lambda_rad:
+            found.append(Series(0.0, "up"))
+    return found
+
+
 def planned_bend(session: Session, lambda_rad: float) -> float:
     """Return the plan's bend that is nearest to one that the protractor showed, rad."""
     plan = session.setup.procedure.lambda_rad
     return min(plan, key=lambda planned: abs(planned - lambda_rad))
 
 
-def of_bend(session: Session, lambda_rad: float) -> list[Reading]:
-    """Return the kept stations of one of the plan's bends."""
+def of_bend(session: Session, lambda_rad: float, facing: str = "down") -> list[Reading]:
+    """Return the kept stations of one of the plan's bends, of those that face this way."""
     aim = planned_bend(session, lambda_rad)
-    return [r for r in session.kept if planned_bend(session, r.lambda_rad) == aim]
+    own = [r for r in session.kept if r.facing == facing]
+    return [r for r in own if planned_bend(session, r.lambda_rad) == aim]
 
 
-def line_of(session: Session, lambda_rad: float) -> Line | None:
+def line_of(session: Session, lambda_rad: float, facing: str = "down") -> Line | None:
     """Return the line through a bend's stations, None with fewer than two inclines."""
-    stations = of_bend(session, lambda_rad)
+    stations = of_bend(session, lambda_rad, facing)
     sines = [math.sin(r.incline_rad) for r in stations]
     if len(stations) < 2 or max(sines) - min(sines) < 1e-4:
         return None
@@ -71,22 +104,22 @@ def line_of(session: Session, lambda_rad: float) -> Line | None:
 
 
 def expected_speed(
-    session: Session, lambda_rad: float, incline_rad: float
+    session: Session, lambda_rad: float, incline_rad: float, facing: str = "down"
 ) -> tuple[float, float] | None:
     """Return the range of the belt's speed past the snake at a station, m/s; None if unknown."""
-    line = line_of(session, lambda_rad)
+    line = line_of(session, lambda_rad, facing)
     if line is not None:
         speed, sigma = line.at(math.sin(incline_rad))
         return max(speed - SIGMAS * sigma, 0.0), max(speed + SIGMAS * sigma, 0.0)
     most = session.setup.procedure.belt_speed_max_m_s
-    stations = of_bend(session, lambda_rad)
+    stations = of_bend(session, lambda_rad, facing)
     if stations:  # steeper is faster
         last = max(stations, key=lambda r: r.incline_rad)
         noise = SIGMAS * session.setup.uncertainty.belt_speed_sigma_m_s
         if incline_rad >= last.incline_rad:
             return max(last.slip_speed_m_s - noise, 0.0), 1.5 * most
-    straight = line_of(session, 0.0) if lambda_rad else None
-    if straight is not None:  # a bent snake needs less speed than a straight one
+    straight = line_of(session, 0.0) if lambda_rad or facing == "up" else None
+    if straight is not None:  # a bent snake needs less speed, and one whose wheels roll back
         speed, sigma = straight.at(math.sin(incline_rad))
         return 0.0, max(speed + SIGMAS * sigma, 0.05)
     # The first of all: the plan's first incline is to be a slow one.

@@ -63,6 +63,7 @@ lambda_deg = {lambda_deg}    # 7.5 as in 2005; 15 and 30 tell cn three to ten ti
 incline_start_deg = {incline_start_deg}
 incline_step_deg = {incline_step_deg}
 belt_speed_max_m_s = {belt_speed_max_m_s}
+ratchet = {ratchet}             # true: straight stations also facing up, where wheels roll back
 gait_runs = {gait_runs}              # of each gait, on level ground of the same surface
 gaits = [{gaits}]
 """
@@ -181,6 +182,7 @@ def setup_text(setup: Setup) -> str:
         incline_step_deg=_degrees(plan.incline_step_rad),
         belt_speed_max_m_s=_number(plan.belt_speed_max_m_s),
         gait_runs=plan.gait_runs,
+        ratchet=str(plan.ratchet).lower(),
         gaits="".join(f"\n  {gait}," for gait in gaits) + ("\n" if gaits else ""),
     )
 

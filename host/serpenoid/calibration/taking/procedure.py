@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 
 from ..session import Session
 from ..session_rows import Event
-from .expected import expected_speed, line_of, of_bend, planned_bend
+from .expected import Series, expected_speed, line_of, of_bend, planned_bend, series_of
 from .steps import Field, Step
 
 ZERO_BEFORE, ZERO_AFTER = "zero before", "zero after"
@@ -35,25 +35,29 @@ def skipped_keys(events: Iterable[Event]) -> frozenset[str]:
 
 
 def next_step(
-    session: Session, skipped: frozenset[str] = frozenset(), posed_deg: float | None = None
+    session: Session,
+    skipped: frozenset[str] = frozenset(),
+    posed_deg: float | None = None,
+    facing: str = "down",
 ) -> Step:
     """Return what to do next; kind "done" when nothing is left.
 
-    posed_deg: how the robot lies now, the plan's bend in degrees; None when that is not known, as
-    at the start.
+    posed_deg, facing: how the robot lies now, the plan's bend in degrees and which way it faces;
+    None when that is not known, as at the start.
     """
     if not (_zero_read(session, True) or session.kept or ZERO_BEFORE in skipped):
         return _zero(ZERO_BEFORE)
-    for lambda_rad in session.setup.procedure.lambda_rad:
-        bend_deg = round(math.degrees(lambda_rad), 3)
-        if f"bend {bend_deg:g}" in skipped:
+    for series in series_of(session.setup.procedure):
+        if series.key in skipped:
             continue
-        incline_deg = next_incline_deg(session, lambda_rad, skipped)
+        bend_deg = round(math.degrees(series.lambda_rad), 3)
+        incline_deg = next_incline_deg(session, series.lambda_rad, skipped, series.facing)
         if incline_deg is not None:
-            shown_rad = _shown_bend(session, lambda_rad)
-            if posed_deg is None or abs(posed_deg - bend_deg) > 1e-6 or shown_rad is None:
-                return _pose(bend_deg)
-            return _station(session, bend_deg, incline_deg, shown_rad)
+            shown_rad = _shown_bend(session, series.lambda_rad)
+            lies = posed_deg is not None and abs(posed_deg - bend_deg) <= 1e-6
+            if not lies or facing != series.facing or shown_rad is None:
+                return _pose(bend_deg, series.facing, session.setup.procedure.ratchet)
+            return _station(session, series, incline_deg, shown_rad)
     if session.kept and not (_zero_read(session, False) or ZERO_AFTER in skipped):
         return _zero(ZERO_AFTER)
     return _gait_step(session, skipped) or Step("done", "done", "all of the plan is done")
@@ -62,12 +66,11 @@ def next_step(
 def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tuple[str, str]]:
     """Return the parts of the plan and how far each is, in words."""
     rows = [("zero before", _done(_zero_read(session, True)))]
-    for lambda_rad in session.setup.procedure.lambda_rad:
-        bend_deg = math.degrees(lambda_rad)
-        count = len(of_bend(session, lambda_rad))
-        open_ = next_incline_deg(session, lambda_rad, skipped) is not None
-        open_ = open_ and f"bend {bend_deg:g}" not in skipped
-        name = f"bend {bend_deg:g} deg" if bend_deg else "straight"
+    for series in series_of(session.setup.procedure):
+        count = len(of_bend(session, series.lambda_rad, series.facing))
+        open_ = next_incline_deg(session, series.lambda_rad, skipped, series.facing) is not None
+        open_ = open_ and series.key not in skipped
+        name = f"{series.key} deg" if series.lambda_rad else series.name
         rows.append((name, f"{count} stations{', more to come' if open_ else ', done'}"))
     rows.append(("zero after", _done(_zero_read(session, False))))
     wanted = len(session.setup.procedure.gaits) * session.setup.procedure.gait_runs
@@ -84,7 +87,10 @@ def _done(is_done: bool) -> str:
 
 
 def next_incline_deg(
-    session: Session, lambda_rad: float, skipped: frozenset[str] = frozenset()
+    session: Session,
+    lambda_rad: float,
+    skipped: frozenset[str] = frozenset(),
+    facing: str = "down",
 ) -> float | None:
     """Return the incline of a bend's next station, None when it needs no more.
 
@@ -93,14 +99,15 @@ def next_incline_deg(
     incline at which the snake tumbles.
     """
     plan = session.setup.procedure
-    stations = of_bend(session, lambda_rad)
-    prefix = f"station {math.degrees(lambda_rad):g} "
+    stations = of_bend(session, lambda_rad, facing)
+    prefix = _station_key(math.degrees(lambda_rad), facing)
     passed = [float(k.removeprefix(prefix)) for k in skipped if k.startswith(prefix)]
     tried = [*(math.degrees(r.incline_rad) for r in stations), *passed]
     # At least what the treadmill can be raised by, or its rounding could stay below for ever.
     step_deg = math.degrees(max(plan.incline_step_rad, session.setup.treadmill.incline_step_rad))
-    found_deg = max(tried) + step_deg if tried else _first_incline_deg(session, lambda_rad)
-    line = line_of(session, lambda_rad)
+    first_deg = _first_incline_deg(session, lambda_rad, facing)
+    found_deg = max(tried) + step_deg if tried else first_deg
+    line = line_of(session, lambda_rad, facing)
     top_m_s = max((r.slip_speed_m_s for r in stations), default=0.0)
     if line is not None and len(stations) >= FEWEST - 1:
         faster = line.sine_at(top_m_s + plan.belt_speed_max_m_s / SERIES)
@@ -112,10 +119,15 @@ def next_incline_deg(
     return None if done else round(found_deg, 3)
 
 
-def _first_incline_deg(session: Session, lambda_rad: float) -> float:
+def _station_key(bend_deg: float, facing: str) -> str:
+    return "station up " if facing == "up" else f"station {bend_deg:g} "
+
+
+def _first_incline_deg(session: Session, lambda_rad: float, facing: str) -> float:
     """Return where a bend's series begins: the plan's start, or where lesser bends first held."""
     plan = session.setup.procedure
-    lesser = [of_bend(session, x) for x in plan.lambda_rad if x < lambda_rad]
+    less = 0.0 if facing == "down" else 1e-9  # wheels that roll back hold where they roll ahead
+    lesser = [of_bend(session, x) for x in plan.lambda_rad if x < lambda_rad + less]
     held = [min(r.incline_rad for r in stations) for stations in lesser if stations]
     return math.degrees(max([plan.incline_start_rad, *held]))
 
@@ -142,7 +154,8 @@ def likely_belt(
 ) -> tuple[float, float] | None:
     """Return the belt speeds expected at the incline and drift typed so far; None if unknown."""
     incline_rad = math.radians(float(cells.get("incline_deg", step.incline_deg)))
-    range_m_s = expected_speed(session, math.radians(step.lambda_deg), incline_rad)
+    lambda_rad = math.radians(step.lambda_deg)
+    range_m_s = expected_speed(session, lambda_rad, incline_rad, step.facing)
     if range_m_s is None:
         return None
     drift_m_s = float(cells.get("drift_m_s", 0.0))
@@ -150,9 +163,9 @@ def likely_belt(
     return max(range_m_s[0] + drift_m_s - step_m_s, 0.0), range_m_s[1] + drift_m_s + step_m_s
 
 
-def settle_s(session: Session, lambda_rad: float) -> float:
+def settle_s(session: Session, lambda_rad: float, facing: str = "down") -> float:
     """Return how long a station takes to settle: 3 m / A, by the readings so far or the paper's."""
-    line = line_of(session, lambda_rad) or line_of(session, 0.0)
+    line = line_of(session, lambda_rad, facing) or line_of(session, 0.0)
     mass_kg = session.setup.robot.links * session.setup.robot.link_mass_kg
     # Where the balance is m g sin(gamma) = A v + B, the line's slope is m g / A.
     if line is None:
@@ -175,7 +188,13 @@ def _zero(key: str) -> Step:
     )  # fmt: skip
 
 
-def _pose(bend_deg: float) -> Step:
+def _pose(bend_deg: float, facing: str, ratchet: bool) -> Step:
+    if facing == "up":
+        return Step(
+            "straight up", "straight",
+            "Ratchets: turn the robot round, straight, head UPHILL, the belt running uphill as "
+            "before, so that its wheels roll backwards.", facing="up",
+        )  # fmt: skip
     if not bend_deg:
         return Step(
             "straight", "straight",
@@ -185,6 +204,7 @@ def _pose(bend_deg: float) -> Step:
     say = (
         f"Bend {bend_deg:g} deg: every joint at {2 * bend_deg:g} deg, left and right in turn; a "
         f"protractor between neighbouring links shows {between:g} deg. ({REASON}.)"
+        + (" Head downhill again." if ratchet else "")
     )
     shows = Field(
         "between_links_deg", "the protractor shows", "angle", 30.0, 180.0,
@@ -204,27 +224,33 @@ def _shown_bend(session: Session, lambda_rad: float) -> float | None:
     return checks[-1].found_rad
 
 
-def _station(session: Session, bend_deg: float, incline_deg: float, shown_rad: float) -> Step:
-    lambda_rad = math.radians(bend_deg)
-    wait_s = settle_s(session, lambda_rad)
+def _station(session: Session, series: Series, incline_deg: float, shown_rad: float) -> Step:
+    lambda_rad, facing = series.lambda_rad, series.facing
+    bend_deg = round(math.degrees(lambda_rad), 3)
+    wait_s = settle_s(session, lambda_rad, facing)
     step_deg = math.degrees(session.setup.procedure.incline_step_rad)
-    likely = expected_speed(session, lambda_rad, math.radians(incline_deg))
+    likely = expected_speed(session, lambda_rad, math.radians(incline_deg), facing)
     hint = "" if likely is None else f", about {belt_range(likely)}"
     grade = 100 * math.tan(math.radians(incline_deg))
     say = (
         f"Incline to about {incline_deg:.1f} deg ({grade:.1f} %). Raise the belt until the robot "
         f"holds its place{hint}; wait {wait_s:.0f} s."
     )
+    steeper = facing == "up" and not of_bend(session, lambda_rad, facing)
+    if steeper:
+        say += " If the belt carries it off at any speed: steeper, until it holds."
     drift = Field(
         "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed", -1.0, 1.0,
         (-0.06, 0.06), 0.0,
     )  # fmt: skip
-    near_deg = (incline_deg - 2 * step_deg, incline_deg + 2 * step_deg)
+    near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steeper else incline_deg + 2 * step_deg)
     shown = Field("incline_deg", "the inclinometer shows", "incline", 0.05, 45.0, near_deg)
     belt = Field("belt_speed_m_s", "belt speed", "speed", 0.0, 10.0, likely)
+    cells: dict[str, float | str] = {"lambda_deg": round(math.degrees(shown_rad), 4)}
     return Step(
-        f"station {bend_deg:g} {incline_deg:.2f}", "station", say, (shown, belt, drift), bend_deg,
-        incline_deg, wait_s, cells={"lambda_deg": round(math.degrees(shown_rad), 4)},
+        f"{_station_key(bend_deg, facing)}{incline_deg:.2f}", "station", say, (shown, belt, drift),
+        bend_deg, facing, incline_deg, wait_s,
+        cells=cells | ({"facing": "up"} if facing == "up" else {}),
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from ...model.errors import BadInput
 from ...model.toml_table import located, read_text
 from ..session import Session
+from .expected import series_of
 from .journal import Journal, csv_line
 from .person.typed_cells import FIELDS, read_cells
 
@@ -24,7 +25,14 @@ OTHER_UNITS = {
     "drift_km_h": ("drift_m_s", "km/h"),
     "frequency_hz": ("omega_rad_s", "Hz"),
 }
-PLANNED = ("lambda_deg", "alpha_deg", "beta_deg", "omega_rad_s", "frequency_hz")  # not read off
+PLANNED = (
+    "lambda_deg",
+    "facing",
+    "alpha_deg",
+    "beta_deg",
+    "omega_rad_s",
+    "frequency_hz",
+)  # not read off
 TYPED = ("kind", "lambda_deg", "between_links_deg", "incline_deg", "reversed_deg",
          "belt_speed_km_h", "drift_m_s", "alpha_deg", "beta_deg", "frequency_hz", "distance_m",
          "duration_s", "comment")  # fmt: skip
@@ -79,18 +87,22 @@ def sheet_text(session: Session) -> str:
     """Return a CSV to type the printed sheet into: its lines, with what the plan says filled in."""
     plan = session.setup.procedure
     rows: list[dict[str, str]] = [{"kind": "zero"}]
-    for lambda_rad in plan.lambda_rad:
-        bend = f"{math.degrees(lambda_rad):.6g}"
-        rows += [{"kind": "bend", "lambda_deg": bend}] if lambda_rad else []
-        rows += [{"kind": "station", "lambda_deg": "" if lambda_rad else "0"}] * LINES
+    typed: list[str] = list(TYPED)
+    if plan.ratchet:
+        typed.insert(typed.index("incline_deg"), "facing")
+    for series in series_of(plan):
+        bend = f"{math.degrees(series.lambda_rad):.6g}"
+        rows += [{"kind": "bend", "lambda_deg": bend}] if series.lambda_rad else []
+        station = {"kind": "station", "lambda_deg": "" if series.lambda_rad else "0"}
+        rows += [station | {"facing": series.facing}] * LINES
     rows.append({"kind": "zero"})
     for gait in plan.gaits:
         degrees = {f"{name}_deg": f"{math.degrees(getattr(gait, name + '_rad')):.6g}"
                    for name in ("alpha", "beta")}  # fmt: skip
         rate = f"{gait.omega_rad_s / (2 * math.pi):.6g}"
         rows += [{"kind": "gait", **degrees, "frequency_hz": rate}] * plan.gait_runs
-    return "".join(csv_line([row.get(name, "") for name in TYPED])
-                   for row in [dict(zip(TYPED, TYPED, strict=True)), *rows])  # fmt: skip
+    return "".join(csv_line([row.get(name, "") for name in typed])
+                   for row in [dict(zip(typed, typed, strict=True)), *rows])  # fmt: skip
 
 
 def _row(header: list[str], cells: list[str]) -> dict[str, str]:

@@ -74,7 +74,7 @@ class SimulatedTreadmill:
         self._rng = np.random.default_rng(seed)
         self._gait_speed = gait_speed or exact_speed
         self._run_gait = run_gait
-        self._lambda_rad = 0.0
+        self._lambda_rad, self._facing = 0.0, "down"
         # The deck does not lie level when the treadmill says 0.
         self._deck_rad = math.radians(float(self._rng.uniform(-0.15, 0.15)))
         self._true: dict[str, float | str] = {}
@@ -96,13 +96,22 @@ class SimulatedTreadmill:
         """Read again what is doubted, with care; bend again what came out too far off."""
         return self._bend(step) if step.kind == "bend" else self._true
 
-    def true_slip_m_s(self, incline_rad: float, lambda_rad: float) -> float | None:
+    def true_slip_m_s(
+        self, incline_rad: float, lambda_rad: float, facing: str = "down"
+    ) -> float | None:
         """Return the slip at which friction balances the pull; None where the wheels stick."""
-        ground, c, s = self.truth.ground, math.cos(lambda_rad), math.sin(lambda_rad)
-        pull_n = self._setup.weight_n * math.sin(incline_rad)
-        dry_n = ground.ft0_forward * c + ground.fn0 * s
-        slip = (pull_n - dry_n) / (ground.ct_forward * c * c + ground.cn * s * s)
+        slope, dry_n = self._pull(lambda_rad, facing)
+        slip = (self._setup.weight_n * math.sin(incline_rad) - dry_n) / slope
         return slip if slip > 0.0 else None
+
+    def _pull(self, lambda_rad: float, facing: str) -> tuple[float, float]:
+        """Return A and B of Eq. 60: friction along the belt is A v + B."""
+        ground, c, s = self.truth.ground, math.cos(lambda_rad), math.sin(lambda_rad)
+        ct, ft0 = (
+            (ground.ct_backward, ground.ft0_backward) if facing == "up"
+            else (ground.ct_forward, ground.ft0_forward)
+        )  # fmt: skip
+        return ct * c * c + ground.cn * s * s, ft0 * c + ground.fn0 * s
 
     def _normal(self, sigma: float) -> float:
         return float(self._rng.normal()) * sigma
@@ -121,12 +130,12 @@ class SimulatedTreadmill:
         }
 
     def _straight(self, step: Step) -> Cells:
-        self._lambda_rad = 0.0
+        self._lambda_rad, self._facing = 0.0, step.facing
         return {}
 
     def _bend(self, step: Step) -> Cells:
         bent = math.radians(step.lambda_deg) + self._normal(self.truth.joint_sigma_rad)
-        self._lambda_rad = max(bent, math.radians(1.0))
+        self._lambda_rad, self._facing = max(bent, math.radians(1.0)), step.facing
         seen = self._lambda_rad + self._normal(self._setup.uncertainty.lambda_sigma_rad)
         return {"between_links_deg": round(180.0 - 2 * math.degrees(seen), 1)}
 
@@ -140,7 +149,7 @@ class SimulatedTreadmill:
         grade_step = steps.incline_step_rad * self.truth.incline_scale
         grade = round(aim / grade_step) * grade_step
         incline_rad = math.atan(grade) + self._deck_rad
-        slip = self.true_slip_m_s(incline_rad, self._lambda_rad)
+        slip = self.true_slip_m_s(incline_rad, self._lambda_rad, self._facing)
         if slip is None:
             return None
         belt = max(
@@ -164,9 +173,9 @@ class SimulatedTreadmill:
 
     def _left(self, step: Step) -> float:
         """Return the share of a disturbance that is left when a station is read."""
-        ground, c, s = self.truth.ground, math.cos(self._lambda_rad), math.sin(self._lambda_rad)
+        slope, _ = self._pull(self._lambda_rad, self._facing)
         mass_kg = self._setup.robot.links * self._setup.robot.link_mass_kg
-        return math.exp(-step.settle_s * (ground.ct_forward * c * c + ground.cn * s * s) / mass_kg)
+        return math.exp(-step.settle_s * slope / mass_kg)
 
     def _gait(self, step: Step) -> Cells:
         gait = step.gait

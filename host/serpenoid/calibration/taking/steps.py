@@ -49,7 +49,8 @@ class Step:
     """One step: `key` names it in events, `say` tells what to set, `fields` what to type.
 
     kind: zero, straight, bend, station, gait, or done. lambda_deg: the bend it belongs to.
-    settle_s: how long to wait before reading. gait: to be run.
+    facing: of the snake, down or up the belt. settle_s: how long to wait before reading. gait: to
+    be run.
     """
 
     key: str
@@ -57,6 +58,7 @@ class Step:
     say: str
     fields: tuple[Field, ...] = ()
     lambda_deg: float = 0.0
+    facing: str = "down"
     incline_deg: float = 0.0
     settle_s: float = 0.0
     gait: Gait | None = None

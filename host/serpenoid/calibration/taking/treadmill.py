@@ -52,15 +52,16 @@ class Record(Protocol):
 
 
 class Posture:
-    """How the robot lies, in degrees of the plan's bend; None when that is not known."""
+    """How the robot lies, in degrees of the plan's bend; None when that is not known; facing."""
 
     def __init__(self) -> None:
         self.bend_deg: float | None = None
+        self.facing = "down"
 
     def after(self, step: Step) -> None:
         """Note that a step was done."""
         if step.kind in ("straight", "bend"):
-            self.bend_deg = step.lambda_deg
+            self.bend_deg, self.facing = step.lambda_deg, step.facing
         elif step.kind == "gait":
             self.bend_deg = None
 
@@ -68,7 +69,7 @@ class Posture:
 def take_step(record: Record, treadmill: Treadmill, posture: Posture) -> Step:
     """Do the next step of a session and record it; return it, kind "done" at the end."""
     session = record.session
-    step = next_step(session, skipped_keys(record.events), posture.bend_deg)
+    step = next_step(session, skipped_keys(record.events), posture.bend_deg, posture.facing)
     if step.kind == "done":
         return step
     cells = treadmill.answer(step, session)

@@ -67,8 +67,15 @@ def field_of(name: str) -> Field:
 @click.option("--mass-kg", type=Quantity("mass_kg"),
               help="Mass of the whole robot, as it crawls; 480g does, too.")  # fmt: skip
 @click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
+@click.option("--ratchet", is_flag=True,
+              help="Its wheels roll harder backwards: hold stations facing up, too.")  # fmt: skip
 def new(
-    folder: Path, template: Path | None, defaults: bool, simulated: bool, **answers: Any
+    folder: Path,
+    template: Path | None,
+    defaults: bool,
+    simulated: bool,
+    ratchet: bool,
+    **answers: Any,
 ) -> None:
     """Begin a session: asks for robot, surface and instruments, or takes them from a template."""
     import dataclasses
@@ -94,6 +101,10 @@ def new(
     mass_kg = answers["mass_kg"]
     unweighed = mass_kg is None or math.isnan(mass_kg)
     given = answered(setup, answers | ({"mass_kg": None} if unweighed else {}))
+    if ratchet:
+        given = dataclasses.replace(
+            given, procedure=dataclasses.replace(given.procedure, ratchet=True)
+        )
     if simulated:
         given = dataclasses.replace(given, kind="simulated", source="simulated treadmill")
     elif template is None and unweighed:

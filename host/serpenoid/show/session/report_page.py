@@ -169,7 +169,8 @@ def _speed_table(compared: Comparison) -> str:
 def _advice(advice: Advice) -> str:
     rows = [[r.in_words(), f"{r.band:.1%}"] for r in advice.readings[:4]]
     now = f"<p>The speeds are known to {advice.band:.1%} (95 %).</p>"
-    return now + _table(["reading", "afterwards"], rows)
+    note = f"<p>{escape(advice.note)}</p>" if advice.note else ""
+    return now + _table(["reading", "afterwards"], rows) + note
 
 
 def _readings(session: Session, fit: FrictionFit) -> str:
@@ -177,7 +178,8 @@ def _readings(session: Session, fit: FrictionFit) -> str:
     rows = [
         [str(r.number), f"{math.degrees(r.lambda_rad):.4g}", f"{math.degrees(r.incline_rad):.4g}",
          f"{r.belt_speed_m_s:.4g}", f"{r.drift_m_s:.3g}",
-         f"{off[r.number]:+.1f}" if r.number in off else "voided", r.comment]
+         f"{off[r.number]:+.1f}" if r.number in off else "voided",
+         "; ".join(filter(None, ["facing up" if r.facing == "up" else "", r.comment]))]
         for r in session.readings
     ]  # fmt: skip
     head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)",

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...calibration.taking.expected import Series, series_of
 from ...calibration.taking.procedure import settle_s
 from ...calibration.taking.sheet import LINES, sheet_text
 
@@ -39,7 +40,7 @@ def sheet(session: Session) -> str:
         "<p>date: ____________ &emsp; who: ________________________</p>",
         f"<p>{_how(session)}</p>",
         f"<section><h2>Inclinometer zero, before (kind zero)</h2>{zero}</section>",
-        *(_bend(lambda_rad) for lambda_rad in setup.procedure.lambda_rad),
+        *(_bend(series) for series in series_of(setup.procedure)),
         f"<section><h2>Inclinometer zero, after (kind zero)</h2>{zero}</section>",
         _gaits(session),
     ]
@@ -68,10 +69,13 @@ def _how(session: Session) -> str:
     )
 
 
-def _bend(lambda_rad: float) -> str:
-    bend = math.degrees(lambda_rad)
+def _bend(series: Series) -> str:
+    bend = math.degrees(series.lambda_rad)
     columns = ["incline (° or %)", "belt (km/h or m/s)", "drift, + uphill (m/s)", "remark"]
-    if not bend:
+    if series.facing == "up":
+        heading = "Straight, facing up (kind station, lambda_deg 0, facing up)"
+        check = "Head UPHILL, belt uphill: the wheels roll backwards. Steeper until it holds."
+    elif not bend:
         heading = "Straight (kind station, lambda_deg 0)"
         check = "Head downhill, belt uphill. Raise the belt until the robot holds; wait; read."
     else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ...calibration.taking.expected import line_of, planned_bend
+from ...calibration.taking.expected import Series, line_of, planned_bend, series_of
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
@@ -16,10 +16,10 @@ WIDE, HIGH = 64, 14
 
 def picture(session: Session) -> str:
     """Return belt speed against incline, a mark a bend and dots for its line; "" without two."""
-    plan = session.setup.procedure.lambda_rad
+    plan = _shown(session)
     points = []
     for r in session.kept:
-        bend = plan.index(planned_bend(session, r.lambda_rad))
+        bend = plan.index(Series(planned_bend(session, r.lambda_rad), r.facing))
         points.append((math.degrees(r.incline_rad), r.slip_speed_m_s, bend))
     if len(points) < 2:
         return ""
@@ -33,8 +33,8 @@ def picture(session: Session) -> str:
         if 0 <= x < WIDE and 0 <= y < HIGH:
             grid[y][x] = mark
 
-    for lambda_rad in plan:
-        line = line_of(session, lambda_rad)
+    for series in plan:
+        line = line_of(session, series.lambda_rad, series.facing)
         for k in range(WIDE if line else 0):
             incline = low + (high - low) * k / (WIDE - 1)
             assert line is not None  # or the range is empty
@@ -44,14 +44,17 @@ def picture(session: Session) -> str:
     return _framed(grid, low, high, top, session)
 
 
+def _shown(session: Session) -> list[Series]:
+    """Return the plan's series, and those of readings that the plan does not ask for."""
+    there = [Series(planned_bend(session, r.lambda_rad), r.facing) for r in session.kept]
+    return list(dict.fromkeys([*series_of(session.setup.procedure), *there]))
+
+
 def _framed(grid: list[list[str]], low: float, high: float, top: float, session: Session) -> str:
     lines = [f"{top:6.2f} │" + "".join(grid[0])]
     lines += ["       │" + "".join(row) for row in grid[1:-1]]
     lines += [f"{0:6.2f} │" + "".join(grid[-1]), "   m/s └" + "─" * WIDE]
     left = f"{low:.1f}"
     lines.append(f"        {left}{high:>{WIDE - len(left)}.1f} deg of incline")
-    names = [
-        f"{MARKS[k % len(MARKS)]} {f'{math.degrees(x):g} deg' if x else 'straight'}"
-        for k, x in enumerate(session.setup.procedure.lambda_rad)
-    ]
+    names = [f"{MARKS[k % len(MARKS)]} {x.name}" for k, x in enumerate(_shown(session))]
     return "\n".join([*lines, "        " + "   ".join(names)])

@@ -67,7 +67,9 @@ class Dialogue:
     def _one_step(self) -> bool:
         """Do one step; return False at the end."""
         skipped = skipped_keys(self.journal.events)
-        step = next_step(self.journal.session, skipped, self._posture.bend_deg)
+        step = next_step(
+            self.journal.session, skipped, self._posture.bend_deg, self._posture.facing
+        )
         self._told(self.journal.session, step)
         self.say("")
         self.say(step.say)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ....model.errors import SerpenoidError
 from ...session import Session
-from ..expected import line_of, of_bend
+from ..expected import Series, line_of, of_bend, series_of
 from ..procedure import belt_range, progress
 from ..steps import Step
 
@@ -29,7 +29,7 @@ def state_of(session: Session, step: Step, skipped: frozenset[str], robot: str) 
         "progress": [list(row) for row in progress(session, skipped)],
         "last": _last(session),
         "fit": _fit(session),
-        "bends": [_bend(session, x) for x in session.setup.procedure.lambda_rad],
+        "bends": [_bend(session, series) for series in series_of(session.setup.procedure)],
         "robot": robot,
     }
 
@@ -43,6 +43,8 @@ def _aim(step: Step) -> str:
         return f"incline {step.incline_deg:.1f}° = {grade:.1f} %{belt}"
     if step.kind == "bend":
         return f"bend {step.lambda_deg:g}°: {180 - 2 * step.lambda_deg:g}° between links"
+    if step.facing == "up":
+        return "robot straight, head UPHILL"
     return {"zero": "inclinometer zero", "straight": "robot straight", "done": "all done",
             "gait": "gait run"}[step.kind]  # fmt: skip
 
@@ -70,14 +72,14 @@ def _fit(session: Session) -> list[dict[str, Any]]:
     ]
 
 
-def _bend(session: Session, lambda_rad: float) -> dict[str, Any]:
-    stations = of_bend(session, lambda_rad)
+def _bend(session: Session, series: Series) -> dict[str, Any]:
+    stations = of_bend(session, series.lambda_rad, series.facing)
     found: dict[str, Any] = {
-        "name": f"{math.degrees(lambda_rad):g}°" if lambda_rad else "straight",
+        "name": series.name,
         "points": [[math.degrees(r.incline_rad), r.slip_speed_m_s] for r in stations],
         "line": [],
     }
-    line = line_of(session, lambda_rad)
+    line = line_of(session, series.lambda_rad, series.facing)
     if line is None:
         return found
     low = min(r.incline_rad for r in stations)

@@ -107,14 +107,17 @@ class Words:
     def _status(self, rest: str, step: Step) -> None:
         session = self._journal.session
         for r in session.readings[-8:]:
-            state = f"  void: {r.comment}" if r.voided else ""
+            state = "  facing up" if r.facing == "up" else ""
+            state += f"  void: {r.comment}" if r.voided else ""
             self._talk.say(
                 f"  {r.number:4}  bend {math.degrees(r.lambda_rad):.4g}  incline "
                 f"{math.degrees(r.incline_rad):.2f} deg  belt {r.belt_speed_m_s:.3f}  drift "
                 f"{r.drift_m_s:+.3f} m/s{state}"
             )
-        for name, state in progress(session, skipped_keys(self._journal.events)):
-            self._talk.say(f"  {name:14} {state}")
+        parts = progress(session, skipped_keys(self._journal.events))
+        wide = max(len(name) for name, _ in parts)
+        for name, state in parts:
+            self._talk.say(f"  {name:{wide}}  {state}")
 
     def _undo(self, rest: str, step: Step) -> None:
         skip = self._last_skip()

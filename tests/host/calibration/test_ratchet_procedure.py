@@ -1,0 +1,101 @@
+"""Ratchet wheels in the procedure: straight stations held again facing up, wherever it is asked."""
+
+import math
+from dataclasses import replace
+
+import pytest
+import serpenoid as sn
+from calibration.test_dialogue import STATION, ZERO, talk
+from serpenoid.calibration.advice import advise
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.calibration.taking.person.state import state_of
+from serpenoid.calibration.taking.procedure import next_step, progress
+from serpenoid.calibration.taking.sheet import add_sheet, sheet_text
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.show.session.sheet import sheet
+from serpenoid.show.session.terminal_plot import picture
+
+TRUTH = sn.Ground((0.084, 0.2), 1.2, (0.14, 0.4), 0.27)
+
+
+def ratchet_setup(ratchet=True):
+    base = default_setup("made up")
+    return replace(base, procedure=replace(base.procedure, ratchet=ratchet, gaits=()))
+
+
+@pytest.fixture(scope="module")
+def taken():
+    setup = ratchet_setup()
+    return take_all(MemoryRecord(setup), SimulatedTreadmill(setup, Truth(TRUTH), seed=2))
+
+
+def test_the_simulated_treadmill_finds_both_ways(taken):
+    fit = sn.fit_friction(taken)
+    for name, true in (("ct", 0.084), ("ft0", 0.14), ("ct_back", 0.2), ("ft0_back", 0.4)):
+        value, sigma = fit.parameters[name]
+        assert abs(value - true) < 4 * sigma, name
+    up = [r for r in taken.kept if r.facing == "up"]
+    assert len(up) >= 4
+    assert {r.lambda_rad for r in up} == {0.0}
+    assert min(r.incline_rad for r in up) > math.radians(5.0)  # asin(0.4 / weight)
+    assert dict(progress(taken))["straight, facing up"] == f"{len(up)} stations, done"
+
+
+def test_a_plain_plan_never_turns_the_robot_round():
+    setup = ratchet_setup(ratchet=False)
+    plain = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, Truth(TRUTH), seed=2))
+    assert {r.facing for r in plain.kept} == {"down"}
+    assert "facing" not in sheet_text(plain)
+
+
+def test_the_dialogue_turns_it_round_after_the_straight_series(tmp_path):
+    folder = create_session(tmp_path / "session", ratchet_setup())
+    stations = (*STATION, "2.3", "0.5", "", "", "2.6", "0.8", "", "")
+    heard, session = talk(
+        folder, *ZERO, "", *stations, "", "6.5", "0.3", "", "", "undo", "", "6.6", "0.3", "", "",
+    )  # fmt: skip
+    assert "head UPHILL" in heard
+    assert "If the belt carries it off at any speed: steeper" in heard
+    assert [r.facing for r in session.kept] == ["down"] * 3 + ["up"]
+    assert session.kept[-1].incline_rad == pytest.approx(math.radians(6.6))
+    # it is left out on demand, and the bends come next, head downhill again
+    heard, session = talk(folder, "skip")
+    assert "Head downhill again" in heard
+
+
+def test_a_straight_series_can_be_left_out(tmp_path):
+    folder = create_session(tmp_path / "session", ratchet_setup(ratchet=False))
+    heard, _ = talk(folder, *ZERO, "skip")
+    assert "left out: straight" in heard
+    assert "Bend 7.5 deg" in heard
+
+
+def test_pages_pictures_and_sheets_show_it(taken, tmp_path):
+    step = next_step(taken, posed_deg=0.0)
+    names = [bend["name"] for bend in state_of(taken, step, frozenset(), "by hand")["bends"]]
+    assert names == ["straight", "straight, facing up", "7.5°", "15°", "30°"]
+    assert "straight, facing up" in picture(taken)
+    assert "Head UPHILL" in sheet(taken)
+    folder = create_session(tmp_path / "session", ratchet_setup())
+    typed = tmp_path / "typed.csv"
+    lines = sheet_text(taken).splitlines()
+    row = lines.index(next(line for line in lines if ",up," in line))
+    lines[row] = lines[row].replace("up,,,", "up,6.5,,1.08", 1)
+    typed.write_text("\n".join(lines) + "\n")
+    with Journal(folder) as journal:
+        assert add_sheet(journal, typed)[0] == 1
+        assert journal.session.kept[0].facing == "up"
+        assert journal.session.kept[0].belt_speed_m_s == pytest.approx(0.3)
+
+
+def test_advice_knows_the_way_back(taken):
+    gait = sn.Gait(math.radians(40), math.radians(75), 3.0)
+    ways = {r.facing for r in advise(taken, [gait], samples=8).readings}
+    assert ways == {"down", "up"}
+    down = replace(taken, readings=tuple(r for r in taken.readings if r.facing == "down"))
+    found = advise(down, [gait], samples=8)
+    assert "Hold two straight stations facing up first" in found.note
+    assert not advise(taken, [gait], samples=8).note
