@@ -253,8 +253,8 @@ def test_a_robot_that_is_lost_loses_no_reading(folder):
 
 def test_a_gait_run_with_the_robot(folder):
     with Journal(folder) as journal:
-        for bend in ("0", "7.5", "15", "30"):
-            journal.event("skip", detail=f"bend {bend}" if bend else "straight")
+        for bend in ("straight", "bend 7.5", "bend 15", "bend 30"):
+            journal.event("skip", detail=bend)
     with Seat("virtual:fast") as seat:
         moved = []
 
