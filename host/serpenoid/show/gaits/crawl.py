@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 FRAMES = 48
 _STUCK = 1e-6  # of body length x rate: a wheel slower than this across the link sticks
 _ARROW = 0.9  # link lengths that the largest force is drawn as
-_WIDE, _HIGH = 720, 300  # of the SVG, in its units
+_WIDE, _HIGH, _HEAD_ROOM = 720, 370, 24  # of the SVG, in its units
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class _Canvas:
 
     def y(self, metres: Array) -> Array:
         """Return places across it."""
-        return _HIGH / 2 - (metres - self.middle) * self.scale
+        return _HIGH / 2 + _HEAD_ROOM - (metres - self.middle) * self.scale
 
 
 def _moved(name: str, values: Iterable[float], seconds: float) -> str:
@@ -213,7 +213,7 @@ def _words(found: Crawl, seconds: float) -> str:
         f'<text x="8" y="18" font-size="14">{found.title}</text>\n'
         f'<text x="8" y="36" fill="{GREY}">{robot_words(found.robot, found.ground)}</text>\n'
         f'<text x="8" y="{_HIGH - 8}" fill="{GREY}">dark: head; wheels filled: they stick sideways,'
-        f" open: they slip; red: force of the ground; {pace_words}</text>\n"
+        f" open: they slip; thin: force of the ground; {pace_words}</text>\n"
     )
 
 
@@ -254,7 +254,10 @@ def _frame(ax: Any, found: Crawl, canvas: _Canvas, k: int) -> None:
     ax.set_ylim(low, canvas.middle + 1.9 * found.robot.link_length_m)
     ax.set_aspect("equal")
     ax.set_title(found.title, fontsize=10)
-    ax.set_xlabel("red: force of the ground; wheels filled: they stick sideways", fontsize=8)
+    ax.set_xlabel(
+        "dark: head; thin: force of the ground; filled wheels stick sideways, open ones slip",
+        fontsize=8,
+    )
     ax.grid(visible=False)
     for spine in ax.spines.values():
         spine.set_visible(False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -15,11 +16,23 @@ if TYPE_CHECKING:
     from ...gaits.paper_study import Claim
 
 _STYLE = """
+:root { color-scheme: light dark }
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
-table { border-collapse: collapse; font-size: 0.9rem } td, th { border-bottom: 1px solid #ccc;
-padding: 0.4rem 0.6rem; text-align: left; vertical-align: top } img { max-width: 100% }
-figure { margin: 2rem 0 } code { font-size: 0.8rem } .differs { font-weight: 600 }
+.wide, figure { overflow-x: auto } table { border-collapse: collapse; font-size: 0.9rem }
+td, th { border-bottom: 1px solid #8888; padding: 0.4rem 0.6rem; text-align: left;
+vertical-align: top; min-width: 5rem } figure { margin: 2rem 0 } code { font-size: 0.85rem }
+p code { white-space: nowrap }
+img { display: block; max-width: 100%; min-width: min(36rem, 100%); background: #fff }
+.differs { font-weight: 600 }
+@media (max-width: 40rem) { img { max-width: none; width: 40rem } table { min-width: 48rem } }
 """
+_READ = {
+    "power": {"net": "the net mean of P", "abs": "the mean of |P|", "positive": "the mean of P+"},
+    "angles": {"joint": "the joints", "absolute": "the links"},
+    "speed_along": {"mean": "the mean direction of travel", "x": "global x"},
+}
+_VERDICTS = {"agrees": "agree", "in part": "agree in part", "differs": "differ",
+             "not comparable": "cannot be compared"}  # fmt: skip
 
 
 def claim_table(claims: Sequence[Claim]) -> None:
@@ -39,27 +52,58 @@ def write_page(
     reading: Mapping[str, str],
 ) -> None:
     """Write the page; its figures stand beside it, each with its data."""
+    figures = "".join(_figure(path.parent, name, caption) for name, caption in shown)
+    path.write_text(
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>The study of 2005, remade</title><style>{_STYLE}</style></head><body>\n"
+        "<h1>The study of 2005, remade</h1>\n<p>Nirakh, Brennan and Gandhi, <em>An Implicit Model "
+        "for Snake Robot Locomotion and Gait Optimization</em> (IMECE2005-82742): its figures "
+        f"computed anew, and its claims one by one. {_summary(claims)}</p>\n"
+        f"<p>{_how_read(reading)}</p>\n{_claim_rows(claims)}{figures}</body></html>\n",
+        encoding="utf-8",
+    )
+
+
+def _summary(claims: Sequence[Claim]) -> str:
+    """Return how many claims agree, differ and so on, in words."""
+    count = Counter(claim.verdict for claim in claims)
+    told = ", ".join(f"{count[v]} {words}" for v, words in _VERDICTS.items() if count[v])
+    return f"Of {len(claims)} claims {told}."
+
+
+def _how_read(reading: Mapping[str, str]) -> str:
+    """Return how the paper is read where it leaves that open, and what reads it otherwise."""
+    power, angles, along = (_READ[name][reading[name]] for name in _READ)
+    return escape(
+        f"Where the paper leaves it open: power is {power}, Eq. 57 drives the angles of {angles}, "
+        f"speed counts along {along}; "
+    ) + (
+        "<code>serpenoid figures</code> with <code>--power</code>, <code>--angles</code> or "
+        "<code>--speed-along</code> reads it the other ways. β is the lag from joint to joint, "
+        "α the amplitude, ω the rate, k the stiffness of the implicit model's joints; ct and cn "
+        "are viscous friction along and across a link, ft0 and fn0 dry friction."
+    )
+
+
+def _claim_rows(claims: Sequence[Claim]) -> str:
     rows = "".join(
         f"<tr><td>{escape(c.where)}</td><td>{escape(c.paper)}</td><td>{escape(c.here)}</td>"
         f'<td class="{c.verdict.split()[0]}">{escape(c.verdict)}</td>'
         f"<td><code>serpenoid {escape(c.command)}</code></td></tr>\n"
         for c in claims
     )
-    figures = "".join(
-        f'<figure><img src="{name}" alt="{escape(caption)}"><figcaption>{escape(caption)} '
-        f'(<a href="{Path(name).with_suffix(".csv").name}">data</a>)</figcaption></figure>\n'
-        if (path.parent / name).with_suffix(".csv").exists()
-        else f'<figure><img src="{name}" alt="{escape(caption)}"><figcaption>{escape(caption)}'
-        "</figcaption></figure>\n"
-        for name, caption in shown
+    return (
+        "<div class=wide><table><tr><th>where</th><th>the paper</th><th>here</th><th>verdict</th>"
+        f"<th>see it by</th></tr>\n{rows}</table></div>\n"
     )
-    read = ", ".join(f"{name.replace('_', ' ')}: {value}" for name, value in reading.items())
-    path.write_text(
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">\n'
-        f"<title>The study of 2005, remade</title><style>{_STYLE}</style></head><body>\n"
-        "<h1>The study of 2005, remade</h1>\n<p>An implicit model for snake robot locomotion and "
-        "gait optimization (IMECE2005-82742): its figures computed anew, and its claims one by "
-        f"one. Read as: {escape(read)}.</p>\n<table><tr><th>where</th><th>the paper</th>"
-        f"<th>here</th><th>verdict</th><th>see it by</th></tr>\n{rows}</table>\n{figures}"
-        "</body></html>\n"
+
+
+def _figure(folder: Path, name: str, caption: str) -> str:
+    """Return a figure with its caption, which leads to its data if there are any."""
+    data = Path(name).with_suffix(".csv").name
+    link = f' (<a href="{data}">data</a>)' if (folder / data).exists() else ""
+    return (
+        f'<figure><img src="{name}" alt="{escape(caption)}"><figcaption>{escape(caption)}{link}'
+        "</figcaption></figure>\n"
     )

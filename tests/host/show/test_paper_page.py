@@ -1,0 +1,25 @@
+"""The page of the remade study: counts, readings, escapes, and data beside each figure."""
+
+from __future__ import annotations
+
+from serpenoid.gaits.paper_study import Claim, Reading, as_dict
+from serpenoid.show.gaits.paper_page import write_page
+
+CLAIMS = [
+    Claim("Fig. 1", "a < b", "so it is", "agrees", "steady"),
+    Claim("Fig. 2", "c", "no", "differs", "sweep"),
+    Claim("Fig. 3", "d", "so it is", "agrees", "demo"),
+]
+
+
+def test_the_page_counts_escapes_and_links(tmp_path):
+    (tmp_path / "b.csv").touch()
+    reading = as_dict(CLAIMS, Reading("abs", "absolute", "x"))["reading"]
+    write_page(tmp_path / "index.html", CLAIMS, [("a.png", "first"), ("b.png", "2nd")], reading)
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "Of 3 claims 2 agree, 1 differ." in page
+    assert "the mean of |P|, Eq. 57 drives the angles of the links, speed counts along glo" in page
+    assert "a &lt; b" in page
+    assert page.count("(<a href=") == 1
+    assert 'href="b.csv"' in page
+    assert 'name="viewport"' in page
