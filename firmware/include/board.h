@@ -22,6 +22,9 @@ const char kName[] = "uno";
 // interrupts (2, 3) and of the LED. Servo takes timer 1 (Uno, Nano) or 5 (Mega).
 const uint8_t kPins[] PROGMEM = {5, 6, 7, 8, 9, 10, 11, 12, A0, A1, A2, A3};
 static_assert(firmware::kJoints <= sizeof kPins, "name a pin for each joint");
+#ifndef __AVR_ATmega2560__
+static_assert(firmware::kJoints <= 8, "a Uno or Nano has RAM for 8 joints at most: take a Mega");
+#endif
 
 // Of joint 1, at the tail, and so on.
 inline uint8_t servo_pin(uint8_t joint) { return pgm_read_byte(&kPins[joint]); }
