@@ -77,7 +77,7 @@ def exact_speed(gait: sn.Gait) -> float:
 
 def cma_es(speed: Speed, omega_rad_s: float, runs: int, seed: int) -> tuple[sn.Gait, int, bool]:
     """Return the fastest gait that CMA-ES found, how many it tried, and whether it was done."""
-    import cma
+    import cma  # pyright: ignore[reportMissingImports] (an optional extra)
 
     found: list[tuple[float, sn.Gait]] = []
 
