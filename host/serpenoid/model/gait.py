@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,7 +45,10 @@ class Gait:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         for name, low, high in (("joint_gain", 0.0, 2.0), ("joint_shift_rad", -math.pi, math.pi)):
-            each = tuple(check_number(name, value, low, high) for value in getattr(self, name))
+            given = getattr(self, name)
+            if not isinstance(given, Iterable):
+                raise BadInput(f"{name} is {given!r}; it must be one value a joint, or () for none")
+            each = tuple(check_number(name, value, low, high) for value in given)
             object.__setattr__(self, name, each)
 
     def __repr__(self) -> str:
