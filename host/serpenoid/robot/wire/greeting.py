@@ -28,6 +28,7 @@ def greet(talk: Dialogue, timeout_s: float) -> None:
             _check_protocol(talk)
             return
         left_s -= min(now_s() - asked_s, ask_s)
+    _check_protocol(talk)
     raise _no_answer(talk, timeout_s)
 
 
