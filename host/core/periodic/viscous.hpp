@@ -69,6 +69,7 @@ class SteadyViscous {
     double newton_step(const Mesh& mesh, double omega, Mat3& half);
     Vec3 derivative(const Node& node, const Vec3& y, double omega, Mat3& jacobian) const;
     void averages(const Mesh& mesh, double omega, SteadyState& result) const;
+    Vec3 beginning(const Mesh& mesh, double omega) const;
     Vec3 travel(const Mesh& mesh, double omega, double spin) const;
     std::vector<double> positive_powers(const Mesh& mesh, double omega) const;
     void slowest(const Mesh& mesh, double omega, SteadyState& result) const;

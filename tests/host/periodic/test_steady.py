@@ -402,3 +402,15 @@ def test_dry_reference_table(row: dict[str, str]) -> None:
     assert abs(s.speed_m_s - v["speed_m_s"]) <= error
     assert s.power_w == pytest.approx(v["power_w"], rel=1e-5)
     assert s.abs_power_w == pytest.approx(v["abs_power_w"], rel=3e-5)
+
+
+def test_the_state_at_phase_0_on_stiff_ground_and_a_rough_mesh() -> None:
+    """Ends of Gauss's elements do not settle: the state there was off by a quarter of the motion."""
+    robot = sn.Robot(7, 0.021358154821199914, 0.23708470602396642)
+    ground = sn.Ground(20.20627173146214, 30.366134041985152)
+    gait = sn.Gait(1.1632706151975853, 0.36352374709077495, 0.035145933034290706)
+    rough, fine = (sn.steady_gait(robot, ground, gait, rtol=r) for r in (1e-3, 1e-11))
+    size = gait.omega_rad_s * robot.link_length_m * gait.alpha_rad
+    # 1e-3 is asked of means: the state itself is known to the mesh's stages, not to its ends
+    assert np.abs(rough.body_velocity - fine.body_velocity)[:2].max() < 2e-3 * size
+    assert rough.body_velocity[2] == pytest.approx(fine.body_velocity[2], rel=2e-3)
