@@ -405,7 +405,7 @@ def test_dry_reference_table(row: dict[str, str]) -> None:
 
 
 def test_the_state_at_phase_0_on_stiff_ground_and_a_rough_mesh() -> None:
-    """Ends of Gauss's elements do not settle: the state there was off by a quarter of the motion."""
+    """Ends of Gauss's elements do not settle: the state there was off by a quarter."""
     robot = sn.Robot(7, 0.021358154821199914, 0.23708470602396642)
     ground = sn.Ground(20.20627173146214, 30.366134041985152)
     gait = sn.Gait(1.1632706151975853, 0.36352374709077495, 0.035145933034290706)

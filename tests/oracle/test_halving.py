@@ -1,0 +1,49 @@
+"""Halved steps against the other references: viscous shooting, event functions; one period each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from . import body_frame as bf
+from . import generate_bingham, generate_viscous, halving
+from .params import Array, Gait, Params
+
+
+def of_the_centre(p: Params, gait: Gait, link1: Array) -> Array:
+    """Return (Vx, Vy, w) of the centre of mass at t = 0 where (vx, vy, w) of link 1 are known."""
+    shape = bf.shape_at(p, gait, 0.0)
+    return np.append(bf.link_velocities(shape, link1).mean(0), link1[2])
+
+
+def row_of(table: list, links: int) -> tuple[Params, Gait, dict[str, float]]:
+    """Return the first row with so many links."""
+    return next(row for row in table if row[0].links == links)
+
+
+def check(p: Params, gait: Gait, row: dict[str, float], longest: float = halving.LONGEST) -> None:
+    link1 = np.array([row["u0_x_m_s"], row["u0_y_m_s"], row["u0_spin_rad_s"]])
+    found = halving.follow(p, gait, of_the_centre(p, gait, link1), longest=longest)
+    assert found.gap < 1e-8  # ten tolerances of a step
+    speed = row.get("mean_speed_m_s", row["speed_m_s"])
+    assert found.speed_m_s == pytest.approx(speed, rel=1e-7)
+    assert found.power_w == pytest.approx(row["power_w"], rel=1e-7)
+    # the cubic between ends of steps (order four) and the quartic through a sign change
+    fourth = (longest / halving.LONGEST) ** 4
+    assert found.positive_power_w == pytest.approx(row["positive_power_w"], rel=1e-6 * fourth)
+
+
+def test_three_links_on_viscous_ground() -> None:
+    check(*row_of(generate_viscous.table(), 3), longest=1 / 60)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("links", [4, 9])
+def test_more_links_on_viscous_ground(links: int) -> None:
+    check(*row_of(generate_viscous.table(), links))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("links", [3, 6])
+def test_dry_ground(links: int) -> None:
+    check(*row_of(generate_bingham.table(), links))
