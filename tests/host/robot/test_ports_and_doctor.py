@@ -14,7 +14,7 @@ from robot.fake_board import FakeBoard, eeprom_after, nothing, sealed
 from serpenoid.robot.tools import doctor
 from serpenoid.robot.wire import culprit, ports
 
-FAST = {"listen_s": 0.3, "timeout_s": 1.0}
+FAST = {"listen_s": 0.3, "timeout_s": 2.0}
 
 
 @pytest.fixture
