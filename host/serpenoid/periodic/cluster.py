@@ -69,14 +69,28 @@ def _check_workers(client: Any, scheduler: str) -> None:
         client.wait_for_workers(1, timeout=NO_WORKER_S)
     except distributed.TimeoutError:
         raise _no_worker(scheduler) from None
+    _check_versions(client, None)
+
+
+def _check_versions(client: Any, workers: list[str] | None) -> list[str]:
+    """Refuse workers, all or some, of another version or none; return those that have this one."""
     here = worker_version()
-    for worker, found in client.run(worker_version, on_error="return").items():
+    answers = client.run(worker_version, workers=workers, on_error="return")
+    for worker, found in answers.items():
         if isinstance(found, ModuleNotFoundError) or (isinstance(found, str) and found != here):
             raise ClusterFailed(
                 f"the worker {worker} has {found if isinstance(found, str) else 'no serpenoid'}, "
                 f"here is serpenoid {here}; figures are the same to the bit only with the same "
                 "version on all: install it there"
             )
+    return [worker for worker, found in answers.items() if found == here]
+
+
+def _no_scheduler(scheduler: str, error: Exception) -> ClusterFailed:
+    return ClusterFailed(
+        f"the scheduler at {scheduler} does not answer any more ({type(error).__name__}: {error}); "
+        "start it and its workers again, and call again: a study (a folder) goes on where it was"
+    )
 
 
 def _no_worker(scheduler: str) -> ClusterFailed:
@@ -109,7 +123,8 @@ def solve_on_cluster(
                         progress((stretch[1] - stretch[0]) * len(grid.omega_rad_s))
                     yield stretch, table
         finally:
-            client.cancel(list(work.futures), force=True)
+            with suppress(OSError):  # of a scheduler that is gone, with all that was under way
+                client.cancel(list(work.futures), force=True)
 
 
 class _UnderWay:
@@ -120,10 +135,21 @@ class _UnderWay:
         self.futures: dict[Any, Stretch] = {}
         self.ready: queue.Queue[Any] = queue.Queue()
         self.workers_seen_s = time.monotonic()
+        self.checked: set[str] = set()
+
+    def threads(self) -> int:
+        """Return the threads of the workers there are; one that joined since is checked first."""
+        try:
+            threads = self.client.nthreads()
+            if late := [worker for worker in threads if worker not in self.checked]:
+                self.checked.update(_check_versions(self.client, late))
+        except OSError as error:
+            raise _no_scheduler(self.scheduler, error) from None
+        return sum(threads.values())
 
     def fill(self) -> bool:
         """Hand out stretches as the cluster's threads allow; False when nothing is left."""
-        threads = sum(self.client.nthreads().values())
+        threads = self.threads()
         if threads:
             self.workers_seen_s = time.monotonic()
         elif time.monotonic() - self.workers_seen_s > NO_WORKER_S:
@@ -145,7 +171,9 @@ class _UnderWay:
             future = self.ready.get(timeout=_LOOK_S)
             try:
                 table = future.result()
-            except (distributed.KilledWorker, distributed.CancelledError, OSError) as error:
+            except distributed.CancelledError as error:
+                raise _no_scheduler(self.scheduler, error) from None
+            except (distributed.KilledWorker, ImportError, OSError) as error:
                 raise ClusterFailed(
                     f"the cluster at {self.scheduler} lost the work on shapes "
                     f"{self.futures[future]} for good ({type(error).__name__}: {error}); what its "
