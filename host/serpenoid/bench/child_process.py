@@ -9,7 +9,9 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import Any
@@ -61,6 +63,36 @@ def _one_thread() -> Iterator[None]:
                 os.environ[name] = value
 
 
+@contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """Start processes that do not hear Ctrl-C, which reaches all of a terminal's, with a traceback.
+
+    Only the main thread may say so; what others start hears it.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def all_cores() -> Iterator[ProcessPoolExecutor]:
+    """Give a pool of processes, one a core, that Ctrl-C ends without a word once they work."""
+    cores, spawn = os.cpu_count() or 1, multiprocessing.get_context("spawn")
+    silently = (signal.SIGINT, signal.SIG_DFL)
+    with ProcessPoolExecutor(
+        cores, mp_context=spawn, initializer=signal.signal, initargs=silently
+    ) as pool:
+        with _deaf_to_ctrl_c():
+            for _ in range(cores):
+                pool.submit(int)
+        yield pool
+
+
 class Limited:
     """Hold one child process that works for us; it is replaced after it overran or crashed.
 
@@ -74,7 +106,7 @@ class Limited:
         context = multiprocessing.get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._child = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _one_thread():
+        with _one_thread(), _deaf_to_ctrl_c():
             self._child.start()
         theirs.close()
 

@@ -112,7 +112,10 @@ def errors(out: Path, runs: int, seed: int) -> None:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
-    texts = [[v if isinstance(v, str) else f"{v:.4g}" for v in row.values()] for row in rows]
+    texts = [
+        [v.replace("_", " ") if isinstance(v, str) else f"{v:.4g}" for v in row.values()]
+        for row in rows
+    ]
     head = [name.replace("_", " ") for name in rows[0]]
     table(f"runs whose true error is within their estimate; in {out / 'errors.csv'}", head, texts)
     if float(rows[-1]["unwarned_misses"]) > 0.01 * float(rows[-1]["runs"]):

@@ -10,11 +10,8 @@ narrow.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 
 import numpy as np
 
@@ -28,6 +25,7 @@ from ...calibration.taking.simulated import SimulatedTreadmill, drawn_truth
 from ...calibration.taking.steps import Step
 from ...calibration.taking.treadmill import record_step, take_all
 from ...model.errors import BadInput
+from ..child_process import all_cores
 from .coverage import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
 from .speed_table import SpeedTable
 
@@ -180,7 +178,7 @@ def run(sessions: int, seed: int, tell: Callable[[str], None]) -> list[Saved]:
     table = SpeedTable(default_setup("advised").robot, GAIT)
     seeds = range(seed, seed + sessions)
     found: list[Saved] = []
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+    with all_cores() as pool:
         for plan in PLANS_DEG:
             plans = list(pool.map(plan_of, [(plan, k, table) for k in seeds]))
             target = float(np.median([band for _, band, _ in plans]))

@@ -8,11 +8,8 @@ every session between 0.3 and 0.7 %. Its true steps are a hundredth off those st
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +24,7 @@ from ...calibration.taking.treadmill import take_all
 from ...model.errors import SerpenoidError
 from ...model.gait import Gait
 from ...model.ground import Ground
+from ..child_process import all_cores
 from .speed_table import SpeedTable
 
 WHOLE_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
@@ -131,7 +129,7 @@ def run(
     tell("solving for the speeds that fits are judged by")
     table = SpeedTable(default_setup("coverage").robot, GAIT)
     starts = range(0, sessions, _PORTION)
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+    with all_cores() as pool:
         for case in cases:
             jobs = [(case, seed, range(k, min(k + _PORTION, sessions)), table) for k in starts]
             found: list[list[float] | None] = []

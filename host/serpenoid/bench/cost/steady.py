@@ -26,7 +26,11 @@ OF_2005 = sn.Robot(6, 0.0756, 0.076)
 BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 CASES = {"viscous": (PAPER, VISCOUS), "dry": (OF_2005, BINGHAM)}
 LINKS = (3, 6, 12, 25, 50, 100)
-RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+RTOLS = {
+    "viscous": (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
+    "dry": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
+}
+_ROUNDING = 1e-16  # what no error at all is drawn at
 GRID_RTOL = {"viscous": 1e-6, "dry": 1e-4}
 
 
@@ -129,7 +133,7 @@ def _error_cost(ground: str, rtol: float) -> Cost:
     robot, friction = CASES[ground]
     errors = []
     for gait in _gaits(6):
-        fine = sn.steady_gait(robot, friction, gait, rtol=1e-7).speed_m_s
+        fine = sn.steady_gait(robot, friction, gait, rtol=RTOLS[ground][-1]).speed_m_s
         rough = sn.steady_gait(robot, friction, gait, rtol=rtol).speed_m_s
         errors.append(abs(rough / fine - 1))
     return Cost("error", ground, 6, rtol, max(errors), _solve_s(ground, 6, rtol))
@@ -160,7 +164,7 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
                  _solve_s(ground, n, GRID_RTOL[ground]))
             for n in (LINKS[:3] if quick else LINKS)
         ]  # fmt: skip
-        rows += [_error_cost(ground, rtol) for rtol in (RTOLS[::2] if quick else RTOLS)]
+        rows += [_error_cost(ground, rtol) for rtol in RTOLS[ground][:: 2 if quick else 1]]
     return rows
 
 
@@ -221,7 +225,9 @@ def write(rows: list[Cost], folder: Path) -> None:
 
 
 def _draw(rows: list[Cost], path: Path) -> None:
-    """Draw the cost of a gait against the number of links, and against its error."""
+    """Draw the cost of a gait against the number of links, and against the error asked for."""
+    from matplotlib.ticker import NullLocator
+
     look = {
         "viscous": {"color": "#0072B2", "marker": "o"},
         "dry": {"color": "#D55E00", "marker": "s"},
@@ -233,17 +239,25 @@ def _draw(rows: list[Cost], path: Path) -> None:
             own = [r for r in rows if r.ground == ground]
             line = [(r.links, 1e3 * r.seconds) for r in own if r.what == "links"]
             by_links.loglog(
-                *zip(*line, strict=True), label=f"{ground}, {GRID_RTOL[ground]:g}", **style
+                *zip(*line, strict=True),
+                label=f"{ground}, to $10^{{{math.log10(GRID_RTOL[ground]):.0f}}}$",
+                **style,
             )
-            line = [
-                (r.error, 1e3 * r.seconds) for r in own if r.what == "error" and r.error > 1e-15
-            ]
-            by_error.loglog(*zip(*line, strict=True), label=f"{ground}, six links", **style)
+            asked = [(r.rtol, r.error, 1e3 * r.seconds) for r in own if r.what == "error"]
+            rtol, reached, cost = zip(*asked, strict=True)
+            by_error.loglog(rtol, cost, label=f"{ground}: asked for", **style)
+            by_error.loglog(
+                np.maximum(reached, _ROUNDING), cost, label=f"{ground}: reached",
+                **style | {"linestyle": "none", "markerfacecolor": "white"},
+            )  # fmt: skip
         by_links.set(xlabel="links", ylabel="processor time of a gait (ms)")
-        by_error.set(xlabel="largest error of the speed, relative")
+        by_links.set_xticks(sorted({r.links for r in rows if r.what == "links"}))
+        by_links.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
+        by_links.xaxis.set_minor_locator(NullLocator())
+        by_error.set(xlabel="error of the speed, relative (largest of four gaits, six links)")
         by_error.invert_xaxis()
-        by_links.legend()
-        by_error.legend()
+        by_links.legend(loc="center left")
+        by_error.legend(loc="center right")
         fig.suptitle(
             f"Periodic states, all powers. {machine.cpu()}, one core", fontsize=9, color=GREY
         )
