@@ -19,6 +19,7 @@ from serpenoid.periodic import cluster as cluster_module
 from serpenoid.periodic.grid import FIELDS
 
 distributed = pytest.importorskip("distributed")
+dask = pytest.importorskip("dask")
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
@@ -32,9 +33,12 @@ AXES = {
 
 @pytest.fixture(scope="module")
 def local() -> Iterator[Any]:
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
-    ) as made:
+    with (
+        dask.config.set({"distributed.comm.timeouts.connect": "120s"}),  # of a busy machine
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
+        ) as made,
+    ):
         yield made
 
 
