@@ -206,7 +206,8 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None) -> Uncertainty:
 def _plain_dict(found: Any) -> dict[str, Any]:
     return {
         "gait": describe(found.gait), "cost": found.cost, "formulation": found.formulation,
-        "cost_w": found.power_w, "cost_error_w": found.power_error_w, "active": found.active,
+        "cost_w": found.power_w, "cost_error_w": found.power_error_w,
+        "solved_error_w": found.solved_error_w, "active": found.active,
         "basins": found.basins, "runner_up_w": found.runner_up_w,
     } | found.steady.to_dict()  # fmt: skip
 

@@ -18,10 +18,11 @@ from .shape_search import GaitShape, on_threads
 Array = NDArray[np.float64]
 # Rates that are tried, as omega times body length over speed; then further up while that may help.
 _FIRST, _STEP, _MANY = 4.0, 1.9, 6
-_FIRST_DRY, _STEP_DRY, _MANY_DRY = 6.0, 2.4, 4  # a dry gait costs a hundred times as much
+_FIRST_DRY, _STEP_DRY, _MANY_DRY = 6.0, 1.9, 4  # a dry gait costs a hundred times as much
+_FURTHER = 4  # rates, for slow and cheap shapes alone
 _BEYOND = 2.0  # of the servos' speed: gaits so far beyond it are still looked at
 _SWING_DEG = (5, 9, 14, 20, 27, 35, 44, 54, 66, 80)
-_SWING_DRY_DEG = (9, 16, 24, 33, 43, 54, 66, 80)
+_SWING_DRY_DEG = (6, 11, 17, 24, 31, 38, 46, 55, 66, 80)
 
 
 class Candidate(NamedTuple):
@@ -48,9 +49,7 @@ class GaitCloud:
             (_FIRST, _STEP, _MANY) if ground.smooth else (_FIRST_DRY, _STEP_DRY, _MANY_DRY)
         )
         least_lag = min(math.radians(22), 2.2 / n)  # a third of a wave on the body
-        lags = np.geomspace(
-            least_lag, math.radians(165), (12 if ground.smooth else 10) if n <= 8 else 18
-        )
+        lags = np.geomspace(least_lag, math.radians(165), 12 if n <= 8 else 18)
         swings = np.radians(np.array(_SWING_DEG if ground.smooth else _SWING_DRY_DEG, dtype=float))
         self.beta_rad = np.broadcast_to(lags, (swings.size, lags.size))
         self.alpha_rad = 2 * swings[:, None] * np.sin(lags / 2)
@@ -59,14 +58,30 @@ class GaitCloud:
         base = 1 / (n * robot.link_length_m)
         span = math.log(max(speeds) / min(speeds)) / math.log(step)
         factors = np.array([step**k for k in range(many + math.ceil(span))])
-        self._extend(base * min(speeds) * first * factors)
+        self._extend(max(base * min(speeds) * first, limits.omega_low_rad_s) * factors)
         self._reach_up(max(speeds))
+        if not ground.smooth:
+            self._go_on(speeds, step)
 
-    def _extend(self, rates: Array) -> None:
-        """Solve all shapes at more rates."""
+    def _go_on(self, speeds: Sequence[float], step: float) -> None:
+        """Try higher rates with the shapes that are slow still, but cost less than the cheapest."""
+        for _ in range(_FURTHER):
+            top = float(self.omega_rad_s[-1])
+            slow = np.zeros(self.alpha_rad.shape, dtype=bool)
+            for speed in speeds:
+                best = np.nanmin(self.at_speed(speed)[1], initial=math.inf)
+                slow |= (self.speed_m_s[:, :, -1] < speed) & (self.cost_w[:, :, -1] < best)
+            if top >= self.limits.omega_high_rad_s or not slow.any():
+                return
+            self._extend(np.array([step * top]), slow)
+
+    def _extend(self, rates: Array, shapes: NDArray[np.bool_] | None = None) -> None:
+        """Solve all shapes, or some, at more rates."""
         top = self.limits.omega_high_rad_s
         rates = np.unique(np.minimum(rates, top))
         allowed = self.alpha_rad <= min(self.limits.joint_angle_rad, math.pi)
+        if shapes is not None:
+            allowed &= shapes
         shape = (*self.alpha_rad.shape, rates.size)
         speed, cost = np.full(shape, np.nan), np.full(shape, np.nan)
 

@@ -26,6 +26,7 @@ from .shape_search import GaitShape, ShapeSearch, Solve, exact_solver
 
 COSTS = ("power", "abs_power", "positive_power")
 ANY = GaitLimits()
+_CLOSER = 4.0  # the best of dry valleys is looked at so many times as closely
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +34,9 @@ class LeastPower:
     """Hold the cheapest gait for a speed: the gait, power_w that was made least, W, speed_m_s, m/s.
 
     steady: the exact model's periodic state. active: the limits that the gait has reached, in
-    words. power_error_w: how much less power there may be, W: error of the power, plus what the
-    last model of the search still saw below it. basins: separate valleys of shapes that were
+    words. power_error_w: how much less power there may be, W: solved_error_w, that of the gait
+    itself, plus what the search may have missed: what its last model saw below, and on dry ground
+    what the last and closest look gained. basins: separate valleys of shapes that were
     followed to their lowest point; runner_up_w: the power, W, of the next best one (inf: there was
     one valley). evaluations: periodic states solved on the way, the coarse cloud not counted.
     """
@@ -48,6 +50,7 @@ class LeastPower:
     limits: GaitLimits = ANY
     active: tuple[str, ...] = ()
     power_error_w: float = 0.0
+    solved_error_w: float = 0.0
     basins: int = 1
     runner_up_w: float = math.inf
     evaluations: int = 0
@@ -68,36 +71,47 @@ class Finder:
         self.kinks = 0.0 if ground.smooth else 2e-3  # how far small valleys were found apart
         self.smallest = 0.002 if ground.smooth and self.exact else 0.012
 
-    def follow(self, start: Candidate, speed: float, radius: float) -> tuple[Point, float]:
-        """Return the lowest point of the valley that a candidate lies in."""
+    def follow(
+        self, start: Candidate, speed: float, radius: float, closer: float = 1.0
+    ) -> tuple[Point, float]:
+        """Return the lowest point of the valley that a candidate lies in; closer: to it."""
         low, high = self.search.bounds()
         coarse = 1e-7 if self.ground.smooth and self.exact else 3e-4
-        rtol = max(self.rtol, coarse)
+        rtol = max(self.rtol, coarse / closer)
         evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
         first = evaluate([np.array(start.shape)])[0]
-        return least(evaluate, first, radius, self.smallest, low, high)
+        return least(evaluate, first, radius, self.smallest / closer, low, high)
 
     def candidates(self, speed: float) -> list[Candidate]:
         """Return where to start: the cloud's valleys that may hold the least."""
-        return self.cloud.candidates(speed, most=6 if self.ground.smooth else 4, within=1.4)
+        return self.cloud.candidates(speed, most=6, within=1.4 if self.ground.smooth else 1.6)
 
     def cheapest(self, speed: float, extra: Candidate | None = None) -> LeastPower:
         """Return the cheapest gait; extra: one more start."""
         starts = self.candidates(speed) + ([extra] if extra else [])
-        ends: list[tuple[Point, float]] = []
-        for start in starts:
-            end = self.follow(start, speed, 0.08 if start is extra else 0.15)
-            if not end[0].better[0]:
-                ends.append(end)
+        ends = [self.follow(s, speed, 0.08 if s is extra else 0.15) for s in starts]
+        ends = [end for end in ends if not end[0].better[0]]
         if not ends:
             raise self.unreachable(speed)
         ends.sort(key=lambda e: e[0].value)
-        if not self.ground.smooth:  # kinks make small valleys in the large one
-            at = ends[0][0]
-            state: Any = at.data
-            again = Candidate(0.0, GaitShape(*at.at), state.gait.omega_rad_s)
-            ends[0] = self.follow(again, speed, 0.05)
+        if not self.ground.smooth:
+            ends[0] = self.looked_at_closely(ends[0][0], speed)
         return self.finish(speed, ends)
+
+    def looked_at_closely(self, best: Point, speed: float) -> tuple[Point, float]:
+        """Return the best of a dry valley, where kinks make small valleys in the large one."""
+        gap = math.inf
+        for _ in range(3):
+            state: Any = best.data
+            again = Candidate(0.0, GaitShape(*best.at), state.gait.omega_rad_s)
+            point, seen = self.follow(again, speed, 0.2, closer=_CLOSER)
+            gained = max(best.value - point.value, 0.0)
+            if point.better < best.better:
+                best = point
+            gap = max(seen, gained)
+            if gained < 0.01:
+                break
+        return best, gap
 
     def finish(self, speed: float, ends: list[tuple[Point, float]]) -> LeastPower:
         """Solve the best once more, to the accuracy that was asked for."""
@@ -108,11 +122,11 @@ class Finder:
         )
         watts = getattr(state, f"{search.cost}_w")
         apart = [p for p, _ in ends[1:] if np.abs(p.at - best.at).max() > 0.1]
-        exact = self.exact_state(state)
+        exact, own = self.exact_state(state), _numerical(state, search.cost)
         return LeastPower(
             state.gait, watts, state.speed_m_s, search.cost, exact, limits=self.limits,
             active=self.limits.active(state.gait, search.torque_nm(state.gait)),
-            power_error_w=_numerical(state, search.cost) + watts * min(max(gap, self.kinks), 1.0),
+            power_error_w=own + watts * min(max(gap, self.kinks), 1.0), solved_error_w=own,
             basins=1 + len(apart), evaluations=search.evaluations,
             runner_up_w=watts * math.exp(apart[0].value - best.value) if apart else math.inf,
         )  # fmt: skip

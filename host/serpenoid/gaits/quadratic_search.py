@@ -71,7 +71,8 @@ def least(
     """Return the least allowed point near a start, and how much less there may still be.
 
     evaluate takes points and returns Points. radius: half the first box; smallest: of the last.
-    low, high: bounds. What may be missing comes from the last model, whose box is `smallest`.
+    low, high: bounds. What may be missing comes from the last model, whose box is `smallest`, or
+    where it had none from what the last box gained.
     """
     best, gap = start, np.inf
     while radius >= smallest * (1 - 1e-9):
@@ -87,6 +88,8 @@ def least(
         gained = lowest.better < best.better
         step = np.abs(lowest.at - best.at).max()
         worth = best.value - lowest.value
+        if found is None and np.isfinite(worth):  # beside an edge too few points have a value
+            gap = max(worth, 0.0)
         best = lowest
         if not gained or step < 0.5 * radius or (not best.better[0] and worth < 1e-3 * radius**2):
             radius *= 0.4

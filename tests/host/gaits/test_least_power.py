@@ -189,3 +189,55 @@ def test_a_torque_limit_on_a_gait_that_creeps() -> None:
     free = sn.least_power_gait(robot, ground, speed_m_s=1e-6)
     assert best.power_w == pytest.approx(free.power_w, rel=1e-6)
     assert best.active == ()
+
+
+@pytest.mark.parametrize(
+    ("limits", "speed", "at_most_w"),
+    [
+        # another valley, of fast gaits with the joints nearly in opposite phase: 0.0265 W was found
+        (sn.GaitLimits(joint_angle_rad=math.radians(45)), 0.03, 0.00985),
+        # rates below the lowest allowed were looked at, none above: 0.0241 W was found
+        (sn.GaitLimits(omega_low_rad_s=8.0), 0.005, 0.0026),
+    ],
+    ids=["joint angle", "lowest rate"],
+)
+def test_dry_optima_within_limits_lie_in_other_valleys(limits, speed, at_most_w) -> None:
+    best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=speed, limits=limits)
+    assert best.power_w < at_most_w
+    assert best.speed_m_s == pytest.approx(speed, rel=1e-4)
+    assert min(limits.room(best.gait).values()) > -2e-3
+
+
+def test_wider_limits_never_cost_more_on_dry_ground() -> None:
+    """45 deg is allowed where 50 deg is: the wider search once found a gait a third dearer."""
+    narrow, wide = (
+        sn.least_power_gait(
+            OF_2005, BINGHAM, speed_m_s=0.005, limits=sn.GaitLimits(joint_angle_rad=math.radians(a))
+        )
+        for a in (45, 50)
+    )
+    assert wide.power_w <= narrow.power_w + narrow.power_error_w
+
+
+def test_the_error_of_a_dry_optimum_has_two_parts() -> None:
+    """That of the gait's own power is small; the rest is what kinks beside a cliff may hide."""
+    best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=0.05)
+    assert 0 < best.solved_error_w < 1e-3 * best.power_w
+    assert best.solved_error_w < best.power_error_w < 0.05 * best.power_w
+    fine = sn.steady_gait(OF_2005, BINGHAM, best.gait, rtol=1e-7)
+    assert abs(fine.power_w - best.power_w) <= 3 * best.solved_error_w
+
+
+def test_a_wish_for_an_absurd_speed_on_dry_ground() -> None:
+    """Dry friction hardly matters then: power as on viscous ground, and few states to solve."""
+    best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=10.0)
+    smooth = sn.least_power_gait(OF_2005, sn.Ground(BINGHAM.ct, BINGHAM.cn), speed_m_s=10.0)
+    assert best.power_w == pytest.approx(smooth.power_w, rel=0.3)
+    assert best.gait.omega_rad_s > 300
+
+
+def test_a_dry_optimum_in_the_second_best_valley_of_the_cloud() -> None:
+    """Brute force over shapes finds 0.000457 W; the first valley's lowest point costs 5 % more."""
+    robot, ground = sn.Robot(4, 0.15264, 0.11232), sn.Ground(0.14155, 0.14155, 0.0048985, 0.086985)
+    best = sn.least_power_gait(robot, ground, speed_m_s=0.0121984, cost="positive_power")
+    assert best.power_w == pytest.approx(4.572e-4, rel=3e-3)

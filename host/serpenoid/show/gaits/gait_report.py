@@ -30,7 +30,8 @@ def optimum(found: LeastPower) -> None:
     """Print what is known of an optimum."""
     rows = [
         [f"least {found.cost}", f"{found.power_w:.6g} W"],
-        ["error of the optimum, estimated", f"{found.power_error_w:.1g} W"],
+        ["its own error, estimated", f"{found.solved_error_w:.1g} W"],
+        ["some gait may need less, by up to", f"{found.power_error_w:.1g} W"],
         ["limits reached", ", ".join(found.active) or "none"],
         ["valleys of shapes followed", f"{found.basins}"],
     ]
