@@ -307,7 +307,7 @@ class Session:
         means = self._zero_sides
         if len(means) < 2:
             return False
-        return abs(means[1] - means[0]) > 2.0 * self._zero_drift_sigma_rad
+        return abs(means[1] - means[0]) > 2.0 * self.zero_drift_sigma_rad
 
     def zeros_rad(self, readings: Sequence[Reading]) -> list[float]:
         """Return the zero to be taken off each reading's incline, as it stood at the time.
@@ -333,7 +333,7 @@ class Session:
         return [sum(side) / len(side) for side in sides if side]
 
     @property
-    def _zero_drift_sigma_rad(self) -> float:
+    def zero_drift_sigma_rad(self) -> float:
         """Return the error of the difference between both sides' means."""
         sides = [sum(z.before is side for z in self._kept_zeros) for side in (True, False)]
         return self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in sides))

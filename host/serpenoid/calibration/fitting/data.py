@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..session import Reading, Session
-from .rounding import DRAWS, shared_rounding
+from .rounding import DRAWS, Drift, drifting_rounding, shared_rounding
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -66,12 +66,14 @@ class FitData:
         posture, angles, sigmas = postures(lambda_rad, lambda_sigma_rad, settings(session))
         shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
         incline_sigma_rad = np.array([g.incline_sigma_rad for g in given], dtype=float)
+        zeros_rad = np.array(session.zeros_rad(kept))
+        drift = Drift(zeros_rad, session.zero_drift_sigma_rad) if session.zero_drifts else None
         rounding, sigma_rad, draws = roundings(
-            shown_rad, incline_sigma_rad, session.setup.treadmill.incline_step_rad
+            shown_rad, incline_sigma_rad, session.setup.treadmill.incline_step_rad, drift
         )
         return cls(
             lambda_rad=lambda_rad,
-            incline_rad=shown_rad - np.array(session.zeros_rad(kept)),
+            incline_rad=shown_rad - zeros_rad,
             slip_m_s=np.array([r.slip_speed_m_s for r in kept], dtype=float),
             incline_sigma_rad=np.where(rounding < 0, incline_sigma_rad, 0.0),
             speed_sigma_m_s=np.array([g.belt_speed_sigma_m_s for g in given], dtype=float),
@@ -195,7 +197,7 @@ def postures(
 
 
 def roundings(
-    shown_rad: Floats, sigma_rad: Floats, grade_step: float
+    shown_rad: Floats, sigma_rad: Floats, grade_step: float, drift: Drift | None = None
 ) -> tuple[Whole, Floats, Floats]:
     """Return which shared rounding error each reading has (-1: none), their sigmas, draws.
 
@@ -206,11 +208,17 @@ def roundings(
     draws = np.empty((DRAWS, 0))
     for sigma in np.unique(sigma_rad).tolist():
         own = np.flatnonzero(sigma_rad == sigma)
-        found = shared_rounding(shown_rad[own], sigma, grade_step)
+        if drift is None:
+            found = shared_rounding(shown_rad[own], sigma, grade_step)
+            widths = [sigma] * (0 if found is None else found[1].shape[1])
+        else:
+            found = drifting_rounding(shown_rad[own], sigma, grade_step, drift.of(own))
+            widths = [] if found is None else found[1].std(axis=0).tolist()
+            found = found and (found[0], found[1] / widths)
         if found is not None:
             index[own] = len(sigmas) + found[0]
             # another inclinometer's phase is another's: shuffled
             shuffle = np.random.default_rng(len(sigmas)).permutation(DRAWS)
             draws = np.column_stack([draws, found[1][shuffle]])
-            sigmas += [sigma] * found[1].shape[1]
+            sigmas += widths
     return index, np.array(sigmas), draws

@@ -9,9 +9,15 @@ they would make ct and cn look better known than they are.
 So phi is drawn evenly, and h, known to a hundredth alone, as a normal distribution. What the errors
 then have in common is their correlation; how far they may reach together is told by the draws
 themselves, for sawteeth have no tails.
+
+A zero that drifts shifts the sawtooth's phase: a set point that is read again later is rounded
+another way. How far it drifted is known from its readings before and after, with an error of its
+own, which the readings share, too: none in the middle of the session, opposite ones at its ends.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +30,20 @@ DRAWS = 1024
 _TRIALS = 256
 _LEAST_STEP = 1.5  # of the treadmill in the inclinometer's; below, set points cannot be told apart
 _ON_GRID, _SLACK = 0.02, 0.1  # in steps of the inclinometer
-_GOLDEN = (5**0.5 - 1) / 2
+_GOLDEN, _PLASTIC = (5**0.5 - 1) / 2, 0.7548776662466927
+_STILL = 0.25  # of the inclinometer's step: a zero that has moved less has not moved
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Where the zero stood at each reading, and the standard deviation of how far it moved."""
+
+    zero_rad: Floats
+    sigma_rad: float
+
+    def of(self, own: Whole) -> Drift:
+        """Return that of some of the readings, the share of the way kept."""
+        return Drift(self.zero_rad[own], self.sigma_rad)
 
 
 def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
@@ -41,7 +60,9 @@ def shown_step_rad(shown_rad: Floats, sigma_rad: float) -> float | None:
     return None
 
 
-def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Whole | None:
+def set_points(
+    shown_rad: Floats, step_rad: float, grade_step: float, slack_rad: float = 0.0
+) -> Whole | None:
     """Return which of its steps the treadmill stood at, from any one; None where it had none."""
     if grade_step < _LEAST_STEP * step_rad:
         return None
@@ -49,7 +70,7 @@ def set_points(shown_rad: Floats, step_rad: float, grade_step: float) -> Whole |
     nearest = np.round(grade / grade_step)
     off = np.abs(grade - nearest * grade_step).max(axis=0)
     best = int(off.argmin())
-    if off[best] > (0.5 + _SLACK) * step_rad + grade_step / _TRIALS:
+    if off[best] > (0.5 + _SLACK) * step_rad + grade_step / _TRIALS + slack_rad:
         return None
     return nearest[:, best].astype(np.intp)
 
@@ -60,15 +81,50 @@ def sawteeth(set_point: Whole, step_rad: float, grade_step: float) -> Floats:
     set_point: in rising order. One that comes twice showed now this, now that: it is not held
     exactly, and goes with no other.
     """
-    from scipy.special import ndtri
-
-    even = (np.arange(DRAWS) + 0.5) / DRAWS
-    scale = 1.0 + STEP_SIGMA * ndtri((np.arange(DRAWS) * _GOLDEN + 0.5) % 1.0)
-    true = scale[:, None] * np.arctan(grade_step * set_point) / step_rad
-    phase = even[:, None] + true - true[:, :1]
+    even, phase = _phases(set_point, step_rad, grade_step)
     for k in np.flatnonzero(np.append(False, np.diff(set_point) == 0)):
         phase[:, k] = np.random.default_rng(k).permutation(even)
     return np.sqrt(12.0) * (phase - np.round(phase))
+
+
+def _phases(set_point: Whole, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
+    """Return the first point's (DRAWS,) phases, and those of all, (DRAWS, points), in steps."""
+    even = (np.arange(DRAWS) + 0.5) / DRAWS
+    scale = 1.0 + STEP_SIGMA * _normal(_GOLDEN)
+    true = scale[:, None] * np.arctan(grade_step * set_point) / step_rad
+    return even, even[:, None] + true - true[:, :1]
+
+
+def _normal(irrational: float) -> Floats:
+    """Return DRAWS draws of a normal distribution, evenly spread."""
+    from scipy.special import ndtri
+
+    return np.asarray(ndtri((np.arange(DRAWS) * irrational + 0.5) % 1.0), dtype=np.float64)
+
+
+def drifting_rounding(
+    shown_rad: Floats, sigma_rad: float, grade_step: float, drift: Drift
+) -> tuple[Whole, Floats] | None:
+    """Return what shared_rounding does where the zero drifts, the drift's own error with it.
+
+    Readings of one set point that showed the same while the zero stood still share an error.
+    """
+    step_rad = shown_step_rad(shown_rad, sigma_rad)
+    if step_rad is None or np.ptp(drift.zero_rad) == 0.0:
+        return None
+    level, slack_rad = shown_rad - drift.zero_rad, 2.0 * drift.sigma_rad
+    points = set_points(level, step_rad, grade_step, slack_rad)
+    if points is None:
+        return None
+    shown = np.round(shown_rad / step_rad).astype(np.intp)
+    stood = np.round(drift.zero_rad / (_STILL * step_rad)).astype(np.intp)
+    groups, index = np.unique(np.column_stack([points, shown, stood]), axis=0, return_inverse=True)
+    index = index.astype(np.intp).ravel()
+    zero_rad = np.bincount(index, drift.zero_rad) / np.bincount(index)
+    share = (zero_rad - np.mean(drift.zero_rad)) / np.ptp(drift.zero_rad)
+    moved = drift.sigma_rad * _normal(_PLASTIC)[:, None] * share
+    phase = _phases(groups[:, 0], step_rad, grade_step)[1] + (zero_rad + moved) / step_rad
+    return index, moved + step_rad * (np.round(phase) - phase)
 
 
 def shared_rounding(
