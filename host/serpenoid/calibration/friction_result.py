@@ -23,6 +23,7 @@ NAMES = BOTH_WAYS[:4]
 UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in BOTH_WAYS})
 LEVEL = 0.95
 WHOLE = "_whole"
+SURELY = 2.0  # errors of its difference, beyond which a zero that drifted is told
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
 
 
@@ -232,7 +233,7 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "The robot was not weighed, and one per cent of mass is one per cent of friction: "
             "`serpenoid calibrate amend DIR robot.mass_kg=480g` puts its mass in."
         )
-    if session.zero_drifts:
+    if session.zero_moved_sigmas > SURELY:
         notes.append(
             "The inclinometer's zero moved between before and after by more than its readings' "
             "errors; it is taken to have drifted evenly. Measure it more often, or let it warm up."

@@ -21,6 +21,7 @@ from ..model.robot import Robot
 
 KINDS = ("measured", "regenerated", "simulated")
 FACINGS = ("down", "up")
+FOLLOWED = 1.5  # errors of the zero's difference, beyond which it is taken to have drifted
 # Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
 # snake tumbles before 45, and no treadmill runs at 10 m/s.
 MAX_LAMBDA_DEG, MAX_INCLINE_DEG, MAX_SPEED_M_S, MAX_GRAVITY_M_S2 = 60.0, 45.0, 10.0, 30.0
@@ -303,11 +304,16 @@ class Session:
 
     @property
     def zero_drifts(self) -> bool:
-        """Tell whether the zero moved by more than twice what its readings' errors explain."""
+        """Tell whether the zero is followed: it moved by more than its readings' errors explain."""
+        return self.zero_moved_sigmas > FOLLOWED
+
+    @property
+    def zero_moved_sigmas(self) -> float:
+        """Return how far the zero moved from before to after, in that difference's own errors."""
         means = self._zero_sides
         if len(means) < 2:
-            return False
-        return abs(means[1] - means[0]) > 2.0 * self.zero_drift_sigma_rad
+            return 0.0
+        return abs(means[1] - means[0]) / self.zero_drift_sigma_rad
 
     def zeros_rad(self, readings: Sequence[Reading]) -> list[float]:
         """Return the zero to be taken off each reading's incline, as it stood at the time.

@@ -8,6 +8,8 @@ from serpenoid.calibration.fitting.data import FitData
 from serpenoid.calibration.fitting.rounding import (
     DRAWS,
     STEP_SIGMA,
+    Drift,
+    drifting_rounding,
     nearest_shown,
     sawteeth,
     set_points,
@@ -106,6 +108,7 @@ WORLDS = {
     "any incline": World(grade=0.0, bends_deg=(30.0,)),
     "light": World(mass_kg=0.25, ct=0.05, cn=0.6, ft0=0.08, fn0=0.2, bends_deg=(30.0,)),
     "a zero that drifts": World(zero_drift_deg=0.3, bends_deg=(7.5, 30.0)),
+    "a zero that creeps": World(zero_drift_deg=0.1, bends_deg=(7.5, 30.0)),
     "heavy, noisy": World(mass_kg=1.2, ct=0.3, cn=3.0, ft0=0.3, fn0=0.8, speed_sigma=0.03),
 }
 
@@ -120,6 +123,22 @@ def test_intervals_hold_the_truth_of_other_worlds(world):
     # 240 intervals; 60 of a parameter scatter by 2.8 %
     assert np.mean(held) > 0.92
     assert np.mean(held, axis=0).min() > 0.86
+
+
+def test_rounding_follows_a_zero_that_drifts():
+    points = np.tile(np.arange(6, 12), 2)
+    zero = np.repeat([0.0, 0.43 * STEP], 6)
+    grade = np.arctan(0.005 * points) + 0.001
+    seen = np.round((grade + zero) / STEP) * STEP
+    index, errors = drifting_rounding(seen, SIGMA, 0.005, Drift(zero, 0.1 * STEP))
+    assert len(set(index[:6]) & set(index[6:])) == 0  # another zero, another rounding
+    # of all draws there are some whose errors are those of these very readings
+    off = np.abs(errors[:, index] - (seen - grade - zero)).max(axis=1)
+    assert off.min() < 0.1 * STEP
+    # the drift's own error bends the ends of the session apart
+    still = drifting_rounding(seen, SIGMA, 0.005, Drift(zero, 1e-9))[1]
+    assert errors.std() > still.std()
+    assert drifting_rounding(seen, SIGMA, 0.005, Drift(np.zeros(12), 0.1 * STEP)) is None
 
 
 def test_a_misreading_is_named_and_an_outlier_left_out():
