@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from avr.board import F_CPU_HZ, symbols
 from avr.budget import stack_after_random_commands
-from avr.dialogue import Dialogue, fields, telemetry
+from avr.dialogue import Dialogue, fields, seal, telemetry
 from avr.toolchain import ToolchainError
 from avr.truth import line_errors_us
 
@@ -84,6 +84,19 @@ def test_other_numbers_of_joints(start, name, joints):
     check_frames(talk, 4.0, joints, frame_us)
     after = Dialogue(start(name, talk.board.eeprom, joints=joints))
     assert fields(after.greeting)["settings"] == "ok"
+
+
+def test_answers_leave_the_longer_telemetry_its_place(start):
+    rng = random.Random(8)
+    talk = running(start("uno", joints=8), "gait 45 80 8")
+    first, delay_s = len(talk.board.lines), 0.0
+    while delay_s < 5.0:
+        talk.number += 1
+        talk.board.send(seal(f"#{talk.number} status"), delay_s)
+        delay_s += rng.uniform(0.005, 0.08)
+    talk.board.run(6.0)
+    assert np.all(np.diff(telemetry(talk.board.lines[first:]).frame) == 1)
+    assert talk.counters()["dropped"] == 0
 
 
 @pytest.mark.parametrize("board", ["uno", "nano_old"])

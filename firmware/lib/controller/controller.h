@@ -64,7 +64,7 @@ class Controller {
     // A line is taken up only if all that it may bring forth at once fits the output queue.
     static const uint8_t kRoom = 165;
     // What is queued when a frame is due must leave room for the longest telemetry line.
-    static const uint8_t kTelemetryRoom = 185;
+    static const uint16_t kTelemetryRoom = 95 + 18 * kJoints;
     static const uint8_t kByteUs = 40;
     // Servos are attached one after the other, so many frames apart: each starts with a jerk.
     static const uint8_t kAttachFrames = 5;
