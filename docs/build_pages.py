@@ -8,11 +8,13 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import chdir
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 import click
 import serpenoid as sn
+import tomllib
 from click.testing import CliRunner
 from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
 from serpenoid.commands.main import cli
@@ -24,6 +26,7 @@ OUT = HERE / "generated"
 STORED = HERE.parent / "host" / "docs"
 LIMPING = HERE.parent / "host" / "examples" / "limping_on_a_slope.toml"
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
+MEANINGS = tomllib.loads((HERE / "json_keys.toml").read_text(encoding="utf-8"))
 SESSION = str(HERE.parent / "calibration_data" / "nirakh-2005")
 ANSWERS = {  # commands whose --json is shown key by key
     "steady": ["steady", *GAIT],
@@ -32,6 +35,8 @@ ANSWERS = {  # commands whose --json is shown key by key
     "optimize": ["optimize", "--robot", "paper", "--speed-m-s", "0.1"],
     "simulate": ["simulate", "--scene", str(LIMPING), "--duration-s", "0.5"],
     "fit": ["fit", SESSION],
+    "compare": ["compare", SESSION, "--gait", "70", "75", "0.5", "--samples", "16"],
+    "advise": ["advise", SESSION, "--gait", "70", "75", "0.5", "--samples", "16"],
     "drive": ["drive", "--port", "virtual:fast", *GAIT, "--duration-s", "1"],
     "doctor": ["doctor", "--port", "virtual:fast", "--listen-s", "1"],
 }
@@ -91,28 +96,44 @@ def table(columns: list[str], rows: list[list[Any]]) -> str:
     return "\n".join(f"| {' | '.join(str(cell) for cell in line)} |" for line in lines) + "\n"
 
 
+def meaning(key: str) -> str:
+    """Return what a key means; the build fails where docs/json_keys.toml does not say."""
+    for pattern, words in MEANINGS.items():
+        if fnmatchcase(key, pattern.replace("[]", "[[][]]")):
+            return words
+    raise SystemExit(f"docs/json_keys.toml says nothing of {key!r}")
+
+
 def json_page() -> str:
-    """Return the keys of every answer, with the value that this build got."""
+    """Return the keys of every answer: what each means, and the value that this build got."""
     parts = [JSON_HEAD]
     for name, arguments in ANSWERS.items():
         answer = json.loads(invoke([*arguments, "--json"]))
-        rows = [[f"`{key}`", f"`{shown}`"] for key, shown in keys(answer)]
+        rows = [[f"`{key}`", meaning(key), f"`{shown}`"] for key, shown in keys(answer)]
         typed = " ".join(Path(a).name if "/" in a else a for a in arguments)
-        parts.append(f"## {name}\n\n```text\nserpenoid {typed} --json\n```\n")
-        parts.append(table(["key", "value"], rows).replace(str(HERE.parent), ""))
+        parts.append(f"## `{name}`\n\n```text\nserpenoid {typed} --json\n```\n")
+        parts.append(table(["key", "meaning", "for example"], rows).replace(str(HERE.parent), ""))
     return "\n".join(parts)
+
+
+def when_and_cure(kind: type) -> tuple[str, str]:
+    """Return when an exception is raised and the way out, from its docstring."""
+    parts = [" ".join(part.split()) for part in (inspect.getdoc(kind) or "").split("\n\n")]
+    cures = [part.removeprefix("Way out: ") for part in parts if part.startswith("Way out: ")]
+    return parts[0], cures[0] if cures else ""
 
 
 def error_page() -> str:
     """Return the exceptions, and why a board refuses."""
     kinds = [
-        [f"`{name}`", " ".join((inspect.getdoc(kind) or "").split("\n\n")[0].split())]
+        [f"`{name}`", *when_and_cure(kind)]
         for name, kind in vars(errors).items()
         if inspect.isclass(kind) and issubclass(kind, sn.SerpenoidError)
     ]
     rows = [[e.number, f"`{word}`", e.cause, e.cure] for word, e in ERRORS.items()]
     return (
-        f"## Exceptions\n\n{table(['exception', 'when'], kinds)}\n## What a board refuses\n\n"
+        f"## Exceptions\n\n{table(['exception', 'when', 'way out'], kinds)}\n"
+        "## What a board refuses\n\n"
         + table(["number", "word", "what happened", "what to do"], sorted(rows))
     )
 
@@ -151,6 +172,9 @@ def pictures(folder: Path) -> None:
             ["simulate", "--scene", str(LIMPING), "--no-error", "--plot", str(folder / "run.png")]
         )
         invoke(["figures", "--out", str(OUT / "pages" / "study-of-2005")])
+        study = OUT / "pages" / "study-of-2005" / "index.html"
+        back = '<p><a href="../index.html">serpenoid</a></p>\n<h1>'
+        study.write_text(study.read_text(encoding="utf-8").replace("<h1>", back), encoding="utf-8")
         for name, draw in (("coverage", coverage_figure), ("advise", advised_figure)):
             draw(json.loads((STORED / f"{name}.json").read_text()), folder / f"{name}.png")
         invoke(["view", "virtual", "--out", str(folder / "virtual.html")])

@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent / "ext"))
 
 project = "serpenoid"
 author = "The serpenoid authors"
+project_copyright = "the serpenoid authors; MIT licence"
 release = version = version_of("serpenoid")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "mathtext"]
 html_math_renderer = "mathtext"
@@ -25,8 +26,11 @@ html_css_files = ["serpenoid.css"]
 html_theme_options = {"top_of_page_buttons": []}
 html_copy_source = False
 autodoc_member_order = "bysource"
-autodoc_typehints = "description"
-autodoc_typehints_description_target = "documented"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+autodoc_preserve_defaults = True
+python_maximum_signature_line_length = 76
+smartquotes = False
 # The repository's own pages, included as they are, link to files beside them.
 suppress_warnings = ["myst.xref_missing", "myst.header"]
 nitpicky = False

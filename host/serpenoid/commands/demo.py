@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
+import sys
 from pathlib import Path
 
 from .. import _core
@@ -94,7 +96,18 @@ def _summary(fit: FrictionFit, points: list[SpeedPoint], files: list[Path]) -> N
         "Written: " + ", ".join(str(f) for f in files),
         f"The simulated session, its comparison and its report: {files[0].parent}/session, "
         "comparison.png, report.html",
+        f"Next, without a robot: {_called()} view virtual. With your own: {_called()} flash; "
+        "doctor; trim; calibrate new DIR; fit DIR; then --session DIR gives its friction to any "
+        "command.",
     ]
     report.console.print()
     for line in lines:
         report.console.print(line, highlight=False)
+
+
+def _called() -> str:
+    """Return how this program is called: by its path where the shell would not find it."""
+    here = Path(sys.argv[0])
+    if here.stem == "__main__":
+        return "python -m serpenoid"
+    return here.name if shutil.which(here.name) else str(here)

@@ -6,6 +6,7 @@ import os
 import sys
 import threading
 import warnings
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -95,6 +96,9 @@ def _show_warning(message: Warning | str, *_where: object) -> None:
 def main() -> None:
     """Run the command line: exit 0 done, 1 the work failed, 2 bad arguments, 130 interrupted."""
     warnings.showwarning = _show_warning
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # a terminal without degrees and minus signs gets `?`
+            stream.reconfigure(errors="replace")
     try:
         status = cli.main(standalone_mode=False)
     except click.ClickException as error:

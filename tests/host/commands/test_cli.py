@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
 import shutil
 import signal
@@ -192,6 +193,25 @@ def test_refusals(args: list[str], status: int, said: str) -> None:
     assert said in done.stderr
     assert done.stderr.startswith("serpenoid: ")
     assert done.stderr.count("\n") == 1  # one line, without a traceback
+
+
+def test_a_terminal_without_our_letters_gets_question_marks() -> None:
+    asked = [
+        "compare",
+        "calibration_data/nirakh-2005",
+        "--gait",
+        "70",
+        "75",
+        "1",
+        "--samples",
+        "16",
+    ]
+    done = subprocess.run(
+        [sys.executable, "-m", "serpenoid", *asked], capture_output=True, text=True, check=False,
+        env=os.environ | {"PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "70?/75?, 1 Hz" in done.stdout
 
 
 def test_help_tells_every_command_in_full() -> None:
