@@ -86,7 +86,7 @@ def test_a_title_cannot_break_the_page(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["view", "absent.wire"], "cannot read absent.wire"),
+        (["view", "absent.wire"], "'absent.wire' is no file"),
         (["view", __file__], "no recording"),
         (["view", "virtual", "--links", "4"], "of a robot of 6"),
         (["view", "virtual", "--out", "view.txt"], "must end in .html"),
