@@ -65,6 +65,7 @@ bool SteadyDry::wander(DryCycle& cycle, int most, double near, double tolerance)
             const double z = r[k] / cycle.scale()[k];
             change = std::max(change, std::fabs(z - z_[k])), z_[k] = z;
         }
+        promising_ = change < 1e-3;
         if (change < near) break;
     }
     return true;
@@ -175,7 +176,7 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
     bool first = true;
     int broken = 0;
     near_ = false;
-    for (double tolerance = from * std::clamp(kFirst * options.rtol, 1e-6, 3e-4); tolerance > kLast;
+    for (double tolerance = from * std::clamp(kFirst * options.rtol, 1e-7, 3e-4); tolerance > kLast;
          tolerance *= 0.05) {
         // the derivatives stand for the rest of the way; its square is what they miss
         const double goal = std::max((near_ ? 60 : 40) * tolerance, 1e-9);

@@ -19,7 +19,7 @@ using Stages = std::array<double, s>;
 
 // What ends a mode, in units of the aim: at a stage, and between them, where the polynomial knows
 // less. In between lies what rounding does.
-constexpr double kBeyond = -2, kFarBeyond = -200;
+constexpr double kBeyond = -2, kFarBeyond = -40;
 
 // Integral from 0 to x of the polynomial through values at the stages, as weights.
 Stages weights_to(double x) {
@@ -80,7 +80,7 @@ double DryCycle::rate(double L, double tau) {
 
 // One implicit Euler step of `length` rad without a mode; node 0 of the piece is filled at its end.
 // Wheels of a straight chain have one and the same kink, where an active-set method could cycle:
-// each kink is moved by its own 1e-11 or less of the speed scale.
+// each kink is moved by its own 1e-13 or less of the speed scale.
 bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double length) {
     const double dtau = std::min(length, tau_end - tau), h = dtau / omega_;
     piece_.look(tau, tau + dtau);
@@ -107,7 +107,7 @@ bool DryCycle::kick(CycleState& state, double& tau, double tau_end, double lengt
         if (!piece_.has_modes(wheel)) continue;
         const WheelDirection g = piece_.row(wheel, 1);
         kinks_.push_back({{g.x, g.y, g.r},
-                          omega_ * g.e + 1e-11 * speed * apart_[kinks_.size()],
+                          omega_ * g.e + 1e-13 * speed * apart_[kinks_.size()],
                           h * piece_.mu(wheel)});
         wheel_of_kink_.push_back(wheel);
     }
@@ -214,6 +214,18 @@ double DryCycle::end_of_wheel(const double* m, double first) const {
     return found;
 }
 
+// Where a sliding wheel really stops: over a long piece its speed is no polynomial.
+double DryCycle::sharpen(int wheel, double x) {
+    const Polynomial p(margin_[wheel].at);
+    for (int i = 0; i < 3; ++i) {
+        const double off = mode_.sign[wheel] * piece_.speed(wheel, x) / speed_eps_ + 1;
+        const double moved = -off / p.slope(x);
+        if (std::fabs(off) < 0.5 || !(std::fabs(moved) < 0.01)) break;
+        x = std::clamp(x + moved, 0.0, 1.0);
+    }
+    return x;
+}
+
 // The first end of a mode in the piece.
 DryCycle::Ending DryCycle::ending() {
     margins();
@@ -224,6 +236,7 @@ DryCycle::Ending DryCycle::ending() {
         const double at = end_of_wheel(margin_[wheel].at, first.at);
         if (at < first.at) first = {at, wheel, mode_.sign[wheel] != 0};
     }
+    if (first.sliding && first.at > 0) first.at = sharpen(first.wheel, first.at);
     return first;
 }
 

@@ -62,6 +62,7 @@ class DryCycle {
     void settle_stuck(CycleState& state);
     void margins();
     double end_of_wheel(const double* margins, double first) const;
+    double sharpen(int wheel, double x);
     Ending ending();
     void jump(const Vec3& rate_after, CycleState& state);
     void await_jump(const Ending& ending, double h);

@@ -61,6 +61,7 @@ SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait&
       grip_(ground.grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
       kernel_(kernel),
       wheel_(2 * robot.n),
+      aside_(2 * robot.n),
       viscous_(2 * robot.n),
       dry_(2 * robot.n),
       force_(2 * robot.n),
@@ -218,6 +219,14 @@ void SlidingPiece::speeds(Lanes* to) const {
     for (int j = 0; j <= s; ++j)
         for (int i = 0; i < 3; ++i) u[i].at[j] = u_[j][i];
     kernel_.speeds(2 * robot_.n, s + 1, wheel_.data(), u, omega_, to);
+}
+
+double SlidingPiece::speed(int wheel, double x) {
+    kernel_.shape(chain_, 1, {{tau_ + h_ * x}}, aside_sums_, aside_.data(), scratch_.front().at);
+    const kernels::StageWheel& g = aside_[wheel];
+    const Vec3 p = at(x);
+    const double w = (p[2] - omega_ * aside_sums_.K.at[0]) / aside_sums_.J.at[0];
+    return (g.x.at[0] * p[0] + g.y.at[0] * p[1]) * inverse_nm_ + g.r.at[0] * w + omega_ * g.e.at[0];
 }
 
 void SlidingPiece::lowest(const Lanes* values, double* to) const {

@@ -95,6 +95,8 @@ class SlidingPiece {
     double stage_force(int j, int a) const { return lambda_[j][a]; }
     // Every wheel's speed at the start and the stages.
     void speeds(Lanes* to) const;
+    // A wheel's speed at a fraction of the piece, by the shape there.
+    double speed(int wheel, double x);
     // A lower bound of each wheel's polynomial through such values.
     void lowest(const Lanes* values, double* to) const;
     // Every joint's torque and rate at some fractions of the piece.
@@ -121,6 +123,8 @@ class SlidingPiece {
     kernels::StageKernel kernel_;
     kernels::StageSums sums_{};
     std::vector<kernels::StageWheel> wheel_;
+    kernels::StageSums aside_sums_{};
+    std::vector<kernels::StageWheel> aside_;
     std::vector<double> viscous_, dry_;  // every wheel's coefficient, and force where it slides
     std::vector<Lanes> force_, scratch_;
     std::array<Node, kStages + 1> node_;

@@ -272,15 +272,14 @@ def test_an_answer_that_is_not_good_enough_is_not_thrown_away() -> None:
     ground = sn.Ground(0.00176635146747408, 0.021613012425747716, 0.0007097982789483057,
                        0.3163208176862016)  # fmt: skip
     gait = sn.Gait(0.9068710855146956, 2.1447184998632522, 131.50598113969176, 0.2)
-    truth = sn.steady_gait(robot, ground, gait, rtol=1e-3, powers=False)
     with pytest.raises(sn.NotConverged) as error:
         sn.steady_gait(robot, ground, gait, rtol=1e-5, powers=False)
     best = error.value.best
     assert isinstance(best, sn.Steady)
     assert best.error_estimate > 1e-5
-    assert best.speed_m_s == pytest.approx(
-        truth.speed_m_s, rel=best.error_estimate + truth.error_estimate
-    )
+    # what most tolerances come near to; the estimate is of what counts as a speed, if larger
+    standard = max(best.speed_m_s, 1e-4 * 2 * robot.link_length_m * gait.omega_rad_s)
+    assert abs(best.speed_m_s - 1.5985e-4) < best.error_estimate * standard
 
 
 @pytest.mark.parametrize(
