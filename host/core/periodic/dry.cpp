@@ -168,6 +168,7 @@ void SteadyDry::add_positive(std::vector<double>& before, SteadyState& out) cons
 SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, double from) {
     SteadyState out = unknown(), coarse;
     constexpr double kHidden = 0.8;
+    constexpr double kLuck = 0.01;  // a power seldom changes by less than this of a tolerance
     constexpr double kLast = 1e-13;
     constexpr double kFirst = 0.12;  // so that the second level is mostly enough
     double before = 0;
@@ -198,10 +199,11 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
                            kHidden * (size(moved) + tolerance * slackness()) * cycle.scale()[0] /
                                (robot_.n * robot_.m);
         last_z = z_;
-        next.power_error = std::fabs(next.power - coarse.power);
+        next.power_error = std::fabs(next.power - coarse.power) + kLuck * tolerance * next.power;
         if (options.powers)  // what the joints' work and the friction's are apart
             next.power_error += std::fabs(net_work_ - end_.dissipated) * gait_.omega / span();
-        next.slowest_error = change_of(next.slowest, coarse.slowest);
+        // derivatives jump where the sequence of modes does: one change says little of the next
+        next.slowest_error = 3 * change_of(next.slowest, coarse.slowest);
         next.converged = !first && excess(next, options) <= 1;
         if (first || excess(next, options) < excess(out, options)) out = next;
         if (out.converged) break;

@@ -70,6 +70,7 @@ class DryCycle {
     void accumulate(double h, double x, CycleState& state);
     void add_positive(double tau, double h, double x);
     void add_kick_work();
+    void add_part(double tau, double h, double from, double wide);
     bool advance(CycleState& state, double tau_end, double tolerance);
 
     Robot robot_;

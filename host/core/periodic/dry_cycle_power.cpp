@@ -1,6 +1,7 @@
 // What the joints do over a piece of dry_cycle.hpp: the integrals of their positive powers.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "numerics/gauss_rule.hpp"
 #include "periodic/dry_cycle.hpp"
@@ -18,18 +19,28 @@ void DryCycle::add_kick_work() {
     }
 }
 
-// Add the integrals of P_i^+ over the first x of a piece, from the joints' torques at Gauss points.
-// The piece is drawn out backwards over the kick before it, but where the kick was not much shorter
-// its polynomial does not reach so far.
+// Add the integrals of P_i^+ over the first x of a piece. It is drawn out backwards over the kick
+// before it, but where the kick was not much shorter its polynomial does not reach so far. Torques
+// are no polynomials: however long the motion lets a piece be, they are taken at Gauss points of
+// shorter parts.
 void DryCycle::add_positive(double tau, double h, double x) {
-    constexpr int g = 5;
     constexpr double kFarthest = 0.1;  // of the part that is used
+    constexpr double kLongest = 0.25;  // rad
     const bool drawn = skipped_ <= kFarthest * h * x;
     if (!drawn) add_kick_work();
-    const double start = drawn ? -skipped_ / h : 0, span = h * (x - start);
+    const double start = drawn ? -skipped_ / h : 0;
+    const int parts = static_cast<int>(std::ceil(h * (x - start) / kLongest));
+    for (int k = 0; k < parts; ++k)
+        add_part(tau, h, start + (x - start) * k / parts, (x - start) / parts);
+}
+
+// The same between two fractions of a piece, `wide` apart.
+void DryCycle::add_part(double tau, double h, double from, double wide) {
+    constexpr int g = 5;
+    const double span = h * wide;
     const Gauss<g>& rule = Gauss<g>::get();
     double x_of[g];
-    for (int q = 0; q < g; ++q) x_of[q] = start + (x - start) * rule.c[q];
+    for (int q = 0; q < g; ++q) x_of[q] = from + wide * rule.c[q];
     piece_.torques(g, x_of, torque_.data(), rate_.data());
     for (int i = 0; i + 1 < robot_.n; ++i) {
         std::array<double, g> torque, rate;
@@ -39,7 +50,7 @@ void DryCycle::add_positive(double tau, double h, double x) {
         }
         (*positive_)[i] +=
             span / omega_ *
-            mean_positive_swing<g>(torque, rate, tau + start * h, span, lag_[i], alpha_);
+            mean_positive_swing<g>(torque, rate, tau + from * h, span, lag_[i], alpha_);
     }
 }
 

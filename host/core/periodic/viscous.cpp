@@ -319,7 +319,7 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
         // order 12, but meshes that are still coarse may show little of it: what one has gained on
         // the one before is what the next may be trusted with
         const double change = std::fabs(result.speed - coarse.speed);
-        const double gain = meshes < 2 ? 1 : std::clamp(change_before / change, 1.0, 63.0);
+        const double gain = meshes < 2 ? 1 : std::clamp(change_before / change, 1.0, 16.0);
         ++meshes, change_before = change;
         result.speed_error = change / gain;
         result.power_error = std::fabs(result.power - coarse.power) / gain;

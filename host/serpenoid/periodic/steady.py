@@ -124,7 +124,8 @@ def _settling(s: _core.SteadyState, gait: Gait) -> tuple[float, float]:
         return math.inf, 0.0
     if math.isinf(s.slowest):  # nothing is left after a cycle
         return 0.0, 0.0 if s.slowest_error == 0 else math.inf
-    return gait.period_s / -s.slowest, s.slowest_error / -s.slowest
+    alike = 3e-8  # multipliers that nearly coincide are known to the root of rounding alone
+    return gait.period_s / -s.slowest, (s.slowest_error + alike) / -s.slowest
 
 
 def steady_gait(
