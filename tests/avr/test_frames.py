@@ -99,11 +99,10 @@ def test_answers_leave_the_longer_telemetry_its_place(start):
     assert talk.counters()["dropped"] == 0
 
 
-@pytest.mark.parametrize("board", ["uno", "nano_old"])
-def test_more_joints_than_a_board_has_memory_for_are_not_built(firmware_elf, board):
+def test_more_joints_than_a_board_has_memory_for_are_not_built(firmware_elf):
     """With twelve the stack ran into the variables, and the board started again and again."""
     with pytest.raises(ToolchainError, match="8 joints at most: take a Mega"):
-        firmware_elf(board, 9)
+        firmware_elf("uno", 9)
 
 
 @pytest.mark.slow
