@@ -16,7 +16,7 @@ import click
 import serpenoid as sn
 import tomllib
 from click.testing import CliRunner
-from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
+from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.commands.main import cli
 from serpenoid.model import errors
 from serpenoid.robot.wire.error_table import ERRORS
@@ -175,7 +175,9 @@ def pictures(folder: Path) -> None:
         study = OUT / "pages" / "study-of-2005" / "index.html"
         back = '<p><a href="../index.html">serpenoid</a></p>\n<h1>'
         study.write_text(study.read_text(encoding="utf-8").replace("<h1>", back), encoding="utf-8")
-        for name, draw in (("coverage", coverage_figure), ("advise", advised_figure)):
+        for name, draw in (
+            ("coverage", coverage_figure), ("advise", advised_figure), ("verdict", verdict_figure),
+        ):  # fmt: skip
             draw(json.loads((STORED / f"{name}.json").read_text()), folder / f"{name}.png")
         invoke(["view", "virtual", "--out", str(folder / "virtual.html")])
         invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.files import read_csv
-from serpenoid.bench.calibration.figure import advised_figure, coverage_figure
+from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.stability.figure import overview
 from serpenoid.bench.stability.files import read_cells
 from serpenoid.commands.demo import run_demo
@@ -48,12 +48,18 @@ def advise(path: Path) -> None:
     advised_figure(json.loads((STORED / "advise.json").read_text()), path)
 
 
+def verdict(path: Path) -> None:
+    """Draw the study that stands in verdict.json; `serpenoid bench verdict` makes it."""
+    verdict_figure(json.loads((STORED / "verdict.json").read_text()), path)
+
+
 FIGURES: dict[str, Callable[[Path], None]] = {
     "speed.png": speed,
     "accuracy.png": accuracy,
     "stability.png": stability,
     "coverage.png": coverage,
     "advise.png": advise,
+    "verdict.png": verdict,
 }
 
 

@@ -143,7 +143,7 @@ def test_what_is_out_of_line_is_asked_about_and_may_be_kept(folder):
 def test_undo_redo_void_and_restore(folder):
     _, session = talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "", "", "undo")
     assert [r.number for r in session.kept] == [2]
-    heard, session = talk(folder, "redo 2", "", "", "0.25", "")
+    heard, session = talk(folder, "redo 2", "", "0.25", "")
     assert [(r.number, r.belt_speed_m_s) for r in session.kept] == [(4, 0.25)]
     assert session.kept[0].incline_rad == pytest.approx(math.radians(2.0))
     _, session = talk(folder, "undo")  # brings back the one that was redone

@@ -19,6 +19,7 @@ HELP = """\
   skip            leave this step out           note TEXT  keep a remark
   status          what was read so far          pause      servos off, until Enter
   quit            leave; go on any time         help       this"""
+PLANNED = ("lambda_deg", "alpha_deg", "beta_deg", "omega_rad_s")  # not read anew by a redo
 SHORT = {"q": "quit", "exit": "quit", "?": "help", "u": "undo"}
 Values = dict[str, float | str]
 
@@ -153,13 +154,13 @@ class Words:
         raise Again
 
     def _anew(self, row: Mapping[str, str], step: Step) -> Values:
-        """Ask for a row's numbers again."""
+        """Ask for a row's numbers again; what the plan or the protractor told stays."""
         values: Values = {}
         for field in FIELDS[row["kind"]]:
             old = row[field.column]
-            if not old or field.column.startswith("speed"):
+            if not old or field.column.startswith("speed") or field.column in PLANNED:
                 continue
-            text = self._talk.ask(f"  {field.words} ({old} {field.unit}): ", step)
+            text = self._talk.ask(f"  {field.words} ({float(old):.4g} {field.unit}): ", step)
             if text:
                 values[field.column] = self._talk.read(text, field, None, step)
         if row["kind"] == "gait" and row["distance_m"]:
