@@ -106,12 +106,12 @@ def test_three_wheels_stuck_at_once(case: tuple, rtol: float) -> None:
 
 
 def test_the_best_answer_is_a_state_with_the_errors_of_its_own_level() -> None:
-    """Ten times 1e-6 of the powers is beyond these chattering wheels; speed and loss are known."""
+    """Ten times 1e-7 of the powers is beyond these chattering wheels; speed and loss are known."""
     robot = sn.Robot(5, 0.7749911850922024, 0.040554207359343626)
     ground = sn.Ground(1.8010825256861138, 68.02709323785253, 4.3835170410651525, 11.40519629403444)
     gait = sn.Gait(1.2017761281416313, 1.6731097946154556, 14.705229722525305)
     with pytest.raises(sn.NotConverged) as error:
-        sn.steady_gait(robot, ground, gait)
+        sn.steady_gait(robot, ground, gait, rtol=1e-7)
     best = error.value.best
     assert isinstance(best, sn.Steady)
     assert best.speed_m_s == pytest.approx(0.184637541, rel=best.error_estimate + 3e-9)
