@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..model.checks import check_number
 from ..model.errors import NotConverged
 from ..model.words import FORMULATIONS
 from .friction.given import take_fit
@@ -78,6 +79,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
     """
     wanted = _speeds(speeds)
+    _refuse_idle(given, send, plot is not None)
     run = {name: given.pop(name) for name in ("port", "duration_s", "record")}
     ask = _Asked(given, send)
     if len(wanted) > 1:
@@ -106,6 +108,18 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
         meant = Meant(ask.robot.links, "the gait", "give its --links, or the session of this robot")
         drive_gait(found.gait, as_json=as_json, fit=ask.fit, meant=meant, **run)
     return None
+
+
+def _refuse_idle(given: dict[str, Any], send: bool, plot: bool) -> None:
+    """Refuse options that would do nothing beside the others."""
+    for name in ("port", "duration_s", "record"):
+        if not send and given[name] is not None:
+            raise click.UsageError(f"--{name.replace('_', '-')} is for --send, which is not there")
+    for name in ("amplitude_sigma", "common_amplitude_sigma", "lag_sigma_deg"):
+        if not (given["robust"] or plot) and given[name] is not None:
+            raise click.UsageError(
+                f"--{name.replace('_', '-')} is for --robust or --plot; neither is there"
+            )
 
 
 def _speeds(text: str) -> list[float]:
@@ -167,8 +181,12 @@ def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
         "omega_low_rad_s": given.pop("omega_low_rad_s"),
         "omega_high_rad_s": given.pop("omega_high_rad_s"),
     }
-    for name in ("joint_angle_rad", "servo_speed_rad_s"):
-        taken[name] = None if taken[name] is None else math.radians(taken[name])
+    for name, option, most in (
+        ("joint_angle_rad", "--joint-angle-deg", 180.0),
+        ("servo_speed_rad_s", "--servo-speed-deg-s", math.inf),
+    ):
+        if taken[name] is not None:
+            taken[name] = math.radians(check_number(option, taken[name], 0.0, most, open_low=True))
     return GaitLimits(**{name: value for name, value in taken.items() if value is not None})
 
 
@@ -195,7 +213,9 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None) -> Uncertainty:
     taken = {
         "amplitude": given.pop("amplitude_sigma"),
         "common_amplitude": given.pop("common_amplitude_sigma"),
-        "lag_rad": None if lag is None else math.radians(lag),
+        "lag_rad": None
+        if lag is None
+        else math.radians(check_number("--lag-sigma-deg", lag, 0.0, 57.0)),
     }
     changes: dict[str, Any] = {k: v for k, v in taken.items() if v is not None}
     if fit is not None:

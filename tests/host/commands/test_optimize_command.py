@@ -154,6 +154,22 @@ def test_the_start_explains_fig_6() -> None:
     assert first[closed.t_s > 8].max() == pytest.approx(other[opened.t_s > 8].max(), rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--port", "virtual"], "--port is for --send"),
+        (["--duration-s", "3"], "--duration-s is for --send"),
+        (["--lag-sigma-deg", "3"], "--lag-sigma-deg is for --robust or --plot"),
+        (["--joint-angle-deg", "300"], "--joint-angle-deg is 300.0; it must be"),
+        (["--servo-speed-deg-s", "-3"], "--servo-speed-deg-s is -3.0; it must be"),
+    ],
+)
+def test_options_that_would_do_nothing_or_make_no_sense(words: list[str], told: str) -> None:
+    result = CliRunner().invoke(cli, ["optimize", "--speed", "0.1", *words])
+    assert result.exit_code != 0
+    assert told in result.output + str(result.exception)
+
+
 def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
     of_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
     for name in ("session.toml", "readings.csv"):
