@@ -117,6 +117,7 @@ def draw_friction(
         ax.text(0.04, 0.95, law, transform=ax.transAxes, color=colour, va="top", fontsize=11)
         if part == "straight" and len(kept["back"][0]):
             _backwards(ax, fit, kept["back"], errors["back"])
+            ax.set_ylim(top=1.25 * ax.get_ylim()[1])  # room for two laws
         ax.set(title=title, xlabel=f"speed $v_{axis}$ (m/s)",
                ylabel=f"friction $F_{axis}$ of the whole snake (N)")  # fmt: skip
         ax.set_xlim(left=0)
