@@ -70,7 +70,7 @@ def power_of(
     wanted = [b.wanted_m_s for b in robust]
     with figure(7.2, 5.0) as (fig, ax):
         ax.scatter(cloud.speed_m_s[good], watts[good], s=2, color="#b0b0b0", lw=0,
-                   rasterized=True, label=f"{int(good.sum())} gaits of the grid")  # fmt: skip
+                   rasterized=True, label=f"{int(good.sum())} gaits that travel")  # fmt: skip
         ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label="least power")
         if robust:
             extra = [max(100 * b.premium, 0.0) for b in robust]
