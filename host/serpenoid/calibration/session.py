@@ -340,7 +340,7 @@ class Session:
 
     @property
     def zero_drift_sigma_rad(self) -> float:
-        """Return the error of the difference between both sides' means."""
+        """Return the error of the difference between both sides' means, rad."""
         sides = [sum(z.before is side for z in self._kept_zeros) for side in (True, False)]
         return self._zero_reading_sigma_rad * math.sqrt(sum(1 / n for n in sides))
 
