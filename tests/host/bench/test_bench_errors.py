@@ -6,12 +6,25 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.bench import errors
-from serpenoid.bench.errors import DRY, KINDS, STATES, Judged, coverage_rows, judge_class
+from serpenoid.bench.errors import (
+    DRY,
+    KINDS,
+    STATES,
+    Judged,
+    coverage_rows,
+    judge_class,
+    random_scene,
+    truth_scene,
+)
 from serpenoid.commands.main import cli
+from serpenoid.model.errors import NotConverged
 from serpenoid.periodic.steady import Steady, steady_gait
+from serpenoid.simulation.judge import difference
 
 SEED = 20261121
 
@@ -80,3 +93,25 @@ def test_the_command_publishes_the_coverage(tmp_path: Path, monkeypatch) -> None
     assert lines[0].startswith("kind,runs,within_estimate,within_3")
     assert [line.split(",")[0] for line in lines[1:]] == ["torque", "dry_servo", "all"]
     assert lines[-1].startswith("all,2,")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["torque", "servo", "faults", "dry_torque"])
+def test_an_accuracy_asked_for_is_kept_or_refused(kind: str) -> None:
+    """Dry ground included, where a motion may be chaos: then it is refused, by that name."""
+    kept, refusals = 0, list[str]()
+    for seed in range(12):
+        rng = np.random.default_rng([SEED, seed])
+        scene = replace(random_scene(kind, rng), method="auto", dt_s=1e-3, tolerance=1e-7)
+        accuracy = float(10 ** rng.uniform(-6, -2))
+        try:
+            run = sn.simulate(scene, accuracy=accuracy)
+        except NotConverged as refused:
+            refusals.append(str(refused))
+            continue
+        grid = {"dt_s": run.scene.dt_s, "record_every": run.scene.record_every}
+        truth = sn.simulate(replace(truth_scene(run.scene, 1e-13), **grid))
+        assert difference(run, truth).size(scene.robot.body_length_m) <= accuracy
+        kept += 1
+    assert kept > 0
+    assert all("chaotic" in text or "shorter run" in text for text in refusals), refusals
