@@ -75,7 +75,7 @@ def test_the_fit_with_shared_rounding_is_odrpacks(seed):
         ct, cn, ft0, fn0, bend, *rounding, zero = beta
         angle = data.lambda_rad + (data.lambda_rad > 0) * data.posture_sigma_rad[0] * bend
         c, s = np.cos(angle), np.sin(angle)
-        errors = data.rounding_sigma_rad[0] * np.array(rounding)
+        errors = data.rounding_sigma_rad * np.array(rounding)
         pull = data.weight_n * np.sin(
             data.incline_rad - errors[data.rounding] - data.zero_sigma_rad * zero
         )

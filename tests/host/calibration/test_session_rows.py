@@ -103,11 +103,11 @@ def test_the_zero_is_the_mean_and_doubts_what_moved(folder):
     taken = read_session(folder)
     assert math.degrees(taken.zero.sigma_rad) == pytest.approx(0.1)  # as declared
     before = ZeroReading(1, math.radians(0.3), math.radians(-0.1))
-    after = ZeroReading(5, math.radians(0.1), math.radians(0.2), before=False)
+    after = ZeroReading(5, math.radians(0.1), math.radians(0.16), before=False)
     session = replace(taken, zeros=(before, after))
-    assert math.degrees(session.zero.value_rad) == pytest.approx(0.125)
-    # Each zero has 0.03 / sqrt(2), their mean 0.015; half of what moved is 0.025.
-    assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.025))
+    assert math.degrees(session.zero.value_rad) == pytest.approx(0.115)
+    # Each zero has 0.03 / sqrt(2), their mean 0.015; half of what moved is 0.015.
+    assert math.degrees(session.zero.sigma_rad) == pytest.approx(math.hypot(0.015, 0.015))
     reading = load_session(NIRAKH).readings[0]
     assert session.zeros_rad([reading]) == [session.zero.value_rad]
 
