@@ -253,6 +253,7 @@ def _print(found: Any, margins: Any) -> None:
     else:
         gait_report.optimum(found)
     gait_report.margins(margins)
+    gait_report.no_servo(found.gait)
 
 
 def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:

@@ -170,6 +170,12 @@ def test_options_that_would_do_nothing_or_make_no_sense(words: list[str], told: 
     assert told in result.output + str(result.exception)
 
 
+def test_a_speed_that_no_servo_makes_is_warned_of() -> None:
+    viscous = ["--ft0", "0", "--fn0", "0"]
+    assert "no hobby servo does" in run("optimize", "--speed", "10", *viscous).stderr
+    assert "no hobby servo" not in run("optimize", "--speed", "0.1", *viscous).stderr
+
+
 def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
     of_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
     for name in ("session.toml", "readings.csv"):

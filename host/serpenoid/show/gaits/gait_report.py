@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ...gaits.least_power import LeastPower
     from ...gaits.margins import Margins
     from ...gaits.robust import RobustGait
+    from ...model.gait import Gait
 
 
 def _percent(fraction: float) -> str:
@@ -38,6 +39,19 @@ def optimum(found: LeastPower) -> None:
     if math.isfinite(found.runner_up_w):
         rows.append(["next best valley", f"{found.runner_up_w:.6g} W"])
     table("the optimum", ["", "value"], rows)
+
+
+_FASTEST_SERVO_RAD_S = 30.0  # no load, the fastest that hobbyists can buy; common ones make 5 to 10
+
+
+def no_servo(gait: Gait) -> None:
+    """Warn of joints that turn faster than any servo does."""
+    rate = gait.alpha_rad * gait.omega_rad_s
+    if rate > _FASTEST_SERVO_RAD_S:
+        notices.print(
+            f"serpenoid: warning: the joints would turn at up to {math.degrees(rate):.3g} deg/s, "
+            "which no hobby servo does; --servo-speed-deg-s keeps to what yours do"
+        )
 
 
 def robust(found: RobustGait) -> None:
