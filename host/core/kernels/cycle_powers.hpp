@@ -10,6 +10,9 @@
 // better.
 #pragma once
 
+#include <cmath>
+#include <numbers>
+
 #include "kernels/cycle_kernel.hpp"
 #include "kernels/cycle_shape.hpp"
 
@@ -20,15 +23,16 @@ template <int W>
 class CyclePowers {
     using V = Pack<W>;
     using B = BitsOf<V>;
-    static constexpr int kWide = 8;  // nodes of the local polynomial
+    static constexpr int kWide = 8;    // nodes of the local polynomial
+    static constexpr int kBeyond = 4;  // nodes repeated before and after the half cycle
 
   public:
     explicit CyclePowers(const CycleTask& task)
         : q(task),
           N(task.nodes),
           motion(reinterpret_cast<V*>(task.work)),
-          torque(motion + 10 * N),
-          power(torque + N) {
+          torque(motion + 10 * N + kBeyond),
+          power(torque + N + 2 * kBeyond) {
         const CycleNewton<W> gait(q);
         const V* y = reinterpret_cast<const V*>(q.y);
         const V g = *reinterpret_cast<const V*>(q.g);
@@ -79,61 +83,81 @@ class CyclePowers {
         error_ += square_root(tail * swing) * all<V>(kHidden / N);
         const double turn = q.turn[i] / q.step;
         const int turn_cell = turn < N ? static_cast<int>(turn) : N - 1;
-        for (int k = 0; k < N; ++k) cell(k, turn - k, k == turn_cell, q.before[i]);
+        repeat();
+        V begins = third_of_slope(0);
+        for (int k = 0; k < N; ++k) {
+            const V ends = third_of_slope(k + 1);
+            cell(k, torque[k] + begins, torque[k + 1] - ends, turn - k, k == turn_cell,
+                 q.before[i]);
+            begins = ends;
+        }
     }
 
-    V at(const V* values, int k, bool odd) const {
-        if (k < 0) return odd ? -values[k + N] : values[k + N];
-        if (k >= N) return odd ? -values[k - N] : values[k - N];
-        return values[k];
+    // The half cycle's neighbours: torque changes its sign from one to the next, power does not.
+    void repeat() {
+        for (int j = 0; j < kBeyond; ++j) {
+            torque[N + j] = -torque[j], torque[-1 - j] = -torque[N - 1 - j];
+            power[N + j] = power[j], power[-1 - j] = power[N - 1 - j];
+        }
     }
 
-    void cell(int k, double rate_root, bool turns, double before) {
-        const V t0 = torque[k], t1 = at(torque, k + 1, true);
-        const V ta = at(torque, k - 1, true), tb = at(torque, k + 2, true);
-        const B change = (t0 > 0) ^ (t1 > 0);
-        // no change between the nodes, but a dip that may reach zero
-        const V sign = choose<V>(t0 > 0, all<V>(1), all<V>(-1));
-        const V left = sign * (t0 - ta), right = sign * (tb - t1);
-        const V low = choose<V>(sign * t0 < sign * t1, sign * t0, sign * t1);
-        const B dip = ~change & (left < 0) & (right > 0) & (low < 0.25 * (right - left));
-        if (!turns && !any<V>(change | dip)) return;
+    // t_begins, t_ends: the inner two of the Bezier points of the cubic that has the nodes' values
+    // and slopes.
+    void cell(int k, V t_begins, V t_ends, double rate_root, bool turns, double before) {
+        const V t0 = torque[k], t1 = torque[k + 1];
+        // A cubic has no more roots in the cell than its Bezier points have changes of sign.
+        const B first = (t0 > 0) ^ (t_begins > 0), second = (t_begins > 0) ^ (t_ends > 0);
+        const B last = (t_ends > 0) ^ (t1 > 0);
+        const B change = first ^ second ^ last;
+        const B several = (first & second) | (second & last) | (first & last);
+        if (!turns && !any<V>(change | several)) return;
         for (int lane = 0; lane < W; ++lane) {
-            if (change[lane]) push(k, lane, 0, false, rate_root, before, 0);
-            if (dip[lane]) search(k, lane, rate_root, before);
+            if (several[lane])
+                search(k, lane, rate_root, before);
+            else if (change[lane])
+                push(k, lane, 0, false, rate_root, before, 0);
             if (turns) push(k, lane, rate_root, true, rate_root, before, 0);
         }
+    }
+
+    // A third of the torque's slope at a node, per step: centred, of fourth order.
+    V third_of_slope(int k) const {
+        const V near = torque[k + 1] - torque[k - 1], far = torque[k + 2] - torque[k - 2];
+        return near * (2.0 / 9) - far * (1.0 / 36);
     }
 
     void push(int k, int lane, double place, bool found, double rate_root, double before,
               double sigma) {
         const int c = count_++;
         for (int j = 0; j < kWide; ++j) {
-            kinks_.torque[j][c] = at(torque, k + j - 3, true)[lane];
-            kinks_.power[j][c] = at(power, k + j - 3, false)[lane];
+            kinks_.torque[j][c] = torque[k + j - 3][lane];
+            kinks_.power[j][c] = power[k + j - 3][lane];
         }
         kinks_.place[c] = place, kinks_.found[c] = found, kinks_.rate_root[c] = rate_root;
         kinks_.before[c] = before, kinks_.sigma[c] = sigma, lane_[c] = lane;
         if (count_ == W) flush();
     }
 
-    // A pair of roots in one cell, if there is one: looked for at sixteen places.
+    // All roots in one cell, a close pair among them: looked for at sixteen places, which crowd
+    // at its ends, where the nodes' own signs count, as they do in the cells beside it.
     [[gnu::noinline]] void search(int k, int lane, double rate_root, double before) {
         constexpr int kPlaces = 16;
+        constexpr double kQuarterTurn = std::numbers::pi / 2;
         double b[kWide] = {};
         for (int j = 0; j < kWide; ++j)
             for (int p = 0; p < kWide; ++p)
-                b[p] += q.stencil[kWide * p + j] * at(torque, k + j - 3, true)[lane];
+                b[p] += q.stencil[kWide * p + j] * torque[k + j - 3][lane];
         const auto value = [&](double x) {
             double sum = b[kWide - 1];
             for (int p = kWide - 2; p >= 0; --p) sum = sum * x + b[p];
             return sum;
         };
-        double old = value(0);
+        double old = torque[k][lane], before_x = 0;
         for (int i = 1; i <= kPlaces; ++i) {
-            const double x = static_cast<double>(i) / kPlaces, now = value(x);
+            const double root_x = std::sin(kQuarterTurn * i / kPlaces), x = root_x * root_x;
+            const double now = i < kPlaces ? value(x) : torque[k + 1][lane];
             if ((old > 0) != (now > 0)) {
-                double low = x - 1.0 / kPlaces, high = x;
+                double low = before_x, high = x;
                 for (int half = 0; half < 20; ++half) {
                     const double middle = (low + high) / 2;
                     ((value(middle) > 0) == (old > 0) ? low : high) = middle;
@@ -141,7 +165,7 @@ class CyclePowers {
                 const double rate = low < rate_root ? before : -before;
                 push(k, lane, low, true, rate_root, before, now > 0 ? rate : -rate);
             }
-            old = now;
+            old = now, before_x = x;
         }
     }
 

@@ -176,6 +176,24 @@ def test_kinked_powers_are_as_right_as_they_claim() -> None:
         assert s.positive_power_error_w <= 1e-6 * s.positive_power_w
 
 
+@pytest.mark.parametrize(
+    ("robot", "ground", "gait"),
+    [
+        (sn.Robot(2, 0.1347, 0.0988), sn.Ground(0.014435, 7.5384), sn.Gait(1.1631, 0.39, 3.01583)),
+        (sn.Robot(2, 0.0185, 0.0873), sn.Ground(0.013535, 0.0272), sn.Gait(1.1484, 0.33, 1.93171)),
+    ],
+)
+def test_three_roots_beside_a_node_are_seen(
+    robot: sn.Robot, ground: sn.Ground, gait: sn.Gait
+) -> None:
+    """A lone joint's torque is odd about its largest angle: three roots crowd there, on a node."""
+    s = sn.steady_gait(robot, ground, gait, rtol=1e-4)
+    fine = sn.steady_gait(robot, ground, gait, rtol=1e-12)
+    slack = 1e-9 * fine.abs_power_w
+    assert abs(s.abs_power_w - fine.abs_power_w) <= s.abs_power_error_w + slack
+    assert abs(s.positive_power_w - fine.positive_power_w) <= s.positive_power_error_w + slack
+
+
 def test_viscous_estimates_hold_for_wild_robots() -> None:
     """A finer mesh is trusted with the gain that the last one has shown, and no more."""
     rng = np.random.default_rng(3)
