@@ -10,9 +10,6 @@
 // better.
 #pragma once
 
-#include <cmath>
-#include <numbers>
-
 #include "kernels/cycle_kernel.hpp"
 #include "kernels/cycle_shape.hpp"
 
@@ -142,7 +139,6 @@ class CyclePowers {
     // at its ends, where the nodes' own signs count, as they do in the cells beside it.
     [[gnu::noinline]] void search(int k, int lane, double rate_root, double before) {
         constexpr int kPlaces = 16;
-        constexpr double kQuarterTurn = std::numbers::pi / 2;
         double b[kWide] = {};
         for (int j = 0; j < kWide; ++j)
             for (int p = 0; p < kWide; ++p)
@@ -154,7 +150,7 @@ class CyclePowers {
         };
         double old = torque[k][lane], before_x = 0;
         for (int i = 1; i <= kPlaces; ++i) {
-            const double root_x = std::sin(kQuarterTurn * i / kPlaces), x = root_x * root_x;
+            const double even = static_cast<double>(i) / kPlaces, x = even * even * (3 - 2 * even);
             const double now = i < kPlaces ? value(x) : torque[k + 1][lane];
             if ((old > 0) != (now > 0)) {
                 double low = before_x, high = x;
