@@ -15,10 +15,27 @@ def _nothing(done: int) -> None:
     """Take the number just done, and show nothing."""
 
 
+def _seen() -> bool:
+    """Return whether standard error is a terminal, or is to be taken for one."""
+    return sys.stderr.isatty() or any(os.environ.get(name) for name in _FORCED)
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Show on standard error that work goes on whose end cannot be told."""
+    if not _seen():
+        yield
+        return
+    from .screen import screen
+
+    with screen(stderr=True).status(what):
+        yield
+
+
 @contextmanager
 def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
     """Show a bar on standard error; gives a function that takes the number just done."""
-    if not sys.stderr.isatty() and not any(os.environ.get(name) for name in _FORCED):
+    if not _seen():
         yield _nothing
         return
     from rich import progress as bars

@@ -1,6 +1,7 @@
 """`fit` and the friction that it hands to other commands."""
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -39,6 +40,21 @@ def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
     told = json.loads(run("fit", folder, "--no-save", "--method", "robust", "--json").stdout)
     assert told["method"] == "robust"
     assert sn.load_fit(folder).method == "joint"
+
+
+def test_a_fit_of_many_readings_shows_that_it_works(folder):
+    """On a terminal alone: a pipe gets nothing of it."""
+    path = folder / "readings.csv"
+    header, *rows = path.read_text().splitlines()
+    many = [row.split(",", 1)[1] for row in rows] * 30
+    path.write_text("\n".join([header, *(f"{k},{row}" for k, row in enumerate(many, 1))]) + "\n")
+    command = [sys.executable, "-m", "serpenoid", "fit", str(folder), "--no-save", "--json"]
+    for force, shows in (({"FORCE_COLOR": "1"}, True), ({}, False)):
+        done = subprocess.run(
+            command, check=True, capture_output=True, text=True, env=os.environ | force
+        )
+        assert json.loads(done.stdout)["chi2"] > 0
+        assert (f"fitting {len(many)} readings" in done.stderr) is shows
 
 
 def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import click
 
 from ..options import AS_JSON, show_json
 from ..paths import FIGURES, OutFile
+
+MANY = 300  # readings, whose fit may take a second or more
 
 
 @click.command()
@@ -32,9 +35,12 @@ def fit(
     from ...calibration.friction_fit import fit_friction
     from ...calibration.session_file import load_session
     from ...show import report
+    from ...show.progress import working
 
     loaded = load_session(session)
-    found = fit_friction(loaded, method=method)
+    count = len(loaded.kept)
+    with working(f"fitting {count} readings") if count > MANY else nullcontext():
+        found = fit_friction(loaded, method=method)
     if figure is not None:
         from ...show.plot import friction_lines
 
