@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -47,3 +50,28 @@ def test_more_links_on_viscous_ground(links: int) -> None:
 @pytest.mark.parametrize("links", [3, 6])
 def test_dry_ground(links: int) -> None:
     check(*row_of(generate_bingham.table(), links))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("index", [18])
+def test_rows_of_the_random_table(index: int) -> None:
+    """The table's powers carry what their quadrature misses, 3e-7 or so."""
+    with Path(__file__).with_name("periodic_random.csv").open(newline="") as file:
+        row = {k: float(v) for k, v in list(csv.DictReader(file))[index].items()}
+    names = ("links", "mass_kg", "half_length_m", "ct", "cn", "ft0", "fn0")
+    values = [row[name] for name in names]
+    p = Params(
+        int(values[0]),
+        *values[1:3],
+        None,
+        *values[3:],
+        ct_back=row["ct_back"],
+        ft0_back=row["ft0_back"],
+    )
+    gait = Gait(row["alpha_rad"], row["beta_rad"], row["omega_rad_s"], row["offset_rad"])
+    start = np.array([row["u0_x_m_s"], row["u0_y_m_s"], row["u0_spin_rad_s"]])
+    found = halving.follow(p, gait, start)
+    assert found.gap < 1e-7
+    assert found.power_w == pytest.approx(row["power_w"], rel=1e-7)
+    assert found.positive_power_w == pytest.approx(row["positive_power_w"], rel=1e-6)
+    assert found.turn_rad_per_cycle == pytest.approx(row["turn_rad_per_cycle"], abs=1e-7)
