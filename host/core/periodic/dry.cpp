@@ -254,7 +254,21 @@ void SteadyDry::remember(double omega, bool converged) {
     if (converged) known_.push_back({omega, z_});
 }
 
+// Joints that stand move nothing, and give no scales to count in: how disturbances die is that of
+// the smallest waves, whose speed and power are nought.
+SteadyState SteadyDry::at_rest(double omega, const SteadyOptions& options) const {
+    Gait small = gait_;
+    small.alpha = 1e-3;
+    const SteadyState waving = SteadyDry(robot_, ground_, small).solve(omega, options);
+    SteadyState rest;
+    rest.monodromy = waving.monodromy, rest.slowest = waving.slowest;
+    rest.slowest_error = waving.slowest_error;
+    rest.iterations = waving.iterations, rest.converged = true;
+    return rest;
+}
+
 SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
+    if (gait_.alpha == 0) return at_rest(omega, options);
     gait_.omega = omega;
     DryCycle cycle(robot_, ground_, gait_);
     cycle.limit(3'000'000 / robot_.n);

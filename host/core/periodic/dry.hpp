@@ -27,6 +27,7 @@ class SteadyDry {
         Vec3 z;
     };
     enum class Ended { converged, stalled, broken };
+    SteadyState at_rest(double omega, const SteadyOptions& options) const;
     SteadyState by_pieces(DryCycle& cycle, const SteadyOptions& options, double from);
     bool wander(DryCycle& cycle, int most, double near, double tolerance);
     Ended newton(DryCycle& cycle, double tolerance, double goal, bool powers, SteadyState& out);

@@ -15,6 +15,7 @@ import click
 
 from ..model.checks import check_number
 from .friction.given import take_fit
+from .units import doubt_gait, doubt_robot
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
@@ -127,6 +128,7 @@ def robot_with_fit(
     """Take robot and ground as make_robot does, of a fit that has been read already."""
     from ..model.robot import Robot
 
+    doubt_robot(given)
     preset = given.pop("preset")
     if fit is not None:
         if preset is not None:
@@ -150,6 +152,7 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     """Take a gait from degrees and either rate or frequency, over `base` if there is one."""
     from ..model.gait import Gait
 
+    doubt_gait(given)
     degrees = _take(given, {name: f"{name}_deg" for name in _DEGREES})
     changes: dict[str, Any] = {f"{name}_rad": radians(name, v) for name, v in degrees.items()}
     rates = _take(given, {"omega_rad_s": "omega_rad_s", "frequency_hz": "frequency_hz"})
@@ -188,10 +191,10 @@ def interruptible(work: Callable[[], T]) -> T:
 def describe(gait: Gait) -> dict[str, float]:
     """Return a gait as it is typed."""
     return {
-        "alpha_deg": math.degrees(gait.alpha_rad),
-        "beta_deg": math.degrees(gait.beta_rad),
+        "alpha_deg": round(math.degrees(gait.alpha_rad), 10),  # 30, not 29.999999999999996
+        "beta_deg": round(math.degrees(gait.beta_rad), 10),
         "omega_rad_s": gait.omega_rad_s,
-        "offset_deg": math.degrees(gait.offset_rad),
+        "offset_deg": round(math.degrees(gait.offset_rad), 10),
     }
 
 
@@ -212,18 +215,20 @@ def show_json(values: dict[str, Any]) -> None:
 
 
 _TYPED = {"link_mass_kg": "--mass-kg", "link_length_m": "--length-m",
-           "link_inertia_kg_m2": "--inertia-kg-m2", "speed_m_s": "--speed-m-s"}  # fmt: skip
+           "link_inertia_kg_m2": "--inertia-kg-m2", "speed_m_s": "--speed-m-s",
+           "joint_stiffness_n_m": "--stiffness-n-m",
+           "joint_damping_n_s_m": "--damping-n-s-m"}  # fmt: skip
 
 
 def as_typed(text: str, options: dict[str, str]) -> str:
     """Return a message with the names of fields replaced by their options.
 
-    A name of several words is meant wherever it stands, one of one word (links, ct) only where the
-    message begins with `ct is`.
+    A name of several words is meant wherever it stands, but for arguments such as `alpha_rad=1`;
+    one of one word (links, ct) only where the message begins with `ct is`.
     """
     for field, option in options.items():
         if "_" in field:
-            text = re.sub(rf"(?<![\w.-]){field}(?!\w)", option, text)
+            text = re.sub(rf"(?<![\w.-]){field}(?![\w=])", option, text)
         else:
             text = re.sub(rf"^{field}((?: \w+)?) is ", rf"{option}\1 is ", text)
     return text

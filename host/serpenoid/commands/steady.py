@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+import warnings
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,6 +19,11 @@ from .options import (
     show_json,
 )
 
+if TYPE_CHECKING:
+    from ..model.gait import Gait
+    from ..model.ground import Ground
+    from ..model.robot import Robot
+
 
 @click.command()
 @robot_options
@@ -30,40 +36,62 @@ from .options import (
     show_default=True,
     help="Exact model, or the paper's springs.",
 )
-@click.option("--stiffness-n-m", type=float, default=1000.0, show_default=True, help="Implicit: k.")
-@click.option("--damping-n-s-m", type=float, default=1.0, show_default=True, help="Implicit: c.")
+@click.option("--stiffness-n-m", type=float, help="Implicit: k; 1000 unless given.")
+@click.option("--damping-n-s-m", type=float, help="Implicit: c; 1 unless given.")
 @AS_JSON
 def steady(
     as_json: bool,
     rtol: float,
     formulation: str,
-    stiffness_n_m: float,
-    damping_n_s_m: float,
+    stiffness_n_m: float | None,
+    damping_n_s_m: float | None,
     **given: Any,
 ) -> None:
     """Find the periodic state of one gait: speed, powers, settling time, margins."""
+    springs = {"joint_stiffness_n_m": stiffness_n_m, "joint_damping_n_s_m": damping_n_s_m}
+    springs = {name: value for name, value in springs.items() if value is not None}
+    if springs and formulation == "explicit":
+        raise click.UsageError(
+            "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
+            "--formulation implicit too"
+        )
+    robot, ground = make_robot(given)
+    gait = make_gait(given)
+    if formulation == "implicit":
+        return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
+    return _pinned(robot, ground, gait, as_json, rtol)
+
+
+def _on_springs(
+    robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float = 1e-6, **springs: float
+) -> None:
+    """Tell the periodic state of the implicit model."""
+    from ..show import report
+    from ..simulation.steady_springs import steady_springs
+
+    with report.busy("solving"):
+        soft = interruptible(lambda: steady_springs(robot, ground, gait, rtol=rtol, **springs))
+    if soft.error_estimate > rtol:
+        warnings.warn(
+            f"the speed is known to {soft.error_estimate:.1g}, not to the --rtol of {rtol:g}: the "
+            "time steps of the springs do not give more",
+            stacklevel=2,
+        )
+    if as_json:
+        return show_json({"gait": describe(gait)} | soft.to_dict())
+    return report.steady_springs(soft, gait)
+
+
+def _pinned(robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float) -> None:
+    """Tell the periodic state of the exact model, and how near to a cliff the gait stands."""
     from ..gaits.margins import gait_margins
     from ..periodic.steady import steady_gait
     from ..show import report
     from ..show.gaits import gait_report
 
-    robot, ground = make_robot(given)
-    gait = make_gait(given)
-    if formulation == "implicit":
-        from ..simulation.steady_springs import steady_springs
-
-        soft = steady_springs(
-            robot,
-            ground,
-            gait,
-            joint_stiffness_n_m=stiffness_n_m,
-            joint_damping_n_s_m=damping_n_s_m,
-            rtol=rtol,
-        )
-        as_dict = {"gait": describe(gait)} | soft.to_dict()
-        return show_json(as_dict) if as_json else report.steady_springs(soft)
-    s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
-    margins = interruptible(lambda: gait_margins(robot, ground, gait))
+    with report.busy("solving"):
+        s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
+        margins = interruptible(lambda: gait_margins(robot, ground, gait))
     if as_json:
         return show_json({"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()})
     report.steady(s)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ..model.robot import Robot
 
 SUFFIXES = (".csv", ".npz", ".json")
+_MOST = 100_000  # values of a range
+_FILE_GAITS, _JSON_GAITS = 20_000_000, 1_000_000  # what memory holds of one file, as arrays or text
 _BODY = {"links": "links", "mass_kg": "link_mass_kg", "length_m": "link_length_m"}
 _GRIP = ("ct", "cn", "ft0", "fn0")
 
@@ -26,15 +28,21 @@ def _span(text: str, name: str) -> list[float]:
     """Read FIRST:LAST:STEP, or one number."""
     try:
         numbers = [float(part) for part in text.split(":")]
-        if not all(math.isfinite(v) for v in numbers) or len(numbers) not in (1, 3):
-            raise ValueError
-        if len(numbers) == 1:
-            return numbers
-        first, last, step = numbers
-        if not (step > 0 and last >= first and (last - first) / step < 1e5):
-            raise ValueError
     except ValueError:
-        raise click.BadParameter(f"{text!r} is not FIRST:LAST:STEP", param_hint=name) from None
+        numbers = []
+    if len(numbers) not in (1, 3) or not all(math.isfinite(v) for v in numbers):
+        wanted = "FIRST:LAST:STEP, such as 5:75:5, nor one number"
+        raise click.BadParameter(f"{text!r} is not {wanted}", param_hint=name)
+    if len(numbers) == 1:
+        return numbers
+    first, last, step = numbers
+    if last < first or step <= 0:
+        low, high = sorted((first, last))
+        way = f"{low:g}:{high:g}:{abs(step) or 1:g}"
+        raise click.BadParameter(f"{text!r} must go upwards, such as {way}", param_hint=name)
+    if (last - first) / step >= _MOST:
+        few = f"{(last - first) / step:.2g} values; the most is {_MOST}: take a larger step"
+        raise click.BadParameter(f"{text!r} is {few}", param_hint=name)
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
@@ -50,9 +58,9 @@ class _Result(click.ParamType[Path]):
         return kind.convert(value, param, ctx)
 
 
-def _varied(given: tuple[str, ...]) -> dict[str, list[float]]:
-    """Read each NAME=FIRST:LAST:STEP."""
-    found = {}
+def _varied(given: tuple[str, ...], fixed: dict[str, Any]) -> dict[str, list[float]]:
+    """Read each NAME=FIRST:LAST:STEP; fixed: the robot's other options, None if not given."""
+    found: dict[str, list[float]] = {}
     for text in given:
         name, equals, span = text.partition("=")
         if not equals or name not in (*_BODY, *_GRIP):
@@ -61,6 +69,9 @@ def _varied(given: tuple[str, ...]) -> dict[str, list[float]]:
                 + ", ".join((*_BODY, *_GRIP)),
                 param_hint="--vary",
             )
+        if name in found or fixed[name] is not None:
+            other = "another one" if name in found else f"--{name.replace('_', '-')}"
+            raise click.UsageError(f"--vary {name} and {other} contradict each other; give one")
         found[name] = _span(span, "--vary")
     return found
 
@@ -135,6 +146,7 @@ def sweep(
         raise click.UsageError("--vary writes a study: give --out a folder, without a suffix")
     if whole and as_json:
         raise click.UsageError("--json is for a sweep that fits on a screen; a study is a folder")
+    varied = _varied(vary, given)
     robot, ground = make_robot(given)
     grid = {
         "alpha_rad": [radians("alpha", a) for a in _span(alpha_deg, "--alpha-deg")],
@@ -144,7 +156,7 @@ def sweep(
     how = {"rtol": rtol, "threads": threads, "scheduler": scheduler}
     if whole:
         assert out is not None
-        _study(out, *_designs(robot, ground, _varied(vary)), **grid, **how)
+        _study(out, *_designs(robot, ground, varied), **grid, **how)
     else:
         _one(out, as_json, robot, ground, grid, how)
 
@@ -159,6 +171,12 @@ def _one(
     from ..show.sweep_files import sweep_values, write_sweep
 
     count = math.prod(map(len, grid.values()))
+    text = as_json or (out is not None and out.suffix.lower() == ".json")
+    if count > (most := _JSON_GAITS if text else _FILE_GAITS):
+        raise click.UsageError(
+            f"{count:.3g} gaits are too many for {'JSON' if text else 'one file'}, which holds up "
+            f"to {most:.3g}; name a folder, --out STUDY, which is filled chunk by chunk"
+        )
     with progress(count, "gaits") as advance:
         found = run_sweep(robot, ground, **grid, **how, progress=advance)
     if out is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import re
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -46,6 +47,11 @@ def connected(scheduler: str) -> Iterator[Any]:
         raise BadInput(
             "--scheduler needs Dask, which is not installed; pip install 'serpenoid[dask]'"
         ) from None
+    if not re.fullmatch(r"inproc://.+|((tcp|tls|ws|wss)://)?[^/]+:\d+/?", scheduler):
+        raise BadInput(  # Dask would find out later, and leave a thread and a traceback behind
+            f"--scheduler is {scheduler!r}; it must be an address with a port, such as "
+            "tcp://10.0.0.1:8786, which `dask scheduler` prints when it starts"
+        )
     try:
         client = distributed.Client(scheduler, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError, ImportError) as error:

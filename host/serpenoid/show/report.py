@@ -22,6 +22,7 @@ from .screen import screen
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
+    from ..model.gait import Gait
     from ..periodic.steady import Steady
     from ..simulation.steady_springs import SteadySprings
 
@@ -64,9 +65,17 @@ def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     console.print(made)
 
 
+def gait_words(gait: Gait) -> str:
+    """Return a gait as it is typed."""
+    angles = {"alpha": gait.alpha_rad, "beta": gait.beta_rad, "offset": gait.offset_rad}
+    if not gait.offset_rad:
+        del angles["offset"]
+    words = [f"{name} {math.degrees(angle):.5g} deg" for name, angle in angles.items()]
+    return ", ".join([*words, f"omega {gait.omega_rad_s:.5g} rad/s"])
+
+
 def steady(s: Steady) -> None:
     """Print a periodic state."""
-    gait = s.gait
     rows = [
         ["speed", f"{s.speed_m_s:.6g} m/s"],
         ["net power", f"{s.power_w:.6g} W"],
@@ -77,14 +86,10 @@ def steady(s: Steady) -> None:
         ["settling time (to 1/e)", f"{s.settling_time_s:.3g} s"],
         ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
     ]
-    title = (
-        f"alpha {math.degrees(gait.alpha_rad):.4g} deg, "
-        f"beta {math.degrees(gait.beta_rad):.4g} deg, omega {gait.omega_rad_s:.5g} rad/s"
-    )
-    table(title, ["periodic state, exact model", "value"], rows)
+    table(gait_words(s.gait), ["periodic state, exact model", "value"], rows)
 
 
-def steady_springs(s: SteadySprings) -> None:
+def steady_springs(s: SteadySprings, gait: Gait) -> None:
     """Print a periodic state of the implicit model, and what its springs change."""
     rows = [
         ["speed", f"{s.speed_m_s:.6g} m/s"],
@@ -94,7 +99,11 @@ def steady_springs(s: SteadySprings) -> None:
         ["error of the speed by time steps and settling", f"{s.error_estimate:.1g} relative"],
         ["error of the speed by the springs", f"{100 * s.modelling_error:+.3g} %"],
     ]
-    table(f"after {s.cycles} cycles", ["periodic state, implicit model", "value"], rows)
+    table(
+        f"{gait_words(gait)}; after {s.cycles} cycles",
+        ["periodic state, implicit model", "value"],
+        rows,
+    )
 
 
 def fit(found: FrictionFit) -> None:

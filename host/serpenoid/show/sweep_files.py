@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from ..periodic.sweep import Sweep
 
+_ROWS = 50_000  # turned to text at a time
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 
 
@@ -36,11 +37,13 @@ def _write_csv(found: Sweep, path: Path) -> None:
     arrays = _arrays(found)
     grid = np.meshgrid(*(arrays.pop(axis) for axis in AXES), indexing="ij")
     values = [v.astype(int) if v.dtype == bool else v for v in arrays.values()]
-    columns = [c.ravel().tolist() for c in (*grid, *values)]
+    columns = [c.ravel() for c in (*grid, *values)]
     with path.open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow([*AXES, *arrays])
-        writer.writerows(zip(*columns, strict=True))
+        for first in range(0, columns[0].size, _ROWS):  # a list takes four times an array's room
+            part = [column[first : first + _ROWS].tolist() for column in columns]
+            writer.writerows(zip(*part, strict=True))
 
 
 def _plain(values: NDArray[Any]) -> list[Any]:
@@ -56,6 +59,6 @@ def _plain(values: NDArray[Any]) -> list[Any]:
 def sweep_values(found: Sweep) -> dict[str, Any]:
     """Return a sweep as plain lists, indexed [alpha, beta, omega]; angles in degrees, too."""
     return {
-        "alpha_deg": np.degrees(found.alpha_rad).tolist(),
-        "beta_deg": np.degrees(found.beta_rad).tolist(),
+        "alpha_deg": np.degrees(found.alpha_rad).round(10).tolist(),
+        "beta_deg": np.degrees(found.beta_rad).round(10).tolist(),
     } | {name: _plain(values) for name, values in _arrays(found).items()}

@@ -118,3 +118,14 @@ def test_the_best_answer_is_a_state_with_the_errors_of_its_own_level() -> None:
     assert 0 < best.error_estimate < 1e-6
     assert best.positive_power_w == pytest.approx(8.61887095, abs=best.positive_power_error_w)
     assert 1e-5 < best.positive_power_error_w < 1e-3
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.3])
+@pytest.mark.parametrize("ground", [BINGHAM, sn.Ground(0.014, 0.2, 0.0, 0.05)])
+def test_joints_that_stand(ground: sn.Ground, offset: float) -> None:
+    """Without amplitude there is no scale of speed: once six tries, five seconds, and an error."""
+    s = sn.steady_gait(OF_2005, ground, sn.Gait(0.0, 1.3, 5.0, offset))
+    assert (s.speed_m_s, s.power_w, s.turn_rad_per_cycle, s.error_estimate) == (0, 0, 0, 0)
+    near = sn.steady_gait(OF_2005, ground, sn.Gait(0.01, 1.3, 5.0, offset))
+    assert s.settling_time_s == pytest.approx(near.settling_time_s, rel=0.05, abs=3e-3)
+    assert s.stable
