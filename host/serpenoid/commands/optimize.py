@@ -81,6 +81,8 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     wanted = _speeds(speeds)
     _refuse_idle(given, send, plot is not None)
     run = {name: given.pop(name) for name in ("port", "duration_s", "record")}
+    if send:
+        _check_board(run["port"], run["record"])
     ask = _Asked(given, send)
     if len(wanted) > 1:
         if send or plot or ask.robust:
@@ -97,17 +99,29 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
         interruptible(
             lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
         )
-    if as_json:
-        show_json(report_as(found) | {"margins": margins.to_dict()})
-    else:
+    told = report_as(found) | {"margins": margins.to_dict()}
+    if not as_json:
         _print(found, margins)
     if send:
         from ..robot.meant import Meant
         from .board.drive import drive_gait
 
         meant = Meant(ask.robot.links, "the gait", "give its --links, or the session of this robot")
-        drive_gait(found.gait, as_json=as_json, fit=ask.fit, meant=meant, **run)
+        drive_gait(found.gait, as_json=as_json, fit=ask.fit, meant=meant, before=told, **run)
+    elif as_json:
+        show_json(told)
     return None
+
+
+def _check_board(port: str | None, record: Path | None) -> None:
+    """Find the board and the recording's place before the search, not after it."""
+    from ..robot.recording.recorder import check_free
+    from ..robot.wire.link import find_port
+
+    if record is not None:
+        check_free(record)
+    if port is None:
+        find_port()
 
 
 def _refuse_idle(given: dict[str, Any], send: bool, plot: bool) -> None:

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import threading
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +16,6 @@ import click
 
 from ..model.checks import check_number
 from .friction.given import take_fit
-from .units import doubt_gait, doubt_robot
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
@@ -35,6 +35,8 @@ PRESETS = {
 _ROBOT = {"links": "links", "link_mass_kg": "mass_kg", "link_length_m": "length_m",
           "link_inertia_kg_m2": "inertia_kg_m2"}  # fmt: skip
 _DEGREES = {"alpha": (0.0, 180.0), "beta": (-360.0, 360.0), "offset": (-180.0, 180.0)}  # Gait's
+_LONG_M, _HEAVY_KG = 3.0, 50.0  # of one link: beyond what anybody puts on wheels
+_FAST_RAD_S = 60.0  # ten waves a second
 _GROUND = {name: name for name in ("ct", "cn", "ft0", "fn0")}
 
 
@@ -128,7 +130,7 @@ def robot_with_fit(
     """Take robot and ground as make_robot does, of a fit that has been read already."""
     from ..model.robot import Robot
 
-    doubt_robot(given)
+    _doubt_robot(given)
     preset = given.pop("preset")
     if fit is not None:
         if preset is not None:
@@ -152,7 +154,7 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     """Take a gait from degrees and either rate or frequency, over `base` if there is one."""
     from ..model.gait import Gait
 
-    doubt_gait(given)
+    _doubt_gait(given)
     degrees = _take(given, {name: f"{name}_deg" for name in _DEGREES})
     changes: dict[str, Any] = {f"{name}_rad": radians(name, v) for name, v in degrees.items()}
     rates = _take(given, {"omega_rad_s": "omega_rad_s", "frequency_hz": "frequency_hz"})
@@ -167,6 +169,39 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
         if f"{name}_rad" not in changes:
             raise click.UsageError(f"give --{name}-deg")
     return Gait(**changes, **rates)
+
+
+# Figures that look as if typed in another unit are told, not refused: they may be meant.
+
+
+def _doubt_robot(given: Mapping[str, Any]) -> None:
+    """Warn of links whose length or mass, of the options given, looks like mm or g."""
+    for name, most, unit, small in (
+        ("length_m", _LONG_M, "m", "mm"),
+        ("mass_kg", _HEAVY_KG, "kg", "g"),
+    ):
+        value = given.get(name)
+        if value is not None and most < value < math.inf:
+            _tell(
+                f"--{name.replace('_', '-')}", f"{value:g} {unit} for one link", small, value / 1e3
+            )
+
+
+def _doubt_gait(given: Mapping[str, Any]) -> None:
+    """Warn of a gait whose options look like radians, degrees a second or turns a minute."""
+    alpha, beta = given.get("alpha_deg"), given.get("beta_deg")
+    if alpha and beta and 0 < alpha <= math.pi and abs(beta) <= math.pi:
+        told = f"{alpha:g} and {beta:g} degrees"
+        _tell("--alpha-deg, --beta-deg", told, "radians", math.degrees(alpha), math.degrees(beta))
+    omega = given.get("omega_rad_s")
+    if omega is not None and _FAST_RAD_S < omega < math.inf:
+        told = f"{omega:g} rad/s, {omega / math.tau:.3g} waves a second"
+        _tell("--omega-rad-s", told, "degrees a second", math.radians(omega))
+
+
+def _tell(option: str, value: str, unit: str, *meant: float) -> None:
+    typed = " and ".join(f"{number:.4g}" for number in meant)
+    warnings.warn(f"{option}: {value}? If {unit} were meant, type {typed}", stacklevel=2)
 
 
 def interruptible(work: Callable[[], T]) -> T:
@@ -217,7 +252,8 @@ def show_json(values: dict[str, Any]) -> None:
 _TYPED = {"link_mass_kg": "--mass-kg", "link_length_m": "--length-m",
            "link_inertia_kg_m2": "--inertia-kg-m2", "speed_m_s": "--speed-m-s",
            "joint_stiffness_n_m": "--stiffness-n-m",
-           "joint_damping_n_s_m": "--damping-n-s-m"}  # fmt: skip
+           "joint_damping_n_s_m": "--damping-n-s-m", "amplitude": "--amplitude-sigma",
+           "common_amplitude": "--common-amplitude-sigma"}  # fmt: skip
 
 
 def as_typed(text: str, options: dict[str, str]) -> str:

@@ -21,6 +21,7 @@ _FIRST, _STEP, _MANY = 4.0, 1.9, 6
 _FIRST_DRY, _STEP_DRY, _MANY_DRY = 6.0, 1.9, 4  # a dry gait costs a hundred times as much
 _FURTHER = 4  # rates, for slow and cheap shapes alone
 _BEYOND = 2.0  # of the servos' speed: gaits so far beyond it are still looked at
+_STILL = 1e-6  # of body length times rate: a speed below it is the solver's noise, not a gait's
 _SWING_DEG = (5, 9, 14, 20, 27, 35, 44, 54, 66, 80)
 _SWING_DRY_DEG = (6, 11, 17, 24, 31, 38, 46, 55, 66, 80)
 
@@ -77,7 +78,7 @@ class GaitCloud:
 
     def _extend(self, rates: Array, shapes: NDArray[np.bool_] | None = None) -> None:
         """Solve all shapes, or some, at more rates."""
-        top = self.limits.omega_high_rad_s
+        top, n = self.limits.omega_high_rad_s, self.robot.links
         rates = np.unique(np.minimum(rates, top))
         allowed = self.alpha_rad <= min(self.limits.joint_angle_rad, math.pi)
         if shapes is not None:
@@ -99,7 +100,9 @@ class GaitCloud:
                 rtol=1e-4 if self.ground.smooth else 3e-3, powers=self.cost != "power",
             )  # fmt: skip
             good = found.converged[:, 0]
-            speed[rows, j, :many] = np.where(good, found.speed_m_s[:, 0], np.nan)
+            v = found.speed_m_s[:, 0]
+            v = np.where(v > _STILL * rates[:many] * n * self.robot.link_length_m, v, 0.0)
+            speed[rows, j, :many] = np.where(good, v, np.nan)
             cost[rows, j, :many] = np.where(good, getattr(found, f"{self.cost}_w")[:, 0], np.nan)
 
         on_threads(column, range(self.alpha_rad.shape[1]))

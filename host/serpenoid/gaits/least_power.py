@@ -141,11 +141,23 @@ class Finder:
     def unreachable(self, speed: float) -> NotConverged:
         """Return the error that says how fast the robot can go."""
         v, alpha, beta, rate = self.cloud.fastest()
+        within = f"within the limits ({self.limits.in_words()})"
+        gait = f"alpha {math.degrees(alpha):.3g} deg, beta {math.degrees(beta):.3g} deg"
+        if not v > 0:
+            return NotConverged(
+                f"no gait travels at all {within}: ask for wider limits; three links and friction "
+                "that is greater across them than along them are needed, too"
+            )
+        if v >= speed:  # reached, but beyond what the servos hold, or at other rates
+            return NotConverged(
+                f"no gait of {speed:g} m/s was found {within}, though some are faster: {v:.3g} m/s "
+                f"at {gait} and {rate:.3g} rad/s, whatever the torque; ask for a wider range of "
+                "rates or more torque"
+            )
         return NotConverged(
-            f"no gait reaches {speed:g} m/s within the limits ({self.limits.in_words()}) at up to "
-            f"{self.cloud.omega_rad_s[-1]:.3g} rad/s; the fastest found makes {v:.3g} m/s, at alpha"
-            f" {math.degrees(alpha):.3g} deg, beta {math.degrees(beta):.3g} deg and {rate:.3g}"
-            " rad/s; ask for less speed, or wider limits"
+            f"no gait reaches {speed:g} m/s {within} at up to "
+            f"{self.cloud.omega_rad_s[-1]:.3g} rad/s; the fastest found makes {v:.3g} m/s, at "
+            f"{gait} and {rate:.3g} rad/s; ask for less speed, or wider limits"
         )
 
 

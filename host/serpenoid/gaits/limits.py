@@ -23,6 +23,14 @@ _NAMES = {
     "omega_high_rad_s": "highest rate",
     "omega_low_rad_s": "lowest rate",
 }
+_DEG = math.degrees(1.0)
+_UNITS = {
+    "joint_angle_rad": (_DEG, "deg"),
+    "servo_speed_rad_s": (_DEG, "deg/s"),
+    "servo_torque_nm": (1.0, "N m"),
+    "omega_high_rad_s": (1.0, "rad/s"),
+    "omega_low_rad_s": (1.0, "rad/s"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,13 +76,14 @@ class GaitLimits:
         return tuple(_NAMES[name] for name, left in room.items() if left <= _ACTIVE)
 
     def in_words(self) -> str:
-        """Return the limits there are, with their units."""
+        """Return the limits there are, with their units; angles in degrees."""
         told = [
-            f"{_NAMES[f.name]} {getattr(self, f.name):.4g} {f.name.split('_', 2)[-1]}"
+            f"{_NAMES[f.name]} {getattr(self, f.name) * scale:.4g} {unit}"
             for f in fields(self)
+            for scale, unit in (_UNITS[f.name],)
             if 0 < getattr(self, f.name) < math.inf
         ]
-        return ", ".join(told).replace("rad_s", "rad/s").replace("nm", "N m")
+        return ", ".join(told)
 
 
 def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -> float:

@@ -78,11 +78,42 @@ def test_the_cliff_is_drawn_with_its_data(tmp_path: Path) -> None:
 def test_a_gait_goes_to_the_board() -> None:
     words = run("optimize", "--robot", "paper", "--speed", "0.1", "--send", "--port", "virtual",
                 "--duration-s", "0.5", "--json")  # fmt: skip
-    decoder = json.JSONDecoder()
-    first, end = decoder.raw_decode(words.stdout)
-    second, _ = decoder.raw_decode(words.stdout[end:].lstrip())
-    assert second["frames"] > 5
-    assert second["gait"]["alpha_deg"] == pytest.approx(first["gait"]["alpha_deg"])
+    found = json.loads(words.stdout)  # one document
+    assert found["drive"]["frames"] > 5
+    assert found["drive"]["gait"] == found["gait"]
+
+
+def test_board_and_recording_are_looked_for_before_the_search(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def searched(*_: object, **__: object) -> None:
+        raise AssertionError("searched")
+
+    monkeypatch.setattr("serpenoid.gaits.least_power.least_power_gait", searched)
+    monkeypatch.setattr("serpenoid.robot.wire.link.serial_ports", list)
+    wish = ["optimize", "--robot", "paper", "--speed", "0.1", "--send"]
+    missing = CliRunner().invoke(cli, wish, standalone_mode=False)
+    assert "no board found" in str(missing.exception)
+    kept = tmp_path / "run.wire"
+    kept.write_text("kept")
+    again = CliRunner().invoke(
+        cli, [*wish, "--port", "virtual", "--record", str(kept)], standalone_mode=False
+    )
+    assert "holds something already" in str(again.exception)
+
+
+@pytest.mark.parametrize(
+    ("limits", "told"),
+    [
+        (["--links", "2"], "no gait travels at all"),
+        (["--joint-angle-deg", "1.2"], "(joint angle 1.2 deg"),
+        (["--servo-torque-nm", "1e-5"], "more torque"),
+        (["--servo-speed-deg-s", "10"], "servo speed 10 deg/s"),
+    ],
+)
+def test_why_there_is_no_gait(limits: list[str], told: str) -> None:
+    words = run("optimize", "--robot", "paper", "--speed", "0.1", *limits, code=1)
+    assert told in str(words.exception)
 
 
 def test_claims_hang_on_the_reading() -> None:

@@ -163,7 +163,7 @@ def test_refusals() -> None:
     with pytest.raises(sn.BadInput, match="cost is 'heat'"):
         sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.1, cost="heat")
     isotropic = sn.Ground(1.0, 1.0)  # no wheel grips better than another: nothing travels
-    with pytest.raises(sn.NotConverged, match=r"no gait reaches 0\.1 m/s"):
+    with pytest.raises(sn.NotConverged, match="no gait travels at all"):
         sn.least_power_gait(PAPER, isotropic, speed_m_s=0.1)
 
 

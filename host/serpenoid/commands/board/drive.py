@@ -61,11 +61,13 @@ def drive(
 def drive_gait(
     gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool,
     fit: FrictionFit | None = None, *, meant: Meant | None = None, page: bool = False,
+    before: dict[str, Any] | None = None,
 ) -> None:  # fmt: skip
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
     fit: of this robot's friction, if there is one; meant: the robot that the gait is for, that of
-    the fit unless given. A board of other joints is refused.
+    the fit unless given. A board of other joints is refused. before: what a command that drives
+    afterwards has found; with as_json all is one document, the run under "drive".
     """
     from ...robot.tools.driven_run import DrivenRun
     from ...show.live import view
@@ -79,7 +81,7 @@ def drive_gait(
                 shows.append(stack.enter_context(view(band)))
             interrupted = _watch(run, duration_s, shows)
     finally:  # a run that failed has a summary too
-        _sum_up(run, as_json, band)
+        _sum_up(run, as_json, band, before)
     if interrupted and duration_s is not None:
         raise SystemExit(130)
 
@@ -132,13 +134,16 @@ def _page(stack: ExitStack, run: DrivenRun, fit: FrictionFit | None, quiet: bool
     return page.show
 
 
-def _sum_up(run: DrivenRun, as_json: bool, band: SpeedBand | None) -> None:
+def _sum_up(
+    run: DrivenRun, as_json: bool, band: SpeedBand | None, before: dict[str, Any] | None
+) -> None:
     from ...show.live import show_summary
 
     found = run.summary()
     if found is None:
-        return None
+        return show_json(before) if as_json and before is not None else None
     if not as_json:
         return show_summary(found, band)
     told = {} if band is None else {"predicted": band.to_dict()}
-    return show_json({"gait": describe(run.gait)} | told | found.to_dict())
+    told = {"gait": describe(run.gait)} | told | found.to_dict()
+    return show_json(told if before is None else before | {"drive": told})

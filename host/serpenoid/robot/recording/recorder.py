@@ -134,9 +134,14 @@ class Recorder:
         )
 
 
-def _open(path: Path) -> int:
+def check_free(path: Path) -> None:
+    """Raise BadInput if a recording there would write over something."""
     if path.is_file() and path.stat().st_size:
         raise BadInput(f"{path} holds something already; give the recording another name")
+
+
+def _open(path: Path) -> int:
+    check_free(path)
     try:
         return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
     except OSError as error:
