@@ -253,6 +253,8 @@ Array three(const Vec3& v) { return to_numpy({v.begin(), v.end()}, {3}); }
 }  // namespace
 
 NB_MODULE(_core, m) {
+    // A run that ends in an error leaves frames that hold a board: no leak, and no news to a user.
+    nb::set_leak_warnings(false);
     m.doc() = "Compiled core of serpenoid; use the package's own functions instead.";
 #ifdef __clang__
     m.attr("compiler") = __VERSION__;  // "Clang ..."

@@ -121,7 +121,7 @@ def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Readin
     cost = study.COSTS[reading.power]
     robust = study.robust_front(study.ROBOT, study.GROUND, study.ROBUST_M_S, cost, samples=256)
     along = [1.0 if reading.speed_along == "mean" else study.along_x(b.gait) for b in front]
-    words = f"{robot_words(study.ROBOT, study.GROUND)}; {reading.power} power"
+    words = f"the paper's robot: {robot_words(study.ROBOT, study.GROUND)}; {reading.power} power"
     amplitudes = [study.shown_amplitude_deg(b.gait, reading) for b in front]
     power_of(cloud, front, robust, along, cost, words, out / "fig8.png")
     gait_figures.optimum_figure(front, {"beta_deg": 80, "alpha_deg": 30}, words,

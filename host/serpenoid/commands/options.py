@@ -130,7 +130,7 @@ def robot_with_fit(
     """Take robot and ground as make_robot does, of a fit that has been read already."""
     from ..model.robot import Robot
 
-    _doubt_robot(given)
+    doubt_robot(given)
     preset = given.pop("preset")
     if fit is not None:
         if preset is not None:
@@ -171,20 +171,29 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     return Gait(**changes, **rates)
 
 
+def listed_gait(alpha_deg: float, beta_deg: float, frequency_hz: float) -> Gait:
+    """Return a gait of the option --gait ALPHA_DEG BETA_DEG HZ."""
+    from ..model.gait import Gait
+
+    alpha = check_number("--gait ALPHA_DEG", alpha_deg, *_DEGREES["alpha"])
+    beta = check_number("--gait BETA_DEG", beta_deg, *_DEGREES["beta"])
+    frequency = check_number("--gait HZ", frequency_hz, 0.0, open_low=True)
+    return Gait(math.radians(alpha), math.radians(beta), math.tau * frequency)
+
+
 # Figures that look as if typed in another unit are told, not refused: they may be meant.
 
 
-def _doubt_robot(given: Mapping[str, Any]) -> None:
-    """Warn of links whose length or mass, of the options given, looks like mm or g."""
+def doubt_robot(given: Mapping[str, Any], names: str = "--{}") -> None:
+    """Warn of links whose length_m or mass_kg, where given, looks like mm or g."""
     for name, most, unit, small in (
         ("length_m", _LONG_M, "m", "mm"),
         ("mass_kg", _HEAVY_KG, "kg", "g"),
     ):
         value = given.get(name)
         if value is not None and most < value < math.inf:
-            _tell(
-                f"--{name.replace('_', '-')}", f"{value:g} {unit} for one link", small, value / 1e3
-            )
+            option = names.format(name.replace("_", "-"))
+            _tell(option, f"{value:g} {unit} for one link", small, value / 1e3)
 
 
 def _doubt_gait(given: Mapping[str, Any]) -> None:

@@ -73,6 +73,9 @@ def _residuals(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
     ax.set(xlabel="gait frequency (Hz)", ylabel="measured less\nexact (%)")
     ran = tuple(p for p in gaits if p.measured_m_s is not None)
     if not ran:
+        ax.set_yticks([])
+        ax.text(0.5, 0.5, "no gait run measured yet", transform=ax.transAxes, ha="center",
+                va="bottom", color=GREY)  # fmt: skip
         return
     names = ("frequency_hz", "residual_m_s", "sigma_m_s", "exact_m_s", "low_all_m_s")
     f, residual, sigma, exact, low = _columns(ran, *names)

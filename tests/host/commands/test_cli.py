@@ -259,3 +259,13 @@ def test_every_public_name_is_there() -> None:
         assert getattr(sn, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'stedy_gait'"):
         _ = sn.stedy_gait
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_run_that_fails_leaves_one_line() -> None:
+    """What lives on in its traceback at exit is no news to whoever reads the error."""
+    done = serpenoid("drive", *GAIT, "--port", "virtual", "--duration-s", "1",
+                     "--record", "/dev/full")  # fmt: skip
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert "No space left" in line

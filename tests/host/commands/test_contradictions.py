@@ -13,6 +13,7 @@ from serpenoid.commands.main import cli
 from serpenoid.commands.options import as_typed
 from serpenoid.model.errors import BadInput
 
+SESSION = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
 
 
@@ -111,3 +112,31 @@ def test_arguments_in_a_message_keep_their_names() -> None:
     options = {"omega_rad_s": "--omega-rad-s"}
     told = as_typed("no state for Gait(omega_rad_s=1.0): omega_rad_s is 1", options)
     assert told == "no state for Gait(omega_rad_s=1.0): --omega-rad-s is 1"
+
+
+@pytest.mark.parametrize("command", ["compare", "advise"])
+@pytest.mark.parametrize(
+    ("gait", "told"),
+    [
+        (("270", "75", "1"), "--gait ALPHA_DEG is 270.0; it must be a finite number, at least 0"),
+        (("70", "nan", "1"), "--gait BETA_DEG is nan"),
+        (("70", "75", "-1"), "--gait HZ is -1.0"),
+    ],
+)
+def test_listed_gaits(command: str, gait: tuple[str, ...], told: str) -> None:
+    assert told in refusal(command, str(SESSION), "--gait", *gait)
+
+
+def test_a_mass_in_grams_is_doubted_when_it_is_amended(tmp_path: Path) -> None:
+    folder = str(tmp_path / "mine")
+    assert CliRunner().invoke(cli, ["calibrate", "new", folder, "--defaults"]).exit_code == 0
+    with pytest.warns(UserWarning, match="the mass-kg now: 80 kg for one link"):
+        done = CliRunner().invoke(cli, ["calibrate", "amend", folder, "robot.mass_kg=480"])
+    assert done.exit_code == 0
+
+
+def test_a_comparison_without_runs_says_so_in_its_picture(tmp_path: Path) -> None:
+    picture = tmp_path / "c.svg"
+    wish = ["compare", str(SESSION), "--gait", "70", "75", "1", "--samples", "16"]
+    assert CliRunner().invoke(cli, [*wish, "--plot", str(picture)]).exit_code == 0
+    assert "no gait run measured yet" in picture.read_text()

@@ -73,6 +73,13 @@ def test_a_board_on_a_port_is_well_and_never_moves(simulated_board, serpenoid):
     assert "0 frames missed" in found["timing"]["found"]
 
 
+def test_who_does_not_listen_is_not_told_to_flash(serpenoid):
+    status, said, _ = serpenoid("doctor", "--port", "virtual", "--listen-s", "0")
+    assert status == 0
+    assert "listen longer: --listen-s 3" in said
+    assert "serpenoid flash" not in said
+
+
 def test_the_robot_is_not_moved_by_a_doctor():
     with FakeBoard() as board:
         assert "fix" not in marks(board.port).values()

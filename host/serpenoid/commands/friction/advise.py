@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import click
 
-from ..options import AS_JSON, show_json
+from ..options import AS_JSON, listed_gait, show_json
 
 
 @click.command()
@@ -28,11 +27,10 @@ def advise(
     """Tell which reading to take next: the one that shrinks the predicted speeds' band most."""
     from ...calibration.advice import advise as ask
     from ...calibration.session_file import load_session
-    from ...model.gait import Gait
     from ...show.friction_report import show_advice
     from ...show.progress import progress
 
-    wanted = [Gait(math.radians(a), math.radians(b), 2 * math.pi * hz) for a, b, hz in gaits]
+    wanted = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
     with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
         found = ask(loaded, wanted, samples=samples, runs=not stations_only, progress=advance)

@@ -10,7 +10,7 @@ import click
 
 from ...model.errors import BadInput
 from ..group import Commands
-from ..options import AS_JSON, show_json
+from ..options import AS_JSON, doubt_robot, show_json
 from ..paths import OutFile
 from .calibrate_new import new
 from .calibrate_person import count, program, with_a_person
@@ -199,12 +199,15 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
     Or correct what was mistyped, for all of the session: `robot.mass_kg=480g`,
     `laboratory.surface="rubber belt"`.
     """
+    from ...calibration.session_file import read_session
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.typed_cells import amendment
 
     with Journal(folder) as journal:
         for change in changes:
             journal.event("amend", detail=amendment(change))
+    robot = read_session(folder).setup.robot
+    doubt_robot({"mass_kg": robot.link_mass_kg, "length_m": robot.link_length_m}, "the {} now")
     if all(change.startswith(("robot.", "laboratory.")) for change in changes):
         click.echo("corrected, for all of the session")
     else:

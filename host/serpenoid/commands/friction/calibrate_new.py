@@ -122,9 +122,7 @@ def _asked(setup: Setup, answers: dict[str, Any]) -> dict[str, Any]:
     for name, words in WORDS.items():
         if found.get(name) is None:
             found[name] = click.prompt(words, default=getattr(setup, name))
-    found["links"] = click.prompt(
-        "number of links", default=setup.robot.links, type=click.IntRange(2, 100)
-    )
+    found["links"] = click.prompt("number of links", default=setup.robot.links, value_proc=_links)
     usual = _usual(setup)
     for field in NUMBERS:
         if found.get(field.column) is None:
@@ -133,6 +131,14 @@ def _asked(setup: Setup, answers: dict[str, Any]) -> dict[str, Any]:
                 words, default=usual[field.column], type=Quantity(field.column)
             )
     return found
+
+
+def _links(typed: str | int) -> int:
+    """Read a number of links, or fail in words that say which are allowed."""
+    text = str(typed).strip()
+    if not text.isdecimal() or not 2 <= int(text[:9]) <= 100:
+        raise click.UsageError(f"{text!r} is no number of links; type one from 2 to 100")
+    return int(text)
 
 
 def _usual(setup: Setup) -> dict[str, str]:

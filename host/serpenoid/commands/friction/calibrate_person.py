@@ -167,7 +167,9 @@ def program() -> str:
 
 def count(session: Session) -> str:
     """Return how much a session holds, in words."""
+    stations, runs = len(session.kept), len(session.kept_gait_runs)
+    void = len(session.readings) + len(session.gait_runs) - stations - runs
     return (
-        f"{len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs kept, of "
-        f"{len(session.readings)} and {len(session.gait_runs)}"
+        f"{stations} station{'s' * (stations != 1)} and {runs} gait run{'s' * (runs != 1)} kept"
+        + (f", {void} void" if void else "")
     )

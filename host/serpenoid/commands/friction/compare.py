@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import click
 
-from ..options import AS_JSON, show_json
+from ..options import AS_JSON, listed_gait, show_json
 from ..paths import FIGURES, OutFile
 from .given import session_fit
 
@@ -36,11 +35,10 @@ def compare(
     """
     from ...calibration import comparison
     from ...calibration.session_file import load_session
-    from ...model.gait import Gait
     from ...show.friction_report import show_comparison
     from ...show.progress import progress
 
-    more = [Gait(math.radians(a), math.radians(b), 2 * math.pi * hz) for a, b, hz in gaits]
+    more = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
     fit = session_fit(session)
     with progress(comparison.gait_count(loaded, more), "gaits") as advance:

@@ -138,13 +138,19 @@ def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
         yield Finding("last reset", "fix", hello.reset, RESETS[hello.reset])
 
 
+_LISTEN_S = 0.2  # in which some frames must come
+
+
 def _running(robot: Robot, listen_s: float) -> Iterator[Finding]:
     """Listen for a while, then judge losses, timing and clock."""
     if robot.settings()["every"] != 1:
         robot.set("every", 1)  # until the next reset, so that there is something to hear
     heard = sum(1 for _ in robot.frames(listen_s))
     status = robot.status()
-    yield _counters(status, robot.losses, heard)
+    if heard or listen_s >= _LISTEN_S:
+        yield _counters(status, robot.losses, heard)
+    else:
+        yield Finding("counters", "note", "not measured", "listen longer: --listen-s 3")
     yield _timing(status)
     yield _drift(robot)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,7 +81,13 @@ def power_of(
         ax.legend(loc="upper left")
         fig.suptitle(title, fontsize=9, color=GREY)
         fig.savefig(path)
-    rows = [
+    rows: list[list[Any]] = [
+        ["gait", float(cloud.speed_m_s[at]), float(watts[at]),
+         round(math.degrees(cloud.alpha_rad[at[0]]), 10),
+         round(math.degrees(cloud.beta_rad[at[1]]), 10), float(cloud.omega_rad_s[at[2]])]
+        for at in map(tuple, np.argwhere(good).tolist())
+    ]  # fmt: skip
+    rows += [
         [kind, v, b.power_w, math.degrees(b.gait.alpha_rad), math.degrees(b.gait.beta_rad),
          b.gait.omega_rad_s]
         for kind, speeds, found in (("least", speed, front), ("robust", wanted, robust))

@@ -246,8 +246,9 @@ def _provenance(session: Session, fit: FrictionFit, events: Sequence[Event]) -> 
     setup = session.setup
     boards = list(dict.fromkeys(e.detail for e in events if e.event == "connect"))
     driven = f"<p>Robot: {escape('; '.join(boards))}.</p>" if boards else ""
+    note = "" if setup.note == "none" else f'<p class="soft">{escape(setup.note)}</p>'
     return (
-        f'<p>{escape(setup.source)}</p>{driven}<p class="soft">{escape(setup.note)}</p>'
+        f"<p>{escape(setup.source)}</p>{driven}{note}"
         f"<p>Fitted ({escape(fit.method)}) by serpenoid {escape(version('serpenoid'))}; readings' "
         f"SHA-256 <code>{escape(fit.session_sha256)}</code>. To cite: the session by its name and "
         "hash, the program by its CITATION.cff, and Nirakh, Brennan and Gandhi, IMECE2005-82742, "

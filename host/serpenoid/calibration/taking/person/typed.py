@@ -90,8 +90,9 @@ def _converted(number: float, unit: str, field: Field) -> float:
 
 def _checked(value: float, field: Field) -> float:
     if not field.low <= value <= field.high:
+        says = field.words if field.words.endswith("shows") else f"{field.words} is"
         raise BadInput(
-            f"{value:.4g} {field.unit} cannot be: {field.words} is {field.low:g} to {field.high:g} "
+            f"{value:.4g} {field.unit} cannot be: {says} {field.low:g} to {field.high:g} "
             f"{field.unit}; {_example(field)}"
         )
     return value
