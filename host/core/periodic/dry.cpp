@@ -20,6 +20,11 @@ SteadyState unknown() {
 
 double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2])}); }
 
+// In which motions draw together, but for a factor: that of the kinetic energy.
+double inner(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] / 12; }
+
+constexpr double kReach = 2;  // of the first step, in units of the scales
+
 // Of two logarithms, either of which may be that of zero.
 double change_of(double a, double b) { return a == b ? 0 : std::fabs(a - b); }
 
@@ -34,11 +39,21 @@ void SteadyDry::image(const CycleState& end, Vec3& r) {
     }
 }
 
-bool SteadyDry::step(const Vec3& r, Vec3& d) const {
+bool SteadyDry::step(const Vec3& r, Vec3& d, double lag) const {
     Mat3 A = identity3();
-    for (int i = 0; i < 9; ++i) A[i] -= M_[i];
+    for (int i = 0; i < 9; ++i) A[i] = (1 + lag) * A[i] - M_[i];
     d = r;
     return solve_dense<3, 1>(A.data(), d.data()) && std::isfinite(size(d));
+}
+
+// A step no longer than `reach` and not against the residual: the more `lag` is added to 1 - M, the
+// shorter it is and the more it follows the residual, so that what settles fast still does.
+void SteadyDry::shorten(const Vec3& r, double reach, Vec3& d) const {
+    for (double lag = 1e-6 * size(r) / reach; size(d) > reach || !(inner(r, d) > 0); lag *= 4) {
+        if (lag < 1 && step(r, d, lag)) continue;
+        for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, reach / size(r));
+        return;
+    }
 }
 
 // How many times an error of the map moves its fixed point: the norm of (1 - M)^-1.
@@ -53,17 +68,19 @@ double SteadyDry::slackness() const {
     return most;
 }
 
-// Follow the motion until a cycle changes it little, or for so many cycles.
-bool SteadyDry::wander(DryCycle& cycle, int most, double near, double tolerance) {
-    for (int i = 0; i < most; ++i) {
+// Follow the motion until a cycle changes it little, or for so many cycles; share: of the first
+// one's change that is made. Half of it, from rest: a fast gait's angular momentum hardly changes,
+// but has its sign turned over by the mirror.
+bool SteadyDry::wander(DryCycle& cycle, int most, double near, double tolerance, double share) {
+    for (int i = 0; i < most; ++i, share = 1) {
         Vec3 p, r;
         for (int k = 0; k < 3; ++k) p[k] = z_[k] * cycle.scale()[k];
         if (!cycle.follow(p, span(), tolerance, 0, end_)) return false;
         image(end_, r);
         double change = 0;
         for (int k = 0; k < 3; ++k) {
-            const double z = r[k] / cycle.scale()[k];
-            change = std::max(change, std::fabs(z - z_[k])), z_[k] = z;
+            const double by = share * (r[k] / cycle.scale()[k] - z_[k]);
+            change = std::max(change, std::fabs(by)), z_[k] += by;
         }
         promising_ = change < 1e-3;
         if (change < near) break;
@@ -71,14 +88,18 @@ bool SteadyDry::wander(DryCycle& cycle, int most, double near, double tolerance)
     return true;
 }
 
-// A step that does not bring the residual down is halved; when that does not help, a few cycles
-// are followed instead.
+// Where every wheel slides one way all the cycle through friction hardly hangs on the speed: the
+// residual is the same over a wide stretch, 1 - M next to singular, and Newton's step far too long.
+// So a step is at most `reach` long. Friction draws motions together, so that the fixed point lies
+// on the side to which the residual points: a step at whose end the residual still points ahead is
+// taken, though it be no smaller, and the next may be longer; one that has gone too far is cut by
+// the secant. When that does not help, a few cycles are followed.
 SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goal, bool powers,
                                    SteadyState& out) {
     constexpr int kMost = 40;
     const Vec3& scale = cycle.scale();
     Vec3 last_z = z_, last_d{};
-    double last = HUGE_VAL, part = 1;
+    double last = HUGE_VAL, part = 1, reach = kReach, before = 0;
     for (int i = 0; i < kMost; ++i) {
         Vec3 p, r, d;
         for (int k = 0; k < 3; ++k) p[k] = z_[k] * scale[k];
@@ -93,11 +114,12 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
         for (int k = 0; k < 3; ++k) r[k] = (r[k] - p[k]) / scale[k];
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) M_[3 * a + b] *= scale[b] / scale[a];
-        const double now = size(r);
-        if (now > last && now > 0.1 * goal) {
-            part /= 2;
-            if (part > 0.1) {
+        const double now = size(r), ahead = inner(r, last_d);
+        if (now > last && now > 0.1 * goal && !(ahead > 0)) {
+            part *= std::clamp(before / (before - ahead), 0.1, 0.5);
+            if (part > 0.01) {
                 for (int k = 0; k < 3; ++k) z_[k] = last_z[k] + part * last_d[k];
+                reach = part * size(last_d);
             } else {
                 z_ = last_z, last = HUGE_VAL, part = 1;
                 if (!wander(cycle, 4, goal, tolerance)) return Ended::broken;
@@ -111,7 +133,9 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
             for (int k = 0; k < 3; ++k) z_[k] += d[k];
             return Ended::converged;
         }
-        last = now, last_z = z_, last_d = d, part = 1;
+        if (part == 1 && size(last_d) > 0.9 * reach) reach *= 3;
+        shorten(r, reach, d);
+        last = now, last_z = z_, last_d = d, part = 1, before = inner(r, d);
         for (int k = 0; k < 3; ++k) z_[k] += d[k];
     }
     return Ended::stalled;
@@ -290,9 +314,10 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
         constexpr Try kTries[] = {{1, 4}, {0.03, 4}, {1, 200}, {0.3, 4}, {0.1, 4}, {30, 4}};
         bool settled = false;
         for (const auto& [from, cycles] : kTries) {
+            const double share = settled ? 1 : 0.5;
             if (!settled) z_ = rest;
             settled = settled || cycles > 4;
-            if (!wander(cycle, cycles, 0.02, 1e-3 * from)) continue;
+            if (!wander(cycle, cycles, 0.02, 1e-3 * from, share)) continue;
             SteadyState anew = by_pieces(cycle, options, from);
             if (!settled && anew.slowest > 0) anew.converged = false;
             if (anew.converged || excess(anew, options) < excess(out, options)) out = anew;

@@ -19,6 +19,7 @@ from .quadratic_search import Array, Point
 
 Solve = Callable[[Gait, float], Any]  # a gait, an accuracy -> .speed_m_s, .power_w ...
 _MOST_STEPS = 40
+_FAR_DRY = 4.0  # e-folds of rate from the guess, which a cloud of shapes and rates has made
 
 
 class GaitShape(NamedTuple):
@@ -80,7 +81,8 @@ class ShapeSearch:
         if not 0 < shape.alpha_rad <= math.pi:
             return None
         x, last = math.log(guess), None
-        high = math.log(min(self.limits.omega_high_rad_s, 1e300)) + 0.7
+        far = 9.0 if self.ground.smooth else _FAR_DRY
+        high = min(math.log(min(self.limits.omega_high_rad_s, 1e300)) + 0.7, x + far)
         for _ in range(_MOST_STEPS):
             try:
                 state = self.solve(Gait(shape.alpha_rad, shape.beta_rad, math.exp(x)), rtol)
@@ -94,7 +96,7 @@ class ShapeSearch:
             step = -y / slope if slope > 0.1 else -math.copysign(0.7, y)
             last = (x, y)
             x += min(max(step, -1.1), 1.1)
-            if x > high or abs(x - math.log(guess)) > 9:
+            if not math.log(guess) - far <= x <= high:
                 return None
         return None
 
