@@ -47,13 +47,15 @@ bool SteadyDry::step(const Vec3& r, Vec3& d, double lag) const {
 }
 
 // A step no longer than `reach` and not against the residual: the more `lag` is added to 1 - M, the
-// shorter it is and the more it follows the residual, so that what settles fast still does.
-void SteadyDry::shorten(const Vec3& r, double reach, Vec3& d) const {
-    for (double lag = 1e-6 * size(r) / reach; size(d) > reach || !(inner(r, d) > 0); lag *= 4) {
-        if (lag < 1 && step(r, d, lag)) continue;
-        for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, reach / size(r));
-        return;
-    }
+// shorter it is and the more it follows the residual, so that what settles fast still does. True
+// where Newton's step was not such a one.
+bool SteadyDry::shorten(const Vec3& r, double reach, Vec3& d) const {
+    const auto fits = [&] { return size(d) <= reach && inner(r, d) > 0; };
+    if (fits()) return false;
+    for (double lag = 1e-6 * size(r) / reach; lag < 1; lag *= 4)
+        if (step(r, d, lag) && fits()) return true;
+    for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, reach / size(r));
+    return true;
 }
 
 // How many times an error of the map moves its fixed point: the norm of (1 - M)^-1.
@@ -100,6 +102,7 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
     const Vec3& scale = cycle.scale();
     Vec3 last_z = z_, last_d{};
     double last = HUGE_VAL, part = 1, reach = kReach, before = 0;
+    bool cut = false;
     for (int i = 0; i < kMost; ++i) {
         Vec3 p, r, d;
         for (int k = 0; k < 3; ++k) p[k] = z_[k] * scale[k];
@@ -133,8 +136,8 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
             for (int k = 0; k < 3; ++k) z_[k] += d[k];
             return Ended::converged;
         }
-        if (part == 1 && size(last_d) > 0.9 * reach) reach *= 3;
-        shorten(r, reach, d);
+        if (part == 1 && cut) reach *= 3;
+        cut = shorten(r, reach, d);
         last = now, last_z = z_, last_d = d, part = 1, before = inner(r, d);
         for (int k = 0; k < 3; ++k) z_[k] += d[k];
     }
@@ -207,9 +210,11 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
         const double goal = std::max((near_ ? 60 : 40) * tolerance, 1e-9);
         SteadyState next;
         next.iterations = out.iterations;
-        if (newton(cycle, tolerance, goal, options.powers, next) != Ended::converged) {
+        const Ended ended = newton(cycle, tolerance, goal, options.powers, next);
+        if (ended != Ended::converged) {
             if (++broken > 2) break;
-            z_ = last_z, tolerance *= 10;  // half of this one comes next
+            if (near_ || ended == Ended::broken) z_ = last_z;  // else it has come some of the way
+            tolerance *= 10;                                   // half of this one comes next
             continue;
         }
         if (options.powers) add_positive(before_positive, next);
@@ -295,7 +300,7 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
     if (gait_.alpha == 0) return at_rest(omega, options);
     gait_.omega = omega;
     DryCycle cycle(robot_, ground_, gait_);
-    cycle.limit(3'000'000 / robot_.n);
+    cycle.limit(600'000 / robot_.n);
     SteadyState out = unknown();
     promising_ = promising_ && known_.size() > 1;
     if (!known_.empty()) {

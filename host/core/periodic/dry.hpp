@@ -32,7 +32,7 @@ class SteadyDry {
     bool wander(DryCycle& cycle, int most, double near, double tolerance, double share = 1);
     Ended newton(DryCycle& cycle, double tolerance, double goal, bool powers, SteadyState& out);
     bool step(const Vec3& r, Vec3& d, double lag = 0) const;
-    void shorten(const Vec3& r, double reach, Vec3& d) const;
+    bool shorten(const Vec3& r, double reach, Vec3& d) const;
     void image(const CycleState& end, Vec3& r);
     void report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyState& out);
     void add_positive(std::vector<double>& before, SteadyState& out) const;

@@ -26,7 +26,7 @@ class HalfCycle {
         const double v = motion_.speed_scale();
         scale_ = {v, v, robot.n * robot.m * v * robot.n * robot.l};
         start_ = {0, 0, motion_.momentum(0, 0)};
-        motion_.limit(40'000'000 / robot.n);  // a few seconds, for whatever is asked
+        motion_.limit(3'000'000 / robot.n);  // half a second, for whatever is asked
     }
 
     // z: state over scale. False when the steps fail.
