@@ -50,7 +50,7 @@ bool SteadyDry::step(const Vec3& r, Vec3& d, double lag) const {
 // shorter it is and the more it follows the residual, so that what settles fast still does. True
 // where Newton's step was not such a one.
 bool SteadyDry::shorten(const Vec3& r, double reach, Vec3& d) const {
-    const auto fits = [&] { return size(d) <= reach && inner(r, d) > 0; };
+    const auto fits = [&] { return size(d) <= reach && inner(r, d) >= 0; };
     if (fits()) return false;
     for (double lag = 1e-6 * size(r) / reach; lag < 1; lag *= 4)
         if (step(r, d, lag) && fits()) return true;
