@@ -248,7 +248,13 @@ void bind_run(nb::module_& m) {
     m.def("method_table", &method_table);
 }
 
-Array three(const Vec3& v) { return to_numpy({v.begin(), v.end()}, {3}); }
+// So few numbers are had sooner than an array of them.
+template <std::size_t N>
+nb::typed<nb::tuple, double, nb::ellipsis> in_tuple(const std::array<double, N>& v) {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+        return nb::borrow<nb::typed<nb::tuple, double, nb::ellipsis>>(nb::make_tuple(v[I]...));
+    }(std::make_index_sequence<N>());
+}
 
 }  // namespace
 
@@ -270,6 +276,12 @@ NB_MODULE(_core, m) {
                                   {ct, cn, ft0, fn0, ct_back, ft0_back},
                                   {alpha, beta, omega, offset}};
              })
+        .def("bent",
+             [](const Model& model, double alpha, double beta) {
+                 Model other = model;
+                 other.gait.alpha = alpha, other.gait.beta = beta;
+                 return other;
+             })
         .def("set_joints", [](Model& model, Vector gain, Vector shift) {
             model.gait.gain.assign(gain.data(), gain.data() + gain.shape(0));
             model.gait.shift.assign(shift.data(), shift.data() + shift.shape(0));
@@ -290,14 +302,8 @@ NB_MODULE(_core, m) {
         .def_ro("elements", &SteadyState::elements)
         .def_ro("iterations", &SteadyState::iterations)
         .def_ro("converged", &SteadyState::converged)
-        .def_prop_ro(
-            "start", [](const SteadyState& s) { return three(s.start); }, nb::rv_policy::move)
-        .def_prop_ro(
-            "monodromy",
-            [](const SteadyState& s) {
-                return to_numpy({s.monodromy.begin(), s.monodromy.end()}, {3, 3});
-            },
-            nb::rv_policy::move);
+        .def_prop_ro("start", [](const SteadyState& s) { return in_tuple(s.start); })
+        .def_prop_ro("monodromy", [](const SteadyState& s) { return in_tuple(s.monodromy); });
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.def("steady_by", &steady_by);
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),

@@ -23,23 +23,35 @@ def check_number(
 
     Without limits of its own it is at most 1e30 in magnitude; open_low, at least 1e-30 above low.
     """
+    number = value if type(value) is float else _as_float(value)
+    lowest, highest = max(low, -MOST), min(high, MOST)
+    least = lowest + LEAST if open_low else lowest
+    if number is not None and least <= number <= highest and (number > lowest or not open_low):
+        return number
+    rule = _range(low, high, open_low)
+    if number is None:
+        raise BadInput(f"{name} is {value!r}; it must be {rule}")
+    beyond = math.isfinite(number) and (abs(number) > MOST or 0 < abs(number) < LEAST)
+    rule += f", and {LEAST:g} to {MOST:g} in magnitude" if beyond else ""
+    raise BadInput(f"{name} is {number!r}; it must be {rule}")
+
+
+def _as_float(value: object) -> float | None:
+    """Return a number as a float, and None for what is none."""
+    if isinstance(value, (bool, str, bytes)):
+        return None
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):  # an int may have 400 digits
+        return None
+
+
+def _range(low: float, high: float, open_low: bool) -> str:
+    """Say what numbers are allowed."""
     limits = f"{'more than' if open_low else 'at least'} {low:g}" if low > -math.inf else ""
     if high < math.inf:
         limits += f"{' and ' if limits else ''}at most {high:g}"
-    low, high = max(low, -MOST), min(high, MOST)
-    rule = f"a finite number{', ' + limits if limits else ''}"
-    if isinstance(value, (bool, str, bytes)):
-        raise BadInput(f"{name} is {value!r}; it must be {rule}")
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):  # an int may have 400 digits
-        raise BadInput(f"{name} is {value!r}; it must be {rule}") from None
-    least = low + LEAST if open_low else low
-    if not (least <= number <= high and (number > low or not open_low)):
-        beyond = math.isfinite(number) and (abs(number) > MOST or 0 < abs(number) < LEAST)
-        rule += f", and {LEAST:g} to {MOST:g} in magnitude" if beyond else ""
-        raise BadInput(f"{name} is {number!r}; it must be {rule}")
-    return number
+    return f"a finite number{', ' + limits if limits else ''}"
 
 
 def check_kind(name: str, value: object, kind: type, order: str = "") -> None:

@@ -77,13 +77,14 @@ class Grid:
 
     def models(self, first: int, last: int) -> list[_core.Model]:
         """Return the shapes from first up to but not including last as the core takes them."""
-        where = np.unravel_index(np.arange(first, last), self.size)
-        rate = self.omega_rad_s[0]
+        any_gait = Gait(0.0, 0.0, self.omega_rad_s[0])
+        pairs = [core_model(r, g, any_gait) for r in self.robots for g in self.grounds]
+        alphas, betas = len(self.alpha_rad), len(self.beta_rad)
         return [
-            core_model(
-                self.robots[r], self.grounds[g], Gait(self.alpha_rad[a], self.beta_rad[b], rate)
+            pairs[k // (alphas * betas)].bent(
+                self.alpha_rad[k // betas % alphas], self.beta_rad[k % betas]
             )
-            for r, g, a, b in zip(*(index.tolist() for index in where), strict=True)
+            for k in range(first, last)
         ]
 
     def solve(

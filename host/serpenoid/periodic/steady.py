@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -52,10 +52,20 @@ class Steady:
     power_error_w: float
     positive_power_error_w: float
     direction_rad: float
-    body_velocity: NDArray[np.float64]
-    monodromy: NDArray[np.float64]
     settling_time_s: float
     settling_error: float
+    _body_velocity: tuple[float, ...] = field(repr=False)
+    _monodromy: tuple[float, ...] = field(repr=False)
+
+    @property
+    def body_velocity(self) -> NDArray[np.float64]:
+        """Return the velocity at phase 0, (3,): of the centre of mass, and theta_1'."""
+        return np.array(self._body_velocity)
+
+    @property
+    def monodromy(self) -> NDArray[np.float64]:
+        """Return the derivative of what moves freely after a period by that before it, (3, 3)."""
+        return np.array(self._monodromy).reshape(3, 3)
 
     @property
     def abs_power_error_w(self) -> float:
@@ -111,7 +121,7 @@ def check_ground(ground: Ground, rtol: float) -> None:
     least = 1e-12 if ground.smooth else 1e-7
     if type(rtol) is not float or not least <= rtol <= 0.1:  # else there is nothing to say
         check_number("rtol", rtol, least, 0.1)
-    if max(ground.ct_forward, ground.ct_backward, ground.cn) == 0 and not ground.dry:
+    if ground.cn == 0 and max(ground.ct_forward, ground.ct_backward) == 0 and not ground.dry:
         raise BadInput(
             "there is no friction at all (ct, cn, ft0 and fn0 are 0): nothing damps the start, so "
             "there is no one periodic state; give some friction, or use simulate"
@@ -145,8 +155,8 @@ def steady_gait(
     error = relative_error(s.speed_error, s.speed, robot, gait)
     found = Steady(
         robot, ground, gait, s.speed, s.power, s.abs_power, s.positive_power, s.turn, s.chord,
-        error, s.power_error, s.positive_power_error, s.direction, s.start, s.monodromy,
-        *_settling(s, gait),
+        error, s.power_error, s.positive_power_error, s.direction, *_settling(s, gait), s.start,
+        s.monodromy,
     )  # fmt: skip
     if s.converged:
         return found
