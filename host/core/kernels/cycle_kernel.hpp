@@ -194,27 +194,22 @@ class CycleNewton {
     Mat<V> first_;
 };
 
-// Binary logarithm of the largest eigenvalue's size: of ||M^k||^(1/k) for k = 2^26. Scaling is by
+// Binary logarithm of the largest eigenvalue's size: of ||M^k||^(1/k) for k = 4^13. Scaling is by
 // powers of two, read from and put into the exponent's bits.
 template <class V>
 inline V log2_radius(Mat<V> M) {
     using B = BitsOf<V>;
-    V sum{}, weight = all<V>(1), most{};
-    const auto size = [&] {
-        most = V{};
-        for (const V& v : M.m) {
-            const V a = choose<V>(v < 0, -v, v);
-            most = choose<V>(a > most, a, most);
-        }
-    };
-    for (int k = 0; k < 26; ++k) {
-        size();
-        const B exponent = (((B)most >> 52) & 0x7ff) - 1023;
-        const V factor = (V)((1023 - exponent) << 52);
-        for (unsigned j = 0; j < sizeof(V) / 8; ++j)
-            sum[j] += weight[j] * static_cast<double>(exponent[j]);
+    V sum{}, weight = all<V>(1);
+    for (int k = 0; k < 14; ++k) {
+        V size2{};
+        for (const V& v : M.m) size2 = fused(v, v, size2);
+        const B exponent = (((B)size2 >> 52) + 1) >> 1;  // of the size, 512 too large
+        const V round = all<V>(0x1.8p52);
+        sum = fused(weight, (V)((B)round + exponent) - (round + 512.0), sum);
+        const V factor = (V)((1023 + 512 - exponent) << 52);
         for (V& v : M.m) v *= factor;
-        M = product3(M, M), weight *= all<V>(0.5);
+        M = product3(M, M), M = product3(M, M);
+        weight *= all<V>(0.25);
     }
     return sum;
 }
@@ -228,11 +223,14 @@ void cycle_averages(CycleTask& q, double* memory) {
     V* theta = reinterpret_cast<V*>(q.work);
     const int N = q.nodes;
     V turn{}, loss{}, mode[12] = {};
-    for (int k = 0; k < N; ++k) {  // heading by the integral of nu
-        V by{};
+    for (int k = 0; k < N; k += 4) {  // heading by the integral of nu
+        V by[4] = {};
         for (int j = 0; j < N; ++j)
-            by = fused(all<V>(q.rows[k - j + N - 1].odd_integral), y[3 * j + 2], by);
-        theta[k] = turn, turn += by;
+            for (int i = 0; i < 4; ++i)
+                by[i] = fused(all<V>(q.rows[k + i - j + N - 1].odd_integral), y[3 * j + 2], by[i]);
+        for (int i = 0; i < 4; ++i) theta[k + i] = turn, turn += by[i];
+    }
+    for (int k = 0; k < N; ++k) {
         const V *u = y + 3 * k, x = u[0], z = u[1], nu = u[2];
         const auto at = [&](int field) { return gait.at(field, k); };
         const V spin = at(kWw) * nu + 2 * at(kW);
@@ -278,6 +276,17 @@ void cycle_refine(int N, const double* even, const double* odd, double* memory, 
     for (int k = N - 1; k >= 0; --k)
         for (int c = 0; c < 3; ++c)
             y[6 * k + c] = y[3 * k + c], y[6 * k + 3 + c] = middle[3 * k + c];
+}
+
+template <int W>
+void cycle_blend(int count, int values, const double* weight, const double* from, double* y) {
+    using V = Pack<W>;
+    const V* w = reinterpret_cast<const V*>(weight);
+    for (int i = 0; i < values; ++i) {
+        V sum{};
+        for (int k = 0; k < count; ++k) sum = fused(w[k], all<V>(from[k * values + i]), sum);
+        reinterpret_cast<V*>(y)[i] = sum;
+    }
 }
 
 template <int W>

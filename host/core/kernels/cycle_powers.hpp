@@ -20,7 +20,7 @@ template <int W>
 class CyclePowers {
     using V = Pack<W>;
     using B = BitsOf<V>;
-    static constexpr int kWide = 8;    // nodes of the local polynomial
+    static constexpr int kWide = kLocal;
     static constexpr int kBeyond = 4;  // nodes repeated before and after the half cycle
 
   public:
@@ -52,41 +52,42 @@ class CyclePowers {
     }
 
   private:
-    // Kinks side by side, whichever gait and joint they are of.
+    // Kinks where a torque changes its sign, side by side, whichever gait and joint they are of.
     struct Kinks {
         V torque[kWide], power[kWide];
-        V place;  // in the cell; where `found` is 0 to be looked for, as a root of the torque
-        V found;
-        V rate_root;  // place at which the rate changes its sign, anywhere outside the cell or in
-        V before;     // sign of the rate to the left of that
-        V sigma;      // given, or 0
+        V sigma, place;  // in the cell; where sigma is 0 both are still to be found
+        V turn;          // place at which the rate changes its sign, in the cell or outside
+        V before;        // sign of the rate to the left of that
     };
 
     void joint(int i) {
         const double* table = q.joint + static_cast<long>(i) * kJointFields * N;
-        V swing{}, high[4] = {};
+        const JointTurn& turn = q.turns[i];
+        V high[4] = {};
         for (int k = 0; k < N; ++k) {
             V T{};
             for (int b = 0; b < 10; ++b) T = fused(all<V>(table[b * N + k]), motion[10 * k + b], T);
-            const V rate = all<V>(table[kRate * N + k]);
-            torque[k] = T, power[k] = T * rate;
+            torque[k] = T, power[k] = T * all<V>(table[kRate * N + k]);
             sum_ += choose<V>(power[k] < 0, -power[k], power[k]);
-            swing += rate * rate;
-            for (int c = 0; c < 4; ++c) high[c] += all<V>(q.modes[8 * k + 4 + c]) * T;
+            for (int c = 0; c < 4; ++c) high[c] = fused(all<V>(q.modes[8 * k + 4 + c]), T, high[c]);
         }
         // what the torque's last modes may hide
         V tail{};
         for (const V& v : high) tail += v * v;
-        error_ += square_root(tail * swing) * all<V>(kHidden / N);
-        const double turn = q.turn[i] / q.step;
-        const int turn_cell = turn < N ? static_cast<int>(turn) : N - 1;
+        error_ += square_root(tail * turn.swing) * all<V>(kHidden / N);
         repeat();
+        turns(turn);
         V begins = third_of_slope(0);
+        B above = torque[0] > 0;
         for (int k = 0; k < N; ++k) {
             const V ends = third_of_slope(k + 1);
-            cell(k, torque[k] + begins, torque[k + 1] - ends, turn - k, k == turn_cell,
-                 q.before[i]);
-            begins = ends;
+            // A cubic has no more roots in the cell than its Bezier points, of the nodes' values
+            // and slopes, have changes of sign.
+            const B inner = torque[k] + begins > 0, outer = torque[k + 1] - ends > 0;
+            const B next = torque[k + 1] > 0;
+            const B first = above ^ inner, second = inner ^ outer, last = outer ^ next;
+            if (any<V>(first | second | last)) cell(k, first, second, last, turn);
+            begins = ends, above = next;
         }
     }
 
@@ -98,22 +99,37 @@ class CyclePowers {
         }
     }
 
-    // t_begins, t_ends: the inner two of the Bezier points of the cubic that has the nodes' values
-    // and slopes.
-    void cell(int k, V t_begins, V t_ends, double rate_root, bool turns, double before) {
-        const V t0 = torque[k], t1 = torque[k + 1];
-        // A cubic has no more roots in the cell than its Bezier points have changes of sign.
-        const B first = (t0 > 0) ^ (t_begins > 0), second = (t_begins > 0) ^ (t_ends > 0);
-        const B last = (t_ends > 0) ^ (t1 > 0);
+    // The kink where the joint's rate changes its sign.
+    void turns(const JointTurn& turn) {
+        const int k = turn.place < N ? static_cast<int>(turn.place) : N - 1;
+        V mend{}, at_place{}, sixth{}, seventh{};
+        for (int j = 0; j < kWide; ++j) {
+            const V own = power[k + j - 3];
+            mend = fused(all<V>(turn.mend[j]), own, mend);
+            sixth = fused(all<V>(q.stencil[kWide * 6 + j]), own, sixth);
+            seventh = fused(all<V>(q.stencil[kWide * 7 + j]), own, seventh);
+            at_place = fused(all<V>(turn.value[j]), torque[k + j - 3], at_place);
+        }
+        sum_ += choose<V>(at_place > 0, -mend, mend) * turn.before;
+        error_ += doubt(sixth, seventh);
+    }
+
+    // Of a mend, by the last coefficients of the power's polynomial.
+    static V doubt(V sixth, V seventh) {
+        const V a = choose<V>(sixth < 0, -sixth, sixth),
+                b = choose<V>(seventh < 0, -seventh, seventh);
+        return (a + b) * all<V>(kLast);
+    }
+
+    // Roots of the torque in a cell; where Bezier points change their sign.
+    void cell(int k, B first, B second, B last, const JointTurn& turn) {
         const B change = first ^ second ^ last;
         const B several = (first & second) | (second & last) | (first & last);
-        if (!turns && !any<V>(change | several)) return;
         for (int lane = 0; lane < W; ++lane) {
             if (several[lane])
-                search(k, lane, rate_root, before);
+                search(k, lane, turn);
             else if (change[lane])
-                push(k, lane, 0, false, rate_root, before, 0);
-            if (turns) push(k, lane, rate_root, true, rate_root, before, 0);
+                push(k, lane, 0, 0, turn);
         }
     }
 
@@ -123,21 +139,20 @@ class CyclePowers {
         return near * (2.0 / 9) - far * (1.0 / 36);
     }
 
-    void push(int k, int lane, double place, bool found, double rate_root, double before,
-              double sigma) {
+    void push(int k, int lane, double place, double sigma, const JointTurn& turn) {
         const int c = count_++;
         for (int j = 0; j < kWide; ++j) {
             kinks_.torque[j][c] = torque[k + j - 3][lane];
             kinks_.power[j][c] = power[k + j - 3][lane];
         }
-        kinks_.place[c] = place, kinks_.found[c] = found, kinks_.rate_root[c] = rate_root;
-        kinks_.before[c] = before, kinks_.sigma[c] = sigma, lane_[c] = lane;
+        kinks_.place[c] = place, kinks_.sigma[c] = sigma;
+        kinks_.turn[c] = turn.place - k, kinks_.before[c] = turn.before, lane_[c] = lane;
         if (count_ == W) flush();
     }
 
     // All roots in one cell, a close pair among them: looked for at sixteen places, which crowd
     // at its ends, where the nodes' own signs count, as they do in the cells beside it.
-    [[gnu::noinline]] void search(int k, int lane, double rate_root, double before) {
+    [[gnu::noinline]] void search(int k, int lane, const JointTurn& turn) {
         constexpr int kPlaces = 16;
         double b[kWide] = {};
         for (int j = 0; j < kWide; ++j)
@@ -158,8 +173,8 @@ class CyclePowers {
                     const double middle = (low + high) / 2;
                     ((value(middle) > 0) == (old > 0) ? low : high) = middle;
                 }
-                const double rate = low < rate_root ? before : -before;
-                push(k, lane, low, true, rate_root, before, now > 0 ? rate : -rate);
+                const double rate = low < turn.place - k ? turn.before : -turn.before;
+                push(k, lane, low, now > 0 ? rate : -rate, turn);
             }
             old = now, before_x = x;
         }
@@ -174,23 +189,15 @@ class CyclePowers {
             }
         for (int j = 0; j < kWide; ++j)
             ends = fused(all<V>(q.stencil[kWide * kWide + j]), kinks_.power[j], ends);
-        const V one = all<V>(1);
-        const V a = choose<V>(kinks_.found > 0, kinks_.place, root(t));
-        V reach{}, at_place{};
-        for (int p = kWide - 1; p >= 0; --p) {
-            reach = fused(reach, a, b[p] * all<V>(1.0 / (p + 1)));
-            at_place = fused(at_place, a, t[p]);
-        }
+        const B given = (kinks_.sigma > 0) | (kinks_.sigma < 0);
+        const V a = choose<V>(given, kinks_.place, root(t));
+        V reach{};
+        for (int p = kWide - 1; p >= 0; --p) reach = fused(reach, a, b[p] * all<V>(1.0 / (p + 1)));
+        const V rate = choose<V>(a < kinks_.turn, kinks_.before, -kinks_.before);
         const V after = kinks_.torque[4];  // at the cell's end
-        const V rate = choose<V>(a < kinks_.rate_root, kinks_.before, -kinks_.before);
-        const V of_torque = choose<V>(after > 0, rate, -rate);
-        const V of_rate = choose<V>(at_place > 0, -kinks_.before, kinks_.before);
-        V sigma = choose<V>(kinks_.found > 0, of_rate, of_torque);
-        sigma = choose<V>((kinks_.sigma > 0) | (kinks_.sigma < 0), kinks_.sigma, sigma);
-        const V mend = 2 * sigma * (ends - a * reach);
-        const V size = choose<V>(b[6] < 0, -b[6], b[6]) + choose<V>(b[7] < 0, -b[7], b[7]);
-        const V doubt = size * one * kLast;
-        for (int c = 0; c < count_; ++c) sum_[lane_[c]] += mend[c], error_[lane_[c]] += doubt[c];
+        const V sigma = choose<V>(given, kinks_.sigma, choose<V>(after > 0, rate, -rate));
+        const V mend = 2 * sigma * (ends - a * reach), unsure = doubt(b[6], b[7]);
+        for (int c = 0; c < count_; ++c) sum_[lane_[c]] += mend[c], error_[lane_[c]] += unsure[c];
         count_ = 0;
     }
 
@@ -244,7 +251,7 @@ void cycle_powers(CycleTask& q, double* out) {
 
 template <int W>
 constexpr CycleKernel cycle_kernel() {
-    return {CycleTables<W>::run, cycle_slopes<W>, cycle_newton<W>,
+    return {CycleTables<W>::run, cycle_slopes<W>, cycle_blend<W>, cycle_newton<W>,
             cycle_averages<W>,   cycle_powers<W>, cycle_refine<W>};
 }
 

@@ -171,25 +171,27 @@ struct CycleTables {
     }
 };
 
-// Which fields of the matrix change their sign half a cycle later, in the order of NodeField.
-constexpr bool kOddField[kSlope] = {false, true, true, false, false, true, false, false, false};
+// Derivatives of some fields at a pack of nodes by one row of their matrix.
+template <int W, int count>
+inline void slopes_at(const int (&fields)[count], int N, const double* row, int at, double* node) {
+    using V = Pack<W>;
+    V sum[count] = {};
+    for (int j = 0; j < N; ++j) {
+        V weight;
+        __builtin_memcpy(&weight, row - j, sizeof weight);
+        for (int f = 0; f < count; ++f)
+            sum[f] = fused(weight, all<V>(node[fields[f] * N + j]), sum[f]);
+    }
+    for (int f = 0; f < count; ++f)
+        *reinterpret_cast<V*>(node + static_cast<long>(kSlope + fields[f]) * N + at) = sum[f];
+}
 
 template <int W>
 void cycle_slopes(int N, const double* even, const double* odd, double* node) {
-    using V = Pack<W>;
-    for (int field = 0; field < kSlope; ++field) {
-        const double* values = node + static_cast<long>(field) * N;
-        V* to = reinterpret_cast<V*>(node + static_cast<long>(kSlope + field) * N);
-        for (int at = 0; at < N; at += W) {
-            const double* row = (kOddField[field] ? odd : even) + at + N - 1;
-            V sum{};
-            for (int j = 0; j < N; ++j) {
-                V weight;
-                __builtin_memcpy(&weight, row - j, sizeof weight);
-                sum = fused(weight, all<V>(values[j]), sum);
-            }
-            to[at / W] = sum;
-        }
+    constexpr int kEven[] = {kBxx, kByy, kByw, kWy, kWw, kJ1}, kOdd[] = {kBxy, kBxw, kWx};
+    for (int at = 0; at < N; at += W) {
+        slopes_at<W>(kEven, N, even + at + N - 1, at, node);
+        slopes_at<W>(kOdd, N, odd + at + N - 1, at, node);
     }
 }
 

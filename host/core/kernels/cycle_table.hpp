@@ -56,14 +56,25 @@ enum JointField : int {
     kJointFields
 };
 
+constexpr int kLocal = 8;  // nodes of a local polynomial, three before the cell and three after it
+
+// Where a joint's rate changes its sign in a half cycle, which is the same for all rates.
+struct JointTurn {
+    double place;   // in steps from phase 0
+    double before;  // sign of the joint's rate before it
+    double swing;   // sum of the joint's rate squared over the nodes
+    // of the values at the cell's eight nodes: value there, and the integral's mend (of half a
+    // cycle, cycle_powers.hpp) with sigma = 1
+    double value[kLocal], mend[kLocal];
+};
+
 // A pack of gaits on a mesh of phases. Packs, in memory aligned to 64 bytes.
 struct CycleTask {
     int nodes, joints;
     double step;              // of phase
     const double* node;       // [kNodeFields][nodes]
     const double* joint;      // [joints][kJointFields][nodes]
-    const double* turn;       // phase in [0, pi) at which the joint's rate changes its sign
-    const double* before;     // the sign that it has before that
+    const JointTurn* turns;   // [joints]
     const SpectralRow* rows;  // 2 nodes - 1 of them
     const double* modes;      // [nodes][8]: of the last two pairs of even and of odd modes
     const double* stencil;    // [8][8]: powers of the place in a cell, in steps, by the values at
@@ -96,6 +107,8 @@ struct CycleKernel {
                    double* node, double* joint, double* scratch);
     // Derivatives of the matrix's fields (kSlope) by rows of the mesh's matrices, 2 nodes - 1 each.
     void (*slopes)(int nodes, const double* even, const double* odd, double* node);
+    // y from `count` solutions [count][values] that all share, each with a pack of weights.
+    void (*blend)(int count, int values, const double* weight, const double* from, double* y);
     void (*newton)(CycleTask&, double* out);    // one iteration: y, kChange2 to kTransfer
     void (*averages)(CycleTask&, double* out);  // kAdvance to kLogRadius
     void (*powers)(CycleTask&, double* out);    // kAbsPower, kAbsPowerError

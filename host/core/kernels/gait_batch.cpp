@@ -15,6 +15,9 @@ namespace serpenoid {
 std::vector<const kernels::Set*> instruction_sets() {
     std::vector<const kernels::Set*> found;
 #if defined(__x86_64__) || defined(__i386__)
+    if (kernels::avx512.width && __builtin_cpu_supports("avx512f") &&
+        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+        found.push_back(&kernels::avx512);
     if (kernels::avx2.width && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
         found.push_back(&kernels::avx2);
 #endif

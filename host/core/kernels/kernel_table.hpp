@@ -82,6 +82,6 @@ struct Set {
     StageKernel stage;
 };
 
-extern const Set scalar, baseline, avx2;
+extern const Set scalar, baseline, avx2, avx512;
 
 }  // namespace serpenoid::kernels

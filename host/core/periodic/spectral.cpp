@@ -42,17 +42,8 @@ SpectralViscous::SpectralViscous(const Robot& robot, const Ground& ground, const
       alpha_(gait.alpha),
       set_(set),
       y_(packs(3 * kMostNodes, set_.width)),
-      start_(packs(3 * SpectralMesh::kCoarsest, set_.width)),
       g_(packs(1, set_.width)),
-      out_(packs(kernels::kCycleOuts, set_.width)) {
-    std::fill_n(start_.get(), 3 * SpectralMesh::kCoarsest * set_.width, 0.0);
-    for (int i = 0; i + 1 < robot.n; ++i) {
-        const double from = table_.lag(i);  // the rate goes with cos(tau + lag)
-        const double root = M_PI * (std::ceil(from / M_PI - 0.5) + 0.5) - from;
-        turn_.push_back(std::clamp(root, 0.0, M_PI));
-        before_.push_back(std::copysign(1.0, alpha_ * std::cos(from + root - M_PI / 2)));
-    }
-}
+      out_(packs(kernels::kCycleOuts, set_.width)) {}
 
 void SpectralViscous::tables(int k, bool powers) {
     Level& to = level_[k];
@@ -64,7 +55,6 @@ void SpectralViscous::tables(int k, bool powers) {
         cosine[i] = alpha_ * table_.cosine(i), sine[i] = alpha_ * table_.sine(i);
     to.node = packs(kernels::kNodeFields * N, 1);
     if (powers) to.joint = packs(long{kernels::kJointFields} * N * (n - 1), 1);
-    to.powers = powers;
     if (N > work_nodes_) work_ = packs(long{kernels::CycleTask::kWork} * N, set_.width);
     work_nodes_ = std::max(work_nodes_, N);
     const Memory scratch = packs(16 * n, set_.width);
@@ -72,6 +62,8 @@ void SpectralViscous::tables(int k, bool powers) {
                                     ground_.ct, ground_.cn, cosine.data(), sine.data()};
     set_.cycle.tables(chain, mesh.sine.data(), mesh.cosine.data(), N, to.node.get(), to.joint.get(),
                       scratch.get());
+    to.powers = powers;
+    if (powers) to.turns = turns(k);
     to.stiffest = 0;
     for (int i = 0; i < N; ++i)
         to.stiffest =
@@ -80,19 +72,47 @@ void SpectralViscous::tables(int k, bool powers) {
     set_.cycle.slopes(N, mesh.even_slope.data(), mesh.odd_slope.data(), to.node.get());
 }
 
+std::vector<kernels::JointTurn> SpectralViscous::turns(int k) const {
+    const SpectralMesh& mesh = SpectralMesh::level(k);
+    const int N = mesh.nodes;
+    constexpr int wide = kernels::kLocal;
+    std::vector<kernels::JointTurn> all;
+    for (int i = 0; i + 1 < robot_.n; ++i) {
+        const double from = table_.lag(i);  // the rate goes with cos(tau + lag)
+        const double root = M_PI * (std::ceil(from / M_PI - 0.5) + 0.5) - from;
+        kernels::JointTurn to{};
+        to.place = std::clamp(root, 0.0, M_PI) / mesh.step;
+        to.before = std::copysign(1.0, alpha_ * std::cos(from + root - M_PI / 2));
+        const double* rate =
+            &level_[k].joint[(long{kernels::kJointFields} * i + kernels::kRate) * N];
+        to.swing = std::inner_product(rate, rate + N, rate, 0.0);
+        const double a = to.place - std::min(static_cast<int>(to.place), N - 1);
+        for (int j = 0; j < wide; ++j) {
+            double integral = 0;
+            for (int p = wide - 1; p >= 0; --p) {
+                const double own = mesh.stencil[wide * p + j];
+                to.value[j] = to.value[j] * a + own, integral = integral * a + own / (p + 1);
+            }
+            to.mend[j] = 2 * (mesh.stencil[wide * wide + j] - a * integral);
+        }
+        all.push_back(to);
+    }
+    return all;
+}
+
 kernels::CycleTask SpectralViscous::task(int k) const {
     const SpectralMesh& mesh = SpectralMesh::level(k);
     const Level& own = level_[k];
-    return {mesh.nodes,   robot_.n - 1,   mesh.step,        own.node.get(),    own.joint.get(),
-            turn_.data(), before_.data(), mesh.rows.data(), mesh.modes.data(), mesh.stencil.data(),
-            g_.get(),     y_.get(),       work_.get()};
+    return {mesh.nodes,          robot_.n - 1,     mesh.step,        own.node.get(),
+            own.joint.get(),     own.turns.data(), mesh.rows.data(), mesh.modes.data(),
+            mesh.stencil.data(), g_.get(),         y_.get(),         work_.get()};
 }
 
 // Newton's steps until what is left of the last change is below `enough` in every gait: as much of
-// it as it was itself of the one before.
-bool SpectralViscous::iterate(int k, double enough, Pack& found) {
+// it as it was itself of the one before, on a coarser mesh if this is a mesh's first.
+bool SpectralViscous::iterate(int k, double enough, bool first, Pack& found) {
     constexpr int kMost = 15;
-    constexpr double kFirst = 0.1, kLeast = 0.01;  // what a step leaves, where nothing is known
+    constexpr double kLeast = 0.01, kFirst = 0.1;
     kernels::CycleTask work = task(k);
     for (int i = 0; i < kMost; ++i) {
         set_.cycle.newton(work, out_.get());
@@ -104,7 +124,7 @@ bool SpectralViscous::iterate(int k, double enough, Pack& found) {
             const double change = size > 0 ? std::sqrt(change2 / size) : 0;
             ++found[j].iterations;
             const double shrinks = change / found[j].change;
-            found[j].left = change * std::clamp(shrinks, i == 0 ? kFirst : kLeast, 1.0);
+            found[j].left = change * std::clamp(shrinks, kLeast, first && i == 0 ? kFirst : 1.0);
             found[j].change = change;
             if (found[j].left > enough) done = false;
         }
@@ -194,7 +214,40 @@ bool SpectralViscous::settle(int k, const double* omega, int count, const Steady
             all = all && to[j].converged;
         }
         if (all || !left || more == kMore) return all;
-        if (!iterate(k, HUGE_VAL, found)) return false;
+        if (!iterate(k, HUGE_VAL, false, found)) return false;
+    }
+}
+
+// By Lagrange's polynomial in log omega through the solutions that are known; else from rest.
+void SpectralViscous::guess(const double* omega) {
+    const int W = set_.width, count = static_cast<int>(known_.size());
+    for (int j = 0; j < W && count > 0; ++j) {
+        const double at = std::log(omega[j]);
+        for (int i = 0; i < count; ++i) {
+            double weight = known_[i].weight;
+            for (int k = 0; k < count; ++k)
+                if (k != i) weight *= at - known_[k].log_omega;
+            work_[i * W + j] = weight;
+        }
+    }
+    set_.cycle.blend(count, kCoarse, work_.get(), known_y_.data(), y_.get());
+}
+
+// Lagrange's weights are kept without what depends on the place.
+void SpectralViscous::remember(const double* omega, int count) {
+    constexpr double kApart = 0.01;  // what is next to another tells little new
+    for (int j = 0; j < count && known_.size() < kKnown; ++j) {
+        Known next{std::log(omega[j]), 1};
+        if (std::any_of(known_.begin(), known_.end(), [&](const Known& other) {
+                return std::fabs(other.log_omega - next.log_omega) < kApart;
+            }))
+            continue;
+        for (Known& other : known_) {
+            other.weight /= other.log_omega - next.log_omega;
+            next.weight /= next.log_omega - other.log_omega;
+        }
+        known_.push_back(next);
+        for (int i = 0; i < kCoarse; ++i) known_y_.push_back(y_[i * set_.width + j]);
     }
 }
 
@@ -208,7 +261,7 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
         if (j < count) to[j] = {};
     }
     Pack found{}, coarse;
-    std::copy_n(start_.get(), 3 * SpectralMesh::kCoarsest * W, y_.get());
+    for (Found& f : found) f.change = 1;
     for (int k = 0; k < SpectralMesh::kLevels; ++k) {
         if (k > 0) {
             const SpectralMesh& mesh = SpectralMesh::level(k - 1);
@@ -216,12 +269,10 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
                               work_.get());
         }
         tables(k, options.powers && k > 0);
-        for (Found& f : found) f.change = 1;
-        const double enough = (k == 0 ? 1 : 0.02) * std::clamp(options.rtol, 1e-11, 1e-4);
-        if (!iterate(k, enough, found)) return;
-        if (k == 0)
-            for (int i = 0; i < 3 * SpectralMesh::kCoarsest; ++i)
-                std::fill_n(&start_[i * W], W, y_[i * W + count - 1]);
+        if (k == 0) guess(rates.data());
+        const double enough = (k == 0 ? 10 : 0.02) * std::clamp(options.rtol, 1e-11, 1e-4);
+        if (!iterate(k, enough, true, found)) return;
+        if (k == 0) remember(rates.data(), count);
         const bool all = settle(k, rates.data(), count, options, coarse, found, to);
         if (all) return;
         coarse = found;

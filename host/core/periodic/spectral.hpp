@@ -41,6 +41,7 @@ class SpectralViscous {
     SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait,
                     const kernels::Set& set = *instruction_sets().front());
 
+    static constexpr int kWidest = 8;
     int width() const { return set_.width; }  // of a pack
 
     // States at up to `width` rates. Where `converged` is false nothing is to be trusted: no mesh
@@ -48,7 +49,8 @@ class SpectralViscous {
     void solve(const double* omega, int count, const SteadyOptions& options, SteadyState* to);
 
   private:
-    static constexpr int kWidest = 8;
+    static constexpr int kCoarse = 3 * SpectralMesh::kCoarsest;  // unknowns of the coarsest mesh
+    static constexpr int kKnown = 8;
     struct Free {
         void operator()(double* p) const { std::free(p); }
     };
@@ -57,6 +59,7 @@ class SpectralViscous {
     // Tables of the shape on a mesh.
     struct Level {
         Memory node, joint;
+        std::vector<kernels::JointTurn> turns;
         bool powers = false;
         double stiffest = 0;  // largest sum of decay rates, times omega
     };
@@ -69,9 +72,17 @@ class SpectralViscous {
     };
     using Pack = std::array<Found, kWidest>;
 
+    // A rate that is solved, with its weight in Lagrange's polynomial.
+    struct Known {
+        double log_omega, weight;
+    };
+
     static Memory packs(long count, int width);
+    void guess(const double* omega);
+    void remember(const double* omega, int count);
     void tables(int level, bool powers);
-    bool iterate(int level, double enough, Pack& found);
+    std::vector<kernels::JointTurn> turns(int level) const;
+    bool iterate(int level, double enough, bool first, Pack& found);
     void evaluate(int level, bool powers, const double* omega, Pack& found);
     bool settle(int level, const double* omega, int count, const SteadyOptions& options,
                 const Pack& coarse, Pack& found, SteadyState* to);
@@ -85,8 +96,9 @@ class SpectralViscous {
     double alpha_;
     const kernels::Set& set_;
     std::array<Level, SpectralMesh::kLevels> level_;
-    std::vector<double> turn_, before_;  // of every joint's rate: CycleTask has them
-    Memory y_, start_, work_, g_, out_;
+    std::vector<Known> known_;
+    std::vector<double> known_y_;  // on the coarsest mesh, kCoarse each
+    Memory y_, work_, g_, out_;
     int work_nodes_ = 0;
 };
 

@@ -2,10 +2,14 @@
 #include "periodic/sweep.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
+#include <numeric>
+#include <optional>
 #include <thread>
 
 #include "periodic/dry.hpp"
@@ -31,19 +35,53 @@ void solve_rates(Solver&& solver, const std::vector<double>& omegas, const Stead
     for (const double omega : omegas) put(solver.solve(omega, options), to), to += kSweepColumns;
 }
 
-// Rates in packs; those that no pack resolves one by one, by elements.
+// Rates in packs, in this order; those that no pack resolves one by one, by elements.
 void solve_viscous(const SweepShape& k, const std::vector<double>& omegas,
-                   const SteadyOptions& options, double* to) {
-    SteadyViscous by_elements(k.robot, k.ground, k.gait);
-    if (k.gait.offset != 0) return solve_rates(by_elements, omegas, options, to);
-    SpectralViscous packs(k.robot, k.ground, k.gait);
-    std::vector<SteadyState> found(packs.width());
-    for (std::size_t first = 0; first < omegas.size(); first += found.size()) {
-        const std::size_t count = std::min(found.size(), omegas.size() - first);
-        packs.solve(&omegas[first], static_cast<int>(count), options, found.data());
-        for (std::size_t i = 0; i < count; ++i, to += kSweepColumns)
-            put(found[i].converged ? found[i] : by_elements.solve(omegas[first + i], options), to);
+                   const std::vector<std::size_t>& order, const SteadyOptions& options,
+                   double* to) {
+    std::optional<SteadyViscous> by_elements;
+    const auto each = [&](std::size_t i) {
+        if (!by_elements) by_elements.emplace(k.robot, k.ground, k.gait);
+        return by_elements->solve(omegas[i], options);
+    };
+    if (k.gait.offset != 0) {
+        for (std::size_t i = 0; i < omegas.size(); ++i) put(each(i), to + i * kSweepColumns);
+        return;
     }
+    SpectralViscous packs(k.robot, k.ground, k.gait);
+    std::array<SteadyState, SpectralViscous::kWidest> found;
+    std::array<double, SpectralViscous::kWidest> rates;
+    const std::size_t width = packs.width();
+    for (std::size_t first = 0; first < order.size(); first += width) {
+        const std::size_t count = std::min(width, order.size() - first);
+        for (std::size_t j = 0; j < count; ++j) rates[j] = omegas[order[first + j]];
+        packs.solve(rates.data(), static_cast<int>(count), options, found.data());
+        for (std::size_t j = 0; j < count; ++j) {
+            const std::size_t i = order[first + j];
+            put(found[j].converged ? found[j] : each(i), to + i * kSweepColumns);
+        }
+    }
+}
+
+// The rates whose states the others are begun from come first: each the one that is farthest, as a
+// ratio, from all before it.
+std::vector<std::size_t> spread(const std::vector<double>& omegas) {
+    constexpr std::size_t kFirst = 16;
+    std::vector<std::size_t> order(omegas.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return omegas[a] < omegas[b]; });
+    std::vector<double> gap(omegas.size(), HUGE_VAL);
+    for (std::size_t k = 0; k + 1 < std::min(kFirst, order.size()); ++k) {
+        std::size_t farthest = k + 1;
+        for (std::size_t i = k + 1; i < order.size(); ++i) {
+            double& g = gap[order[i]];
+            g = std::min(g, std::fabs(std::log(omegas[order[i]] / omegas[order[k]])));
+            if (g > gap[order[farthest]]) farthest = i;
+        }
+        std::rotate(order.begin() + k + 1, order.begin() + farthest, order.begin() + farthest + 1);
+    }
+    return order;
 }
 
 }  // namespace
@@ -59,18 +97,6 @@ SteadyState steady_state(const SweepShape& k, const SteadyOptions& options) {
     return SteadyViscous(k.robot, k.ground, k.gait).solve(omega, options);
 }
 
-namespace {
-
-void solve_shape(const SweepShape& k, const std::vector<double>& omegas,
-                 const SteadyOptions& options, double* to) {
-    if (!k.ground.smooth())
-        solve_rates(SteadyDry(k.robot, k.ground, k.gait), omegas, options, to);
-    else
-        solve_viscous(k, omegas, options, to);
-}
-
-}  // namespace
-
 void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<double>& omegas,
                   const SteadyOptions& options, int threads, const std::function<bool(long)>& go_on,
                   double* to) {
@@ -81,9 +107,15 @@ void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<doubl
     std::mutex lock;
     std::condition_variable ended;
     int running = threads;
+    const std::vector<std::size_t> order = spread(omegas);
     const auto work = [&] {
         for (std::size_t k; !stop && (k = next++) < shapes.size();) {
-            solve_shape(shapes[k], omegas, options, to + k * omegas.size() * kSweepColumns);
+            double* own = to + k * omegas.size() * kSweepColumns;
+            const auto& [robot, ground, gait] = shapes[k];
+            if (ground.smooth())
+                solve_viscous(shapes[k], omegas, order, options, own);
+            else
+                solve_rates(SteadyDry(robot, ground, gait), omegas, options, own);
             done += static_cast<long>(omegas.size());
         }
         const std::lock_guard<std::mutex> hold(lock);

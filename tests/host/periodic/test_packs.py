@@ -76,6 +76,28 @@ def test_every_instruction_set_finds_the_same() -> None:
         assert s.positive_power == pytest.approx(0.2939930, rel=1e-7)
 
 
+@pytest.mark.skipif("avx512" not in _core.instruction_sets(), reason="needs AVX-512")
+def test_wider_registers_change_no_bit() -> None:
+    model = core_model(PAPER, VISCOUS, sn.Gait(math.radians(70), math.radians(50), 2.0))
+    wide, narrow = (_core.steady_by(name, model, 1e-9) for name in ("avx512", "avx2"))
+    for name in ("speed", "power", "positive_power", "positive_power_error", "slowest", "start"):
+        assert getattr(wide, name) == getattr(narrow, name)
+
+
+def test_rates_in_any_order_and_twice() -> None:
+    """Later rates begin from those before: whatever they are, each is as true as it says."""
+    rates = [3.0, 90.0, 3.0, 0.2, 11.0, 3.001, 11.0, 40.0, 1.0, 7.0, 3.0, 0.2]
+    shape = {"alpha_rad": math.radians(60), "beta_rad": math.radians(70)}
+    found = sn.sweep(PAPER, VISCOUS, omega_rad_s=rates, threads=1, **shape)
+    truth = sn.sweep(PAPER, VISCOUS, omega_rad_s=sorted(set(rates)), rtol=1e-11, **shape)
+    at = np.searchsorted(truth.omega_rad_s, rates)
+    assert found.converged.all()
+    for name, claim in (("speed_m_s", found.error_estimate * found.speed_m_s),
+                        ("positive_power_w", found.positive_power_error_w)):  # fmt: skip
+        true = getattr(truth, name)[..., at]
+        assert (abs(getattr(found, name) - true) <= 3 * claim + 1e-10 * true).all()
+
+
 def test_a_torque_that_touches_zero_between_two_nodes() -> None:
     """Two links at a crawl: the torque's two roots lie in one cell, one of them at its end."""
     robot = sn.Robot(2, 0.13074918359595453, 0.2847517775223594)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from serpenoid import _core
+from serpenoid.bench.cost.scenes import OWN_FLAGS
 from serpenoid.simulation.gait_batch import batch_scene, batch_state, gait_rows
 from serpenoid.simulation.stability import joint_modes
 from serpenoid.simulation.starts import start_state
@@ -19,7 +20,7 @@ from serpenoid.simulation.starts import start_state
 CORE = Path(__file__).resolve().parents[3] / "host" / "core"
 LINK_FIELDS = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
 SETS = _core.instruction_sets()
-WIDTH = {"avx2": 4, "baseline": 2, "scalar": 1}
+WIDTH = {"avx512": 4, "avx2": 4, "baseline": 2, "scalar": 1}
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
 GROUNDS = {
     "viscous": (sn.Ground(0.1, 10.0), 0.0),
@@ -255,23 +256,24 @@ def test_no_shape_has_faster_springs_than_the_bound(links: int) -> None:
 
 
 @pytest.mark.skipif("avx2" not in SETS or not shutil.which("g++"), reason="needs x86 and g++")
-def test_no_code_for_newer_processors_is_shared(tmp_path: Path) -> None:
-    """Compiled without inlining, the unit for AVX2 defines nothing but its table of kernels.
+@pytest.mark.parametrize("name", ["avx2", "avx512"])
+def test_no_code_for_newer_processors_is_shared(tmp_path: Path, name: str) -> None:
+    """Compiled without inlining, a unit for wide vectors defines nothing but its table of kernels.
 
     A linker keeps one copy of every shared inline function: were it this unit's, older processors
     would meet instructions that they do not have.
     """
     unit, flags = (
         tmp_path / "unit.o",
-        [f"-I{CORE}", "-std=c++20", "-O0", "-mavx2", "-mfma", "-ffp-contract=off"],
+        [f"-I{CORE}", "-std=c++20", "-O0", *OWN_FLAGS[f"{name}.cpp"], "-ffp-contract=off"],
     )
     subprocess.run(
-        ["g++", *flags, "-c", str(CORE / "kernels" / "avx2.cpp"), "-o", str(unit)], check=True
+        ["g++", *flags, "-c", str(CORE / "kernels" / f"{name}.cpp"), "-o", str(unit)], check=True
     )
     symbols = subprocess.run(["nm", "-C", "--defined-only", "--extern-only", str(unit)],
                              check=True, capture_output=True, text=True).stdout  # fmt: skip
     assert [line.split(maxsplit=2)[2] for line in symbols.splitlines()] == [
-        "serpenoid::kernels::avx2"
+        f"serpenoid::kernels::{name}"
     ]
 
 

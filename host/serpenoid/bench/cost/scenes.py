@@ -31,7 +31,11 @@ STEPS = 500
 # as in CMakeLists.txt; the kernels for wider vectors carry their own flags there
 FLAGS = ("-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fno-math-errno",
          "-fno-trapping-math")  # fmt: skip
-OWN_FLAGS = {"avx2.cpp": ("-mavx2", "-mfma")}
+_AVX2 = ("-mavx2", "-mfma")
+OWN_FLAGS = {
+    "avx2.cpp": _AVX2,
+    "avx512.cpp": (*_AVX2, "-mavx512f", "-mavx512vl", "-mavx512dq"),
+}
 COLUMNS = ("formulation", "rung", "title", "instructions_per_step", "ratio_to_hand")
 
 
