@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+_SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")
 FIGURES = (".png", ".pdf", ".svg")
 
 
@@ -31,9 +32,19 @@ class OutFile(click.ParamType[Path]):
             return f"{str(path)!r} must end in {' or '.join(self.suffixes)}"
         if path.is_dir():
             return f"{str(path)!r} is a folder; name a file in it"
+        if (own := _of_a_session(path)) is not None:
+            return f"{str(own)!r} holds a session's readings or set-up; take another name or folder"
         if path.exists():
             return None if os.access(path, os.W_OK) else f"{str(path)!r} may not be written to"
         return _no_place(path.parent)
+
+
+def _of_a_session(path: Path) -> Path | None:
+    """Return the session's own file that writing there, or data beside it, would destroy."""
+    if not (path.parent / "session.toml").exists():
+        return None
+    beside = path.with_suffix(".csv") if path.suffix.lower() in FIGURES else path
+    return next((own for own in (path, beside) if own.name in _SESSION and own.exists()), None)
 
 
 class OutFolder(click.ParamType[Path]):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..calibration.comparison import ComparedGait, Comparison
-from .plot import BLUE, GREY, HUGS, ORANGE, RED, figure
+from .plot import BLUE, GREY, HUGS, ORANGE, RED, figure, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +19,7 @@ def comparison_figure(found: Comparison, path: Path) -> None:
     """Draw a comparison into a file."""
     with figure(7.2, 6.0) as (fig, _unused):
         draw_comparison(fig, found)
-        fig.savefig(path)
+        save(fig, path)
 
 
 def draw_comparison(fig: Figure, found: Comparison) -> None:

@@ -17,6 +17,7 @@ from ..calibration.session import Session
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..simulation.run import Run
+from .whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,6 +60,12 @@ def figure(width_in: float, height_in: float, columns: int = 1) -> Iterator[tupl
         yield made, made.subplots(1, columns)
 
 
+def save(fig: Figure, path: Path) -> None:
+    """Write a figure into a file, whole or not at all."""
+    with whole_file(path) as part:
+        fig.savefig(part)
+
+
 def _line(ax: Axes, fit: FrictionFit, slope: str, rest: str, most: float, colour: str) -> None:
     """Draw F = slope v + rest and its 95 % band."""
     order = list(fit.whole_snake)
@@ -90,7 +97,7 @@ def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "
     """Draw the readings and the fitted lines of friction along and across the links into a file."""
     with figure(9.0, 4.2, 2) as (fig, axes):
         draw_friction(fig, axes, session, fit, note)
-        fig.savefig(path)
+        save(fig, path)
 
 
 def draw_friction(
@@ -157,7 +164,7 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
         bottom.set_xlim(left=0)
         fig.align_ylabels()
         fig.supxlabel(HUGS, fontsize=8, color=GREY)
-        fig.savefig(path)
+        save(fig, path)
 
 
 def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:
@@ -201,7 +208,7 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
             ha="left",
             x=0.01,
         )
-        fig.savefig(path)
+        save(fig, path)
 
 
 def _both(value: float | tuple[float, float]) -> str:

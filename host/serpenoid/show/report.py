@@ -19,6 +19,7 @@ from rich.progress import (
 from rich.table import Table
 
 from .screen import screen
+from .whole_file import whole_file
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
@@ -74,6 +75,12 @@ def gait_words(gait: Gait) -> str:
     return ", ".join([*words, f"omega {gait.omega_rad_s:.5g} rad/s"])
 
 
+def _settling(s: Steady) -> str:
+    if s.settling_time_s == 0:  # wheels that stick forget all at once
+        return "under a cycle"
+    return f"{s.settling_time_s:.3g} s"
+
+
 def steady(s: Steady) -> None:
     """Print a periodic state."""
     rows = [
@@ -83,7 +90,7 @@ def steady(s: Steady) -> None:
         ["power, no regeneration", f"{s.positive_power_w:.6g} W"],
         ["turn per cycle", f"{math.degrees(s.turn_rad_per_cycle):.4g} deg"],
         ["radius of the path", f"{s.radius_m:.4g} m" if s.radius_m < math.inf else "straight"],
-        ["settling time (to 1/e)", f"{s.settling_time_s:.3g} s"],
+        ["settling time (to 1/e), near this state", _settling(s)],
         ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
     ]
     table(gait_words(s.gait), ["periodic state, exact model", "value"], rows)
@@ -136,7 +143,7 @@ def influence(found: FrictionFit) -> None:
 
 def write_csv(path: Path, header: list[str], rows: list[list[Any]]) -> None:
     """Write a heading and rows, numbers by their shortest exact digits."""
-    with path.open("w", newline="") as file:
+    with whole_file(path) as part, part.open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(header)
         writer.writerows(rows)

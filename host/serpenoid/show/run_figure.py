@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..simulation.run import ENERGY_COLUMNS, Run
-from .plot import BLUE, GREEN, GREY, ORANGE, RED, along_travel, draw_links, figure
+from .plot import BLUE, GREEN, GREY, ORANGE, RED, along_travel, draw_links, figure, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +34,7 @@ def draw_run(run: Run, path: Path) -> None:
             _energy(axes[2], run)
         axes[-1].set_xlabel("time (s)")
         fig.suptitle(scene_words(run.scene), fontsize=9, color=GREY, ha="left", x=0.01)
-        fig.savefig(path)
+        save(fig, path)
 
 
 def scene_words(scene: Scene) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from ..simulation.run import ENERGY_COLUMNS
 from ..simulation.scene_file import scene_values
 from .report import console, notices, table
+from .whole_file import whole_file
 
 if TYPE_CHECKING:
     from ..simulation.error import RunError
@@ -115,5 +116,6 @@ def show_run(run: Run, summary: dict[str, Any]) -> None:
 
 def write_run(run: Run, path: Path) -> None:
     """Write a run as CSV and say so."""
-    run.to_csv(path)
+    with whole_file(path) as part:
+        run.to_csv(part)
     notices.print(f"wrote {path}")

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .whole_file import whole_file
+
 if TYPE_CHECKING:
     from ..periodic.sweep import Sweep
 
@@ -24,12 +26,14 @@ def _arrays(found: Sweep) -> dict[str, NDArray[Any]]:
 
 def write_sweep(found: Sweep, path: Path) -> None:
     """Write a sweep of one robot and ground in the format that the suffix names."""
-    if path.suffix.lower() == ".npz":
-        np.savez_compressed(path, allow_pickle=False, **_arrays(found))
-    elif path.suffix.lower() == ".json":
-        path.write_text(json.dumps(sweep_values(found), allow_nan=False) + "\n")
-    else:
-        _write_csv(found, path)
+    with whole_file(path) as part:
+        if path.suffix.lower() == ".npz":
+            with part.open("wb") as file:  # NumPy appends .npz to the name of an .NPZ
+                np.savez_compressed(file, allow_pickle=False, **_arrays(found))
+        elif path.suffix.lower() == ".json":
+            part.write_text(json.dumps(sweep_values(found), allow_nan=False) + "\n")
+        else:
+            _write_csv(found, part)
 
 
 def _write_csv(found: Sweep, path: Path) -> None:

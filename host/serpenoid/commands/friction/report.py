@@ -22,6 +22,7 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
     from ...calibration.session_rows import events_of
     from ...show.progress import progress
     from ...show.session.report_page import session_page
+    from ...show.whole_file import whole_file
 
     out = out or session / "report.html"
     compared = advised = None
@@ -33,6 +34,7 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
     if loaded.setup.procedure.gaits:
         advised = advice.advise(loaded)
     page = session_page(loaded, fit, compared, advised, events_of(loaded))
-    out.write_text(page, encoding="utf-8")
+    with whole_file(out) as part:
+        part.write_text(page, encoding="utf-8")
     verdict = None if compared is None else compared.verdict
     show_json({"report": str(out), "verdict": verdict}) if as_json else click.echo(f"wrote {out}")

@@ -17,7 +17,7 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...periodic.sweep import Sweep
-from ..plot import BLUE, GREY, ORANGE, figure, robot_words
+from ..plot import BLUE, GREY, ORANGE, figure, robot_words, save
 from ..report import write_csv
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def draw_cliff(cliff: Cliff, path: Path, title: str = "") -> None:
     with figure(6.4, 5.2) as (fig, ax):
         cliff_axes(fig, ax, cliff, title or gait_words(cliff.gait))
         fig.suptitle(robot_words(cliff.robot, cliff.ground), fontsize=8, color=GREY)
-        fig.savefig(path)
+        save(fig, path)
     rows = [
         [a, f, cliff.speed_m_s[i, j]]
         for i, a in enumerate(cliff.amplitude.tolist())
@@ -111,7 +111,7 @@ def optimum_figure(
             ax.set(xlabel="speed (m/s)", title=name)
             ax.set_ylim(0, 1.15 * max(*values, stated or 0))
         fig.suptitle(title, fontsize=9, color=GREY)
-        fig.savefig(path)
+        save(fig, path)
     rows = [list(row) for row in zip(speed, *[values for _, values, _ in parts], strict=True)]
     write_csv(beside(path), ["speed_m_s", "omega_rad_s", "beta_deg", "alpha_deg"], rows)
 
@@ -135,7 +135,7 @@ def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
             ax.set(xlabel="α (deg)", ylabel="β (deg)", title=name)
             ax.grid(visible=False)
         fig.suptitle(title, fontsize=9, color=GREY)
-        fig.savefig(path)
+        save(fig, path)
     rows = [
         [a, b, speed[i, j], power[i, j]]
         for i, a in enumerate(alpha.tolist()) for j, b in enumerate(beta.tolist())

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...calibration.friction_fit import friction_points, point_errors
 from ...periodic.sweep import Sweep
-from ..plot import BLUE, GREY, RED, along_travel, figure
+from ..plot import BLUE, GREY, RED, along_travel, figure, save
 from ..report import write_csv
 from .gait_figures import beside
 
@@ -45,7 +45,7 @@ def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
             " k = 1000 N/m, c = 1 N s/m, RK4 of 1 ms",
             fontsize=9, color=GREY,
         )  # fmt: skip
-        fig.savefig(path)
+        save(fig, path)
     rows = np.column_stack([
         closed.t_s, closed.theta_error_rad, closed.velocity_error_m_s, opened.theta_error_rad,
         opened.velocity_error_m_s,
@@ -80,7 +80,7 @@ def power_of(
         ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         ax.legend(loc="upper left")
         fig.suptitle(title, fontsize=9, color=GREY)
-        fig.savefig(path)
+        save(fig, path)
     rows: list[list[Any]] = [
         ["gait", float(cloud.speed_m_s[at]), float(watts[at]),
          round(math.degrees(cloud.alpha_rad[at[0]]), 10),

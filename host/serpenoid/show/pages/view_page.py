@@ -15,6 +15,7 @@ from ...model.errors import BadInput
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ..whole_file import whole_file
 from .twin import Motion, Twin
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ STUCK_M_S = 1e-4  # slower than this a wheel on dry ground is shown as one that 
 
 def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> None:
     """Write the page: it needs no other file and no network."""
-    path.write_text(page_text(title, about, shown).replace("@NONCE@", ""), encoding="utf-8")
+    with whole_file(path) as part:
+        part.write_text(page_text(title, about, shown).replace("@NONCE@", ""), encoding="utf-8")
 
 
 def page_text(title: str, about: str, shown: dict[str, Any]) -> str:
