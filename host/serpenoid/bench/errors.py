@@ -9,7 +9,10 @@ held against a run in time that has forgotten its start.
 from __future__ import annotations
 
 import math
+import signal
+import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -37,6 +40,8 @@ _DRY_FLOOR = 1e-9  # on dry ground, where each change of mode is found to a roun
 _STATE_FLOOR = 1e-8  # relative: what a settled run in time is good for
 _MOST_CYCLES = 300
 _POWERS = ("power", "abs_power", "positive_power")
+MOST_S = 60.0  # of processor time for a case: one of some hundred dry truths never ends
+_TELL_EVERY = 10  # runs
 _BY_STEP = ("rk4", "rk4", "euler", "semi_implicit_euler")
 
 
@@ -45,7 +50,8 @@ class Judged:
     """Hold one run's true error and its estimate, in body lengths or radians, the larger.
 
     true: nan where the motion has no truth (chaos). Of periodic states: of speed or a power,
-    relative, whichever is worst beside its estimate.
+    relative, whichever is worst beside its estimate. judged: False where it took too long; nothing
+    is known of such a run.
     """
 
     kind: str
@@ -53,6 +59,7 @@ class Judged:
     true: float
     estimate: float
     settled: bool
+    judged: bool = True
 
     @property
     def ratio(self) -> float:
@@ -62,7 +69,7 @@ class Judged:
     @property
     def kept(self) -> bool:
         """Tell whether the true error is within three times the estimate, or was warned of."""
-        return not self.settled or self.ratio <= 3
+        return not self.judged or not self.settled or self.ratio <= 3
 
 
 def random_scene(kind: str, rng: Generator) -> Scene:
@@ -148,16 +155,57 @@ def truth_scene(scene: Scene, tolerance: float) -> Scene:
     return replace(scene, method=method, tolerance=tolerance, record=())
 
 
-def judge_random(kind: str, rng: Generator) -> Judged | None:
-    """Judge one random case of a kind; None where it or its truth does not run."""
-    if kind in STATES:
-        robot = Robot(int(rng.integers(2, 11)), 10 ** rng.uniform(-1.4, 0), rng.uniform(0.05, 0.15))
-        ground = Ground(10 ** rng.uniform(-2.5, 0), 10 ** rng.uniform(-1, 1))
-        if kind != "viscous_states":
-            ground = random_dry_ground(robot, kind == "ratchet_states", rng)
-        gait = Gait(rng.uniform(0.1, 1.4), rng.uniform(0.2, 2.2), 10 ** rng.uniform(-0.3, 1.2))
-        return judge_state(kind, robot, ground, gait, float(10 ** rng.uniform(-6, -2)))
-    return judge(kind, random_scene(kind, rng))
+def random_case(kind: str, rng: Generator) -> tuple[Scene, float]:
+    """Return a scene of a kind, and of a periodic state the relative accuracy to ask for."""
+    if kind not in STATES:
+        return random_scene(kind, rng), math.nan
+    robot = Robot(int(rng.integers(2, 11)), 10 ** rng.uniform(-1.4, 0), rng.uniform(0.05, 0.15))
+    ground = Ground(10 ** rng.uniform(-2.5, 0), 10 ** rng.uniform(-1, 1))
+    if kind != "viscous_states":
+        ground = random_dry_ground(robot, kind == "ratchet_states", rng)
+    gait = Gait(rng.uniform(0.1, 1.4), rng.uniform(0.2, 2.2), 10 ** rng.uniform(-0.3, 1.2))
+    return Scene(robot, ground, gait), float(10 ** rng.uniform(-6, -2))
+
+
+def judge_random(kind: str, rng: Generator, most_s: float = MOST_S) -> Judged | None:
+    """Judge one random case of a kind; None where it or its truth does not run.
+
+    most_s: processor time, s, after which the case is given up.
+    """
+    scene, rtol = random_case(kind, rng)
+    try:
+        with _at_most(most_s):
+            if kind in STATES:
+                return judge_state(kind, scene.robot, scene.ground, scene.gait, rtol)
+            return judge(kind, scene)
+    except _TooLong:
+        return Judged(kind, scene, math.nan, math.nan, settled=True, judged=False)
+
+
+class _TooLong(Exception):
+    """Raised when the processor time of a case is used up."""
+
+
+@contextmanager
+def _at_most(seconds: float) -> Iterator[None]:
+    """Raise _TooLong after so much processor time, s; off the main thread there is no such limit.
+
+    A run in the core looks for signals at every step, as it does for Ctrl-C.
+    """
+    if not hasattr(signal, "SIGPROF") or threading.current_thread() != threading.main_thread():
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise _TooLong
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def judge(kind: str, scene: Scene) -> Judged | None:
@@ -235,16 +283,23 @@ def _estimate(run: Run) -> float:
     return run.error_estimate.integration.size(run.scene.robot.body_length_m)
 
 
-def judge_class(count: int, seed: int, tell: Callable[[str], object]) -> Iterator[Judged]:
-    """Judge so many random runs of every kind."""
+def judge_class(
+    count: int, seed: int, tell: Callable[[str], object], most_s: float = MOST_S
+) -> Iterator[Judged]:
+    """Judge so many random runs of every kind, and give up those that take longer than most_s."""
     for kind in KINDS:
-        rng, found = np.random.default_rng([seed, KINDS.index(kind)]), 0
-        while found < count:
-            judged = judge_random(kind, rng)
-            if judged is not None:
-                found += 1
-                yield judged
-        tell(f"{kind}: {count} runs")
+        rng, found, given_up = np.random.default_rng([seed, KINDS.index(kind)]), 0, 0
+        while found < count and given_up < max(count, 3):
+            judged = judge_random(kind, rng, most_s)
+            if judged is None:
+                continue
+            yield judged
+            found, given_up = found + judged.judged, given_up + (not judged.judged)
+            if not judged.judged:
+                tell(f"{kind}: given up after {most_s:g} s of processor time: {judged.scene}")
+            elif found % _TELL_EVERY == 0 and found < count:
+                tell(f"{kind}: {found} of {count} runs")
+        tell(f"{kind}: {found} runs")
 
 
 def coverage_rows(runs: list[Judged]) -> list[dict[str, float | str]]:
@@ -255,12 +310,13 @@ def coverage_rows(runs: list[Judged]) -> list[dict[str, float | str]]:
         ratio = np.array([r.ratio for r in some if r.settled and not math.isnan(r.true)])
         rows.append({
             "kind": kind,
-            "runs": len(some),
+            "runs": sum(r.judged for r in some),
             "within_estimate": float(np.mean(ratio <= 1)) if ratio.size else math.nan,
             "within_3": float(np.mean(ratio <= 3)) if ratio.size else math.nan,
             "worst_ratio": float(ratio.max()) if ratio.size else math.nan,
             "median_ratio": float(np.median(ratio)) if ratio.size else math.nan,
             "warned": sum(not r.settled for r in some),
             "unwarned_misses": sum(not r.kept for r in some),
+            "given_up": sum(not r.judged for r in some),
         })  # fmt: skip
     return rows

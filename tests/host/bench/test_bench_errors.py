@@ -88,6 +88,19 @@ def test_a_miss_is_counted_unless_warned_of(few: list[Judged]) -> None:
     assert (row["unwarned_misses"], row["warned"], row["within_3"]) == (1, 1, 0.0)
 
 
+def test_a_case_that_takes_too_long_is_given_up_and_counted() -> None:
+    """A limp joint on a slope: its truth changes mode for ever, one in some hundred cases does."""
+    told = list[str]()
+    runs = list(judge_class(1, SEED, told.append, most_s=0.02))
+    late = [run for run in runs if not run.judged]
+    assert late
+    assert all(run.kept for run in late)
+    assert len([line for line in told if "given up after 0.02 s" in line]) == len(late)
+    row = coverage_rows(runs)[-1]
+    assert (row["given_up"], row["runs"]) == (len(late), len(runs) - len(late))
+    errors.judge_random("viscous_states", np.random.default_rng(1))  # and the limit is off again
+
+
 def test_the_command_publishes_the_coverage(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(errors, "KINDS", ("torque", "dry_servo"))
     done = CliRunner().invoke(cli, ["bench", "errors", "--runs", "1", "--out", str(tmp_path)])
