@@ -6,7 +6,15 @@ import csv
 import math
 from pathlib import Path
 
-from serpenoid.bench.cost.steady import CASES, Cost, summary, write
+import pytest
+from serpenoid.bench.cost.steady import (
+    CASES,
+    Cost,
+    dry_products,
+    summary,
+    viscous_products,
+    write,
+)
 
 
 def made_up() -> list[Cost]:
@@ -29,9 +37,15 @@ def test_ratios_are_of_this_run() -> None:
     assert "20 times" in lines[1]
 
 
-def test_the_floor_is_told() -> None:
-    floor = Cost("floor", "viscous", 6, 1e-6, math.nan, 1e-6)
-    assert "floor 0.0045 s for 4500" in summary([*made_up(), floor])[-1]
+@pytest.mark.parametrize("ground", CASES)
+def test_the_floor_is_told(ground: str) -> None:
+    floor = Cost("floor", ground, 6, 1e-6, math.nan, 1e-6)
+    assert f"{ground}: floor 0.0045 s for 4500" in summary([*made_up(), floor])[-1]
+
+
+def test_the_floors_count_what_they_say() -> None:
+    assert viscous_products() == pytest.approx(15_000, rel=0.02)
+    assert dry_products() == pytest.approx(19 * 7000, rel=0.1)
 
 
 def test_files(tmp_path: Path) -> None:

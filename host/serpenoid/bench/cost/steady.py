@@ -83,22 +83,51 @@ def _grid_cost(ground: str, step: int) -> Cost:
     return Cost("grid", ground, 6, GRID_RTOL[ground], math.nan, taken / count)
 
 
-def _floor_cost() -> Cost:
-    """Return what the least arithmetic of a gait of the viscous grid takes at this core's best.
+def _product_s() -> float:
+    """Return the seconds of a multiply-add at this core's best.
 
-    That is one step of Newton's method on 24 nodes, the means, and the joints' powers with two or
-    three kinks each: some 15 000 multiply-adds. The best is what NumPy's matrix product reaches
-    (60 wide: larger ones take several threads). The tables, 15 kB a shape, stay in the nearest
-    cache: there is no floor of memory.
+    That is what NumPy's matrix product reaches (60 wide: larger ones take several threads).
     """
-    nodes, joints, size, runs = 24, PAPER.links - 1, 60, 1000
-    step, means = nodes * (6 * nodes + 240), nodes * (nodes + 40)
-    powers = joints * (16 * nodes + round(2.5 * 190))
+    size, runs = 60, 1000
     a = np.ones((size, size))
-    each = processor_s(lambda: [a @ a for _ in range(runs)], 9) / size**3 / runs
-    return Cost(
-        "floor", "viscous", 6, GRID_RTOL["viscous"], math.nan, (step + means + powers) * each
-    )
+    return processor_s(lambda: [a @ a for _ in range(runs)], 9) / size**3 / runs
+
+
+def _floor_cost(ground: str) -> Cost:
+    """Return what the least arithmetic of a gait of a grid takes at this core's best.
+
+    The tables, 15 kB a shape, stay in the nearest cache: there is no floor of memory.
+    """
+    products = {"viscous": viscous_products, "dry": dry_products}[ground]()
+    return Cost("floor", ground, 6, GRID_RTOL[ground], math.nan, products * _product_s())
+
+
+def viscous_products() -> int:
+    """Return the multiply-adds of one step of Newton's method, the means and the joints' powers.
+
+    24 nodes; two or three kinks of each joint's power: some 15 000.
+    """
+    nodes, joints = 24, PAPER.links - 1
+    step, means = nodes * (6 * nodes + 240), nodes * (nodes + 40)
+    return step + means + joints * (16 * nodes + round(2.5 * 190))
+
+
+def dry_products() -> int:
+    """Return the multiply-adds of following half a cycle once, from the right start.
+
+    A half cycle has 19 pieces between changes of mode (mean of the grid at 1e-4, that of the last
+    pass; the solver makes 3.1 passes a gait); of each that is one evaluation of its five stages and
+    one step of Newton's method, four right sides for the derivative, whether a wheel's mode ends,
+    integrals, the joints' powers, and the convex step to the next mode: some 7000.
+    """
+    pieces, stages, links, wheels, joints = 19, 5, OF_2005.links, 2 * OF_2005.links, 5
+    shape, sums = 60 * links, 14 * wheels  # of a stage: sines, places, rates; drag and its matrix
+    unknowns = 3 * stages
+    newton = unknowns**3 // 3 + 4 * unknowns**2
+    modes = wheels * (4 * (stages + 1) + (stages + 1) ** 2)  # speeds, bounds of their polynomials
+    powers, integrals = joints * (25 * stages + 100), 60 * stages
+    change = shape + sums + 150
+    return pieces * (stages * (shape + sums) + newton + modes + powers + integrals + change)
 
 
 def _process_cost() -> Cost:
@@ -157,8 +186,9 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
         tell(f"{ground}: grid, run, links, errors")
         rows += [_grid_cost(ground, 3 if quick else 1), _run_cost(ground)]
         rows.append(Cost("gait", ground, 6, 1e-8, math.nan, _alone_s(ground)))
+        rows.append(_floor_cost(ground))
         if ground == "viscous":
-            rows += [_floor_cost(), _process_cost()]
+            rows.append(_process_cost())
         rows += [
             Cost("links", ground, n, GRID_RTOL[ground], math.nan,
                  _solve_s(ground, n, GRID_RTOL[ground]))
@@ -200,16 +230,17 @@ def summary(rows: list[Cost]) -> list[str]:
             f"until the start is forgotten takes {cost['run'] / each:.0f} times a grid's gait",
         ]
     lines += [
-        f"viscous: {r.what} {4500 * r.seconds:.4f} s for 4500: {_MEANS[r.what]}"
+        f"{r.ground}: {r.what} {4500 * r.seconds:.4f} s for 4500: {_MEANS[r.what, r.ground]}"
         for r in rows
-        if r.what in _MEANS
+        if (r.what, r.ground) in _MEANS
     ]
     return lines
 
 
 _MEANS = {
-    "floor": "the arithmetic of one Newton step and the powers, at this core's best",
-    "process": "`serpenoid sweep` to a CSV file, Python, imports and all",
+    ("floor", "viscous"): "the arithmetic of one Newton step and the powers, at this core's best",
+    ("floor", "dry"): "the arithmetic of following half a cycle once, at this core's best",
+    ("process", "viscous"): "`serpenoid sweep` to a CSV file, Python, imports and all",
 }
 
 
