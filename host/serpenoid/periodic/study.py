@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -50,11 +52,10 @@ class Study:
         return tuple(chunk for chunk in self.chunks if not self.path(chunk).exists())
 
     def __iter__(self) -> Iterator[dict[str, NDArray[Any]]]:
-        """Yield the chunks that are done, in order."""
+        """Yield the chunks that are done, in order. Raises BadInput: one is damaged."""
         for chunk in self.chunks:
             if self.path(chunk).exists():
-                with np.load(self.path(chunk), allow_pickle=False) as file:
-                    yield {name: file[name] for name in file.files}
+                yield _load_chunk(self.path(chunk))
 
     def write(self, chunk: Stretch, table: Array) -> None:
         """Write the file of a chunk: whole, or not at all."""
@@ -69,6 +70,16 @@ class Study:
                 omega_rad_s=np.array(self.grid.omega_rad_s), **self.grid.named(table, first),
             )  # fmt: skip
         part.replace(self.path(chunk))
+
+
+def _load_chunk(path: Path) -> dict[str, NDArray[Any]]:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (zipfile.BadZipFile, zlib.error, ValueError, EOFError) as error:
+        raise BadInput(
+            f"{path} is damaged ({error}); delete it and ask for the study again: it is solved anew"
+        ) from None
 
 
 def sweep_study(

@@ -82,3 +82,14 @@ def test_what_makes_no_study_is_told(
     done = CliRunner().invoke(command, options)
     assert done.exit_code == 2
     assert message in " ".join(done.output.split())
+
+
+@pytest.mark.parametrize("kept", [0, 40, 2000])
+def test_a_chunk_that_was_damaged_is_named(tmp_path: Path, kept: int) -> None:
+    study = sn.sweep_study(PAPER, VISCOUS, out=tmp_path / "study", **AXES)
+    file = study.path(study.chunks[0])
+    file.write_bytes(file.read_bytes()[:kept])
+    with pytest.raises(sn.BadInput, match=r"chunk-0+\.npz is damaged .* delete it"):
+        list(study)
+    file.unlink()
+    assert len(list(sn.sweep_study(PAPER, VISCOUS, out=study.folder, **AXES))) == 1

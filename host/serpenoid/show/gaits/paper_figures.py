@@ -68,10 +68,11 @@ def power_of(
     good = cloud.converged & (cloud.speed_m_s > 1e-3) & (watts > 0)
     speed = [b.speed_m_s * part for b, part in zip(front, along, strict=True)]
     wanted = [b.wanted_m_s for b in robust]
+    told = "least power" if min(along, default=1.0) == 1.0 else "least power, speed along x"
     with figure(7.2, 5.0) as (fig, ax):
         ax.scatter(cloud.speed_m_s[good], watts[good], s=2, color="#b0b0b0", lw=0,
                    rasterized=True, label=f"{int(good.sum())} gaits that travel")  # fmt: skip
-        ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label="least power")
+        ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label=told)
         if robust:
             extra = [max(100 * b.premium, 0.0) for b in robust]
             told = f"robust: {min(extra):.0f} to {max(extra):.0f} % more"
