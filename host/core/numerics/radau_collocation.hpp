@@ -177,6 +177,15 @@ struct Stretch {
         return before;
     }
 
+    // How much of it is below `limit`, to `finest`.
+    double below(double limit, double finest) const {
+        if (least() >= limit) return 0;
+        if (*std::max_element(b.begin(), b.end()) < limit) return to - from;
+        if (to - from <= finest) return (to - from) / 2;
+        Stretch after = *this;
+        return after.cut(0.5).below(limit, finest) + after.below(limit, finest);
+    }
+
     // The first stretch at whose end it is below `limit`, by halving; `shortest` bounds the search.
     bool first_below(double limit, double shortest, Stretch& found) const {
         if (least() >= limit) return false;

@@ -11,10 +11,29 @@ namespace serpenoid {
 
 namespace {
 
+constexpr int kTurn = 3, kDissipated = 6;  // rows of CycleState's derivative
+
 // Of which nothing is known yet.
 SteadyState unknown() {
     SteadyState s;
-    s.speed_error = s.power_error = s.positive_power_error = HUGE_VAL;
+    s.speed_error = s.power_error = s.positive_power_error = s.turn_error = HUGE_VAL;
+    return s;
+}
+
+// Two tolerances may agree by luck: nothing finer is claimed than a part of what was asked for.
+void claim_no_finer(double rtol, SteadyState& s) {
+    const double part = 1e-3 * rtol;
+    s.speed_error = std::max(s.speed_error, part * s.speed);
+    s.power_error = std::max(s.power_error, part * s.power);
+    s.positive_power_error = std::max(s.positive_power_error, part * s.positive_power);
+    s.turn_error = std::max(s.turn_error, part * std::fabs(s.turn));
+}
+
+// Where wheels that rest leave next to nothing of a disturbance, what is left is rounding: then a
+// multiplier is known to be small, but not how small.
+SteadyState within_rounding(SteadyState s) {
+    constexpr double kLeast = -30;  // of its logarithm
+    if (s.slowest < kLeast) s.slowest = kLeast, s.slowest_error = -kLeast;
     return s;
 }
 
@@ -110,7 +129,8 @@ SteadyDry::Ended SteadyDry::newton(DryCycle& cycle, double tolerance, double goa
         cycle.watch_powers(watched ? &positive_ : nullptr);
         const bool done = cycle.follow(p, span(), tolerance, 0, end_);
         cycle.watch_powers(nullptr);
-        net_work_ = cycle.net_work();
+        net_work_ = cycle.net_work(), doubtful_work_ = cycle.doubtful_work();
+        together_ = cycle.together();
         if (!done) return Ended::broken;
         ++out.iterations;
         image(end_, r);
@@ -182,7 +202,7 @@ void SteadyDry::add_positive(std::vector<double>& before, SteadyState& out) cons
     const double rate = gait_.omega / span();
     before.resize(positive_.size());
     out.positive_power = 0;
-    out.positive_power_error = std::fabs(net_work_ - end_.dissipated) * rate;
+    out.positive_power_error = (std::fabs(net_work_ - end_.dissipated) + doubtful_work_) * rate;
     for (std::size_t i = 0; i < positive_.size(); ++i) {
         out.positive_power += positive_[i] * rate;
         out.positive_power_error += std::fabs(positive_[i] - before[i]) * rate;
@@ -195,10 +215,11 @@ void SteadyDry::add_positive(std::vector<double>& before, SteadyState& out) cons
 SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, double from) {
     SteadyState out = unknown(), coarse;
     constexpr double kHidden = 0.8;
-    constexpr double kLuck = 0.01;  // a power seldom changes by less than this of a tolerance
+    constexpr double kLuck = 0.15;  // a power seldom changes by less than this of a tolerance
     constexpr double kLast = 1e-13;
     constexpr double kFirst = 0.12;  // so that the second level is mostly enough
-    double before = 0;
+    const double time = span() / gait_.omega;
+    double before = 0, before_power = 0, before_slowest = 0;
     Vec3 last_z = z_;
     std::vector<double> before_positive;
     bool first = true;
@@ -224,15 +245,27 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
         // by: a lucky change would hide them
         Vec3 moved;
         for (int k = 0; k < 3; ++k) moved[k] = z_[k] - last_z[k];
-        next.speed_error = change + 0.05 * before +
-                           kHidden * (size(moved) + tolerance * slackness()) * cycle.scale()[0] /
-                               (robot_.n * robot_.m);
+        const double unsure = size(moved) + tolerance * slackness();
+        next.speed_error =
+            change + 0.05 * before + kHidden * unsure * cycle.scale()[0] / (robot_.n * robot_.m);
         last_z = z_;
-        next.power_error = std::fabs(next.power - coarse.power) + kLuck * tolerance * next.power;
-        if (options.powers)  // what the joints' work and the friction's are apart
-            next.power_error += std::fabs(net_work_ - end_.dissipated) * gait_.omega / span();
+        const double by_state = kHidden * unsure * follows(kDissipated, cycle) / time;
+        const double power_change = std::fabs(next.power - coarse.power);
+        next.turn_error = std::fabs(next.turn - coarse.turn) + kLuck * tolerance +
+                          kHidden * unsure * follows(kTurn, cycle);
+        next.power_error =
+            power_change + 0.05 * before_power + kLuck * tolerance * next.power + by_state;
+        if (options.powers) {  // what the joints' work and the friction's are apart
+            next.power_error += std::fabs(net_work_ - end_.dissipated) / time;
+            next.positive_power_error += by_state;
+        }
+        before_power = first ? 0 : power_change;
         // derivatives jump where the sequence of modes does: one change says little of the next
-        next.slowest_error = 3 * change_of(next.slowest, coarse.slowest);
+        const double slowest_change = change_of(next.slowest, coarse.slowest);
+        next.slowest_error = 5 * slowest_change + 0.3 * before_slowest;
+        before_slowest = first ? 0 : slowest_change;
+        if (together_) next.slowest_error = std::max(next.slowest_error, std::fabs(next.slowest));
+        claim_no_finer(options.rtol, next);
         next.converged = !first && excess(next, options) <= 1;
         if (first || excess(next, options) < excess(out, options)) out = next;
         if (out.converged) break;
@@ -240,6 +273,13 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
         coarse = next, first = false;
     }
     return out;
+}
+
+// How much a quantity at the end changes with the state at the start, as a fraction of the scales.
+double SteadyDry::follows(int row, const DryCycle& cycle) const {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += std::fabs(end_.by_start[row][k]) * cycle.scale()[k];
+    return sum;
 }
 
 // How many times the errors are what is asked for.
@@ -330,9 +370,10 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
         }
     }
     remember(omega, out.converged);
-    if (out.converged) return out;
+    if (out.converged) return within_rounding(out);
     const SteadyState slow = steady_dry_by_steps(robot_, ground_, gait_, options);
-    return slow.converged || excess(slow, options) <= excess(out, options) ? slow : out;
+    const bool slower = slow.converged || excess(slow, options) <= excess(out, options);
+    return within_rounding(slower ? slow : out);
 }
 
 }  // namespace serpenoid

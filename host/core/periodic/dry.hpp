@@ -36,6 +36,7 @@ class SteadyDry {
     void image(const CycleState& end, Vec3& r);
     void report(DryCycle& cycle, const Vec3& d, double tolerance, SteadyState& out);
     void add_positive(std::vector<double>& before, SteadyState& out) const;
+    double follows(int row, const DryCycle& cycle) const;
     double excess(const SteadyState& s, const SteadyOptions& options) const;
     void guess(double omega);
     void remember(double omega, bool converged);
@@ -52,6 +53,8 @@ class SteadyDry {
     CycleState end_;                // of the last map
     std::vector<double> positive_;  // and its integrals of P_i^+, J
     double net_work_ = 0;           // and the joints' work, J
+    double doubtful_work_ = 0;      // and what is not sure of theirs
+    bool together_ = false;         // whether wheels stopped at one moment
     Mat3 M_{};                      // derivative of the image by the state, over the scales
 };
 

@@ -262,6 +262,7 @@ bool level(HalfCycle& map, FixedPoint& fixed, const Gait& gait, const SteadyOpti
     }
     out.slowest_error = std::fabs(out.slowest);
     out.power_error = std::fabs(out.power - coarse.power);
+    out.turn_error = std::fabs(out.turn - coarse.turn) + 3 * fixed.last_step;
     out.positive_power_error = std::fabs(out.positive_power - coarse.positive_power);
     if (options.powers) out.positive_power_error += map.work_missed() * gait.omega / map.span();
     return true;
@@ -274,7 +275,8 @@ SteadyState steady_dry_by_steps(const Robot& robot, const Ground& ground, const 
     HalfCycle map(robot, ground, gait);
     FixedPoint fixed(map);
     SteadyState out;
-    out.speed_error = out.power_error = out.positive_power_error = HUGE_VAL;  // nothing known yet
+    out.speed_error = out.power_error = out.positive_power_error = out.turn_error =
+        HUGE_VAL;  // nothing known yet
     const double floor = options.rtol * 1e-4 * gait.omega * 2 * robot.l * robot.n;
     if (!fixed.wander(200, 1e-3)) return out;
     double before = 0, reached = 0;

@@ -60,7 +60,8 @@ DryCycle::DryCycle(const Robot& robot, const Ground& ground, const Gait& gait)
       margin_(2 * robot.n),
       lowest_(2 * robot.n),
       torque_(robot.n),
-      rate_(robot.n) {
+      rate_(robot.n),
+      fresh_(2 * robot.n) {
     const double v = gait.omega * robot.l * std::max(gait.alpha, 1e-9), arm = robot.n * robot.l;
     scale_ = {nm_ * v, nm_ * v, robot.n * (robot.I + robot.m * arm * arm / 12) * v / arm};
     mode_.sign.assign(2 * robot.n, 1.0);
@@ -260,10 +261,18 @@ void DryCycle::jump(const Vec3& after, CycleState& state) {
         for (int c = 0; c < 3; ++c) state.by_start[i][c] += (after[i] - jump_.rate[i]) * row[c];
 }
 
-// Find the mode that follows the end of one; the kick is lengthened until the wheel has changed,
-// and from one end to the next when they come in quick succession: two wheels of an almost straight
-// chain may take turns in stopping, for so short a time as cannot stop both.
+// Find the mode that follows the end of one.
 bool DryCycle::change_mode(CycleState& state, double& tau, double tau_end, const Ending& end) {
+    before_ = mode_.sign;
+    if (!kick_on(state, tau, tau_end, end)) return false;
+    if (end.wheel >= 0) note_changes();
+    return true;
+}
+
+// The kick is lengthened until the wheel has changed, and from one end to the next when they come
+// in quick succession: two wheels of an almost straight chain may take turns in stopping, for so
+// short a time as cannot stop both.
+bool DryCycle::kick_on(CycleState& state, double& tau, double tau_end, const Ending& end) {
     const CycleState before = state;
     const double skipped = skipped_, from = tau, was = end.wheel < 0 ? 2 : mode_.sign[end.wheel];
     double length = kick_ = std::clamp(4 * kick_, shortest_kick_, 10 * longest_kick_);
@@ -274,6 +283,15 @@ bool DryCycle::change_mode(CycleState& state, double& tau, double tau_end, const
         length = std::min(8 * length, std::max(kick_, longest_kick_));
     }
     return true;
+}
+
+void DryCycle::note_changes() {
+    int slid = 0;
+    for (int c = 0; c < 2 * robot_.n; ++c) {
+        if (mode_.sign[c] == before_[c]) continue;
+        slid += before_[c] != 0, fresh_[c] = 1;
+    }
+    together_ = together_ || slid > 1;
 }
 
 // What friction takes, W, and its derivative by u.
@@ -327,7 +345,9 @@ void DryCycle::accumulate(double h, double x, CycleState& state) {
         }
     }
     state.p = x == 1 ? piece_.stage(s - 1) : piece_.at(x);
-    const Mat3 B = rows_by(x == 1 ? piece_.stage_tangent(s - 1) : piece_.tangent(x), from);
+    Mat3 B{};  // three wheels at rest leave nothing of a disturbance
+    if (mode_.count < 3)
+        B = rows_by(x == 1 ? piece_.stage_tangent(s - 1) : piece_.tangent(x), from);
     for (int i = 0; i < 9; ++i) state.by_start[i / 3][i % 3] = B[i];
 }
 
@@ -391,7 +411,8 @@ bool DryCycle::follow(const Vec3& p, double tau_end, double tolerance, double sp
     to = {};
     to.p = p, spin_ = spin;
     if (positive_) positive_->assign(robot_.n - 1, 0.0);
-    net_work_ = 0;
+    net_work_ = doubtful_work_ = 0, together_ = false;
+    std::fill(fresh_.begin(), fresh_.end(), 0);
     for (int i = 0; i < 3; ++i) to.by_start[i][i] = 1;
     return advance(to, tau_end, tolerance);
 }

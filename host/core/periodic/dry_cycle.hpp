@@ -37,6 +37,12 @@ class DryCycle {
     // From here on `follow` adds up the time integrals of each P_i^+, J, too; null: no more.
     void watch_powers(std::vector<double>* positive) { positive_ = positive; }
     double net_work() const { return net_work_; }  // of the joints then, J
+    // And what of the positive work hangs on wheels of which the motion does not tell whether they
+    // come to rest, J.
+    double doubtful_work() const { return doubtful_work_; }
+    // Whether wheels that slid stopped or turned at one and the same moment: which is the first
+    // beside this motion hangs on the way one is beside it, so there is no one derivative.
+    bool together() const { return together_; }
 
     const Vec3& scale() const { return scale_; }  // of p
     double rate(double L, double tau);            // w for a given L
@@ -58,6 +64,8 @@ class DryCycle {
     };
     bool kick(CycleState& state, double& tau, double tau_end, double length);
     bool change_mode(CycleState& state, double& tau, double tau_end, const Ending& ending);
+    bool kick_on(CycleState& state, double& tau, double tau_end, const Ending& ending);
+    void note_changes();
     void set_mode();
     void settle_stuck(CycleState& state);
     void margins();
@@ -70,6 +78,7 @@ class DryCycle {
     void accumulate(double h, double x, CycleState& state);
     void add_positive(double tau, double h, double x);
     void add_kick_work();
+    void add_doubt(double h, double x);
     void add_part(double tau, double h, double from, double wide);
     bool advance(CycleState& state, double tau_end, double tolerance);
 
@@ -89,10 +98,13 @@ class DryCycle {
     Convex3 convex_;
     std::vector<Kink> kinks_;
     std::vector<int> wheel_of_kink_;
-    std::vector<double> way_;  // of every wheel before a kick, by its sign
+    std::vector<double> way_;     // of every wheel before a kick, by its sign
+    std::vector<double> before_;  // what every wheel did before a change of mode
+    std::vector<char> fresh_;     // wheels that have just begun to slide their way
     Jump jump_;
     std::vector<double>* positive_ = nullptr;
-    double net_work_ = 0;
+    double net_work_ = 0, doubtful_work_ = 0;
+    bool together_ = false;
     double step_ = 0.3, speed_eps_ = 0, force_eps_ = 0, shortest_kick_ = 0, longest_kick_ = 0,
            kick_ = 0, skipped_ = 0;
     long pieces_ = 0, most_ = 1'000'000;

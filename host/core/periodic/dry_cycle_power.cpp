@@ -32,6 +32,30 @@ void DryCycle::add_positive(double tau, double h, double x) {
     const int parts = static_cast<int>(std::ceil(h * (x - start) / kLongest));
     for (int k = 0; k < parts; ++k)
         add_part(tau, h, start + (x - start) * k / parts, (x - start) / parts);
+    add_doubt(h, x);
+}
+
+// A wheel whose speed dips to nearly nothing may rest there or not, for all that the motion tells
+// at this tolerance: its force, and those of wheels that rest, are then in doubt by as much as its
+// dry friction, for as long as it is so slow. The speeds hardly feel it, as the wheel has none. One
+// that has just begun to slide is slow as well, and without doubt.
+void DryCycle::add_doubt(double h, double x) {
+    constexpr double kSlow = 20;  // a fifth of a tolerance of speed, in units of the aim
+    constexpr double kFinest = 1e-7;
+    const double reach = 2 * robot_.l * alpha_ * robot_.n / 4;  // of the force, m
+    for (int wheel = 0; wheel < 2 * robot_.n; ++wheel) {
+        if (mode_.sign[wheel] == 0 || piece_.mu(wheel) == 0) continue;
+        if (lowest_[wheel] >= kSlow) {
+            fresh_[wheel] = 0;
+            continue;
+        }
+        const StagePolynomial<SlidingPiece::kStages> p(margin_[wheel].at);
+        Stretch<SlidingPiece::kStages> whole{0, 1, p.bernstein()};
+        if (x < 1) whole = whole.cut(x);
+        if (!fresh_[wheel])
+            doubtful_work_ += piece_.mu(wheel) * reach * h * whole.below(kSlow, kFinest);
+        if (p(x) >= kSlow) fresh_[wheel] = 0;
+    }
 }
 
 // The same between two fractions of a piece, `wide` apart.

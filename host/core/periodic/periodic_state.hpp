@@ -30,6 +30,7 @@ struct SteadyState {
     double speed_error = 0;     // estimates, same units as the quantity
     double power_error = 0;
     double positive_power_error = 0;
+    double turn_error = 0;
     Vec3 start{};        // u = (Vx, Vy, w) in the body frame at phase 0; m/s, m/s, rad/s
     Mat3 monodromy{};    // d(state after a period)/d(state) in (Vx, Vy, L)
     double slowest = 0;  // logarithm of the largest Floquet multiplier's size

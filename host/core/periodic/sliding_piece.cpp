@@ -9,6 +9,7 @@ namespace serpenoid {
 namespace {
 
 constexpr int s = SlidingPiece::kStages;
+constexpr double kBetween = 0.73;  // of a piece: where its polynomial is farthest from a stage
 
 // Rate of the polynomial at stage j, times h: sum_k of this times (Y_k - p0). Inverse of a.
 const std::array<double, s * s>& differentiation() {
@@ -190,7 +191,8 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
     mode_ = &mode, tau_ = tau, h_ = h, p0_ = p0;
     Lanes phase{{tau}};
     for (int j = 0; j < s; ++j) phase.at[j + 1] = tau + h * rule.c[j];
-    shape(s + 1, phase);
+    phase.at[s + 1] = tau + h * kBetween;
+    shape(s + 2, phase);
     for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = mu(c) * mode.sign[c] - thrust(c);
     sum(s + 1, mode.sign);
     Y_.fill(p0);
@@ -254,10 +256,40 @@ void SlidingPiece::stuck_forces(const SlidingMode& mode) {
     }
 }
 
+// The least change of p (kinetic energy's measure) that would put stuck wheels at rest between the
+// stages: the rate at the start knows nothing of it, as their forces take up whatever it is.
+double SlidingPiece::drift(const Vec3& scale) const {
+    if (mode_->count == 0) return 0;
+    const Node& k = node_[s + 1];
+    const Vec3 u = velocity(k, at(kBetween));
+    const double weight[3] = {inverse_nm_, inverse_nm_, k.iJ};
+    Mat3 S = identity3();
+    Vec3 pull{};
+    for (int a = 0; a < mode_->count; ++a) {
+        pull[a] = row(mode_->stuck[a], s + 1).speed(u.data(), omega_);
+        for (int b = 0; b < mode_->count; ++b) {
+            const Vec3 g = direction(mode_->stuck[a], s + 1), f = direction(mode_->stuck[b], s + 1);
+            S[3 * a + b] =
+                g[0] * f[0] * weight[0] + g[1] * f[1] * weight[1] + g[2] * f[2] * weight[2];
+        }
+    }
+    if (!solve_dense<3, 1>(S.data(), pull.data())) return 0;
+    double most = 0;
+    for (int i = 0; i < 3; ++i) {
+        double moved = 0;
+        for (int a = 0; a < mode_->count; ++a)
+            moved += pull[a] * direction(mode_->stuck[a], s + 1)[i];
+        most = std::max(most, std::fabs(moved) / scale[i]);
+    }
+    return most;
+}
+
 // What the polynomial's rate at the start is off by, but for what a stuck wheel's force takes up;
 // and how far that force is from the one that the stages tell.
 double SlidingPiece::error(const Vec3& scale) const {
-    constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it
+    constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it,
+                                     // times how much that force outweighs inertia
+    constexpr double kDrift = 0.3;   // in the mean
     const Rule& rule = Rule::get();
     const Vec3 F = free_rate(node_[0], p0_, u_[0]), slope = rate(0);
     Vec3 Q, g[3]{};
@@ -267,16 +299,18 @@ double SlidingPiece::error(const Vec3& scale) const {
         for (int i = 0; i < 3; ++i) g[a][i] /= scale[i];
     }
     const Vec3 x = least_squares(g, mode_->count, Q);
-    double most = 0, force = 0;
-    for (int a = 0; a < mode_->count; ++a)
-        force =
-            std::max(force, grip(mode_->stuck[a]) * std::fabs(omega_ * x[a] - stuck_force(a, 0)) /
-                                mu(mode_->stuck[a]));
+    double most = 0, force = 0, outweighs = 0;
+    for (int a = 0; a < mode_->count; ++a) {
+        const double bound = mu(mode_->stuck[a]) / grip(mode_->stuck[a]);
+        force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / bound);
+        outweighs = std::max(outweighs, bound / (2 * omega_ * scale[0]));
+    }
     for (int i = 0; i < 3; ++i) {
         for (int a = 0; a < mode_->count; ++a) Q[i] += x[a] * g[a][i];
         most = std::max(most, std::fabs(Q[i]));
     }
-    return std::max(h_ * most * rule.bump_height, kForce * force);
+    return std::max({h_ * most * rule.bump_height, force * std::max(kForce, outweighs * force),
+                     kDrift * drift(scale)});
 }
 
 Vec3 SlidingPiece::at(double x) const {

@@ -84,6 +84,7 @@ class SlidingPiece {
                double close);
 
     double error(const Vec3& scale) const;      // of the polynomial, as a fraction of the scales
+    double drift(const Vec3& scale) const;      // what of it stuck wheels show between the stages
     Vec3 at(double x) const;                    // p at a fraction of the piece
     Vec3 rate(double x) const;                  // and dp/dtau
     Mat3 tangent(double x) const;               // dp(x)/dp0
@@ -127,7 +128,7 @@ class SlidingPiece {
     std::vector<kernels::StageWheel> aside_;
     std::vector<double> viscous_, dry_;  // every wheel's coefficient, and force where it slides
     std::vector<Lanes> force_, scratch_;
-    std::array<Node, kStages + 1> node_;
+    std::array<Node, kStages + 2> node_;  // the last one is between stages
     const SlidingMode* mode_ = nullptr;
     double tau_ = 0, h_ = 0;
     Vec3 p0_{};

@@ -184,12 +184,18 @@ bool SpectralViscous::judge(int k, const SteadyOptions& options, double omega, c
     for (int i = 0; i < 2; ++i) half[3 * i + 2] /= J, half[6 + i] *= J;
     to.monodromy = multiply(half, half);
     const double change = fine.log_radius - coarse.log_radius;  // the transfer's order is four
+    double moved = 0, large = 0;  // of the transfer: that of one number may be small by luck
+    for (int i = 0; i < 9; ++i) {
+        moved = std::max(moved, std::fabs(fine.transfer[i] - coarse.transfer[i]));
+        large = std::max(large, std::fabs(fine.transfer[i]));
+    }
+    const double error = std::fabs(change) / 15 + fine.left * std::fabs(fine.log_radius);
     to.slowest = fine.log_radius + change / 15;
-    to.slowest_error = std::fabs(change) / 15 + fine.left * std::fabs(to.slowest);
+    to.slowest_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
     const bool told_apart =
         decays_faster(-SpectralMesh::level(k).step * level_[k].stiffest / omega, 2 * N, to.slowest);
     const double floor = std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
-    return told_apart && to.slowest_error <= kSlowest * std::fabs(to.slowest) &&
+    return told_apart && error <= kSlowest * std::fabs(to.slowest) &&
            to.speed_error <= std::max(options.rtol * to.speed, floor) &&
            std::max(to.power_error, to.positive_power_error) <=
                options.rtol * std::max(to.power, to.positive_power) + 1e-300;

@@ -321,8 +321,13 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
         const double change = std::fabs(result.speed - coarse.speed);
         const double gain = meshes < 2 ? 1 : std::clamp(change_before / change, 1.0, 16.0);
         ++meshes, change_before = change;
-        result.speed_error = change / gain;
-        result.power_error = std::fabs(result.power - coarse.power) / gain;
+        // a change may be small by luck: nothing finer is claimed than a part of what was asked for
+        const double least = 1e-4 * options.rtol, round = 2e-15 * omega * robot_.l * robot_.n;
+        result.speed_error = std::max(change / gain, least * result.speed) + round;
+        result.power_error =
+            std::max(std::fabs(result.power - coarse.power) / gain, least * result.power);
+        result.turn_error =
+            std::max(std::fabs(result.turn - coarse.turn) / gain, least * std::fabs(result.turn));
         if (options.powers) {
             positive = positive_powers(m, omega);
             add_positive(positive, positive_before, result);

@@ -297,6 +297,7 @@ NB_MODULE(_core, m) {
         .def_ro("speed_error", &SteadyState::speed_error)
         .def_ro("power_error", &SteadyState::power_error)
         .def_ro("positive_power_error", &SteadyState::positive_power_error)
+        .def_ro("turn_error", &SteadyState::turn_error)
         .def_ro("slowest", &SteadyState::slowest)
         .def_ro("slowest_error", &SteadyState::slowest_error)
         .def_ro("elements", &SteadyState::elements)

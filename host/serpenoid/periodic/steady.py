@@ -51,6 +51,7 @@ class Steady:
     error_estimate: float
     power_error_w: float
     positive_power_error_w: float
+    turn_error_rad: float
     direction_rad: float
     settling_time_s: float
     settling_error: float
@@ -77,6 +78,17 @@ class Steady:
         """Return the radius of the mean circle, m; inf for a gait that goes straight."""
         turn_rad_s = abs(self.turn_rad_per_cycle) / self.gait.period_s
         return self.speed_m_s / turn_rad_s if turn_rad_s > 0 else math.inf
+
+    @property
+    def radius_error_m(self) -> float:
+        """Return the estimated error of radius_m, m; inf where the turn may be none."""
+        turn_rad = abs(self.turn_rad_per_cycle)
+        if self.turn_error_rad >= turn_rad or math.isinf(self.radius_m):
+            return math.inf if turn_rad > 0 else 0.0
+        floor_m_s = speed_floor_m_s(self.robot, self.gait.omega_rad_s)
+        speed_error_m_s = self.error_estimate * max(self.speed_m_s, floor_m_s)
+        least_rad_s = (turn_rad - self.turn_error_rad) / self.gait.period_s
+        return (speed_error_m_s + self.radius_m * self.turn_error_rad / self.gait.period_s) / least_rad_s
 
     @property
     def floquet_multipliers(self) -> NDArray[np.complex128]:
@@ -132,8 +144,6 @@ def _settling(s: _core.SteadyState, gait: Gait) -> tuple[float, float]:
     """Return the settling time, s, and its relative error."""
     if not s.slowest < 0:
         return math.inf, 0.0
-    if math.isinf(s.slowest):  # nothing is left after a cycle
-        return 0.0, 0.0 if s.slowest_error == 0 else math.inf
     alike = 3e-8  # multipliers that nearly coincide are known to the root of rounding alone
     return gait.period_s / -s.slowest, (s.slowest_error + alike) / -s.slowest
 
@@ -155,8 +165,8 @@ def steady_gait(
     error = relative_error(s.speed_error, s.speed, robot, gait)
     found = Steady(
         robot, ground, gait, s.speed, s.power, s.abs_power, s.positive_power, s.turn, s.chord,
-        error, s.power_error, s.positive_power_error, s.direction, *_settling(s, gait), s.start,
-        s.monodromy,
+        error, s.power_error, s.positive_power_error, s.turn_error, s.direction,
+        *_settling(s, gait), s.start, s.monodromy,
     )  # fmt: skip
     if s.converged:
         return found
