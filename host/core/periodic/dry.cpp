@@ -20,15 +20,6 @@ SteadyState unknown() {
     return s;
 }
 
-// Two tolerances may agree by luck: nothing finer is claimed than a part of what was asked for.
-void claim_no_finer(double rtol, SteadyState& s) {
-    const double part = 1e-3 * rtol;
-    s.speed_error = std::max(s.speed_error, part * s.speed);
-    s.power_error = std::max(s.power_error, part * s.power);
-    s.positive_power_error = std::max(s.positive_power_error, part * s.positive_power);
-    s.turn_error = std::max(s.turn_error, part * std::fabs(s.turn));
-}
-
 // Where wheels that rest leave next to nothing of a disturbance, what is left is rounding: then a
 // multiplier is known to be small, but not how small.
 SteadyState within_rounding(SteadyState s) {

@@ -1,6 +1,9 @@
 // The periodic state of a gait, explicit model: what is asked for and what comes back.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "model/params.hpp"
 #include "numerics/dense.hpp"
 
@@ -39,5 +42,15 @@ struct SteadyState {
     int iterations = 0;  // Newton iterations or map evaluations, all meshes
     bool converged = false;
 };
+
+// Two meshes or tolerances may agree by luck: nothing finer is claimed than a part of what was
+// asked for, nor than rounding.
+inline void claim_no_finer(double rtol, SteadyState& s) {
+    const double part = 1e-3 * rtol;
+    s.speed_error = std::max(s.speed_error, part * s.speed);
+    s.power_error = std::max(s.power_error, part * s.power);
+    s.positive_power_error = std::max(s.positive_power_error, part * s.positive_power);
+    s.turn_error = std::max(s.turn_error, part * std::fabs(s.turn) + 1e-14);
+}
 
 }  // namespace serpenoid

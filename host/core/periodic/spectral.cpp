@@ -166,7 +166,8 @@ bool SpectralViscous::judge(int k, const SteadyOptions& options, double omega, c
     to.speed = to.chord = std::fabs(fine.speed);
     to.direction = fine.speed < 0 ? M_PI - fine.heading : -fine.heading;
     to.power = fine.power;
-    to.speed_error = std::fabs(fine.speed - coarse.speed) * shrunk + fine.left * to.speed;
+    const double round = 2e-15 * omega * robot_.l * robot_.n;
+    to.speed_error = std::fabs(fine.speed - coarse.speed) * shrunk + fine.left * to.speed + round;
     // a change of the motion by `left` of itself changes power by no more than Cauchy and Schwarz
     // allow, with the friction of the chain held still
     to.power_error = std::fabs(fine.power - coarse.power) * shrunk +
@@ -178,6 +179,7 @@ bool SpectralViscous::judge(int k, const SteadyOptions& options, double omega, c
         to.positive_power_error =
             (fine.abs_error + 2 * fine.left * fine.still_power + to.power_error) / 2;
     }
+    claim_no_finer(options.rtol, to);
     const double J = level_[k].node[kernels::kArm2 * N] * robot_.n * robot_.m;
     Mat3 half = {};
     for (int i = 0; i < 9; ++i) half[i] = fine.transfer[i];

@@ -15,18 +15,31 @@ namespace {
 
 double rate(double L, double omega, double K, double J) { return (L - omega * K) / J; }
 
-// Sums over the joints. Between meshes every joint's change counts, so that no luck of signs hides
-// one; a kink limits the gain of a finer mesh to some 2^6, and where it is lost among the nodes to
-// much less.
+// Sums over the joints' elements. Between meshes the change of every joint in every element of the
+// coarser one counts, so that no luck of signs hides one; a kink limits the gain of a finer mesh to
+// some 2^6, and where it is lost among the nodes to much less.
 void add_positive(const std::vector<double>& fine, const std::vector<double>& coarse,
                   SteadyState& out) {
-    constexpr double kGain = 4;
+    constexpr double kGain = 2;
     out.positive_power = out.positive_power_error = 0;
-    for (std::size_t i = 0; i < fine.size(); ++i) {
-        out.positive_power += fine[i];
-        if (!coarse.empty()) out.positive_power_error += std::fabs(fine[i] - coarse[i]) / kGain;
+    const std::size_t ratio = coarse.empty() ? 1 : fine.size() / coarse.size();
+    for (std::size_t i = 0; i < fine.size(); i += ratio) {
+        double sum = 0;
+        for (std::size_t k = i; k < i + ratio; ++k) sum += fine[k];
+        out.positive_power += sum;
+        if (!coarse.empty()) out.positive_power_error += std::fabs(sum - coarse[i / ratio]) / kGain;
     }
     out.abs_power = 2 * out.positive_power - out.power;
+}
+
+// Of a map's part that is of speeds alone, relative.
+double change_of(const Mat3& fine, const Mat3& coarse) {
+    double moved = 0, large = 0;
+    for (const int i : {0, 1, 3, 4}) {
+        moved = std::max(moved, std::fabs(fine[i] - coarse[i]));
+        large = std::max(large, std::fabs(fine[i]));
+    }
+    return large > 0 ? moved / large : 0;
 }
 
 }  // namespace
@@ -267,12 +280,13 @@ void SteadyViscous::averages(const Mesh& m, double omega, SteadyState& out) cons
     out.start = {start[0], start[1], rate(start[2], omega, shape.K, shape.J)};
 }
 
-// Mean of P_i^+ of every joint. Torque and joint rate change sign at places of their own; that of
-// the rate is known, phi_i' = 0 where tau + lag_i is an odd multiple of pi/2.
+// What every element has of the mean of P_i^+ of every joint, joint by joint. Torque and joint rate
+// change sign at places of their own; that of the rate is known, phi_i' = 0 where tau + lag_i is an
+// odd multiple of pi/2.
 std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) const {
     constexpr int s = kStages;
     std::vector<std::array<double, s>> torque(robot_.n - 1), joint_rate(robot_.n - 1);
-    std::vector<double> mean(robot_.n - 1, 0.0);
+    std::vector<double> part((robot_.n - 1) * m.elements);
     for (int e = 0; e < m.elements; ++e) {
         for (int j = 0; j < s; ++j) {
             const Node& k = m.nodes[e * s + j];
@@ -293,11 +307,11 @@ std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) 
                 [&](int i, double T, double v) { torque[i][j] = T, joint_rate[i][j] = v; });
         }
         for (int i = 0; i + 1 < robot_.n; ++i)
-            mean[i] += mean_positive_swing<s>(torque[i], joint_rate[i], e * m.h, m.h, lag_[i],
-                                              gait_.alpha) /
-                       m.elements;
+            part[i * m.elements + e] = mean_positive_swing<s>(torque[i], joint_rate[i], e * m.h,
+                                                              m.h, lag_[i], gait_.alpha) /
+                                       m.elements;
     }
-    return mean;
+    return part;
 }
 
 SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
@@ -321,18 +335,16 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
         const double change = std::fabs(result.speed - coarse.speed);
         const double gain = meshes < 2 ? 1 : std::clamp(change_before / change, 1.0, 16.0);
         ++meshes, change_before = change;
-        // a change may be small by luck: nothing finer is claimed than a part of what was asked for
-        const double least = 1e-4 * options.rtol, round = 2e-15 * omega * robot_.l * robot_.n;
-        result.speed_error = std::max(change / gain, least * result.speed) + round;
-        result.power_error =
-            std::max(std::fabs(result.power - coarse.power) / gain, least * result.power);
-        result.turn_error =
-            std::max(std::fabs(result.turn - coarse.turn) / gain, least * std::fabs(result.turn));
+        const double round = 2e-15 * omega * robot_.l * robot_.n;
+        result.speed_error = change / gain + round;
+        result.power_error = std::fabs(result.power - coarse.power) / gain;
+        result.turn_error = std::fabs(result.turn - coarse.turn) / gain;
         if (options.powers) {
             positive = positive_powers(m, omega);
             add_positive(positive, positive_before, result);
             positive_before = positive;
         }
+        claim_no_finer(options.rtol, result);
         const double speed_floor =
             std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
         result.converged =
@@ -345,8 +357,11 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
     }
     if (now_.elements > 0) {
         slowest(mesh(now_.elements), omega, result);
+        // the last mesh but one is mostly too coarse for an order to be told
         if (result.slowest_error == 0)
-            result.slowest_error = std::fabs(result.slowest - log_before) / 63;
+            result.slowest_error = std::fabs(result.slowest - log_before) +
+                                   change_of(result.monodromy, coarse.monodromy) / 4;
+        result.slowest_error += 0.1 * options.rtol * std::fabs(result.slowest);
     }
     return result;
 }

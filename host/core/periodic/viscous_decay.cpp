@@ -82,9 +82,10 @@ void SteadyViscous::slowest(const Mesh& m, double omega, SteadyState& out) const
     for (int pieces = 4; pieces <= 64; pieces *= 2) {
         const double next = followed_slowest(m, omega, pieces);
         out.slowest = next + (next - before) / 3;
-        out.slowest_error = std::fabs(next - before) / 3;
+        const double error = std::fabs(next - before) / 3;
+        out.slowest_error = 4 * error;
         before = next;
-        if (out.slowest_error < 1e-4 * std::fabs(out.slowest)) break;
+        if (error < 1e-4 * std::fabs(out.slowest)) break;
     }
 }
 

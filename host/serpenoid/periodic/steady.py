@@ -32,11 +32,21 @@ class Steady:
     rad. power_w: net mean of P = -sum T_i phi_i', W; abs_power_w, positive_power_w: means of sum
     |P_i| and sum max(P_i, 0), W. error_estimate: of the speed, relative (where the speed is next to
     nothing: to 1e-4 of body length times omega); power_error_w, abs_power_error_w,
-    positive_power_error_w: of each power. direction_rad: direction of travel counted from the
-    heading of link 1 at phase 0. body_velocity: (Vx, Vy, theta_1') at phase 0, velocity of the
-    centre of mass along and across link 1, m/s, m/s, rad/s. monodromy: derivative (3, 3) of (Vx,
-    Vy, angular momentum; m/s, m/s, kg m^2/s) after a period by those before it. settling_time_s: in
-    which the slowest disturbance falls to 1/e, inf when none does; settling_error: of it, relative.
+    positive_power_error_w: of each power; turn_error_rad: of the turn. direction_rad: direction of
+    travel counted from the heading of link 1 at phase 0. body_velocity: (Vx, Vy, theta_1') at phase
+    0, velocity of the centre of mass along and across link 1, m/s, m/s, rad/s. monodromy:
+    derivative (3, 3) of (Vx, Vy, angular momentum; m/s, m/s, kg m^2/s) after a period by those
+    before it. settling_time_s: in which the slowest disturbance falls to 1/e, inf when none does;
+    settling_error: of it, relative.
+
+    Where wheels that rest leave next to nothing of a disturbance (multipliers below 1e-13), or
+    stop several at one moment so that there is no derivative, settling_error is 1: the time is
+    anything up to twice of that given. Three wheels at rest hold the whole chain, and three
+    equations give their three forces; of more than three that could rest at once the law of
+    friction picks three (the velocities are the same whichever it is). Where a wheel's speed dips
+    so near to nothing that the motion does not tell whether it rests, its dry friction is in doubt
+    meanwhile, and so are the joints' torques, though hardly the speed or net power:
+    positive_power_error_w covers either.
     """
 
     robot: Robot
@@ -88,7 +98,9 @@ class Steady:
         floor_m_s = speed_floor_m_s(self.robot, self.gait.omega_rad_s)
         speed_error_m_s = self.error_estimate * max(self.speed_m_s, floor_m_s)
         least_rad_s = (turn_rad - self.turn_error_rad) / self.gait.period_s
-        return (speed_error_m_s + self.radius_m * self.turn_error_rad / self.gait.period_s) / least_rad_s
+        return (
+            speed_error_m_s + self.radius_m * self.turn_error_rad / self.gait.period_s
+        ) / least_rad_s
 
     @property
     def floquet_multipliers(self) -> NDArray[np.complex128]:
@@ -111,7 +123,8 @@ class Steady:
         names = (
             "speed_m_s", "power_w", "abs_power_w", "positive_power_w", "turn_rad_per_cycle",
             "chord_m_s", "radius_m", "error_estimate", "power_error_w", "abs_power_error_w",
-            "positive_power_error_w", "settling_time_s", "settling_error",
+            "positive_power_error_w", "turn_error_rad", "radius_error_m", "settling_time_s",
+            "settling_error",
         )  # fmt: skip
         return {name: getattr(self, name) for name in names} | {
             "floquet_multipliers": [[m.real, m.imag] for m in multipliers.tolist()]
