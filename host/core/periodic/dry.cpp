@@ -202,15 +202,43 @@ void SteadyDry::add_positive(std::vector<double>& before, SteadyState& out) cons
     before = positive_;
 }
 
+SteadyDry::Changes SteadyDry::changes(const SteadyState& fine, const SteadyState& coarse) {
+    return {std::fabs(fine.speed - coarse.speed), std::fabs(fine.power - coarse.power),
+            change_of(fine.slowest, coarse.slowest)};
+}
+
+// The errors of a level, from the changes to it and to the one before, and beside them from that of
+// the state and from what an error of the map moves it by: a lucky change would hide them.
+void SteadyDry::claim(const DryCycle& cycle, const SteadyOptions& options, const Level& level,
+                      const SteadyState& coarse, const Changes& before, SteadyState& out) const {
+    constexpr double kHidden = 0.8, kBefore = 0.05;
+    constexpr double kLuck = 0.15;  // a power seldom changes by less than this of a tolerance
+    const Changes change = changes(out, coarse);
+    const double time = span() / gait_.omega;
+    const double unsure = kHidden * (level.moved + level.tolerance * slackness());
+    const double by_state = unsure * follows(kDissipated, cycle) / time;
+    out.speed_error =
+        change.speed + kBefore * before.speed + unsure * cycle.scale()[0] / (robot_.n * robot_.m);
+    out.turn_error = std::fabs(out.turn - coarse.turn) + kLuck * level.tolerance +
+                     unsure * follows(kTurn, cycle);
+    out.power_error =
+        change.power + kBefore * before.power + kLuck * level.tolerance * out.power + by_state;
+    if (options.powers) {  // what the joints' work and the friction's are apart
+        out.power_error += std::fabs(net_work_ - end_.dissipated) / time;
+        out.positive_power_error += by_state;
+    }
+    // derivatives jump where the sequence of modes does: one change says little of the next
+    out.slowest_error = 5 * change.slowest + 0.3 * before.slowest;
+    if (together_) out.slowest_error = std::max(out.slowest_error, std::fabs(out.slowest));
+    claim_no_finer(options.rtol, out);
+}
+
 // What breaks off at one tolerance mostly does not at another: a level has some tries.
 SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, double from) {
     SteadyState out = unknown(), coarse;
-    constexpr double kHidden = 0.8;
-    constexpr double kLuck = 0.15;  // a power seldom changes by less than this of a tolerance
     constexpr double kLast = 1e-13;
     constexpr double kFirst = 0.12;  // so that the second level is mostly enough
-    const double time = span() / gait_.omega;
-    double before = 0, before_power = 0, before_slowest = 0;
+    Changes before;
     Vec3 last_z = z_;
     std::vector<double> before_positive;
     bool first = true;
@@ -231,36 +259,14 @@ SteadyState SteadyDry::by_pieces(DryCycle& cycle, const SteadyOptions& options, 
         }
         if (options.powers) add_positive(before_positive, next);
         near_ = true;
-        const double change = std::fabs(next.speed - coarse.speed);
-        // beside the change of the speed that of the state, and what an error of the map moves it
-        // by: a lucky change would hide them
         Vec3 moved;
         for (int k = 0; k < 3; ++k) moved[k] = z_[k] - last_z[k];
-        const double unsure = size(moved) + tolerance * slackness();
-        next.speed_error =
-            change + 0.05 * before + kHidden * unsure * cycle.scale()[0] / (robot_.n * robot_.m);
         last_z = z_;
-        const double by_state = kHidden * unsure * follows(kDissipated, cycle) / time;
-        const double power_change = std::fabs(next.power - coarse.power);
-        next.turn_error = std::fabs(next.turn - coarse.turn) + kLuck * tolerance +
-                          kHidden * unsure * follows(kTurn, cycle);
-        next.power_error =
-            power_change + 0.05 * before_power + kLuck * tolerance * next.power + by_state;
-        if (options.powers) {  // what the joints' work and the friction's are apart
-            next.power_error += std::fabs(net_work_ - end_.dissipated) / time;
-            next.positive_power_error += by_state;
-        }
-        before_power = first ? 0 : power_change;
-        // derivatives jump where the sequence of modes does: one change says little of the next
-        const double slowest_change = change_of(next.slowest, coarse.slowest);
-        next.slowest_error = 5 * slowest_change + 0.3 * before_slowest;
-        before_slowest = first ? 0 : slowest_change;
-        if (together_) next.slowest_error = std::max(next.slowest_error, std::fabs(next.slowest));
-        claim_no_finer(options.rtol, next);
+        claim(cycle, options, {tolerance, size(moved)}, coarse, before, next);
         next.converged = !first && excess(next, options) <= 1;
         if (first || excess(next, options) < excess(out, options)) out = next;
         if (out.converged) break;
-        before = first ? 0 : change;
+        if (!first) before = changes(next, coarse);
         coarse = next, first = false;
     }
     return out;

@@ -26,6 +26,15 @@ class SteadyDry {
         double omega;
         Vec3 z;
     };
+    struct Changes {  // from one level to the next
+        double speed = 0, power = 0, slowest = 0;
+    };
+    struct Level {
+        double tolerance, moved;  // of the state, over the scales
+    };
+    static Changes changes(const SteadyState& fine, const SteadyState& coarse);
+    void claim(const DryCycle& cycle, const SteadyOptions& options, const Level& level,
+               const SteadyState& coarse, const Changes& before, SteadyState& out) const;
     enum class Ended { converged, stalled, broken };
     SteadyState at_rest(double omega, const SteadyOptions& options) const;
     SteadyState by_pieces(DryCycle& cycle, const SteadyOptions& options, double from);

@@ -76,8 +76,8 @@ def gait_words(gait: Gait) -> str:
 
 
 def _settling(s: Steady) -> str:
-    if s.settling_time_s == 0:  # wheels that stick forget all at once
-        return "under a cycle"
+    if s.settling_error >= 1 and s.settling_time_s < 0.1 * s.gait.period_s:
+        return "under a cycle"  # wheels that stick forget all at once
     return f"{s.settling_time_s:.3g} s"
 
 
