@@ -26,6 +26,16 @@ inline Mat<V> product3(const Mat<V>& a, const Mat<V>& b) {
     return c;
 }
 
+// a b + c
+template <class V>
+inline Mat<V> product3(const Mat<V>& a, const Mat<V>& b, Mat<V> c) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k)
+                c[3 * i + j] = fused(a[3 * i + k], b[3 * k + j], c[3 * i + j]);
+    return c;
+}
+
 template <class V>
 inline void product3(const Mat<V>& a, const V* x, V* to) {
     for (int i = 0; i < 3; ++i)
@@ -95,21 +105,23 @@ class CycleNewton {
 
     // A = df/dy there, with `fields` the table of the matrix or of its derivative.
     Mat<V> matrix(int k, int fields, V x, V z, V nu) const {
-        const auto b = [&](int i) { return -g * at(fields + i, k); };
-        return {{b(kBxx), b(kBxy) + nu, b(kBxw) + z, b(kBxy) - nu, b(kByy), b(kByw) - x, b(kWx),
-                 b(kWy), b(kWw) - at(fields + kJ1, k)}};
+        const V less = -g;
+        const auto b = [&](int i) { return less * at(fields + i, k); };
+        const auto with = [&](int i, V c) { return fused(less, at(fields + i, k), c); };
+        return {{b(kBxx), with(kBxy, nu), with(kBxw, z), with(kBxy, -nu), b(kByy), with(kByw, -x),
+                 b(kWx), b(kWy), with(kWw, -at(fields + kJ1, k))}};
     }
 
     void linearise(int k) {
         slope(k, f + 3 * k);
         const V *u = y + 3 * k, *du = f + 3 * k;
         const Mat<V> A = matrix(k, 0, u[0], u[1], u[2]);
-        const Mat<V> A1 = matrix(k, kSlope, du[0], du[1], du[2]);
-        const Mat<V> AA = product3(A, A);
+        const Mat<V> AA = product3(A, A, matrix(k, kSlope, du[0], du[1], du[2]));
         const V h2 = all<V>(q.step / 2), h12 = all<V>(q.step * q.step / 12);
         Mat<V> minus;
         for (int i = 0; i < 9; ++i) {
-            const V H = h2 * A[i], B = h12 * (A1[i] + AA[i]) + (i % 4 ? 0.0 : 1.0);
+            const V B = i % 4 ? h12 * AA[i] : fused(h12, AA[i], all<V>(1));
+            const V H = h2 * A[i];
             cell[k].half[i] = H, cell[k].plus[i] = B + H, minus[i] = B - H;
         }
         cell[k].inverse = inverse3(minus);
@@ -143,16 +155,19 @@ class CycleNewton {
     // which the symmetry closes.
     void chain(V* transfer, V* start) {
         Mat<V> P = {{all<V>(1), V{}, V{}, V{}, all<V>(1), V{}, V{}, V{}, all<V>(1)}};
-        V p[3] = {};
+        V p[3] = {}, begin[3], from[3];
+        product3(cell[0].half, r, begin);
+        for (int c = 0; c < 3; ++c) from[c] = begin[c];
         for (int k = 0; k < N; ++k) {
             const bool last = k + 1 == N;
             const Cell& next = cell[last ? 0 : k + 1];
-            V from[3], to[3], right[3];
-            product3(cell[k].half, r + 3 * k, from);
-            product3(next.half, r + (last ? 0 : 3 * (k + 1)), to);
-            if (last) to[1] = -to[1], to[2] = -to[2];
+            V to[3] = {begin[0], -begin[1], -begin[2]}, right[3];
+            if (!last) product3(next.half, r + 3 * (k + 1), to);
             const V h6 = all<V>(q.step / 6);
-            for (int c = 0; c < 3; ++c) right[c] = fused(h6, from[c] - to[c], miss[3 * k + c]);
+            for (int c = 0; c < 3; ++c) {
+                right[c] = fused(h6, from[c] - to[c], miss[3 * k + c]);
+                from[c] = to[c];
+            }
             const Mat<V> inverse = last ? mirrored(first_) : next.inverse;
             if (k == 0) first_ = cell[0].inverse;
             product3(inverse, right, cell[k].correction);

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numeric>
 
 namespace serpenoid {
 
 namespace {
 
+constexpr int kTableWork = 16;  // packs a link
 constexpr int kMostNodes = SpectralMesh::kCoarsest << (SpectralMesh::kLevels - 1);
 
 constexpr double kSlowest = 1e-3;  // most error of the multiplier's logarithm
@@ -27,13 +27,6 @@ double lane(const double* out, int what, int width, int k) { return out[what * w
 
 }  // namespace
 
-SpectralViscous::Memory SpectralViscous::packs(long count, int width) {
-    const std::size_t bytes = (count * width * sizeof(double) + 63) / 64 * 64;
-    Memory memory(static_cast<double*>(std::aligned_alloc(64, bytes)));
-    if (!memory) throw std::bad_alloc();
-    return memory;
-}
-
 SpectralViscous::SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait,
                                  const kernels::Set& set)
     : robot_(robot),
@@ -41,9 +34,10 @@ SpectralViscous::SpectralViscous(const Robot& robot, const Ground& ground, const
       table_(robot.n, gait),
       alpha_(gait.alpha),
       set_(set),
-      y_(packs(3 * kMostNodes, set_.width)),
-      g_(packs(1, set_.width)),
-      out_(packs(kernels::kCycleOuts, set_.width)) {}
+      y_(memory_.take(3 * kMostNodes * set_.width)),
+      known_y_(memory_.take(kKnown * kCoarse)),
+      g_(memory_.take(set_.width)),
+      out_(memory_.take(kernels::kCycleOuts * set_.width)) {}
 
 void SpectralViscous::tables(int k, bool powers) {
     Level& to = level_[k];
@@ -53,15 +47,16 @@ void SpectralViscous::tables(int k, bool powers) {
     std::vector<double> cosine(n - 1), sine(n - 1);
     for (int i = 0; i + 1 < n; ++i)
         cosine[i] = alpha_ * table_.cosine(i), sine[i] = alpha_ * table_.sine(i);
-    to.node = packs(kernels::kNodeFields * N, 1);
-    if (powers) to.joint = packs(long{kernels::kJointFields} * N * (n - 1), 1);
-    if (N > work_nodes_) work_ = packs(long{kernels::CycleTask::kWork} * N, set_.width);
-    work_nodes_ = std::max(work_nodes_, N);
-    const Memory scratch = packs(16 * n, set_.width);
+    to.node = memory_.take(kernels::kNodeFields * N);
+    if (powers) to.joint = memory_.take(long{kernels::kJointFields} * N * (n - 1));
+    if (N > work_nodes_) {
+        work_nodes_ = std::max(N, 2 * SpectralMesh::kCoarsest);  // the second mesh needs it as well
+        const int packs = std::max(kernels::CycleTask::kWork * work_nodes_, kTableWork * n);
+        work_ = memory_.take(long{packs} * set_.width);
+    }
     const kernels::CycleChain chain{n,          robot_.m,   robot_.l,      robot_.I,
                                     ground_.ct, ground_.cn, cosine.data(), sine.data()};
-    set_.cycle.tables(chain, mesh.sine.data(), mesh.cosine.data(), N, to.node.get(), to.joint.get(),
-                      scratch.get());
+    set_.cycle.tables(chain, mesh.sine.data(), mesh.cosine.data(), N, to.node, to.joint, work_);
     to.powers = powers;
     if (powers) to.turns = turns(k);
     to.stiffest = 0;
@@ -69,7 +64,7 @@ void SpectralViscous::tables(int k, bool powers) {
         to.stiffest =
             std::max(to.stiffest, to.node[kernels::kBxx * N + i] + to.node[kernels::kByy * N + i] +
                                       to.node[kernels::kWw * N + i]);
-    set_.cycle.slopes(N, mesh.even_slope.data(), mesh.odd_slope.data(), to.node.get());
+    set_.cycle.slopes(N, mesh.even_slope.data(), mesh.odd_slope.data(), to.node);
 }
 
 std::vector<kernels::JointTurn> SpectralViscous::turns(int k) const {
@@ -103,9 +98,18 @@ std::vector<kernels::JointTurn> SpectralViscous::turns(int k) const {
 kernels::CycleTask SpectralViscous::task(int k) const {
     const SpectralMesh& mesh = SpectralMesh::level(k);
     const Level& own = level_[k];
-    return {mesh.nodes,          robot_.n - 1,     mesh.step,        own.node.get(),
-            own.joint.get(),     own.turns.data(), mesh.rows.data(), mesh.modes.data(),
-            mesh.stencil.data(), g_.get(),         y_.get(),         work_.get()};
+    return {mesh.nodes,
+            robot_.n - 1,
+            mesh.step,
+            own.node,
+            own.joint,
+            own.turns.data(),
+            mesh.rows.data(),
+            mesh.modes.data(),
+            mesh.stencil.data(),
+            g_,
+            y_,
+            work_};
 }
 
 // Newton's steps until what is left of the last change is below `enough` in every gait: as much of
@@ -115,11 +119,11 @@ bool SpectralViscous::iterate(int k, double enough, bool first, Pack& found) {
     constexpr double kLeast = 0.01, kFirst = 0.1;
     kernels::CycleTask work = task(k);
     for (int i = 0; i < kMost; ++i) {
-        set_.cycle.newton(work, out_.get());
+        set_.cycle.newton(work, out_);
         bool done = true;
         for (int j = 0; j < set_.width; ++j) {
-            const double size = lane(out_.get(), kernels::kSize2, set_.width, j);
-            const double change2 = lane(out_.get(), kernels::kChange2, set_.width, j);
+            const double size = lane(out_, kernels::kSize2, set_.width, j);
+            const double change2 = lane(out_, kernels::kChange2, set_.width, j);
             if (!std::isfinite(change2)) return false;
             const double change = size > 0 ? std::sqrt(change2 / size) : 0;
             ++found[j].iterations;
@@ -136,7 +140,7 @@ bool SpectralViscous::iterate(int k, double enough, bool first, Pack& found) {
 void SpectralViscous::evaluate(int k, bool powers, const double* omega, Pack& found) {
     kernels::CycleTask work = task(k);
     const int W = set_.width;
-    double* out = out_.get();
+    double* out = out_;
     set_.cycle.averages(work, out);
     if (powers) set_.cycle.powers(work, out);
     const int N = SpectralMesh::level(k).nodes;
@@ -228,7 +232,7 @@ bool SpectralViscous::settle(int k, const double* omega, int count, const Steady
 
 // By Lagrange's polynomial in log omega through the solutions that are known; else from rest.
 void SpectralViscous::guess(const double* omega) {
-    const int W = set_.width, count = static_cast<int>(known_.size());
+    const int W = set_.width, count = known_count_;
     for (int j = 0; j < W && count > 0; ++j) {
         const double at = std::log(omega[j]);
         for (int i = 0; i < count; ++i) {
@@ -238,24 +242,26 @@ void SpectralViscous::guess(const double* omega) {
             work_[i * W + j] = weight;
         }
     }
-    set_.cycle.blend(count, kCoarse, work_.get(), known_y_.data(), y_.get());
+    set_.cycle.blend(count, kCoarse, work_, known_y_, y_);
 }
 
 // Lagrange's weights are kept without what depends on the place.
 void SpectralViscous::remember(const double* omega, int count) {
     constexpr double kApart = 0.01;  // what is next to another tells little new
-    for (int j = 0; j < count && known_.size() < kKnown; ++j) {
+    for (int j = 0; j < count && known_count_ < kKnown; ++j) {
         Known next{std::log(omega[j]), 1};
-        if (std::any_of(known_.begin(), known_.end(), [&](const Known& other) {
+        const auto end = known_.begin() + known_count_;
+        if (std::any_of(known_.begin(), end, [&](const Known& other) {
                 return std::fabs(other.log_omega - next.log_omega) < kApart;
             }))
             continue;
-        for (Known& other : known_) {
-            other.weight /= other.log_omega - next.log_omega;
-            next.weight /= next.log_omega - other.log_omega;
+        for (auto other = known_.begin(); other != end; ++other) {
+            other->weight /= other->log_omega - next.log_omega;
+            next.weight /= next.log_omega - other->log_omega;
         }
-        known_.push_back(next);
-        for (int i = 0; i < kCoarse; ++i) known_y_.push_back(y_[i * set_.width + j]);
+        double* to = known_y_ + kCoarse * known_count_;
+        for (int i = 0; i < kCoarse; ++i) to[i] = y_[i * set_.width + j];
+        known_[known_count_++] = next;
     }
 }
 
@@ -273,8 +279,7 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
     for (int k = 0; k < SpectralMesh::kLevels; ++k) {
         if (k > 0) {
             const SpectralMesh& mesh = SpectralMesh::level(k - 1);
-            set_.cycle.refine(mesh.nodes, mesh.even_half.data(), mesh.odd_half.data(), y_.get(),
-                              work_.get());
+            set_.cycle.refine(mesh.nodes, mesh.even_half.data(), mesh.odd_half.data(), y_, work_);
         }
         tables(k, options.powers && k > 0);
         if (k == 0) guess(rates.data());

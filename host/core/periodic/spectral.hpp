@@ -22,8 +22,6 @@
 #pragma once
 
 #include <array>
-#include <cstdlib>
-#include <memory>
 #include <vector>
 
 #include "kernels/gait_batch.hpp"
@@ -31,6 +29,7 @@
 #include "model/gait.hpp"
 #include "model/params.hpp"
 #include "numerics/spectral_mesh.hpp"
+#include "periodic/pack_memory.hpp"
 #include "periodic/periodic_state.hpp"
 
 namespace serpenoid {
@@ -51,14 +50,9 @@ class SpectralViscous {
   private:
     static constexpr int kCoarse = 3 * SpectralMesh::kCoarsest;  // unknowns of the coarsest mesh
     static constexpr int kKnown = 8;
-    struct Free {
-        void operator()(double* p) const { std::free(p); }
-    };
-    using Memory = std::unique_ptr<double[], Free>;
-
     // Tables of the shape on a mesh.
     struct Level {
-        Memory node, joint;
+        double *node = nullptr, *joint = nullptr;
         std::vector<kernels::JointTurn> turns;
         bool powers = false;
         double stiffest = 0;  // largest sum of decay rates, times omega
@@ -77,7 +71,6 @@ class SpectralViscous {
         double log_omega, weight;
     };
 
-    static Memory packs(long count, int width);
     void guess(const double* omega);
     void remember(const double* omega, int count);
     void tables(int level, bool powers);
@@ -96,9 +89,10 @@ class SpectralViscous {
     double alpha_;
     const kernels::Set& set_;
     std::array<Level, SpectralMesh::kLevels> level_;
-    std::vector<Known> known_;
-    std::vector<double> known_y_;  // on the coarsest mesh, kCoarse each
-    Memory y_, work_, g_, out_;
+    std::array<Known, kKnown> known_;
+    int known_count_ = 0;
+    PackMemory memory_;
+    double *y_, *known_y_, *g_, *out_, *work_ = nullptr;  // known_y_: of the coarsest mesh
     int work_nodes_ = 0;
 };
 
