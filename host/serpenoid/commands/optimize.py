@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -85,8 +86,8 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
         _check_board(run["port"], run["record"])
     ask = _Asked(given, send)
     if len(wanted) > 1:
-        if send or plot or ask.robust:
-            raise click.UsageError("--send, --plot and --robust take one speed")
+        if send or plot:
+            raise click.UsageError("--send and --plot take one speed")
         return _show_front(ask, wanted, as_json)
     found = interruptible(lambda: ask.find(wanted[0]))
     report_as = _robust_dict if ask.robust else _plain_dict
@@ -143,7 +144,7 @@ def _speeds(text: str) -> list[float]:
         raise click.BadParameter(
             f"{text!r} is not a speed, nor speeds with commas", param_hint="--speed-m-s"
         ) from None
-    return speeds
+    return [check_number("--speed-m-s", speed, 0.0, open_low=True) for speed in speeds]
 
 
 class _Asked:
@@ -178,6 +179,25 @@ class _Asked:
                 self.robot, self.ground, speed_m_s=speed, cost=self.cost, limits=self.limits,
                 formulation=self.formulation,
             )  # fmt: skip
+
+    def front(self, speeds: list[float]) -> Sequence[LeastPower | RobustGait | None]:
+        """Search for many speeds; None for one that no gait reaches."""
+        from ..gaits.least_power import power_front
+        from ..show import report
+
+        if self.robust:
+            return [self._find_or_none(speed) for speed in speeds]
+        with report.busy("searching"):
+            return power_front(
+                self.robot, self.ground, speeds_m_s=speeds, cost=self.cost, limits=self.limits,
+                formulation=self.formulation,
+            )  # fmt: skip
+
+    def _find_or_none(self, speed: float) -> LeastPower | RobustGait | None:
+        try:
+            return self.find(speed)
+        except NotConverged:
+            return None
 
 
 def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
@@ -251,7 +271,8 @@ def _robust_dict(found: Any) -> dict[str, Any]:
         "gait": describe(found.gait), "cost": found.cost, "cost_w": found.power_w,
         "active": found.active, "uncertainty": found.uncertainty.in_words(),
         "low_speed_m_s": found.low_speed_m_s, "checked_low_m_s": found.checked_low_m_s,
-        "premium": found.premium, "fragile": _plain_dict(found.fragile),
+        "premium": found.premium, "premium_per_metre": found.premium_per_metre,
+        "fragile": _plain_dict(found.fragile),
         "fragile_low_m_s": found.fragile_low_m_s,
     } | found.steady.to_dict()  # fmt: skip
 
@@ -271,23 +292,15 @@ def _print(found: Any, margins: Any) -> None:
 
 
 def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:
-    from ..gaits.least_power import power_front
-    from ..show import report
     from ..show.gaits import gait_report
 
-    if ask.formulation == "implicit":
-        raise click.UsageError("--formulation implicit takes one speed")
-    with report.busy("searching"):
-        front = interruptible(
-            lambda: power_front(
-                ask.robot, ask.ground, speeds_m_s=speeds, cost=ask.cost, limits=ask.limits
-            )
-        )
+    front = interruptible(lambda: ask.front(speeds))
     if all(best is None for best in front):
         raise NotConverged(
             f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
         )
+    as_dict = _robust_dict if ask.robust else _plain_dict
     if as_json:
-        show_json({"front": [None if best is None else _plain_dict(best) for best in front]})
+        show_json({"front": [None if best is None else as_dict(best) for best in front]})
     else:
         gait_report.front(speeds, front)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..model.checks import check_choice, check_number
 from ..model.core_model import check_parts
-from ..model.errors import NotConverged
+from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
@@ -20,7 +20,7 @@ from ..model.words import FORMULATIONS
 from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
 from .gait_cloud import Candidate, GaitCloud
-from .limits import GaitLimits
+from .limits import LIMIT_NAMES, GaitLimits
 from .quadratic_search import Array, Point, least
 from .shape_search import GaitShape, ShapeSearch, Solve, exact_solver
 
@@ -68,7 +68,9 @@ class Finder:
         solver = solve or exact_solver(robot, ground, powers=cost != "power")
         self.search = ShapeSearch(robot, ground, solver, cost, limits)
         self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
-        self.kinks = 0.0 if ground.smooth else 2e-3  # how far small valleys were found apart
+        self.coarse = 1e-7 if ground.smooth and self.exact else 3e-4  # accuracy of the search
+        # no optimum is known better: on dry ground small valleys were found so far apart
+        self.blur = self.coarse if ground.smooth else 2e-3
         self.smallest = 0.002 if ground.smooth and self.exact else 0.012
 
     def follow(
@@ -76,8 +78,7 @@ class Finder:
     ) -> tuple[Point, float]:
         """Return the lowest point of the valley that a candidate lies in; closer: to it."""
         low, high = self.search.bounds()
-        coarse = 1e-7 if self.ground.smooth and self.exact else 3e-4
-        rtol = max(self.rtol, coarse / closer)
+        rtol = max(self.rtol, self.coarse / closer)
         evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
         first = evaluate([np.array(start.shape)])[0]
         return least(evaluate, first, radius, self.smallest / closer, low, high)
@@ -89,10 +90,10 @@ class Finder:
     def cheapest(self, speed: float, extra: Candidate | None = None) -> LeastPower:
         """Return the cheapest gait; extra: one more start."""
         starts = self.candidates(speed) + ([extra] if extra else [])
-        ends = [self.follow(s, speed, 0.08 if s is extra else 0.15) for s in starts]
-        ends = [end for end in ends if not end[0].better[0]]
+        followed = [self.follow(s, speed, 0.08 if s is extra else 0.15) for s in starts]
+        ends = [end for end in followed if not end[0].better[0]]
         if not ends:
-            raise self.unreachable(speed)
+            raise self.unreachable(speed, [point for point, _ in followed])
         ends.sort(key=lambda e: e[0].value)
         if not self.ground.smooth:
             ends[0] = self.looked_at_closely(ends[0][0], speed)
@@ -123,10 +124,11 @@ class Finder:
         watts = getattr(state, f"{search.cost}_w")
         apart = [p for p, _ in ends[1:] if np.abs(p.at - best.at).max() > 0.1]
         exact, own = self.exact_state(state), _numerical(state, search.cost)
+        gap = max(gap, self.blur) + 3 * abs(state.speed_m_s / speed - 1)  # power goes as speed^2
         return LeastPower(
             state.gait, watts, state.speed_m_s, search.cost, exact, limits=self.limits,
             active=self.limits.active(state.gait, search.torque_nm(state.gait)),
-            power_error_w=own + watts * min(max(gap, self.kinks), 1.0), solved_error_w=own,
+            power_error_w=own + watts * min(gap, 1.0), solved_error_w=own,
             basins=1 + len(apart), evaluations=search.evaluations,
             runner_up_w=watts * math.exp(apart[0].value - best.value) if apart else math.inf,
         )  # fmt: skip
@@ -138,8 +140,8 @@ class Finder:
         rtol = max(self.rtol, 1e-8) if self.exact else 1e-6
         return exact_solver(self.robot, self.ground, powers=True)(state.gait, rtol)
 
-    def unreachable(self, speed: float) -> NotConverged:
-        """Return the error that says how fast the robot can go."""
+    def unreachable(self, speed: float, tried: list[Point]) -> NotConverged:
+        """Return the error that says how fast the robot can go, or what the speed would need."""
         v, alpha, beta, rate = self.cloud.fastest()
         within = f"within the limits ({self.limits.in_words()})"
         gait = f"alpha {math.degrees(alpha):.3g} deg, beta {math.degrees(beta):.3g} deg"
@@ -149,16 +151,29 @@ class Finder:
                 "that is greater across them than along them are needed, too"
             )
         if v >= speed:  # reached, but beyond what the servos hold, or at other rates
+            states: list[Any] = [point.data for point in tried if point.data is not None]
             return NotConverged(
                 f"no gait of {speed:g} m/s was found {within}, though some are faster: {v:.3g} m/s "
-                f"at {gait} and {rate:.3g} rad/s, whatever the torque; ask for a wider range of "
-                "rates or more torque"
+                f"at {gait} and {rate:.3g} rad/s, whatever the torque"
+                f"{self._needed([state.gait for state in states])}; ask for a wider range of rates "
+                "or more torque"
             )
         return NotConverged(
             f"no gait reaches {speed:g} m/s {within} at up to "
-            f"{self.cloud.omega_rad_s[-1]:.3g} rad/s; the fastest found makes {v:.3g} m/s, at "
-            f"{gait} and {rate:.3g} rad/s; ask for less speed, or wider limits"
+            f"{self.cloud.omega_rad_s[-1]:.3g} rad/s; the fastest found"
+            f"{'' if self.exact else ' by the exact model'} makes {v:.3g} m/s, at {gait} and "
+            f"{rate:.3g} rad/s; ask for less speed, or wider limits"
         )
+
+    def _needed(self, gaits: list[Gait]) -> str:
+        """Return in words which limit the gaits break least, and what it would have to be."""
+        worst = [min((left, name) for name, left in self.search.room(g).items()) for g in gaits]
+        if not worst or max(worst)[0] >= 0:
+            return ""
+        short, name = max(worst)
+        way = "lower" if name == "omega_low_rad_s" else "higher"
+        more = 100 * math.expm1(-short)
+        return f"; the nearest of {len(gaits)} needs a {LIMIT_NAMES[name]} {more:.3g} % {way}"
 
 
 def _numerical(state: Any, cost: str) -> float:
@@ -295,19 +310,38 @@ def power_front(
     speeds_m_s: Sequence[float] | Array,
     cost: str = "power",
     limits: GaitLimits = ANY,
+    formulation: str = "explicit",
+    joint_stiffness_n_m: float = 1e3,
+    joint_damping_n_s_m: float = 1.0,
     rtol: float | None = None,
 ) -> tuple[LeastPower | None, ...]:
-    """Find the least-power gait of every speed; None for a speed that no gait reaches.
+    """Find the least-power gait of every speed, in their order; None where no gait reaches it.
 
-    One cloud serves all speeds, in m/s, and each speed also starts from its neighbour's gait. rtol:
-    relative accuracy of the final states. Raises BadInput.
+    One cloud serves all speeds, in m/s; each also starts from the gait of the next lower one, so
+    the answers hang neither on their order nor on repeats. The other arguments are those of
+    least_power_gait. Raises BadInput.
     """
-    speeds = [float(v) for v in speeds_m_s]
-    search = EitherWave(ground, lambda on: finder(robot, on, speeds, cost, limits, rtol))
-    found: list[LeastPower | None] = []
-    for speed in speeds:
+    speeds = _wanted(speeds_m_s)
+
+    def search(on: Ground) -> Finder:
+        return finder(
+            robot, on, speeds, cost, limits, rtol, formulation, joint_stiffness_n_m,
+            joint_damping_n_s_m,
+        )  # fmt: skip
+
+    ways = EitherWave(ground, search)
+    found: dict[float, LeastPower | None] = {}
+    for speed in sorted(set(speeds)):
         try:
-            found.append(search.cheapest(speed))
+            found[speed] = replace(ways.cheapest(speed), formulation=formulation)
         except NotConverged:
-            found.append(None)
-    return tuple(found)
+            found[speed] = None
+    return tuple(found[speed] for speed in speeds)
+
+
+def _wanted(speeds_m_s: Any) -> list[float]:
+    """Return the wanted speeds as numbers; a front needs one at least."""
+    speeds = np.asarray(speeds_m_s, dtype=object)
+    if speeds.ndim != 1 or speeds.size == 0:
+        raise BadInput(f"speeds_m_s is {speeds_m_s!r}; it must be a list of at least one speed")
+    return [check_number("speed_m_s", speed, 0.0, open_low=True) for speed in speeds.tolist()]

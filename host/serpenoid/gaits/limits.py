@@ -16,7 +16,7 @@ from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 
 _ACTIVE = 2e-3  # a limit is called reached when this fraction of it, or less, is left
-_NAMES = {
+LIMIT_NAMES = {
     "joint_angle_rad": "joint angle",
     "servo_speed_rad_s": "servo speed",
     "servo_torque_nm": "servo torque",
@@ -73,12 +73,12 @@ class GaitLimits:
     def active(self, gait: Gait, torque_nm: float = 0.0) -> tuple[str, ...]:
         """Return the limits that a gait, or torque_nm in N m, has reached, in words."""
         room = self.room(gait, torque_nm)
-        return tuple(_NAMES[name] for name, left in room.items() if left <= _ACTIVE)
+        return tuple(LIMIT_NAMES[name] for name, left in room.items() if left <= _ACTIVE)
 
     def in_words(self) -> str:
         """Return the limits there are, with their units; angles in degrees."""
         told = [
-            f"{_NAMES[f.name]} {getattr(self, f.name) * scale:.4g} {unit}"
+            f"{LIMIT_NAMES[f.name]} {getattr(self, f.name) * scale:.4g} {unit}"
             for f in fields(self)
             for scale, unit in (_UNITS[f.name],)
             if 0 < getattr(self, f.name) < math.inf

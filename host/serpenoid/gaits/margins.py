@@ -19,6 +19,7 @@ LESS_AMPLITUDE, LESS_GRIP = 0.10, 0.13  # servos under load; one sigma of a 7.5 
 BELOW = 1.0, 3.0  # gaining more than this by 10 % or 60 % of amplitude it lies below one
 CLIFF = 0.25  # a gait that loses more than this of its speed to either stands at a cliff
 _MOST = 0.6
+_FIRST, _OUTWARDS = 0.02, 1.2  # steps of the loss: a speed may fall and rise again between
 _RTOL = 1e-3
 
 
@@ -82,11 +83,11 @@ class Margins:
 
 def _fall(speed_at: Callable[[float], float], full: float) -> float:
     """Return the least loss at which the speed has fallen by a tenth: outwards, then bisection."""
-    low, high = 0.0, 0.02
+    low, high = 0.0, _FIRST
     while speed_at(high) > (1 - LOSS) * full:
-        low, high = high, 1.6 * high
-        if high > _MOST:
+        if high == _MOST:
             return math.inf
+        low, high = high, min(max(_OUTWARDS * high, high + _FIRST), _MOST)
     while high - low > 0.01 * high:
         middle = (low + high) / 2
         low, high = (low, middle) if speed_at(middle) <= (1 - LOSS) * full else (middle, high)

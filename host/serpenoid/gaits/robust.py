@@ -19,12 +19,13 @@ from .least_power import ANY, EitherWave, Finder, LeastPower, finder
 from .limits import GaitLimits
 from .quadratic_search import Point
 from .robust_search import KEEP, RobustSearch, low_speed, low_speed_error, sampled_speeds
-from .shape_search import exact_solver
+from .shape_search import GaitShape, exact_solver
 from .uncertainty import Sample, Uncertainty
 
 SAMPLES = 2048
 _FOR_SHAPE = (4, 1)  # one in so many samples chooses the shape, roughly and finely
 _OF_FRAGILE = 512
+_NOMINAL = 1e-5  # accuracy of the wanted speed, where it is that which binds
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,11 @@ class RobustGait:
     def premium(self) -> float:
         """Return what robustness costs, as a fraction of the fragile gait's power."""
         return self.power_w / self.fragile.power_w - 1
+
+    @property
+    def premium_per_metre(self) -> float:
+        """Return what it costs on each metre; as all is thought to be it is faster than wanted."""
+        return (1 + self.premium) * self.fragile.speed_m_s / self.speed_m_s - 1
 
     @property
     def low_error_m_s(self) -> float:
@@ -148,8 +154,9 @@ def _settled(work: RobustSearch, best: Point, drawn: list[Sample]) -> Point | No
         return None
     gait = replace(state.gait, omega_rad_s=rate)
     at_rate = work.search.solve(gait, 1e-3)
-    if at_rate.speed_m_s < work.wanted:
-        at_rate = state
+    if at_rate.speed_m_s < work.wanted * (1 - _NOMINAL):
+        found = work.search.at_speed(GaitShape(*best.at), work.wanted, rate, _NOMINAL)
+        at_rate = found or state
     return replace(best, data=at_rate)
 
 

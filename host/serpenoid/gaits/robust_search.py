@@ -129,7 +129,7 @@ class RobustSearch:
             state = self.search.at_speed(shape, self.wanted, rate, 1e-3)
         if state is None:
             return nowhere
-        room = self.search.limits.room(state.gait, self.search.torque_nm(state.gait)).values()
+        room = self.search.room(state.gait).values()
         watts = getattr(state, f"{self.search.cost}_w")
         if watts > most_w:
             return nowhere

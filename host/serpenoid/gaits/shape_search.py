@@ -106,13 +106,17 @@ class ShapeSearch:
             return 0.0
         return peak_torque_nm(self.robot, self.ground, gait)
 
+    def room(self, gait: Gait) -> dict[str, float]:
+        """Return by how many e-folds a gait is below each limit."""
+        return self.limits.room(gait, self.torque_nm(gait))
+
     def point(self, at: Array, speed_m_s: float, guess: float, rtol: float) -> Point:
         """Return ln of the cost at a shape, and the least room its limits leave."""
         state = self.at_speed(GaitShape(*at), speed_m_s, guess, rtol)
         if state is None:
             return Point(at, math.inf, -1.0)
         watts = getattr(state, f"{self.cost}_w")
-        room = self.limits.room(state.gait, self.torque_nm(state.gait)).values()
+        room = self.room(state.gait).values()
         # to first order as if the speed were the wanted one exactly: power goes as speed squared
         value = math.log(max(watts, 1e-300)) - 2 * math.log(state.speed_m_s / speed_m_s)
         return Point(at, value, min(room, default=math.inf), state)

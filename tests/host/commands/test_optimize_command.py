@@ -46,8 +46,20 @@ def test_several_speeds_are_a_front() -> None:
     assert [best["cost_w"] for best in found["front"]] == pytest.approx(
         [7.63769e-3, 0.22733], rel=2e-5
     )
-    run("optimize", "--robot", "paper", "--speed", "0.1,0.2", "--robust", code=2)
+    run("optimize", "--robot", "paper", "--speed", "0.1,0.2", "--plot", "cliff.png", code=2)
+    run("optimize", "--robot", "paper", "--speed", "0.1,0.2", "--send", code=2)
     run("optimize", "--robot", "paper", "--speed", "fast", code=2)
+
+
+def test_a_front_by_springs_and_one_of_robust_gaits() -> None:
+    words = ["optimize", "--robot", "paper", "--speed", "0.1,99", "--omega-high-rad-s", "20"]
+    front = json.loads(run(*words, "--formulation", "implicit", "--json").stdout)["front"]
+    assert front[0]["formulation"] == "implicit"
+    assert 7.638e-3 < front[0]["cost_w"] < 7.66e-3  # springs cost a little here
+    assert front[1] is None
+    robust = " ".join(run(*words, "--robust").stdout.split())
+    assert "95 % make" in robust
+    assert "out of" in robust
 
 
 def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
@@ -57,6 +69,7 @@ def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
     )  # fmt: skip
     assert found["low_speed_m_s"] >= 0.179
     assert found["premium"] > 0
+    assert -0.01 < found["premium_per_metre"] <= found["premium"] + 1e-5
     assert "amplitude ± 3 % common and ± 5 % of each joint" in found["uncertainty"]
 
 

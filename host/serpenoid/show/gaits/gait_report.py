@@ -63,6 +63,7 @@ def robust(found: RobustGait) -> None:
         ["standard error of either", f"{found.low_error_m_s:.2g} m/s"],
         [f"{found.cost}", f"{found.power_w:.4g} W"],
         ["more than the least-power gait's", f"{100 * found.premium:.3g} %"],
+        ["the same for each metre", f"{100 * found.premium_per_metre:.3g} %"],
         ["95 % of the robots with that gait make", f"{found.fragile_low_m_s:.4g} m/s"],
         ["limits reached", ", ".join(found.active) or "none"],
     ]
@@ -84,8 +85,10 @@ def margins(found: Margins) -> None:
         notices.print(f"serpenoid: warning: {found.warning}")
 
 
-def front(speeds_m_s: Sequence[float], found: Sequence[LeastPower | None]) -> None:
-    """Print the least-power gaits of many speeds."""
+def front(speeds_m_s: Sequence[float], found: Sequence[LeastPower | RobustGait | None]) -> None:
+    """Print the least-power or robust gaits of many speeds."""
+    from ...gaits.robust import RobustGait
+
     rows = []
     for speed, best in zip(speeds_m_s, found, strict=True):
         if best is None:
@@ -98,4 +101,15 @@ def front(speeds_m_s: Sequence[float], found: Sequence[LeastPower | None]) -> No
             ", ".join(best.active) or "none",
         ])  # fmt: skip
     columns = ["speed (m/s)", "W", "omega (rad/s)", "alpha (deg)", "beta (deg)", "limits reached"]
+    if any(isinstance(best, RobustGait) for best in found):
+        columns[-1:] = ["95 % make (m/s)", "premium", columns[-1]]
+        for row, best in zip(rows, found, strict=True):
+            kept = (
+                [f"{best.low_speed_m_s:.4g}", f"{100 * best.premium:.3g} %"]
+                if isinstance(best, RobustGait)
+                else ["", ""]
+            )
+            row[-1:] = [*kept, row[-1]]
+        table("robust gait for each speed", columns, rows)
+        return
     table("least power at each speed", columns, rows)

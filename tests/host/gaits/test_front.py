@@ -1,0 +1,162 @@
+"""The front of least power over speeds: scaling, single calls, order, and what cannot be asked.
+
+Power over speed squared is one number only where inertia does not count (creeping on viscous
+ground); else a robot of half the mass at twice the speed does the same at four times the power.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import serpenoid as sn
+
+PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+OF_2005, BINGHAM = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+SMALL, SPRINGS = sn.Robot(3, 0.4, 0.11), {"joint_stiffness_n_m": 60.0, "joint_damping_n_s_m": 4.0}
+KINDS: dict[str, tuple[sn.Robot, sn.Ground, dict[str, Any]]] = {
+    "viscous": (PAPER, VISCOUS, {}),
+    "dry": (OF_2005, BINGHAM, {}),
+    "ratchet": (sn.Robot(3, 0.0756, 0.076), sn.Ground((0.014, 0.14), 0.2), {"cost": "abs_power"}),
+    "springs": (SMALL, sn.Ground(0.06, 1.1), {"formulation": "implicit", **SPRINGS}),
+}
+
+
+def found(kind: str, speeds: list[float], **more: Any) -> list[sn.LeastPower]:
+    robot, ground, given = KINDS[kind]
+    front = sn.power_front(robot, ground, speeds_m_s=speeds, **given, **more)
+    assert None not in front
+    return [best for best in front if best is not None]
+
+
+@pytest.mark.parametrize(
+    "kind", ["viscous", "dry", "ratchet", pytest.param("springs", marks=pytest.mark.slow)]
+)
+def test_each_point_is_what_a_single_call_finds(kind: str) -> None:
+    first, second, third = found(kind, [0.06, 0.03, 0.06])
+    assert first is third
+    assert second.power_w < first.power_w
+    assert [first.speed_m_s, second.speed_m_s] == pytest.approx([0.06, 0.03], rel=3e-4)
+    robot, ground, given = KINDS[kind]
+    one = sn.least_power_gait(robot, ground, speed_m_s=0.06, **given)
+    assert one.formulation == first.formulation
+    assert abs(one.power_w - first.power_w) <= one.power_error_w + first.power_error_w
+
+
+def test_creeping_costs_by_the_square_of_the_speed() -> None:
+    """No inertia, no limit: alpha and beta stay, the rate goes as the speed."""
+    front = found("viscous", [1e-9, 1e-7, 1e-5])
+    per_square = [best.power_w / best.speed_m_s**2 for best in front]
+    assert per_square == pytest.approx([per_square[0]] * 3, rel=1e-6)
+    assert [best.gait.alpha_rad for best in front] == pytest.approx(
+        [front[0].gait.alpha_rad] * 3, rel=2e-3
+    )
+
+
+def test_mass_and_speed_count_together() -> None:
+    """Mass times rate over friction is all there is: half the mass, twice the speed."""
+    speeds = [0.1, 0.4, 1.0]
+    heavy = found("viscous", speeds)
+    light = sn.power_front(
+        sn.Robot(6, 0.5, 0.12), VISCOUS, speeds_m_s=[2 * speed for speed in speeds]
+    )
+    for one, other in zip(heavy, light, strict=True):
+        assert other is not None
+        assert other.power_w == pytest.approx(4 * one.power_w, rel=1e-6)
+        assert other.gait.omega_rad_s == pytest.approx(2 * one.gait.omega_rad_s, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("limits", "where"),
+    [
+        (sn.GaitLimits(), ""),
+        (sn.GaitLimits(servo_speed_rad_s=3.0), "fast"),
+        (sn.GaitLimits(omega_high_rad_s=6.0), "fast"),
+        (sn.GaitLimits(joint_angle_rad=0.5), "slow"),
+        (sn.GaitLimits(omega_low_rad_s=3.0), "slow"),
+    ],
+    ids=["free", "servo speed", "highest rate", "joint angle", "lowest rate"],
+)
+def test_power_rises_along_the_front_and_limits_set_in_once(
+    limits: sn.GaitLimits, where: str
+) -> None:
+    """Joints bend less and turn faster as speed grows: a limit is met on one side of a speed.
+
+    Where it is not the gait is that without limits; where it is power is higher.
+    """
+    speeds = np.geomspace(0.05, 1.2, 9).tolist()
+    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds, limits=limits)
+    reached = [best for best in front if best is not None]
+    assert front[: len(reached)] == tuple(reached)  # what is out of reach is all faster
+    watts = [best.power_w for best in reached]
+    steps = np.diff(np.log(watts)) / np.diff(np.log(speeds[: len(reached)]))
+    assert steps.min() > 0.5  # it rises, and has no steps down
+    active = [bool(best.active) for best in reached]
+    assert active == sorted(active, reverse=where == "slow")
+    assert any(active) == (where != "")
+    free = sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds[: len(reached)])
+    for best, other in zip(reached, free, strict=True):
+        assert other is not None
+        dearer = best.power_w / other.power_w - 1
+        assert dearer > -1e-6
+        assert abs(dearer) < 1e-6 or best.active
+
+
+def test_a_torque_limit_is_met_before_it_ends_the_front() -> None:
+    limits = sn.GaitLimits(servo_torque_nm=0.2)
+    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=[0.3, 0.39, 0.6], limits=limits)
+    assert [best and best.active for best in front] == [(), ("servo torque",), None]
+    with pytest.raises(sn.NotConverged, match=r"nearest of \d needs a servo torque \d+ % higher"):
+        sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.6, limits=limits)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cost", ["power", "abs_power", "positive_power"])
+@pytest.mark.parametrize("kind", ["viscous", "dry", "ratchet"])
+def test_a_long_front_rises_without_steps(kind: str, cost: str) -> None:
+    robot, ground, _ = KINDS[kind]
+    many = 200 if kind == "viscous" else 24
+    speeds = np.geomspace(0.005, 0.3 if kind != "ratchet" else 0.1, many)
+    front = sn.power_front(robot, ground, speeds_m_s=speeds, cost=cost)
+    watts = np.array([math.nan if best is None else best.power_w for best in front])
+    assert np.isfinite(watts).all()
+    slopes = np.diff(np.log(watts)) / np.diff(np.log(speeds))
+    assert slopes.min() > 0.4
+    assert slopes.max() < (3 if kind == "viscous" else 8)
+
+
+def test_a_speed_out_of_reach_is_none_whatever_stands_beside_it() -> None:
+    limits = sn.GaitLimits(omega_high_rad_s=6.0)
+    front = sn.power_front(PAPER, VISCOUS, speeds_m_s=[3.0, 0.2], limits=limits)
+    assert front[0] is None
+    assert front[1] is not None
+    assert front[1].power_w == pytest.approx(
+        sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.2, limits=limits).power_w, rel=1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    ("speeds", "told"),
+    [
+        ([], "at least one speed"), (0.1, "at least one speed"), (None, "at least one speed"),
+        ([[0.1, 0.2]], "at least one speed"), ([0.1, 0.0], "speed_m_s is 0.0"),
+        ([-1.0], "speed_m_s is -1.0"), ([0.1, math.nan], "speed_m_s is nan"),
+        ([math.inf], "speed_m_s is inf"), (["fast"], "speed_m_s is 'fast'"),
+        ([True], "speed_m_s is True"),
+    ],
+)  # fmt: skip
+def test_refusals(speeds: Any, told: str) -> None:
+    with pytest.raises(sn.BadInput, match=told):
+        sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds)
+
+
+def test_a_front_of_one_takes_any_sequence_of_numbers() -> None:
+    one = found("viscous", [0.1])[0]
+    assert one.power_w == pytest.approx(7.63769e-3, rel=2e-5)
+    for speeds in ((0.1,), np.array([0.1]), [np.float64(0.1)]):
+        (same,) = sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds)
+        assert same is not None
+        assert replace(same, steady=one.steady) == one
