@@ -82,12 +82,12 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     wanted = _speeds(speeds)
     _refuse_idle(given, send, plot is not None)
     run = {name: given.pop(name) for name in ("port", "duration_s", "record")}
+    if len(wanted) > 1 and (send or plot):
+        raise click.UsageError("--send and --plot take one speed")
     if send:
         _check_board(run["port"], run["record"])
     ask = _Asked(given, send)
     if len(wanted) > 1:
-        if send or plot:
-            raise click.UsageError("--send and --plot take one speed")
         return _show_front(ask, wanted, as_json)
     found = interruptible(lambda: ask.find(wanted[0]))
     report_as = _robust_dict if ask.robust else _plain_dict

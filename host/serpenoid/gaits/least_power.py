@@ -318,8 +318,9 @@ def power_front(
     """Find the least-power gait of every speed, in their order; None where no gait reaches it.
 
     One cloud serves all speeds, in m/s; each also starts from the gait of the next lower one, so
-    the answers hang neither on their order nor on repeats. The other arguments are those of
-    least_power_gait. Raises BadInput.
+    the answers hang neither on their order nor on repeats. formulation: as in least_power_gait, and
+    so joint_stiffness_n_m, N/m, joint_damping_n_s_m, N s/m. rtol: relative accuracy of the final
+    states. Raises BadInput.
     """
     speeds = _wanted(speeds_m_s)
 
