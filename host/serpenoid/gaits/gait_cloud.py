@@ -34,6 +34,36 @@ class Candidate(NamedTuple):
     omega_rad_s: float
 
 
+def interpolated(omega_rad_s: Array, v: Array, p: Array, speed_m_s: float) -> tuple[Array, Array]:
+    """Return rate and cost at a speed, (S, L), from speeds v and costs p, (S, L, W); else NaN.
+
+    Straight lines in log-log between the two rates that enclose the speed.
+    """
+    x = np.log(omega_rad_s)
+    rate, watts = np.full(v.shape[:2], np.nan), np.full(v.shape[:2], np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        y, q = np.log(v / speed_m_s), np.log(p)
+    for k in range(x.size - 2, -1, -1):  # the lowest rate that serves overwrites
+        here = (y[:, :, k] <= 0) & (y[:, :, k + 1] >= 0) & np.isfinite(q[:, :, k])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            f = np.clip(-y[:, :, k] / (y[:, :, k + 1] - y[:, :, k]), 0, 1)
+            f = np.where(np.isfinite(f), f, 1.0)
+        rate = np.where(here, np.exp(x[k] + f * (x[k + 1] - x[k])), rate)
+        watts = np.where(here, np.exp(q[:, :, k] + f * (q[:, :, k + 1] - q[:, :, k])), watts)
+    return rate, watts
+
+
+def valleys(price: Array, most: int) -> list[tuple[float, list[int]]]:
+    """Return price and place of what no neighbour undercuts, cheapest first; inf: no price."""
+    padded = np.pad(price, 1, constant_values=np.inf)
+    around = [
+        padded[1 + i : 1 + i + price.shape[0], 1 + j : 1 + j + price.shape[1]]
+        for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j
+    ]  # fmt: skip
+    local = np.isfinite(price) & (price <= np.min(around, axis=0))
+    return sorted(zip(price[local].tolist(), np.argwhere(local).tolist(), strict=True))[:most]
+
+
 class GaitCloud:
     """Speeds and costs over shapes and rates; shapes span every gait that travels.
 
@@ -127,18 +157,7 @@ class GaitCloud:
 
         Straight lines in log-log between the two rates that enclose the speed.
         """
-        v, p = self.speed_m_s, self.cost_w
-        x = np.log(self.omega_rad_s)
-        rate, watts = np.full(v.shape[:2], np.nan), np.full(v.shape[:2], np.nan)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            y, q = np.log(v / speed_m_s), np.log(p)
-        for k in range(x.size - 2, -1, -1):  # the lowest rate that serves overwrites
-            here = (y[:, :, k] <= 0) & (y[:, :, k + 1] >= 0) & np.isfinite(q[:, :, k])
-            with np.errstate(divide="ignore", invalid="ignore"):
-                f = np.clip(-y[:, :, k] / (y[:, :, k + 1] - y[:, :, k]), 0, 1)
-                f = np.where(np.isfinite(f), f, 1.0)
-            rate = np.where(here, np.exp(x[k] + f * (x[k + 1] - x[k])), rate)
-            watts = np.where(here, np.exp(q[:, :, k] + f * (q[:, :, k + 1] - q[:, :, k])), watts)
+        rate, watts = interpolated(self.omega_rad_s, self.speed_m_s, self.cost_w, speed_m_s)
         return self._below(speed_m_s, rate, watts)
 
     def _below(self, speed_m_s: float, rate: Array, watts: Array) -> tuple[Array, Array]:
@@ -161,13 +180,7 @@ class GaitCloud:
                 np.log(self.limits.omega_low_rad_s / rate),
             )
         price = np.where(np.isnan(watts), np.inf, watts * np.exp(8 * np.maximum(over, 0)))
-        padded = np.pad(price, 1, constant_values=np.inf)
-        around = [
-            padded[1 + i : 1 + i + price.shape[0], 1 + j : 1 + j + price.shape[1]]
-            for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j
-        ]  # fmt: skip
-        local = np.isfinite(price) & (price <= np.min(around, axis=0))
-        picked = sorted(zip(price[local], np.argwhere(local).tolist(), strict=True))[:most]
+        picked = valleys(price, most)
         return [
             Candidate(
                 cost, GaitShape.of(self.alpha_rad[i, j], self.beta_rad[i, j]), float(rate[i, j])

@@ -19,6 +19,7 @@ from ..model.robot import Robot
 from ..model.words import FORMULATIONS
 from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
+from .close_look import small_valleys
 from .gait_cloud import Candidate, GaitCloud
 from .limits import LIMIT_NAMES, GaitLimits
 from .quadratic_search import Array, Point, least
@@ -27,6 +28,7 @@ from .shape_search import GaitShape, ShapeSearch, Solve, exact_solver
 COSTS = ("power", "abs_power", "positive_power")
 ANY = GaitLimits()
 _CLOSER = 4.0  # the best of dry valleys is looked at so many times as closely
+_WIDTHS, _SMALL_VALLEYS = (0.25, 0.08), 3  # of tables of shapes round it, e-folds; followed of each
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +38,10 @@ class LeastPower:
     steady: the exact model's periodic state. active: the limits that the gait has reached, in
     words. power_error_w: how much less power there may be, W: solved_error_w, that of the gait
     itself, plus what the search may have missed: what its last model saw below, and on dry ground
-    what the last and closest look gained. basins: separate valleys of shapes that were
-    followed to their lowest point; runner_up_w: the power, W, of the next best one (inf: there was
-    one valley). evaluations: periodic states solved on the way, the coarse cloud not counted.
+    what the last and closest table of shapes gained or saw below. basins: separate valleys of
+    shapes that were followed to their lowest point; runner_up_w: the power, W, of the next best one
+    (inf: there was one valley). evaluations: periodic states solved on the way, those of the coarse
+    cloud and the tables not counted.
     """
 
     gait: Gait
@@ -100,18 +103,21 @@ class Finder:
         return self.finish(speed, ends)
 
     def looked_at_closely(self, best: Point, speed: float) -> tuple[Point, float]:
-        """Return the best of a dry valley, where kinks make small valleys in the large one."""
-        gap = math.inf
-        for _ in range(3):
+        """Return the best of a dry valley, where kinks make small valleys in the large one.
+
+        Tables of shapes, each finer than the one before, show them; the best are followed. What the
+        last table gained, or saw below, may be missing still.
+        """
+        gap = 0.0
+        for width in _WIDTHS:
             state: Any = best.data
-            again = Candidate(0.0, GaitShape(*best.at), state.gait.omega_rad_s)
-            point, seen = self.follow(again, speed, 0.2, closer=_CLOSER)
-            gained = max(best.value - point.value, 0.0)
-            if point.better < best.better:
-                best = point
-            gap = max(seen, gained)
-            if gained < 0.01:
-                break
+            starts = small_valleys(self.search, state.gait, speed, width, _SMALL_VALLEYS)
+            before = best.value
+            for start in starts:
+                point, _ = self.follow(start, speed, width / 6, closer=_CLOSER)
+                best = min(best, point, key=lambda p: p.better)
+            lowest = min((math.log(start.watts) for start in starts), default=math.inf)
+            gap = max(before - best.value, best.value - lowest, 0.0)
         return best, gap
 
     def finish(self, speed: float, ends: list[tuple[Point, float]]) -> LeastPower:
