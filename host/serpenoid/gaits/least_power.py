@@ -27,6 +27,7 @@ from .shape_search import GaitShape, ShapeSearch, Solve, exact_solver
 
 COSTS = ("power", "abs_power", "positive_power")
 ANY = GaitLimits()
+_MOST_LENGTHS_A_SECOND = 1e4  # beyond it the cloud's rates have no end, and the wish no sense
 _CLOSER = 4.0  # the best of dry valleys is looked at so many times as closely
 _WIDTHS, _SMALL_VALLEYS = (0.25, 0.08), 3  # of tables of shapes round it, e-folds; followed of each
 
@@ -196,7 +197,8 @@ def finder(
     """Check what is asked for and return a Finder for it."""
     check_parts(robot, ground)
     for speed in speeds:
-        check_number("speed_m_s", speed, 0.0, open_low=True)
+        most = _MOST_LENGTHS_A_SECOND * robot.links * robot.link_length_m
+        check_number("speed_m_s", speed, 0.0, most, open_low=True)
     check_choice("cost", cost, COSTS)
     check_choice("formulation", formulation, FORMULATIONS)
     springs = formulation == "implicit"

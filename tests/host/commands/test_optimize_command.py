@@ -115,6 +115,14 @@ def test_board_and_recording_are_looked_for_before_the_search(
     assert "holds something already" in str(again.exception)
 
 
+@pytest.mark.parametrize("speed", ["1e6", "0.05,9e9"])
+def test_a_speed_without_sense_is_refused_at_once(speed: str) -> None:
+    """Searched for, it took minutes of ever higher rates."""
+    words = run("optimize", "--speed", speed, code=1)
+    assert isinstance(words.exception, sn.BadInput)
+    assert "at most 4560" in str(words.exception)
+
+
 @pytest.mark.parametrize(
     ("limits", "told"),
     [
