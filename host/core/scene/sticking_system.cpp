@@ -12,6 +12,7 @@ namespace {
 constexpr double kOverBound = 1e-6;  // of its bound: by how much a force exceeds it when it ends
 constexpr double kBackwards = 0.1;   // of at_rest: how fast a wheel goes back when its slide ends
 constexpr double kCreep = 100;       // times at_rest: how fast one that rests may become
+constexpr double kOvershot = 1e3;    // times at_rest: how fast one may be just after it turned
 }  // namespace
 
 StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const Ground& ground,
@@ -128,7 +129,10 @@ void StickingSystem::find(double t, double* y) {
     for (std::size_t w = 0; w < ways_.size(); ++w) {
         const double v = speed(ways_[w]);
         const bool rested = ways_[w].sign == 0 && known_;
-        if (ways_[w].dry > 0 && (rested || std::fabs(v) <= at_rest_)) {
+        // time has grains: where forces are strong, speed goes through at_rest within one
+        const bool turned = known_ && ways_[w].sign * v < 0;
+        const double slowly = (turned ? kOvershot : 1) * at_rest_;
+        if (ways_[w].dry > 0 && (rested || std::fabs(v) <= slowly)) {
             slow.push_back(static_cast<int>(w));
             share.push_back(rested ? ways_[w].share : -ways_[w].sign);
             ways_[w].sign = 0;

@@ -97,16 +97,17 @@ def _held_against(run: Run, finer: Run, finest: Run, how: FinerScenes) -> RunErr
     body = run.scene.robot.body_length_m
     off, doubt = difference(run, finest), difference(finer, finest)
     error, rest = off.size(body), doubt.size(body)
-    chaotic = False
+    believed_s, chaotic = _believed_s(run, finest), False
     if how.near > 0:
         settled = rest <= max(_AGREE * min(error, _WILD), _TOO_LITTLE)
-        chaotic = not settled and rest > _CHAOS * how.near
+        parted = believed_s < run.t_s[-1]
+        chaotic = not settled and parted and rest > _CHAOS * how.near
         off = off.beside(doubt)
     else:  # of order 1 the steps' errors are 2, 1, 1/2 or 1, 1/2, 1/4 of the run's
         settled = rest >= 1.5 * error - 1e-12 if how.coarser else rest <= 0.6 * error + 1e-12
         off = off.scaled(how.factor)
     word = f"integration: difference to {how.word}"
-    return RunError(off, None, word, settled, _believed_s(run, finest), chaotic)
+    return RunError(off, None, word, settled, believed_s, chaotic)
 
 
 def _integration(run: Run, simulate: Callable[[Scene], Run]) -> RunError:

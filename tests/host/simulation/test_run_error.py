@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 import serpenoid as sn
 from serpenoid.simulation.error import Difference, RunError
-from serpenoid.simulation.judge import difference, warnings_of
+from serpenoid.simulation.judge import difference, estimate, warnings_of
 
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
@@ -105,6 +105,16 @@ def test_chaos_is_named() -> None:
     assert run.error_estimate.chaotic
     assert 0 < run.error_estimate.believed_s < 100
     assert any("the motion is chaotic" in w and "believe it up to" in w for w in run.warnings)
+
+
+def test_runs_that_stay_near_are_not_called_chaotic() -> None:
+    run = sn.simulate(sn.Scene(sn.Robot(3, 0.1, 0.1), sn.Ground(0.1, 1.0), sn.Gait(0.5, 1.0, 3.0),
+                               method="dop853", duration_s=1.0, dt_s=0.1))  # fmt: skip
+    for apart_rad, chaotic in ((0.003, False), (0.3, True)):
+        turned = iter((apart_rad, 2 * apart_rad))
+        found = estimate(run, lambda _: replace(run, theta_rad=run.theta_rad + next(turned)))
+        assert not found.settled
+        assert found.chaotic == chaotic
 
 
 @pytest.mark.parametrize("method", ["collocation", "nonsmooth"])

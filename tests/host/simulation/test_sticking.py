@@ -110,6 +110,16 @@ def test_a_tolerance_is_about_kept() -> None:
         assert max(off.position_m, off.angle_rad) < 100 * tolerance
 
 
+@pytest.mark.parametrize("tolerance", [8e-11, 1e-11])
+def test_strong_servos_do_not_chatter(tolerance: float) -> None:
+    """A wheel turns round within a grain of time: with strong servos no slow look catches it."""
+    scene = sn.Scene(sn.Robot(4, 0.0624, 0.1546), sn.Ground(0.038, 0.0219, 0.0243, 0.184),
+                     sn.Gait(1.05, 1.82, 0.92), drive="servo", servo=sn.Servo(), limp=(2,),
+                     duration_s=3.0, dt_s=0.01, tolerance=tolerance)  # fmt: skip
+    off = difference(sn.simulate(scene), sn.simulate(replace(scene, tolerance=1e-6)))
+    assert off.angle_rad < 1e-4
+
+
 @pytest.mark.slow
 def test_no_random_scene_gives_up() -> None:
     """Two hundred scenes of every drive, on slopes and level: all come to their end."""

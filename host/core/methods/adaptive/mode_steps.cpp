@@ -73,7 +73,7 @@ bool ModeSteps::ends_between(double from, double to) {
 StepOutcome ModeSteps::step(double t_limit) {
     if (let_through_) let_through_();
     if (ends_) {
-        at_once_ = t_ - ended_ > shortest_ ? 0 : at_once_ + 1;
+        at_once_ = t_ - ended_ > kNothing * shortest_ ? 0 : at_once_ + 1;
         if (at_once_ > kMostAtOnce)
             return {false, "the wheels stick and slip too often to be followed"};
         ended_ = t_;

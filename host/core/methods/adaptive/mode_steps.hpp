@@ -33,6 +33,7 @@ class ModeSteps final : public Method {
   private:
     static constexpr int kLooks = 8;  // at a step, for the end of a mode in it
     static constexpr int kMostAtOnce = 300;
+    static constexpr double kNothing = 1e3;  // times shortest: between two ends at once
     bool ends_between(double from, double to);
     double end_of_mode(double from, double to);
     const std::vector<double>& margins(double t);
