@@ -42,9 +42,10 @@ class Servo:
 
     Torque stiffness_nm_rad (N m/rad) * error - damping_nms_rad (N m s/rad) * rate, where the error
     is what exceeds dead_band_rad, rad. At most torque_limit_nm (N m) when stalled, falling in a
-    straight line to nothing at speed_limit_rad_s (rad/s), as a motor's does, and beyond it along the
-    same line: a joint driven faster is braked. Braking has the whole torque. The setpoint is what the firmware's fixed-point code gives for the gait, held for each
-    20 ms frame. Raises BadInput.
+    straight line to nothing at speed_limit_rad_s (rad/s), as a motor's does, and beyond it along
+    the same line: a joint that is driven faster is braked. Braking has the whole torque. The
+    setpoint is what the firmware's fixed-point code gives for the gait, held for each 20 ms frame.
+    Raises BadInput.
 
     The defaults are round numbers for a hobby servo of 6 V (0.3 N m, 60 degrees in 0.12 s), not
     measurements.

@@ -185,7 +185,18 @@ def steady_gait(
         return found
     raise NotConverged(
         f"no periodic state found to rtol {rtol:g} for {gait} on {ground}: the best has a speed of "
-        f"{s.speed:.6g} m/s with an error of {error:.1g} of itself (it is this exception's `best`);"
-        " ask for a larger rtol, or follow the motion in time with simulate",
+        f"{s.speed:.6g} m/s with an error of {error:.1g} of itself{_what_else(found, rtol)} (it is "
+        "this exception's `best`); ask for a larger rtol, or follow the motion in time with "
+        "simulate",
         best=found,
     )
+
+
+def _what_else(best: Steady, rtol: float) -> str:
+    """Return why a state is no answer whose speed is known well enough, or ""."""
+    if best.error_estimate > rtol:
+        return ""
+    if not best.stable:
+        return ", but disturbances of it grow: no motion stays there"
+    watts = max(best.positive_power_error_w, best.power_error_w)
+    return f", its powers one of {watts:.1g} W"

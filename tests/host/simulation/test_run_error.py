@@ -111,8 +111,8 @@ def test_runs_that_stay_near_are_not_called_chaotic() -> None:
     run = sn.simulate(sn.Scene(sn.Robot(3, 0.1, 0.1), sn.Ground(0.1, 1.0), sn.Gait(0.5, 1.0, 3.0),
                                method="dop853", duration_s=1.0, dt_s=0.1))  # fmt: skip
     for apart_rad, chaotic in ((0.003, False), (0.3, True)):
-        turned = iter((apart_rad, 2 * apart_rad))
-        found = estimate(run, lambda _: replace(run, theta_rad=run.theta_rad + next(turned)))
+        others = [replace(run, theta_rad=run.theta_rad + k * apart_rad) for k in (1, 2)]
+        found = estimate(run, lambda _, left=others: left.pop())
         assert not found.settled
         assert found.chaotic == chaotic
 
