@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..model.checks import check_kind, check_number
-from ..model.errors import BadInput
+from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..simulation.steady_springs import steady_springs
 from .friction_fit import fit_friction
@@ -32,6 +32,7 @@ class ComparedGait:
     low_m_s, high_m_s: of the frictions that the fit allows. low_all_m_s, high_all_m_s: with the
     joints' amplitude besides. runs: numbers of the measured runs; measured_m_s, sigma_m_s: their
     mean and its standard deviation; none if not measured. residual_m_s: measured less predicted.
+    implicit_m_s: NaN where the paper's springs never settle.
     """
 
     alpha_rad: float
@@ -149,6 +150,14 @@ def _same(one: Gait, other: Gait) -> bool:
     return replace(other, omega_rad_s=one.omega_rad_s) == one and apart < SAME_RATE
 
 
+def _by_springs(fit: FrictionFit, gait: Gait) -> float:
+    """Return the implicit model's speed, m/s; NaN where its springs never come to rest."""
+    try:
+        return steady_springs(fit.robot, fit.ground, gait, rtol=1e-3).speed_m_s
+    except NotConverged:  # heavy links on the paper's springs: no reason to withhold the rest
+        return math.nan
+
+
 def _point(fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun]) -> ComparedGait:
     gait = drawn.gaits[j]
     exact = speed(fit.robot, fit.ground, gait)
@@ -161,7 +170,7 @@ def _point(fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun]) -
         sigma = float(weights.sum() ** -0.5)
     return ComparedGait(
         gait.alpha_rad, gait.beta_rad, gait.omega_rad_s / (2 * math.pi), exact,
-        steady_springs(fit.robot, fit.ground, gait, rtol=1e-3).speed_m_s,
+        _by_springs(fit, gait),
         low, high, low_all, high_all, tuple(r.number for r in runs), measured, sigma,
         None if measured is None else measured - exact,
     )  # fmt: skip

@@ -28,7 +28,7 @@ def _row(p: ComparedGait) -> list[str]:
         f"{p.exact_m_s:.4f}",
         f"{p.low_m_s:.4f}–{p.high_m_s:.4f}",
         f"{p.low_all_m_s:.4f}–{p.high_all_m_s:.4f}",
-        f"{p.implicit_m_s:.4f}",
+        "–" if math.isnan(p.implicit_m_s) else f"{p.implicit_m_s:.4f}",
         measured,
         off,
     ]

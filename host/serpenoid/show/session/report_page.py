@@ -156,11 +156,12 @@ def _speed_table(compared: Comparison) -> str:
     rows = []
     for p in compared.gaits:
         seen = "" if p.measured_m_s is None else f"{p.measured_m_s:.4f} ± {p.sigma_m_s:.4f}"
+        springs = "–" if math.isnan(p.implicit_m_s) else f"{p.implicit_m_s:.4f}"
         rows.append([
             f"{math.degrees(p.alpha_rad):.3g}°/{math.degrees(p.beta_rad):.3g}°, "
             f"{p.frequency_hz:.3g} Hz", f"{p.exact_m_s:.4f}",
             f"{p.low_m_s:.4f} to {p.high_m_s:.4f}",
-            f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}", f"{p.implicit_m_s:.4f}", seen,
+            f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}", springs, seen,
         ])  # fmt: skip
     head = ["gait", "exact (m/s)", "95 % friction", "95 % with joints", "implicit", "measured"]
     return _table(head, rows)
