@@ -131,7 +131,7 @@ class ShapeSearch:
         """Return the least and greatest coordinates that are searched."""
         n = self.robot.links
         low = np.array([math.log(math.radians(1.0)), math.log(min(0.08, 0.8 / n))])
-        return low, np.array([math.log(math.radians(150.0)), math.log(math.radians(175.0))])
+        return low, np.array([math.log(math.radians(150.0)), math.log(math.pi)])
 
 
 def on_threads(work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
