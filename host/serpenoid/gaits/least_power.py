@@ -29,7 +29,8 @@ COSTS = ("power", "abs_power", "positive_power")
 ANY = GaitLimits()
 _MOST_LENGTHS_A_SECOND = 1e4  # beyond it the cloud's rates have no end, and the wish no sense
 _CLOSER = 4.0  # the best of dry valleys is looked at so many times as closely
-_WIDTHS, _SMALL_VALLEYS = (0.25, 0.08), 3  # of tables of shapes round it, e-folds; followed of each
+_WIDTHS = (0.25, 0.08, 0.025, 0.008)  # e-folds either way, of tables of shapes round it
+_SMALL_VALLEYS = 3  # followed of each table
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +108,7 @@ class Finder:
         """Return the best of a dry valley, where kinks make small valleys in the large one.
 
         Tables of shapes, each finer than the one before, show them; the best are followed. What the
-        last table gained, or saw below, may be missing still.
+        last table gained, or saw below, may be missing still; the finest is for steep ones.
         """
         gap = 0.0
         for width in _WIDTHS:
@@ -117,8 +118,11 @@ class Finder:
             for start in starts:
                 point, _ = self.follow(start, speed, width / 6, closer=_CLOSER)
                 best = min(best, point, key=lambda p: p.better)
-            lowest = min((math.log(start.watts) for start in starts), default=math.inf)
-            gap = max(before - best.value, best.value - lowest, 0.0)
+            gap = max(before - best.value, 0.0)
+            if self.exact and starts:  # the tables are the exact model's
+                gap = max(gap, best.value - math.log(starts[0].watts))
+            if width == _WIDTHS[-2] and gap <= self.blur:
+                break
         return best, gap
 
     def finish(self, speed: float, ends: list[tuple[Point, float]]) -> LeastPower:
