@@ -70,12 +70,12 @@ class Steady:
 
     @property
     def body_velocity(self) -> NDArray[np.float64]:
-        """Return the velocity at phase 0, (3,): of the centre of mass, and theta_1'."""
+        """Return body_velocity, (3,), at phase 0: of the centre of mass, m/s; theta_1', rad/s."""
         return np.array(self._body_velocity)
 
     @property
     def monodromy(self) -> NDArray[np.float64]:
-        """Return the derivative of what moves freely after a period by that before it, (3, 3)."""
+        """Return monodromy, (3, 3): by (Vx, Vy, L) in m/s and kg m^2/s, after a period."""
         return np.array(self._monodromy).reshape(3, 3)
 
     @property

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model.checks import check_number
 from ..model.errors import NotConverged
@@ -28,7 +29,8 @@ class SteadySprings:
     """Hold the periodic state of a gait by the implicit model (Eqs. 51-56).
 
     speed_m_s (m/s), power_w, abs_power_w, positive_power_w (W): as in Steady. error_estimate: of
-    the speed, relative: how much it still changes from cycle to cycle, and the time steps.
+    the speed, relative: how much it will still change with the cycles to come, and the time steps;
+    power_error_w, abs_power_error_w, positive_power_error_w: the same of each power, W.
     modelling_error: of the speed, relative to the exact model's, signed. cycles: run until then.
     """
 
@@ -37,12 +39,19 @@ class SteadySprings:
     abs_power_w: float
     positive_power_w: float
     error_estimate: float
+    power_error_w: float
+    positive_power_error_w: float
     modelling_error: float
     cycles: int
 
+    @property
+    def abs_power_error_w(self) -> float:
+        """Return the estimated error of abs_power_w = 2 positive_power_w - power_w, W."""
+        return 2 * self.positive_power_error_w + self.power_error_w
+
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON."""
-        return asdict(self)
+        return asdict(self) | {"abs_power_error_w": self.abs_power_error_w}
 
 
 def _cycle_scene(scene: Scene) -> Scene:
@@ -53,22 +62,48 @@ def _cycle_scene(scene: Scene) -> Scene:
     return replace(scene, dt_s=period / steps, record_every=steps)
 
 
-def _settled(scene: Scene, rtol: float, floor_m_s: float) -> tuple[Run, float, float, int]:
-    """Return the last run, its mean speed, how much that still varies, and the cycles it took."""
-    cycles, count, spread = 0, 8, math.inf
+@dataclass(frozen=True, slots=True)
+class _Settled:
+    """Hold the last run, its last cycle's speed, what that will still change, cycles taken.
+
+    ahead: how many times what the last cycle changed is still to come.
+    """
+
+    run: Run
+    speed_m_s: float
+    change_m_s: float
+    ahead: float
+    cycles: int
+
+
+def _settle(scene: Scene, rtol: float, floor_m_s: float) -> _Settled:
+    """Follow the motion until its speed is the periodic state's to rtol."""
+    cycles, count, change = 0, 8, math.inf
     while cycles < _MOST_CYCLES:
         run = simulate(replace(scene, duration_s=count * scene.gait.period_s))
         cycles += count
-        late = run.mean_speed_m_s(scene.gait.period_s)[count // 2 :]
-        spread = float(np.ptp(late))
-        if spread <= rtol * max(late.mean(), floor_m_s):
-            return run, float(late.mean()), spread, cycles
+        speeds = run.mean_speed_m_s(scene.gait.period_s)
+        before, late = (float(np.ptp(part)) for part in np.split(speeds[-(count // 4 * 2) :], 2))
+        shrunk = min(max(late / before, 0.1), 0.99) if before > 0 else 0.1
+        change = 2 * late / (1 - shrunk)  # as geometric series go, twice for those that beat
+        if change <= rtol * max(float(speeds[-1]), floor_m_s):
+            a_cycle = shrunk ** (1 / (count // 4))
+            return _Settled(run, float(speeds[-1]), change, 1 / (1 - a_cycle), cycles)
         scene, count = replace(scene, start=run.state()), min(2 * count, 256)
     raise NotConverged(
-        f"after {cycles} cycles the speed still varies by {spread:.1g} m/s from cycle to cycle; "
+        f"after {cycles} cycles the speed still varies by {change:.1g} m/s from cycle to cycle; "
         f"ask for a larger rtol than {rtol:g}, or more damping than "
         f"{scene.joint_damping_n_s_m:g} N s/m"
     )
+
+
+def _powers(run: Run, cycles: int) -> NDArray[np.float64]:
+    """Return net, absolute and positive mean power of each joint, (3, n - 1), in each cycle.
+
+    A period's samples: net powers' means are as good as the steps.
+    """
+    power = run.joint_power_w[1:].reshape(cycles, -1, run.joint_power_w.shape[1])
+    return np.stack([power, np.abs(power), np.maximum(power, 0)], 1).mean(axis=2)
 
 
 def steady_springs(
@@ -83,8 +118,8 @@ def steady_springs(
     """Run the implicit model until it repeats, and compare it with the exact model's speed.
 
     joint_stiffness_n_m in N/m, joint_damping_n_s_m in N s/m. Starts from the exact periodic state
-    on the slow manifold and follows it until the speed of a cycle varies by less than rtol,
-    relative (1e-9 to 0.1). Dry friction sticks (method "nonsmooth"). Raises BadInput, and
+    on the slow manifold and follows it until the speed will change by less than rtol, relative
+    (1e-9 to 0.1). Dry friction sticks (method "nonsmooth"). Raises BadInput, and
     NotConverged after 4096 cycles.
     """
     check_number("rtol", rtol, 1e-9, 0.1)
@@ -97,16 +132,22 @@ def steady_springs(
         )
     )  # fmt: skip
     floor = 1e-4 * gait.omega_rad_s * robot.links * robot.link_length_m
-    run, speed, spread, cycles = _settled(scene, rtol, floor)
-    once = replace(scene, start=run.state(), duration_s=gait.period_s)
-    last = simulate(replace(once, record=("joints",), record_every=1))
-    finer = simulate(replace(once, dt_s=scene.dt_s / 2, record_every=2 * scene.every))
-    steps = (
-        abs(last.travel_m - finer.travel_m) / gait.period_s * (16 / 15 if ground.smooth else 2.0)
-    )
-    power = last.joint_power_w[1:]  # a period's samples: the mean is as good as the steps
+    settled = _settle(scene, rtol, floor)
+    once = replace(
+        scene, start=settled.run.state(), duration_s=gait.period_s, record=("joints",),
+        record_every=1,
+    )  # fmt: skip
+    last = simulate(once)
+    finer = simulate(replace(once, dt_s=scene.dt_s / 2))
+    next_one = simulate(replace(once, start=last.state()))
+    order = 16 / 15 if ground.smooth else 2.0
+    steps = abs(last.travel_m - finer.travel_m) / gait.period_s * order
+    power, fine, later = (_powers(run, 1)[0] for run in (last, finer, next_one))
+    change = np.abs((later - power).sum(axis=1)) * (1 + settled.ahead)
+    errors = change + np.abs(fine - power).sum(axis=1) * 2  # kinks between samples: order two
+    net, absolute, positive = (float(p) for p in power.sum(axis=1))
     return SteadySprings(
-        speed, float(power.sum(axis=1).mean()), float(np.abs(power).sum(axis=1).mean()),
-        float(np.maximum(power, 0).sum(axis=1).mean()), (spread + steps) / max(speed, floor),
-        speed / max(exact.speed_m_s, floor) - 1, cycles,
+        settled.speed_m_s, net, absolute, positive,
+        (settled.change_m_s + steps) / max(settled.speed_m_s, floor), float(errors[0]),
+        float(errors[2]), settled.speed_m_s / max(exact.speed_m_s, floor) - 1, settled.cycles,
     )  # fmt: skip

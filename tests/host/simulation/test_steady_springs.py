@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import math
+from pathlib import Path
 
 import pytest
 import serpenoid as sn
@@ -43,3 +45,34 @@ def test_bad_input_is_named() -> None:
         sn.steady_springs(SIX, VISCOUS, gait(5.0), rtol=0)
     with pytest.raises(sn.BadInput, match="joint_stiffness_n_m is -1"):
         sn.steady_springs(SIX, VISCOUS, gait(5.0), joint_stiffness_n_m=-1.0)
+
+
+def random_robots() -> list[dict[str, float]]:
+    table = Path(__file__).parents[2] / "oracle" / "periodic_springs.csv"
+    with table.open(newline="") as file:
+        found = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+    assert len(found) == 8
+    return found
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-6])
+def test_random_robots_are_as_near_to_shooting_as_they_claim(rtol: float) -> None:
+    """From 2 to 12 links, springs of 30 to 10 000 m omega^2; the other code takes plain steps."""
+    for v in random_robots():
+        soft = sn.steady_springs(
+            sn.Robot(int(v["links"]), v["mass_kg"], 2 * v["half_m"]),
+            sn.Ground(v["ct"], v["cn"]),
+            sn.Gait(v["alpha_rad"], v["beta_rad"], v["omega_rad_s"]),
+            joint_stiffness_n_m=v["stiffness_n_m"],
+            joint_damping_n_s_m=v["damping_n_s_m"],
+            rtol=rtol,
+        )
+        size = 1e-4 * v["omega_rad_s"] * 2 * v["half_m"] * v["links"]
+        off = abs(soft.speed_m_s - v["speed_m_s"]) / max(v["speed_m_s"], size)
+        assert off <= soft.error_estimate + v["steps_error"] + 1e-9
+        assert soft.error_estimate <= 2 * rtol
+        watts = v["power_steps_error"] * v["abs_power_w"]
+        assert abs(soft.power_w - v["power_w"]) <= soft.power_error_w + watts
+        assert abs(soft.abs_power_w - v["abs_power_w"]) <= soft.abs_power_error_w + watts
+        off_w = abs(soft.positive_power_w - v["positive_power_w"])
+        assert off_w <= soft.positive_power_error_w + watts
