@@ -38,7 +38,7 @@ GRID_RTOL = {"viscous": 1e-6, "dry": 1e-4}
 class Cost:
     """Hold what one kind of gait costs: seconds of processor time for each, and how many."""
 
-    what: str  # "grid", "floor", "process", "gait", "run", "links" or "error"
+    what: str  # "grid", "gait", "process", "... floor" of each, "run", "links" or "error"
     ground: str  # "viscous" or "dry"
     links: int
     rtol: float
@@ -47,7 +47,11 @@ class Cost:
 
 
 def processor_s(work: Callable[[], object], runs: int) -> float:
-    """Return the median processor time of a call, s, after one that does not count."""
+    """Return the median processor time of a call, s, after one that does not count.
+
+    Processor time, as others may share the machine; the median, as neither the first call (cold
+    caches) nor the luckiest is what a user has.
+    """
     work()
     times = []
     for _ in range(runs):
@@ -79,7 +83,7 @@ def grid(ground: str, step: int = 1) -> sn.Sweep:
 
 def _grid_cost(ground: str, step: int) -> Cost:
     count = grid(ground, 4).speed_m_s.size and grid(ground, step).speed_m_s.size
-    taken = processor_s(lambda: grid(ground, step), 3 if ground == "viscous" else 1)
+    taken = processor_s(lambda: grid(ground, step), 25 if ground == "viscous" else 1)
     return Cost("grid", ground, 6, GRID_RTOL[ground], math.nan, taken / count)
 
 
@@ -93,23 +97,31 @@ def _product_s() -> float:
     return processor_s(lambda: [a @ a for _ in range(runs)], 9) / size**3 / runs
 
 
-def _floor_cost(ground: str) -> Cost:
-    """Return what the least arithmetic of a gait of a grid takes at this core's best.
+def _floor_costs(ground: str) -> list[Cost]:
+    """Return what the least arithmetic takes at this core's best, of a grid's gait and of one.
 
-    The tables, 15 kB a shape, stay in the nearest cache: there is no floor of memory.
+    The one alone, on viscous ground, is counted as if its three neighbours in a vector were solved
+    with it. The tables, 15 kB a shape, stay in the nearest cache: there is no floor of memory.
     """
-    products = {"viscous": viscous_products, "dry": dry_products}[ground]()
-    return Cost("floor", ground, 6, GRID_RTOL[ground], math.nan, products * _product_s())
+    products = {"grid": {"viscous": viscous_products, "dry": dry_products}[ground]()}
+    if ground == "viscous":
+        products["gait"] = viscous_products(powers=False)
+    each = _product_s()
+    return [
+        Cost(f"{what} floor", ground, 6, GRID_RTOL[ground], math.nan, count * each)
+        for what, count in products.items()
+    ]
 
 
-def viscous_products() -> int:
+def viscous_products(powers: bool = True) -> int:
     """Return the multiply-adds of one step of Newton's method, the means and the joints' powers.
 
-    24 nodes; two or three kinks of each joint's power: some 15 000.
+    24 nodes; a kink of each joint's power where its rate changes its sign, which weights of the
+    shape's mend, and one or two where its torque does: some 14 000, of which powers 3500.
     """
     nodes, joints = 24, PAPER.links - 1
-    step, means = nodes * (6 * nodes + 240), nodes * (nodes + 40)
-    return step + means + joints * (16 * nodes + round(2.5 * 190))
+    motion = nodes * (6 * nodes + 240) + nodes * (nodes + 40)
+    return motion + powers * joints * (16 * nodes + 32 + round(1.5 * 190))
 
 
 def dry_products() -> int:
@@ -130,18 +142,27 @@ def dry_products() -> int:
     return pieces * (stages * (shape + sums) + newton + modes + powers + integrals + change)
 
 
-def _process_cost() -> Cost:
-    """Return the processor time of `serpenoid sweep` of the viscous grid to a file, whole."""
-    times = []
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "serpenoid", "sweep", "--robot", "paper", "--threads", "1"]
-        for _ in range(3):
+def _process_costs() -> list[Cost]:
+    """Return the processor time, whole, of a sweep of the viscous grid to a file, and its floor.
+
+    The floor is that of a process that imports NumPy and does nothing.
+    """
+
+    def cost(what: str, arguments: list[str]) -> Cost:
+        times = []
+        for _ in range(5):
             before = sum(os.times()[2:4])
-            subprocess.run(
-                [*command, "--out", f"{folder}/grid.csv"], check=True, capture_output=True
-            )
+            subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
             times.append(sum(os.times()[2:4]) - before)
-    return Cost("process", "viscous", 6, GRID_RTOL["viscous"], math.nan, min(times) / 4500)
+        each = statistics.median(times) / 4500
+        return Cost(what, "viscous", 6, GRID_RTOL["viscous"], math.nan, each)
+
+    with tempfile.TemporaryDirectory() as folder:
+        sweep = ["-m", "serpenoid", "sweep", "--robot", "paper", "--threads", "1"]
+        return [
+            cost("process", [*sweep, "--out", f"{folder}/grid.csv"]),
+            cost("process floor", ["-c", "import numpy"]),
+        ]
 
 
 def _run_cost(ground: str) -> Cost:
@@ -186,9 +207,9 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
         tell(f"{ground}: grid, run, links, errors")
         rows += [_grid_cost(ground, 3 if quick else 1), _run_cost(ground)]
         rows.append(Cost("gait", ground, 6, 1e-8, math.nan, _alone_s(ground)))
-        rows.append(_floor_cost(ground))
+        rows += _floor_costs(ground)
         if ground == "viscous":
-            rows.append(_process_cost())
+            rows += _process_costs()
         rows += [
             Cost("links", ground, n, GRID_RTOL[ground], math.nan,
                  _solve_s(ground, n, GRID_RTOL[ground]))
@@ -199,7 +220,7 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
 
 
 def _alone_s(ground: str) -> float:
-    """Return what one steady_gait for the speed alone costs, from Python."""
+    """Return what one steady_gait for the speed alone costs, from Python; the gait is at hand."""
     robot, friction = CASES[ground]
     gait, rtol = (
         sn.Gait(math.radians(30), math.radians(80), 5.0),
@@ -210,7 +231,7 @@ def _alone_s(ground: str) -> float:
             lambda: [
                 sn.steady_gait(robot, friction, gait, rtol=rtol, powers=False) for _ in range(50)
             ],
-            5,
+            41,
         )
         / 50
     )
@@ -229,18 +250,22 @@ def summary(rows: list[Cost]) -> list[str]:
             f"{ground}: one gait alone, for the speed: {cost['gait'] * 1e6:.0f} us; a run in time "
             f"until the start is forgotten takes {cost['run'] / each:.0f} times a grid's gait",
         ]
+    cost = {(r.what, r.ground): r.seconds for r in rows}
     lines += [
-        f"{r.ground}: {r.what} {4500 * r.seconds:.4f} s for 4500: {_MEANS[r.what, r.ground]}"
-        for r in rows
-        if (r.what, r.ground) in _MEANS
+        f"{ground}: {what} {cost[what, ground] * times:.3g} {unit}, "
+        f"{cost[what, ground] / floor:.1f} times its floor of {floor * times:.3g} {unit}: {means}"
+        for (what, ground), (times, unit, means) in _FLOORS.items()
+        if (floor := cost.get((f"{what} floor", ground)))
     ]
     return lines
 
 
-_MEANS = {
-    ("floor", "viscous"): "the arithmetic of one Newton step and the powers, at this core's best",
-    ("floor", "dry"): "the arithmetic of following half a cycle once, at this core's best",
-    ("process", "viscous"): "`serpenoid sweep` to a CSV file, Python, imports and all",
+# What is told of each, and its unit: 4500 gaits, or one.
+_FLOORS = {
+    ("grid", "viscous"): (4500e3, "ms", "one Newton step and the powers, at this core's best"),
+    ("grid", "dry"): (4500e3, "ms", "following half a cycle once, at this core's best"),
+    ("gait", "viscous"): (1e6, "us", "one Newton step, as if one of four, at this core's best"),
+    ("process", "viscous"): (4.5e6, "ms", "a process that imports NumPy; ours sweeps to a file"),
 }
 
 
