@@ -200,7 +200,7 @@ class CycleNewton {
         out[kChange2] = change, out[kSize2] = size;
     }
 
-    const CycleTask& q;
+    const CycleTask q;  // a copy: no store of packs can change it
     int N;
     V* y;
     V g;
@@ -230,8 +230,9 @@ inline V log2_radius(Mat<V> M) {
 }
 
 template <int W>
-void cycle_averages(CycleTask& q, double* memory) {
+void cycle_averages(CycleTask& task, double* memory) {
     using V = Pack<W>;
+    const CycleTask q = task;
     V* out = reinterpret_cast<V*>(memory);
     const CycleNewton<W> gait(q);
     const V* y = reinterpret_cast<const V*>(q.y);

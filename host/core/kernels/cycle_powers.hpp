@@ -63,14 +63,15 @@ class CyclePowers {
     void joint(int i) {
         const double* table = q.joint + static_cast<long>(i) * kJointFields * N;
         const JointTurn& turn = q.turns[i];
-        V high[4] = {};
+        V high[4] = {}, sum{};
         for (int k = 0; k < N; ++k) {
             V T{};
             for (int b = 0; b < 10; ++b) T = fused(all<V>(table[b * N + k]), motion[10 * k + b], T);
             torque[k] = T, power[k] = T * all<V>(table[kRate * N + k]);
-            sum_ += choose<V>(power[k] < 0, -power[k], power[k]);
+            sum += choose<V>(power[k] < 0, -power[k], power[k]);
             for (int c = 0; c < 4; ++c) high[c] = fused(all<V>(q.modes[8 * k + 4 + c]), T, high[c]);
         }
+        sum_ += sum;
         // what the torque's last modes may hide
         V tail{};
         for (const V& v : high) tail += v * v;
@@ -235,7 +236,7 @@ class CyclePowers {
     static constexpr double kLast =
         1.0 / 4;  // of the last coefficients, whose weights are 1/100 and less
 
-    const CycleTask& q;
+    const CycleTask q;  // a copy: no store of packs can change it
     int N;
     V *motion, *torque, *power;
     V sum_, error_;
