@@ -76,8 +76,9 @@ class CycleNewton {
           cell(reinterpret_cast<Cell*>(miss + 3 * N)) {}
 
     void step(V* out) {
-        for (int k = 0; k < N; ++k) linearise(k);
+        for (int k = 0; k < N; ++k) slope(k, f + 3 * k);
         residuals();
+        for (int k = 0; k < N; ++k) linearise(k);
         V start[3];
         chain(out + kTransfer, start);
         move(start, out);
@@ -113,7 +114,6 @@ class CycleNewton {
     }
 
     void linearise(int k) {
-        slope(k, f + 3 * k);
         const V *u = y + 3 * k, *du = f + 3 * k;
         const Mat<V> A = matrix(k, 0, u[0], u[1], u[2]);
         const Mat<V> AA = product3(A, A, matrix(k, kSlope, du[0], du[1], du[2]));
@@ -127,28 +127,52 @@ class CycleNewton {
         cell[k].inverse = inverse3(minus);
     }
 
+    // Sums and differences of a pair (spectral_row.hpp), by component.
+    struct Pair {
+        V u[2][3], f[2][3];
+    };
+
+    // Pairs go where the cells are not yet.
+    Pair* fold() const {
+        Pair* pair = reinterpret_cast<Pair*>(cell);
+        for (int j = 0; j <= N / 2; ++j)
+            for (int c = 0; c < 3; ++c) {
+                const V u = y[3 * j + c], du = f[3 * j + c];
+                const V mirror = y[3 * (N - 1 - j) + c];
+                pair[j].u[0][c] = u + mirror, pair[j].u[1][c] = u - mirror;
+                const bool alone = j == 0 || j == N / 2;
+                const V other = alone ? V{} : f[3 * (N - j) + c];
+                pair[j].f[0][c] = du + other, pair[j].f[1][c] = du - other;
+            }
+        return pair;
+    }
+
     // r = f - y' at the nodes, and by how much y misses the integral of f in every cell.
     void residuals() {
-        for (int k = 0; k < N; k += 2) {
+        const Pair* pairs = fold();
+        for (int k = 0; k < N / 2; ++k) {
             V d[2][3] = {}, s[2][3] = {};
-            for (int j = 0; j < N; ++j) {
-                const SpectralRow* row = q.rows + (k - j + N - 1);
-                const V *u = y + 3 * j, *du = f + 3 * j;
-                for (int i = 0; i < 2; ++i) {
-                    const V de = all<V>(row[i].even_slope), od = all<V>(row[i].odd_slope),
-                            ei = all<V>(row[i].even_integral), oi = all<V>(row[i].odd_integral);
-                    d[i][0] = fused(de, u[0], d[i][0]), d[i][1] = fused(od, u[1], d[i][1]);
-                    d[i][2] = fused(od, u[2], d[i][2]), s[i][0] = fused(ei, du[0], s[i][0]);
-                    s[i][1] = fused(oi, du[1], s[i][1]), s[i][2] = fused(oi, du[2], s[i][2]);
-                }
+            for (int j = 0; j <= N / 2; ++j) {
+                const FoldedRow& row = q.folded[k * (N / 2 + 1) + j];
+                for (int i = 0; i < 2; ++i)
+                    for (int c = 0; c < 3; ++c) {
+                        const V slope = all<V>(c ? row.odd_slope[i] : row.even_slope[i]);
+                        const V part = all<V>(c ? row.odd_integral[i] : row.even_integral[i]);
+                        d[i][c] = fused(slope, pairs[j].u[i][c], d[i][c]);
+                        s[i][c] = fused(part, pairs[j].f[i][c], s[i][c]);
+                    }
             }
-            for (int i = 0; i < 2; ++i)
-                for (int c = 0; c < 3; ++c) {
-                    const int a = 3 * (k + i) + c;
-                    const V next = k + i + 1 < N ? y[a + 3] : c ? -y[c] : y[c];
-                    r[a] = f[a] - d[i][c], miss[a] = s[i][c] - (next - y[a]);
-                }
+            for (int c = 0; c < 3; ++c) {
+                residual(k, c, d[1][c] + d[0][c], s[0][c] + s[1][c]);
+                residual(N - 1 - k, c, d[1][c] - d[0][c], s[0][c] - s[1][c]);
+            }
         }
+    }
+
+    void residual(int k, int c, V slope, V integral) {
+        const int a = 3 * k + c;
+        const V next = k + 1 < N ? y[a + 3] : c ? -y[c] : y[c];
+        r[a] = f[a] - slope, miss[a] = integral - (next - y[a]);
     }
 
     // Change of every node as a function of the first one's: transfer matrices, then their product,

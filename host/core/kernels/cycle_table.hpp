@@ -76,6 +76,7 @@ struct CycleTask {
     const double* joint;      // [joints][kJointFields][nodes]
     const JointTurn* turns;   // [joints]
     const SpectralRow* rows;  // 2 nodes - 1 of them
+    const FoldedRow* folded;  // [nodes/2][nodes/2 + 1]
     const double* modes;      // [nodes][8]: of the last two pairs of even and of odd modes
     const double* stencil;    // [8][8]: powers of the place in a cell, in steps, by the values at
                               // eight nodes, three before the cell; then [8]: see cycle_powers.hpp

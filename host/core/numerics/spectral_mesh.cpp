@@ -22,6 +22,7 @@ SpectralMesh::SpectralMesh(int count) : nodes(count), step(M_PI / count) {
         }
     }
     matrices();
+    fold();
     local_polynomial();
 }
 
@@ -44,6 +45,36 @@ void SpectralMesh::matrices() {
         odd_slope.push_back(rows.back().odd_slope);
         even_half.push_back(f * even), odd_half.push_back(f * odd);
     }
+}
+
+void SpectralMesh::fold() {
+    const auto at = [&](int row, int column) { return rows[row - column + nodes - 1]; };
+    for (int k = 0; k < nodes / 2; ++k)
+        for (int j = 0; j <= nodes / 2; ++j) {
+            FoldedRow to{};
+            const SpectralRow own = at(k, j);
+            if (j < nodes / 2) {
+                const SpectralRow other = at(k, nodes - 1 - j);
+                for (const int i : {0, 1}) {
+                    const double sign = i == 0 ? 1 : -1;
+                    to.even_slope[i] = (own.even_slope + sign * other.even_slope) / 2;
+                    to.odd_slope[i] = (own.odd_slope + sign * other.odd_slope) / 2;
+                }
+            }
+            if (j == 0) {  // half a cycle later again, or with its sign changed
+                to.even_integral[0] = own.even_integral, to.odd_integral[1] = own.odd_integral;
+            } else if (j == nodes / 2) {
+                to.even_integral[0] = own.even_integral, to.odd_integral[0] = own.odd_integral;
+            } else {
+                const SpectralRow other = at(k, nodes - j);
+                for (const int i : {0, 1}) {
+                    const double sign = i == 0 ? 1 : -1;
+                    to.even_integral[i] = (own.even_integral + sign * other.even_integral) / 2;
+                    to.odd_integral[i] = (own.odd_integral + sign * other.odd_integral) / 2;
+                }
+            }
+            folded.push_back(to);
+        }
 }
 
 // The polynomial through values at -3, ..., 4 in powers of t, and what it has of Bernoulli's

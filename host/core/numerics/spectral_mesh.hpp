@@ -16,6 +16,7 @@ struct SpectralMesh {
     double step;                                // of phase
     std::vector<double> sine, cosine;           // of the nodes
     std::vector<SpectralRow> rows;              // by row minus column, from 1 - nodes on
+    std::vector<FoldedRow> folded;              // [row < nodes/2][pair <= nodes/2]
     std::vector<double> even_slope, odd_slope;  // the rows' derivatives once more, side by side
     std::vector<double> modes;                  // [node][8]: CycleTask of cycle_table.hpp has them
     std::vector<double> stencil;                // likewise
@@ -29,6 +30,7 @@ struct SpectralMesh {
   private:
     explicit SpectralMesh(int nodes);
     void matrices();
+    void fold();
     void local_polynomial();
 };
 

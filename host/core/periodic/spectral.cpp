@@ -105,6 +105,7 @@ kernels::CycleTask SpectralViscous::task(int k) const {
             own.joint,
             own.turns.data(),
             mesh.rows.data(),
+            mesh.folded.data(),
             mesh.modes.data(),
             mesh.stencil.data(),
             g_,
