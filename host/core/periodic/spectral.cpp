@@ -284,7 +284,8 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
         }
         tables(k, options.powers && k > 0);
         if (k == 0) guess(rates.data());
-        const double enough = (k == 0 ? 10 : 0.02) * std::clamp(options.rtol, 1e-11, 1e-4);
+        const double enough = k == 0 ? 10 * std::clamp(options.rtol, 1e-11, 1e-6)
+                                     : 0.02 * std::clamp(options.rtol, 1e-11, 1e-4);
         if (!iterate(k, enough, true, found)) return;
         if (k == 0) remember(rates.data(), count);
         const bool all = settle(k, rates.data(), count, options, coarse, found, to);
