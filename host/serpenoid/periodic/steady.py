@@ -33,10 +33,12 @@ class Steady:
     |P_i| and sum max(P_i, 0), W. error_estimate: of the speed, relative (where the speed is next to
     nothing: to 1e-4 of body length times omega); power_error_w, abs_power_error_w,
     positive_power_error_w: of each power; turn_error_rad: of the turn. direction_rad: direction of
-    travel counted from the heading of link 1 at phase 0. body_velocity: (Vx, Vy, theta_1') at phase
-    0, velocity of the centre of mass along and across link 1, m/s, m/s, rad/s. monodromy:
-    derivative (3, 3) of (Vx, Vy, angular momentum; m/s, m/s, kg m^2/s) after a period by those
-    before it. settling_time_s: in which the slowest disturbance falls to 1/e, inf when none does;
+    travel counted from the heading of link 1 at phase 0.
+    body_velocity: (Vx, Vy, theta_1'), m/s, m/s, rad/s, at phase 0: of the centre of mass along and
+    across link 1, and of link 1's heading.
+    monodromy: derivative (3, 3) of (Vx, Vy, angular momentum; m/s, m/s, kg m^2/s) after a period by
+    those before it.
+    settling_time_s: in which the slowest disturbance falls to 1/e, inf when none does;
     settling_error: of it, relative.
 
     Where wheels that rest leave next to nothing of a disturbance (multipliers below 1e-13), or
