@@ -144,7 +144,6 @@ def test_brute_force_over_springs_finds_none_cheaper() -> None:
     [
         (VISCOUS_2005, 0.05, "power"), (VISCOUS_2005, 0.3, "abs_power"),
         (VISCOUS_2005, 0.1, "positive_power"), (BINGHAM, 0.1, "power"),
-        (BINGHAM, 0.05, "positive_power"),
     ],
 )  # fmt: skip
 def test_brute_force_over_springs_of_the_2005_robot(

@@ -125,7 +125,9 @@ def test_a_long_front_rises_without_steps(kind: str, cost: str) -> None:
     assert np.isfinite(watts).all()
     slopes = np.diff(np.log(watts)) / np.diff(np.log(speeds))
     assert slopes.min() > 0.4
-    assert slopes.max() < (3 if kind == "viscous" else 8)
+    assert slopes.max() < 8  # inertia makes it the cube and more; on dry ground valleys change
+    if kind == "viscous":
+        assert np.abs(np.diff(slopes)).max() < 0.2
 
 
 def test_a_speed_out_of_reach_is_none_whatever_stands_beside_it() -> None:
