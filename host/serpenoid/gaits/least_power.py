@@ -211,6 +211,7 @@ def finder(
             1e-4 if springs else 1e-5 if not ground.smooth else 1e-10 if cost == "power" else 1e-8
         )
     check_ground(ground, rtol)
+    _check_rolling(ground)
 
     def soft(gait: Gait, rtol: float) -> Any:
         found = steady_springs(
@@ -220,6 +221,20 @@ def finder(
         return _Soft(gait, **{k: v for k, v in found.to_dict().items() if k in _Soft.__slots__})
 
     return Finder(robot, ground, cost, limits, soft if springs else None, speeds, rtol)
+
+
+def _check_rolling(ground: Ground) -> None:
+    """Refuse wheels that roll for nothing and hold sideways: the less they bend, the less it costs.
+
+    They follow the wave as a train its rails, at omega link_length_m / beta however small alpha is,
+    and no friction does any work.
+    """
+    if ground.ct_forward == ground.ft0_forward == 0.0 < ground.fn0:
+        raise BadInput(
+            "with ct = ft0 = 0 the wheels roll for nothing, and fn0 holds them sideways: the less "
+            "the joints bend the less power it takes, so that no gait takes least; give ct or ft0 "
+            "what was measured, if ever so little"
+        )
 
 
 @dataclass(frozen=True, slots=True)
