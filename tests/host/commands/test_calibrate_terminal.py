@@ -41,7 +41,7 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
         person.presses("\n")
         person.sees("Who measures now")
         person.presses("Ada\n")
-        person.sees("1 stations")
+        person.sees("1 station ")
         person.sees("Robot straight")
         person.presses("quit\n")
         person.sees("Everything read so far is kept")
