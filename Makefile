@@ -28,12 +28,16 @@ demo: $(VENV)/built
 test: $(VENV)/built lint
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver $$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync=target test-host test-board
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync=target test-host test-numbers test-board
 
-# The halves of `make test`, which run beside each other.
+# The parts of `make test`, two beside each other.
+NUMBERS = $(addprefix tests/host/,model periodic simulation gaits calibration)
 HOST = tests/host tests/end_to_end
 test-host:
-	@$(VENV)/bin/python -m pytest -m "not slow" $(HOST)
+	@$(VENV)/bin/python -m pytest -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS))
+
+test-numbers:
+	@$(VENV)/bin/python -m pytest -m "not slow" $(NUMBERS)
 
 test-board:
 	@$(VENV)/bin/python -m pytest -m "not slow" $(addprefix --ignore=,$(HOST))
@@ -90,4 +94,4 @@ $(VENV)/built: $(SOURCES) | $(VENV)/run
 	@PATH="$$PWD/$(VENV)/bin:$$PATH" $(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: help demo test test-host test-board quick test-slow build lint format docs figures bench wheel clean
+.PHONY: help demo test test-host test-numbers test-board quick test-slow build lint format docs figures bench wheel clean
