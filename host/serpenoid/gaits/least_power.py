@@ -19,6 +19,7 @@ from ..model.robot import Robot
 from ..model.words import FORMULATIONS
 from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
+from .at_a_rate import RateSearch
 from .close_look import small_valleys
 from .gait_cloud import Candidate, GaitCloud
 from .limits import LIMIT_NAMES, GaitLimits
@@ -96,13 +97,23 @@ class Finder:
         """Return the cheapest gait; extra: one more start."""
         starts = self.candidates(speed) + ([extra] if extra else [])
         followed = [self.follow(s, speed, 0.08 if s is extra else 0.15) for s in starts]
-        ends = [end for end in followed if not end[0].better[0]]
+        ends = [end for end in followed if not end[0].better[0]] or self.within_few_rates(speed)
         if not ends:
             raise self.unreachable(speed, [point for point, _ in followed])
         ends.sort(key=lambda e: e[0].value)
         if not self.ground.smooth:
             ends[0] = self.looked_at_closely(ends[0][0], speed)
         return self.finish(speed, ends)
+
+    def within_few_rates(self, speed: float) -> list[tuple[Point, float]]:
+        """Return the cheapest gaits at the ends and the middle of a narrow range of rates."""
+        low, high = self.limits.omega_low_rad_s, self.limits.omega_high_rad_s
+        if not 0 < high <= 1.2 * low:
+            return []
+        rates = np.unique([low, math.sqrt(low * high), high])
+        searches = [RateSearch(self.search, float(rate), speed) for rate in rates]
+        found = [search.cheapest(self.rtol, self.coarse) for search in searches]
+        return [end for end in found if end is not None]
 
     def looked_at_closely(self, best: Point, speed: float) -> tuple[Point, float]:
         """Return the best of a dry valley, where kinks make small valleys in the large one.

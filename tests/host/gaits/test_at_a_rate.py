@@ -1,0 +1,70 @@
+"""Least power at a rate that is given, against the finest of one table of shapes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import serpenoid as sn
+
+D = math.pi / 180
+CASES = {
+    "viscous": (sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), 0.3, 5.0, "power"),
+    "viscous, |P|": (sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), 0.3, 5.0, "abs_power"),
+    "dry, where two amplitudes that give the speed meet": (
+        sn.Robot(6, 0.0756, 0.076),
+        sn.Ground.whole_body(6, 0.083459, 1.192, 0.1344398, 0.2558096),
+        0.05,
+        2.0,
+        "power",
+    ),
+}
+
+
+def least_of_a_table(
+    robot: sn.Robot, ground: sn.Ground, speed: float, rate: float, cost: str
+) -> float:
+    """Return the least cost where lines of one lag cross the speed."""
+    if ground.dry:  # where a wide table has it
+        alpha, beta = np.linspace(60, 90, 61) * D, np.linspace(80, 92, 49) * D
+    else:
+        alpha, beta = np.linspace(2, 110, 217) * D, np.linspace(20, 170, 151) * D
+    table = sn.sweep(
+        robot, ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=[rate], rtol=1e-4
+    )  # fmt: skip
+    v, watts = table.speed_m_s[:, :, 0], getattr(table, f"{cost}_w")[:, :, 0]
+    i, j = np.nonzero((v[1:] < speed) != (v[:-1] < speed))
+    part = (speed - v[i, j]) / (v[i + 1, j] - v[i, j])
+    return float((watts[i, j] * (1 - part) + watts[i + 1, j] * part).min())
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_pinned_rate_has_its_optimum(case: str) -> None:
+    robot, ground, speed, rate, cost = CASES[case]
+    limits = sn.GaitLimits(omega_low_rad_s=rate, omega_high_rad_s=rate)
+    best = sn.least_power_gait(robot, ground, speed_m_s=speed, cost=cost, limits=limits)
+    truth = least_of_a_table(robot, ground, speed, rate, cost)
+    assert best.gait.omega_rad_s == pytest.approx(rate, rel=1e-4)
+    assert best.speed_m_s == pytest.approx(speed, rel=1e-4)
+    assert best.power_w < truth * 1.001
+    assert truth < best.power_w * 1.01  # the table is no finer
+    assert {"lowest rate", "highest rate"} <= set(best.active)
+
+
+def test_a_narrow_range_is_no_dearer_than_its_ends() -> None:
+    robot, ground, speed, _, cost = CASES["viscous"]
+    watts = {
+        (low, high): sn.least_power_gait(
+            robot, ground, speed_m_s=speed, cost=cost,
+            limits=sn.GaitLimits(omega_low_rad_s=low, omega_high_rad_s=high),
+        ).power_w
+        for low, high in ((5.0, 5.0), (5.1, 5.1), (5.0, 5.1))
+    }  # fmt: skip
+    assert watts[5.0, 5.1] <= min(watts[5.0, 5.0], watts[5.1, 5.1]) * 1.001
+
+
+def test_a_rate_too_low_for_the_speed_is_refused() -> None:
+    limits = sn.GaitLimits(omega_low_rad_s=0.1, omega_high_rad_s=0.1)
+    with pytest.raises(sn.NotConverged, match=r"no gait reaches 0\.3 m/s"):
+        sn.least_power_gait(*CASES["viscous"][:2], speed_m_s=0.3, limits=limits)
