@@ -47,7 +47,13 @@ quick: $(VENV)/built lint
 
 test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium Xvfb=xvfb $$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
-	$(VENV)/bin/python -m pytest -m slow
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync=target slow-host slow-board
+
+slow-host:
+	@$(VENV)/bin/python -m pytest -m slow $(HOST)
+
+slow-board:
+	@$(VENV)/bin/python -m pytest -m slow $(addprefix --ignore=,$(HOST))
 
 build: $(VENV)/built
 
@@ -94,4 +100,4 @@ $(VENV)/built: $(SOURCES) | $(VENV)/run
 	@PATH="$$PWD/$(VENV)/bin:$$PATH" $(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: help demo test test-host test-numbers test-board quick test-slow build lint format docs figures bench wheel clean
+.PHONY: help demo test test-host test-numbers test-board quick test-slow slow-host slow-board build lint format docs figures bench wheel clean

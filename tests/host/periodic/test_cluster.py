@@ -147,7 +147,7 @@ def test_a_stretch_that_kills_every_worker_is_told(monkeypatch) -> None:
         distributed.LocalCluster(
             n_workers=1, threads_per_worker=1, processes=True, dashboard_address=":0"
         ) as made,
-        pytest.raises(ClusterFailed, match=r"lost the work on shapes \(0, \d+\) .*KilledWorker"),
+        pytest.raises(ClusterFailed, match=r"lost the work on shapes \(\d+, \d+\) .*KilledWorker"),
     ):
         sn.sweep(PAPER, VISCOUS, **AXES, scheduler=made.scheduler_address)
 
