@@ -26,7 +26,7 @@ def small_valleys(
     """
     factors, limits = np.exp(np.linspace(-width, width, _SHAPES)), search.limits
     alpha = np.unique(np.minimum(gait.alpha_rad * factors, limits.joint_angle_rad))
-    beta = np.unique(np.minimum(gait.beta_rad * factors, math.radians(175)))
+    beta = np.unique(np.minimum(gait.beta_rad * factors, math.exp(search.bounds()[1][1])))
     omega = gait.omega_rad_s * np.exp(np.linspace(-2 * width, 2 * width, _RATES))
     found = sweep(
         search.robot, search.ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=omega,

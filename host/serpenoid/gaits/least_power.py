@@ -242,9 +242,9 @@ def _check_rolling(ground: Ground) -> None:
     """
     if ground.ct_forward == ground.ft0_forward == 0.0 < ground.fn0:
         raise BadInput(
-            "with ct = ft0 = 0 the wheels roll for nothing, and fn0 holds them sideways: the less "
-            "the joints bend the less power it takes, so that no gait takes least; give ct or ft0 "
-            "what was measured, if ever so little"
+            "where ct and ft0 are both 0 the wheels roll for nothing, and fn0 holds them sideways: "
+            "the less the joints bend the less power it takes, so that no gait takes least; give "
+            "ct or ft0 what was measured, if ever so little"
         )
 
 
