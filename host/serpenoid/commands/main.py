@@ -16,20 +16,20 @@ from ..model.errors import BadInput, SerpenoidError
 from .bench import BENCH_GROUP
 from .board import COMMANDS as BOARD_COMMANDS
 from .examples import examples
-from .figures import figures
 from .friction.advise import advise
 from .friction.calibrate import calibrate
 from .friction.compare import compare
 from .friction.fit import fit
-from .friction.given import take_fit
 from .friction.report import report
+from .gaits.figures import figures
+from .gaits.optimize import optimize
+from .gaits.steady import steady
+from .gaits.sweep import sweep
+from .given import take_fit
 from .group import Commands, of_arguments, of_system
-from .optimize import optimize
 from .options import fit_options
 from .paths import OutFolder
 from .simulate import simulate
-from .steady import steady
-from .sweep import sweep
 from .view import view
 
 SECTIONS = {

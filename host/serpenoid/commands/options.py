@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..model.checks import check_number
-from .friction.given import take_fit
+from .given import take_fit
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit

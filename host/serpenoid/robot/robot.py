@@ -281,7 +281,8 @@ class Robot:
         except BaseException:
             link.close()
             raise
-        self._talk = Dialogue(link, self._recorder, self._unattended_s)
+        record = self._recorder.line if self._recorder else None
+        self._talk = Dialogue(link, record, self._unattended_s)
         self._talk.start()
         greet(self._talk, self._timeout_s)
         try:

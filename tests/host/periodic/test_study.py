@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
-from serpenoid.commands.sweep import sweep as command
+from serpenoid.commands.gaits.sweep import sweep as command
 from serpenoid.periodic.grid import FIELDS
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)

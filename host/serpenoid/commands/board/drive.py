@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..friction.given import take_fit
+from ..given import take_fit
 from ..options import (
     AS_JSON,
     describe,

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
+from ..given import session_fit
 from ..options import AS_JSON, show_json
 from ..paths import OutFile
-from .given import session_fit
 
 
 @click.command()

@@ -14,6 +14,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Protocol
 
 from ...model.errors import (
     FramesMissing,
@@ -24,7 +25,6 @@ from ...model.errors import (
     RobotUnattended,
     StopUnconfirmed,
 )
-from ..recording.recorder import Recorder
 from .error_table import refused
 from .inbox import Inbox, Losses
 from .link import Link
@@ -40,6 +40,13 @@ LONGEST_LINE = 4096
 STOP = b"\n!\n"
 MOTIONS = ("gait", "pose")
 MOST_STOPS = 10  # that other threads may send while one asks for something that moves nothing
+
+
+class Record(Protocol):
+    """What keeps the lines of a run, such as `Recorder.line`."""
+
+    def __call__(self, host_s: float, direction: str, line: bytes, *, wait: bool) -> None:
+        """Keep one line: host time in s, `<` from or `>` to the board, its bytes."""
 
 
 @dataclass(frozen=True)
@@ -64,13 +71,13 @@ class Dialogue:
     def __init__(
         self,
         link: Link,
-        recorder: Recorder | None,
+        record: Record | None,
         unattended_s: float,
         listen: Callable[[bytes], None] = lambda _: None,
     ):
         self.link = link
         self.inbox = Inbox()
-        self._recorder = recorder
+        self._record_line = record
         self._listen = listen  # is told each line, in the reader's thread
         self._unattended_s = unattended_s
         self._attended_s = self._spoken_s = link.now_s()
@@ -244,12 +251,12 @@ class Dialogue:
                 self._record(self.link.now_s(), ">", line, wait=data is not STOP)
 
     def _record(self, host_s: float, direction: str, line: bytes, *, wait: bool = True) -> None:
-        if not self._recorder:
+        if not self._record_line:
             return
         try:
-            self._recorder.line(host_s, direction, line, wait=wait)
+            self._record_line(host_s, direction, line, wait=wait)
         except RobotError as error:
-            self._recorder = None
+            self._record_line = None
             raise self._fail(error) from error
 
     def _ask_within(self, text: str, patience_s: float) -> Answer:

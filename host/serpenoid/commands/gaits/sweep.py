@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import AS_JSON, make_robot, radians, robot_options, show_json
-from .paths import OutFile, OutFolder
+from ..options import AS_JSON, make_robot, radians, robot_options, show_json
+from ..paths import OutFile, OutFolder
 
 if TYPE_CHECKING:
-    from ..model.ground import Ground
-    from ..model.robot import Robot
+    from ...model.ground import Ground
+    from ...model.robot import Robot
 
 SUFFIXES = (".csv", ".npz", ".json")
 _MOST = 100_000  # values of a range
@@ -166,9 +166,9 @@ def _one(
     how: dict[str, Any],
 ) -> None:  # fmt: skip
     """Solve and write the gaits of one robot."""
-    from ..periodic.sweep import sweep as run_sweep
-    from ..show.progress import progress
-    from ..show.sweep_files import sweep_values, write_sweep
+    from ...periodic.sweep import sweep as run_sweep
+    from ...show.progress import progress
+    from ...show.sweep_files import sweep_values, write_sweep
 
     count = math.prod(map(len, grid.values()))
     text = as_json or (out is not None and out.suffix.lower() == ".json")
@@ -189,8 +189,8 @@ def _one(
 
 def _study(out: Path, robot: Any, ground: Any, **options: Any) -> None:
     """Solve a study into its folder."""
-    from ..periodic.study import sweep_study
-    from ..show.progress import progress
+    from ...periodic.study import sweep_study
+    from ...show.progress import progress
 
     count = math.prod(
         [len(part) for part in (robot, ground) if isinstance(part, list)]

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import AS_JSON, finite, interruptible, show_json
-from .paths import OutFolder
+from ..options import AS_JSON, finite, interruptible, show_json
+from ..paths import OutFolder
 
 if TYPE_CHECKING:
-    from ..calibration.prediction import SpeedPoint
-    from ..gaits.least_power import LeastPower
-    from ..gaits.paper_study import Claim, Comparison, Reading
-    from ..gaits.robust import RobustGait
-    from ..periodic.sweep import Sweep
+    from ...calibration.prediction import SpeedPoint
+    from ...gaits.least_power import LeastPower
+    from ...gaits.paper_study import Claim, Comparison, Reading
+    from ...gaits.robust import RobustGait
+    from ...periodic.sweep import Sweep
 
 Shown = list[tuple[str, str]]  # pictures with their captions
 CLIFF_M_S = 0.05  # speed of the two gaits whose cliffs are drawn
@@ -41,9 +41,9 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
     fragile and a robust gait, the robot crawling (SVG; GIF for slides), a data file beside each,
     claims.json and index.html. About a minute.
     """
-    from ..gaits.paper_study import Reading, as_dict
-    from ..show.gaits.paper_page import claim_table, write_page
-    from ..show.progress import progress
+    from ...gaits.paper_study import Reading, as_dict
+    from ...show.gaits.paper_page import claim_table, write_page
+    from ...show.progress import progress
 
     out.mkdir(parents=True, exist_ok=True)
     reading = Reading(power, angles, speed_along)
@@ -61,7 +61,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
 
 def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[list[Claim], Shown]:
     """Compute and draw; return the claims, and the pictures with their captions."""
-    from ..gaits import paper_study as study
+    from ...gaits import paper_study as study
 
     closed = study.compare_formulations("zero")
     opened = study.compare_formulations("slow_manifold")
@@ -86,8 +86,8 @@ def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[
 
 
 def _crawling(out: Path) -> Shown:
-    from ..gaits import paper_study as study
-    from ..show.gaits import crawl
+    from ...gaits import paper_study as study
+    from ...show.gaits import crawl
 
     found = crawl.crawl(study.OF_2005, study.BINGHAM, study.EXPERIMENT)
     crawl.write_svg(found, out / "crawl.svg")
@@ -97,9 +97,9 @@ def _crawling(out: Path) -> Shown:
 
 
 def _of_time(out: Path, closed: Comparison, opened: Comparison) -> Shown:
-    from ..gaits import paper_study as study
-    from ..show import plot
-    from ..show.gaits.paper_figures import errors_in_time, path_data
+    from ...gaits import paper_study as study
+    from ...show import plot
+    from ...show.gaits.paper_figures import errors_in_time, path_data
 
     errors_in_time(closed, opened, out / "fig6-7.png")
     run = study.path_run(study.PATH_GAIT, 3)
@@ -113,10 +113,10 @@ def _of_time(out: Path, closed: Comparison, opened: Comparison) -> Shown:
 
 
 def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Reading) -> Shown:
-    from ..gaits import paper_study as study
-    from ..show.gaits import gait_figures
-    from ..show.gaits.paper_figures import power_of
-    from ..show.plot import robot_words
+    from ...gaits import paper_study as study
+    from ...show.gaits import gait_figures
+    from ...show.gaits.paper_figures import power_of
+    from ...show.plot import robot_words
 
     cost = study.COSTS[reading.power]
     robust = study.robust_front(study.ROBOT, study.GROUND, study.ROBUST_M_S, cost, samples=256)
@@ -134,13 +134,13 @@ def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Readin
 
 def _of_experiment(out: Path) -> tuple[list[SpeedPoint], Shown]:
     """Draw friction and speed of the 2005 robot; return the speeds, too."""
-    from ..calibration.friction_fit import fit_friction
-    from ..calibration.prediction import predict_all
-    from ..calibration.session_file import load_session
-    from ..model.gait import Gait
-    from ..show import plot
-    from ..show.gaits.paper_figures import friction_data, speed_data
-    from .demo import ALPHA_DEG, BETA_DEG, session_folder
+    from ...calibration.friction_fit import fit_friction
+    from ...calibration.prediction import predict_all
+    from ...calibration.session_file import load_session
+    from ...model.gait import Gait
+    from ...show import plot
+    from ...show.gaits.paper_figures import friction_data, speed_data
+    from ..demo import ALPHA_DEG, BETA_DEG, session_folder
 
     session = load_session(session_folder())
     fit = fit_friction(session)
@@ -163,10 +163,10 @@ def _of_experiment(out: Path) -> tuple[list[SpeedPoint], Shown]:
 
 def _of_robustness(out: Path, cost: str) -> tuple[RobustGait, Shown]:
     """Draw both fronts of the 2005 robot; return the robust gait for CLIFF_M_S, too."""
-    from ..gaits import paper_study as study
-    from ..gaits.least_power import power_front
-    from ..show.gaits.paper_figures import power_of
-    from ..show.plot import robot_words
+    from ...gaits import paper_study as study
+    from ...gaits.least_power import power_front
+    from ...show.gaits.paper_figures import power_of
+    from ...show.plot import robot_words
 
     speeds = study.FRONT_2005_M_S
     found = power_front(study.OF_2005, study.BINGHAM, speeds_m_s=speeds, cost=cost)
@@ -180,9 +180,9 @@ def _of_robustness(out: Path, cost: str) -> tuple[RobustGait, Shown]:
 
 
 def _of_cliffs(out: Path, robust: RobustGait) -> Shown:
-    from ..gaits import paper_study as study
-    from ..gaits.uncertainty import Uncertainty
-    from ..show.gaits.gait_figures import cliff_figure
+    from ...gaits import paper_study as study
+    from ...gaits.uncertainty import Uncertainty
+    from ...show.gaits.gait_figures import cliff_figure
 
     for name, gait in (("fragile", robust.fragile.gait), ("robust", robust.gait)):
         cliff_figure(study.OF_2005, study.BINGHAM, gait, Uncertainty(), out / f"cliff-{name}.png")

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.checks import check_number
-from ..model.errors import NotConverged
-from ..model.words import FORMULATIONS
-from .friction.given import take_fit
-from .options import (
+from ...model.checks import check_number
+from ...model.errors import NotConverged
+from ...model.words import FORMULATIONS
+from ..given import take_fit
+from ..options import (
     AS_JSON,
     describe,
     interruptible,
@@ -22,16 +22,16 @@ from .options import (
     show_json,
     stacked,
 )
-from .paths import FIGURES, OutFile
+from ..paths import FIGURES, OutFile
 
 if TYPE_CHECKING:
-    from ..calibration.friction_result import FrictionFit
-    from ..gaits.least_power import LeastPower
-    from ..gaits.limits import GaitLimits
-    from ..gaits.robust import RobustGait
-    from ..gaits.uncertainty import Uncertainty
-    from ..model.ground import Ground
-    from ..model.robot import Robot
+    from ...calibration.friction_result import FrictionFit
+    from ...gaits.least_power import LeastPower
+    from ...gaits.limits import GaitLimits
+    from ...gaits.robust import RobustGait
+    from ...gaits.uncertainty import Uncertainty
+    from ...model.ground import Ground
+    from ...model.robot import Robot
 
 _OF_A_FIT = ("links", "mass_kg", "length_m", "inertia_kg_m2", "ct", "cn", "ft0", "fn0")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
@@ -91,11 +91,11 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
         return _show_front(ask, wanted, as_json)
     found = interruptible(lambda: ask.find(wanted[0]))
     report_as = _robust_dict if ask.robust else _plain_dict
-    from ..gaits.margins import gait_margins
+    from ...gaits.margins import gait_margins
 
     margins = interruptible(lambda: gait_margins(ask.robot, ask.ground, found.gait))
     if plot is not None:
-        from ..show.gaits.gait_figures import cliff_figure
+        from ...show.gaits.gait_figures import cliff_figure
 
         interruptible(
             lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
@@ -104,8 +104,8 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     if not as_json:
         _print(found, margins)
     if send:
-        from ..robot.meant import Meant
-        from .board.drive import drive_gait
+        from ...robot.meant import Meant
+        from ..board.drive import drive_gait
 
         meant = Meant(ask.robot.links, "the gait", "give its --links, or the session of this robot")
         drive_gait(found.gait, as_json=as_json, fit=ask.fit, meant=meant, before=told, **run)
@@ -116,8 +116,8 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
 
 def _check_board(port: str | None, record: Path | None) -> None:
     """Find the board and the recording's place before the search, not after it."""
-    from ..robot.recording.recorder import check_free
-    from ..robot.wire.link import find_port
+    from ...robot.recording.recorder import check_free
+    from ...robot.wire.link import find_port
 
     if record is not None:
         check_free(record)
@@ -165,9 +165,9 @@ class _Asked:
 
     def find(self, speed: float) -> LeastPower | RobustGait:
         """Search for one speed."""
-        from ..gaits.least_power import least_power_gait
-        from ..gaits.robust import robust_gait
-        from ..show import report
+        from ...gaits.least_power import least_power_gait
+        from ...gaits.robust import robust_gait
+        from ...show import report
 
         with report.busy("searching"):
             if self.robust:
@@ -182,8 +182,8 @@ class _Asked:
 
     def front(self, speeds: list[float]) -> Sequence[LeastPower | RobustGait | None]:
         """Search for many speeds; None for one that no gait reaches."""
-        from ..gaits.least_power import power_front
-        from ..show import report
+        from ...gaits.least_power import power_front
+        from ...show import report
 
         if self.robust:
             return [self._find_or_none(speed) for speed in speeds]
@@ -202,7 +202,7 @@ class _Asked:
 
 def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
     """Take the limits; a gait that is sent keeps to those of a new board unless told."""
-    from ..gaits.limits import GaitLimits
+    from ...gaits.limits import GaitLimits
 
     if send:
         for name, most in (("joint_angle_deg", _BOARD_ANGLE_DEG),
@@ -241,7 +241,7 @@ def _as_measured(
 
 def _uncertainty(given: dict[str, Any], fit: FrictionFit | None) -> Uncertainty:
     """Take the doubt about servos, and about friction from a fit where there is one."""
-    from ..gaits.uncertainty import Uncertainty
+    from ...gaits.uncertainty import Uncertainty
 
     lag = given.pop("lag_sigma_deg")
     taken = {
@@ -278,9 +278,9 @@ def _robust_dict(found: Any) -> dict[str, Any]:
 
 
 def _print(found: Any, margins: Any) -> None:
-    from ..gaits.robust import RobustGait
-    from ..show import report
-    from ..show.gaits import gait_report
+    from ...gaits.robust import RobustGait
+    from ...show import report
+    from ...show.gaits import gait_report
 
     report.steady(found.steady)
     if isinstance(found, RobustGait):
@@ -292,7 +292,7 @@ def _print(found: Any, margins: Any) -> None:
 
 
 def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:
-    from ..show.gaits import gait_report
+    from ...show.gaits import gait_report
 
     front = interruptible(lambda: ask.front(speeds))
     if all(best is None for best in front):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from ...calibration.friction_result import FrictionFit
+    from ..calibration.friction_result import FrictionFit
 
 
 def take_fit(given: dict[str, Any]) -> FrictionFit | None:
@@ -20,16 +20,16 @@ def take_fit(given: dict[str, Any]) -> FrictionFit | None:
         return session_fit(session)
     if ground is None:
         return None
-    from ...calibration.fit_file import load_fit
+    from ..calibration.fit_file import load_fit
 
     return _tell_age(load_fit(ground))
 
 
 def session_fit(folder: Path) -> FrictionFit:
     """Return a session's fit.json if it is that of its readings, else fit them now."""
-    from ...calibration.fit_file import NAME, load_fit
-    from ...calibration.friction_fit import fit_friction
-    from ...calibration.session_file import load_session
+    from ..calibration.fit_file import NAME, load_fit
+    from ..calibration.friction_fit import fit_friction
+    from ..calibration.session_file import load_session
 
     session = load_session(folder)
     if (folder / NAME).exists():

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.words import FORMULATIONS
-from .options import (
+from ...model.words import FORMULATIONS
+from ..options import (
     AS_JSON,
     describe,
     gait_options,
@@ -20,9 +20,9 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from ..model.gait import Gait
-    from ..model.ground import Ground
-    from ..model.robot import Robot
+    from ...model.gait import Gait
+    from ...model.ground import Ground
+    from ...model.robot import Robot
 
 
 @click.command()
@@ -66,8 +66,8 @@ def _on_springs(
     robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float = 1e-6, **springs: float
 ) -> None:
     """Tell the periodic state of the implicit model."""
-    from ..show import report
-    from ..simulation.steady_springs import steady_springs
+    from ...show import report
+    from ...simulation.steady_springs import steady_springs
 
     with report.busy("solving"):
         soft = interruptible(lambda: steady_springs(robot, ground, gait, rtol=rtol, **springs))
@@ -84,10 +84,10 @@ def _on_springs(
 
 def _pinned(robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float) -> None:
     """Tell the periodic state of the exact model, and how near to a cliff the gait stands."""
-    from ..gaits.margins import gait_margins
-    from ..periodic.steady import steady_gait
-    from ..show import report
-    from ..show.gaits import gait_report
+    from ...gaits.margins import gait_margins
+    from ...periodic.steady import steady_gait
+    from ...show import report
+    from ...show.gaits import gait_report
 
     with report.busy("solving"):
         s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
