@@ -19,7 +19,7 @@ ERRORS = {
     for word, cause, cure in re.findall(r"^\| `(\w+)` \| \d+ \| (.*?) \| (.*?) \|$", PAGE, re.M)
 }
 HELLO = (
-    "hello: serpenoid fw=0.2.0 protocol=2 board=virtual joints=5 frame_us=20000 boot=0 "
+    "hello: serpenoid fw=0.2.0 protocol=3 board=virtual joints=5 frame_us=20000 boot=0 "
     "reset=power settings=new silence=2"
 )
 
@@ -37,8 +37,12 @@ say load
 err: #- empty
 say pose bent 60
 err: #- range link=60 low=-57 high=57
-say pose bent 47.5
+say pose bent -47.5
 err: #- range j1=95 low=-90 high=90
+say pose zigzag 10 91
+err: #- range offset=91 low=-90 high=90
+say pose curled 10
+err: #- number
 
 # A host opens a session; from now on every line needs both.
 ask 100 hello
@@ -125,72 +129,82 @@ err: #119 motion
 wait 2
 ask 120 trim 1 dir -1
 err: #120 attached
-t:400 j1:20.00 j2:-20.00 j3:20.00 j4:-20.00 j5:20.00 board_us=8020000 ph=0.000\
- p=1700,1300,1712,1300,1700 exec_us=0 late_us=0 clipped=0 st=pose
-ask 121 gait 30 80 5
-state: gait why=command
+t:400 j1:-20.00 j2:10.00 j3:0.00 j4:-10.00 j5:20.00 board_us=8020000 ph=0.000\
+ p=1300,1600,1512,1400,1700 exec_us=0 late_us=0 clipped=0 st=pose
+ask 121 pose bent 10 0.5
 ok: #121
+wait 0.2
+t:410 j1:-19.50 j2:10.50 j3:0.50 j4:-9.50 j5:20.50 board_us=8220000 ph=0.000\
+ p=1305,1605,1517,1405,1705 exec_us=0 late_us=0 clipped=0 st=pose
+ask 122 pose zigzag 5 -1
+ok: #122
+wait 1
+t:460 j1:9.00 j2:-11.00 j3:9.00 j4:-11.00 j5:9.00 board_us=9220000 ph=0.000\
+ p=1590,1390,1602,1390,1590 exec_us=0 late_us=0 clipped=0 st=pose
+ask 123 gait 30 80 5
+state: gait why=command
+ok: #123
 raw !
 wait 0.05
 state: hold why=key
 ok: #!
-ask 121 gait 30 80 5
-ok: #121 again
-ask 122 gait 30.5 -80.25 0.5 -5
+ask 123 gait 30 80 5
+ok: #123 again
+ask 124 gait 30.5 -80.25 0.5 -5
 state: gait why=command
-ok: #122
+ok: #124
 say stop
 state: hold why=command
 ok: #-
-ask 123 pose 1 -2 3.5 0 10
+ask 125 pose 1 -2 3.5 0 10
 state: pose why=command
-ok: #123
-ask 124 idle
-state: idle why=command
-ok: #124
-ask 125 load
 ok: #125
-ask 126 defaults
+ask 126 idle
+state: idle why=command
 ok: #126
-ask 127 set silence off
+ask 127 load
 ok: #127
-ask 128 save
-err: #128 unattended
-ask 129 defaults
+ask 128 defaults
+ok: #128
+ask 129 set silence off
 ok: #129
+ask 130 save
+err: #130 unattended
+ask 131 defaults
+ok: #131
 
 # The host falls silent.
-ask 130 gait 30 80 5
+ask 132 gait 30 80 5
 state: gait why=command
-ok: #130
+ok: #132
 state: safing why=silence
 state: safe why=arrived
-ask 131 pose straight
+ask 133 pose straight
 state: pose why=command
-ok: #131
-ask 132 stop
-state: hold why=command
-ok: #132
-ask 133 idle
-state: idle why=command
 ok: #133
+ask 134 stop
+state: hold why=command
+ok: #134
+ask 135 idle
+state: idle why=command
+ok: #135
 
 # A robot that is safe goes limp after a while, if it is told to.
-ask 134 set limp 1
-ok: #134
-ask 135 gait 30 80 5
+ask 136 set limp 1
+ok: #136
+ask 137 gait 30 80 5
 state: gait why=command
-ok: #135
+ok: #137
 state: safing why=silence
 state: safe why=arrived
 state: idle why=limp
 
 # The count of all that, and good-bye, by a host and by a person.
-ask 136 status
-counters: good=42 crc=1 nocrc=1 garbled=2 overlong=1 sequence=1 lost=2 repeated=5 dropped=0 rxfull=0
-ok: #136
-ask 137 bye
-ok: #137
+ask 138 status
+counters: good=46 crc=1 nocrc=1 garbled=2 overlong=1 sequence=1 lost=2 repeated=5 dropped=0 rxfull=0
+ok: #138
+ask 139 bye
+ok: #139
 say ping
 ok: #-
 ask 7 hello

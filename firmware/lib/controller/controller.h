@@ -15,7 +15,7 @@
 namespace firmware {
 
 extern const char kVersion[];  // of the firmware, in flash
-const uint8_t kProtocol = 2;
+const uint8_t kProtocol = 3;
 
 enum class State : uint8_t { Idle, Pose, Gait, Hold, Safing, Safe };
 enum class Reset : uint8_t { Power, Brownout, External, Watchdog, Unknown };

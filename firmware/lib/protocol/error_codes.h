@@ -34,7 +34,9 @@
     X(Stopped, 17, "stopped", "a stop came after this line, before it was its turn",            \
       "send it again if it is still wanted")                                                    \
     X(Unattended, 18, "unattended", "silence is off, so that nothing stops a robot left alone", \
-      "set silence, or send save unattended to keep it so")
+      "set silence, or send save unattended to keep it so")                                     \
+    X(Unbalanced, 19, "unbalanced", "three links have no bend that balances itself",            \
+      "guide the robot and send pose zigzag")
 
 namespace firmware {
 

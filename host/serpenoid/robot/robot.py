@@ -155,18 +155,33 @@ class Robot:
             raise BadInput(f"a pose has {joints} angles, one a joint, not {len(angles_rad)}")
         self._obeyed(" ".join(["pose", *(degrees(a) for a in angles_rad)]))
 
-    def straight(self) -> None:
-        """Move all joints to 0."""
-        self._obeyed("pose straight")
+    def straight(self, offset_rad: float = 0.0) -> None:
+        """Move all joints to 0, or to the offset in rad, which steers."""
+        self._obeyed("pose straight" + _steering(offset_rad))
 
-    def bent(self, lambda_rad: float) -> None:
-        """Bend the robot so that its links stand at +lambda, -lambda, ... to its axis.
+    def bent(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
+        """Bend the robot so that it stays on course on a moving belt.
 
-        lambda, in rad, is the paper's angle between each link and the belt. A joint turns by twice
-        that: joints go to +2 lambda, -2 lambda, ..., and a protractor laid on two neighbouring
-        links shows 180 degrees - 2 lambda (the paper's 7.5 degrees: 165 degrees).
+        Links stand at lambda_rad times `balanced_signs` to the axis: six links at
+        + - 0 0 - +, joints at -2, 1, 0, -1 and 2 lambda. Three links have no such bend:
+        CommandRefused.
+
+        Parameters
+        ----------
+        lambda_rad : the angle of each bent link to the belt, in rad.
+        offset_rad : is added to every joint, in rad. To steer, call again with another one:
+            the joints move there smoothly.
         """
-        self._obeyed(f"pose bent {degrees(lambda_rad)}")
+        self._obeyed(f"pose bent {degrees(lambda_rad)}{_steering(offset_rad)}")
+
+    def zigzag(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
+        """Bend the robot as the paper does: links at -lambda, +lambda, -lambda, ...
+
+        Joints go to +2 lambda, -2 lambda, ..., each plus the offset, all in rad; a protractor laid
+        on two neighbouring links shows 180 degrees - 2 lambda. Left free on a belt the robot turns:
+        it needs a guide.
+        """
+        self._obeyed(f"pose zigzag {degrees(lambda_rad)}{_steering(offset_rad)}")
 
     def stop(self, *, stay: bool = False) -> None:
         """Freeze all joints now; return when the board has confirmed it. Safe from any thread.
@@ -342,6 +357,10 @@ def _described(error: BaseException) -> str:
     except Exception:  # a text that its own class cannot make
         text = "without a text"
     return f"{type(error).__name__}: {text}"
+
+
+def _steering(offset_rad: float) -> str:
+    return f" {degrees(offset_rad)}" if offset_rad else ""
 
 
 def _obey(text: str, answer: Answer) -> None:

@@ -63,7 +63,7 @@ struct Bench {
 TEST_CASE("boot: a greeting, telemetry, and no pulse until told to move") {
     Bench b;
     CHECK(b.lines.at(0) ==
-          "hello: serpenoid fw=0.2.0 protocol=2 board=virtual joints=5 frame_us=20000 boot=0 "
+          "hello: serpenoid fw=0.2.0 protocol=3 board=virtual joints=5 frame_us=20000 boot=0 "
           "reset=power settings=new silence=2");
     CHECK(b.frames.size() >= 4);
     b.run(5);
@@ -141,7 +141,7 @@ TEST_CASE("silence stops what moves, leaves what holds, and can be off") {
     b.run(3);
     CHECK(b.state() == State::Safe);
     for (uint8_t i = 0; i < kJoints; ++i) CHECK(b.angle_deg(i) == 0);
-    b.type("pose bent 10", 5);
+    b.type("pose zigzag 10", 5);
     CHECK(b.state() == State::Pose);
     CHECK(std::fabs(b.angle_deg(1) + 20) < 0.01);
     b.type("set silence off");
@@ -231,10 +231,14 @@ TEST_CASE("refusals change nothing and say why") {
     Bench b;
     CHECK(b.starts(b.type("gait 90 80 20"), "err: #- speed value=1800 high=500 - "));
     CHECK(b.starts(b.type("gait 60 80 5 40"), "err: #- range j1=100 low=-90 high=90 - "));
+    CHECK(b.starts(b.type("gait 60 80 5 -40"), "err: #- range j1=-100 low=-90 high=90 - "));
     CHECK(b.state() == State::Idle);
     CHECK(b.type("trim 2 high 30") == "ok: #-");
     CHECK(b.starts(b.type("gait 40 80 5"), "err: #- range j2=40 low=-90 high=30 - "));
-    CHECK(b.starts(b.type("pose bent -15.5"), "err: #- range j2=31 low=-90 high=30 - "));
+    CHECK(b.type("trim 4 low -35") == "ok: #-");
+    CHECK(b.starts(b.type("gait 30 80 5 -6"), "err: #- range j4=-36 low=-35 high=90 - "));
+    CHECK(b.type("trim 4 low -90") == "ok: #-");
+    CHECK(b.starts(b.type("pose zigzag -15.5"), "err: #- range j2=31 low=-90 high=30 - "));
     CHECK(b.starts(b.type("trim 1 centre 2000"), "err: #- range pulse_ms=2.9 low=0.5 high=2.5 - "));
     CHECK(b.starts(b.type("load"), "err: #- empty - "));
     b.type("gait 30 80 5");
@@ -270,7 +274,7 @@ TEST_CASE("a save is answered when it has been read back, and survives a reset")
     b.board.boot(Reset::Watchdog);
     b.run(0.1);
     CHECK(b.lines.back() ==
-          "hello: serpenoid fw=0.2.0 protocol=2 board=virtual joints=5 frame_us=20000 boot=1 "
+          "hello: serpenoid fw=0.2.0 protocol=3 board=virtual joints=5 frame_us=20000 boot=1 "
           "reset=watchdog settings=ok silence=2");
     CHECK(b.board.controller().settings().trim_u[2][kCentre] == 1523000000);
     CHECK(b.board.controller().settings().value_u[kPoseSpeed] == 33250000);
@@ -376,9 +380,28 @@ TEST_CASE("data lines come before their verdict") {
     }
 }
 
-TEST_CASE("an idle robot is limp and comes back where it was, one servo after the other") {
+TEST_CASE("a held pose is steered by its offset, gently") {
     Bench b;
     b.type("pose bent 10", 4);
+    const double bent[] = {-20, 10, 0, -10, 20};
+    double before = -20, fastest = 0;
+    CHECK(b.type("pose bent 10 5", 0.02) == "ok: #-");
+    for (int frame = 0; frame < 25; ++frame) {
+        b.run(0.02);
+        fastest = std::max(fastest, std::fabs(b.angle_deg(0) - before));
+        before = b.angle_deg(0);
+    }
+    CHECK(fastest > 0.3);
+    CHECK(fastest <= 45 * 0.02 + 0.01);  // pose_speed
+    for (uint8_t i = 0; i < kJoints; ++i) CHECK(std::fabs(b.angle_deg(i) - bent[i] - 5) < 0.01);
+    CHECK(b.state() == State::Pose);
+    CHECK(b.counters().clipped == 0);
+    CHECK(b.starts(b.type("pose bent 40 15"), "err: #- range j5=95 low=-90 high=90 - "));
+}
+
+TEST_CASE("an idle robot is limp and comes back where it was, one servo after the other") {
+    Bench b;
+    b.type("pose zigzag 10", 4);
     CHECK(b.board.attached() == kJoints);
     CHECK(b.type("idle") == "ok: #-");
     CHECK(b.board.attached() == 0);

@@ -7,6 +7,7 @@ import math
 import pytest
 from robot.fake_board import sealed
 from serpenoid.calibration.taking.board_run import board_gait
+from serpenoid.model.bends import balanced_signs, joint_multiples
 from serpenoid.model.errors import BadInput
 from serpenoid.model.gait import Gait
 from serpenoid.robot import Robot
@@ -24,9 +25,13 @@ def test_gait_pose_and_recording_have_so_many_joints(joints, joints_link, tmp_pa
     lam = math.radians(7.5)
     with Robot("any", record=tmp_path / "run.txt") as robot:
         assert (robot.hello.joints, robot.hello.frame_us) == (joints, FRAME_US[joints])
-        robot.bent(lam)
+        robot.zigzag(lam)
         *_, frame = robot.frames(2.0 + 0.1 * joints)
         assert frame.setpoint_rad == pytest.approx([2 * lam, -2 * lam] * (joints // 2), abs=2e-4)
+        robot.bent(lam, 0.01)
+        *_, frame = robot.frames(2.0)
+        bent = [0.01 + lam * k for k in joint_multiples(balanced_signs(joints + 1))]
+        assert frame.setpoint_rad == pytest.approx(bent, abs=2e-4)
         with pytest.raises(BadInput, match=f"a pose has {joints} angles"):
             robot.pose([0.0] * (joints - 1))
         robot.pose([0.1 * j for j in range(joints)])
@@ -104,7 +109,7 @@ def test_hours_without_a_line_do_not_confuse_a_recordings_clock(tmp_path, greete
 
 
 HELLO = sealed(
-    "hello: serpenoid fw=0.2.0 protocol=2 board=mega joints=8 frame_us=22500 boot=1 reset=power"
+    "hello: serpenoid fw=0.2.0 protocol=3 board=mega joints=8 frame_us=22500 boot=1 reset=power"
     " settings=ok silence=2"
 )
 

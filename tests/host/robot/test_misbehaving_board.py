@@ -65,7 +65,7 @@ def test_a_wrong_baud_rate():
 def test_another_protocol_is_refused_with_both_numbers_and_the_cure(greeting):
     with (
         FakeBoard(lambda line: greeting if line.startswith(b"hello") else b"") as fake,
-        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 2.*serpenoid flash --port"),
+        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 3.*serpenoid flash --port"),
         Robot(fake.port, timeout_s=1.0),
     ):
         pass
@@ -77,7 +77,7 @@ def test_another_protocol_is_known_by_the_last_answer_too():
     first = itertools.chain([b""], itertools.repeat(greeting))
     with (
         FakeBoard(lambda line: next(first) if line.startswith(b"hello") else b"") as fake,
-        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 2"),
+        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 3"),
         Robot(fake.port, timeout_s=1.0),
     ):
         pass

@@ -66,7 +66,10 @@ def test_poses_arrive_in_radians(any_port):
     with Robot(any_port) as robot:
         robot.set("pose_speed", 360)
         for move, angles_rad in (
-            (lambda: robot.bent(0.15), [0.3, -0.3, 0.3, -0.3, 0.3]),
+            (lambda: robot.bent(0.15), [-0.3, 0.15, 0.0, -0.15, 0.3]),
+            (lambda: robot.bent(0.15, -0.02), [-0.32, 0.13, -0.02, -0.17, 0.28]),
+            (lambda: robot.zigzag(0.15, 0.01), [0.31, -0.29, 0.31, -0.29, 0.31]),
+            (lambda: robot.straight(0.05), [0.05] * 5),
             (lambda: robot.pose([0.1, 0.2, -0.3, 0.0, 1e-9]), [0.1, 0.2, -0.3, 0.0, 0.0]),
             (robot.straight, [0.0] * 5),
         ):

@@ -55,7 +55,7 @@ class Seat:
         """Turn every link by the bend, left and right in turn: joints at twice that angle."""
         self.powered = True
         with self._unless_stopped():
-            self._robot.bent(math.radians(bend_deg))
+            self._robot.zigzag(math.radians(bend_deg))
             end_s = time.monotonic() + MOVED_S
             while self._robot.status().moving:
                 if time.monotonic() > end_s:
