@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -96,6 +97,60 @@ def test_rates_in_any_order_and_twice() -> None:
                         ("positive_power_w", found.positive_power_error_w)):  # fmt: skip
         true = getattr(truth, name)[..., at]
         assert (abs(getattr(found, name) - true) <= 3 * claim + 1e-10 * true).all()
+
+
+FEW_MODES = [  # few nodes for the torque's last modes: robot, ground, shape, rtol
+    ((17, 1.92, 0.0756), (0.303, 0.0238), (1.329, 0.3403, 0.03085), 1e-6),
+    ((14, 0.006425, 0.03773), (0.01112, 1.572e-4), (1.083, 0.10557, 0.8856), 1e-2),
+    ((15, 1.754, 0.07265), (0.001846, 8.994), (1.492, 0.24528, 3.0801), 1e-4),
+    ((8, 0.05814, 0.17766), (0.01306, 21.47), (1.157, 0.5165, 15.64), 1e-4),
+]
+
+
+def test_positive_power_claims_what_its_last_modes_may_hide() -> None:
+    """The sum over nodes is off by the torque's modes above those that the nodes resolve."""
+    hidden = 0
+    for links, friction, shape, rtol in FEW_MODES:
+        robot, ground, gait = sn.Robot(*links), sn.Ground(*friction), sn.Gait(*shape)
+        s = sn.steady_gait(robot, ground, gait, rtol=rtol)
+        truth = sn.steady_gait(robot, ground, gait, rtol=1e-12).positive_power_w
+        error = abs(s.positive_power_w - truth)
+        assert error <= s.positive_power_error_w, links
+        hidden += error > 1e-8 * truth
+    assert hidden > 1
+
+
+def cost_s(gait_offset_rad: float, runs: int) -> float:
+    """Return the processor time of six shapes at 20 rates, s, the least of some runs."""
+    model = core_model(PAPER, VISCOUS, sn.Gait(0.5, 1.4, 1.0, offset_rad=gait_offset_rad))
+    models = [model.bent(a, b) for a in (0.3, 0.7, 1.1) for b in (0.7, 1.4)]
+    taken = []
+    for _ in range(runs):
+        start = time.process_time()
+        table = _core.sweep(models, [1.0 + k for k in range(20)], 1e-6, True, 1024, 1, None)
+        taken.append(time.process_time() - start)
+    assert (table[..., 10] == 1).all()
+    return min(taken)
+
+
+def test_packs_are_used_and_cheap() -> None:
+    """Packs cost a 45th of elements over the whole cycle, so a 22nd of those over its half.
+
+    The elements' least of three runs is an upper bound that load only raises, the packs' least of
+    fifteen, 0.3 ms each, a quiet moment's: half a cycle by elements would be a factor of two.
+    """
+    assert cost_s(1e-13, 3) > 10 * cost_s(0.0, 15)
+
+
+def test_one_gait_alone_is_solved_by_a_pack() -> None:
+    """A pack's mesh has 12, 24, 48 or 96 nodes, the other solver's a power of two elements."""
+    for omega in (0.5, 5.0, 20.0):
+        model = core_model(PAPER, VISCOUS, sn.Gait(0.6, 1.4, omega))
+        alone = _core.steady(model, 1e-6, True, 1024)
+        pack = _core.steady_by(_core.instruction_sets()[0], model, 1e-6)
+        assert alone.elements in {24, 48}
+        assert (alone.speed, alone.iterations) == (pack.speed, pack.iterations)
+        assert alone.iterations <= 12
 
 
 def test_a_torque_that_touches_zero_between_two_nodes() -> None:
