@@ -8,7 +8,7 @@
 
 namespace serpenoid {
 
-// Lists are words (host/serpenoid/model/words.py) with a blank between them.
+// Lists are words (host/serpenoid/model/checks.py) with a blank between them.
 struct MethodKind {
     const char* name;
     int order;                   // of convergence at recorded times, for smooth motion

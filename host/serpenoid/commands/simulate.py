@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..model.checks import check_number
-from ..model.words import DRIVES, FORMULATIONS, GAPS, STARTS
+from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS
 from ..simulation.methods import METHODS
 from .options import (
     AS_JSON,

@@ -5,11 +5,13 @@ from __future__ import annotations
 import warnings
 from xml.etree import ElementTree as ET
 
-from ..model.checks import check_number
+from ..model.checks import check_number, check_whole
 from ..model.core_model import check_parts
 from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
+
+MOST_LINKS = 300  # MJCF nests a body a link, and XML libraries recurse as deep
 
 
 def to_mjcf(robot: Robot, ground: Ground, *, timestep_s: float = 1e-3) -> str:
@@ -22,7 +24,8 @@ def to_mjcf(robot: Robot, ground: Ground, *, timestep_s: float = 1e-3) -> str:
     can say: it is left out with a warning. Raises BadInput.
     """
     check_parts(robot, ground)
-    check_number("timestep_s", timestep_s, 0.0, open_low=True)
+    timestep_s = check_number("timestep_s", timestep_s, 0.0, open_low=True)
+    check_whole("links", robot.links, 2, MOST_LINKS)
     if ground.ratchet:
         raise BadInput(
             f"ct is {ground.ct!r} and ft0 {ground.ft0!r}: MuJoCo has no friction that differs "

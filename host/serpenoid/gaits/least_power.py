@@ -16,7 +16,7 @@ from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.words import FORMULATIONS
+from ..model.checks import FORMULATIONS
 from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
 from .at_a_rate import RateSearch

@@ -10,6 +10,14 @@ from .errors import BadInput
 # robot is larger than the universe (1e27 m) or lighter than an electron (1e-30 kg).
 MOST, LEAST = 1e30, 1e-30
 
+# What a scene may choose from.
+FORMULATIONS = ("explicit", "implicit")
+DRIVES = ("angle", "torque", "servo")
+LAWS = ("viscous", "smoothed", "dry")
+STARTS = ("link1_at_rest", "zero_momentum", "steady")
+GAPS = ("slow_manifold", "zero")
+RECORDS = ("joints", "friction", "energy")
+
 
 def check_number(
     name: str,

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .checks import check_number
 from .errors import BadInput
+from .vectors import number_array
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,10 +23,7 @@ class TorqueTable:
     torque_nm: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        try:
-            t, T = np.asarray(self.t_s, dtype=float), np.asarray(self.torque_nm, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise BadInput(f"a torque table needs rows of n-1 numbers: {error}") from error
+        t, T = number_array("t_s", self.t_s), number_array("torque_nm", self.torque_nm)
         if t.ndim != 1 or T.ndim != 2 or t.size == 0 or T.shape[0] != t.size:
             raise BadInput(
                 f"a torque table needs t_s (K,) and torque_nm (K, n-1); got {t.shape}, {T.shape}"

@@ -18,7 +18,7 @@ from .kinematics import joint_motion
 from .link_state import LinkState
 from .robot import Robot
 from .vectors import finite_vector
-from .words import FORMULATIONS
+from .checks import FORMULATIONS
 
 Array = NDArray[np.float64]
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from .checks import check_number
 from .errors import BadInput
+from .files import read_text
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -21,7 +22,7 @@ else:
 
 _UNIT = re.compile(r"_(deg|rad|percent|pct|m_s|mm_s|cm_s|km_h|kmh|kph|mph|ft_s|kg|g|m|mm|cm|utc)$")
 
-MOST_BYTES = 16_000_000
+MOST_TOML_BYTES = 1_000_000  # the parser reads some 2 MB a second
 MOST_PARTS = 16
 _POINT = re.compile(r"\d\.\d")  # of a number
 _DEEP = re.compile(rf"([\w\"'-]+\s*\.\s*){{{MOST_PARTS}}}")
@@ -39,7 +40,7 @@ class Table:
     @classmethod
     def load(cls, path: Path) -> Table:
         """Read a whole file as its top table; raises BadInput."""
-        text = read_text(path)
+        text = read_text(path, MOST_TOML_BYTES)
         _check_depth(path, text)
         try:
             return cls.parsed(text, path)
@@ -117,22 +118,6 @@ class Table:
             if not isinstance(values, list) or not values:
                 raise BadInput(f"{name} is {values!r}; it must be a list of numbers")
             return tuple(check_number(name, value, *limits) for value in values)
-
-
-def read_text(path: Path) -> str:
-    """Return a UTF-8 file's text, or raise BadInput saying why it cannot be read."""
-    try:
-        with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
-        if len(data) > MOST_BYTES:
-            raise BadInput(
-                f"{path}: the file is larger than {MOST_BYTES} bytes; is it the right one?"
-            )
-        return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
-    except OSError as error:
-        raise BadInput(f"{path}: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        raise BadInput(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from error
 
 
 def _check_depth(path: Path, text: str) -> None:

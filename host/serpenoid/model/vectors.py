@@ -1,4 +1,4 @@
-"""Vectors checked where they enter: shape, type and finite numbers."""
+"""Arrays checked where they enter: type, shape and finite numbers."""
 
 from __future__ import annotations
 
@@ -10,12 +10,26 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import BadInput
 
 
+def number_array(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Return values as an array of floats of any shape; raises BadInput: text, objects, ragged."""
+    try:
+        found = np.asarray(values)
+        wrong = found.dtype.kind not in "iufO" or any(
+            v is None or isinstance(v, (str, bytes, bool))
+            for v in found.flat
+            if found.dtype.kind == "O"
+        )
+        if not wrong:
+            return found.astype(float, copy=False)
+    except (TypeError, ValueError, OverflowError):  # OverflowError: a number of 400 digits
+        pass
+    shown = f"{values!r}"[:100]
+    raise BadInput(f"{name} is {shown}; it must be numbers, up to 1e308, in a regular array")
+
+
 def finite_vector(name: str, values: ArrayLike, size: int) -> NDArray[np.float64]:
     """Return values as `size` finite floats, or raise BadInput naming what is wrong."""
-    try:
-        vector = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise BadInput(f"{name} is {values!r}; it must be {size} numbers") from None
+    vector = number_array(name, values)
     if vector.shape != (size,):
         raise BadInput(f"{name} has shape {vector.shape}; it must be {size} numbers")
     if not math.isfinite(vector.sum()) and not np.isfinite(vector).all():

@@ -18,6 +18,7 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.vectors import number_array
 from .steady import MAX_ELEMENTS, check_ground, speed_floor_m_s
 
 Array = NDArray[np.float64]
@@ -46,6 +47,8 @@ class Grid:
     powers: bool = True
 
     def __post_init__(self) -> None:
+        if not isinstance(self.powers, bool):
+            raise BadInput(f"powers is {self.powers!r}; it must be True or False")
         for robot in self.robots:
             check_parts(robot, self.grounds[0])
         for ground in self.grounds:
@@ -119,7 +122,7 @@ class Grid:
 
 def axis(name: str, values: ArrayLike) -> tuple[float, ...]:
     """Return an axis of the grid as numbers."""
-    found = np.atleast_1d(np.asarray(values, dtype=float))
+    found = np.atleast_1d(number_array(name, values))
     if found.ndim != 1 or found.size == 0:
         raise BadInput(f"{name} has shape {found.shape}; it must be a list of at least one number")
     return tuple(found.tolist())

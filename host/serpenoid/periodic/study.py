@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
-import zipfile
-import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..model.checks import check_whole
 from ..model.errors import BadInput
+from ..model.files import read_arrays, read_json
 from ..model.ground import Ground
 from ..model.robot import Robot
 from .cluster import Stretch, solve_on_cluster, stretch_length
-from .grid import Array, Grid, axis, several, stretches, threads_to_use
+from .grid import FIELDS, Array, Grid, axis, several, stretches, threads_to_use
 
-FORMAT = "serpenoid study 1"
+FORMAT = "serpenoid study 2"
 HEAD = "study.json"
 
 
@@ -55,7 +57,40 @@ class Study:
         """Yield the chunks that are done, in order. Raises BadInput: one is damaged."""
         for chunk in self.chunks:
             if self.path(chunk).exists():
-                yield _load_chunk(self.path(chunk))
+                yield self.read(chunk)
+
+    @property
+    def head(self) -> dict[str, Any]:
+        """Return what the head of the folder says: the grid, and how it is cut into chunks."""
+        grid = self.grid
+        return {
+            "format": FORMAT, "robots": [asdict(r) for r in grid.robots],
+            "grounds": [asdict(g) for g in grid.grounds], "alpha_rad": list(grid.alpha_rad),
+            "beta_rad": list(grid.beta_rad), "omega_rad_s": list(grid.omega_rad_s),
+            "rtol": grid.rtol, "powers": grid.powers, "shapes": self.length,
+        }  # fmt: skip
+
+    @cached_property
+    def _hash(self) -> NDArray[np.uint8]:
+        """Return the SHA-256 of the head: a chunk that carries another is of another study."""
+        text = json.dumps(self.head, sort_keys=True)
+        return np.frombuffer(hashlib.sha256(text.encode()).digest(), np.uint8)
+
+    def read(self, chunk: Stretch) -> dict[str, NDArray[Any]]:
+        """Return a chunk that is done. Raises BadInput: damaged, or of another place or study."""
+        path, rows = self.path(chunk), chunk[1] - chunk[0]
+        most = 8 * rows * (len(FIELDS) * len(self.grid.omega_rad_s) + 4)
+        cure = "delete it and ask for the study again: it is solved anew"
+        try:
+            found = read_arrays(path, most + 8 * len(self.grid.omega_rad_s) + 10_000)
+        except BadInput as error:
+            raise BadInput(f"{error}; {cure}") from None
+        stamp = (found.pop("study_sha256", None), found.pop("first_and_last", None))
+        if not all(map(np.array_equal, stamp, (self._hash, chunk))):
+            raise BadInput(f"{path} is of another study, or another chunk of this one; {cure}")
+        if any(len(found.get(name, ())) != rows for name in ("robot", *FIELDS)):
+            raise BadInput(f"{path} is damaged (it has not {rows} shapes); {cure}")
+        return found
 
     def write(self, chunk: Stretch, table: Array) -> None:
         """Write the file of a chunk: whole, or not at all."""
@@ -64,22 +99,13 @@ class Study:
         part = self.path(chunk).with_suffix(f".{os.getpid()}.part")
         with part.open("wb") as file:
             np.savez(
-                file, allow_pickle=False, robot=robot, ground=ground,
+                file, allow_pickle=False, study_sha256=self._hash,
+                first_and_last=np.array(chunk), robot=robot, ground=ground,
                 alpha_rad=np.array(self.grid.alpha_rad)[alpha],
                 beta_rad=np.array(self.grid.beta_rad)[beta],
                 omega_rad_s=np.array(self.grid.omega_rad_s), **self.grid.named(table, first),
             )  # fmt: skip
         part.replace(self.path(chunk))
-
-
-def _load_chunk(path: Path) -> dict[str, NDArray[Any]]:
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except (zipfile.BadZipFile, zlib.error, ValueError, EOFError) as error:
-        raise BadInput(
-            f"{path} is damaged ({error}); delete it and ask for the study again: it is solved anew"
-        ) from None
 
 
 def sweep_study(
@@ -127,19 +153,24 @@ def sweep_study(
 def load_study(folder: str | os.PathLike[str]) -> Study:
     """Return the study that a folder holds, complete or not. Raises BadInput."""
     path = Path(folder) / HEAD
+    if not path.exists():
+        raise BadInput(f"{folder} holds no study (no {HEAD}); sweep_study writes one")
+    head = read_json(path)
     try:
-        head = json.loads(path.read_text())
         if head["format"] != FORMAT:
-            raise BadInput(f"{path} is of format {head['format']!r}; this version reads {FORMAT!r}")
+            raise BadInput(
+                f"{path} is of format {head['format']!r}; this version reads {FORMAT!r}: solve it "
+                "anew into another folder"
+            )
         grid = Grid(
-            tuple(Robot(**_fields(robot)) for robot in head["robots"]),
-            tuple(Ground(**_fields(ground)) for ground in head["grounds"]),
-            tuple(head["alpha_rad"]), tuple(head["beta_rad"]), tuple(head["omega_rad_s"]),
+            several(Robot, [Robot(**_fields(robot)) for robot in head["robots"]]),
+            several(Ground, [Ground(**_fields(ground)) for ground in head["grounds"]]),
+            *(axis(name, head[name]) for name in ("alpha_rad", "beta_rad", "omega_rad_s")),
             head["rtol"], head["powers"],
         )  # fmt: skip
-        return Study(Path(folder), grid, head["shapes"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise BadInput(f"{folder} holds no study ({error}); sweep_study writes one") from None
+        return Study(Path(folder), grid, check_whole("shapes", head["shapes"], 1, grid.shapes))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise BadInput(f"{path} is no head of a study ({error}); sweep_study writes one") from None
 
 
 def _fields(part: dict[str, Any]) -> dict[str, Any]:
@@ -159,14 +190,8 @@ def _prepared(folder: Path, grid: Grid) -> Study:
     folder.mkdir(parents=True, exist_ok=True)
     if next(folder.iterdir(), None) is not None:
         raise BadInput(f"{folder} is not empty and holds no study; name another folder")
-    study = Study(folder, grid, stretch_length(grid))
-    head = {
-        "format": FORMAT, "robots": [asdict(r) for r in grid.robots],
-        "grounds": [asdict(g) for g in grid.grounds], "alpha_rad": grid.alpha_rad,
-        "beta_rad": grid.beta_rad, "omega_rad_s": grid.omega_rad_s, "rtol": grid.rtol,
-        "powers": grid.powers, "shapes": study.length,
-    }  # fmt: skip
+    study = Study(folder, grid, min(stretch_length(grid), grid.shapes))
     part = folder / f"{HEAD}.part"
-    part.write_text(json.dumps(head) + "\n")
+    part.write_text(json.dumps(study.head) + "\n")
     part.replace(folder / HEAD)
     return study

@@ -15,7 +15,7 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
-from ..model.words import STARTS
+from ..model.checks import STARTS
 from .methods import OwnChoice
 from .scene import Scene
 from .stability import check_step

@@ -18,7 +18,7 @@ from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
 from ..model.vectors import finite_vector
-from ..model.words import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
+from ..model.checks import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
 from .methods import METHODS, OwnChoice, default_method, objection, ways_out
 
 MAX_LINK_STEPS = 10**11

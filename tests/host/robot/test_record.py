@@ -99,7 +99,7 @@ def test_what_holds_data_is_not_overwritten_and_what_is_no_recording_is_refused(
     path.write_text("# serpenoid wire 1, begun 2026\nx < t:1\n")
     with pytest.raises(BadInput, match=r":2: .*no time"):
         load_stream(path)
-    with pytest.raises(RecordingFailed, match="cannot read"):
+    with pytest.raises(BadInput, match="No such file"):
         load_stream(tmp_path / "missing.txt")
 
 
@@ -274,7 +274,7 @@ def test_a_recording_that_cannot_be_true_is_refused_by_line(tmp_path, rows, wher
 
 
 def test_what_is_no_file_is_not_read():
-    with pytest.raises(BadInput, match="no file"):
+    with pytest.raises(BadInput, match="regular file"):
         load_stream(Path("/dev/zero"))
 
 

@@ -183,7 +183,7 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
         (TORQUE + "torque_nm = 1", ":16: torque_nm is 1; it must be a list"),
         (TORQUE + "torque_nm = ['1']", ":16: torque_nm is '1'"),
         (TORQUE + "torque_nm = [1, 2]", ":15: torque has shape .2,.; it must be 5 numbers"),
-        (TORQUE + "t_s = [0, 1]\ntorque_nm = [[1], [1, 2]]", ":15: a torque table needs rows"),
+        (TORQUE + "t_s = [0, 1]\ntorque_nm = [[1], [1, 2]]", ":15: torque_nm is .* regular array"),
         (TORQUE + "t_s = [1, 0]\ntorque_nm = [[1], [1]]", ":15: .* rising times"),
         (TORQUE + "t_s = [0]\ntorque_nm = [[1]]", ":15: the torque table has 1 columns"),
         (TORQUE + "t_s = [0]\ntorque_nm = [[nan]]", ":17: torque_nm is nan"),
@@ -203,7 +203,7 @@ def test_not_a_text_file(tmp_path) -> None:
         sn.load_scene(path)
     with pytest.raises(sn.BadInput, match=r"nowhere.toml: No such file"):
         sn.load_scene(tmp_path / "nowhere.toml")
-    with pytest.raises(sn.BadInput, match=r": Is a directory"):
+    with pytest.raises(sn.BadInput, match=r": this is a folder"):
         sn.load_scene(tmp_path)
 
 

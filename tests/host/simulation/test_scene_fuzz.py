@@ -18,7 +18,7 @@ import pytest
 import serpenoid as sn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from serpenoid.model.words import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
+from serpenoid.model.checks import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
 from serpenoid.simulation.methods import METHODS
 from serpenoid.simulation.scene_file import load_scene
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from oracle.scenes import slow_run
-from serpenoid.model.words import FORMULATIONS
+from serpenoid.model.checks import FORMULATIONS
 from serpenoid.simulation.methods import METHODS
 
 G = 9.80665

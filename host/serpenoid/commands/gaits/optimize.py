@@ -11,7 +11,7 @@ import click
 
 from ...model.checks import check_number
 from ...model.errors import NotConverged
-from ...model.words import FORMULATIONS
+from ...model.checks import FORMULATIONS
 from ..given import take_fit
 from ..options import (
     AS_JSON,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...model.words import FORMULATIONS
+from ...model.checks import FORMULATIONS
 from ..options import (
     AS_JSON,
     describe,

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...model.errors import BadInput, DamagedLine, RecordingFailed
+from ...model.files import check_file
 from ..wire.clock import BoardClock
 from ..wire.protocol import Hello, Telemetry, frame_us, parse
 from .recorder import TITLE
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST_BYTES = 1 << 31  # a fortnight of telemetry
+LONGEST_ROW = 4096  # bytes; the longest that a recorder writes is a tenth of it
 BACKWARDS_S = 0.01  # between lines that threads wrote a moment apart, as versions before 0.2 did
 
 
@@ -66,15 +68,14 @@ def load_stream(path: Path) -> Stream:
 
 def _rows(path: Path) -> Iterator[tuple[int, bytes]]:
     """Yield the rows that are whole, counted from 1."""
+    check_file(path, MOST_BYTES)
     try:
-        if path.exists() and not path.is_file():
-            raise BadInput(f"{path} is no file")
-        if path.stat().st_size > MOST_BYTES:
-            raise BadInput(f"{path} is larger than {MOST_BYTES} bytes; cut it into parts")
         with path.open("rb") as file:
-            for number, row in enumerate(file, 1):
+            for number, row in enumerate(iter(lambda: file.readline(LONGEST_ROW), b""), 1):
                 if row.endswith(b"\n"):  # else it is half a row
                     yield number, row[:-1]
+                elif len(row) == LONGEST_ROW:
+                    raise BadInput(f"{path}:{number}: the row is longer than {LONGEST_ROW} bytes")
     except OSError as error:
         raise RecordingFailed(f"cannot read {path}: {error.strerror or error}") from error
 

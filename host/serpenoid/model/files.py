@@ -1,0 +1,111 @@
+"""Read files that come from outside: regular files alone, of a size that memory bears."""
+
+from __future__ import annotations
+
+import json
+import stat
+import zipfile
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from .errors import BadInput
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+MOST_BYTES = 16_000_000  # of a file that people or this program write as text
+MOST_VALUES = 2_000_000  # numbers, texts, lists and objects of a JSON file: some 150 MB in memory
+MOST_ARRAYS = 100  # of one .npz file
+
+
+def check_file(path: Path, most_bytes: int = MOST_BYTES) -> int:
+    """Return the size of a regular file in bytes.
+
+    Raises
+    ------
+    BadInput
+        There is no such file, it is a folder, a device or a pipe, or it is too large.
+    """
+    try:
+        found = path.stat()
+    except (OSError, ValueError) as error:  # ValueError: a name with a zero byte
+        raise BadInput(f"{path}: {getattr(error, 'strerror', None) or error}") from error
+    if not stat.S_ISREG(found.st_mode):
+        kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device, a pipe or a socket"
+        raise BadInput(f"{path}: this is {kind}; give the name of a regular file")
+    if found.st_size > most_bytes:
+        raise BadInput(
+            f"{path}: the file has {found.st_size} bytes; the most is {most_bytes}; is it the "
+            "right one?"
+        )
+    return found.st_size
+
+
+def read_bytes(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
+    """Return the content of a regular file; raises BadInput, saying why it cannot be read."""
+    check_file(path, most_bytes)
+    try:
+        with path.open("rb") as file:
+            return file.read(most_bytes)
+    except OSError as error:
+        raise BadInput(f"{path}: {error.strerror or error}") from error
+
+
+def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
+    """Return a UTF-8 file's text with line ends as LF; raises BadInput."""
+    try:
+        text = read_bytes(path, most_bytes).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise BadInput(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from error
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def read_json(path: Path, most_bytes: int = 4 * MOST_BYTES) -> Any:
+    """Return what a JSON file holds; raises BadInput. NaN and Infinity are no JSON."""
+    text = read_text(path, most_bytes)
+    values = sum(map(text.count, ",[{"))
+    if values > MOST_VALUES:
+        raise BadInput(f"{path}: some {values} values; the most is {MOST_VALUES}")
+    try:
+        return json.loads(text, parse_constant=_refuse_constant)
+    except RecursionError:
+        raise BadInput(f"{path}: not JSON of this program: lists in lists without end") from None
+    except ValueError as error:
+        raise BadInput(f"{path}: not JSON: {error}") from None
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no number in JSON")
+
+
+def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[np.generic]]:
+    """Return the arrays of an .npz file that take at most so many bytes when unpacked.
+
+    Raises
+    ------
+    BadInput
+        It is no .npz file, a damaged one, one with Python objects, or one that is too large.
+    """
+    import numpy as np
+
+    check_file(path, most_bytes)
+    try:
+        with zipfile.ZipFile(path) as packed:
+            parts = packed.infolist()
+            size = sum(part.file_size for part in parts)
+        if size > most_bytes or len(parts) > MOST_ARRAYS:
+            raise BadInput(
+                f"{path}: {len(parts)} arrays of {size} bytes; the most is {MOST_ARRAYS} arrays "
+                f"and {most_bytes} bytes"
+            )
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except BadInput:
+        raise
+    except (
+        zipfile.BadZipFile, zlib.error, ValueError, EOFError, OSError, MemoryError,
+        NotImplementedError, RuntimeError,
+    ) as error:  # fmt: skip
+        raise BadInput(f"{path} is damaged ({error})") from None
