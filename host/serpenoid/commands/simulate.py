@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..model.checks import check_number
-from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS
+from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS, check_number
 from ..simulation.methods import METHODS
 from .options import (
     AS_JSON,

@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from ..model.checks import check_choice, check_number
+from ..model.checks import FORMULATIONS, check_choice, check_number
 from ..model.core_model import check_parts
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..model.checks import FORMULATIONS
 from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
 from .at_a_rate import RateSearch

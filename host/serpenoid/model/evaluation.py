@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .checks import check_choice, check_kind, check_number
+from .checks import FORMULATIONS, check_choice, check_kind, check_number
 from .core_model import check_parts, core_model
 from .errors import BadInput
 from .gait import Gait
@@ -18,7 +18,6 @@ from .kinematics import joint_motion
 from .link_state import LinkState
 from .robot import Robot
 from .vectors import finite_vector
-from .checks import FORMULATIONS
 
 Array = NDArray[np.float64]
 

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..model.checks import check_kind
+from ..model.checks import STARTS, check_kind
 from ..model.core_model import friction_numbers
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.kinematics import joint_motion
 from ..model.link_state import LinkState
-from ..model.checks import STARTS
 from .methods import OwnChoice
 from .scene import Scene
 from .stability import check_step

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
-from ..model.checks import check_choice, check_number
+from ..model.checks import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS, check_choice, check_number
 from ..model.core_model import check_parts
 from ..model.drives import Servo, TorqueTable
 from ..model.errors import BadInput
@@ -18,7 +18,6 @@ from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
 from ..model.vectors import finite_vector
-from ..model.checks import DRIVES, FORMULATIONS, GAPS, RECORDS, STARTS
 from .methods import METHODS, OwnChoice, default_method, objection, ways_out
 
 MAX_LINK_STEPS = 10**11

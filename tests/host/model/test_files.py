@@ -18,7 +18,7 @@ def test_what_is_no_regular_file(tmp_path: Path, path: str, monkeypatch) -> None
     os.mkfifo("pipe")
     os.symlink("loop", "loop")
     for read in (check_file, read_text, read_json, lambda p: read_arrays(p, 1000)):
-        with pytest.raises(sn.BadInput, match="regular file|No such|symbolic links|null byte"):
+        with pytest.raises(sn.BadInput, match=r"regular file|No such|symbolic links|null byte"):
             read(Path(path))
 
 
@@ -56,7 +56,7 @@ def test_arrays_that_inflate_or_run_code(tmp_path: Path) -> None:
     with pytest.raises(sn.BadInput, match=r"1 arrays of 80000128 bytes; the most is"):
         read_arrays(path, 1_000_000)
     np.savez(path, thing=np.array([{"a": 1}], dtype=object))
-    with pytest.raises(sn.BadInput, match="is damaged .*allow_pickle"):
+    with pytest.raises(sn.BadInput, match=r"is damaged .*allow_pickle"):
         read_arrays(path, 1_000_000)
     path.write_bytes(b"no archive")
     with pytest.raises(sn.BadInput, match="is damaged"):
@@ -65,6 +65,6 @@ def test_arrays_that_inflate_or_run_code(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("values", [["1"], [10**400], [[1], [1, 2]], [True], None, [None], [1j]])
 def test_what_is_no_array_of_numbers(values) -> None:
-    with pytest.raises(sn.BadInput, match="alpha_rad is .*regular array"):
+    with pytest.raises(sn.BadInput, match=r"alpha_rad is .*regular array"):
         number_array("alpha_rad", values)
     assert number_array("x", [1, 10**20]).tolist() == [1.0, 1e20]

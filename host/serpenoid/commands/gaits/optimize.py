@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...model.checks import check_number
+from ...model.checks import FORMULATIONS, check_number
 from ...model.errors import NotConverged
-from ...model.checks import FORMULATIONS
 from ..given import take_fit
 from ..options import (
     AS_JSON,
