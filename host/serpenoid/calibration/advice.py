@@ -26,7 +26,8 @@ from .fitting.joint import jacobian, starting_point
 from .fitting.rounding import nearest_shown
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
-from .session import Reading, Session
+from .kinds.station import Reading
+from .session import Session
 from .speed_samples import Progress, sample_speeds
 from .taking.expected import Series
 

@@ -15,7 +15,8 @@ from ..model.gait import Gait
 from ..simulation.steady_springs import steady_springs
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit, band
-from .session import GaitRun, Session
+from .kinds.gait import GaitRun
+from .session import Session
 from .speed_samples import Progress, SpeedSamples, sample_speeds, speed
 from .verdict import Judge, Measured, in_words, of_gaits
 

@@ -21,7 +21,7 @@ import numpy as np
 from ..model.checks import check_choice, check_kind
 from ..model.errors import BadInput, NotConverged
 from .fitting.data import FitData, Floats
-from .fitting.gate import bend_note, check_readings
+from .fitting.identifiability import bend_note, check_readings
 from .fitting.influence import BOTH_WAYS, Influence, influences, leave_one_out
 from .fitting.joint import Minimum, minimise, starting_point, whole_residuals
 from .fitting.joint import residuals as residuals_at

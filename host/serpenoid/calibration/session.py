@@ -9,161 +9,25 @@ import hashlib
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..model.checks import check_choice, check_number
-from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.robot import Robot
+from .kinds.bend import BendCheck
+from .kinds.declaration import Kind
+from .kinds.gait import GaitRun
+from .kinds.instruments import Stopwatch, TreadmillSteps, Uncertainty
+from .kinds.station import Reading
+from .kinds.table import KINDS
+from .kinds.zero import ZeroReading
 
-KINDS = ("measured", "regenerated", "simulated")
-FACINGS = ("down", "up")
+PROVENANCE = ("measured", "regenerated", "simulated")
 FOLLOWED = 1.5  # errors of the zero's difference, beyond which it is taken to have drifted
-# Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, the
-# snake tumbles before 45, and no treadmill runs at 10 m/s.
-MAX_LAMBDA_DEG, MAX_INCLINE_DEG, MAX_SPEED_M_S, MAX_GRAVITY_M_S2 = 60.0, 45.0, 10.0, 30.0
-
-
-@dataclass(frozen=True, slots=True)
-class Uncertainty:
-    """What the instruments may be off by, as standard deviations.
-
-    incline_sigma_rad: of one reading of the inclinometer. incline_zero_sigma_rad: of its zero,
-    common to the session. belt_speed_sigma_m_s: of one belt speed past the snake.
-    lambda_sigma_rad: of the bend, common to all bent readings. Raises BadInput.
-    """
-
-    incline_sigma_rad: float
-    incline_zero_sigma_rad: float
-    belt_speed_sigma_m_s: float
-    lambda_sigma_rad: float
-
-    def __post_init__(self) -> None:
-        for name in ("incline_sigma_rad", "belt_speed_sigma_m_s"):
-            check_number(name, getattr(self, name), 0.0, open_low=True)
-        for name in ("incline_zero_sigma_rad", "lambda_sigma_rad"):
-            check_number(name, getattr(self, name), 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """One station held: the belt speed at which the snake neither climbs nor slides.
-
-    number: from 1, unique in a session. lambda_rad: angle of every link to the direction of the
-    belt, alternately left and right; 0 when straight. incline_rad: gamma as the inclinometer shows
-    it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls forwards. drift_m_s: what
-    was left of the snake's own motion, positive when carried along with the belt. voided: not to be
-    used, for the reason in comment. time_utc: ISO 8601, empty if not recorded. facing: "down" the
-    incline, or "up": the wheels then roll backwards, which tells a ratchet. uncertainty: of the
-    instruments it was taken with, None for those of the session's set-up. Raises BadInput.
-    """
-
-    number: int
-    lambda_rad: float
-    incline_rad: float
-    belt_speed_m_s: float
-    drift_m_s: float = 0.0
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
-    uncertainty: Uncertainty | None = None
-    facing: str = "down"
-
-    def __post_init__(self) -> None:
-        check_number("number", self.number, 1)
-        check_choice("facing", self.facing, FACINGS)
-        check_number("lambda_rad", self.lambda_rad, 0.0, math.radians(MAX_LAMBDA_DEG))
-        incline_limit = math.radians(MAX_INCLINE_DEG)
-        check_number("incline_rad", self.incline_rad, 0.0, incline_limit, open_low=True)
-        check_number("belt_speed_m_s", self.belt_speed_m_s, 0.0, MAX_SPEED_M_S)
-        check_number("drift_m_s", self.drift_m_s, -MAX_SPEED_M_S, MAX_SPEED_M_S)
-        if not self.voided and self.slip_speed_m_s <= 0.0:
-            raise BadInput(
-                f"belt_speed_m_s - drift_m_s is {self.slip_speed_m_s:g} in reading {self.number}; "
-                "it must be more than 0, since wheels at rest hold any force up to their static "
-                "friction; void the reading or correct it"
-            )
-
-    @property
-    def slip_speed_m_s(self) -> float:
-        """Return the speed of the belt past the snake, v_rel = v_belt - v_drift."""
-        return self.belt_speed_m_s - self.drift_m_s
-
-
-@dataclass(frozen=True, slots=True)
-class GaitRun:
-    """One measured speed of the crawling robot, on level ground of the session's surface.
-
-    number: from 1, unique among all readings of the session. omega_rad_s: the true rate, from the
-    board's clock. speed_m_s: of the robot over ground, 0 where it got nowhere. Raises BadInput.
-    """
-
-    number: int
-    alpha_rad: float
-    beta_rad: float
-    omega_rad_s: float
-    speed_m_s: float
-    speed_sigma_m_s: float
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
-
-    def __post_init__(self) -> None:
-        check_number("number", self.number, 1)
-        Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
-        check_number("speed_m_s", self.speed_m_s, 0.0, MAX_SPEED_M_S)
-        check_number("speed_sigma_m_s", self.speed_sigma_m_s, 0.0, MAX_SPEED_M_S, open_low=True)
-
-    @property
-    def gait(self) -> Gait:
-        """Return the gait that was run."""
-        return Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
-
-
-@dataclass(frozen=True, slots=True)
-class ZeroReading:
-    """The inclinometer read twice on one spot, the second time turned end for end.
-
-    What stays of the sum is twice its zero. before: taken before the first station.
-    """
-
-    number: int
-    shown_rad: float
-    reversed_rad: float
-    before: bool = True
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
-    uncertainty: Uncertainty | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("shown_rad", "reversed_rad"):
-            check_number(name, getattr(self, name), *map(math.radians, (-45.0, 45.0)))
-
-    @property
-    def zero_rad(self) -> float:
-        """Return what the inclinometer shows where it is level."""
-        return (self.shown_rad + self.reversed_rad) / 2
-
-
-@dataclass(frozen=True, slots=True)
-class BendCheck:
-    """The protractor held between two neighbouring links of a bent robot."""
-
-    number: int
-    lambda_rad: float
-    between_links_rad: float
-    voided: bool = False
-    comment: str = ""
-    time_utc: str = ""
-
-    @property
-    def found_rad(self) -> float:
-        """Return the lambda that the protractor shows: links stand at pi - 2 lambda."""
-        return (math.pi - self.between_links_rad) / 2
+MAX_GRAVITY_M_S2 = 30.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,38 +37,6 @@ class Zero:
     value_rad: float
     sigma_rad: float
     readings: int
-
-
-@dataclass(frozen=True, slots=True)
-class TreadmillSteps:
-    """What a treadmill can be set to: most home ones by 0.5 % of grade and 0.1 km/h."""
-
-    incline_step_rad: float = 0.005
-    belt_step_m_s: float = 0.1 / 3.6
-    belt_least_m_s: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_number("incline_step_rad", self.incline_step_rad, 0.0, open_low=True)
-        check_number("belt_step_m_s", self.belt_step_m_s, 0.0, open_low=True)
-        check_number("belt_least_m_s", self.belt_least_m_s, 0.0, MAX_SPEED_M_S)
-
-
-@dataclass(frozen=True, slots=True)
-class Stopwatch:
-    """Standard deviations of a gait run's distance (tape and marks) and time (a hand's)."""
-
-    distance_sigma_m: float = 0.005
-    time_sigma_s: float = 0.2
-
-    def __post_init__(self) -> None:
-        check_number("distance_sigma_m", self.distance_sigma_m, 0.0)
-        check_number("time_sigma_s", self.time_sigma_s, 0.0)
-
-    def speed(self, distance_m: float, time_s: float) -> tuple[float, float]:
-        """Return the mean speed over a distance and its standard deviation, m/s."""
-        speed_m_s = distance_m / time_s
-        off_m = math.hypot(self.distance_sigma_m, speed_m_s * self.time_sigma_s)
-        return speed_m_s, off_m / time_s
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,8 +76,8 @@ class Setup:
     surface: str = ""
     place: str = ""
     people: str = ""
-    treadmill: TreadmillSteps = TreadmillSteps()
-    stopwatch: Stopwatch = Stopwatch()
+    treadmill: TreadmillSteps = field(default_factory=TreadmillSteps)
+    stopwatch: Stopwatch = field(default_factory=Stopwatch)
     weighed: bool = True
 
     @property
@@ -259,8 +91,9 @@ class Session:
     """A set-up and what was read under it, in the order it was taken, voided readings among it.
 
     readings: the stations held. gait_runs: measured crawling speeds. zeros: the inclinometer's, by
-    reversal. bends: protractor checks. where: what errors call it, the readings' file if there is
-    one. folder: where it lies. notes: what reading the files brought up, in words.
+    reversal. bends: protractor checks. further: readings of all other kinds. where: what errors
+    call it, the readings' file if there is one. folder: where it lies. notes: what reading the
+    files brought up, in words.
     """
 
     setup: Setup
@@ -269,6 +102,7 @@ class Session:
     gait_runs: tuple[GaitRun, ...] = ()
     zeros: tuple[ZeroReading, ...] = ()
     bends: tuple[BendCheck, ...] = ()
+    further: tuple[Any, ...] = ()
     folder: Path | None = None
     notes: tuple[str, ...] = ()
 
@@ -281,6 +115,24 @@ class Session:
     def kept_gait_runs(self) -> tuple[GaitRun, ...]:
         """Return the gait runs that were not voided."""
         return tuple(r for r in self.gait_runs if not r.voided)
+
+    def of(self, kind: str) -> tuple[Any, ...]:
+        """Return all readings of a kind, by its name, in the order they were taken."""
+        declared = KINDS[kind]
+        if declared.part:
+            return getattr(self, declared.part)  # type: ignore[no-any-return]
+        return tuple(r for r in self.further if isinstance(r, declared.reading))
+
+    @property
+    def numbered(self) -> list[tuple[Kind, Any]]:
+        """Return every reading with its kind, by their numbers."""
+        pairs = [(kind, r) for name, kind in KINDS.items() for r in self.of(name)]
+        return sorted(pairs, key=lambda pair: pair[1].number)
+
+    def with_reading(self, kind: Kind, made: Any) -> Session:
+        """Return the session with one more reading."""
+        part = kind.part or "further"
+        return replace(self, **{part: (*getattr(self, part), placed(made, bool(self.readings)))})
 
     def uncertainty_of(self, reading: Reading | ZeroReading) -> Uncertainty:
         """Return the uncertainty of the instruments that a reading was taken with."""
@@ -359,6 +211,15 @@ class Session:
             [[r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s,
               repr(self.uncertainty_of(r)), *(["up"] if r.facing == "up" else [])]
              for r in self.kept],
+            *([f"{r!r}" for r in self.further if not r.voided and _KIND_OF[type(r)].fitted]),
             *([self.zeros_rad(self.kept)] if self.zero_drifts else []),
         ]  # fmt: skip
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
+
+
+_KIND_OF = {kind.reading: kind for kind in KINDS.values()}
+
+
+def placed(made: Any, after_stations: bool) -> Any:
+    """Return a reading that knows whether it was taken after the first station (a zero does)."""
+    return replace(made, before=not after_stations) if isinstance(made, ZeroReading) else made

@@ -19,22 +19,10 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.robot import Robot
 from ..model.toml_table import Table, check_names, located, read_text
-from .session import (
-    FACINGS,
-    KINDS,
-    MAX_GRAVITY_M_S2,
-    MAX_INCLINE_DEG,
-    MAX_LAMBDA_DEG,
-    MAX_SPEED_M_S,
-    Procedure,
-    Reading,
-    Session,
-    Setup,
-    Stopwatch,
-    TreadmillSteps,
-    Uncertainty,
-)
-from .session_rows import cell, change_of, read_format_2, time_of
+from .kinds.instruments import MAX_SPEED_M_S, Stopwatch, TreadmillSteps, Uncertainty
+from .kinds.station import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, STATION, Reading
+from .session import MAX_GRAVITY_M_S2, PROVENANCE, Procedure, Session, Setup
+from .session_rows import change_of, read_format_2, time_of
 
 FORMAT = 2
 COLUMNS = (
@@ -148,14 +136,14 @@ def _setup(top: Table) -> Setup:
     provenance = top.table("provenance")
     provenance.only("kind", "source", "note")
     with located(provenance.where("kind")):
-        kind = check_choice("kind", provenance.values["kind"], KINDS)
+        kind = check_choice("kind", provenance.values["kind"], PROVENANCE)
     words = {
         "name": top.string("name"),
         "kind": kind,
         "source": provenance.string("source"),
         "note": provenance.string("note"),
         "robot": _robot(top.table("robot")),
-        "weighed": _said(top.table("robot"), "weighed", usual=True),
+        "weighed": _flag(top.table("robot"), "weighed", usual=True),
     }
     return _setup_1(top, words) if old else _setup_2(top, words)
 
@@ -200,7 +188,7 @@ def _robot(table: Table) -> Robot:
         return Robot(links, mass_kg, length_m)
 
 
-def _said(table: Table, name: str, *, usual: bool) -> bool:
+def _flag(table: Table, name: str, *, usual: bool) -> bool:
     value = table.values.get(name, usual)
     if not isinstance(value, bool):
         raise BadInput(f"{table.where(name)}: {name} is {value!r}; it must be true or false")
@@ -223,7 +211,7 @@ def _plan(table: Table, before: Procedure) -> Procedure:
     if "gait_runs" in table.values:
         found["gait_runs"] = table.whole("gait_runs")
     if "ratchet" in table.values:
-        found["ratchet"] = _said(table, "ratchet", usual=False)
+        found["ratchet"] = _flag(table, "ratchet", usual=False)
     if "gaits" in table.values:
         found["gaits"] = _gaits(table)
     return replace(before, **found)
@@ -308,14 +296,10 @@ def _reading(header: list[str], cells: list[str]) -> Reading:
         raise BadInput(f"reading is {row['reading']!r}; it must be a whole number from 1")
     return Reading(
         number=int(row["reading"]),
-        lambda_rad=math.radians(cell(row, "lambda_deg", 0.0, MAX_LAMBDA_DEG)),
-        incline_rad=math.radians(cell(row, "incline_deg", 0.0, MAX_INCLINE_DEG, open_low=True)),
-        belt_speed_m_s=cell(row, "belt_speed_m_s", 0.0, MAX_SPEED_M_S),
-        drift_m_s=cell(row, "drift_m_s", -MAX_SPEED_M_S, MAX_SPEED_M_S),
-        facing=check_choice("facing", row.get("facing", "") or "down", FACINGS),
         voided=check_choice("status", row["status"], STATUSES) == "void",
         comment=row["comment"],
         time_utc=time_of(row["time_utc"]),
+        **{f.name: f.read(row.get(f.column, "")) for f in STATION.fields},  # type: ignore[arg-type]
     )
 
 

@@ -8,43 +8,26 @@ restored or amended by an event, and redone by a later reading that says which o
 from __future__ import annotations
 
 import csv
-import math
 import re
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from ..model.checks import check_choice, check_number
+from ..model.checks import check_choice
 from ..model.errors import BadInput
 from ..model.toml_table import Table, check_names, located, read_text
-from .session import (
-    FACINGS,
-    MAX_INCLINE_DEG,
-    MAX_LAMBDA_DEG,
-    MAX_SPEED_M_S,
-    BendCheck,
-    GaitRun,
-    Reading,
-    Session,
-    Setup,
-    ZeroReading,
-)
+from .kinds.rows import READING_COLUMNS, Row, make_reading
+from .kinds.table import KINDS
+from .session import Session, Setup, placed
 
 TORN = "#torn"
-READING_COLUMNS = (
-    "reading", "kind", "time_utc", "setup", "replaces", "lambda_deg", "incline_deg",
-    "belt_speed_m_s", "drift_m_s", "reversed_deg", "between_links_deg", "alpha_deg", "beta_deg",
-    "omega_rad_s", "distance_m", "duration_s", "speed_m_s", "speed_sigma_m_s", "more", "comment",
-)  # fmt: skip
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
 EVENTS = (
     "start", "end", "pause", "resume", "amend", "void", "restore", "undo", "skip", "unskip", "note",
     "connect",
 )  # fmt: skip
-Row = Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -205,32 +188,27 @@ def _apply(event: Event, found: _Found, path: Path) -> None:
 
 
 def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
-    parts: dict[str, list[Any]] = {kind: [] for kind in _MAKE}
+    parts: dict[str, list[Any]] = {kind.part or "further": [] for kind in KINDS.values()}
     unknown: list[str] = []
     for row, where in found.rows.values():
-        kind = row["kind"]
-        if kind not in _MAKE:
-            unknown.append(kind)
+        kind = KINDS.get(row["kind"])
+        if kind is None:
+            unknown.append(row["kind"])
             continue
         with located(where):
-            made = make(row, _common(row, found))
-            if kind in ("station", "zero"):
+            made = placed(make_reading(row, _common(row, found)), bool(parts["readings"]))
+            if hasattr(made, "uncertainty"):
                 made = replace(made, uncertainty=_setup_of(row, setups).uncertainty)
-            if kind == "zero":
-                made = replace(made, before=not parts["station"])
-        parts[kind].append(made)
+        parts[kind.part or "further"].append(made)
     if unknown:
         kinds = ", ".join(sorted(set(unknown)))
         found.notes.append(f"{len(unknown)} reading(s) of kinds not used here ({kinds}) left out")
     return Session(
         setups[-1],
-        tuple(parts["station"]),
-        str(folder / "readings.csv"),
-        gait_runs=tuple(parts["gait"]),
-        zeros=tuple(parts["zero"]),
-        bends=tuple(parts["bend"]),
+        where=str(folder / "readings.csv"),
         folder=folder,
         notes=tuple(found.notes),
+        **{part: tuple(readings) for part, readings in parts.items()},
     )
 
 
@@ -256,75 +234,9 @@ def _common(row: Row, found: _Found) -> dict[str, Any]:
     }
 
 
-def _station(row: Row, common: dict[str, Any]) -> Reading:
-    return Reading(
-        lambda_rad=math.radians(cell(row, "lambda_deg", 0.0, MAX_LAMBDA_DEG)),
-        incline_rad=math.radians(cell(row, "incline_deg", 0.0, MAX_INCLINE_DEG, open_low=True)),
-        belt_speed_m_s=cell(row, "belt_speed_m_s", 0.0, MAX_SPEED_M_S),
-        drift_m_s=cell(row, "drift_m_s", -MAX_SPEED_M_S, MAX_SPEED_M_S),
-        facing=facing_of(row["more"]),
-        **common,
-    )
-
-
-def facing_of(more: str) -> str:
-    """Return which way a station's snake faced: down unless `more` says facing=up."""
-    said = [word.partition("=")[2] for word in more.split() if word.startswith("facing=")]
-    return check_choice("facing", said[-1], FACINGS) if said else "down"
-
-
-def _zero(row: Row, common: dict[str, Any]) -> ZeroReading:
-    limits = (-MAX_INCLINE_DEG, MAX_INCLINE_DEG)
-    return ZeroReading(
-        shown_rad=math.radians(cell(row, "incline_deg", *limits)),
-        reversed_rad=math.radians(cell(row, "reversed_deg", *limits)),
-        **common,
-    )
-
-
-def _bend(row: Row, common: dict[str, Any]) -> BendCheck:
-    return BendCheck(
-        lambda_rad=math.radians(cell(row, "lambda_deg", 0.0, MAX_LAMBDA_DEG)),
-        between_links_rad=math.radians(cell(row, "between_links_deg", 0.0, 180.0)),
-        **common,
-    )
-
-
-def _gait(row: Row, common: dict[str, Any]) -> GaitRun:
-    return GaitRun(
-        alpha_rad=math.radians(cell(row, "alpha_deg", 0.0, 180.0)),
-        beta_rad=math.radians(cell(row, "beta_deg", -360.0, 360.0)),
-        omega_rad_s=cell(row, "omega_rad_s", 0.0, open_low=True),
-        speed_m_s=cell(row, "speed_m_s", 0.0, MAX_SPEED_M_S),
-        speed_sigma_m_s=cell(row, "speed_sigma_m_s", 0.0, MAX_SPEED_M_S, open_low=True),
-        **common,
-    )
-
-
-_MAKE: dict[str, Callable[[Row, dict[str, Any]], Any]] = {
-    "station": _station, "gait": _gait, "zero": _zero, "bend": _bend,
-}  # fmt: skip
-
-
-KINDS_OF_READING = tuple(_MAKE)
-
-
 def reading_rows(folder: Path) -> list[Row]:
     """Return the rows of all readings there are, of whatever kind, voided or not."""
     return [row for row, _ in _rows(folder / "readings.csv", READING_COLUMNS, [])]
-
-
-def make(row: Row, common: dict[str, Any]) -> Reading | GaitRun | ZeroReading | BendCheck:
-    """Return the reading that a row of a known kind holds; raises BadInput."""
-    return _MAKE[row["kind"]](row, common)
-
-
-def cell(row: Row, name: str, *limits: float, open_low: bool = False) -> float:
-    """Return a row's number between limits, or raise BadInput naming column, value and range."""
-    value: object = row[name]
-    with suppress(ValueError):  # check_number then says what is there instead of a number
-        value = float(row[name])
-    return check_number(name, value, *limits, open_low=open_low)
 
 
 def _whole(name: str, text: str) -> int:

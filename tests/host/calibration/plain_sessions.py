@@ -4,16 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from serpenoid import Robot
-from serpenoid.calibration.session import (
-    BendCheck,
-    Procedure,
-    Reading,
-    Session,
-    Setup,
-    TreadmillSteps,
-    Uncertainty,
-    ZeroReading,
-)
+from serpenoid.calibration.kinds.bend import BendCheck
+from serpenoid.calibration.kinds.instruments import TreadmillSteps, Uncertainty
+from serpenoid.calibration.kinds.station import Reading
+from serpenoid.calibration.kinds.zero import ZeroReading
+from serpenoid.calibration.session import Procedure, Session, Setup
 
 G = 9.81
 

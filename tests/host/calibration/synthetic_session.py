@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 from serpenoid import Ground, Robot
-from serpenoid.calibration.session import Procedure, Reading, Session, Setup, Uncertainty
+from serpenoid.calibration.kinds.instruments import Uncertainty
+from serpenoid.calibration.kinds.station import Reading
+from serpenoid.calibration.session import Procedure, Session, Setup
 
 WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)  # Eqs. 59 and 62, not per link
 STEP_RAD = math.radians(0.1)  # the inclinometer's

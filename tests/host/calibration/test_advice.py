@@ -8,7 +8,8 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from serpenoid.calibration.advice import SpeedSlopes, advise
-from serpenoid.calibration.session import GaitRun, Reading
+from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.kinds.station import Reading
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
 

@@ -9,7 +9,7 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from serpenoid.calibration import comparison
-from serpenoid.calibration.session import GaitRun
+from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import sample_speeds
 
 GROUND = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)

@@ -10,7 +10,7 @@ from serpenoid.calibration.session_rows import read_events
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.person.dialogue import Dialogue, held_dialogue
-from serpenoid.calibration.taking.person.seat import Seat
+from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.model.errors import RobotHeld, RobotLost
 
@@ -42,11 +42,11 @@ def folder(tmp_path) -> Path:
     return create_session(tmp_path / "session", default_setup("made up"))
 
 
-def talk(folder, *lines, seat=None):
+def talk(folder, *lines, robot=None):
     """Return what a person heard, and the session afterwards."""
     person = Person(*lines)
     with Journal(folder) as journal:
-        held_dialogue(Dialogue(journal, person, seat, patience_s=5), person)
+        held_dialogue(Dialogue(journal, person, robot, patience_s=5), person)
         return person.heard, journal.session
 
 
@@ -95,7 +95,7 @@ class Led:
 
 def test_it_leads_through_all_of_a_session_with_the_robot(folder):
     """What comes out is what the script takes without a person: the same procedure."""
-    with Seat("virtual:fast") as seat, Journal(folder) as journal:
+    with SessionRobot("virtual:fast") as seat, Journal(folder) as journal:
         journal.event("amend", detail="plan.gait_runs = 1")
         person = Led(journal.session.setup)
         assert held_dialogue(Dialogue(journal, person, seat, person.told), person)
@@ -212,7 +212,7 @@ def test_a_full_disk_is_told_and_the_next_reading_kept(folder, monkeypatch):
 
 
 def test_the_robot_is_bent_by_the_tool_and_let_go_at_the_end(folder):
-    with Seat("virtual:fast") as seat:
+    with SessionRobot("virtual:fast") as seat:
         joints = []
 
         def look():
@@ -222,7 +222,7 @@ def test_the_robot_is_bent_by_the_tool_and_let_go_at_the_end(folder):
 
         with Journal(folder) as journal:
             journal.event("skip", detail="straight")
-        heard, session = talk(folder, *ZERO, "", look, seat=seat)
+        heard, session = talk(folder, *ZERO, "", look, robot=seat)
         assert not seat.powered
         assert seat._robot.status().state == "idle"
     # Links at 7.5 deg, left and right in turn: joints at twice that.
@@ -232,8 +232,8 @@ def test_the_robot_is_bent_by_the_tool_and_let_go_at_the_end(folder):
 
 
 def test_when_nobody_answers_the_servos_are_let_go_and_the_pose_taken_again(folder):
-    with Seat("virtual:fast") as seat:
-        heard, _ = talk(folder, *ZERO, "", None, lambda: str(seat.powered), seat=seat)
+    with SessionRobot("virtual:fast") as seat:
+        heard, _ = talk(folder, *ZERO, "", None, lambda: str(seat.powered), robot=seat)
         assert not seat.powered
     assert "nobody answered for 5 s: servos off; the pose is to be taken again" in heard
     assert heard.count("Enter straightens the robot") == 2
@@ -241,12 +241,12 @@ def test_when_nobody_answers_the_servos_are_let_go_and_the_pose_taken_again(fold
 
 
 def test_a_robot_that_is_lost_loses_no_reading(folder):
-    with Seat("virtual:fast") as seat:
+    with SessionRobot("virtual:fast") as seat:
 
         def lost():
             raise RobotLost("unplugged")
 
-        heard, session = talk(folder, *ZERO, "", *STATION, lost, seat=seat)
+        heard, session = talk(folder, *ZERO, "", *STATION, lost, robot=seat)
     assert "! the robot: unplugged" in heard
     assert len(session.kept) == 1
 
@@ -255,14 +255,14 @@ def test_a_gait_run_with_the_robot(folder):
     with Journal(folder) as journal:
         for bend in ("straight", "bend 7.5", "bend 15", "bend 30"):
             journal.event("skip", detail=bend)
-    with Seat("virtual:fast") as seat:
+    with SessionRobot("virtual:fast") as seat:
         moved = []
 
         def time_taken():
             moved.append(seat._robot.status().state)
             return "10"
 
-        heard, session = talk(folder, *ZERO, "", "1.0", time_taken, seat=seat)
+        heard, session = talk(folder, *ZERO, "", "1.0", time_taken, robot=seat)
         assert seat._robot.status().state == "idle"
     assert moved == ["gait"]
     assert session.gait_runs[0].speed_m_s == pytest.approx(0.1)
@@ -271,14 +271,14 @@ def test_a_gait_run_with_the_robot(folder):
 
 
 def test_a_stop_from_the_page_lets_the_servos_go_and_says_so(folder):
-    with Seat("virtual:fast") as seat:
+    with SessionRobot("virtual:fast") as seat:
 
         def stop():
             seat.halt()
             return "status"
 
         # The Enters that follow release nothing; only the word does.
-        heard, _ = talk(folder, *ZERO, "", stop, "", "", "2.0", seat=seat)
+        heard, _ = talk(folder, *ZERO, "", stop, "", "", "2.0", robot=seat)
         assert not seat.powered
         with pytest.raises(RobotHeld):
             seat._robot.straight()
@@ -288,7 +288,7 @@ def test_a_stop_from_the_page_lets_the_servos_go_and_says_so(folder):
 
 
 def test_released_at_the_terminal_it_moves_again(folder):
-    with Seat("virtual:fast") as seat:
+    with SessionRobot("virtual:fast") as seat:
         seat.halt()
         powered = []
 
@@ -296,7 +296,7 @@ def test_released_at_the_terminal_it_moves_again(folder):
             powered.append(seat.powered)
             return "quit"
 
-        heard, _ = talk(folder, *ZERO, "status", "release", "", last, seat=seat)
+        heard, _ = talk(folder, *ZERO, "status", "release", "", last, robot=seat)
         assert powered == [True]
         assert not seat.held
     assert heard.count("type release") == 2

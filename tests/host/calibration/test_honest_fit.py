@@ -9,7 +9,7 @@ from calibration.synthetic_session import STEP_RAD, WHOLE_BODY_2005, changed, se
 from serpenoid import BadInput
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES
-from serpenoid.calibration.session import ZeroReading
+from serpenoid.calibration.kinds.zero import ZeroReading
 
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in NAMES]
 

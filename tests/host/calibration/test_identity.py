@@ -14,9 +14,9 @@ from serpenoid.calibration.taking.new_session import (
     default_setup,
     identity_differences,
 )
+from serpenoid.calibration.taking.parse_number import amendment
 from serpenoid.calibration.taking.person.identity import ask_identity
-from serpenoid.calibration.taking.person.typed_cells import amendment
-from serpenoid.calibration.taking.person.words import Left
+from serpenoid.calibration.taking.person.prompt_commands import Left
 from serpenoid.commands.friction.calibrate_person import begin
 
 ZERO = {"incline_deg": 0.1, "reversed_deg": -0.1}

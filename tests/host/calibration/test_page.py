@@ -14,14 +14,14 @@ from robot.patience import LONG_S, until
 from serpenoid import Gait, Ground
 from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.calibration.taking.person.seat import Seat
-from serpenoid.calibration.taking.person.state import state_of
+from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.procedure import next_step
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.calibration.taking.treadmill import Posture, take_step
 from serpenoid.model.errors import RobotLost
 from serpenoid.robot.wire import dialogue
 from serpenoid.show.pages.server import MOST_STREAMS, Page
+from serpenoid.show.session.state import state_of
 from webdriver import Browser
 
 HTML = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
@@ -129,7 +129,7 @@ def press_stop(page):
 def test_stop_overtakes_a_question_that_is_not_answered(monkeypatch):
     """The robot holds while the dialogue's thread still waits for another verdict."""
     monkeypatch.setattr(dialogue, "PATIENCE_S", LONG_S)
-    with FakeBoard() as fake, Seat(fake.port) as seat, Page(HTML, seat.halt) as page:
+    with FakeBoard() as fake, SessionRobot(fake.port) as seat, Page(HTML, seat.halt) as page:
         seat.go(GAIT)
         assert fake.state == "gait"
         fake.to_host = lambda line: b"" if line.startswith(b"ok: #") else line
@@ -169,7 +169,7 @@ def milliseconds(work):
 
 def test_stop_reaches_the_moving_robot_within_200_ms():
     """From the request to a board that moves no more, while the dialogue's thread talks to it."""
-    with Seat("virtual") as seat, Page(HTML, seat.halt) as page:
+    with SessionRobot("virtual") as seat, Page(HTML, seat.halt) as page:
 
         def plain():
             return milliseconds(lambda: (ask(page), seat.tick()))
@@ -248,7 +248,7 @@ return new Promise(done => {
 def test_stop_in_a_browser_reaches_the_moving_robot_within_200_ms(browser):
     """From the click to the board's own word that it has stopped."""
     session, step = session_in_progress(3)
-    with Seat("virtual") as seat, Page(HTML, seat.halt) as page:
+    with SessionRobot("virtual") as seat, Page(HTML, seat.halt) as page:
         page.publish(state_of(session, step, frozenset(), "holds"))
         browser.opens(page.url)
         browser.sees("#link", "live")

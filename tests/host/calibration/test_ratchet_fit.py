@@ -138,33 +138,32 @@ def test_points_and_advice_know_both_ways() -> None:
 
 
 def test_both_formats_tell_which_way_it_faced(tmp_path) -> None:
-    from serpenoid.calibration.session_rows import READING_COLUMNS, make
-    from serpenoid.calibration.taking.journal import reading_row
+    from serpenoid.calibration.kinds.rows import READING_COLUMNS, make_reading, reading_row
 
     common = {"number": 1, "voided": False, "comment": "", "time_utc": ""}
     row = dict.fromkeys(READING_COLUMNS, "") | {
         "kind": "station", "lambda_deg": "0", "incline_deg": "3", "belt_speed_m_s": "0.2",
         "drift_m_s": "0",
     }  # fmt: skip
-    assert make(row, common).facing == "down"
-    assert make(row | {"more": "facing=up"}, common).facing == "up"
+    assert make_reading(row, common).facing == "down"
+    assert make_reading(row | {"more": "facing=up"}, common).facing == "up"
     with pytest.raises(sn.BadInput, match="facing is 'sideways'"):
-        make(row | {"more": "facing=sideways"}, common)
+        make_reading(row | {"more": "facing=sideways"}, common)
     cells = {"lambda_deg": 0.0, "incline_deg": 3.0, "belt_speed_m_s": 0.2, "drift_m_s": 0.0}
     written = reading_row("station", cells | {"facing": "up"})
-    assert make(written, common).facing == "up"
+    assert make_reading(written, common).facing == "up"
     assert set(written) == set(READING_COLUMNS)
 
 
 def test_a_reading_is_typed_and_redone_with_its_facing() -> None:
-    from serpenoid.calibration.taking.journal import reading_row
-    from serpenoid.calibration.taking.person.typed_cells import read_cells, values_of
+    from serpenoid.calibration.kinds.rows import reading_row
+    from serpenoid.calibration.taking.parse_number import read_cells
 
     cells = ["lambda_deg=0", "incline_deg=3", "belt_speed_m_s=0.2"]
     row = reading_row("station", read_cells("station", [*cells, "facing=up"], SETUP))
     assert row["more"] == "facing=up"
     assert reading_row("station", read_cells("station", cells, SETUP))["more"] == ""
-    again = values_of(row) | read_cells("station", ["incline_deg=3.1"], SETUP, row)
+    again = read_cells("station", ["incline_deg=3.1"], SETUP, row)
     assert reading_row("station", again)["more"] == "facing=up"
     with pytest.raises(sn.BadInput, match="facing is 'aside'"):
         read_cells("station", [*cells, "facing=aside"], SETUP)

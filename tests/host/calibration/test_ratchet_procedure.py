@@ -10,12 +10,12 @@ from serpenoid.calibration.advice import advise
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import create_session, default_setup
-from serpenoid.calibration.taking.person.state import state_of
 from serpenoid.calibration.taking.procedure import next_step, progress
 from serpenoid.calibration.taking.sheet import add_sheet, sheet_text
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.show.session.sheet import sheet
+from serpenoid.show.session.state import state_of
 from serpenoid.show.session.terminal_plot import picture
 
 TRUTH = sn.Ground((0.084, 0.2), 1.2, (0.14, 0.4), 0.27)
@@ -83,7 +83,7 @@ def test_pages_pictures_and_sheets_show_it(taken, tmp_path):
     typed = tmp_path / "typed.csv"
     lines = sheet_text(taken).splitlines()
     row = lines.index(next(line for line in lines if ",up," in line))
-    lines[row] = lines[row].replace("up,,,", "up,6.5,,1.08", 1)
+    lines[row] = lines[row].replace("up,,,", "up,6.5,1.08,", 1)
     typed.write_text("\n".join(lines) + "\n")
     with Journal(folder) as journal:
         assert add_sheet(journal, typed)[0] == 1

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from serpenoid import BadInput, Robot
-from serpenoid.calibration.session import Reading
+from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session_file import COLUMNS, load_session, load_setup
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"

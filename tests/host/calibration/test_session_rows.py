@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from serpenoid import BadInput, fit_friction, load_session
-from serpenoid.calibration.session import Uncertainty, ZeroReading
+from serpenoid.calibration.kinds.instruments import Uncertainty
+from serpenoid.calibration.kinds.rows import READING_COLUMNS
+from serpenoid.calibration.kinds.zero import ZeroReading
 from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.session_rows import EVENT_COLUMNS, READING_COLUMNS, read_events
+from serpenoid.calibration.session_rows import EVENT_COLUMNS, read_events
 
 NIRAKH = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 SETUP = """

@@ -13,7 +13,7 @@ import pytest
 import serpenoid as sn
 from robot.patience import LONG_S
 from serpenoid.model.errors import BadInput
-from serpenoid.robot.meant import Meant
+from serpenoid.robot.robot_match import RobotMatch
 from serpenoid.robot.tools.driven_run import DrivenRun
 from serpenoid.show.pages.live_page import LivePage
 from serpenoid.show.pages.twin import Twin
@@ -90,7 +90,7 @@ def test_only_this_machine_is_answered():
 
 
 def test_another_robot_is_refused_before_it_moves():
-    run = DrivenRun(GAIT, "virtual", None, Meant(4, "the page", "take that robot"))
+    run = DrivenRun(GAIT, "virtual", None, RobotMatch(4, "the page", "take that robot"))
     with pytest.raises(BadInput, match="of 4 links, but this board moves 6"):
         run.run(1.0, lambda _: None)
     assert run.last is None

@@ -10,7 +10,9 @@ import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid.calibration.comparison import ComparedGait, Comparison
-from serpenoid.calibration.session import BendCheck, GaitRun, ZeroReading
+from serpenoid.calibration.kinds.bend import BendCheck
+from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.kinds.zero import ZeroReading
 from serpenoid.calibration.session_rows import Event
 from serpenoid.show.session.report_page import session_page
 from webdriver import Browser
@@ -81,12 +83,12 @@ def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
     assert '<tr class="void"><td>40</td>' in page
     assert "voided: hit the wall" in page
     assert "zero +0.029°" in page
-    assert "protractor 149°: λ = 15.52°" in page
+    assert "<td>149° between links: λ = 15.52°</td>" in page
     assert "<td>2026-01-02 03:04</td><td>noted</td><td></td><td>warm &lt;room&gt;</td>" in page
     assert "Robot: uno, firmware 0.2.0, protocol 2." in page
     plain = session_page(made, sn.fit_friction(made), None, None)
     assert "What happened" not in plain
-    assert "Gait runs" not in plain
+    assert "Other readings" not in plain
 
 
 SHOWN = """

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from calibration.test_page import session_in_progress
 from robot.patience import LONG_S, until
-from serpenoid.calibration.taking.person.state import state_of
 from serpenoid.commands.friction.calibrate_person import _pictures
 from serpenoid.show.session import window
+from serpenoid.show.session.state import state_of
 from serpenoid.show.session.window import Window, display_is_there
 
 # A backend whose windows are files: DRAWN shows one, and CLOSED closes it as a click would.

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..session import Reading, Session
+from ..kinds.station import Reading
+from ..session import Session
 from .rounding import DRAWS, Drift, drifting_rounding, shared_rounding
 
 Floats = NDArray[np.float64]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..session import Procedure, Reading, Session
+from ..kinds.station import Reading
+from ..session import Procedure, Session
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
 FIRST = 0.6  # of the top speed, above which the very first station is asked about

@@ -18,20 +18,12 @@ from pathlib import Path
 from types import TracebackType
 
 from ...model.errors import BadInput, RecordingFailed
+from ..kinds.declaration import Cells
+from ..kinds.rows import READING_COLUMNS, make_reading, reading_row
 from ..session import Session
 from ..session_file import check_amendment, read_session
-from ..session_rows import (
-    EVENT_COLUMNS,
-    KINDS_OF_READING,
-    READING_COLUMNS,
-    TORN,
-    Event,
-    make,
-    read_events,
-    reading_rows,
-)
+from ..session_rows import EVENT_COLUMNS, TORN, Event, read_events, reading_rows
 
-Cell = str | float | int
 LOCK = ".lock"
 
 
@@ -77,9 +69,7 @@ class Journal:
     ) -> None:
         self._release()
 
-    def add(
-        self, kind: str, cells: Mapping[str, Cell], *, replaces: int = 0, comment: str = ""
-    ) -> int:
+    def add(self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "") -> int:
         """Write one reading; return its number. cells: column -> value, in the file's units.
 
         It is checked first, so that no line is ever written that could not be read.
@@ -101,9 +91,9 @@ class Journal:
         self._append("readings.csv", READING_COLUMNS, row)
         return number
 
-    def check(self, kind: str, cells: Mapping[str, Cell]) -> None:
+    def check(self, kind: str, cells: Cells) -> None:
         """Raise BadInput for a reading that add() would not take."""
-        make(reading_row(kind, cells), {"number": 1})
+        make_reading(reading_row(kind, cells), {"number": 1})
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Write one event; void, restore and undo need a reading that is there."""
@@ -159,23 +149,6 @@ class Journal:
             raise BadInput("the session is not open; use it inside `with Journal(folder)`")
         append_line(self.folder / name, csv_line([row.get(column, "") for column in columns]))
         self._read()
-
-
-def reading_row(kind: str, cells: Mapping[str, Cell]) -> dict[str, str]:
-    """Return a row of all columns; raises BadInput for a kind or a column that is not known.
-
-    A station's `facing` (up or down the belt) goes into the column `more`.
-    """
-    if kind not in KINDS_OF_READING:
-        raise BadInput(f"kind is {kind!r}; it must be one of {', '.join(KINDS_OF_READING)}")
-    if "facing" in cells:  # of a ratchet's stations; it has no column of its own
-        more = f"facing={cells['facing']}" if cells["facing"] != "down" else ""
-        cells = {k: v for k, v in cells.items() if k != "facing"} | {"more": more}
-    unknown = next((name for name in cells if name not in READING_COLUMNS), None)
-    if unknown is not None:
-        raise BadInput(f"unknown column {unknown!r}; known are {', '.join(READING_COLUMNS)}")
-    written = {k: v if isinstance(v, str) else f"{v:.10g}" for k, v in cells.items()}
-    return dict.fromkeys(READING_COLUMNS, "") | {"kind": kind} | written
 
 
 def csv_line(cells: list[str]) -> str:

@@ -14,11 +14,13 @@ from typing import Any
 from ...model.errors import BadInput, RecordingFailed
 from ...model.gait import Gait
 from ...model.robot import Robot
-from ..session import Procedure, Setup, Uncertainty
+from ..kinds.declaration import Field
+from ..kinds.instruments import Uncertainty
+from ..kinds.rows import READING_COLUMNS
+from ..session import Procedure, Setup
 from ..session_file import load_setup
-from ..session_rows import EVENT_COLUMNS, READING_COLUMNS
+from ..session_rows import EVENT_COLUMNS
 from .journal import csv_line, utc_now
-from .steps import Field
 
 SAME = 0.005
 TEXT = """\

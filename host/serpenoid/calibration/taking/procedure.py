@@ -9,11 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
+from ..kinds.bend import BEND
+from ..kinds.declaration import Field
+from ..kinds.gait import GAIT
+from ..kinds.station import STATION
+from ..kinds.zero import ZERO
 from ..session import Session
 from ..session_rows import Event
 from .expected import Series, expected_speed, line_of, of_bend, planned_bend, series_of
-from .steps import Field, Step
+from .steps import Step
 
 ZERO_BEFORE, ZERO_AFTER = "zero before", "zero after"
 MOST_DEG = 12.0  # of incline: the snake starts to tumble, or the wheels to slide
@@ -178,14 +184,7 @@ def _zero(key: str) -> Step:
         "Inclinometer zero. Lay it on one spot of the treadmill, read it; turn it end for end on "
         "the same spot, read it again (with the sign it shows)."
     )
-    limits = (-5.0, 5.0)
-    return Step(
-        key, "zero", say,
-        (
-            Field("incline_deg", "it shows", "incline", -45.0, 45.0, limits),
-            Field("reversed_deg", "turned, it shows", "incline", -45.0, 45.0, limits),
-        ),
-    )  # fmt: skip
+    return Step(key, "zero", say, ZERO.numbers)
 
 
 def _pose(bend_deg: float, facing: str, ratchet: bool) -> Step:
@@ -206,10 +205,7 @@ def _pose(bend_deg: float, facing: str, ratchet: bool) -> Step:
         f"protractor between neighbouring links shows {between:g} deg. ({REASON}.)"
         + (" Head downhill again." if ratchet else "")
     )
-    shows = Field(
-        "between_links_deg", "the protractor shows", "angle", 30.0, 180.0,
-        (between - 5.0, between + 5.0),
-    )  # fmt: skip
+    shows = replace(BEND["between_links_deg"], likely=(between - 5.0, between + 5.0))
     cells: dict[str, float | str] = {"lambda_deg": bend_deg}
     return Step(f"bend {bend_deg:g}", "bend", say, (shows,), bend_deg, cells=cells)
 
@@ -239,17 +235,13 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
     steeper = facing == "up" and not of_bend(session, lambda_rad, facing)
     if steeper:
         say += " If the belt carries it off at any speed: steeper, until it holds."
-    drift = Field(
-        "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed", -1.0, 1.0,
-        (-0.06, 0.06), 0.0,
-    )  # fmt: skip
     near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steeper else incline_deg + 2 * step_deg)
-    shown = Field("incline_deg", "the inclinometer shows", "incline", 0.05, 45.0, near_deg)
-    belt = Field("belt_speed_m_s", "belt speed", "speed", 0.0, 10.0, likely)
+    shown = replace(STATION["incline_deg"], likely=near_deg)
+    belt = replace(STATION["belt_speed_m_s"], likely=likely)
     cells: dict[str, float | str] = {"lambda_deg": round(math.degrees(shown_rad), 4)}
     return Step(
-        f"{_station_key(bend_deg, facing)}{incline_deg:.2f}", "station", say, (shown, belt, drift),
-        bend_deg, facing, incline_deg, wait_s,
+        f"{_station_key(bend_deg, facing)}{incline_deg:.2f}", "station", say,
+        (shown, belt, STATION["drift_m_s"]), bend_deg, facing, incline_deg, wait_s,
         cells=cells | ({"facing": "up"} if facing == "up" else {}),
     )  # fmt: skip
 
@@ -277,10 +269,7 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
             f"alpha {alpha:g} deg, beta {beta:g} deg, {gait.omega_rad_s / (2 * math.pi):.3g} Hz. "
             "Time it between two marks, once it goes steadily."
         )
-        fields = (
-            Field("distance_m", "distance between the marks", "length", 0.0, 100.0, (0.05, 10.0)),
-            Field("duration_s", "time taken", "time", 0.1, 3600.0, (1.0, 600.0)),
-        )
+        fields = GAIT["distance_m"], GAIT["duration_s"]
         cells: dict[str, float | str] = {
             "alpha_deg": round(alpha, 6), "beta_deg": round(beta, 6),
             "omega_rad_s": gait.omega_rad_s,

@@ -14,28 +14,20 @@ from pathlib import Path
 
 from ...model.errors import BadInput
 from ...model.toml_table import located, read_text
+from ..kinds.declaration import DERIVED, PLANNED, Field
+from ..kinds.rows import kind_of
+from ..kinds.table import KINDS
 from ..session import Session
 from .expected import series_of
 from .journal import Journal, csv_line
-from .person.typed_cells import FIELDS, read_cells
+from .parse_number import read_cells
 
+_FIELDS = [field for kind in KINDS.values() for field in kind.fields]
 OTHER_UNITS = {
-    "incline_percent": ("incline_deg", "%"),
-    "belt_speed_km_h": ("belt_speed_m_s", "km/h"),
-    "drift_km_h": ("drift_m_s", "km/h"),
-    "frequency_hz": ("omega_rad_s", "Hz"),
+    f.sheet[0]: (f.column, f.sheet[1]) for f in _FIELDS if isinstance(f, Field) and f.sheet
 }
-PLANNED = (
-    "lambda_deg",
-    "facing",
-    "alpha_deg",
-    "beta_deg",
-    "omega_rad_s",
-    "frequency_hz",
-)  # not read off
-TYPED = ("kind", "lambda_deg", "between_links_deg", "incline_deg", "reversed_deg",
-         "belt_speed_km_h", "drift_m_s", "alpha_deg", "beta_deg", "frequency_hz", "distance_m",
-         "duration_s", "comment")  # fmt: skip
+OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
+NOT_READ = {f.column for f in _FIELDS if f.source == PLANNED} | {"kind", "comment"}
 LINES = 6  # to fill in, a bend
 HEADINGS = "kind, lambda_deg, incline_deg, belt_speed_m_s, drift_m_s, comment"
 
@@ -61,7 +53,7 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
             continue
         with located(f"{path}:{number}"):
             row = _row(header, cells)
-            if not any(v for name, v in row.items() if name not in (*PLANNED, "kind", "comment")):
+            if not any(v for name, v in row.items() if _column(name) not in NOT_READ):
                 continue
             if row["kind"] == "station" and not row.get("lambda_deg"):
                 row["lambda_deg"] = lambda_deg
@@ -87,9 +79,7 @@ def sheet_text(session: Session) -> str:
     """Return a CSV to type the printed sheet into: its lines, with what the plan says filled in."""
     plan = session.setup.procedure
     rows: list[dict[str, str]] = [{"kind": "zero"}]
-    typed: list[str] = list(TYPED)
-    if plan.ratchet:
-        typed.insert(typed.index("incline_deg"), "facing")
+    typed = _headings(plan.ratchet)
     for series in series_of(plan):
         bend = f"{math.degrees(series.lambda_rad):.6g}"
         rows += [{"kind": "bend", "lambda_deg": bend}] if series.lambda_rad else []
@@ -105,6 +95,19 @@ def sheet_text(session: Session) -> str:
                    for row in [dict(zip(typed, typed, strict=True)), *rows])  # fmt: skip
 
 
+def _headings(ratchet: bool) -> list[str]:
+    """Return the columns that a person types, kind by kind, those that the plan fills in first."""
+    kinds = [sorted(kind.fields, key=lambda f: f.source != PLANNED) for kind in KINDS.values()]
+    fields = [f for kind in kinds for f in kind if f.source != DERIVED]
+    names = [f.sheet[0] if isinstance(f, Field) and f.sheet else f.column for f in fields]
+    told = [name for name in dict.fromkeys(names) if name != "facing" or ratchet]
+    return ["kind", *told, "comment"]
+
+
+def _column(heading: str) -> str:
+    return OTHER_UNITS.get(heading, (heading, ""))[0]
+
+
 def _row(header: list[str], cells: list[str]) -> dict[str, str]:
     """Return a line's cells by their columns."""
     if len(cells) != len(header):
@@ -118,8 +121,7 @@ def _row(header: list[str], cells: list[str]) -> dict[str, str]:
 def _reading(row: dict[str, str], journal: Journal) -> tuple[str, dict[str, float | str], str]:
     """Return kind, values and comment of a row, checked as a journal checks them."""
     kind, comment = row.pop("kind"), row.pop("comment", "")
-    if kind not in FIELDS:
-        raise BadInput(f"kind is {kind!r}; it must be one of {', '.join(FIELDS)}")
+    kind_of(kind)
     pairs = []
     for name, value in row.items():
         column, unit = OTHER_UNITS.get(name, (name, ""))

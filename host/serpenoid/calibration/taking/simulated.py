@@ -17,9 +17,9 @@ import numpy as np
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ..kinds.declaration import Cells, Field
 from ..session import Session, Setup
-from .steps import Field, Step
-from .treadmill import Cells
+from .steps import Step
 
 GaitSpeed = Callable[[Robot, Ground, Gait], float]
 LOST_M_S = 0.12  # of drift: the robot is off the belt before it has settled

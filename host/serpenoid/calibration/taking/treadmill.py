@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Protocol
 
 from ...model.errors import NotConverged
+from ..kinds.declaration import Cells, Field
+from ..kinds.table import KINDS
 from ..session import Session
 from ..session_rows import Event
 from .procedure import doubts, next_step, skipped_keys
-from .steps import Field, Step
+from .steps import Step
 
-Cells = Mapping[str, float | str]
 MOST_STEPS = 1000
 
 
@@ -88,12 +89,9 @@ def record_step(record: Record, step: Step, cells: Cells, replaces: int = 0) -> 
     """Write what a step's fields came to; return the reading's number, 0 where none is kept."""
     if step.kind == "straight":
         return 0
-    written = dict(step.cells) | dict(cells)
-    if step.kind == "gait" and "speed_m_s" not in written:
-        watch = record.session.setup.stopwatch
-        distance_m, duration_s = (float(written[k]) for k in ("distance_m", "duration_s"))
-        written["speed_m_s"], written["speed_sigma_m_s"] = watch.speed(distance_m, duration_s)
-    return record.add(step.kind, written, replaces=replaces)
+    watch = record.session.setup.stopwatch
+    values = KINDS[step.kind].derive(dict(step.cells) | dict(cells), watch)
+    return record.add(step.kind, values, replaces=replaces)
 
 
 def take_all(record: Record, treadmill: Treadmill) -> Session:

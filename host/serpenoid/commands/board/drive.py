@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
     from ...calibration.speed_samples import SpeedBand
     from ...model.gait import Gait
-    from ...robot.meant import Meant
+    from ...robot.robot_match import RobotMatch
     from ...robot.tools.driven_run import DrivenRun
     from ...show.live import View
 
@@ -60,12 +60,12 @@ def drive(
 
 def drive_gait(
     gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool,
-    fit: FrictionFit | None = None, *, meant: Meant | None = None, page: bool = False,
+    fit: FrictionFit | None = None, *, match: RobotMatch | None = None, page: bool = False,
     before: dict[str, Any] | None = None,
 ) -> None:  # fmt: skip
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
-    fit: of this robot's friction, if there is one; meant: the robot that the gait is for, that of
+    fit: of this robot's friction, if there is one; match: the robot that the gait is for, that of
     the fit unless given. A board of other joints is refused. before: what a command that drives
     afterwards has found; with as_json all is one document, the run under "drive".
     """
@@ -73,7 +73,7 @@ def drive_gait(
     from ...show.live import view
 
     band = None if fit is None else _predicted(fit, gait, as_json)
-    run = DrivenRun(gait, port, record, meant or _meant(fit))
+    run = DrivenRun(gait, port, record, match or _match(fit))
     try:
         with ExitStack() as stack:
             shows = [_page(stack, run, fit, as_json)] if page else []
@@ -86,12 +86,12 @@ def drive_gait(
         raise SystemExit(130)
 
 
-def _meant(fit: FrictionFit | None) -> Meant | None:
-    from ...robot.meant import Meant
+def _match(fit: FrictionFit | None) -> RobotMatch | None:
+    from ...robot.robot_match import RobotMatch
 
     if fit is None:
         return None
-    return Meant(fit.robot.links, "the friction", "give the session of this robot, or none")
+    return RobotMatch(fit.robot.links, "the friction", "give the session of this robot, or none")
 
 
 def _predicted(fit: FrictionFit, gait: Gait, quiet: bool) -> SpeedBand:
@@ -122,13 +122,13 @@ def _watch(run: DrivenRun, duration_s: float | None, shows: list[View]) -> bool:
 
 def _page(stack: ExitStack, run: DrivenRun, fit: FrictionFit | None, quiet: bool) -> View:
     """Serve the page, say its address, and return what brings it up to date."""
-    from ...robot.meant import Meant
+    from ...robot.robot_match import RobotMatch
     from ...show.pages.live_page import LivePage
 
     robot, ground = preset_robot("2005") if fit is None else (fit.robot, fit.ground)
     whose = "2005 robot and ground" if fit is None else "robot and ground of the session"
     cure = "give the session of this robot, or leave --page out"
-    run.meant = run.meant or Meant(robot.links, f"the page's twin, {whose},", cure)
+    run.match = run.match or RobotMatch(robot.links, f"the page's twin, {whose},", cure)
     page = stack.enter_context(LivePage(run, robot, ground, whose))
     click.echo(f"page: {page.url}", err=quiet)
     return page.show

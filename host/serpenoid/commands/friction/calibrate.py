@@ -104,7 +104,7 @@ def _scripted(folder: Path, script: Path) -> None:
 
 @calibrate.command()
 @FOLDER
-@click.argument("kind", type=click.Choice(["station", "gait", "zero", "bend"]), required=False)
+@click.argument("kind", required=False)
 @click.argument("cells", nargs=-1, metavar="NAME=VALUE...")
 @click.option("--sheet", type=TOML, help="CSV of readings that were written down by hand.")
 @click.option("--replaces", type=int, default=0, help="Number of the reading that this redoes.")
@@ -118,7 +118,7 @@ def add(
     Or all of a sheet: --sheet readings.csv, with a column `kind` and those of the kinds.
     """
     from ...calibration.taking.journal import Journal
-    from ...calibration.taking.person.typed_cells import read_cells
+    from ...calibration.taking.parse_number import read_cells
 
     if (sheet is None) is (kind is None):
         raise click.UsageError("give KIND and NAME=VALUE, or --sheet FILE.csv")
@@ -178,14 +178,14 @@ def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> Non
     """Take a reading anew: the old one is void, what is not named stays as it was."""
     from ...calibration.session_rows import reading_rows
     from ...calibration.taking.journal import Journal
-    from ...calibration.taking.person.typed_cells import read_cells, values_of
+    from ...calibration.taking.parse_number import read_cells
 
     with Journal(folder) as journal:
         rows = {int(row["reading"]): row for row in reading_rows(folder)}
         if number not in rows:
             raise BadInput(f"there is no reading {number}; see `serpenoid calibrate status`")
         old = rows[number]
-        values = values_of(old) | read_cells(old["kind"], cells, journal.session.setup, old)
+        values = read_cells(old["kind"], cells, journal.session.setup, old)
         new_number = journal.add(old["kind"], values, replaces=number, comment=comment)
     click.echo(f"reading {new_number} is kept; reading {number} is not")
 
@@ -201,7 +201,7 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
     """
     from ...calibration.session_file import read_session
     from ...calibration.taking.journal import Journal
-    from ...calibration.taking.person.typed_cells import amendment
+    from ...calibration.taking.parse_number import amendment
 
     with Journal(folder) as journal:
         for change in changes:

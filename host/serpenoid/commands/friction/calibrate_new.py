@@ -10,8 +10,8 @@ import click
 from ...model.errors import BadInput
 
 if TYPE_CHECKING:
+    from ...calibration.kinds.declaration import Field
     from ...calibration.session import Setup
-    from ...calibration.taking.steps import Field
 
 LATER = "later"
 
@@ -33,7 +33,7 @@ class Quantity(click.ParamType[float]):
         import math
         import sys
 
-        from ...calibration.taking.person.typed import read_typed
+        from ...calibration.taking.parse_number import parse_number
 
         if isinstance(value, float):
             return value
@@ -41,7 +41,7 @@ class Quantity(click.ParamType[float]):
         if field.column == "mass_kg" and str(value).strip().lower() == LATER:
             return math.nan
         try:
-            typed = read_typed(str(value), field)
+            typed = parse_number(str(value), field)
         except BadInput as error:
             self.fail(str(error), param, ctx)
         if not typed.question or typed.meant is None:

@@ -10,9 +10,9 @@ from ...model.errors import RecordingFailed, SerpenoidError
 if TYPE_CHECKING:
     from ...calibration.session import Session
     from ...calibration.taking.journal import Journal
-    from ...calibration.taking.person.prompt import Console
-    from ...calibration.taking.person.seat import Seat
-    from ...robot.meant import Meant
+    from ...calibration.taking.person.session_robot import SessionRobot
+    from ...calibration.taking.person.terminal import Console
+    from ...robot.robot_match import RobotMatch
 
 BY_HAND = "by hand"  # what the page's script goes by, too
 
@@ -30,9 +30,9 @@ def with_a_person(
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.dialogue import Dialogue, held_dialogue
     from ...calibration.taking.person.identity import ask_identity
-    from ...calibration.taking.person.prompt import Console
-    from ...calibration.taking.person.seat import Seat
-    from ...calibration.taking.person.words import Left
+    from ...calibration.taking.person.prompt_commands import Left
+    from ...calibration.taking.person.session_robot import SessionRobot
+    from ...calibration.taking.person.terminal import Console
 
     console = Console()
     with ExitStack() as stack:
@@ -43,14 +43,18 @@ def with_a_person(
             people = ask_identity(journal, console)
         except (Left, EOFError):
             return console.say("Left; nothing was changed.")
-        seat = None if port is None else stack.enter_context(Seat(port, _meant(journal.session)))
-        robot = BY_HAND if seat is None else seat.greeting
-        for line in begin(journal, people, robot):
+        robot = (
+            None
+            if port is None
+            else stack.enter_context(SessionRobot(port, _match(journal.session)))
+        )
+        board = BY_HAND if robot is None else robot.greeting
+        for line in begin(journal, people, board):
             console.say(line)
         told = [_pictures(console, *_window(stack, journal, window))]
         if with_page:
-            told.append(_page(stack, journal, seat, lan, console))
-        dialogue = Dialogue(journal, console, seat, _each(told), patience_s)
+            told.append(_page(stack, journal, robot, lan, console))
+        dialogue = Dialogue(journal, console, robot, _each(told), patience_s)
         well = held_dialogue(dialogue, console)
         with suppress(RecordingFailed):  # a full disk was told of already
             journal.event("end")
@@ -59,11 +63,11 @@ def with_a_person(
     return None
 
 
-def _meant(session: Session) -> Meant:
-    from ...robot.meant import Meant
+def _match(session: Session) -> RobotMatch:
+    from ...robot.robot_match import RobotMatch
 
     cure = "take the board of that robot, or begin a session of this one: `serpenoid calibrate new`"
-    return Meant(session.setup.robot.links, "the session", cure)
+    return RobotMatch(session.setup.robot.links, "the session", cure)
 
 
 def begin(journal: Journal, people: str, robot: str) -> list[str]:
@@ -89,33 +93,35 @@ def _each(told: list[Any]) -> Any:
     return tell
 
 
-def _page(stack: Any, journal: Journal, seat: Seat | None, lan: bool, console: Console) -> Any:
+def _page(
+    stack: Any, journal: Journal, robot: SessionRobot | None, lan: bool, console: Console
+) -> Any:
     """Serve the page, say its address, and return a function that brings it up to date."""
     from importlib.resources import files
 
-    from ...calibration.taking.person.state import state_of
     from ...calibration.taking.procedure import skipped_keys
     from ...show.pages.server import Page
+    from ...show.session.state import state_of
 
     html = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
-    page = stack.enter_context(Page(html, seat and seat.halt, lan=lan))
+    page = stack.enter_context(Page(html, robot and robot.halt, lan=lan))
     console.say(f"page: {page.url}")
 
     def told(session: Session, step: Any) -> None:
-        robot = BY_HAND if seat is None else _state(seat)
-        page.publish(state_of(session, step, skipped_keys(journal.events), robot))
+        board = BY_HAND if robot is None else _state(robot)
+        page.publish(state_of(session, step, skipped_keys(journal.events), board))
 
     return told
 
 
-def _state(seat: Seat) -> str:
-    return "stopped" if seat.held else "holds" if seat.powered else "idle"
+def _state(robot: SessionRobot) -> str:
+    return "stopped" if robot.held else "holds" if robot.powered else "idle"
 
 
 def _window(stack: Any, journal: Journal, wanted: bool | None) -> list[Any]:
     """Open a window and return a function that draws in it, if there is a display for it."""
-    from ...calibration.taking.person.state import state_of
     from ...calibration.taking.procedure import skipped_keys
+    from ...show.session.state import state_of
     from ...show.session.window import Window, display_is_there
 
     if wanted is False or not (wanted or display_is_there()):

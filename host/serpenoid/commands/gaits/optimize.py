@@ -103,11 +103,12 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     if not as_json:
         _print(found, margins)
     if send:
-        from ...robot.meant import Meant
+        from ...robot.robot_match import RobotMatch
         from ..board.drive import drive_gait
 
-        meant = Meant(ask.robot.links, "the gait", "give its --links, or the session of this robot")
-        drive_gait(found.gait, as_json=as_json, fit=ask.fit, meant=meant, before=told, **run)
+        cure = "give its --links, or the session of this robot"
+        match = RobotMatch(ask.robot.links, "the gait", cure)
+        drive_gait(found.gait, as_json=as_json, fit=ask.fit, match=match, before=told, **run)
     elif as_json:
         show_json(told)
     return None

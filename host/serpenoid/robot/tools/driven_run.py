@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...model.errors import ClockWrong, FramesMissing, RobotHeld
-from ..meant import Meant
 from ..robot import Robot
+from ..robot_match import RobotMatch
 from ..wire.protocol import Telemetry
 
 if TYPE_CHECKING:
@@ -56,14 +56,14 @@ class Summary:
 class DrivenRun:
     """One gait on one robot: `run` drives it, `summary` may be asked for even if that raised.
 
-    meant: the robot that the gait is for, if that matters.
+    match: the robot that the gait is for, None if any will do.
     """
 
     def __init__(
-        self, gait: Gait, port: str | None, record: Path | None, meant: Meant | None = None
+        self, gait: Gait, port: str | None, record: Path | None, match: RobotMatch | None = None
     ):
         self.gait = gait
-        self.meant, self.halted = meant, False
+        self.match, self.halted = match, False
         self.robot = Robot(port, record=record)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
@@ -73,13 +73,13 @@ class DrivenRun:
     def run(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
         """Drive for a time or without end, calling watch after every frame.
 
-        Raises what Robot raises, BadInput if it is not the robot meant, FramesMissing if
+        Raises what Robot raises, BadInput if it is another robot, FramesMissing if
         too few frames came, ClockWrong if the board's clock cannot be believed; whatever happens
         the robot is stopped first.
         """
         with self.robot as robot:
-            if self.meant is not None:
-                self.meant.check(robot)
+            if self.match is not None:
+                self.match.check(robot)
             _make_watchable(robot)
             self._follow(duration_s, watch)
         if self.frames or not self.halted:

@@ -12,7 +12,7 @@ from typing import Any
 from ...calibration.advice import Advice
 from ...calibration.comparison import Comparison
 from ...calibration.friction_result import FrictionFit
-from ...calibration.session import BendCheck, GaitRun, Session, ZeroReading
+from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ..comparison_figure import draw_comparison
 from ..plot import draw_friction, figure
@@ -189,38 +189,18 @@ def _readings(session: Session, fit: FrictionFit) -> str:
 
 
 def _other_readings(session: Session) -> list[str]:
-    """Return tables of the gait runs, and of what zero and protractor showed."""
-    parts = []
-    if session.gait_runs:
-        rows = [
-            [str(r.number), f"{math.degrees(r.alpha_rad):.3g}°/{math.degrees(r.beta_rad):.3g}°",
-             f"{r.omega_rad_s / (2 * math.pi):.4g}", f"{r.speed_m_s:.4f} ± {r.speed_sigma_m_s:.4f}",
-             _remark(r)]
-            for r in session.gait_runs
-        ]  # fmt: skip
-        head = ["gait run", "gait", "true rate (Hz)", "speed (m/s)", "comment"]
-        marks = ["void" if r.voided else "" for r in session.gait_runs]
-        parts += ["<h3>Gait runs</h3>", _table(head, rows, marks, told=True)]
-    shown = [
-        (r, f"inclinometer {math.degrees(r.shown_rad):+.2f}°, turned "
-         f"{math.degrees(r.reversed_rad):+.2f}°: zero {math.degrees(r.zero_rad):+.3f}°")
-        for r in session.zeros
-    ] + [
-        (r, f"protractor {math.degrees(r.between_links_rad):.4g}°: "
-         f"λ = {math.degrees(r.found_rad):.4g}°")
-        for r in session.bends
+    """Return a table of all readings that are no stations."""
+    others = [(kind, r) for kind, r in session.numbered if kind.name != "station"]
+    if not others:
+        return []
+    rows = [
+        [str(r.number), *kind.describe(r),
+         ": ".join(filter(None, ["voided" if r.voided else "", r.comment]))]
+        for kind, r in others
     ]  # fmt: skip
-    if shown:
-        shown.sort(key=lambda pair: pair[0].number)
-        rows = [[str(r.number), "; ".join(filter(None, [text, _remark(r)]))] for r, text in shown]
-        marks = ["void" if r.voided else "" for r, _ in shown]
-        table = _table(["number", "shown"], rows, marks, told=True)
-        parts += ["<h3>Zero and bends</h3>", table]
-    return parts
-
-
-def _remark(reading: GaitRun | ZeroReading | BendCheck) -> str:
-    return ": ".join(filter(None, ["voided" if reading.voided else "", reading.comment]))
+    marks = ["void" if r.voided else "" for _, r in others]
+    table = _table(["number", "what", "shown", "comment"], rows, marks, told=True)
+    return ["<h3>Other readings</h3>", table]
 
 
 def _told(events: Sequence[Event]) -> list[str]:

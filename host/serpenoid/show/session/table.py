@@ -13,26 +13,9 @@ if TYPE_CHECKING:
 
 def rows(session: Session) -> list[list[str]]:
     """Return one row a reading: number, what, values, state; in the order of the numbers."""
-    found: list[tuple[int, str, str, bool, str]] = []
-    for r in session.readings:
-        bend, incline = math.degrees(r.lambda_rad), math.degrees(r.incline_rad)
-        values = f"{incline:.2f} deg, belt {r.belt_speed_m_s:.3f}, drift {r.drift_m_s:+.3f} m/s"
-        found.append((r.number, f"station, bend {bend:.4g} deg", values, r.voided, r.comment))
-    for z in session.zeros:
-        values = f"zero {math.degrees(z.zero_rad):+.3f} deg"
-        side = "before" if z.before else "after"
-        found.append((z.number, f"inclinometer, {side}", values, z.voided, z.comment))
-    for b in session.bends:
-        values = f"{math.degrees(b.between_links_rad):.4g} deg between links"
-        name = f"protractor, bend {math.degrees(b.lambda_rad):.4g} deg"
-        found.append((b.number, name, values, b.voided, b.comment))
-    for g in session.gait_runs:
-        name = f"gait, {g.omega_rad_s / (2 * math.pi):.3g} Hz"
-        values = f"{g.speed_m_s:.4f} ± {g.speed_sigma_m_s:.4f} m/s"
-        found.append((g.number, name, values, g.voided, g.comment))
     return [
-        [str(n), what, values, "void" if voided else "", comment]
-        for n, what, values, voided, comment in sorted(found)
+        [str(r.number), *kind.describe(r), "void" if r.voided else "", r.comment]
+        for kind, r in session.numbered
     ]
 
 

@@ -11,15 +11,16 @@ import time
 from collections.abc import Callable
 
 from ....model.errors import BadInput, RecordingFailed, RobotError
+from ...kinds.declaration import Field
 from ...session import Session
 from ..journal import Journal
+from ..parse_number import parse_number, span
 from ..procedure import doubts, likely_belt, next_step, skipped_keys
-from ..steps import Field, Step
+from ..steps import Step
 from ..treadmill import Posture, record_step
-from .prompt import Terminal
-from .seat import Seat
-from .typed import read_typed, span
-from .words import Again, Left, Values, Words
+from .prompt_commands import Again, Left, PromptCommands, Values
+from .session_robot import SessionRobot
+from .terminal import Terminal
 
 PATIENCE_S = 300.0
 LEFT = "Left. Everything read so far is kept; the same command goes on from here."
@@ -29,7 +30,7 @@ Told = Callable[[Session, Step], None]
 class Dialogue:
     """Take a session step by step with a person.
 
-    seat: the robot, None if it is set by hand. told: called with session and step when a step
+    robot: the robot, None if it is set by hand. told: called with session and step when a step
     begins, for pictures and the page. patience_s: how long a prompt waits before the servos are
     let go.
     """
@@ -38,17 +39,17 @@ class Dialogue:
         self,
         journal: Journal,
         terminal: Terminal,
-        seat: Seat | None = None,
+        robot: SessionRobot | None = None,
         told: Told = lambda session, step: None,
         patience_s: float = PATIENCE_S,
     ):
         self.journal = journal
         self._terminal = terminal
-        self._seat = seat
+        self._robot = robot
         self._told = told
         self._patience_s = patience_s
         self._posture = Posture()
-        self._words = Words(self)
+        self._commands = PromptCommands(self)
 
     def run(self) -> None:
         """Go on until everything is done or the person leaves."""
@@ -94,8 +95,8 @@ class Dialogue:
         elif step.kind == "gait":
             self._start(step)
         values = self._values(step)
-        if step.kind == "gait" and self._seat and step.gait:
-            values["omega_rad_s"] = self._seat.rate(step.gait)
+        if step.kind == "gait" and self._robot and step.gait:
+            values["omega_rad_s"] = self._robot.rate(step.gait)
             self._let_go()
         number = record_step(self.journal, step, values)
         self._posture.after(step)
@@ -104,26 +105,26 @@ class Dialogue:
 
     def _pose(self, step: Step) -> None:
         what = "straightens" if step.kind == "straight" else "bends"
-        if self._seat is None:
+        if self._robot is None:
             if step.kind == "straight":
                 self.ask("Enter when it lies so: ", step)
             return
-        self._ask_to_move(f"Enter {what} the robot (hands off): ", self._seat, step)
-        self._seat.pose(step.lambda_deg)
+        self._ask_to_move(f"Enter {what} the robot (hands off): ", self._robot, step)
+        self._robot.pose(step.lambda_deg)
 
     def _start(self, step: Step) -> None:
-        if self._seat is None or step.gait is None:
+        if self._robot is None or step.gait is None:
             return
-        self._ask_to_move("Lay it straight. Enter starts the robot: ", self._seat, step)
-        self._seat.go(step.gait)
+        self._ask_to_move("Lay it straight. Enter starts the robot: ", self._robot, step)
+        self._robot.go(step.gait)
 
-    def _ask_to_move(self, prompt: str, seat: Seat, step: Step) -> None:
+    def _ask_to_move(self, prompt: str, robot: SessionRobot, step: Step) -> None:
         """Wait for Enter; after a Stop from the page, for the word that releases it, too."""
-        while seat.held:
+        while robot.held:
             self._terminal.forget()
             asked = "  stopped from the page. When all hands are off it, type release: "
             if self.ask(asked, step).lower() == "release":
-                seat.release()
+                robot.release()
                 self.journal.event("note", detail="released at the terminal")
                 self._told(self.journal.session, step)
         self._terminal.forget()
@@ -171,7 +172,7 @@ class Dialogue:
         """Return the number typed; what is none is told, and asked for again."""
         while True:
             try:
-                typed = read_typed(text, field, likely)
+                typed = parse_number(text, field, likely)
                 if not typed.question:
                     return typed.value
                 answer = self.ask(f"  {typed.question} y, k keeps it, or type it again: ", step)
@@ -192,11 +193,11 @@ class Dialogue:
             if line is None:
                 self._nobody()
                 continue
-            if not self._words.obey(line, step):
+            if not self._commands.obey(line, step):
                 return line
 
     def _nobody(self) -> None:
-        if self._seat is None or not self._seat.powered:
+        if self._robot is None or not self._robot.powered:
             return
         self._let_go()
         text = f"nobody answered for {self._patience_s:g} s: servos off"
@@ -205,11 +206,11 @@ class Dialogue:
         raise Again
 
     def _tick(self) -> None:
-        if self._seat is None:
+        if self._robot is None:
             return
-        self._seat.tick()
-        if self._seat.stopped:
-            self._seat.stopped = False
+        self._robot.tick()
+        if self._robot.stopped:
+            self._robot.stopped = False
             self._let_go()
             self.say("\n! stopped from the page: servos off; the pose is to be taken again")
             self.journal.event("note", detail="stopped from the page")
@@ -217,9 +218,9 @@ class Dialogue:
 
     def _let_go(self) -> None:
         """Let the servos go limp; the pose is then no longer known."""
-        if self._seat is not None:
+        if self._robot is not None:
             try:
-                self._seat.idle()
+                self._robot.idle()
             finally:
                 self._posture.bend_deg = None
 
@@ -227,7 +228,7 @@ class Dialogue:
         """Let the servos go until the person is back."""
         self._let_go()
         self.journal.event("pause", detail=why)
-        held = "" if self._seat is None else "; the servos are off"
+        held = "" if self._robot is None else "; the servos are off"
         while self._terminal.ask(f"  paused{held}. Enter goes on: ", math.inf, self._tick) is None:
             pass
         self.journal.event("resume")

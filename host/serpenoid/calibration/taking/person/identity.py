@@ -7,13 +7,13 @@ from dataclasses import replace
 
 from ....model.errors import BadInput
 from ....model.robot import Robot
+from ...kinds.declaration import Field
 from ...session import Setup
 from ..journal import Journal
 from ..new_session import NUMBERS, WORDS, identity_differences, quoted
-from ..steps import Field
-from .prompt import Terminal
-from .typed import read_typed
-from .words import Left
+from ..parse_number import parse_number
+from .prompt_commands import Left
+from .terminal import Terminal
 
 _FIELDS = {field.column: field for field in NUMBERS}
 LINKS = Field("links", "number of links", "count", 2.0, 100.0)
@@ -107,7 +107,7 @@ def _number(field: Field, usual: float, terminal: Terminal) -> float:
         if not text:
             return usual
         try:
-            typed = read_typed(text, field)
+            typed = parse_number(text, field)
         except BadInput as error:
             terminal.say(f"  ! {error}")
             continue

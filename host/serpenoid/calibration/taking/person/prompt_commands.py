@@ -1,4 +1,4 @@
-"""What may be typed at every prompt: corrections, remarks, and ways to leave."""
+"""Commands at every prompt: corrections, remarks, and ways to leave."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from ....model.errors import BadInput, RecordingFailed
+from ...kinds.declaration import READ, Field
+from ...kinds.rows import cells_of, kind_of
 from ...session_rows import reading_rows
 from ..journal import Journal
+from ..parse_number import redone
 from ..procedure import progress, skipped_keys
-from ..steps import Field, Step
-from .typed_cells import FIELDS, values_of
+from ..steps import Step
 
 HELP = """\
   undo            void the last reading         redo [N]   take the last reading, or number N, anew
@@ -19,7 +21,6 @@ HELP = """\
   skip            leave this step out           note TEXT  keep a remark
   status          what was read so far          pause      servos off, until Enter
   quit            leave; go on any time         help       this"""
-PLANNED = ("lambda_deg", "alpha_deg", "beta_deg", "omega_rad_s")  # not read anew by a redo
 SHORT = {"q": "quit", "exit": "quit", "?": "help", "u": "undo"}
 Values = dict[str, float | str]
 
@@ -33,7 +34,7 @@ class Left(Exception):
 
 
 class Talk(Protocol):
-    """The dialogue that the words are typed in."""
+    """The dialogue that the commands are typed in."""
 
     @property
     def journal(self) -> Journal:
@@ -45,7 +46,7 @@ class Talk(Protocol):
         ...
 
     def ask(self, prompt: str, step: Step) -> str:
-        """Return what was typed, once it is none of these words."""
+        """Return what was typed, once it is none of these commands."""
         ...
 
     def read(
@@ -59,8 +60,8 @@ class Talk(Protocol):
         ...
 
 
-class Words:
-    """Obey the words; every one of them is there at every prompt."""
+class PromptCommands:
+    """Obey the commands; every one of them is there at every prompt."""
 
     def __init__(self, talk: Talk):
         self._talk = talk
@@ -145,10 +146,9 @@ class Words:
     def _redo(self, rest: str, step: Step) -> None:
         number = self._numbered(rest) if rest else self._last_kept()
         row = next(r for r in reading_rows(self._journal.folder) if int(r["reading"]) == number)
-        if row["kind"] not in FIELDS:
-            raise BadInput(f"reading {number} is of a kind that cannot be redone here")
         self._talk.say(f"  reading {number} anew; Enter keeps a value as it was")
-        values = values_of(row) | self._anew(row, step)
+        found = self._anew(row, step)
+        values = redone(row["kind"], row, found, self._journal.session.setup)
         new = self._journal.add(row["kind"], values, replaces=number)
         self._talk.say(f"  reading {new} is kept in place of {number}")
         raise Again
@@ -156,19 +156,14 @@ class Words:
     def _anew(self, row: Mapping[str, str], step: Step) -> Values:
         """Ask for a row's numbers again; what the plan or the protractor told stays."""
         values: Values = {}
-        for field in FIELDS[row["kind"]]:
-            old = row[field.column]
-            if not old or field.column.startswith("speed") or field.column in PLANNED:
+        there = cells_of(row)
+        for field in kind_of(row["kind"]).numbers:
+            if field.source != READ or field.column not in there:
                 continue
-            text = self._talk.ask(f"  {field.words} ({float(old):.4g} {field.unit}): ", step)
+            old = float(there[field.column])
+            text = self._talk.ask(f"  {field.words} ({old:.4g} {field.unit}): ", step)
             if text:
                 values[field.column] = self._talk.read(text, field, None, step)
-        if row["kind"] == "gait" and row["distance_m"]:
-            both = values_of(row) | values
-            watch = self._journal.session.setup.stopwatch
-            values["speed_m_s"], values["speed_sigma_m_s"] = watch.speed(
-                float(both["distance_m"]), float(both["duration_s"])
-            )
         return values
 
     def _numbered(self, text: str) -> int:
@@ -189,9 +184,7 @@ class Words:
         return next((e.detail for e in reversed(late) if e.detail in skipped), "")
 
     def _last_kept(self) -> int:
-        s = self._journal.session
-        kept = [r.number for part in (s.readings, s.zeros, s.bends, s.gait_runs)
-                for r in part if not r.voided]  # fmt: skip
+        kept = [r.number for _, r in self._journal.session.numbered if not r.voided]
         if not kept:
             raise BadInput("there is no reading yet")
         return max(kept)

@@ -9,33 +9,33 @@ from contextlib import ExitStack, contextmanager
 
 from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
-from ....robot.meant import Meant
 from ....robot.robot import Robot
+from ....robot.robot_match import RobotMatch
 
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
 SILENCE_S = 2.0
 HOURS_S = 6 * 3600.0
 
 
-class Seat:
+class SessionRobot:
     """Hold one open robot. Joints move only in pose() and go(); `powered` tells whether they hold.
 
-    Inside `with Seat(port) as seat:` only. meant: the robot of the session, if that matters. Raises
-    what Robot raises, BadInput if this is another.
+    Inside `with SessionRobot(port) as robot:` only. match: the robot of the session, None if any
+    will do. Raises what Robot raises, BadInput if this is another.
     """
 
-    def __init__(self, port: str | None, meant: Meant | None = None):
-        self._meant = meant
+    def __init__(self, port: str | None, match: RobotMatch | None = None):
+        self._match = match
         self._robot = Robot(port, unattended_s=HOURS_S)
         self.powered = False
         self.stopped = False  # by the page's Stop button, and nobody has seen it yet
         self.held = False  # by it, until release()
 
-    def __enter__(self) -> Seat:
+    def __enter__(self) -> SessionRobot:
         with ExitStack() as opened:
             robot = opened.enter_context(self._robot)
-            if self._meant is not None:
-                self._meant.check(robot)
+            if self._match is not None:
+                self._match.check(robot)
             if not robot.settings()["silence"]:
                 robot.set("silence", SILENCE_S)
             opened.pop_all()

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ....model.errors import SerpenoidError
-from ...session import Session
-from ..expected import Series, line_of, of_bend, series_of
-from ..procedure import belt_range, progress
-from ..steps import Step
+from ...calibration.session import Session
+from ...calibration.taking.expected import Series, line_of, of_bend, series_of
+from ...calibration.taking.procedure import belt_range, progress
+from ...calibration.taking.steps import Step
+from ...model.errors import SerpenoidError
 
 CURVE = 24  # points of a line
 
@@ -60,7 +60,7 @@ def _last(session: Session) -> str:
 
 
 def _fit(session: Session) -> list[dict[str, Any]]:
-    from ...friction_fit import fit_friction
+    from ...calibration.friction_fit import fit_friction
 
     try:
         rows = fit_friction(session).rows()

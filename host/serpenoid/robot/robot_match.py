@@ -1,4 +1,4 @@
-"""The robot that something is meant for: a board that moves other links is refused."""
+"""Which robot a session or gait belongs to: a board that moves other links is refused."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .robot import Robot
 
 
 @dataclass(frozen=True)
-class Meant:
+class RobotMatch:
     """A number of links, what was made for a robot of so many, and what to do for another."""
 
     links: int

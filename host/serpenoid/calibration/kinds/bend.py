@@ -1,0 +1,43 @@
+"""The kind `bend`: a protractor held between links of a bent robot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .declaration import PLANNED, Field, Kind, check_fields
+from .station import MAX_LAMBDA_DEG
+
+FIELDS = (
+    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    Field("between_links_deg", "the protractor shows", "angle", 0.0, 180.0),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class BendCheck:
+    """The protractor held between two neighbouring links of a bent robot."""
+
+    number: int
+    lambda_rad: float
+    between_links_rad: float
+    voided: bool = False
+    comment: str = ""
+    time_utc: str = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self, FIELDS)
+
+    @property
+    def found_rad(self) -> float:
+        """Return the lambda that the protractor shows: links stand at pi - 2 lambda."""
+        return (math.pi - self.between_links_rad) / 2
+
+
+def _in_words(b: BendCheck) -> tuple[str, str]:
+    shown, found = math.degrees(b.between_links_rad), math.degrees(b.found_rad)
+    values = f"{shown:.4g}° between links: λ = {found:.4g}°"
+    return f"protractor, bend {math.degrees(b.lambda_rad):.4g}°", values
+
+
+BEND = Kind("bend", BendCheck, FIELDS, _in_words, "bends")

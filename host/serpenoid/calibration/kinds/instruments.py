@@ -1,0 +1,63 @@
+"""The instruments of a session: what they may be off by, and what they can be set to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...model.checks import check_number
+
+MAX_SPEED_M_S = 10.0  # no treadmill runs faster: beyond it a number is a slip of units
+
+
+@dataclass(frozen=True, slots=True)
+class Uncertainty:
+    """What the instruments may be off by, as standard deviations.
+
+    incline_sigma_rad: of one reading of the inclinometer. incline_zero_sigma_rad: of its zero,
+    common to the session. belt_speed_sigma_m_s: of one belt speed past the snake.
+    lambda_sigma_rad: of the bend, common to all bent readings. Raises BadInput.
+    """
+
+    incline_sigma_rad: float
+    incline_zero_sigma_rad: float
+    belt_speed_sigma_m_s: float
+    lambda_sigma_rad: float
+
+    def __post_init__(self) -> None:
+        for name in ("incline_sigma_rad", "belt_speed_sigma_m_s"):
+            check_number(name, getattr(self, name), 0.0, open_low=True)
+        for name in ("incline_zero_sigma_rad", "lambda_sigma_rad"):
+            check_number(name, getattr(self, name), 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class TreadmillSteps:
+    """What a treadmill can be set to: most home ones by 0.5 % of grade and 0.1 km/h."""
+
+    incline_step_rad: float = 0.005
+    belt_step_m_s: float = 0.1 / 3.6
+    belt_least_m_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_number("incline_step_rad", self.incline_step_rad, 0.0, open_low=True)
+        check_number("belt_step_m_s", self.belt_step_m_s, 0.0, open_low=True)
+        check_number("belt_least_m_s", self.belt_least_m_s, 0.0, MAX_SPEED_M_S)
+
+
+@dataclass(frozen=True, slots=True)
+class Stopwatch:
+    """Standard deviations of a gait run's distance (tape and marks) and time (a hand's)."""
+
+    distance_sigma_m: float = 0.005
+    time_sigma_s: float = 0.2
+
+    def __post_init__(self) -> None:
+        check_number("distance_sigma_m", self.distance_sigma_m, 0.0)
+        check_number("time_sigma_s", self.time_sigma_s, 0.0)
+
+    def speed(self, distance_m: float, time_s: float) -> tuple[float, float]:
+        """Return the mean speed over a distance and its standard deviation, m/s."""
+        speed_m_s = distance_m / time_s
+        off_m = math.hypot(self.distance_sigma_m, speed_m_s * self.time_sigma_s)
+        return speed_m_s, off_m / time_s

@@ -1,0 +1,69 @@
+"""Readings as rows of readings.csv, and back, by the declaration of their kinds.
+
+A field without a column of its own stands in the column `more` as NAME=VALUE, so that files of
+every age have the same header and older programs still read them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ...model.errors import BadInput
+from .declaration import Cells, Kind, Word
+from .table import KINDS
+
+READING_COLUMNS = (
+    "reading", "kind", "time_utc", "setup", "replaces", "lambda_deg", "incline_deg",
+    "belt_speed_m_s", "drift_m_s", "reversed_deg", "between_links_deg", "alpha_deg", "beta_deg",
+    "omega_rad_s", "distance_m", "duration_s", "speed_m_s", "speed_sigma_m_s", "more", "comment",
+)  # fmt: skip
+Row = Mapping[str, str]
+
+
+def kind_of(name: str) -> Kind:
+    """Return a kind of reading by its name; raises BadInput."""
+    if name not in KINDS:
+        raise BadInput(f"kind is {name!r}; it must be one of {', '.join(KINDS)}")
+    return KINDS[name]
+
+
+def reading_row(name: str, cells: Cells) -> dict[str, str]:
+    """Return a row of all columns; raises BadInput for a kind or a column that is not known."""
+    kind = kind_of(name)
+    usual = {w.column: w.usual for w in kind.words}
+    own = {f.column for f in kind.fields}
+    unknown = next((c for c in cells if c not in own and c not in READING_COLUMNS), None)
+    if unknown is not None:
+        known = ", ".join(f.column for f in kind.fields)
+        raise BadInput(f"unknown column {unknown!r}; a reading of kind {name} has {known}")
+    texts = {c: v if isinstance(v, str) else f"{v:.10g}" for c, v in cells.items()}
+    more = [
+        f"{c}={text}" for c, text in texts.items()
+        if c not in READING_COLUMNS and text and text != usual.get(c)
+    ]  # fmt: skip
+    there = {c: text for c, text in texts.items() if c in READING_COLUMNS}
+    return dict.fromkeys(READING_COLUMNS, "") | {"kind": name, "more": " ".join(more)} | there
+
+
+def cells_of(row: Row) -> dict[str, str]:
+    """Return the fields of a row that hold something, column -> text; words always."""
+    said = {name: text for name, _, text in (w.partition("=") for w in row["more"].split())}
+    found = {}
+    for field in kind_of(row["kind"]).fields:
+        text = row.get(field.column, "") or said.get(field.column, "")
+        if isinstance(field, Word):
+            found[field.column] = text or field.usual
+        elif text:
+            found[field.column] = text
+    return found
+
+
+def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
+    """Return the reading that a row of a known kind holds, of its kind's class; raises BadInput.
+
+    common: number, and where known voided, comment and time_utc.
+    """
+    kind, cells = kind_of(row["kind"]), cells_of(row)
+    values = {f.name: f.read(cells.get(f.column, "")) for f in kind.fields}
+    return kind.reading(**values, **common)

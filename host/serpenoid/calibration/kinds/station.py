@@ -1,0 +1,78 @@
+"""The kind `station`: the belt speed at which the snake holds its place on an incline."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...model.errors import BadInput
+from .declaration import PLANNED, Field, Kind, Word, check_fields
+from .instruments import MAX_SPEED_M_S, Uncertainty
+
+FACINGS = ("down", "up")
+# Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, and
+# the snake tumbles before 45.
+MAX_LAMBDA_DEG, MAX_INCLINE_DEG = 60.0, 45.0
+FIELDS = (
+    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    Field("incline_deg", "the inclinometer shows", "incline", 0.0, MAX_INCLINE_DEG, open_low=True),
+    Field(
+        "belt_speed_m_s", "belt speed", "speed", 0.0, MAX_SPEED_M_S,
+        sheet=("belt_speed_km_h", "km/h"),
+    ),
+    Field(
+        "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed",
+        -MAX_SPEED_M_S, MAX_SPEED_M_S, likely=(-0.06, 0.06), usual=0.0,
+    ),
+    Word("facing", FACINGS),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One station held: the belt speed at which the snake neither climbs nor slides.
+
+    number: from 1, unique in a session. lambda_rad: angle of every link to the direction of the
+    belt, alternately left and right; 0 when straight. incline_rad: gamma as the inclinometer shows
+    it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls forwards. drift_m_s: what
+    was left of the snake's own motion, positive when carried along with the belt. voided: not to be
+    used, for the reason in comment. time_utc: ISO 8601, empty if not recorded. facing: "down" the
+    incline, or "up": the wheels then roll backwards, which tells a ratchet. uncertainty: of the
+    instruments it was taken with, None for those of the session's set-up. Raises BadInput.
+    """
+
+    number: int
+    lambda_rad: float
+    incline_rad: float
+    belt_speed_m_s: float
+    drift_m_s: float = 0.0
+    voided: bool = False
+    comment: str = ""
+    time_utc: str = ""
+    uncertainty: Uncertainty | None = None
+    facing: str = "down"
+
+    def __post_init__(self) -> None:
+        check_fields(self, FIELDS)
+        if not self.voided and self.slip_speed_m_s <= 0.0:
+            raise BadInput(
+                f"belt_speed_m_s - drift_m_s is {self.slip_speed_m_s:g} in reading {self.number}; "
+                "it must be more than 0, since wheels at rest hold any force up to their static "
+                "friction; void the reading or correct it"
+            )
+
+    @property
+    def slip_speed_m_s(self) -> float:
+        """Return the speed of the belt past the snake, v_rel = v_belt - v_drift."""
+        return self.belt_speed_m_s - self.drift_m_s
+
+
+def _in_words(r: Reading) -> tuple[str, str]:
+    values = (
+        f"{math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "
+        f"drift {r.drift_m_s:+.3f} m/s{', facing up' if r.facing == 'up' else ''}"
+    )
+    return f"station, bend {math.degrees(r.lambda_rad):.4g}°", values
+
+
+STATION = Kind("station", Reading, FIELDS, _in_words, "readings", fitted=True)
