@@ -32,6 +32,7 @@ CORE_ROOMS = [
     "model",
     "drive",
     "body",
+    "lab",
     "kernels",
     "scene",
     "methods",

@@ -26,6 +26,7 @@ using namespace serpenoid;
 
 void bind_firmware(nb::module_& m);  // bind_firmware.cpp
 void bind_kernels(nb::module_& m);   // bind_kernels.cpp
+void bind_lab(nb::module_& m);       // bind_lab.cpp
 
 namespace {
 
@@ -312,4 +313,5 @@ NB_MODULE(_core, m) {
     bind_run(m);
     bind_firmware(m);
     bind_kernels(m);
+    bind_lab(m);
 }

@@ -1,0 +1,73 @@
+// The lab's free chain for Python, as serpenoid._core.FreeChain.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/vector.h>
+
+#include <vector>
+
+#include "lab/free_chain.hpp"
+
+namespace nb = nanobind;
+using namespace serpenoid;
+
+namespace {
+
+using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+constexpr std::size_t kColumns = 8;  // ct cn ft0 fn0, ct and ft0 backwards, rolling, breakaway
+
+FreeChain make(double mass, double length, double inertia, Rows links) {
+    if (links.shape(0) < 2 || links.shape(1) != kColumns)
+        throw nb::value_error("links must be (n, 8), two or more of them");
+    std::vector<LabLink> list;
+    for (std::size_t i = 0; i < links.shape(0); ++i) {
+        const double* v = links.data() + kColumns * i;
+        list.push_back({{v[0], v[1], v[2], v[3], v[4], v[5]}, v[6], v[7]});
+    }
+    return {{static_cast<int>(list.size()), mass, length / 2, inertia}, list};
+}
+
+void check_joints(const FreeChain& chain, const std::vector<double>& angle) {
+    if (angle.size() != chain.joints().size()) throw nb::value_error("one angle a joint");
+}
+
+void check_time(double duration, double h) {
+    if (!(duration > 0 && h > 0 && duration / h < 1e9))
+        throw nb::value_error(
+            "duration and step must be above 0, and not a thousand million steps");
+}
+
+}  // namespace
+
+void bind_lab(nb::module_& m) {
+    nb::class_<FreeChain>(m, "FreeChain")
+        .def("__init__",
+             [](FreeChain* self, double mass, double length, double inertia, Rows links) {
+                 new (self) FreeChain(make(mass, length, inertia, links));
+             })
+        .def("place", &FreeChain::place)
+        .def("set_joints",
+             [](FreeChain& c, const std::vector<double>& angle) {
+                 check_joints(c, angle), c.set_joints(angle);
+             })
+        .def("aim", [](FreeChain& c, const std::vector<double>& angle,
+                       double rate) { check_joints(c, angle), c.aim(angle, rate); })
+        .def("set_slope", &FreeChain::set_slope)
+        .def("set_ground_velocity", &FreeChain::set_ground_velocity)
+        .def("advance",
+             [](FreeChain& c, double duration, double h) {
+                 check_time(duration, h);
+                 nb::gil_scoped_release release;
+                 return c.advance(duration, h);
+             })
+        .def("lead",
+             [](FreeChain& c, const std::vector<double>& angle, double duration, double h) {
+                 check_joints(c, angle), check_time(duration, h);
+                 nb::gil_scoped_release release;
+                 return c.lead(angle, duration, h);
+             })
+        .def_prop_ro("state", &FreeChain::state)
+        .def_prop_ro("joints", &FreeChain::joints)
+        .def_prop_ro("kinetic_j", &FreeChain::kinetic)
+        .def_prop_ro("places", &FreeChain::places);
+}
