@@ -6,6 +6,10 @@
 
 namespace serpenoid {
 
+namespace {
+constexpr double kRest = 1e-9;  // m/s: a wheel that held has less, by rounding
+}
+
 FreeChain::FreeChain(const Robot& robot, std::vector<LabLink> links)
     : robot_(robot),
       links_(std::move(links)),
@@ -13,6 +17,7 @@ FreeChain::FreeChain(const Robot& robot, std::vector<LabLink> links)
       rate_(robot.n - 1),
       aim_(robot.n - 1),
       spin_(robot.n),
+      skid_(robot.n),
       part_(robot.n),
       along_(robot.n),
       across_(robot.n) {
@@ -38,7 +43,7 @@ void FreeChain::restart() {
     std::fill(rate_.begin(), rate_.end(), 0.0);
     shape();
     rows(theta_);
-    for (int i = 0; i < robot_.n; ++i) spin_[i] = along_[i].at(u_);
+    for (int i = 0; i < robot_.n; ++i) spin_[i] = along_[i].at(u_), skid_[i] = across_[i].at(u_);
     convex_.forget();
 }
 
@@ -104,13 +109,14 @@ bool FreeChain::step(double h) {
         }
     };
     kinks_.clear();
-    // No two kinks alike, where the active-set method could cycle: a straight chain has six.
-    const auto kink = [&](const Row& row, double dry, const LabLink& link) {
+    // A straight chain's six kinks meet in one point, where the active-set method could cycle.
+    // Moved by squares of their number no three of them meet (by the number itself they all would).
+    const auto kink = [&](const Row& row, double dry, double before, const LabLink& link) {
         if (!(dry > 0)) return;
-        const auto c = static_cast<int>(kinks_.size());
-        const bool rested = convex_.held_count() > 0 && convex_.held(c);
-        const double apart = std::fmod(0.6180339887 * (c + 1), 1.0);
-        kinks_.push_back({row.g, row.e + 1e-12 * apart, h * dry * (rested ? link.breakaway : 1)});
+        const bool rested = std::fabs(before) < kRest;
+        const auto c = static_cast<double>(kinks_.size() + 1);
+        const double apart = 1e-11 * std::fmod(0.6180339887 * c * c, 1.0);
+        kinks_.push_back({row.g, row.e + apart, h * dry * (rested ? link.breakaway : 1)});
     };
     for (int i = 0; i < robot_.n; ++i) {
         const LabLink& k = links_[i];
@@ -118,15 +124,15 @@ bool FreeChain::step(double h) {
         add(along_[i], h * ct + k.rolling,
             (h * ct + k.rolling) * along_[i].e - k.rolling * spin_[i] - h * k.ground.thrust());
         add(across_[i], h * k.ground.cn, h * k.ground.cn * across_[i].e);
-        kink(along_[i], k.ground.ft0_mean(), k);
-        kink(across_[i], k.ground.fn0, k);
+        kink(along_[i], k.ground.ft0_mean(), spin_[i], k);
+        kink(across_[i], k.ground.fn0, skid_[i], k);
     }
     if (!convex_.solve(H, b, kinks_)) return false;
     u_ = convex_.minimum();
     x_ += h * u_[0], y_ += h * u_[1], theta_ += h * u_[2];
     for (int i = 0; i < robot_.n; ++i) {
         const Ground& k = links_[i].ground;
-        const double t = spin_[i] = along_[i].at(u_), n = across_[i].at(u_);
+        const double t = spin_[i] = along_[i].at(u_), n = skid_[i] = across_[i].at(u_);
         heat_ += h * (k.ct_going(t) * t * t + k.cn * n * n + k.fn0 * std::fabs(n) +
                       (t < 0 ? k.ft0_back : k.ft0) * std::fabs(t));
     }

@@ -47,7 +47,7 @@ class FreeChain {
     // Lead the joints along the line to these angles within the time, whatever rate that is.
     bool lead(const std::vector<double>& angle, double duration, double h);
 
-    // x, y, theta, vx, vy, w, heat, J, work of the moving joints and belt left out.
+    // x, y, theta, vx, vy, w, and the heat of friction since it was placed, J.
     std::array<double, 7> state() const { return {x_, y_, theta_, u_[0], u_[1], u_[2], heat_}; }
     const std::vector<double>& joints() const { return angle_; }
     double kinetic() const;
@@ -79,7 +79,7 @@ class FreeChain {
     double ground_x_ = 0, ground_y_ = 0;
     double x_ = 0, y_ = 0, theta_ = 0, heat_ = 0;
     Vec3 u_{};
-    std::vector<double> spin_;  // v_t of each link at the end of the last step
+    std::vector<double> spin_, skid_;  // v_t and v_n of each link at the end of the last step
     std::vector<Part> part_;
     double J_ = 0, K_ = 0;
     std::vector<Row> along_, across_;

@@ -1,0 +1,120 @@
+"""A robot let go on a tilted, moving belt: it rolls, yaws, drifts, and leaves the belt."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.errors import NotConverged
+from .robot import JOINT_RATE_RAD_S, LabRobot
+
+STEP_S = 0.004  # of the motion; ten times shorter ones turn the zigzag of 6 s 0.005 deg less
+SLEW_M_S2 = 0.25  # a belt's own haste
+HALF_WIDTH_M, HALF_LENGTH_M = 0.22, 0.6  # of the belt that a robot's centre may be on
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """Where a robot is: t_s, s; along (downhill) and across from the belt's middle, m; heading.
+
+    heading_rad: of the line from tail to head, 0 where it runs down the belt (up it, where the
+    robot faces up).
+    """
+
+    t_s: float
+    along_m: float
+    across_m: float
+    heading_rad: float
+
+
+class Belt:
+    """Hold a treadmill and the robot on it. The frame is the room's, x downhill along the belt."""
+
+    def __init__(self, robot: LabRobot, *, gravity_m_s2: float = 9.81, step_s: float = STEP_S):
+        self.robot = robot
+        self.t_s = 0.0
+        self._chain, self._gravity, self._step_s = robot.chain(), gravity_m_s2, step_s
+        self._pose, self._offset = [0.0] * (robot.body.links - 1), 0.0
+        self._facing_rad = 0.0
+        self._speed = self._wanted = 0.0
+
+    @property
+    def speed_m_s(self) -> float:
+        """Return the belt's true speed now, uphill, m/s."""
+        return self._speed
+
+    def tilt(self, incline_rad: float) -> None:
+        """Raise the belt to an incline."""
+        self._chain.set_slope(self._gravity * math.sin(incline_rad), 0.0)
+
+    def run(self, speed_m_s: float) -> None:
+        """Set the belt's speed, uphill; it gets there at its own haste."""
+        self._wanted = speed_m_s
+
+    def pose(self, set_rad: Sequence[float]) -> None:
+        """Bend the robot, off the belt: what its joints are told."""
+        self._pose, self._offset = list(set_rad), 0.0
+
+    def steer(self, offset_rad: float) -> None:
+        """Add an offset to every joint, while the robot is where it is."""
+        self._offset = offset_rad
+        self._chain.aim(self._joints(), JOINT_RATE_RAD_S)
+
+    def put(
+        self, across_m: float = 0.0, heading_rad: float = 0.0, facing: str = "down",
+        push_m_s: float = 0.0, push_rad_s: float = 0.0,
+    ) -> None:  # fmt: skip
+        """Let the robot go in the middle of the belt, held still before but for the push."""
+        self._speed = self._wanted
+        self._facing_rad = math.pi if facing == "up" else 0.0
+        chain = self._chain
+        chain.set_ground_velocity(-self._speed, 0.0)
+        chain.set_joints(self._joints())
+        chain.place(0.0, across_m, 0.0, 0.0, 0.0, 0.0)
+        turned = self._facing_rad + heading_rad - _axis_rad(self.places(), self.robot)
+        chain.place(0.0, across_m, turned, push_m_s, 0.0, push_rad_s)
+
+    def wait(self, duration_s: float) -> None:
+        """Let time pass. Raises NotConverged."""
+        left = duration_s
+        while left > 1e-9:
+            dt = min(left, 0.1) if self._speed != self._wanted else left
+            most = SLEW_M_S2 * dt
+            self._speed += min(max(self._wanted - self._speed, -most), most)
+            self._chain.set_ground_velocity(-self._speed, 0.0)
+            if not self._chain.advance(dt, self._step_s):
+                raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
+            self.t_s += dt
+            left -= dt
+
+    def look(self) -> Sight:
+        """Return where the robot is."""
+        x, y, *_ = self._chain.state
+        heading = _axis_rad(self.places(), self.robot) - self._facing_rad
+        return Sight(self.t_s, x, y, math.remainder(heading, 2 * math.pi))
+
+    @property
+    def off(self) -> bool:
+        """Tell whether the robot has left the belt."""
+        x, y, *_ = self._chain.state
+        return abs(x) > HALF_LENGTH_M or abs(y) > HALF_WIDTH_M
+
+    def places(self) -> NDArray[np.float64]:
+        """Return centres and angles of all links, (n, 3), m and rad."""
+        return np.array(self._chain.places).reshape(-1, 3)
+
+    def _joints(self) -> list[float]:
+        return self.robot.true_joints([a + self._offset for a in self._pose])
+
+
+def _axis_rad(places: NDArray[np.float64], robot: LabRobot) -> float:
+    """Return the direction from the tail's end to the head's."""
+    half = robot.body.link_length_m / 2
+    tail, head = places[0], places[-1]
+    dx = head[0] - tail[0] + half * (math.cos(head[2]) + math.cos(tail[2]))
+    dy = head[1] - tail[1] + half * (math.sin(head[2]) + math.sin(tail[2]))
+    return math.atan2(dy, dx)

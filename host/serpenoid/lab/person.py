@@ -1,0 +1,192 @@
+"""A person at the treadmill: steers, sets the belt until the robot holds, waits, and reads.
+
+Knows what anybody there sees: where the robot is and how it lies, what the displays show, and that
+one degree on every joint turns a robot by its speed over the length of a link. Knows no friction.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .belt import HALF_LENGTH_M, Belt, Sight
+from .instruments import CLOCK_S, EYE_M, EYE_RAD, RULER_M, Instrument
+
+LOOK_S = 0.5
+STEER_STEP_RAD = math.radians(0.25)
+STEER_MOST_RAD = math.radians(6.0)
+TRIM_MOST_RAD = math.radians(4.0)
+AIM_MOST_RAD = 0.2
+TRIES = 25  # of belt speeds, until somebody gives up
+LEAVE_M = 0.75 * HALF_LENGTH_M  # along: time to take the robot back to the middle
+Told = Callable[["Belt", str], None]
+
+
+@dataclass(frozen=True)
+class Habits:
+    """How a person works.
+
+    steers: looks each half second and steers; else watches only. watch_s: how long a drift is
+    watched. hasty: share of stations that are read after a third of the time. let_go_rad,
+    let_go_rad_s, let_go_m_s: scatter of heading, turning and speed when the robot is let go.
+    """
+
+    steers: bool = True
+    watch_s: float = 6.0
+    hasty: float = 0.0
+    let_go_rad: float = math.radians(2.0)
+    let_go_rad_s: float = math.radians(3.0)
+    let_go_m_s: float = 0.03
+
+
+@dataclass(frozen=True)
+class Held:
+    """A station as it was read: belt_shown_m_s, and drift_m_s, positive uphill with the belt.
+
+    turned_rad: heading at the end of the watch, by eye. offset_rad: the steering then. waited_s:
+    since the belt was set. seen: (t, along, across, heading) at each look of the watch.
+    """
+
+    belt_shown_m_s: float
+    drift_m_s: float
+    turned_rad: float
+    offset_rad: float
+    waited_s: float
+    seen: tuple[Sight, ...] = field(repr=False, default=())
+
+
+@dataclass(frozen=True)
+class Display:
+    """The treadmill's own display: what it shows, the truth over that, and its least speed."""
+
+    step_m_s: float = 0.1 / 3.6
+    scale: float = 1.0
+    least_m_s: float = 0.0
+
+    def nearest(self, wanted_m_s: float) -> float:
+        """Return the shown speed nearest to one that is wanted."""
+        least = max(self.least_m_s, self.step_m_s)
+        return max(round(wanted_m_s / self.step_m_s) * self.step_m_s, least)
+
+
+class Helm:
+    """Steer in steps, by what is seen each half second; the offset that runs straight is kept."""
+
+    def __init__(self, link_m: float):
+        self.trim_rad = self.offset_rad = 0.0
+        self._link_m = link_m
+
+    def look(self, across_m: float, heading_rad: float, speed_m_s: float) -> float:
+        """Return the offset for the next half second, rad."""
+        turn = self._link_m / max(speed_m_s, 0.1)  # rad of offset for a rad a second
+        aim = min(max(-across_m, -AIM_MOST_RAD), AIM_MOST_RAD)  # a radian to a metre
+        off = aim - heading_rad
+        trim = self.trim_rad + 0.2 * turn * off * LOOK_S
+        self.trim_rad = min(max(trim, -TRIM_MOST_RAD), TRIM_MOST_RAD)
+        offset = 0.5 * turn * off / LOOK_S + self.trim_rad
+        offset = min(max(offset, -STEER_MOST_RAD), STEER_MOST_RAD)
+        self.offset_rad = round(offset / STEER_STEP_RAD) * STEER_STEP_RAD
+        return self.offset_rad
+
+
+class Person:
+    """Work at a belt; the same seed does the same."""
+
+    def __init__(
+        self, belt: Belt, rng: np.random.Generator, habits: Habits = Habits(),
+        display: Display = Display(), ruler_m: Instrument = RULER_M,
+        clock_s: Instrument = CLOCK_S, told: Told | None = None,
+    ):  # fmt: skip
+        self.belt, self.rng, self.habits, self.display = belt, rng, habits, display
+        self.ruler_m, self.clock_s = ruler_m, clock_s
+        self.facing = "down"
+        self.helm = Helm(belt.robot.body.link_length_m)
+        self._told = told
+
+    def hold(self, guess_m_s: float, settle_s: float) -> Held | None:
+        """Set the belt until the robot keeps its place, wait, read; None where it cannot be held.
+
+        guess_m_s: where to begin, as the belt shows it.
+        """
+        shown = self.display.nearest(guess_m_s)
+        stride, last = 4 * self.display.step_m_s, 0
+        for _ in range(TRIES):
+            held, drift_m_s = self._try(shown, self._patience(settle_s))
+            step = self.display.step_m_s
+            if held is not None and abs(drift_m_s) <= 0.7 * step:
+                return held
+            downhill = 1 if drift_m_s < 0 else -1  # robot runs ahead: the belt is too slow
+            by = abs(drift_m_s)
+            if held is None:  # it left the belt: nobody saw where it would settle
+                stride = stride / 2 if last == -downhill else stride
+                by, last = max(by, stride), downhill
+            found = self.display.nearest(shown + downhill * max(by, step))
+            if found == shown and downhill < 0:
+                return held if held is not None and abs(drift_m_s) < 2 * step else None
+            shown = found
+        return None
+
+    def _try(self, shown_m_s: float, wait_s: float) -> tuple[Held | None, float]:
+        """Let the robot go on the running belt; return what was read, and the drift seen last."""
+        belt, rng, habits = self.belt, self.rng, self.habits
+        belt.run(shown_m_s * self.display.scale)
+        belt.put(
+            0.01 * float(rng.normal()), habits.let_go_rad * float(rng.normal()), self.facing,
+            habits.let_go_m_s * float(rng.normal()), habits.let_go_rad_s * float(rng.normal()),
+        )  # fmt: skip
+        belt.steer(self.helm.offset_rad if not habits.steers else self.helm.trim_rad)
+        start_s = belt.t_s
+        seen = self._watch(shown_m_s, wait_s)
+        if self._leaves(seen[-1]):
+            return None, self._drift(seen[-4:])
+        recent = self._drift(seen[-8:])
+        if abs(recent) > 1.2 * self.display.step_m_s:  # no use to watch this longer
+            return self._held(shown_m_s, seen[-8:], recent, belt.t_s - start_s), recent
+        waited_s = belt.t_s - start_s
+        seen = self._watch(shown_m_s, habits.watch_s)
+        drift = self._drift(seen)
+        if len(seen) < 5:
+            return None, drift
+        return self._held(shown_m_s, seen, drift, waited_s), drift
+
+    def _held(self, shown: float, seen: list[Sight], drift: float, waited_s: float) -> Held:
+        turned = EYE_RAD.shows(seen[-1].heading_rad, self.rng)
+        return Held(shown, drift, turned, self.helm.offset_rad, waited_s, tuple(seen))
+
+    def _watch(self, shown_m_s: float, duration_s: float) -> list[Sight]:
+        """Steer and look until the time is over or the robot leaves; return what was there."""
+        seen = [self.belt.look()]
+        for _ in range(max(1, round(duration_s / LOOK_S))):
+            if self.habits.steers:
+                self._steer(seen[-1], shown_m_s)
+            self.belt.wait(LOOK_S)
+            seen.append(self.belt.look())
+            if self._told is not None:
+                self._told(self.belt, "")
+            if self._leaves(seen[-1]):
+                break
+        return seen
+
+    def _steer(self, at: Sight, shown_m_s: float) -> None:
+        way = -1.0 if self.facing == "up" else 1.0  # tail first, the same bend turns it back
+        across = EYE_M.shows(at.across_m, self.rng)
+        heading = EYE_RAD.shows(at.heading_rad, self.rng)
+        self.belt.steer(way * self.helm.look(across, heading, shown_m_s))
+
+    def _leaves(self, at: Sight) -> bool:
+        return abs(at.along_m) > LEAVE_M or self.belt.off
+
+    def _drift(self, seen: list[Sight]) -> float:
+        """Return the drift, m/s, uphill, by ruler and clock between the ends of what was seen."""
+        first, last = seen[0], seen[-1]
+        way = self.ruler_m.shows(last.along_m, self.rng) - self.ruler_m.shows(
+            first.along_m, self.rng
+        )
+        return -way / max(self.clock_s.shows(last.t_s - first.t_s, self.rng), 0.1)
+
+    def _patience(self, settle_s: float) -> float:
+        hasty = float(self.rng.uniform()) < self.habits.hasty
+        return settle_s / 3 if hasty else settle_s

@@ -1,0 +1,90 @@
+"""The robot in the lab: what is true of it and nobody there knows, as the core's free chain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+
+from .. import _core
+from ..model.checks import check_number
+from ..model.core_model import friction_numbers
+from ..model.errors import BadInput
+from ..model.ground import Ground
+from ..model.robot import Robot
+
+JOINT_RATE_RAD_S = math.radians(45.0)  # of a board that goes to a pose (its `pose_speed`)
+
+
+@dataclass(frozen=True)
+class LabRobot:
+    """Hold a robot's truth. Raises BadInput.
+
+    body: masses, lengths and inertias. grounds: friction of each link, from the tail; one for all
+    links stands for each. joint_error_rad: what each joint stands off its set-point, the same in
+    every pose. rolling_kg: J / r^2 of all wheels together, which their turning adds to the mass
+    along the links. breakaway: dry force at rest over the one in motion, 1 or more.
+    """
+
+    body: Robot
+    grounds: tuple[Ground, ...]
+    joint_error_rad: tuple[float, ...] = ()
+    rolling_kg: float = 0.0
+    breakaway: float = 1.0
+    _links: tuple[Ground, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        links = self.body.links
+        every = self.grounds * links if len(self.grounds) == 1 else self.grounds
+        if len(every) != links:
+            raise BadInput(f"grounds has {len(every)} entries; give one, or {links}, one a link")
+        joints = self.joint_error_rad or (0.0,) * (links - 1)
+        if len(joints) != links - 1:
+            raise BadInput(f"joint_error_rad has {len(joints)} entries; give {links - 1}, or none")
+        check_number("rolling_kg", self.rolling_kg, 0.0)
+        check_number("breakaway", self.breakaway, 1.0, 10.0)
+        object.__setattr__(self, "joint_error_rad", tuple(joints))
+        object.__setattr__(self, "_links", every)
+
+    @classmethod
+    def whole(
+        cls, body: Robot, ground: Ground, joint_error_rad: Sequence[float] = (), **more: float
+    ) -> LabRobot:
+        """Return a robot whose links share the whole snake's friction alike."""
+        each = Ground.whole_body(body.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
+        return cls(body, (each,), tuple(joint_error_rad), **more)
+
+    def drawn(
+        self, rng: np.random.Generator, joint_sigma_rad: float, link_spread: float = 0.0
+    ) -> LabRobot:
+        """Return this robot with joint errors of its own, and links that differ by a spread.
+
+        The sum of all links' friction stays what it is.
+        """
+        joints = tuple(rng.normal(size=self.body.links - 1) * joint_sigma_rad)
+        factors = np.maximum(1.0 + link_spread * rng.normal(size=(self.body.links, 4)), 0.2)
+        factors /= factors.mean(axis=0)
+        grounds = tuple(g.scaled(*map(float, f)) for g, f in zip(self._links, factors, strict=True))
+        return replace(self, grounds=grounds, joint_error_rad=joints)
+
+    def chain(self) -> _core.FreeChain:
+        """Return the robot as a body that can be moved, straight but for its joints' errors."""
+        body, share = self.body, self.rolling_kg / self.body.links
+        rows = [[*friction_numbers(g), share, self.breakaway] for g in self._links]
+        made = _core.FreeChain(
+            body.link_mass_kg, body.link_length_m, body.inertia_kg_m2, np.array(rows)
+        )
+        made.set_joints(list(self.joint_error_rad))
+        return made
+
+    def true_joints(self, set_rad: Sequence[float]) -> list[float]:
+        """Return where the joints stand when they are told to stand there."""
+        return [a + e for a, e in zip(set_rad, self.joint_error_rad, strict=True)]
+
+
+def pose_of(signs: Sequence[float], angle_rad: float) -> list[float]:
+    """Return the joints' set-points, rad, of links at signs times an angle to the robot's axis."""
+    return [float(b - a) * angle_rad for a, b in pairwise(signs)]

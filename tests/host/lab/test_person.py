@@ -1,0 +1,106 @@
+"""A person at the lab's treadmill holds what can be held, and is carried off where it cannot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from serpenoid.lab.belt import Belt
+from serpenoid.lab.person import Display, Habits, Person
+from serpenoid.lab.robot import LabRobot, pose_of
+from serpenoid.model.errors import BadInput
+from serpenoid.model.ground import Ground
+from serpenoid.model.robot import Robot
+
+BODY, WHOLE = Robot(6, 0.0756, 0.076), Ground(0.084, 1.2, 0.14, 0.27)
+STRAIGHT, ZIGZAG, BALANCED = (0,) * 6, (1, -1, 1, -1, 1, -1), (1, -1, 0, 0, -1, 1)
+
+
+def person(seed, signs, bend_deg, incline_deg, joint_deg=1.0, **habits):
+    rng = np.random.default_rng(seed)
+    robot = LabRobot.whole(BODY, WHOLE).drawn(rng, math.radians(joint_deg))
+    belt = Belt(robot)
+    belt.tilt(math.radians(incline_deg))
+    belt.pose(pose_of(signs, math.radians(bend_deg)))
+    return Person(belt, rng, Habits(**habits))
+
+
+def held(seeds, *lies, **more):
+    return [person(seed, *lies, **more).hold(0.4, 16.0) for seed in seeds]
+
+
+@pytest.mark.parametrize(
+    ("signs", "bend_deg", "incline_deg"),
+    [(STRAIGHT, 0, 2.4), (BALANCED, 7.5, 2.8), (BALANCED, 15, 3.0), (BALANCED, 30, 5.0)],
+)
+def test_whoever_steers_holds_straight_and_balanced(signs, bend_deg, incline_deg):
+    for station in (found := held(range(8), signs, bend_deg, incline_deg)):
+        assert station is not None
+        assert abs(station.drift_m_s) < 0.03
+        assert max(abs(s.across_m) for s in station.seen) < 0.22
+    turned = [math.degrees(s.seen[-1].heading_rad) for s in found]
+    assert np.sqrt(np.mean(np.square(turned))) < 3.0
+
+
+def test_whoever_does_not_steer_loses_most():
+    lost = held(range(8), STRAIGHT, 0, 2.4, steers=False).count(None)
+    assert lost >= 4
+    assert held(range(8), STRAIGHT, 0, 2.4).count(None) == 0
+
+
+def test_a_zigzag_is_not_held_without_steering_even_with_perfect_joints():
+    alone = held(range(4), ZIGZAG, 15, 3.5, joint_deg=0.0, steers=False)
+    turned = [abs(math.degrees(s.seen[-1].heading_rad)) for s in alone if s is not None]
+    assert len(turned) < 2 or min(turned) > 5.0
+
+
+def test_joints_that_stand_off_cost_the_straight_robot_speed():
+    """Wheels across add dry friction, always in one sense: some 5 % at 1 deg, 2.4 deg."""
+    speeds = [
+        np.mean([s.belt_shown_m_s - s.drift_m_s for s in held(range(8), STRAIGHT, 0, 2.4, j)])
+        for j in (0.0, 1.0)
+    ]
+    assert 0.02 < 1 - speeds[1] / speeds[0] < 0.09
+
+
+def test_below_break_away_the_belt_carries_it_off():
+    assert person(1, STRAIGHT, 0, 1.0).hold(0.2, 16.0) is None
+
+
+def test_the_same_seed_does_the_same_and_a_display_that_is_off_shows():
+    one, two = (held([3], STRAIGHT, 0, 2.4)[0] for _ in range(2))
+    assert one == two
+    assert one is not None
+    off = person(3, STRAIGHT, 0, 2.4)
+    off.display = Display(scale=1.1)
+    found = off.hold(0.4, 16.0)
+    assert found is not None
+    ratio = (one.belt_shown_m_s - one.drift_m_s) / (found.belt_shown_m_s - found.drift_m_s / 1.1)
+    assert ratio == pytest.approx(1.1, abs=0.04)
+
+
+def test_facing_up_needs_another_belt_only_on_ratchets():
+    up = person(2, STRAIGHT, 0, 2.4)
+    up.facing = "up"
+    found, down = up.hold(0.4, 16.0), held([2], STRAIGHT, 0, 2.4)[0]
+    assert found is not None
+    assert down is not None
+    assert found.belt_shown_m_s - found.drift_m_s == pytest.approx(
+        down.belt_shown_m_s - down.drift_m_s, abs=0.03
+    )
+
+
+def test_a_robot_of_the_wrong_size_is_refused():
+    with pytest.raises(BadInput, match="grounds has 2"):
+        LabRobot(BODY, (WHOLE, WHOLE))
+    with pytest.raises(BadInput, match="joint_error_rad has 1"):
+        LabRobot(BODY, (WHOLE,), (0.1,))
+
+
+def test_drawn_links_share_the_whole():
+    drawn = LabRobot.whole(BODY, WHOLE).drawn(np.random.default_rng(1), 0.01, 0.1)
+    for name in ("ct", "cn", "ft0", "fn0"):
+        each = [getattr(g, name) for g in drawn.grounds]
+        assert sum(each) == pytest.approx(getattr(WHOLE, name))
+        assert max(each) > min(each)
