@@ -162,6 +162,14 @@ def test_firmware_arrows_run_down() -> None:
     assert uphill(firmware_graph(), FIRMWARE_ROOMS, "/") == []
 
 
+def test_the_fit_and_the_lab_share_nothing() -> None:
+    """What is tested by a world must not be in it, nor the world in what is tested."""
+    graph, judged = python_graph(), re.compile(r"calibration(?!\.taking\b)")
+    both = [(name, o) for name, others in graph.items() for o in others]
+    assert [(a, b) for a, b in both if judged.match(a) and b.split(".")[0] == "lab"] == []
+    assert [(a, b) for a, b in both if a.split(".")[0] == "lab" and "calibration" in b] == []
+
+
 @pytest.mark.parametrize(
     "graph", [python_graph, core_graph, firmware_graph], ids=["python", "core", "firmware"]
 )
