@@ -19,7 +19,7 @@ help:
 	@echo "make format     settle the style of Python and C++"
 	@echo "make docs       the documentation site, into build/docs/html"
 	@echo "make figures    draw the stored figures anew"
-	@echo "make bench      measure again what README.md quotes"
+	@echo "make bench      measure again what docs/benchmarks.md quotes"
 	@echo "make wheel      wheel and sdist, into dist/"
 
 demo: $(VENV)/built

@@ -179,6 +179,8 @@ def pictures(folder: Path) -> None:
             ("coverage", coverage_figure), ("advise", advised_figure), ("verdict", verdict_figure),
         ):  # fmt: skip
             draw(json.loads((STORED / f"{name}.json").read_text()), folder / f"{name}.png")
+        for name in ("accuracy", "stability"):
+            shutil.copy(STORED / f"{name}.png", folder)
         invoke(["view", "virtual", "--out", str(folder / "virtual.html")])
         invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])
 

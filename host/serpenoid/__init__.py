@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from .periodic.steady import Steady, steady_gait
     from .periodic.study import Study, load_study, sweep_study
     from .periodic.sweep import Sweep, sweep
-    from .simulation.gait_batch import GaitRuns, simulate_gaits
     from .simulation.run import Run
     from .simulation.scene import Scene
     from .simulation.scene_file import load_scene, save_scene
@@ -63,7 +62,6 @@ _HOMES = {
     "periodic.study": ("Study", "load_study", "sweep_study"),
     "periodic.sweep": ("Sweep", "sweep"),
     "simulation.steady_springs": ("SteadySprings", "steady_springs"),
-    "simulation.gait_batch": ("GaitRuns", "simulate_gaits"),
     "simulation.scene": ("Scene",),
     "simulation.scene_file": ("load_scene", "save_scene"),
     "simulation.run": ("Run",),
@@ -81,7 +79,6 @@ __all__ = [
     "FrictionFit",
     "Gait",
     "GaitLimits",
-    "GaitRuns",
     "Ground",
     "LeastPower",
     "LinkState",
@@ -117,7 +114,6 @@ __all__ = [
     "save_fit",
     "save_scene",
     "simulate",
-    "simulate_gaits",
     "steady_gait",
     "steady_springs",
     "sweep",

@@ -50,7 +50,7 @@ def test_make_targets_that_are_named_exist() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_paths_that_a_page_names_are_there(page) -> None:
     text = re.sub(r"\]\([^)]*\)|https?://\S+", "", page.read_text())
-    folders = "host|tests|firmware|docs|calibration_data|constraints|\\.ci|\\.github"
+    folders = "host|studies|tests|firmware|docs|calibration_data|constraints|\\.ci|\\.github"
     named = re.findall(rf"(?<![\w/.-])((?:{folders})/[\w./-]*\w)", text)
     assert [name for name in named if not (ROOT / name).exists()] == []
 

@@ -12,7 +12,7 @@ from docs.documents import ROOT
 SOURCES = ("host/serpenoid", "host/core", "firmware", "tests")
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*(?:(?:\.|::)[A-Za-z_]\w*)*")
 # Words in backticks that are no names in the code: options of a run, fields on the wire, make's.
-NOT_NAMES = {"serpenoid", "slow", "uv", "platformio.ini"}
+NOT_NAMES = {"serpenoid", "slow", "uv", "platformio.ini", "readings.csv", "more"}
 
 
 @cache

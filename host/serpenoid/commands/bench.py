@@ -11,6 +11,8 @@ from .paths import OutFolder
 
 OUT = click.option("--out", type=OutFolder(), show_default=True,
                    default=Path("bench-out"), help="Folder for figures and numbers.")  # fmt: skip
+PAGE = click.option("--page", type=click.Path(exists=True, dir_okay=False, path_type=Path),
+                    help="A Markdown page whose table between the markers is renewed.")  # fmt: skip
 
 
 @click.group(name="bench", cls=Commands)
@@ -25,15 +27,15 @@ def _tell(text: str) -> None:
 @BENCH_GROUP.command()
 @OUT
 @click.option("--quick", is_flag=True, help="Three scenes, three rounds: less than a minute.")
-@click.option("--readme", type=click.Path(exists=True, dir_okay=False, path_type=Path),
-              help="A README whose table between the markers is renewed.")  # fmt: skip
-def accuracy(out: Path, quick: bool, readme: Path | None) -> None:
+@PAGE
+def accuracy(out: Path, quick: bool, page: Path | None) -> None:
     """Draw error against run time of every method and its peers: accuracy.png, .csv and .json."""
     from ..bench.accuracy import files
     from ..bench.accuracy.contenders import absent
     from ..bench.accuracy.equal_error import headline, table
     from ..bench.accuracy.figure import accuracy_figure
     from ..bench.accuracy.measure import NOT_TRIED, QUICK, Effort, run
+    from ..bench.page import renew_table
 
     for missing in absent():
         _tell(f"left out, not installed: {missing}; pip install 'serpenoid[bench]' brings it")
@@ -42,8 +44,8 @@ def accuracy(out: Path, quick: bool, readme: Path | None) -> None:
     files.write_csv(rows, out / "accuracy.csv")
     files.write_json(rows, out / "accuracy.json")
     accuracy_figure(rows, out / "accuracy.png")
-    if readme:
-        files.update_readme(rows, readme)
+    if page:
+        renew_table(page, "accuracy", table(rows))
     failed = [row for row in rows if row.error is None]
     for row in failed:  # all stand in the files; here those that were tried
         if row.note.startswith(NOT_TRIED):
@@ -138,75 +140,6 @@ def steady(out: Path, quick: bool) -> None:
 
 @BENCH_GROUP.command()
 @OUT
-@click.option("--quick", is_flag=True, help="One gait instead of three.")
-def rod(out: Path, quick: bool) -> None:
-    """Time a gait's speed beside PyElastica, which follows a rod until it repeats: rod.csv.
-
-    The rod is the paper's robot as far as it can be stated: a link an element, joint angles as
-    intrinsic curvature, viscous wheels; not pinned joints, a link's own inertia, sticking, powers.
-    """
-    from ..bench.cost.rod import GAITS, measure, write
-
-    _need("elastica", "PyElastica")
-    rows = measure(list(GAITS)[: 1 if quick else None])
-    write(rows, out / "rod.csv")
-    for row in rows:
-        click.echo(
-            f"{row.gait}: PyElastica {row.rod_m_s:.5f} m/s in {row.rod_s:.3g} s of processor time "
-            f"({row.rod_cycles} cycles), exact model {row.exact_m_s:.5f} m/s in "
-            f"{1e6 * row.exact_s:.3g} us: {100 * row.apart:+.1f} %, {row.times:.2g} times as long"
-        )
-    click.echo(f"in {out / 'rod.csv'}")
-
-
-@BENCH_GROUP.command()
-@OUT
-@click.option("--runs", type=click.IntRange(6), default=48, show_default=True,
-              help="Gaits that the rod follows at most, a second or two each.")  # fmt: skip
-@click.option("--full", is_flag=True, help="As many as CMA-ES wants (a hundred or two).")
-@click.option("--seed", type=click.IntRange(1), default=1, show_default=True, help="Of CMA-ES.")
-@click.option("--rate-hz", type=click.FloatRange(0.1, 3.0), default=0.8, show_default=True,
-              help="The gaits' frequency.")  # fmt: skip
-def rod_search(out: Path, runs: int, full: bool, seed: int, rate_hz: float) -> None:
-    """Search the fastest gait as PyElastica's continuum snake does, and by the exact model.
-
-    That is CMA-ES, which has a rod follow every gait anew. What it follows is kept in
-    rod-runs.csv: interrupted, or asked for more runs, the same command goes on.
-    """
-    import math
-
-    from ..bench.cost import rod_search as searching
-    from ..show.report import table
-
-    _need("elastica", "PyElastica")
-    _need("cma", "CMA-ES (cma)")
-    runs = 10_000 if full else runs
-    found = searching.search(out / "rod-runs.csv", runs, seed, _tell, 2 * math.pi * rate_hz)
-    searching.write(found, out / "rod-search.csv")
-    rows = [
-        [f.way, f"{f.gaits}", f"{f.seconds:.3g}", f"{1e3 * f.each_s:.3g}",
-         f"{math.degrees(f.alpha_rad):.1f}", f"{math.degrees(f.beta_rad):.1f}",
-         f"{f.rod_m_s:.4f}", f"{f.exact_m_s:.4f}"]
-        for f in found
-    ]  # fmt: skip
-    table(f"the fastest gait of the paper's robot at {rate_hz:g} Hz",
-          ["found by", "gaits", "s", "ms a gait", "alpha", "beta", "rod m/s", "exact m/s"],
-          rows)  # fmt: skip
-    for line in searching.summary(found):
-        click.echo(line)
-    click.echo("a rod cannot state: " + "; ".join(searching.NOT_STATED))
-    click.echo(f"in {out / 'rod-search.csv'} and rod-runs.csv")
-
-
-def _need(module: str, name: str) -> None:
-    from importlib.util import find_spec
-
-    if not find_spec(module):
-        raise click.ClickException(f"{name} is not installed; pip install 'serpenoid[bench]'")
-
-
-@BENCH_GROUP.command()
-@OUT
 @click.option("--sessions", type=click.IntRange(20), default=1000, show_default=True,
               help="Simulated sessions of each kind.")  # fmt: skip
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
@@ -260,21 +193,21 @@ def advise(out: Path, sessions: int, seed: int) -> None:
 @click.option("--sessions", type=click.IntRange(1), default=100, show_default=True,
               help="Simulated sessions, each with every fault.")  # fmt: skip
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
-@click.option("--page", type=click.Path(exists=True, dir_okay=False, path_type=Path),
-              help="A Markdown page whose table between the markers is renewed.")  # fmt: skip
+@PAGE
 def verdict(out: Path, sessions: int, seed: int, page: Path | None) -> None:
     """Count how often compare's verdict is right, over sessions and runs with known faults."""
     import dataclasses
     import json
 
     from ..bench.calibration.figure import verdict_figure
-    from ..bench.calibration.verdicts import markdown, run, update_page
+    from ..bench.calibration.verdicts import markdown, run
+    from ..bench.page import renew_table
 
     rows = [dataclasses.asdict(row) for row in run(sessions, seed, _tell)]
     out.mkdir(parents=True, exist_ok=True)
     (out / "verdict.json").write_text(json.dumps(rows, indent=2) + "\n")
     verdict_figure(rows, out / "verdict.png")
     if page is not None:
-        update_page(rows, page)
+        renew_table(page, "verdicts", markdown(rows))
     click.echo(markdown(rows))
     click.echo(f"in {out}")

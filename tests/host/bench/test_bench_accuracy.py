@@ -16,8 +16,10 @@ from oracle.params import gait_deg, robot_2005
 from serpenoid.bench.accuracy import equal_error
 from serpenoid.bench.accuracy import files as accuracy_files
 from serpenoid.bench.accuracy import measure as accuracy
+from serpenoid.bench.accuracy.equal_error import table
 from serpenoid.bench.accuracy.measure import Effort, Row
 from serpenoid.bench.child_process import Crashed, Failed, Limited, Overran
+from serpenoid.bench.page import renew_table
 from serpenoid.bench.problems import problems
 from serpenoid.bench.reference import reference
 
@@ -108,12 +110,12 @@ def test_a_measured_scene_to_files_and_back(tmp_path: Path) -> None:
     assert {"cpu", "compiler"} <= set((tmp_path / "a.csv").read_text().splitlines()[0].split(","))
 
 
-def test_the_readmes_table_is_the_one_of_the_kept_measurement(tmp_path: Path) -> None:
-    readme = (ROOT / "README.md").read_text()
-    copy = tmp_path / "README.md"
-    copy.write_text(readme)
-    accuracy_files.update_readme(accuracy_files.read_csv(ROOT / "host/docs/accuracy.csv"), copy)
-    assert copy.read_text() == readme
+def test_the_table_of_the_documentation_is_that_of_the_kept_measurement(tmp_path: Path) -> None:
+    page = ROOT / "docs" / "benchmarks.md"
+    copy = tmp_path / "page.md"
+    copy.write_text(page.read_text())
+    renew_table(copy, "accuracy", table(accuracy_files.read_csv(ROOT / "host/docs/accuracy.csv")))
+    assert copy.read_text() == page.read_text()
     copy.write_text("no markers")
     with pytest.raises(sn.BadInput, match="once each"):
-        accuracy_files.update_readme([], copy)
+        renew_table(copy, "accuracy", "")

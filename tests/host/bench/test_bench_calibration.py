@@ -9,18 +9,15 @@ from serpenoid.bench.calibration.coverage import CASES, GAIT, WHOLE, Case, judge
 from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.calibration.speed_table import SpeedTable
 from serpenoid.bench.calibration.verdicts import (
-    BEGIN,
-    END,
     FAULTS,
     TrueSpeeds,
     counted,
     markdown,
-    update_page,
     words,
 )
+from serpenoid.bench.page import renew_table
 from serpenoid.calibration.speed_samples import speed
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.model.errors import BadInput
 from serpenoid.model.ground import Ground
 
 ROBOT = default_setup("test").robot
@@ -104,12 +101,10 @@ def test_verdicts_on_gross_faults_are_right(verdicts):
 
 def test_the_table_of_verdicts_goes_into_a_page(tmp_path, verdicts):
     page = tmp_path / "page.md"
-    page.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
-    update_page(verdicts, page)
-    assert page.read_text() == f"before\n{BEGIN}\n{markdown(verdicts)}\n{END}\nafter\n"
+    begin, end = "<!-- verdicts: begin -->", "<!-- verdicts: end -->"
+    page.write_text(f"before\n{begin}\nold\n{end}\nafter\n")
+    renew_table(page, "verdicts", markdown(verdicts))
+    assert page.read_text() == f"before\n{begin}\n{markdown(verdicts)}\n{end}\nafter\n"
     assert "**100 %**" in page.read_text()
     verdict_figure(verdicts, tmp_path / "verdict.png")
     assert (tmp_path / "verdict.png").stat().st_size > 5000
-    page.write_text("no markers")
-    with pytest.raises(BadInput, match="once each"):
-        update_page(verdicts, page)

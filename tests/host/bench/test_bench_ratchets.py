@@ -53,9 +53,9 @@ def test_numba_and_numpy_rates_agree(name: str, ground: str) -> None:
 
 @pytest.mark.parametrize(("ground", "said"), [("viscous", "ratchet wheels"), ("dry", "stick")])
 def test_a_damper_refuses_what_it_cannot_state(ground: str, said: str) -> None:
-    with pytest.raises(BadInput, match=f"PyElastica cannot state .*{said}"):
-        check_smooth("PyElastica", GROUNDS[ground])
-    check_smooth("PyElastica", sn.Ground(0.1, 10.0))
+    with pytest.raises(BadInput, match=f"MuJoCo cannot state .*{said}"):
+        check_smooth("MuJoCo", GROUNDS[ground])
+    check_smooth("MuJoCo", sn.Ground(0.1, 10.0))
 
 
 def test_mujoco_does_not_take_the_forward_friction_for_a_ratchet() -> None:

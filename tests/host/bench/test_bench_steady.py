@@ -6,15 +6,7 @@ import csv
 import math
 from pathlib import Path
 
-import pytest
-from serpenoid.bench.cost.steady import (
-    CASES,
-    Cost,
-    dry_products,
-    summary,
-    viscous_products,
-    write,
-)
+from serpenoid.bench.cost.steady import CASES, Cost, summary, write
 
 
 def made_up() -> list[Cost]:
@@ -35,29 +27,6 @@ def test_ratios_are_of_this_run() -> None:
     assert "100 us a gait, 0.450 s for 4500" in lines[0]
     assert "50 us" in lines[1]
     assert "20 times" in lines[1]
-
-
-@pytest.mark.parametrize("ground", CASES)
-def test_the_floor_is_told(ground: str) -> None:
-    floor = Cost("grid floor", ground, 6, 1e-6, math.nan, 2e-5)
-    line = summary([*made_up(), floor])[-1]
-    assert f"{ground}: grid 450 ms, 5.0 times its floor of 90 ms" in line
-
-
-def test_one_gait_and_a_process_have_floors_of_their_own() -> None:
-    rows = [
-        Cost(what, "viscous", 6, 1e-6, math.nan, seconds)
-        for what, seconds in (("gait floor", 2e-6), ("process", 1e-4), ("process floor", 5e-5))
-    ]
-    gait, whole = summary([*made_up(), *rows])[-2:]
-    assert "gait 50 us, 25.0 times its floor of 2 us" in gait
-    assert "process 450 ms, 2.0 times its floor of 225 ms" in whole
-
-
-def test_the_floors_count_what_they_say() -> None:
-    assert viscous_products() == pytest.approx(14_000, rel=0.03)
-    assert viscous_products() - viscous_products(powers=False) == pytest.approx(3500, rel=0.02)
-    assert dry_products() == pytest.approx(19 * 7000, rel=0.1)
 
 
 def test_files(tmp_path: Path) -> None:

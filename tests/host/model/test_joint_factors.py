@@ -55,11 +55,6 @@ def test_refusals() -> None:
         replace(GAIT, joint_gain=0.9)
     with pytest.raises(sn.BadInput, match="joint_gain is 3"):
         replace(GAIT, joint_gain=(3.0,))
-    scene = sn.Scene(
-        PAPER, VISCOUS, GAIT, formulation="implicit", method="rk4", dt_s=1e-3, duration_s=1.0
-    )
-    with pytest.raises(sn.BadInput, match="simulate_gaits runs gaits without"):
-        sn.simulate_gaits(scene, [OWN])
     with pytest.raises(sn.BadInput, match="has 2 values"):
         sn.Scene(
             PAPER, VISCOUS, replace(GAIT, joint_gain=(1.0, 1.0)), method="rk4", dt_s=1e-3,

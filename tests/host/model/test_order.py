@@ -34,7 +34,6 @@ def test_robot_last() -> None:
     ("call", "said"),
     [
         (lambda: sn.simulate(ROBOT), "scene is a Robot; it must be a serpenoid.Scene"),
-        (lambda: sn.simulate_gaits([GAIT], ROBOT), "scene is a list; .* scene, gaits"),
         (lambda: sn.fit_friction("my-robot"), "session is a str; it must be a serpenoid.Session"),
         (lambda: sn.compare("my-robot"), "session is a str"),
         (lambda: sn.advise(GAIT), "session is a Gait"),

@@ -1,4 +1,4 @@
-"""The vector kernels and batches of gaits: held to a scalar run, to NumPy, and to themselves."""
+"""The vector kernels, held to a scalar run, to NumPy, and to themselves."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ import pytest
 import serpenoid as sn
 from serpenoid import _core
 from serpenoid.bench.cost.scenes import OWN_FLAGS
-from serpenoid.simulation.gait_batch import batch_scene, batch_state, gait_rows
+from serpenoid.model.core_model import friction_numbers
+from serpenoid.model.link_state import LinkState
 from serpenoid.simulation.stability import joint_modes
 from serpenoid.simulation.starts import start_state
 
@@ -38,13 +39,28 @@ def scene_of(links: int, ground: str = "viscous", **changes: object) -> sn.Scene
     return sn.Scene(sn.Robot(links, 1.0, 0.12), law, GAIT, **fields)  # type: ignore[arg-type]
 
 
+def batch_scene(scene: sn.Scene) -> _core.BatchScene:
+    """Return what all gaits of a batch share."""
+    robot = scene.robot
+    return _core.BatchScene(
+        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
+        *friction_numbers(scene.ground), scene.joint_stiffness_n_m, scene.joint_damping_n_s_m,
+        scene.smoothing_m_s,
+    )  # fmt: skip
+
+
+def batch_state(state: LinkState) -> np.ndarray:
+    """Return x, y, vx, vy of all links, then theta and omega of link 1, (4 n + 2,)."""
+    tail = [state.theta_rad[0], state.omega_rad_s[0]]
+    return np.concatenate([state.x_m, state.y_m, state.vx_m_s, state.vy_m_s, tail])
+
+
 def run_batch(scene, gaits, starts, kernels, batch, dt=None, duration=None):
     """Run the core's kernels of one name on given starts (G, 4 n + 2); return the ends."""
     dt, duration = dt or scene.dt_s, duration or scene.duration_s
     steps = math.ceil(duration / dt - 1e-9)
-    return _core.run_batch(
-        batch_scene(scene), gait_rows(gaits), starts, dt, duration, steps, kernels, batch
-    )
+    rows = np.array([[g.alpha_rad, g.beta_rad, g.omega_rad_s, g.offset_rad] for g in gaits])
+    return _core.run_batch(batch_scene(scene), rows, starts, dt, duration, steps, kernels, batch)
 
 
 def numpy_rate(scene: sn.Scene, gait: sn.Gait, t: float, y: np.ndarray) -> np.ndarray:
@@ -165,83 +181,6 @@ def many_gaits(count: int) -> list[sn.Gait]:
     return [
         sn.Gait(*rng.uniform([0.1, 0.3, 1.0, -0.3], [1.3, 2.0, 12.0, 0.3])) for _ in range(count)
     ]
-
-
-def test_a_gaits_bits_do_not_depend_on_its_neighbours() -> None:
-    gaits, scene = many_gaits(11), scene_of(6, start="zero_momentum")
-    whole = sn.simulate_gaits(scene, gaits)
-    back = sn.simulate_gaits(scene, gaits[::-1])
-    for i, gait in enumerate(gaits):
-        alone = sn.simulate_gaits(scene, [gait])
-        for name in LINK_FIELDS:
-            bits = getattr(whole, name)[i].tobytes()
-            assert (
-                bits == getattr(alone, name)[0].tobytes() == getattr(back, name)[-1 - i].tobytes()
-            )
-
-
-@pytest.mark.parametrize("ground", GROUNDS)
-@pytest.mark.parametrize("duration_s", [0.3, 0.2504])
-def test_a_batch_ends_where_single_runs_end(ground: str, duration_s: float) -> None:
-    gaits = many_gaits(5)
-    scene = scene_of(6, ground, duration_s=duration_s, record_every=10**6)
-    runs = sn.simulate_gaits(scene, gaits)
-    assert not runs.diverged.any()
-    for i, gait in enumerate(gaits):
-        run = sn.simulate(replace(scene, gait=gait))
-        exact, found = run.state(), runs.state(i)
-        assert run.t_s[-1] == runs.t_s[i] == duration_s
-        for name in LINK_FIELDS:
-            assert getattr(found, name) == pytest.approx(getattr(exact, name), abs=2e-12, rel=2e-12)
-        way = [(v[-1] - v[0]).mean() for v in (run.x_m, run.y_m)]
-        assert runs.displacement_m[i] == pytest.approx(way, abs=1e-12)
-        assert runs.speed_m_s[i] == pytest.approx(math.hypot(*way) / duration_s, rel=1e-9)
-
-
-def test_a_run_of_no_time_ends_at_its_start() -> None:
-    runs = sn.simulate_gaits(scene_of(6, duration_s=0.0), [GAIT])
-    assert not runs.diverged.any()
-    assert runs.t_s[0] == runs.speed_m_s[0] == 0.0
-    assert runs.x_m[0] == pytest.approx(start_state(scene_of(6)).x_m, abs=1e-15)
-
-
-def test_a_lost_gait_is_reported_and_disturbs_no_other() -> None:
-    gaits = many_gaits(6)
-    scene = scene_of(6, gap="zero")
-    wild = sn.Gait(0.5, 1.0, 1.0)
-    object.__setattr__(wild, "omega_rad_s", 1e160)  # no rate that a Gait takes gets lost
-    lost = [*gaits[:2], wild, *gaits[2:]]
-    runs, calm = sn.simulate_gaits(scene, lost), sn.simulate_gaits(scene, gaits)
-    assert runs.diverged.tolist() == [False, False, True, False, False, False, False]
-    assert runs.t_s[2] == 0.0
-    for name in (*LINK_FIELDS, "displacement_m", "speed_m_s"):
-        values = getattr(runs, name)
-        assert np.isfinite(values).all()
-        assert np.delete(values, 2, axis=0).tobytes() == getattr(calm, name).tobytes()
-
-
-@pytest.mark.parametrize(
-    ("change", "gaits", "said"),
-    [
-        ({"formulation": "explicit"}, [GAIT], "formulation is 'explicit'"),
-        ({"method": "nonsmooth"}, [GAIT], "method is 'nonsmooth'"),
-        ({"record": ("joints",)}, [GAIT], "record is ('joints',)"),
-        ({"incline_rad": 0.1}, [GAIT], "incline_rad is 0.1"),
-        ({"locked": {2: 0.1}}, [GAIT], "locked is"),
-        ({"start": start_state(scene_of(6))}, [GAIT], "start is a LinkState"),
-        ({}, [], "gaits is []"),
-        ({}, [GAIT, 3], "at least one Gait"),
-    ],
-)
-def test_what_a_batch_cannot_do_is_named(change: dict, gaits: list, said: str) -> None:
-    with pytest.raises(sn.BadInput) as error:
-        sn.simulate_gaits(scene_of(6, **change), gaits)
-    assert said in str(error.value)
-
-
-def test_an_unstable_step_is_refused_for_any_gait() -> None:
-    with pytest.raises(sn.StepTooLarge):
-        sn.simulate_gaits(scene_of(6, joint_stiffness_n_m=1e6), [GAIT])
 
 
 @pytest.mark.parametrize("links", [2, 3, 6, 20])

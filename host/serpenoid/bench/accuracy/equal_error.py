@@ -94,7 +94,7 @@ def _milliseconds(time_s: float | None) -> str:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """Return the README's table: ms of processor time for a simulated second at TABLE_ERROR."""
+    """Return the documentation's table: ms of processor time a simulated second at TABLE_ERROR."""
     scenes = [s for s in TABLE_SCENES if any(row.scene == s for row in rows)]
     times = {scene: times_at(rows, scene, TABLE_ERROR) for scene in scenes}
     methods = dict.fromkeys(row.method for row in ours_first(rows))

@@ -1,4 +1,4 @@
-"""What the accuracy benchmark writes: CSV, JSON, the figure and the README's table."""
+"""What the accuracy benchmark writes: CSV and JSON."""
 
 from __future__ import annotations
 
@@ -8,15 +8,12 @@ from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 
-from ...model.errors import BadInput
 from .. import machine
 from ..problems import problems
 from ..reference import reference
 from .contenders import absent
-from .equal_error import headline, table
+from .equal_error import headline
 from .measure import Row, as_dicts
-
-BEGIN, END = "<!-- table of bench accuracy -->", "<!-- end of table -->"
 
 
 def write_csv(rows: Sequence[Row], path: Path) -> None:
@@ -54,13 +51,3 @@ def write_json(rows: Sequence[Row], path: Path) -> None:
         "absent": absent(), "references_known_to": known, "headline": headline(rows),
     }  # fmt: skip
     path.write_text(json.dumps(content, indent=1) + "\n")
-
-
-def update_readme(rows: Sequence[Row], path: Path) -> None:
-    """Put the table between the markers of a README; raise BadInput where they are not there."""
-    text = path.read_text()
-    if text.count(BEGIN) != 1 or text.count(END) != 1:
-        raise BadInput(f"{path} must have {BEGIN!r} and {END!r} once each, around the table")
-    head, rest = text.split(BEGIN)
-    tail = rest.split(END)[1]
-    path.write_text(f"{head}{BEGIN}\n{table(rows)}\n{END}{tail}")

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,6 @@ from ...calibration.taking.new_session import default_setup
 from ...calibration.taking.simulated import RUN_M, RUN_S, SimulatedTreadmill, drawn_truth
 from ...calibration.taking.treadmill import take_all
 from ...calibration.verdict import Judge, Measured
-from ...model.errors import BadInput
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
@@ -38,7 +36,6 @@ from ...simulation.simulate import simulate
 from .coverage import INCLINE_STEP_DEG, WHOLE, WHOLE_2005, shown_in_steps
 
 Array = NDArray[np.float64]
-BEGIN, END = "<!-- verdicts: begin -->", "<!-- verdicts: end -->"
 WORDS = ("agrees", "friction", "amplitude", "friction or amplitude", "neither")
 _CYCLES, _POINTS, _MOST_SIGMAS = 4, 9, 3.0
 
@@ -207,12 +204,3 @@ def markdown(rows: Sequence[Mapping[str, Any]]) -> str:
         texts[right] = f"**{shares[right]:.0f} %**"
         lines.append(f"| {row['fault']} | " + " | ".join(texts) + " |")
     return "\n".join(lines)
-
-
-def update_page(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Put the table between the markers of a page; raise BadInput where they are not there."""
-    text = path.read_text()
-    if text.count(BEGIN) != 1 or text.count(END) != 1:
-        raise BadInput(f"{path} must have {BEGIN!r} and {END!r} once each, around the table")
-    head, rest = text.split(BEGIN)
-    path.write_text(f"{head}{BEGIN}\n{markdown(rows)}\n{END}{rest.split(END)[1]}")

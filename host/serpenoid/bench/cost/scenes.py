@@ -14,7 +14,7 @@ from pathlib import Path
 from ...model.errors import SerpenoidError
 
 SOURCE = Path(__file__).resolve().parents[3]  # host/, of a checkout
-LADDER = Path(__file__).with_name("ladder")
+LADDER = SOURCE.parent / "studies" / "ladder"
 RUNGS = {
     "by hand": "viscous, level, written by hand",
     "viscous": "viscous, level",

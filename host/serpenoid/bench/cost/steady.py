@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 import statistics
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -38,7 +34,7 @@ GRID_RTOL = {"viscous": 1e-6, "dry": 1e-4}
 class Cost:
     """Hold what one kind of gait costs: seconds of processor time for each, and how many."""
 
-    what: str  # "grid", "gait", "process", "... floor" of each, "run", "links" or "error"
+    what: str  # "grid", "gait", "run", "links" or "error"
     ground: str  # "viscous" or "dry"
     links: int
     rtol: float
@@ -87,84 +83,6 @@ def _grid_cost(ground: str, step: int) -> Cost:
     return Cost("grid", ground, 6, GRID_RTOL[ground], math.nan, taken / count)
 
 
-def _product_s() -> float:
-    """Return the seconds of a multiply-add at this core's best.
-
-    That is what NumPy's matrix product reaches (60 wide: larger ones take several threads).
-    """
-    size, runs = 60, 1000
-    a = np.ones((size, size))
-    return processor_s(lambda: [a @ a for _ in range(runs)], 9) / size**3 / runs
-
-
-def _floor_costs(ground: str) -> list[Cost]:
-    """Return what the least arithmetic takes at this core's best, of a grid's gait and of one.
-
-    The one alone, on viscous ground, is counted as if its three neighbours in a vector were solved
-    with it. The tables, 15 kB a shape, stay in the nearest cache: there is no floor of memory.
-    """
-    products = {"grid": {"viscous": viscous_products, "dry": dry_products}[ground]()}
-    if ground == "viscous":
-        products["gait"] = viscous_products(powers=False)
-    each = _product_s()
-    return [
-        Cost(f"{what} floor", ground, 6, GRID_RTOL[ground], math.nan, count * each)
-        for what, count in products.items()
-    ]
-
-
-def viscous_products(powers: bool = True) -> int:
-    """Return the multiply-adds of one step of Newton's method, the means and the joints' powers.
-
-    24 nodes; a kink of each joint's power where its rate changes its sign, which weights of the
-    shape's mend, and one or two where its torque does: some 14 000, of which powers 3500.
-    """
-    nodes, joints = 24, PAPER.links - 1
-    motion = nodes * (6 * nodes + 240) + nodes * (nodes + 40)
-    return motion + powers * joints * (16 * nodes + 32 + round(1.5 * 190))
-
-
-def dry_products() -> int:
-    """Return the multiply-adds of following half a cycle once, from the right start.
-
-    A half cycle has 19 pieces between changes of mode (mean of the grid at 1e-4, that of the last
-    pass; the solver makes 3.1 passes a gait); of each that is one evaluation of its five stages and
-    one step of Newton's method, four right sides for the derivative, whether a wheel's mode ends,
-    integrals, the joints' powers, and the convex step to the next mode: some 7000.
-    """
-    pieces, stages, links, wheels, joints = 19, 5, OF_2005.links, 2 * OF_2005.links, 5
-    shape, sums = 60 * links, 14 * wheels  # of a stage: sines, places, rates; drag and its matrix
-    unknowns = 3 * stages
-    newton = unknowns**3 // 3 + 4 * unknowns**2
-    modes = wheels * (4 * (stages + 1) + (stages + 1) ** 2)  # speeds, bounds of their polynomials
-    powers, integrals = joints * (25 * stages + 100), 60 * stages
-    change = shape + sums + 150
-    return pieces * (stages * (shape + sums) + newton + modes + powers + integrals + change)
-
-
-def _process_costs() -> list[Cost]:
-    """Return the processor time, whole, of a sweep of the viscous grid to a file, and its floor.
-
-    The floor is that of a process that imports NumPy and does nothing.
-    """
-
-    def cost(what: str, arguments: list[str]) -> Cost:
-        times = []
-        for _ in range(5):
-            before = sum(os.times()[2:4])
-            subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
-            times.append(sum(os.times()[2:4]) - before)
-        each = statistics.median(times) / 4500
-        return Cost(what, "viscous", 6, GRID_RTOL["viscous"], math.nan, each)
-
-    with tempfile.TemporaryDirectory() as folder:
-        sweep = ["-m", "serpenoid", "sweep", "--robot", "paper", "--threads", "1"]
-        return [
-            cost("process", [*sweep, "--out", f"{folder}/grid.csv"]),
-            cost("process floor", ["-c", "import numpy"]),
-        ]
-
-
 def _run_cost(ground: str) -> Cost:
     """Return what following one gait in time costs until its start is forgotten to 1e-3."""
     robot, friction = CASES[ground]
@@ -206,10 +124,7 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
     for ground in CASES:
         tell(f"{ground}: grid, run, links, errors")
         rows += [_grid_cost(ground, 3 if quick else 1), _run_cost(ground)]
-        rows.append(Cost("gait", ground, 6, 1e-8, math.nan, _alone_s(ground)))
-        rows += _floor_costs(ground)
-        if ground == "viscous":
-            rows += _process_costs()
+        rows.append(Cost("gait", ground, 6, 1e-8, math.nan, alone_s(ground)))
         rows += [
             Cost("links", ground, n, GRID_RTOL[ground], math.nan,
                  _solve_s(ground, n, GRID_RTOL[ground]))
@@ -219,7 +134,7 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
     return rows
 
 
-def _alone_s(ground: str) -> float:
+def alone_s(ground: str) -> float:
     """Return what one steady_gait for the speed alone costs, from Python; the gait is at hand."""
     robot, friction = CASES[ground]
     gait, rtol = (
@@ -250,23 +165,7 @@ def summary(rows: list[Cost]) -> list[str]:
             f"{ground}: one gait alone, for the speed: {cost['gait'] * 1e6:.0f} us; a run in time "
             f"until the start is forgotten takes {cost['run'] / each:.0f} times a grid's gait",
         ]
-    cost = {(r.what, r.ground): r.seconds for r in rows}
-    lines += [
-        f"{ground}: {what} {cost[what, ground] * times:.3g} {unit}, "
-        f"{cost[what, ground] / floor:.1f} times its floor of {floor * times:.3g} {unit}: {means}"
-        for (what, ground), (times, unit, means) in _FLOORS.items()
-        if (floor := cost.get((f"{what} floor", ground)))
-    ]
     return lines
-
-
-# What is told of each, and its unit: 4500 gaits, or one.
-_FLOORS = {
-    ("grid", "viscous"): (4500e3, "ms", "one Newton step and the powers, at this core's best"),
-    ("grid", "dry"): (4500e3, "ms", "following half a cycle once, at this core's best"),
-    ("gait", "viscous"): (1e6, "us", "one Newton step, as if one of four, at this core's best"),
-    ("process", "viscous"): (4.5e6, "ms", "a process that imports NumPy; ours sweeps to a file"),
-}
 
 
 def write(rows: list[Cost], folder: Path) -> None:

@@ -8,7 +8,6 @@ import time
 from dataclasses import replace
 
 import numpy as np
-
 import serpenoid as sn
 from serpenoid import _core
 from serpenoid.simulation.core_run import core_request

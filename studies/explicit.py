@@ -15,9 +15,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.integrate import solve_ivp
-
 import serpenoid as sn
+from scipy.integrate import solve_ivp
 from serpenoid import _core
 from serpenoid.bench.peers.numba_equations import dop853_run, parameters, rate_array
 from serpenoid.bench.problems import Array, Problem, problems

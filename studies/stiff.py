@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
-
 import serpenoid as sn
 from serpenoid import _core
 from serpenoid.bench.peers import compiled as peers

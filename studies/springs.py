@@ -11,9 +11,8 @@ import itertools
 import math
 
 import numpy as np
-from rich.progress import track
-
 import serpenoid as sn
+from rich.progress import track
 
 ROBOT, GROUND = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12), sn.Ground(0.1, 10.0)
 
