@@ -110,11 +110,13 @@ def evaluate(
     phi_ddot: Array,
     driven: Array,
     signs: Array | None = None,
+    rotor: Array | float = 0.0,
 ) -> Motion:
     """Return the motion where joint i has an imposed angle (driven[i]) or an imposed torque.
 
     q, qdot: (n+2,) of (x, y of link 1, theta_1..n); torque, phi_ddot, driven: (n-1,). A limp joint
-    is an undriven one with zero torque, a locked joint a driven one with zero phi_ddot. The rates
+    is an undriven one with zero torque, a locked joint a driven one with zero phi_ddot. rotor: a
+    motor's inertia at the joints that are not driven, whose `torque` acts on the rotor. The rates
     in qdot must already agree with the imposed ones.
     """
     n, theta, theta_dot = p.links, q[2:], qdot[2:]
@@ -128,10 +130,13 @@ def evaluate(
     load = load.ravel() - angles.T @ free_torque
     rows = np.vstack([gaps, angles[driven]])
     mass = np.diag(np.tile([p.mass_kg, p.mass_kg, p.inertia], n))
+    rotors = np.where(driven, 0.0, rotor)
+    mass = mass + angles.T @ np.diag(rotors) @ angles  # their energy is rotor phi'^2 / 2
     matrix = np.block([[mass, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
     solution = np.linalg.solve(matrix, np.concatenate([load, -drift, phi_ddot[driven]]))
     accel, multipliers = solution[: 3 * n].reshape(n, 3), solution[3 * n :]
     joint_torque = free_torque.astype(solution.dtype)
+    joint_torque += rotors * np.diff(accel[:, 2])  # what is left for the links
     joint_torque[driven] = multipliers[2 * (n - 1) :]
     joint_force = multipliers[: 2 * (n - 1)].reshape(n - 1, 2)
     return Motion(velocity, force, accel[:, :2], accel[:, 2], joint_force, joint_torque)

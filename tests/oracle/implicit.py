@@ -63,6 +63,7 @@ def evaluate(
     driven: Array,
     signs: Array | None = None,
     gap_rate: Array | None = None,
+    rotor: Array | float = 0.0,
 ) -> Motion:
     """Return the motion of links with pose and rates (n, 3); joints as in explicit.evaluate.
 
@@ -82,11 +83,14 @@ def evaluate(
     free_torque = np.where(driven, 0.0, torque)
     rows = angles[driven]
     mass = np.diag(np.tile([p.mass_kg, p.mass_kg, p.inertia], n))
+    rotors = np.where(driven, 0.0, rotor)
+    mass = mass + angles.T @ np.diag(rotors) @ angles  # their energy is rotor phi'^2 / 2
     matrix = np.block([[mass, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
     right = np.concatenate([load.ravel() - angles.T @ free_torque, phi_ddot[driven]])
     solution = np.linalg.solve(matrix, right)
     accel = solution[: 3 * n].reshape(n, 3)
     joint_torque = free_torque.astype(solution.dtype)
+    joint_torque += rotors * np.diff(accel[:, 2])
     joint_torque[driven] = solution[3 * n :]
     return Motion(rates[:, :2], ground, accel[:, :2], accel[:, 2], force, joint_torque)
 

@@ -41,31 +41,48 @@ def params_of(scene: sn.Scene) -> Params:
     )  # fmt: skip
 
 
-def servo_torque(servo: sn.Servo, setpoint_rad: float, angle_rad: float, rate: float) -> float:
-    """Return the torque that a servo puts into its joint, positive where it raises the angle.
+def servo_duties(servo: sn.Servo, error_rad: Array, rate: Array) -> Array:
+    """Return the duties of all servos, (n-1,), of errors and rates of their joints."""
+    found = []
+    for error, speed in zip(error_rad, rate, strict=True):
+        left = 0.0
+        if abs(error) > servo.dead_band_rad:
+            left = error - math.copysign(servo.dead_band_rad, error)
+        wanted = servo.stiffness_nm_rad * left - servo.damping_nms_rad * speed
+        duty = wanted / servo.torque_limit_nm + speed / servo.speed_limit_rad_s
+        found.append(max(-1.0, min(1.0, duty)))
+    return np.array(found)
 
-    The motor's line: the torque it can give in the direction of its own speed falls from the limit
-    at rest to nothing at the speed limit; against it there is the whole limit.
+
+def servo_torques(servo: sn.Servo, duty: Array, rate: Array) -> Array:
+    """Return the torque that each servo puts into its joint, positive where it raises the angle.
+
+    A motor is a voltage behind a resistance: the current is what the voltage leaves of the back
+    EMF, over the resistance; here both in units of a stalled motor at full voltage. A bridge takes
+    duty times it from the supply, which falls by the share `supply_sag` for each unit, and never
+    rises.
     """
-    error = setpoint_rad - angle_rad
-    if abs(error) <= servo.dead_band_rad:
-        error = 0.0
-    else:
-        error -= math.copysign(servo.dead_band_rad, error)
-    wanted = servo.stiffness_nm_rad * error - servo.damping_nms_rad * rate
-    limit = servo.torque_limit_nm
-    ahead = limit - limit * abs(rate) / servo.speed_limit_rad_s
-    if rate > 0:
-        return max(min(wanted, ahead), -limit)
-    return min(max(wanted, -ahead), limit)
+    low, high = 0.0, 1.0  # the supply's voltage, by bisection
+    back = rate / servo.speed_limit_rad_s
+    for _ in range(80):
+        supply = (low + high) / 2
+        taken = np.sum(duty * (supply * duty - back))
+        if 1 - servo.supply_sag * taken > supply:
+            low = supply
+        else:
+            high = supply
+    current = (low + high) / 2 * duty - back
+    gear = servo.gear_friction_nm * np.sign(rate) + servo.gear_damping_nms_rad * rate
+    return servo.torque_limit_nm * current - gear
 
 
 @dataclass
 class SlowScene:
-    """Hold a scene and the two things that its steps hold on to: setpoints and damper rates."""
+    """Hold a scene and what its steps hold on to: setpoints, duties and damper rates."""
 
     scene: sn.Scene
     setpoint_rad: Array = field(default_factory=lambda: np.zeros(0))
+    duty: Array | None = None  # of servos that hold it
     held_gap_rate: Array | None = None  # (n-1, 2), of the paper's scheme
 
     def __post_init__(self) -> None:
@@ -78,18 +95,25 @@ class SlowScene:
         self.driven = np.array([j in s.locked or (by_angle and j not in s.limp) for j in numbers])
         self.pinned = s.formulation == "explicit"
 
-    def enter(self, t_s: float) -> None:
-        """Take the setpoints of the frame that begins at or before a time."""
-        if self.scene.drive == "servo":
-            g, frame = self.scene.gait, math.floor(t_s / FRAME_S + 1e-9)
-            self.setpoint_rad = _core.firmware.gait_setpoints_rad(
-                g.alpha_rad,
-                g.beta_rad,
-                g.omega_rad_s,
-                offset_rad=g.offset_rad,
-                first_frame=frame,
-                joints=self.p.links - 1,
-            )[0]
+    def enter(self, t_s: float, y: Array) -> None:
+        """Take the setpoints of the frame that begins at or before a time, and the duties."""
+        servo = self.scene.servo
+        if servo is None:
+            return
+        g, frame = self.scene.gait, math.floor(t_s / FRAME_S + 1e-9)
+        self.setpoint_rad = _core.firmware.gait_setpoints_rad(
+            g.alpha_rad,
+            g.beta_rad,
+            g.omega_rad_s,
+            offset_rad=g.offset_rad,
+            first_frame=frame,
+            joints=self.p.links - 1,
+        )[0]
+        updates = t_s * servo.update_hz
+        if servo.update_hz > 0 and abs(updates - round(updates)) < 1e-6:
+            pose, rates, _ = self.links(t_s, y)
+            error = self.setpoint_rad - np.diff(pose[:, 2])
+            self.duty = servo_duties(servo, error, np.diff(rates[:, 2]))
 
     def joints(self, t_s: float) -> tuple[Array, Array, Array]:
         """Return imposed angles and their rates, each (n-1,); what is free has to be filled in."""
@@ -129,8 +153,9 @@ class SlowScene:
         s, joints = self.scene, self.p.links - 1
         if s.drive == "servo":
             assert s.servo is not None
-            raised = zip(self.setpoint_rad, np.diff(pose[:, 2]), np.diff(rates[:, 2]), strict=True)
-            torque = np.array([-servo_torque(s.servo, *joint) for joint in raised])
+            error, rate = self.setpoint_rad - np.diff(pose[:, 2]), np.diff(rates[:, 2])
+            duty = servo_duties(s.servo, error, rate) if self.duty is None else self.duty
+            torque = -servo_torques(s.servo, duty, rate)
         elif isinstance(s.torque, sn.TorqueTable):
             columns = s.torque.torque_nm.T
             torque = np.array([np.interp(t_s, s.torque.t_s, column) for column in columns])
@@ -145,6 +170,9 @@ class SlowScene:
         """Return accelerations and forces, and pose and rates, at a state."""
         pose, rates, bend = self.links(t_s, y)
         joints = {"torque": self.torque(t_s, pose, rates), "phi_ddot": bend, "driven": self.driven}
+        if self.scene.servo is not None:
+            sound = [j not in self.scene.limp for j in range(1, self.p.links)]
+            joints["rotor"] = np.where(sound, self.scene.servo.armature_kg_m2, 0.0)
         signs = None
         if self.scene.smoothing_m_s > 0:
             axes = np.stack(explicit.axes(pose[:, 2]), 1)  # (n, 2, 2)
@@ -230,10 +258,10 @@ def slow_run(scene: sn.Scene, start: sn.LinkState) -> dict[str, Array]:
     y, dt = slow.pack(start), scene.dt_s
     if scene.method == "paper":
         slow.held_gap_rate = slow.gap_rate(0.0, y)
-    slow.enter(0.0)
+    slow.enter(0.0, y)
     note(0.0, y)
     for t in np.arange(scene.steps) * dt:
-        slow.enter(t)
+        slow.enter(t, y)
         before, y = y, slow.step(t, y, dt)
         if scene.method == "paper":
             slow.held_gap_rate = slow.gap_rate(t, before)

@@ -49,22 +49,26 @@ enum class Fault : char { none, limp, locked };
 class MixedDrive {
   public:
     MixedDrive(int links, const Gait& g, bool by_angle, const std::vector<Fault>& faults,
-               const std::vector<double>& locked_rad)
+               const std::vector<double>& locked_rad, double armature)
         : omega_(g.omega),
           table_(links, g),
           accel_(links - 1),
           fault_(faults),
           locked_(locked_rad),
-          imposed_(links - 1) {
+          imposed_(links - 1),
+          rotor_(links - 1) {
+        fault_.resize(links - 1, Fault::none), locked_.resize(links - 1);
         for (int i = 0; i + 1 < links; ++i) {
             imposed_[i] = fault_[i] == Fault::locked || (by_angle && fault_[i] == Fault::none);
             if (!imposed_[i]) free_.push_back(i);
+            if (!imposed_[i] && fault_[i] == Fault::none) rotor_[i] = armature;
         }
     }
 
     int free_joints() const { return static_cast<int>(free_.size()); }
     const std::vector<int>& free() const { return free_; }
     const std::vector<char>& imposed() const { return imposed_; }
+    const std::vector<double>& rotor() const { return rotor_; }  // kg m^2, of free joints
     const double* joint_accel() const { return accel_.data(); }
 
     // Angles and rates of all links from those of link 1 and of the free joints; keeps phi''.
@@ -99,6 +103,7 @@ class MixedDrive {
     std::vector<Fault> fault_;
     std::vector<double> locked_;
     std::vector<char> imposed_;
+    std::vector<double> rotor_;
     std::vector<int> free_;
 };
 

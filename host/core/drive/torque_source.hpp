@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "drive/firmware_gait.hpp"
+#include "drive/servo.hpp"
 #include "model/chain.hpp"
 #include "model/params.hpp"
 
@@ -23,7 +24,8 @@ class TorqueSource {
     // Fill T (on link i from link i+1) from the time, the angles and the rates of the chain.
     virtual void torques(double t, const Chain& chain, double* T) = 0;
     virtual double next_jump(double) const { return std::numeric_limits<double>::infinity(); }
-    virtual void enter(double) {}
+    // A jump has been reached, with the chain as it is.
+    virtual void enter(double, const Chain&) {}
 };
 
 class NoTorque final : public TorqueSource {
@@ -70,49 +72,55 @@ class TableTorque final : public TorqueSource {
     TorqueRows rows_;
 };
 
-// A hobby servo: proportional and derivative action towards a setpoint that changes every 20 ms.
-struct Servo {
-    double stiffness = 0;     // N m/rad
-    double damping = 0;       // N m s/rad
-    double torque_limit = 0;  // N m, stalled; a motor's falls to 0 at the speed limit
-    double speed_limit = 0;   // rad/s, unloaded
-    double dead_band = 0;     // rad, error below which it does nothing
-};
-
-// Setpoints are those of the firmware's own code, held through each frame of 20 ms.
+// Setpoints are those of the firmware's own code, held through each frame.
 class ServoTorque final : public TorqueSource {
   public:
     ServoTorque(const Servo& servo, const Gait& gait, int links)
-        : servo_(servo), gait_(gait), setpoint_(links - 1) {
-        enter(0);
-    }
+        : servo_(servo),
+          gait_(gait, servo.frame),
+          setpoint_(links - 1),
+          duty_(links - 1),
+          update_(servo.update_hz > 0 ? 1 / servo.update_hz : 0) {}
     double next_jump(double t) const override {
-        // a time within rounding of a frame's start is in that frame
-        return (std::floor(t / kFrame + 1e-9) + 1) * kFrame;
+        const double frame = after(t, servo_.frame);
+        return held() ? std::min(frame, after(t, update_)) : frame;
     }
-    void enter(double t) override {
-        const auto frame = static_cast<std::uint64_t>(std::floor(t / kFrame + 1e-9));
-        gait_.setpoints(frame, setpoint_.data(), setpoint_.size());
+    void enter(double t, const Chain& k) override {
+        gait_.setpoints(index(t, servo_.frame), setpoint_.data(), setpoint_.size());
+        // a frame between two updates changes nothing yet
+        if (held() && t >= static_cast<double>(index(t, update_)) * update_ - kGrain * update_ &&
+            t <= (static_cast<double>(index(t, update_)) + kGrain) * update_)
+            control(k);
     }
     void torques(double, const Chain& k, double* T) override {
-        for (std::size_t i = 0; i < setpoint_.size(); ++i) {
-            const double angle = k.theta[i + 1] - k.theta[i], rate = k.omega[i + 1] - k.omega[i];
-            double error = setpoint_[i] - angle;
-            error -= std::clamp(error, -servo_.dead_band, servo_.dead_band);
-            const double wanted = servo_.stiffness * error - servo_.damping * rate;
-            // the straight line of a motor, both ways; braking has the whole torque
-            const double speed = rate / servo_.speed_limit;
-            const double most = servo_.torque_limit * std::min(1.0, 1 - speed);
-            const double least = -servo_.torque_limit * std::min(1.0, 1 + speed);
-            T[i] = -std::max(std::min(wanted, most), least);  // on link i; the head side gets -T
+        if (!held()) control(k);
+        Supply supply;
+        for (std::size_t i = 0; i < duty_.size(); ++i) supply.add(servo_, duty_[i], rate(k, i));
+        const double voltage = supply.voltage(servo_.supply_sag);
+        for (std::size_t i = 0; i < duty_.size(); ++i) {
+            const double w = rate(k, i), dry = servo_.gear_friction * ((w > 0) - (w < 0));
+            T[i] = dry - servo_.torque(voltage, duty_[i], w);  // on link i; the head side gets -T
         }
     }
 
   private:
-    static constexpr double kFrame = 0.02;  // s
+    static constexpr double kGrain = 1e-9;  // a time within rounding of a start is in it
+    static std::uint64_t index(double t, double every) {
+        return static_cast<std::uint64_t>(std::floor(t / every + kGrain));
+    }
+    static double after(double t, double every) {
+        return (std::floor(t / every + kGrain) + 1) * every;
+    }
+    static double rate(const Chain& k, std::size_t i) { return k.omega[i + 1] - k.omega[i]; }
+    bool held() const { return update_ > 0; }
+    void control(const Chain& k) {
+        for (std::size_t i = 0; i < duty_.size(); ++i)
+            duty_[i] = servo_.duty(setpoint_[i] - (k.theta[i + 1] - k.theta[i]), rate(k, i));
+    }
     Servo servo_;
     FirmwareGait gait_;
-    std::vector<double> setpoint_;
+    std::vector<double> setpoint_, duty_;
+    double update_;  // s; 0: no hold
 };
 
 }  // namespace serpenoid

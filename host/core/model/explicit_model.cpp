@@ -100,7 +100,9 @@ struct JointRows {
     double before[9], here[9], after[9], right[3];
 };
 
-JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double known) {
+// A free joint with a rotor: its phi'' = (T - known) / rotor, known the torque on the rotor.
+JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double rotor,
+                     double known) {
     const double im = 1 / r.m, lI = r.l / r.I, ll = r.l * lI, iI = 1 / r.I;
     const double a[2] = {-k.s[i], k.c[i]}, b[2] = {-k.s[i + 1], k.c[i + 1]};  // n_i, n_{i+1}
     const double wi = r.l * k.omega[i] * k.omega[i];
@@ -119,27 +121,28 @@ JointRows joint_rows(const Robot& r, const Chain& k, int i, bool imposed, double
     }
     rows.right[0] = (k.fx[i + 1] - k.fx[i]) * im + k.c[i] * wi + k.c[i + 1] * wj;
     rows.right[1] = (k.fy[i + 1] - k.fy[i]) * im + k.s[i] * wi + k.s[i + 1] * wj;
-    rows.right[2] = imposed ? -known : known;
-    if (!imposed) return rows.here[8] = 1, rows;
+    rows.right[2] = imposed ? -known : rotor > 0 ? known / rotor : known;
+    if (!imposed && rotor == 0) return rows.here[8] = 1, rows;
     for (int q = 0; q < 2; ++q) {
         rows.before[6 + q] = lI * a[q];
         rows.here[6 + q] = lI * (a[q] - b[q]);
         rows.after[6 + q] = -lI * b[q];
     }
-    rows.before[8] = rows.after[8] = -iI, rows.here[8] = 2 * iI;
+    rows.before[8] = rows.after[8] = -iI, rows.here[8] = 2 * iI + (imposed ? 0 : 1 / rotor);
     return rows;
 }
 
 }  // namespace
 
-void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* joint_accel,
-                    Chain& k, Joints& joints) {
+void explicit_mixed(const Robot& robot, const std::vector<char>& imposed,
+                    const std::vector<double>& rotor, const double* joint_accel, Chain& k,
+                    Joints& joints) {
     const int last = k.n() - 2;
     std::vector<double> upper(9 * (last + 1));
     std::vector<Vec3> found(last + 1);
     for (int i = 0; i <= last; ++i) {
-        JointRows rows =
-            joint_rows(robot, k, i, imposed[i], imposed[i] ? joint_accel[i] : joints.T[i]);
+        JointRows rows = joint_rows(robot, k, i, imposed[i], rotor[i],
+                                    imposed[i] ? joint_accel[i] : joints.T[i]);
         double rhs[12];  // (block to the next joint, right side)
         for (int p = 0; p < 3; ++p) {
             for (int q = 0; q < 3; ++q) rhs[4 * p + q] = i < last ? rows.after[3 * p + q] : 0;

@@ -25,7 +25,10 @@ void explicit_torque(const Robot& robot, Chain& chain, Joints& joints);
 // equations:
 //     (2T_i - T_{i-1} - T_{i+1})/I + (l/I)[n_i . (F_{i-1} + F_i) - n_{i+1} . (F_i + F_{i+1})]
 //   = -phi_i''.
-void explicit_mixed(const Robot& robot, const std::vector<char>& imposed, const double* joint_accel,
-                    Chain& chain, Joints& joints);
+// A free joint with rotor[j] > 0, the inertia of a motor times its gear ratio squared, has that row
+// too: joints.T[j] is the torque T* on the rotor, T_j = T*_j + rotor_j phi_j'' is found.
+void explicit_mixed(const Robot& robot, const std::vector<char>& imposed,
+                    const std::vector<double>& rotor, const double* joint_accel, Chain& chain,
+                    Joints& joints);
 
 }  // namespace serpenoid

@@ -106,20 +106,23 @@ inline void implicit_torque(const Robot& r, Chain& k, Joints& joints) {
 }
 
 // Some joints imposed, the others free, as explicit_mixed; the imposed torques solve
-//     (2T_i - T_{i-1} - T_{i+1})/I = (couple_{i+1} - couple_i)/I - phi_i''.
+//     (2T_i - T_{i-1} - T_{i+1})/I = (couple_{i+1} - couple_i)/I - phi_i'',
+// and so do those of joints with rotors, whose phi_i'' is (T_i - what drives the rotor) / rotor_i.
 inline void implicit_mixed(const Robot& r, const std::vector<char>& imposed,
-                           const double* joint_accel, std::vector<double>& scratch, Chain& k,
-                           Joints& joints) {
+                           const std::vector<double>& rotor, const double* joint_accel,
+                           std::vector<double>& scratch, Chain& k, Joints& joints) {
     const int n = k.n();
     for (int i = 0; i < n; ++i) k.alpha[i] = link_balance(r, k, joints, i);  // couples, for now
     double ratio = 0;  // what the elimination left beside the diagonal of the row before
     for (int i = 0; i + 1 < n; ++i) {
-        if (!imposed[i]) {
+        const double ease = imposed[i] || rotor[i] == 0 ? 0 : r.I / rotor[i];
+        if (!imposed[i] && ease == 0) {
             scratch[i] = ratio = 0;
             continue;
         }
-        const double right = k.alpha[i + 1] - k.alpha[i] - r.I * joint_accel[i];
-        const double diagonal = 2 - ratio;
+        const double known = imposed[i] ? -r.I * joint_accel[i] : ease * joints.T[i];
+        const double right = k.alpha[i + 1] - k.alpha[i] + known;
+        const double diagonal = 2 + ease - ratio;
         joints.T[i] = (right + (i > 0 ? joints.T[i - 1] : 0)) / diagonal;
         scratch[i] = ratio = 1 / diagonal;
     }

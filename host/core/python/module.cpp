@@ -210,6 +210,14 @@ void bind_run(nb::module_& m) {
         .value("none", Fault::none)
         .value("limp", Fault::limp)
         .value("locked", Fault::locked);
+    nb::class_<Servo> servo(m, "Servo");
+    servo.def(nb::init<>());
+    std::vector<std::string> of_servo;
+    each_servo_field([&](const char* name, double Servo::* field) {
+        of_servo.push_back(name);
+        servo.def_rw(name, field);
+    });
+    m.attr("SERVO_FIELDS") = nb::tuple(nb::cast(of_servo));
     nb::class_<RunRequest> request(m, "RunRequest");
     request
         .def("__init__",
@@ -228,9 +236,7 @@ void bind_run(nb::module_& m) {
         .def_rw("record_friction", &RunRequest::record_friction)
         .def_rw("record_energy", &RunRequest::record_energy)
         .def("set_slope", [](RunRequest& q, double gx, double gy) { q.slope = {gx, gy}; })
-        .def("set_servo",
-             [](RunRequest& q, double stiffness, double damping, double torque, double speed,
-                double dead_band) { q.servo = {stiffness, damping, torque, speed, dead_band}; })
+        .def_rw("servo", &RunRequest::servo)
         .def("set_torque_function", &set_torque_function)
         .def("set_torque_table", [](RunRequest& q, std::vector<double> t, std::vector<double> T) {
             q.table = {std::move(t), std::move(T)};

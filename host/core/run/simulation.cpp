@@ -62,7 +62,7 @@ class Run {
 
   private:
     void begin(double t) {
-        system_.enter(t);
+        system_.enter(t, y_.data());
         method_.restart(t, y_.data());
     }
     void smooth_part(double stop) {

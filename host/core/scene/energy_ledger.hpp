@@ -59,7 +59,7 @@ class EnergyLedger final : public System {
         return of;
     }
     double next_jump(double t) const override { return inner_->next_jump(t); }
-    void enter(double t) override { inner_->enter(t); }
+    void enter(double t, const double* y) override { inner_->enter(t, y); }
     Modes* modes() override { return inner_->modes(); }
     void latch() override { inner_->latch(); }
 

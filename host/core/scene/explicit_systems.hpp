@@ -91,9 +91,9 @@ class ExplicitTorque final : public PairedSystem {
     void load(double t, const double* y) override {
         fill(t, y);
         force(chain);
-        source->torques(t, chain, joints.T.data());
+        source->torques(t, chain, driven.data());
     }
-    void accelerate() override { explicit_torque(robot, chain, joints); }
+    void accelerate() override { joints.T = driven, explicit_torque(robot, chain, joints); }
     void rate(double t, const double* y, double* dy) override { forces(t, y), derivative(y, dy); }
     void derivative(const double* y, double* dy) const override {
         std::copy_n(y + half, half, dy);
@@ -102,7 +102,7 @@ class ExplicitTorque final : public PairedSystem {
     }
     bool rate_fills_forces() const override { return true; }
     double next_jump(double t) const override { return source->next_jump(t); }
-    void enter(double t) override { source->enter(t); }
+    void enter(double t, const double* y) override { fill(t, y), source->enter(t, chain); }
 
   private:
     Robot robot;
@@ -141,11 +141,12 @@ class ExplicitMixed final : public PairedSystem {
     void load(double t, const double* y) override {
         fill(t, y);
         force(chain);
-        source->torques(t, chain, joints.T.data());
-        drive.limp(joints.T.data());
+        source->torques(t, chain, driven.data());
+        drive.limp(driven.data());
     }
     void accelerate() override {
-        explicit_mixed(robot, drive.imposed(), drive.joint_accel(), chain, joints);
+        joints.T = driven;
+        explicit_mixed(robot, drive.imposed(), drive.rotor(), drive.joint_accel(), chain, joints);
     }
     void rate(double t, const double* y, double* dy) override { forces(t, y), derivative(y, dy); }
     void derivative(const double* y, double* dy) const override {
@@ -158,7 +159,7 @@ class ExplicitMixed final : public PairedSystem {
     }
     bool rate_fills_forces() const override { return true; }
     double next_jump(double t) const override { return source->next_jump(t); }
-    void enter(double t) override { source->enter(t); }
+    void enter(double t, const double* y) override { fill(t, y), source->enter(t, chain); }
 
   private:
     Robot robot;

@@ -132,7 +132,7 @@ class ImplicitTorque final : public ImplicitSystem<Force, Damper> {
     }
     bool rate_fills_forces() const override { return true; }
     double next_jump(double t) const override { return source->next_jump(t); }
-    void enter(double t) override { source->enter(t); }
+    void enter(double t, const double* y) override { fill(t, y), source->enter(t, this->chain); }
 
   private:
     std::unique_ptr<TorqueSource> source;
@@ -171,8 +171,8 @@ class ImplicitMixed final : public ImplicitSystem<Force, Damper> {
         double* T = this->joints.T.data();
         source->torques(t, this->chain, T);
         drive.limp(T);
-        implicit_mixed(this->robot, drive.imposed(), drive.joint_accel(), scratch, this->chain,
-                       this->joints);
+        implicit_mixed(this->robot, drive.imposed(), drive.rotor(), drive.joint_accel(), scratch,
+                       this->chain, this->joints);
     }
     void rate(double t, const double* y, double* dy) override {
         forces(t, y);
@@ -188,7 +188,7 @@ class ImplicitMixed final : public ImplicitSystem<Force, Damper> {
     }
     bool rate_fills_forces() const override { return true; }
     double next_jump(double t) const override { return source->next_jump(t); }
-    void enter(double t) override { source->enter(t); }
+    void enter(double t, const double* y) override { fill(t, y), source->enter(t, this->chain); }
 
   private:
     MixedDrive drive;

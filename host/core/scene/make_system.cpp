@@ -15,18 +15,19 @@ std::unique_ptr<System> make_sticking(const RunRequest& q) {
     constexpr double kRounding = 1e-10;  // a tolerance below which that would be rounding
     RunRequest slippery = q;
     slippery.ground = {q.ground.ct_mean(), q.ground.cn, 0, 0};
+    slippery.servo.gear_friction = 0;
     const double speed = 2 * q.robot.l * q.robot.n * rate_unit(q);
     const double moves = q.robot.n * q.robot.m * speed * rate_unit(q);
     return std::make_unique<StickingSystem>(
-        make_paired(slippery), q.ground, kAtRest * std::max(q.tolerance, kRounding) * speed, moves);
+        make_paired(slippery), q, kAtRest * std::max(q.tolerance, kRounding) * speed, moves);
 }
 
 }  // namespace
 
 std::unique_ptr<System> make_system(const RunRequest& q) {
     const bool pinned = q.formulation == Formulation::explicit_;
-    if (pinned && q.method.makes_friction && !q.ground.smooth() && !in_body_frame(q))
-        return make_sticking(q);
+    const bool smooth = q.ground.smooth() && gear_friction(q) == 0;
+    if (pinned && q.method.makes_friction && !smooth && !in_body_frame(q)) return make_sticking(q);
     if (pinned) return make_explicit(q);
     if (!q.method.makes_friction) return make_implicit(q);
     RunRequest bare = q;  // the method itself applies the friction

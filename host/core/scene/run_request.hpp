@@ -43,6 +43,14 @@ struct RunRequest {
     std::function<bool(double t)> go_on;  // asked now and then; false stops the run
 };
 
+// The rotors of its servos, kg m^2; 0 for other drives.
+inline double armature(const RunRequest& q) {
+    return q.drive == Drive::servo ? q.servo.armature : 0;
+}
+inline double gear_friction(const RunRequest& q) {
+    return q.drive == Drive::servo ? q.servo.gear_friction : 0;
+}
+
 // What a motion has as its unit of time, 1/s: its gait, and where other drives move it a second.
 inline double rate_unit(const RunRequest& q) {
     return q.drive == Drive::angle ? q.gait.omega : std::max(q.gait.omega, 1.0);

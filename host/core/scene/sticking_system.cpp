@@ -15,39 +15,57 @@ constexpr double kCreep = 100;       // times at_rest: how fast one that rests m
 constexpr double kOvershot = 1e3;    // times at_rest: how fast one may be just after it turned
 }  // namespace
 
-StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const Ground& ground,
+StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const RunRequest& q,
                                double at_rest, double moves)
-    : System(*slippery), inner_(std::move(slippery)), ground_(ground), at_rest_(at_rest) {
-    const bool along = ground.ft0_mean() > 0 || ground.ct != ground.ct_back;
+    : System(*slippery),
+      inner_(std::move(slippery)),
+      ground_(q.ground),
+      length_(2 * q.robot.l),
+      at_rest_(at_rest) {
+    const Ground& g = ground_;
+    const bool along = g.ft0_mean() > 0 || g.ct != g.ct_back;
     for (int i = 0; i < chain.n(); ++i) {
-        if (along) ways_.push_back({i, false, ground.ft0_mean(), ground.grip(moves)});
-        if (ground.fn0 > 0) ways_.push_back({i, true, ground.fn0, 1});
+        if (along) ways_.push_back({i, Kind::along, g.ft0_mean(), g.grip(moves)});
+        if (g.fn0 > 0) ways_.push_back({i, Kind::across, g.fn0, 1});
     }
+    for (int i = 0; i + 1 < chain.n() && gear_friction(q) > 0; ++i)
+        if (q.faults.empty() || q.faults[i] == Fault::none)
+            ways_.push_back({i, Kind::gear, gear_friction(q) / length_, 1});
     for (std::size_t w = 0; w < ways_.size(); ++w) resting_.push_back(static_cast<int>(w));
 }
 
 double StickingSystem::speed(const Way& w) const {
     const int i = w.link;
-    return w.across ? chain.c[i] * chain.vy[i] - chain.s[i] * chain.vx[i]
-                    : chain.c[i] * chain.vx[i] + chain.s[i] * chain.vy[i];
+    if (w.kind == Kind::gear) return length_ * (chain.omega[i + 1] - chain.omega[i]);
+    return w.kind == Kind::across ? chain.c[i] * chain.vy[i] - chain.s[i] * chain.vx[i]
+                                  : chain.c[i] * chain.vx[i] + chain.s[i] * chain.vy[i];
 }
 
 // d/dt of speed(), the turning of the direction included.
 double StickingSystem::acceleration(const Way& w) const {
     const int i = w.link;
     const double c = chain.c[i], s = chain.s[i], turn = chain.omega[i];
-    if (w.across)
+    if (w.kind == Kind::gear) return length_ * (chain.alpha[i + 1] - chain.alpha[i]);
+    if (w.kind == Kind::across)
         return c * chain.ay[i] - s * chain.ax[i] - turn * (c * chain.vx[i] + s * chain.vy[i]);
     return c * chain.ax[i] + s * chain.ay[i] + turn * (c * chain.vy[i] - s * chain.vx[i]);
 }
 
-// A force of a part of the bound on a link in one of its directions.
+// A force of a part of the bound on a link in one of its directions, or on what drives a joint.
 void StickingSystem::push(const Way& w, double part) {
     const int i = w.link;
     const double f = part * w.dry;
-    chain.fx[i] += f * (w.across ? -chain.s[i] : chain.c[i]);
-    chain.fy[i] += f * (w.across ? chain.c[i] : chain.s[i]);
+    if (w.kind == Kind::gear) {
+        inner_->driven[i] -= f * length_;
+        return;
+    }
+    const bool across = w.kind == Kind::across;
+    chain.fx[i] += f * (across ? -chain.s[i] : chain.c[i]);
+    chain.fy[i] += f * (across ? chain.c[i] : chain.s[i]);
 }
+
+// The forces without those of what rests.
+void StickingSystem::let_go() { chain.fx = free_x_, chain.fy = free_y_, inner_->driven = free_T_; }
 
 // What a ratchet has beside the mean of both ways.
 void StickingSystem::differ(const Way& w) {
@@ -61,11 +79,11 @@ void StickingSystem::differ(const Way& w) {
 void StickingSystem::slide(double t, const double* y) {
     inner_->load(t, y);
     for (const Way& w : ways_) {
-        if (ground_.ratchet() && !w.across) differ(w);
+        if (ground_.ratchet() && w.kind == Kind::along) differ(w);
         if (w.sign != 0) push(w, -w.sign);
     }
     inner_->accelerate();
-    free_x_ = chain.fx, free_y_ = chain.fy;
+    free_x_ = chain.fx, free_y_ = chain.fy, free_T_ = inner_->driven;
 }
 
 // W by columns and rows, each times its bound, and a times the bound; slide() has been called.
@@ -74,7 +92,7 @@ void StickingSystem::respond(const std::vector<int>& ways) {
     response_.resize(k * k), pull_.resize(k), still_.resize(k);
     for (std::size_t i = 0; i < k; ++i) still_[i] = acceleration(ways_[ways[i]]);
     for (std::size_t j = 0; j < k; ++j) {
-        chain.fx = free_x_, chain.fy = free_y_;
+        let_go();
         push(ways_[ways[j]], 1);
         inner_->accelerate();
         for (std::size_t i = 0; i < k; ++i) {
@@ -92,7 +110,7 @@ void StickingSystem::respond(const std::vector<int>& ways) {
 
 // Add share_ to the forces, and take the accelerations by all of them.
 void StickingSystem::hold(const std::vector<int>& ways) {
-    chain.fx = free_x_, chain.fy = free_y_;
+    let_go();
     for (std::size_t i = 0; i < ways.size(); ++i) push(ways_[ways[i]], share_[i]);
     inner_->accelerate();
 }
@@ -110,7 +128,7 @@ void StickingSystem::put_to_rest(const std::vector<int>& ways, double* y) {
     const std::size_t k = ways.size();
     std::vector<double> moving(k);
     for (std::size_t i = 0; i < k; ++i) moving[i] = ways_[ways[i]].dry * speed(ways_[ways[i]]);
-    chain.fx = free_x_, chain.fy = free_y_;
+    let_go();
     inner_->accelerate();
     const std::vector<double> ax = chain.ax, ay = chain.ay, alpha = chain.alpha;
     box_.minimise_free(response_, moving, share_);

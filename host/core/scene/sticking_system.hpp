@@ -12,6 +12,9 @@
 // which is Gauss's principle of least constraint with dry friction in it. What is inside its bound
 // rests, what is at it slides, its acceleration against the force. There is no smoothing width.
 //
+// Gears hold like wheels: the speed of such a contact is that of its joint times a link's length,
+// its force the torque over that length.
+//
 // A ratchet's links have the mean of both ways as mu and half the difference as a constant thrust;
 // its viscous friction is that of the mode, and a wheel without dry friction changes its way when
 // it stops, without a rest.
@@ -29,7 +32,7 @@ class StickingSystem final : public System, public Modes {
   public:
     // The system has all but the dry friction, and the mean viscous friction of a ratchet. Slower
     // than `at_rest`, m/s, a wheel may rest; `moves`: a force that moves the links, N.
-    StickingSystem(std::unique_ptr<PairedSystem> slippery, const Ground& ground, double at_rest,
+    StickingSystem(std::unique_ptr<PairedSystem> slippery, const RunRequest& q, double at_rest,
                    double moves);
 
     int dim() const override { return inner_->dim(); }
@@ -42,7 +45,7 @@ class StickingSystem final : public System, public Modes {
     bool rate_fills_forces() const override { return true; }
     std::vector<int> rate_of() const override { return inner_->rate_of(); }
     double next_jump(double t) const override { return inner_->next_jump(t); }
-    void enter(double t) override { inner_->enter(t); }
+    void enter(double t, const double* y) override { inner_->enter(t, y); }
     Modes* modes() override { return this; }
 
     void find(double t, double* y) override;
@@ -50,10 +53,10 @@ class StickingSystem final : public System, public Modes {
     bool creeps(double t, const double* y) override;
 
   private:
-    // Direction 2 i is along link i, 2 i + 1 across it.
+    enum class Kind : char { along, across, gear };
     struct Way {
-        int link;
-        bool across;
+        int link;  // of a gear: behind it
+        Kind kind;
         double dry;        // bound of its force, N
         double grip;       // sliding_piece.hpp
         int sign = 0;      // 0 rests, else which way it slides
@@ -62,6 +65,7 @@ class StickingSystem final : public System, public Modes {
     double speed(const Way& w) const;
     double acceleration(const Way& w) const;
     void push(const Way& w, double part);
+    void let_go();
     void slide(double t, const double* y);
     void differ(const Way& w);
     void respond(const std::vector<int>& ways);
@@ -70,12 +74,12 @@ class StickingSystem final : public System, public Modes {
 
     std::unique_ptr<PairedSystem> inner_;
     Ground ground_;
-    double at_rest_;
+    double length_, at_rest_;
     bool known_ = false;  // modes have been found before
     std::vector<Way> ways_;
     std::vector<int> resting_;
     BoxQuadratic box_;
-    std::vector<double> response_, pull_, share_, free_x_, free_y_, still_;
+    std::vector<double> response_, pull_, share_, free_x_, free_y_, free_T_, still_;
 };
 
 }  // namespace serpenoid

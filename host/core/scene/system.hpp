@@ -52,7 +52,7 @@ class System {
     // Some drives jump (setpoints, tables). The next jump after t, and what to do when it is
     // reached: the motion between two jumps is smooth.
     virtual double next_jump(double) const { return std::numeric_limits<double>::infinity(); }
-    virtual void enter(double) {}
+    virtual void enter(double, const double*) {}
 
     // Those that its motion has, for a method that follows them.
     virtual Modes* modes() { return nullptr; }

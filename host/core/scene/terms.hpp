@@ -28,10 +28,11 @@ std::unique_ptr<Made> with_force(const RunRequest& q, const Make& make) {
                               : plane.template operator()<Frictionless>();
 }
 
-inline bool mixed(const RunRequest& q) { return !q.faults.empty(); }
+// Some joints of another kind than the others, or rotors, whose torques are solved for, too.
+inline bool mixed(const RunRequest& q) { return !q.faults.empty() || armature(q) > 0; }
 
 inline MixedDrive mixed_drive(const RunRequest& q) {
-    return {q.robot.n, q.gait, q.drive == Drive::angle, q.faults, q.locked_rad};
+    return {q.robot.n, q.gait, q.drive == Drive::angle, q.faults, q.locked_rad, armature(q)};
 }
 
 }  // namespace serpenoid

@@ -8,7 +8,7 @@ from typing import Any
 
 from .. import _core
 from ..model.core_model import core_model
-from ..model.drives import TorqueTable
+from ..model.drives import TorqueTable, core_servo
 from ..model.errors import Diverged
 from ..model.link_state import LinkState
 from ..model.vectors import finite_vector
@@ -55,7 +55,7 @@ def core_request(scene: Scene) -> Any:
         q.set_slope(downhill * math.cos(direction), downhill * math.sin(direction))
     _torque(q, scene)
     if scene.servo is not None:
-        q.set_servo(*(getattr(scene.servo, name) for name in scene.servo.__slots__))
+        q.servo = core_servo(scene.servo)
     q.faults, q.locked_rad = _faults(scene)
     q.method = scene.method
     q.most_steps = MAX_LINK_STEPS // scene.robot.links

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from .. import _core
+from ..model.drives import Servo
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +64,11 @@ class Asked(Protocol):
         ...
 
     @property
+    def servo(self) -> Servo | None:
+        """Return what moves the joints when the drive is "servo"."""
+        ...
+
+    @property
     def limp(self) -> tuple[int, ...]:
         """Return the joints without torque."""
         ...
@@ -102,6 +108,8 @@ def objection(
     ):
         if value not in runs:
             return f"does not run with {what} {value!r}"
+    if (why := _servo_objection(name, scene.servo)) is not None:
+        return why
     if (scene.limp or scene.locked) and (kind.plain or not kind.faults):
         return "does not run with limp or locked joints"
     if scene.incline_rad > 0 and kind.plain:
@@ -111,9 +119,20 @@ def objection(
     return f"cannot record {lacks[0]!r}" if lacks else None
 
 
+def _servo_objection(name: str, servo: Servo | None) -> str | None:
+    if servo is None:
+        return None
+    if name == "radau" and not servo.simple:
+        return "does not run with rotors, gear friction, a loop that holds or a supply that sags"
+    if name == "dop853" and servo.gear_friction_nm > 0:
+        return "does not run with gear friction"
+    return None
+
+
 def default_method(scene: Asked) -> str:
     """Return the method for a scene that names none: exact sticking on dry ground, else rk4."""
-    dry = scene.law == "dry" and objection("nonsmooth", scene) is None
+    gears = scene.servo is not None and scene.servo.gear_friction_nm > 0
+    dry = (scene.law == "dry" or gears) and objection("nonsmooth", scene) is None
     return "nonsmooth" if dry else "rk4"
 
 

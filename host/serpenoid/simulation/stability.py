@@ -195,8 +195,11 @@ def modes(scene: Scene, any_shape: bool = False) -> tuple[Array, Array]:
     if scene.servo is not None:
         most, least = _mobility(scene)
         nu = np.linspace(least, most, 64)
+        nu = nu / (1 + scene.servo.armature_kg_m2 * nu)  # rotors turn with their joints
+        gear = scene.servo.gear_damping_nms_rad
         stiff += [scene.servo.stiffness_nm_rad * nu, 0 * nu]
-        damped += [scene.servo.damping_nms_rad * nu, _motor_line(scene.servo, scene.gait) * nu]
+        damped += [(scene.servo.damping_nms_rad + gear) * nu,
+                   (_motor_line(scene.servo, scene.gait) + gear) * nu]  # fmt: skip
     return np.concatenate(stiff), np.concatenate(damped)
 
 

@@ -25,6 +25,16 @@ GROUNDS = {
 SLOW_SERVO = sn.Servo(0.8, 0.01, 0.05, 3.0, 0.02)  # at its limits, in every way, most of the time
 
 
+SERVOS = {
+    "servo": SLOW_SERVO,
+    "rotor": replace(SLOW_SERVO, armature_kg_m2=4e-4),
+    "held servo": replace(
+        SLOW_SERVO, armature_kg_m2=4e-4, gear_friction_nm=0.01, gear_damping_nms_rad=2e-3,
+        update_hz=250.0, supply_sag=0.2,
+    ),
+}  # fmt: skip
+
+
 def robot_of(links: int, inertia: float | None = 2.5e-4) -> sn.Robot:
     return sn.Robot(links, 0.08, 0.09, inertia)
 
@@ -63,8 +73,8 @@ def drive_of(name: str, joints: int) -> dict:
         return {"drive": "torque", "torque": lambda t: 0.02 * np.cos(30 * t + np.arange(joints))}
     if name == "constant":
         return {"drive": "torque", "torque": 0.01 * np.arange(1, joints + 1)}
-    if name == "servo":
-        return {"drive": "servo", "servo": SLOW_SERVO}
+    if name in SERVOS:
+        return {"drive": "servo", "servo": SERVOS[name]}
     return {"drive": name}
 
 
@@ -75,7 +85,7 @@ FAULTS = {
     "both": {"limp": (4, 1), "locked": {2: -0.7}},
     "all": {"limp": (1, 3), "locked": {2: 0.1, 4: 0.2}},
 }
-DRIVES = ("angle", "table", "function", "constant", "servo")
+DRIVES = ("angle", "table", "function", "constant", "servo", "held servo", "rotor")
 CASES = [
     (formulation, drive, fault, tuple(GROUNDS)[(i + j) % 5], 0.3 * (j % 2), (2 * i + j) % 5 == 0)
     for formulation in FORMULATIONS
@@ -109,7 +119,7 @@ def test_scenes_are_those_of_the_dense_models(
     assert_alike(sn.simulate(scene), slow_run(scene, scene.start), 1e-10)
 
 
-@pytest.mark.parametrize("drive", ["angle", "servo", "table"])
+@pytest.mark.parametrize("drive", ["angle", "servo", "held servo", "table"])
 @pytest.mark.parametrize("method", ["euler", "semi_implicit_euler", "paper"])
 def test_other_methods_step_as_they_are_written(method: str, drive: str) -> None:
     for formulation in METHODS[method].formulations:

@@ -66,7 +66,7 @@ class SpringTorque {
         }
     }
 
-    void enter(double t) { source_->enter(t); }
+    void enter(double t) { source_->enter(t, chain_); }
     void at(int moment, double t) {
         time_[moment] = t;
         if (!servo_) source_->torques(t, chain_, torque_[moment].data());
