@@ -127,6 +127,11 @@ bool FreeChain::step(double h) {
         kink(along_[i], k.ground.ft0_mean(), spin_[i], k);
         kink(across_[i], k.ground.fn0, skid_[i], k);
     }
+    if (guided_) {
+        constexpr double kStiff =
+            1e9;  // times the inertia: what is left is nothing beside rounding
+        H[4] += kStiff * nm, H[8] += kStiff * J_;
+    }
     if (!convex_.solve(H, b, kinks_)) return false;
     u_ = convex_.minimum();
     x_ += h * u_[0], y_ += h * u_[1], theta_ += h * u_[2];

@@ -40,7 +40,8 @@ class FreeChain {
     void aim(const std::vector<double>& angle, double rate);  // joints go there so fast, rad/s
     void set_slope(double gx, double gy) { slope_ = {gx, gy}; }
     void set_ground_velocity(double x, double y) { ground_x_ = x, ground_y_ = y; }
-    double ground_velocity() const { return ground_x_; }
+    // Rails at both sides, without friction: neither across (y) nor turning.
+    void guide(bool guided) { guided_ = guided; }
 
     // Let time pass in steps of at most h, s. False where a step has no solution (not a number).
     bool advance(double duration, double h);
@@ -75,6 +76,7 @@ class FreeChain {
     std::vector<LabLink> links_;
     std::vector<double> angle_, rate_, aim_;
     double most_rate_ = 0;
+    bool guided_ = false;
     Slope slope_;
     double ground_x_ = 0, ground_y_ = 0;
     double x_ = 0, y_ = 0, theta_ = 0, heat_ = 0;

@@ -4,6 +4,8 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "lab/free_chain.hpp"
@@ -37,6 +39,29 @@ void check_time(double duration, double h) {
             "duration and step must be above 0, and not a thousand million steps");
 }
 
+// Lead the joints through rows of angles (K, n - 1), one each `frame` s. States (K, 6) at their
+// ends: x, y, theta, vx, vy, w; fewer rows where a step had no solution.
+nb::ndarray<nb::numpy, double> follow(FreeChain& c, Rows rows, double frame, double h) {
+    const std::size_t joints = c.joints().size(), count = rows.shape(0);
+    if (rows.shape(1) != joints) throw nb::value_error("one angle a joint");
+    check_time(frame, h);
+    auto out = std::make_unique<double[]>(6 * count + 1);
+    std::size_t done = 0;
+    {
+        nb::gil_scoped_release release;
+        std::vector<double> to(joints);
+        for (; done < count; ++done) {
+            std::copy_n(rows.data() + done * joints, joints, to.begin());
+            if (!c.lead(to, frame, h)) break;
+            const auto now = c.state();
+            std::copy_n(now.begin(), 6, &out[6 * done]);
+        }
+    }
+    double* data = out.release();
+    nb::capsule free(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+    return {data, {done, 6}, free};
+}
+
 }  // namespace
 
 void bind_lab(nb::module_& m) {
@@ -54,18 +79,14 @@ void bind_lab(nb::module_& m) {
                        double rate) { check_joints(c, angle), c.aim(angle, rate); })
         .def("set_slope", &FreeChain::set_slope)
         .def("set_ground_velocity", &FreeChain::set_ground_velocity)
+        .def("guide", &FreeChain::guide)
         .def("advance",
              [](FreeChain& c, double duration, double h) {
                  check_time(duration, h);
                  nb::gil_scoped_release release;
                  return c.advance(duration, h);
              })
-        .def("lead",
-             [](FreeChain& c, const std::vector<double>& angle, double duration, double h) {
-                 check_joints(c, angle), check_time(duration, h);
-                 nb::gil_scoped_release release;
-                 return c.lead(angle, duration, h);
-             })
+        .def("follow", &follow)
         .def_prop_ro("state", &FreeChain::state)
         .def_prop_ro("joints", &FreeChain::joints)
         .def_prop_ro("kinetic_j", &FreeChain::kinetic)

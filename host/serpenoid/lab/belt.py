@@ -59,6 +59,10 @@ class Belt:
         """Bend the robot, off the belt: what its joints are told."""
         self._pose, self._offset = list(set_rad), 0.0
 
+    def guide(self, guided: bool) -> None:
+        """Put rails at both sides of the robot, which keep its heading and place, or take them."""
+        self._chain.guide(guided)
+
     def steer(self, offset_rad: float) -> None:
         """Add an offset to every joint, while the robot is where it is."""
         self._offset = offset_rad

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 
 import numpy as np
 
 from .. import _core
+from ..model.bends import joint_multiples
 from ..model.checks import check_number
 from ..model.core_model import friction_numbers
 from ..model.errors import BadInput
@@ -85,6 +85,6 @@ class LabRobot:
         return [a + e for a, e in zip(set_rad, self.joint_error_rad, strict=True)]
 
 
-def pose_of(signs: Sequence[float], angle_rad: float) -> list[float]:
+def pose_of(signs: Sequence[int], angle_rad: float) -> list[float]:
     """Return the joints' set-points, rad, of links at signs times an angle to the robot's axis."""
-    return [float(b - a) * angle_rad for a, b in pairwise(signs)]
+    return [k * angle_rad for k in joint_multiples(tuple(signs))]

@@ -1,0 +1,146 @@
+"""A robot on a floor: pushed and let roll, put on a board to slide down, or driven to crawl."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.errors import NotConverged
+from ..model.gait import Gait
+from .robot import LabRobot
+
+STEP_S = 0.001
+FRAME_S = 0.01  # between the rows of a track
+REST_M_S, REST_RAD_S = 1e-6, 1e-5
+LONGEST_S = 60.0
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where a robot truly was: t_s (T,), s; x_m, y_m of its centre, m; heading_rad of its axis.
+
+    released_s: when the hand let go of it, s; 0 where none touched it.
+    """
+
+    t_s: Array
+    x_m: Array
+    y_m: Array
+    heading_rad: Array
+    released_s: float = 0.0
+
+    @property
+    def turned_rad(self) -> float:
+        """Return how far it has turned since it was let go."""
+        at = np.interp(self.released_s, self.t_s, self.heading_rad)
+        return float(self.heading_rad[-1] - at)
+
+    def along(self, direction_rad: float) -> Array:
+        """Return the way along a direction, m, from where it began."""
+        c, s = math.cos(direction_rad), math.sin(direction_rad)
+        way = c * self.x_m + s * self.y_m
+        return way - way[0]
+
+
+@dataclass(frozen=True)
+class Push:
+    """How a hand pushes: speed_m_s when it lets go, over reach_m.
+
+    heading_rad, rate_rad_s: by how much the robot is let go crooked, and turning. direction_rad:
+    of the push in the room; turn round for the other way.
+    """
+
+    speed_m_s: float
+    direction_rad: float = 0.0
+    heading_rad: float = 0.0
+    rate_rad_s: float = 0.0
+    reach_m: float = 0.15
+
+
+class Floor:
+    """Hold a floor, or a board: it falls by slope_rad towards slope_direction_rad of the room."""
+
+    def __init__(
+        self, robot: LabRobot, slope_rad: float = 0.0, slope_direction_rad: float = 0.0, *,
+        gravity_m_s2: float = 9.81, step_s: float = STEP_S,
+    ):  # fmt: skip
+        self.robot = robot
+        pull = gravity_m_s2 * math.sin(slope_rad)
+        self._pull = pull * math.cos(slope_direction_rad), pull * math.sin(slope_direction_rad)
+        self._step_s = step_s
+
+    def push(self, pose_rad: Sequence[float], push: Push) -> Track:
+        """Push the robot, head first, let it go, and follow it until it rests."""
+        hand_s = 2 * push.reach_m / push.speed_m_s
+        heading = push.direction_rad + push.heading_rad
+        c, s = math.cos(push.direction_rad), math.sin(push.direction_rad)
+        t = np.arange(0.0, hand_s, FRAME_S)
+        way = 0.5 * push.speed_m_s / hand_s * t**2 - push.reach_m
+        begun = np.stack([t, c * way, s * way, np.full_like(t, heading)], axis=1)
+        rates = c * push.speed_m_s, s * push.speed_m_s, push.rate_rad_s
+        rolled = self._roll(pose_rad, heading, rates)
+        rolled[:, 0] += hand_s
+        return _track(np.concatenate([begun, rolled]), hand_s)
+
+    def slide(self, pose_rad: Sequence[float], length_m: float) -> float | None:
+        """Let the robot go at rest, head down the slope; return its time over a length, or None."""
+        down = math.atan2(self._pull[1], self._pull[0])
+        rolled = _track(self._roll(pose_rad, down, (0.0, 0.0, 0.0), length_m))
+        way = rolled.along(down)
+        return float(np.interp(length_m, way, rolled.t_s)) if way[-1] >= length_m else None
+
+    def crawl(self, gait: Gait, duration_s: float, frame_s: float = 0.002) -> Track:
+        """Drive the robot's joints through a gait from rest; they follow, but for their errors."""
+        joints = self.robot.body.links - 1
+        phase = gait.omega_rad_s * frame_s * np.arange(round(duration_s / frame_s) + 1)[:, None]
+        swing = gait.alpha_rad * np.sin(phase + np.arange(joints) * gait.beta_rad)
+        angles = swing + gait.offset_rad + np.array(self.robot.joint_error_rad)
+        return self.follow(angles, frame_s)
+
+    def follow(self, angles_rad: Array, frame_s: float) -> Track:
+        """Lead the joints through rows of true angles (K, n-1), one each frame, from rest."""
+        chain = self._placed(list(angles_rad[0]), 0.0, (0.0, 0.0, 0.0))
+        rows = chain.follow(np.ascontiguousarray(angles_rad[1:]), frame_s, self._step_s)
+        if len(rows) < len(angles_rad) - 1:
+            raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
+        bend = np.cumsum(angles_rad[1:], axis=1).sum(axis=1) / self.robot.body.links
+        t = np.arange(1, len(rows) + 1, dtype=np.float64) * frame_s
+        return Track(t, rows[:, 0], rows[:, 1], rows[:, 2] + bend)
+
+    def _placed(self, joints: list[float], heading_rad: float, rates: tuple[float, float, float]):
+        chain = self.robot.chain()
+        chain.set_joints(joints)
+        chain.set_slope(*self._pull)
+        chain.place(0.0, 0.0, heading_rad - _mean_bend(joints), *rates)
+        return chain
+
+    def _roll(
+        self, pose_rad: Sequence[float], heading_rad: float, rates: tuple[float, float, float],
+        as_far_as_m: float = math.inf,
+    ) -> Array:  # fmt: skip
+        """Return rows t, x, y, heading until the robot rests, or has gone so far."""
+        joints = self.robot.true_joints(pose_rad)
+        chain = self._placed(joints, heading_rad, rates)
+        bend, rows = _mean_bend(joints), []
+        for k in range(round(LONGEST_S / FRAME_S)):
+            x, y, theta, vx, vy, w, _ = chain.state
+            rows.append((k * FRAME_S, x, y, theta + bend))
+            rests = math.hypot(vx, vy) < REST_M_S and abs(w) < REST_RAD_S
+            if (rests and k) or math.hypot(x, y) > as_far_as_m:
+                break
+            if not chain.advance(FRAME_S, self._step_s):
+                raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
+        return np.array(rows)
+
+
+def _mean_bend(joints: Sequence[float]) -> float:
+    """Return the mean angle of the links to link 1."""
+    return float(np.cumsum(joints).sum()) / (len(joints) + 1)
+
+
+def _track(rows: Array, released_s: float = 0.0) -> Track:
+    return Track(*rows.T, released_s=released_s)

@@ -1,0 +1,81 @@
+"""What a camera, or a person with tape and watch, records of a robot that rolls out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .floor import Track
+from .instruments import Instrument
+
+Array = NDArray[np.float64]
+TAPE_M = Instrument(step=0.005, scatter=0.003)
+WATCH_S = Instrument(step=0.01, scatter=0.12)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A phone on a tripod: about rate_hz pictures a second, at times that it writes down.
+
+    jitter_s: scatter of the true interval between pictures. sigma_m: of a place found in a picture.
+    scale: of all lengths, seen over true. missing: share of pictures in which nothing was found.
+    sigma_rad: of the heading.
+    """
+
+    rate_hz: float = 30.0
+    jitter_s: float = 0.002
+    sigma_m: float = 0.001
+    sigma_rad: float = 0.003
+    scale: float = 1.0
+    missing: float = 0.0
+
+
+@dataclass(frozen=True)
+class Film:
+    """Places of the robot's centre in a film: t_s, x_m, y_m, heading_rad, all (F,)."""
+
+    t_s: Array
+    x_m: Array
+    y_m: Array
+    heading_rad: Array
+
+
+def film(track: Track, camera: Camera, rng: np.random.Generator, rest_s: float = 0.3) -> Film:
+    """Return what a film shows of a push, from the hand's first touch until after it rests."""
+    end = float(track.t_s[-1]) + rest_s
+    gaps = 1 / camera.rate_hz + camera.jitter_s * np.clip(rng.normal(size=int(end * 100)), -3, 3)
+    t = float(rng.uniform()) / camera.rate_hz + np.cumsum(gaps)
+    t = t[(t < end) & (rng.uniform(size=t.size) >= camera.missing)]
+    found = [
+        camera.scale * np.interp(t, track.t_s, way) + camera.sigma_m * rng.normal(size=t.size)
+        for way in (track.x_m, track.y_m)
+    ]
+    heading = np.interp(t, track.t_s, track.heading_rad) + camera.sigma_rad * rng.normal(
+        size=t.size
+    )
+    return Film(t, found[0], found[1], heading)
+
+
+def to_rest(
+    track: Track, rng: np.random.Generator, tape_m: Instrument = TAPE_M,
+    watch_s: Instrument = WATCH_S,
+) -> tuple[float, float]:  # fmt: skip
+    """Return distance, m, and time, s, from the hand to rest, by tape and watch."""
+    start = [np.interp(track.released_s, track.t_s, way) for way in (track.x_m, track.y_m)]
+    way = float(np.hypot(track.x_m[-1] - start[0], track.y_m[-1] - start[1]))
+    time = float(track.t_s[-1] - track.released_s)
+    return tape_m.shows(way, rng), max(watch_s.shows(time, rng), 0.0)
+
+
+def past_marks(
+    track: Track, marks_m: list[float], direction_rad: float, rng: np.random.Generator,
+    watch_s: Instrument = WATCH_S,
+) -> list[tuple[float, float]]:  # fmt: skip
+    """Return (mark, time) of the marks that the robot passes, from where the hand let go."""
+    way = track.along(direction_rad)
+    origin = float(np.interp(track.released_s, track.t_s, way))
+    since = track.t_s - track.released_s
+    passed = [m for m in marks_m if m <= way[-1] - origin]
+    return [(m, watch_s.shows(float(np.interp(m, way - origin, since)), rng)) for m in passed]
