@@ -17,6 +17,7 @@ from .options import as_typed, options_of
 _WRONG_TYPE = re.compile(r"('[^']*') is not a valid (float|integer)(?: range)?\.")
 _WANTED = {"float": "no number; type one such as 0.5, without a unit",
            "integer": "no whole number; type one such as 6"}  # fmt: skip
+_IN_FILE = re.compile(r".+\.(toml|csv|json):(\d+:)? ")  # its keys are no options
 _CURES = {
     errno.ENOSPC: "make room and try again",
     errno.EACCES: "choose a place that is yours",
@@ -45,7 +46,8 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except SerpenoidError as error:
             command = self.commands.get(ctx.invoked_subcommand or "")
-            if command is not None and error.args and isinstance(error.args[0], str):
+            text = error.args[0] if error.args else None
+            if command is not None and isinstance(text, str) and not _IN_FILE.match(text):
                 error.args = (as_typed(error.args[0], options_of(command)), *error.args[1:])
             raise
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import os
 import re
@@ -63,8 +62,10 @@ def save_scene(scene: Scene, path: str | Path) -> None:
     The file is there whole or not at all. Raises BadInput for a torque that is a Python function,
     SerpenoidError when the file cannot be written.
     """
+    import tomli_w
+
     target = Path(os.path.realpath(path))
-    text = _HEAD + "".join(_lines({"format": FORMAT} | scene_values(scene)))
+    text = _HEAD + tomli_w.dumps({"format": FORMAT} | scene_values(scene))
     half_done = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         with half_done.open("w", encoding="utf-8") as file:
@@ -104,17 +105,6 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
-
-
-def _lines(values: Mapping[str, Any]) -> Iterator[str]:
-    """Write plain values as TOML; JSON writes numbers, words and lists as TOML does."""
-    for key, value in values.items():
-        if not isinstance(value, dict):
-            yield f"{key} = {json.dumps(value, allow_nan=False)}\n"
-    for key, value in values.items():
-        if isinstance(value, dict):
-            yield f"\n[{key}]\n"
-            yield from _lines(value)
 
 
 def _fields_of(kind: type) -> dict[str, str]:
@@ -177,7 +167,9 @@ def _blaming(table: Table, fields: Mapping[str, str]) -> Iterator[None]:
         keys = dict(_present(table, fields))
         named = [keys[word] for word in re.findall(r"\w+", str(error)) if word in keys]
         where = table.where(named[0]) if named else table.heading
-        raise BadInput(f"{where}: {error}") from error
+        degrees = bool(named) and named[0].endswith("_deg")
+        typed = f" (rad; here {named[0]} = {table.values[named[0]]})" if degrees else ""
+        raise BadInput(f"{where}: {error}{typed}") from error
 
 
 def _value(top: Table, name: str, key: str) -> Any:

@@ -246,7 +246,7 @@ def check_step(scene: Scene) -> None:
     if limit < _SHORTEST_S:
         raise StepTooLarge(
             f"dt_s is {scene.dt_s:g}; method {scene.method} has no stable step for this "
-            f"scene{springs}: undamped modes grow with it at any step. Take {_bounded(scene)}"
+            f"scene{springs}: undamped modes grow with it at any step. {_bounded(scene)}"
         )
     raise StepTooLarge(
         f"dt_s is {scene.dt_s:g}; method {scene.method} is stable up to {limit:.3g} s for this "
@@ -256,7 +256,7 @@ def check_step(scene: Scene) -> None:
 
 
 def _bounded(scene: Scene) -> str:
-    """Return the methods that have stable steps for a scene, each with its longest."""
+    """Return which methods have stable steps for a scene, as a sentence's advice."""
     found = []
     for method in ("rk4", "semi_implicit_euler"):
         other = replace(scene, method=method)
@@ -264,7 +264,9 @@ def _bounded(scene: Scene) -> str:
         longest = other.dt_s if stable is None else largest_step_s(stable, 2 * other.dt_s)
         if longest >= _SHORTEST_S:
             found.append(f"method {method!r} with dt_s {0.5 * longest:.1g} or less")
-    return " or ".join(found)
+    if not found:
+        return "No method of fixed steps has one: take softer numbers, or an adaptive method"
+    return f"Take {' or '.join(found)}"
 
 
 def _without_limit(scene: Scene) -> str:
