@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Mapping
@@ -11,10 +12,13 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..model.checks import check_number
+from ..model.checks import check_number, check_whole
 from ..model.errors import BadInput
+from ..model.files import read_json
 from ..model.robot import Robot
+from ..model.vectors import number_array
 from .fitting.influence import BOTH_WAYS, Influence
 from .friction_result import NAMES, WHOLE, Estimate, FrictionFit, WholeSnake, ground_of
 
@@ -51,15 +55,15 @@ def load_fit(path: str | Path) -> FrictionFit:
     """
     path = Path(path)
     path = path / NAME if path.is_dir() else path
+    if not path.exists():
+        raise BadInput(f"{path}: no such file; `serpenoid fit DIR` writes one")
     try:
-        given = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise BadInput(f"{path}: no such file; `serpenoid fit DIR` writes one") from None
-    except (ValueError, RecursionError) as error:
-        raise BadInput(f"{path}: not JSON: {error}; `serpenoid fit DIR` writes it anew") from error
+        given = read_json(path)
+    except BadInput as error:
+        raise BadInput(f"{error}; `serpenoid fit DIR` writes it anew") from None
     try:
         fit = _from_json(given)
-    except (KeyError, TypeError, ValueError, AttributeError, BadInput) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
         raise BadInput(
             f"{path}: not a fit of this program: {what}; `serpenoid fit DIR` writes it anew"
@@ -87,7 +91,14 @@ def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
 def _as_json(fit: FrictionFit) -> dict[str, Any]:
     from importlib.metadata import version
 
-    return {"format": FORMAT, "serpenoid_version": version("serpenoid")} | fit.to_dict()
+    values = {"format": FORMAT, "serpenoid_version": version("serpenoid")} | fit.to_dict()
+    return values | {"sha256": _hash(values)}
+
+
+def _hash(values: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of a fit's own numbers and texts."""
+    text = json.dumps(values, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _check_format(given: Mapping[str, Any]) -> None:
@@ -98,38 +109,66 @@ def _check_format(given: Mapping[str, Any]) -> None:
         )
 
 
+def _check_hash(given: Mapping[str, Any]) -> None:
+    """Raise BadInput where the file is not as a fit wrote it."""
+    if given.get("sha256") != _hash({k: v for k, v in given.items() if k != "sha256"}):
+        raise BadInput(
+            "sha256 is not that of its numbers: an older version wrote it, or it was edited"
+        )
+
+
 def _from_json(given: Mapping[str, Any]) -> FrictionFit:
     _check_format(given)
+    _check_hash(given)
     names = [name for name in BOTH_WAYS if name in NAMES or name + WHOLE in given["parameters"]]
     whole = [given["parameters"][name + WHOLE] for name in names]
     values = [check_number(n + WHOLE, p["value"], 0.0) for n, p in zip(names, whole, strict=True)]
-    size = len(names)
-    covariance = np.array(given["covariance"]["values"], dtype=float)
-    if covariance.shape != (size, size) or not (np.linalg.eigvalsh(covariance) > 0.0).all():
-        raise BadInput(f"covariance is not a positive definite matrix of {size} by {size} numbers")
-    covariance.flags.writeable = False
     robot = Robot(**given["robot"])
-    nuisances = {name: Estimate(**e) for name, e in given["nuisances"].items()}
     return FrictionFit(
-        method=given["method"],
-        sigma=given["sigma"],
+        method=str(given["method"]),
+        sigma=str(given["sigma"]),
         parameters=_named(
-            Estimate(v, float(p["sigma"])) for v, p in zip(values, whole, strict=True)
+            Estimate(v, check_number("sigma", p["sigma"], 0.0))
+            for v, p in zip(values, whole, strict=True)
         ),
-        intervals=_named(tuple(map(float, p["interval"])) for p in whole),
-        covariance=covariance,
+        intervals=_named(map(_interval, names, whole)),
+        covariance=_covariance(given["covariance"]["values"], len(names)),
         robot=robot,
         ground=ground_of(robot.links, values),
-        chi2=float(given["chi2"]),
-        dof=int(given["dof"]),
-        nuisances=MappingProxyType(nuisances),
-        residuals=tuple(map(float, given["residuals"])),
-        outliers=tuple(map(int, given["outliers"])),
+        chi2=check_number("chi2", given["chi2"], 0.0),
+        dof=check_whole("dof", given["dof"], -1000, 10**9),
+        nuisances=MappingProxyType({n: _estimate(n, e) for n, e in given["nuisances"].items()}),
+        residuals=tuple(check_number("residual", r) for r in given["residuals"]),
+        outliers=tuple(check_whole("outlier", k, 0, 10**9) for k in given["outliers"]),
         influence=tuple(map(_influence, given["influence"])),
         notes=tuple(map(str, given["notes"])),
         session_name=str(given["session"]["name"]),
         session_sha256=str(given["session"]["sha256"]),
     )
+
+
+def _interval(name: str, given: Mapping[str, Any]) -> tuple[float, float]:
+    """Return the ends of an interval that holds its value."""
+    low, high = (check_number(f"interval of {name}{WHOLE}", x, 0.0) for x in given["interval"])
+    if not low <= given["value"] <= high:
+        raise BadInput(f"{name}{WHOLE} is {given['value']}, outside its interval {low} to {high}")
+    return low, high
+
+
+def _estimate(name: str, given: Mapping[str, Any]) -> Estimate:
+    return Estimate(
+        check_number(name, given["value"]), check_number(f"sigma of {name}", given["sigma"], 0.0)
+    )
+
+
+def _covariance(values: Any, size: int) -> NDArray[np.float64]:
+    """Return a covariance that is one."""
+    covariance = number_array("covariance", values)
+    well = covariance.shape == (size, size) and np.isfinite(covariance).all()
+    if not well or not (np.linalg.eigvalsh(covariance) > 0.0).all():
+        raise BadInput(f"covariance is not a positive definite matrix of {size} by {size} numbers")
+    covariance.flags.writeable = False
+    return covariance
 
 
 def _named(values: Any) -> WholeSnake[Any]:
@@ -139,7 +178,8 @@ def _named(values: Any) -> WholeSnake[Any]:
 def _influence(given: Mapping[str, Any]) -> Influence:
     shift = given["shift_in_sigmas"]
     return Influence(
-        int(given["reading"]), float(given["leverage"]), float(given["studentised"]),
-        tuple(float(shift[name]) for name in BOTH_WAYS if name in NAMES or name in shift),
-        float(given["chi2_without"]),
+        check_whole("reading", given["reading"], 0, 10**9),
+        *(check_number(name, given[name]) for name in ("leverage", "studentised")),
+        tuple(check_number(n, shift[n]) for n in BOTH_WAYS if n in NAMES or n in shift),
+        check_number("chi2_without", given["chi2_without"]),
     )  # fmt: skip

@@ -21,6 +21,7 @@ from ..model.vectors import finite_vector
 from .methods import METHODS, OwnChoice, default_method, objection, ways_out
 
 MAX_LINK_STEPS = 10**11
+LEAST_SMOOTHING_M_S = 1e-12  # far below what any wheel shows, far above what overflows
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
 _FIRMWARE_LIMITS = {"alpha_rad": math.pi / 2, "beta_rad": math.pi, "offset_rad": math.pi / 2,
@@ -119,6 +120,11 @@ class Scene:
         ):
             object.__setattr__(self, name, check_number(name, getattr(self, name), *limits))
         object.__setattr__(self, "dt_s", check_number("dt_s", self.dt_s, 0.0, open_low=True))
+        if 0.0 < self.smoothing_m_s < LEAST_SMOOTHING_M_S:
+            raise BadInput(
+                f"smoothing_m_s is {self.smoothing_m_s!r}; it must be 0, which keeps dry friction "
+                f"exact, or at least {LEAST_SMOOTHING_M_S:g}"
+            )
 
     def _check_counts(self) -> None:
         every, links = self.record_every, self.robot.links

@@ -66,15 +66,37 @@ def test_a_write_that_fails_leaves_the_file_before(folder, monkeypatch):
         (lambda d: d["parameters"]["ct_whole"].update(value=-1.0), "ct_whole is -1"),
         (lambda d: d["covariance"].update(values=[[1.0]]), "4 by 4"),
         (lambda d: d["robot"].update(legs=4), "legs"),
+        (lambda d: d["parameters"]["cn_whole"].update(sigma="0.1"), "sigma is '0.1'"),
+        (lambda d: d["parameters"]["cn_whole"].update(sigma="\u0661"), "sigma is"),
+        (lambda d: d["parameters"]["cn_whole"].update(interval=[2.0, 3.0]), "outside its interval"),
+        (lambda d: d["parameters"]["cn_whole"].update(interval=[1.0]), "not enough values"),
+        (lambda d: d["covariance"].update(values=[["1"] * 4] * 4), "covariance is"),
+        (lambda d: d.update(dof=True), "dof is True"),
     ],
 )
 def test_what_is_no_fit_is_refused(folder, spoil, message):
     path = sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
     given = json.loads(path.read_text())
     spoil(given)
-    path.write_text(json.dumps(given))
+    del given["sha256"]
+    path.write_text(json.dumps(given | {"sha256": fit_file._hash(given)}))
     with pytest.raises(sn.BadInput, match=message):
         sn.load_fit(path)
+
+
+def test_a_fit_that_was_edited_is_refused(folder):
+    """Ten times the friction under the old hash of the readings is no fit of them."""
+    path = sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
+    given = json.loads(path.read_text())
+    for part in given["parameters"].values():
+        part.update({k: 10 * part[k] for k in ("value", "sigma")})
+        part["interval"] = [10 * x for x in part["interval"]]
+    path.write_text(json.dumps(given))
+    with pytest.raises(sn.BadInput, match=r"sha256 is not that of its numbers.* writes it anew"):
+        sn.load_fit(folder)
+    path.write_text(path.read_text().replace('"value": 0', '"value": NaN', 1))
+    with pytest.raises(sn.BadInput, match="NaN is no number"):
+        sn.load_fit(folder)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1, 2]", "null"])

@@ -12,10 +12,12 @@ readings no single one makes a summit, and the climb begins from all of them alo
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...model.errors import NotConverged
 from .data import FitData, Floats
 from .influence import leave_one_out
 from .joint import Minimum, balance, minimise
@@ -44,6 +46,12 @@ def robust_minimum(data: FitData, plain: Minimum) -> Summit:
         summit = _climb(data, x, good)
         if all(np.abs(summit.minimum.x - s.minimum.x).max() > 1e-4 for s in summits):
             summits.append(summit)
+    summits = [s for s in summits if math.isfinite(s.height)]
+    if not summits:
+        raise NotConverged(
+            "the readings do not fix the unknowns of a robust fit; take method='joint', or more "
+            "readings"
+        )
     return _mixture(summits)
 
 
@@ -90,8 +98,21 @@ def _climb(data: FitData, x: Floats, good: Floats) -> Summit:
     good, densities = _chances(found.residuals[: len(data)])
     curved = _curved(found, good)
     priors = float(np.sum(found.residuals[len(data) :] ** 2)) / 2
-    volume = float(np.linalg.slogdet(curved.information)[1]) / 2
-    return Summit(curved, good, float(np.log(densities).sum()) - priors - volume)
+    height = float(np.log(densities).sum()) - priors - _half_log_determinant(curved.information)
+    return Summit(curved, good, height)
+
+
+def _half_log_determinant(information: Floats) -> float:
+    """Return half the logarithm of its determinant; inf where it is not positive definite.
+
+    A minimum far out, where a friction is 0 and a reading's whole error with it, has slopes of
+    1e12 beside others of 1: rounding leaves no information there, and it is no summit.
+    """
+    scale = np.sqrt(np.diag(information))
+    eigenvalues = np.linalg.eigvalsh(information / np.outer(scale, scale))
+    if not eigenvalues[0] > len(scale) * np.finfo(float).eps:
+        return math.inf
+    return float(np.log(scale).sum() + np.log(eigenvalues).sum() / 2)
 
 
 def _weights(good: Floats) -> Floats:
