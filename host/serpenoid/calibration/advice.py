@@ -21,13 +21,13 @@ from ..model.checks import check_kind
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from .comparison import AMPLITUDE_SIGMA
-from .fitting.data import FitData, Floats
+from .fitting.data import FitData, Floats, projections
 from .fitting.joint import jacobian, starting_point
 from .fitting.rounding import nearest_shown
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
-from .kinds.station import Reading
-from .session import Session
+from .kinds.station import Reading, bent_share
+from .session import Session, Setup
 from .speed_samples import Progress, sample_speeds
 from .taking.expected import Series
 
@@ -44,7 +44,8 @@ class NextReading:
 
     kind: station (lambda_rad, incline_rad, belt_speed_m_s expected) or gait (alpha_rad, beta_rad,
     frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for. facing:
-    of a station, up the belt for a ratchet's wheels backwards.
+    of a station, up the belt for a ratchet's wheels backwards. bend: of a bent station, balanced
+    or zigzag.
     """
 
     kind: str
@@ -58,6 +59,7 @@ class NextReading:
     beta_rad: float | None = None
     frequency_hz: float | None = None
     facing: str = "down"
+    bend: str = ""
 
     def in_words(self) -> str:
         """Return what to do."""
@@ -68,7 +70,8 @@ class NextReading:
                 math.degrees(self.lambda_rad or 0.0),
                 math.degrees(self.incline_rad or 0),
             )
-            links = f", neighbouring links at {180 - 2 * bend:.4g}°" if bend else ", straight"
+            at = f" ({self.bend}; {180 - 2 * bend:.4g}° between the links at either end)"
+            links = at if bend else ", straight"
             links += ", facing up" if self.facing == "up" else ""
             what = (
                 f"λ = {bend:.4g}°{links}, inclinometer at {incline:.2f}°, "
@@ -207,40 +210,43 @@ def _places(
     """
     given, kept = session.setup.uncertainty, session.kept
     shown = np.array([r.incline_rad for r in kept], dtype=float)
-    now, near = kept[-1].lambda_rad, _AS_GOOD * given.lambda_sigma_rad
-    (zero,), weight_n = session.zeros_rad(kept[-1:]), session.setup.weight_n
+    bent = session.setup.procedure.bend
+    now = kept[-1].lambda_rad if kept[-1].bend == bent else 0.0
+    near, (zero,) = _AS_GOOD * given.lambda_sigma_rad, session.zeros_rad(kept[-1:])
     found: dict[tuple[Series, float], float] = {}
-    every = [Series(now if now and abs(bend - now) < near else bend) for bend in bends]
-    for series in [*every, *([Series(0.0, "up")] if len(whole) > 4 else [])]:
+    angles = [now if now and abs(bend - now) < near else bend for bend in bends]
+    every = [Series(angle, bend=bent) for angle in angles]
+    for series in [*every, *([Series(0.0, "up", bent)] if len(whole) > 4 else [])]:
         for wanted_m_s in SLIPS_M_S:
-            aim = station_incline_rad(whole, weight_n, series, wanted_m_s) + zero
+            aim = station_incline_rad(whole, session.setup, series, wanted_m_s) + zero
             grade_step = session.setup.treadmill.incline_step_rad
             incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
-            slip = station_slip_m_s(whole, weight_n, series, incline - zero)
+            slip = station_slip_m_s(whole, session.setup, series, incline - zero)
             if slip > given.belt_speed_sigma_m_s and incline > 0.0:
                 found[series, round(incline, 6)] = slip
     return [(series, incline, slip) for (series, incline), slip in found.items()]
 
 
-def _pull(whole: Floats, series: Series) -> tuple[float, float]:
-    """Return A and B of Eq. 60: the whole snake's friction along the belt is A v + B."""
+def _pull(whole: Floats, setup: Setup, series: Series) -> tuple[float, float]:
+    """Return A and B: the whole snake's friction along the belt is A v + B."""
     ct, cn, ft0, fn0 = whole[:4].tolist()
     if series.facing == "up":
         ct, ft0 = whole[4:6].tolist()
-    c, s = math.cos(series.lambda_rad), math.sin(series.lambda_rad)
-    return ct * c * c + cn * s * s, ft0 * c + fn0 * s
+    share = bent_share(series.bend, setup.robot.links) if series.lambda_rad else 0.0
+    by_ct, by_cn, by_ft0, by_fn0 = projections(share, series.lambda_rad)
+    return float(ct * by_ct + cn * by_cn), float(ft0 * by_ft0 + fn0 * by_fn0)
 
 
-def station_incline_rad(whole: Floats, weight_n: float, series: Series, slip_m_s: float) -> float:
+def station_incline_rad(whole: Floats, setup: Setup, series: Series, slip_m_s: float) -> float:
     """Return the incline at which a snake of this friction holds its station at this slip."""
-    slope, least = _pull(whole, series)
-    return math.asin(min((slope * slip_m_s + least) / weight_n, 0.7))
+    slope, least = _pull(whole, setup, series)
+    return math.asin(min((slope * slip_m_s + least) / setup.weight_n, 0.7))
 
 
-def station_slip_m_s(whole: Floats, weight_n: float, series: Series, incline_rad: float) -> float:
+def station_slip_m_s(whole: Floats, setup: Setup, series: Series, incline_rad: float) -> float:
     """Return the slip at which it holds its station at this incline, below 0 if it does not."""
-    slope, least = _pull(whole, series)
-    return (weight_n * math.sin(incline_rad) - least) / max(slope, 1e-12)
+    slope, least = _pull(whole, setup, series)
+    return (setup.weight_n * math.sin(incline_rad) - least) / max(slope, 1e-12)
 
 
 def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:
@@ -265,7 +271,9 @@ def _station(
     bands = []
     for times in range(1, _MOST_TIMES + 1):
         more = (
-            Reading(first + k, series.lambda_rad, incline, slip, facing=series.facing)
+            Reading(
+                first + k, series.lambda_rad, incline, slip, facing=series.facing, bend=series.bend
+            )
             for k in range(times)
         )
         after = replace(session, readings=(*session.readings, *more))
@@ -276,7 +284,7 @@ def _station(
     return NextReading(
         "station", bands[0], times, bands[times - 1],
         lambda_rad=series.lambda_rad, incline_rad=incline, belt_speed_m_s=slip,
-        facing=series.facing,
+        facing=series.facing, bend=series.bend if series.lambda_rad else "",
     )  # fmt: skip
 
 

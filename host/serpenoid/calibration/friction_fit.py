@@ -1,11 +1,13 @@
 """Friction of the whole snake fitted to a calibration session (Eqs. 58-62), with honest intervals.
 
 On a treadmill inclined by gamma the snake holds its station where, over the whole body of weight
-m g, with every link turned by lambda to the direction of the belt (Eq. 60; Eq. 58 if straight),
+m g, with a share q of its links turned by lambda to the direction of the belt and the rest along,
 
-    m g sin(gamma) = F_t cos(lambda) + F_n sin(lambda) = A v + B,
-    F_t = ct v cos(lambda) + ft0,    F_n = cn v sin(lambda) + fn0,
-    A = ct cos^2(lambda) + cn sin^2(lambda),    B = ft0 cos(lambda) + fn0 sin(lambda).
+    m g sin(gamma) = A v + B,
+    A = (1 - q) ct + q (ct cos^2(lambda) + cn sin^2(lambda)),
+    B = (1 - q) ft0 + q (ft0 cos(lambda) + fn0 sin(lambda)).
+
+q = 1 is Eq. 60, the paper's zigzag; lambda = 0 is Eq. 58. A balanced bend of six links has q = 4/6.
 
 The room `fitting` holds the three ways to find ct, cn, ft0, fn0 from readings of it: `joint`,
 `robust` (joint, with misreadings marginalised over) and `naive`, the paper's own.
@@ -20,7 +22,7 @@ import numpy as np
 
 from ..model.checks import check_choice, check_kind
 from ..model.errors import BadInput, NotConverged
-from .fitting.data import FitData, Floats
+from .fitting.data import FitData, Floats, projections
 from .fitting.identifiability import bend_note, check_readings
 from .fitting.influence import BOTH_WAYS, Influence, influences, leave_one_out
 from .fitting.joint import Minimum, minimise, starting_point, whole_residuals
@@ -91,11 +93,12 @@ def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
     data = FitData.of(session).alone
     force = data.weight_n * np.cos(data.incline_rad) * data.incline_sigma_rad
     b, across = data.bent, np.sin(data.lambda_rad[data.bent])
+    by_fn0 = projections(data.bent_share, data.lambda_rad)[3][b]
     ahead, back = ~b & ~data.back, ~b & data.back
     return {
         "straight": (data.speed_sigma_m_s[ahead], force[ahead]),
         "back": (data.speed_sigma_m_s[back], force[back]),
-        "bent": (data.speed_sigma_m_s[b] * across, force[b] / across),
+        "bent": (data.speed_sigma_m_s[b] * across, force[b] / by_fn0),
     }
 
 

@@ -238,6 +238,12 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "The inclinometer's zero moved between before and after by more than its readings' "
             "errors; it is taken to have drifted evenly. Measure it more often, or let it warm up."
         )
+    if any(r.lambda_rad and r.bend == "zigzag" for r in session.kept):
+        notes.append(
+            "The bent readings are of zigzags, every link at lambda (Eq. 60). A robot let go in "
+            "one turns within a second, and is then not held by this law. Was it guided? If not, "
+            "take them again in the balanced bend."
+        )
     voided = len(session.readings) - len(session.kept)
     if voided:
         notes.append(f"{voided} voided reading(s) left out.")

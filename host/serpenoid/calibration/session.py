@@ -21,7 +21,7 @@ from .kinds.bend import BendCheck
 from .kinds.declaration import Kind
 from .kinds.gait import GaitRun
 from .kinds.instruments import Stopwatch, TreadmillSteps, Uncertainty
-from .kinds.station import Reading
+from .kinds.station import Reading, bent_share
 from .kinds.table import KINDS
 from .kinds.zero import ZeroReading
 
@@ -44,7 +44,8 @@ class Procedure:
     """Which stations are to be held: every bend, from the first incline up to the top speed.
 
     gaits: to be run on level ground afterwards, each gait_runs times. ratchet: wheels roll harder
-    backwards, so that straight stations are held a second time, facing up the belt.
+    backwards, so that straight stations are held a second time, facing up the belt. bend:
+    "balanced", or "zigzag" for a robot that is guided.
     """
 
     lambda_rad: tuple[float, ...]
@@ -55,6 +56,7 @@ class Procedure:
     gaits: tuple[Gait, ...] = ()
     gait_runs: int = 3
     ratchet: bool = False
+    bend: str = "zigzag"
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +204,12 @@ class Session:
         read = [self.uncertainty_of(z).incline_sigma_rad / math.sqrt(2) for z in self._kept_zeros]
         return math.sqrt(sum(s * s for s in read) / len(read))
 
+    def bent_share(self, reading: Reading) -> float:
+        """Return which share of the links stands at lambda in a reading; 0 where straight."""
+        if not reading.lambda_rad:
+            return 0.0
+        return bent_share(reading.bend, self.setup.robot.links)
+
     @property
     def sha256(self) -> str:
         """Return a hash of all that a friction fit rests on: robot, gravity, zeros, stations."""
@@ -209,7 +217,8 @@ class Session:
         rests_on = [
             repr(setup.robot), setup.procedure.gravity_m_s2, repr(self.zero),
             [[r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s,
-              repr(self.uncertainty_of(r)), *(["up"] if r.facing == "up" else [])]
+              repr(self.uncertainty_of(r)), *(["up"] if r.facing == "up" else []),
+              *([r.bend] if r.bend != "zigzag" else [])]
              for r in self.kept],
             *([f"{r!r}" for r in self.further if not r.voided and _KIND_OF[type(r)].fitted]),
             *([self.zeros_rad(self.kept)] if self.zero_drifts else []),

@@ -20,7 +20,7 @@ from ..model.gait import Gait
 from ..model.robot import Robot
 from ..model.toml_table import Table, check_names, located, read_text
 from .kinds.instruments import MAX_SPEED_M_S, Stopwatch, TreadmillSteps, Uncertainty
-from .kinds.station import MAX_INCLINE_DEG, MAX_LAMBDA_DEG, STATION, Reading
+from .kinds.station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG, STATION, Reading
 from .session import MAX_GRAVITY_M_S2, PROVENANCE, Procedure, Session, Setup
 from .session_rows import change_of, read_format_2, time_of
 
@@ -38,6 +38,7 @@ _STEPS = (
     "time_sigma_s",
 )  # fmt: skip
 _WORDS = ("surface", "place", "people")
+_PLAN_TOO = ("gaits", "gait_runs", "ratchet", "bend")
 _PLAN = ("lambda_deg", "incline_start_deg", "incline_step_deg", "belt_speed_max_m_s")
 
 
@@ -90,7 +91,7 @@ def amended(setup: Setup, change: Table) -> Setup:
         setup = replace(setup, **_instruments(table, setup))
     if "plan" in change.values:
         table = change.table("plan")
-        table.only(optional=(*_PLAN, "gaits", "gait_runs"))
+        table.only(optional=(*_PLAN, *_PLAN_TOO))
         setup = replace(setup, procedure=_plan(table, setup.procedure))
     return setup
 
@@ -160,7 +161,7 @@ def _setup_2(top: Table, words: dict[str, Any]) -> Setup:
     laboratory, plan = top.table("laboratory"), top.table("plan")
     instruments = top.table("instruments")
     laboratory.only("surface", "place", "people", "gravity_m_s2")
-    plan.only(*_PLAN, optional=("gaits", "gait_runs", "ratchet"))
+    plan.only(*_PLAN, optional=_PLAN_TOO)
     instruments.only(*_SIGMAS, optional=_STEPS)
     procedure = _plan(plan, replace(_NO_PLAN, gravity_m_s2=_gravity(laboratory)))
     setup = Setup(
@@ -212,6 +213,9 @@ def _plan(table: Table, before: Procedure) -> Procedure:
         found["gait_runs"] = table.whole("gait_runs")
     if "ratchet" in table.values:
         found["ratchet"] = _flag(table, "ratchet", usual=False)
+    if "bend" in table.values:
+        with located(table.where("bend")):
+            found["bend"] = check_choice("bend", table.values["bend"], BENDS)
     if "gaits" in table.values:
         found["gaits"] = _gaits(table)
     return replace(before, **found)

@@ -24,7 +24,7 @@ def test_a_small_bend_is_followed_by_a_larger_one(weak):
     assert found.best.kind == "station"
     assert found.best.lambda_rad >= math.radians(15)
     assert found.best.band < 0.8 * found.band
-    assert "neighbouring links at" in found.best.in_words()
+    assert "between the links at either end" in found.best.in_words()
     bands = [r.band for r in found.readings]
     assert bands == sorted(bands)
 

@@ -225,8 +225,8 @@ def test_the_robot_is_bent_by_the_tool_and_let_go_at_the_end(folder):
         heard, session = talk(folder, *ZERO, "", look, robot=seat)
         assert not seat.powered
         assert seat._robot.status().state == "idle"
-    # Links at 7.5 deg, left and right in turn: joints at twice that.
-    assert joints == pytest.approx([15.0, -15.0, 15.0, -15.0, 15.0], abs=0.01)
+    # Links at + - 0 0 - + times 7.5 deg.
+    assert joints == pytest.approx([-15.0, 7.5, 0.0, -7.5, 15.0], abs=0.01)
     assert len(session.bends) == 1
     assert "Enter bends the robot" in heard
 

@@ -47,7 +47,7 @@ def test_the_steps_come_in_order(record):
         station(record, incline, belt)
     bend = next_step(record.session, posed_deg=0.0)
     assert (bend.kind, bend.lambda_deg) == ("bend", 7.5)
-    assert "every joint at 15 deg" in bend.say
+    assert "-15, +7.5, 0, -7.5, +15 deg" in bend.say
     assert "shows 165 deg" in bend.say
     assert next_step(record.session, frozenset({"bend 7.5"}), 0.0).lambda_deg == 15.0
 

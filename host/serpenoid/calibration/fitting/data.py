@@ -30,7 +30,8 @@ _SAME_RAD = math.radians(1e-3)  # a bend written down with four decimals
 class FitData:
     """The kept readings, and which of them share an error.
 
-    lambda_rad, incline_rad (as shown, less the zero where that was measured), slip_m_s,
+    lambda_rad, bent_share (of the links, 0 where straight), incline_rad (as shown, less the zero
+    where that was measured), slip_m_s,
     incline_sigma_rad (what is a reading's own), speed_sigma_m_s: per reading. posture: per reading,
     which of posture_sigma_rad's bends it was taken at; -1 when straight. rounding: per reading,
     which of rounding_sigma_rad's errors its incline has; -1 where that is its own. rounding_draws:
@@ -41,6 +42,7 @@ class FitData:
     """
 
     lambda_rad: Floats
+    bent_share: Floats
     incline_rad: Floats
     slip_m_s: Floats
     incline_sigma_rad: Floats
@@ -74,6 +76,7 @@ class FitData:
         )
         return cls(
             lambda_rad=lambda_rad,
+            bent_share=np.array([session.bent_share(r) for r in kept], dtype=float),
             incline_rad=shown_rad - zeros_rad,
             slip_m_s=np.array([r.slip_speed_m_s for r in kept], dtype=float),
             incline_sigma_rad=np.where(rounding < 0, incline_sigma_rad, 0.0),
@@ -149,13 +152,25 @@ class FitData:
 
     def picked(self, index: Whole | NDArray[np.bool_]) -> FitData:
         """Return some of the readings, with the postures as they are."""
-        names = ("lambda_rad", "incline_rad", "slip_m_s", "incline_sigma_rad", "speed_sigma_m_s",
-                 "posture", "rounding", "back")  # fmt: skip
+        names = ("lambda_rad", "bent_share", "incline_rad", "slip_m_s", "incline_sigma_rad",
+                 "speed_sigma_m_s", "posture", "rounding", "back")  # fmt: skip
         return replace(self, **{name: getattr(self, name)[index] for name in names})
 
     def without(self, index: int) -> FitData:
         """Return all readings but one."""
         return self.picked(np.delete(np.arange(len(self)), index))
+
+
+def projections(
+    bent_share: Floats | float, angle_rad: Floats | float
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return what ct, cn, ft0 and fn0 count in A and B, where friction along the belt is A v + B.
+
+    With a share q of the links bent by lambda and the rest straight,
+    A = ct (1 - q sin^2) + cn q sin^2 and B = ft0 (1 - q + q cos) + fn0 q sin.
+    """
+    q, cos, sin = np.asarray(bent_share, dtype=float), np.cos(angle_rad), np.sin(angle_rad)
+    return 1.0 - q * sin**2, q * sin**2, 1.0 - q + q * cos, q * sin
 
 
 def settings(session: Session) -> Whole:

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...model.errors import NotConverged
-from .data import FitData, Floats
+from .data import FitData, Floats, projections
 
 
 @dataclass(frozen=True)
@@ -122,13 +122,15 @@ def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:
     """Return r_i, s_i and what the Jacobian needs besides: see the head of this file."""
     (ct, ft0), cn, fn0 = data.along(x[: data.parameters]), x[1], x[3]
     angle = data.lambda_rad + _offsets(x, data)[0]
-    cos, sin = np.cos(angle), np.sin(angle)
-    slope = ct * cos**2 + cn * sin**2
+    by_ct, by_cn, by_ft0, by_fn0 = projections(data.bent_share, angle)
+    slope = ct * by_ct + cn * by_cn
     incline = data.incline_rad - data.zero_sigma_rad * x[-1] - _roundings(x, data)[0]
-    excess_n = data.weight_n * np.sin(incline) - slope * data.slip_m_s - (ft0 * cos + fn0 * sin)
+    excess_n = (
+        data.weight_n * np.sin(incline) - slope * data.slip_m_s - (ft0 * by_ft0 + fn0 * by_fn0)
+    )
     per_incline_n = data.weight_n * np.cos(incline)
     spread_n = np.hypot(per_incline_n * data.incline_sigma_rad, slope * data.speed_sigma_m_s)
-    return excess_n / spread_n, spread_n, cos, sin, slope, incline, per_incline_n
+    return excess_n / spread_n, spread_n, angle, slope, incline, per_incline_n
 
 
 def jacobian(x: Floats, data: FitData) -> Floats:
@@ -138,13 +140,16 @@ def jacobian(x: Floats, data: FitData) -> Floats:
     acts at the fitted speed v_i = v_i' + r A sv^2 / s and one of B as it is.
     """
     (ct, ft0), cn, fn0 = data.along(x[: data.parameters]), x[1], x[3]
-    r, spread, cos, sin, slope, incline, per_incline = balance(x, data)
+    r, spread, angle, slope, incline, per_incline = balance(x, data)
+    cos, sin = np.cos(angle), np.sin(angle)
+    by_ct, by_cn, by_ft0, by_fn0 = projections(data.bent_share, angle)
     speed = data.slip_m_s + r * slope * data.speed_sigma_m_s**2 / spread
-    by_offset = _offsets(x, data)[1] * (2 * (cn - ct) * sin * cos * speed + fn0 * cos - ft0 * sin)
+    turned = 2 * (cn - ct) * sin * cos * speed + fn0 * cos - ft0 * sin
+    by_offset = _offsets(x, data)[1] * data.bent_share * turned
     spread_by_zero = per_incline * data.incline_sigma_rad**2 * data.weight_n * np.sin(incline)
     by_incline = per_incline + r * spread_by_zero / spread
     out = np.zeros((len(data) + data.nuisances, len(x)))
-    out[: len(data), :4] = np.column_stack([cos**2 * speed, sin**2 * speed, cos, sin])
+    out[: len(data), :4] = np.column_stack([by_ct * speed, by_cn * speed, by_ft0, by_fn0])
     if data.ratchet:
         back = np.flatnonzero(data.back)
         for here, there in ((0, 4), (2, 5)):

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from .data import FitData, Floats
+from .data import FitData, Floats, projections
 
 
 def points(data: FitData, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> (speeds, forces): Eq. 58 straight, Eq. 61 bent; m/s and N, whole snake.
 
+    Eq. 61 with a share of the links bent: what the straight ones and the tangential friction of
+    the bent ones take is taken off, and the rest is of the bent share.
+
     values: the frictions, of which ct and ft0 are taken. "back" is "straight" facing up the belt.
     """
     ct, ft0 = data.along(values)
     pull_n = data.weight_n * np.sin(data.incline_rad)
-    b, cos, sin = data.bent, np.cos(data.lambda_rad), np.sin(data.lambda_rad)
-    along_n = (ct * data.slip_m_s * cos + ft0) * cos
-    across_n = (pull_n[b] - along_n[b]) / sin[b]
+    b, sin = data.bent, np.sin(data.lambda_rad)
+    by_ct, _, by_ft0, by_fn0 = projections(data.bent_share, data.lambda_rad)
+    along_n = ct * data.slip_m_s * by_ct + ft0 * by_ft0
+    across_n = (pull_n[b] - along_n[b]) / by_fn0[b]
     return {
         "straight": (data.slip_m_s[~b & ~data.back], pull_n[~b & ~data.back]),
         "back": (data.slip_m_s[~b & data.back], pull_n[~b & data.back]),

@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .declaration import PLANNED, Field, Kind, check_fields
-from .station import MAX_LAMBDA_DEG
+from .declaration import PLANNED, Field, Kind, Word, check_fields
+from .station import BENDS, MAX_LAMBDA_DEG
 
 FIELDS = (
     Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
     Field("between_links_deg", "the protractor shows", "angle", 0.0, 180.0),
+    Word("bend", BENDS, of_plan=True),
 )
 
 
 @dataclass(frozen=True, slots=True)
 class BendCheck:
-    """The protractor held between two neighbouring links of a bent robot."""
+    """The protractor held between the last two links at an end of a bent robot.
+
+    There a joint stands at 2 lambda in either bend, zigzag or balanced.
+    """
 
     number: int
     lambda_rad: float
@@ -24,6 +28,7 @@ class BendCheck:
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
+    bend: str = "zigzag"
 
     def __post_init__(self) -> None:
         check_fields(self, FIELDS)

@@ -92,11 +92,13 @@ class Field:
 class Word:
     """One word of a reading: one of the choices, the first where nothing is said.
 
-    choices: none if any word without a space will do. source: as of a Field.
+    choices: none if any word without a space will do. of_plan: what is not said when it is typed is
+    as the plan's attribute of this name has it. source: as of a Field.
     """
 
     column: str
     choices: tuple[str, ...] = ()
+    of_plan: bool = False
     source: str = PLANNED
 
     @property

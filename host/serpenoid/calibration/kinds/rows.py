@@ -28,9 +28,15 @@ def kind_of(name: str) -> Kind:
     return KINDS[name]
 
 
-def reading_row(name: str, cells: Cells) -> dict[str, str]:
-    """Return a row of all columns; raises BadInput for a kind or a column that is not known."""
+def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
+    """Return a row of all columns; raises BadInput for a kind or a column that is not known.
+
+    plan: the session's, which tells the words that it has and the cells have not.
+    """
     kind = kind_of(name)
+    if plan is not None:
+        planned = {w.column: getattr(plan, w.column) for w in kind.words if w.of_plan}
+        cells = planned | dict(cells)
     usual = {w.column: w.usual for w in kind.words}
     own = {f.column for f in kind.fields}
     unknown = next((c for c in cells if c not in own and c not in READING_COLUMNS), None)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ...model.bends import balanced_signs
 from ...model.errors import BadInput
 from .declaration import PLANNED, Field, Kind, Word, check_fields
 from .instruments import MAX_SPEED_M_S, Uncertainty
 
 FACINGS = ("down", "up")
+BENDS = ("zigzag", "balanced")  # zigzag first: sessions of before there were others do not say
 # Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, and
 # the snake tumbles before 45.
 MAX_LAMBDA_DEG, MAX_INCLINE_DEG = 60.0, 45.0
@@ -25,6 +27,7 @@ FIELDS = (
         -MAX_SPEED_M_S, MAX_SPEED_M_S, likely=(-0.06, 0.06), usual=0.0,
     ),
     Word("facing", FACINGS),
+    Word("bend", BENDS, of_plan=True),
 )  # fmt: skip
 
 
@@ -32,13 +35,15 @@ FIELDS = (
 class Reading:
     """One station held: the belt speed at which the snake neither climbs nor slides.
 
-    number: from 1, unique in a session. lambda_rad: angle of every link to the direction of the
-    belt, alternately left and right; 0 when straight. incline_rad: gamma as the inclinometer shows
-    it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls forwards. drift_m_s: what
-    was left of the snake's own motion, positive when carried along with the belt. voided: not to be
-    used, for the reason in comment. time_utc: ISO 8601, empty if not recorded. facing: "down" the
-    incline, or "up": the wheels then roll backwards, which tells a ratchet. uncertainty: of the
-    instruments it was taken with, None for those of the session's set-up. Raises BadInput.
+    number: from 1, unique in a session. lambda_rad: angle of a bent link to the direction of the
+    belt; 0 when straight. bend: "zigzag", all links bent, alternately left and right (Eq. 60), or
+    "balanced" (`model.bends`), where the robot stays on course unguided. incline_rad: gamma as the
+    inclinometer shows it. belt_speed_m_s: uphill, so that the snake, facing downhill, rolls
+    forwards. drift_m_s: what was left of the snake's own motion, positive when carried along with
+    the belt. voided: not to be used, for the reason in comment. time_utc: ISO 8601, empty if not
+    recorded. facing: "down" the incline, or "up": the wheels then roll backwards, which tells a
+    ratchet. uncertainty: of the instruments it was taken with, None for those of the session's
+    set-up. Raises BadInput.
     """
 
     number: int
@@ -51,6 +56,7 @@ class Reading:
     time_utc: str = ""
     uncertainty: Uncertainty | None = None
     facing: str = "down"
+    bend: str = "zigzag"
 
     def __post_init__(self) -> None:
         check_fields(self, FIELDS)
@@ -67,12 +73,20 @@ class Reading:
         return self.belt_speed_m_s - self.drift_m_s
 
 
+def bent_share(bend: str, links: int) -> float:
+    """Return which share of a robot's links is bent; raises BadInput where none can be."""
+    if bend == "zigzag":
+        return 1.0
+    return sum(map(abs, balanced_signs(links))) / links
+
+
 def _in_words(r: Reading) -> tuple[str, str]:
     values = (
         f"{math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "
         f"drift {r.drift_m_s:+.3f} m/s{', facing up' if r.facing == 'up' else ''}"
     )
-    return f"station, bend {math.degrees(r.lambda_rad):.4g}°", values
+    zigzag = " as a zigzag" if r.bend == "zigzag" and r.lambda_rad else ""
+    return f"station, bend {math.degrees(r.lambda_rad):.4g}°{zigzag}", values
 
 
 STATION = Kind("station", Reading, FIELDS, _in_words, "readings", fitted=True)

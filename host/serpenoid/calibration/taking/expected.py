@@ -44,10 +44,14 @@ class Line:
 
 @dataclass(frozen=True)
 class Series:
-    """Stations of one pose: a bend of the plan, straight, or straight and facing up the belt."""
+    """Stations of one pose: a bend of the plan, straight, or straight and facing up the belt.
+
+    bend: balanced or zigzag, as of a reading.
+    """
 
     lambda_rad: float
     facing: str = "down"
+    bend: str = "zigzag"
 
     @property
     def key(self) -> str:
@@ -68,9 +72,9 @@ def series_of(plan: Procedure) -> list[Series]:
     """Return the series of a plan in their order; ratchets are held facing up, too, if straight."""
     found = []
     for lambda_rad in plan.lambda_rad:
-        found.append(Series(lambda_rad))
+        found.append(Series(lambda_rad, bend=plan.bend))
         if plan.ratchet and not lambda_rad:
-            found.append(Series(0.0, "up"))
+            found.append(Series(0.0, "up", plan.bend))
     return found
 
 
@@ -81,9 +85,9 @@ def planned_bend(session: Session, lambda_rad: float) -> float:
 
 
 def of_bend(session: Session, lambda_rad: float, facing: str = "down") -> list[Reading]:
-    """Return the kept stations of one of the plan's bends, of those that face this way."""
-    aim = planned_bend(session, lambda_rad)
-    own = [r for r in session.kept if r.facing == facing]
+    """Return the kept stations of one of the plan's bends, bent as it says and facing this way."""
+    aim, bend = planned_bend(session, lambda_rad), session.setup.procedure.bend
+    own = [r for r in session.kept if r.facing == facing and (r.bend == bend or not r.lambda_rad)]
     return [r for r in own if planned_bend(session, r.lambda_rad) == aim]
 
 

@@ -81,7 +81,7 @@ class Journal:
             )
         self.check(kind, cells)
         setup = 1 + sum(e.event == "amend" for e in self.events)
-        row = reading_row(kind, cells) | {
+        row = reading_row(kind, cells, self.session.setup.procedure) | {
             "reading": str(number),
             "time_utc": utc_now(),
             "setup": str(setup),

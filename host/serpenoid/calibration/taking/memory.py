@@ -22,7 +22,7 @@ class MemoryRecord:
         """Keep one reading; return its number. cells as for Journal.add."""
         self._count += 1
         common = {"number": self._count, "comment": comment}
-        made = make_reading(reading_row(kind, cells), common)
+        made = make_reading(reading_row(kind, cells, self.session.setup.procedure), common)
         if replaces:
             part = kind_of(kind).part or "further"
             kept = [replace(r, voided=r.voided or r.number == replaces)

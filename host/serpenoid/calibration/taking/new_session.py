@@ -11,6 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from ...model.bends import FEWEST_LINKS
 from ...model.errors import BadInput, RecordingFailed
 from ...model.gait import Gait
 from ...model.robot import Robot
@@ -65,6 +66,7 @@ lambda_deg = {lambda_deg}    # 7.5 as in 2005; 15 and 30 tell cn three to ten ti
 incline_start_deg = {incline_start_deg}
 incline_step_deg = {incline_step_deg}
 belt_speed_max_m_s = {belt_speed_max_m_s}
+bend = {bend}             # balanced; or zigzag, for a robot that is guided on the belt
 ratchet = {ratchet}             # true: straight stations also facing up, where wheels roll back
 gait_runs = {gait_runs}              # of each gait, on level ground of the same surface
 gaits = [{gaits}]
@@ -105,6 +107,7 @@ def default_setup(name: str) -> Setup:
             lambda_rad=(0.0, deg(7.5), deg(15.0), deg(30.0)), incline_start_rad=deg(2.0),
             incline_step_rad=deg(0.3), belt_speed_max_m_s=1.0, gravity_m_s2=9.80665,
             gaits=tuple(Gait(deg(70), deg(75), rate) for rate in rates), gait_runs=3,
+            bend="balanced",
         ),
         uncertainty=Uncertainty(deg(0.03), deg(0.1), 0.01, deg(0.5)),
         surface="not said", place="not said", people="not said",
@@ -118,6 +121,8 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     links = int(given.get("links", setup.robot.links))
     mass_kg = given.get("mass_kg", links * setup.robot.link_mass_kg)
     robot = Robot(links, mass_kg / links, given.get("link_length_m", setup.robot.link_length_m))
+    if links < FEWEST_LINKS:  # they have no balanced bend
+        setup = replace(setup, procedure=replace(setup.procedure, bend="zigzag"))
     unsure, steps = setup.uncertainty, setup.treadmill
     if "incline_step_deg_shown" in given:
         sigma_rad = math.radians(given["incline_step_deg_shown"]) / math.sqrt(12)
@@ -142,6 +147,8 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
     words = {k: getattr(found, k) or "not said" for k in ("surface", "place", "people")}
     proposed = default_setup(name)
     plan = found.procedure
+    if found.robot.links >= FEWEST_LINKS:
+        plan = replace(plan, bend="balanced")
     if not plan.gaits:
         plan = replace(plan, gaits=proposed.procedure.gaits)
     kind = {} if found.kind != "regenerated" else {"kind": "measured"}
@@ -184,6 +191,7 @@ def setup_text(setup: Setup) -> str:
         incline_step_deg=_degrees(plan.incline_step_rad),
         belt_speed_max_m_s=_number(plan.belt_speed_max_m_s),
         gait_runs=plan.gait_runs,
+        bend=quoted(plan.bend),
         ratchet=str(plan.ratchet).lower(),
         gaits="".join(f"\n  {gait}," for gait in gaits) + ("\n" if gaits else ""),
     )

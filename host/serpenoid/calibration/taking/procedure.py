@@ -11,12 +11,13 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
+from ...model.bends import balanced_signs, joint_multiples
 from ..kinds.bend import BEND
 from ..kinds.declaration import Field
 from ..kinds.gait import GAIT
 from ..kinds.station import STATION
 from ..kinds.zero import ZERO
-from ..session import Session
+from ..session import Session, Setup
 from ..session_rows import Event
 from .expected import Series, expected_speed, line_of, of_bend, planned_bend, series_of
 from .steps import Step
@@ -62,7 +63,7 @@ def next_step(
             shown_rad = _shown_bend(session, series.lambda_rad)
             lies = posed_deg is not None and abs(posed_deg - bend_deg) <= 1e-6
             if not lies or facing != series.facing or shown_rad is None:
-                return _pose(bend_deg, series.facing, session.setup.procedure.ratchet)
+                return _pose(series, session.setup)
             return _station(session, series, incline_deg, shown_rad)
     if session.kept and not (_zero_read(session, False) or ZERO_AFTER in skipped):
         return _zero(ZERO_AFTER)
@@ -187,8 +188,9 @@ def _zero(key: str) -> Step:
     return Step(key, "zero", say, ZERO.numbers)
 
 
-def _pose(bend_deg: float, facing: str, ratchet: bool) -> Step:
-    if facing == "up":
+def _pose(series: Series, setup: Setup) -> Step:
+    bend_deg = round(math.degrees(series.lambda_rad), 3)
+    if series.facing == "up":
         return Step(
             "straight up", "straight",
             "Ratchets: turn the robot round, straight, head UPHILL, the belt running uphill as "
@@ -201,13 +203,30 @@ def _pose(bend_deg: float, facing: str, ratchet: bool) -> Step:
         )  # fmt: skip
     between = 180.0 - 2 * bend_deg
     say = (
-        f"Bend {bend_deg:g} deg: every joint at {2 * bend_deg:g} deg, left and right in turn; a "
-        f"protractor between neighbouring links shows {between:g} deg. ({REASON}.)"
-        + (" Head downhill again." if ratchet else "")
+        f"Bend {bend_deg:g} deg, {bend_in_words(series.bend, bend_deg, setup.robot.links)} "
+        f"({REASON}.)" + (" Head downhill again." if setup.procedure.ratchet else "")
     )
     shows = replace(BEND["between_links_deg"], likely=(between - 5.0, between + 5.0))
-    cells: dict[str, float | str] = {"lambda_deg": bend_deg}
-    return Step(f"bend {bend_deg:g}", "bend", say, (shows,), bend_deg, cells=cells)
+    cells: dict[str, float | str] = {"lambda_deg": bend_deg, "bend": series.bend}
+    return Step(
+        f"bend {bend_deg:g}", "bend", say, (shows,), bend_deg, bend=series.bend, cells=cells
+    )
+
+
+def bend_in_words(bend: str, bend_deg: float, links: int) -> str:
+    """Return what the joints of a bent robot do, and what a protractor shows there."""
+    at_ends = f"A protractor between the last two links at either end shows {180 - 2 * bend_deg:g}"
+    if bend == "zigzag":
+        return (
+            f"a zigzag: every joint at {2 * bend_deg:g} deg, left and right in turn. {at_ends} "
+            "deg, as at every joint. Guide the robot: left alone it turns."
+        )
+    multiples = joint_multiples(balanced_signs(links))
+    joints = ", ".join(f"{m * bend_deg:+g}" if m else "0" for m in multiples)
+    inner = sorted({abs(m) for m in multiples} - {2}, reverse=True)
+    there = {1: f"{180 - bend_deg:g} at a joint of {bend_deg:g}", 0: "180 at a joint of 0"}
+    rest = "".join(f", {there[m]}" for m in inner)
+    return f"balanced: joints from the tail at {joints} deg. {at_ends} deg{rest}."
 
 
 def _shown_bend(session: Session, lambda_rad: float) -> float | None:
@@ -216,6 +235,8 @@ def _shown_bend(session: Session, lambda_rad: float) -> float | None:
         return 0.0
     checks = [b for b in session.bends if not b.voided]
     if not checks or planned_bend(session, checks[-1].found_rad) != lambda_rad:
+        return None
+    if checks[-1].bend != session.setup.procedure.bend:
         return None
     return checks[-1].found_rad
 
@@ -238,11 +259,14 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
     near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steeper else incline_deg + 2 * step_deg)
     shown = replace(STATION["incline_deg"], likely=near_deg)
     belt = replace(STATION["belt_speed_m_s"], likely=likely)
-    cells: dict[str, float | str] = {"lambda_deg": round(math.degrees(shown_rad), 4)}
+    cells: dict[str, float | str] = {
+        "lambda_deg": round(math.degrees(shown_rad), 4), "facing": facing,
+        **({"bend": series.bend} if lambda_rad else {}),
+    }  # fmt: skip
     return Step(
         f"{_station_key(bend_deg, facing)}{incline_deg:.2f}", "station", say,
         (shown, belt, STATION["drift_m_s"]), bend_deg, facing, incline_deg, wait_s,
-        cells=cells | ({"facing": "up"} if facing == "up" else {}),
+        bend=series.bend, cells=cells,
     )  # fmt: skip
 
 

@@ -100,7 +100,8 @@ def _headings(ratchet: bool) -> list[str]:
     kinds = [sorted(kind.fields, key=lambda f: f.source != PLANNED) for kind in KINDS.values()]
     fields = [f for kind in kinds for f in kind if f.source != DERIVED]
     names = [f.sheet[0] if isinstance(f, Field) and f.sheet else f.column for f in fields]
-    told = [name for name in dict.fromkeys(names) if name != "facing" or ratchet]
+    left_out = {"bend"} if ratchet else {"bend", "facing"}
+    told = [name for name in dict.fromkeys(names) if name not in left_out]
     return ["kind", *told, "comment"]
 
 

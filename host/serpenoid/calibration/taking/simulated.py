@@ -1,9 +1,9 @@
 """A treadmill, a robot and a person that are not there, with a truth that is known and seeded.
 
-The robot on the belt obeys m u' = F(slip) - m g sin(gamma) downhill, with the friction of Eq. 60;
-friction at rest is set-valued, so below the least pull the wheels stick and the belt carries the
-robot away: no station. Everything a person reads goes through instruments that err as the set-up
-says they may, and now and then the person misreads.
+The robot on the belt obeys m u' = F(slip) - m g sin(gamma) downhill, with friction summed over
+its links; friction at rest is set-valued, so below the least pull the wheels stick and the belt
+carries the robot away: no station. Everything a person reads goes through instruments that err as
+the set-up says they may, and now and then the person misreads.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...model.bends import balanced_signs
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
@@ -105,13 +106,18 @@ class SimulatedTreadmill:
         return slip if slip > 0.0 else None
 
     def _pull(self, lambda_rad: float, facing: str) -> tuple[float, float]:
-        """Return A and B of Eq. 60: friction along the belt is A v + B."""
-        ground, c, s = self.truth.ground, math.cos(lambda_rad), math.sin(lambda_rad)
+        """Return A and B: friction along the belt is A v + B, summed link by link."""
+        ground, links = self.truth.ground, self._setup.robot.links
+        zigzag = self._setup.procedure.bend == "zigzag"
+        signs = (1,) * links if zigzag else balanced_signs(links)
         ct, ft0 = (
             (ground.ct_backward, ground.ft0_backward) if facing == "up"
             else (ground.ct_forward, ground.ft0_forward)
         )  # fmt: skip
-        return ct * c * c + ground.cn * s * s, ft0 * c + ground.fn0 * s
+        turned = [abs(sign) * lambda_rad for sign in signs]
+        slope = sum(ct * math.cos(x) ** 2 + ground.cn * math.sin(x) ** 2 for x in turned)
+        dry = sum(ft0 * math.cos(x) + ground.fn0 * math.sin(x) for x in turned)
+        return slope / links, dry / links
 
     def _normal(self, sigma: float) -> float:
         return float(self._rng.normal()) * sigma

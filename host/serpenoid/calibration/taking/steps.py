@@ -13,8 +13,8 @@ class Step:
     """One step: `key` names it in events, `say` tells what to set, `fields` what to type.
 
     kind: that of the reading it ends in; else straight or done. lambda_deg: the bend it belongs to.
-    facing: of the snake, down or up the belt. settle_s: how long to wait before reading. gait: to
-    be run.
+    facing: of the snake, down or up the belt. bend: of a bent robot, balanced or zigzag. settle_s:
+    how long to wait before reading. gait: to be run.
     """
 
     key: str
@@ -26,4 +26,5 @@ class Step:
     incline_deg: float = 0.0
     settle_s: float = 0.0
     gait: Gait | None = None
+    bend: str = "zigzag"
     cells: dict[str, float | str] = field(default_factory=dict)

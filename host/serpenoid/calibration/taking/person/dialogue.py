@@ -110,7 +110,7 @@ class Dialogue:
                 self.ask("Enter when it lies so: ", step)
             return
         self._ask_to_move(f"Enter {what} the robot (hands off): ", self._robot, step)
-        self._robot.pose(step.lambda_deg)
+        self._robot.pose(step.lambda_deg, step.bend)
 
     def _start(self, step: Step) -> None:
         if self._robot is None or step.gait is None:

@@ -51,11 +51,12 @@ class SessionRobot:
         hello = self._robot.hello
         return f"{hello.board}, firmware {hello.firmware}, protocol {hello.protocol}"
 
-    def pose(self, bend_deg: float) -> None:
-        """Turn every link by the bend, left and right in turn: joints at twice that angle."""
+    def pose(self, bend_deg: float, bend: str = "balanced") -> None:
+        """Bend the robot, balanced or as a zigzag; straight at 0."""
         self.powered = True
+        move = self._robot.bent if bend == "balanced" else self._robot.zigzag
         with self._unless_stopped():
-            self._robot.zigzag(math.radians(bend_deg))
+            move(math.radians(bend_deg)) if bend_deg else self._robot.straight()
             end_s = time.monotonic() + MOVED_S
             while self._robot.status().moving:
                 if time.monotonic() > end_s:

@@ -1,0 +1,92 @@
+"""The law of a partly bent robot against friction summed link by link; sessions of both bends."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from calibration.synthetic_session import setup
+from serpenoid.calibration.fitting.data import FitData, projections
+from serpenoid.calibration.fitting.joint import jacobian, residuals, starting_point
+from serpenoid.calibration.kinds.station import Reading, bent_share
+from serpenoid.calibration.session import Session
+
+TRUTH = np.array([0.084, 1.2, 0.14, 0.27])
+# Written down by hand: which links are bent, and to which side.
+SIGNS = {4: "+--+", 5: "+-0-+", 6: "+-00-+", 7: "+-000-+", 8: "+--++--+", 9: "+--+0+--+"}
+
+
+def along_n(truth, angles_rad, speed_m_s):
+    """Return the friction along the belt, summed over links at these angles to it."""
+    total = 0.0
+    for angle in angles_rad:
+        c, s = math.cos(angle), abs(math.sin(angle))
+        total += (truth[0] * speed_m_s * c + truth[2]) * c + (
+            truth[1] * speed_m_s * s + truth[3]
+        ) * s
+    return total / len(angles_rad)
+
+
+def angles(links, lambda_rad, bend):
+    if bend == "zigzag":
+        return [lambda_rad * (-1) ** k for k in range(links)]
+    return [{"+": 1, "-": -1, "0": 0}[sign] * lambda_rad for sign in SIGNS[links]]
+
+
+@pytest.mark.parametrize("links", SIGNS)
+@pytest.mark.parametrize("bend", ["zigzag", "balanced"])
+def test_the_law_is_the_sum_over_links(links, bend):
+    for lambda_rad in (0.1, 0.5, 1.0):
+        by_ct, by_cn, by_ft0, by_fn0 = projections(bent_share(bend, links), lambda_rad)
+        for speed in (0.05, 0.8):
+            law = (by_ct * TRUTH[0] + by_cn * TRUTH[1]) * speed
+            law += by_ft0 * TRUTH[2] + by_fn0 * TRUTH[3]
+            assert law == pytest.approx(along_n(TRUTH, angles(links, lambda_rad, bend), speed))
+
+
+def session_of(bend, links=6, rng=None):
+    """Take straight and bent stations where the sum over links balances the pull."""
+    made = setup(15.0, 30.0)
+    made = replace(made, robot=sn.Robot(links, 0.4536 / links, 0.076))
+    readings = []
+    for lambda_rad in made.procedure.lambda_rad:
+        shape = angles(links, lambda_rad, bend)
+        for speed in np.linspace(0.1, 0.9, 6).tolist():
+            pull_n = along_n(TRUTH, shape, speed)
+            noise = 0.0 if rng is None else 0.02 * float(rng.normal())
+            readings.append(
+                Reading(len(readings) + 1, lambda_rad, math.asin(pull_n / made.weight_n),
+                        speed + noise, bend=bend)
+            )  # fmt: skip
+    return Session(made, tuple(readings))
+
+
+@pytest.mark.parametrize("method", ["joint", "naive", "robust"])
+@pytest.mark.parametrize(("bend", "links"), [("balanced", 6), ("balanced", 9), ("zigzag", 6)])
+def test_a_fit_finds_the_frictions_again(bend, links, method):
+    fit = sn.fit_friction(session_of(bend, links), method=method)
+    assert list(fit.whole_snake.values()) == pytest.approx(TRUTH, rel=2e-3)
+
+
+def test_taken_for_the_other_bend_it_would_not():
+    made = session_of("balanced")
+    wrong = replace(made, readings=tuple(replace(r, bend="zigzag") for r in made.readings))
+    assert sn.fit_friction(wrong).whole_snake["cn"] < 0.8 * TRUTH[1]
+    assert made.sha256 != wrong.sha256
+
+
+def test_the_jacobian_is_that_of_the_residuals():
+    data = FitData.of(session_of("balanced", rng=np.random.default_rng(3)))
+    x = starting_point(TRUTH, data) + 0.01
+    numeric = np.empty((len(data) + data.nuisances, len(x)))
+    for k in range(len(x)):
+        step = np.zeros(len(x))
+        step[k] = 1e-6
+        numeric[:, k] = (residuals(x + step, data) - residuals(x - step, data)) / 2e-6
+    assert jacobian(x, data) == pytest.approx(numeric, rel=1e-5, abs=1e-5)
+
+
+def test_a_zigzag_is_asked_whether_it_was_guided():
+    assert any("Was it guided?" in note for note in sn.fit_friction(session_of("zigzag")).notes)
+    assert not any("guided" in note for note in sn.fit_friction(session_of("balanced")).notes)
