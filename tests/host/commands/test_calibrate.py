@@ -148,7 +148,9 @@ def load_setup_surface(folder):
 def test_a_sheet_is_printed_and_taken_in_once(folder, tmp_path, serpenoid):
     page = tmp_path / "sheet.html"
     assert serpenoid("calibrate", "sheet", str(folder), "--out", str(page))[0] == 0
-    assert "protractor between neighbouring links shows 120°" in page.read_text()
+    text = page.read_text()
+    assert "joints from the tail at -60, +30, 0, -30, +60°" in text
+    assert "between the last two links at either end shows 120°" in text
     path = tmp_path / "typed.csv"
     path.write_text(
         "kind;lambda_deg;incline_percent;belt_speed_km_h;drift_m_s;comment\n"

@@ -64,7 +64,8 @@ class Series:
     def name(self) -> str:
         """Return what people call it."""
         if self.lambda_rad:
-            return f"{math.degrees(self.lambda_rad):.5g}°"
+            zigzag = " zigzag" if self.bend == "zigzag" else ""
+            return f"{math.degrees(self.lambda_rad):.5g}°{zigzag}"
         return "straight, facing up" if self.facing == "up" else "straight"
 
 
@@ -82,6 +83,12 @@ def planned_bend(session: Session, lambda_rad: float) -> float:
     """Return the plan's bend that is nearest to one that the protractor showed, rad."""
     plan = session.setup.procedure.lambda_rad
     return min(plan, key=lambda planned: abs(planned - lambda_rad))
+
+
+def series_it_is_of(session: Session, reading: Reading) -> Series:
+    """Return the series that a reading belongs to, one of the plan's or another."""
+    bend = reading.bend if reading.lambda_rad else session.setup.procedure.bend
+    return Series(planned_bend(session, reading.lambda_rad), reading.facing, bend)
 
 
 def of_bend(session: Session, lambda_rad: float, facing: str = "down") -> list[Reading]:

@@ -218,7 +218,7 @@ def bend_in_words(bend: str, bend_deg: float, links: int) -> str:
     at_ends = f"A protractor between the last two links at either end shows {180 - 2 * bend_deg:g}"
     if bend == "zigzag":
         return (
-            f"a zigzag: every joint at {2 * bend_deg:g} deg, left and right in turn. {at_ends} "
+            f"zigzag: every joint at {2 * bend_deg:g} deg, left and right in turn. {at_ends} "
             "deg, as at every joint. Guide the robot: left alone it turns."
         )
     multiples = joint_multiples(balanced_signs(links))

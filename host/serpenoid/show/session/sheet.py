@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...calibration.taking.expected import Series, series_of
-from ...calibration.taking.procedure import settle_s
+from ...calibration.taking.procedure import bend_in_words, settle_s
 from ...calibration.taking.sheet import LINES, sheet_text
+from .bend_drawing import bend_shape, bend_svg
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
@@ -22,6 +23,7 @@ h1 { font-size: 15pt; margin: 0 0 1mm; } h2 { font-size: 11.5pt; margin: 4mm 0 1
 p { margin: 1mm 0; } table { border-collapse: collapse; width: 100%; break-inside: avoid; }
 th, td { border: .3mm solid #666; padding: 0 2mm; height: 7mm; text-align: left; }
 th { font-weight: 600; height: 6mm; background: #eee; } section { break-inside: avoid; }
+svg { width: 100mm; display: block; margin: 1mm auto 2mm; }
 .nr { width: 8mm; } .short { width: 24mm; }
 """
 
@@ -40,7 +42,7 @@ def sheet(session: Session) -> str:
         "<p>date: ____________ &emsp; who: ________________________</p>",
         f"<p>{_how(session)}</p>",
         f"<section><h2>Inclinometer zero, before (kind zero)</h2>{zero}</section>",
-        *(_bend(series) for series in series_of(setup.procedure)),
+        *(_bend(series, setup.robot.links) for series in series_of(setup.procedure)),
         f"<section><h2>Inclinometer zero, after (kind zero)</h2>{zero}</section>",
         _gaits(session),
     ]
@@ -69,7 +71,7 @@ def _how(session: Session) -> str:
     )
 
 
-def _bend(series: Series) -> str:
+def _bend(series: Series, links: int) -> str:
     bend = math.degrees(series.lambda_rad)
     columns = ["incline (° or %)", "belt (km/h or m/s)", "drift, + uphill (m/s)", "remark"]
     if series.facing == "up":
@@ -80,10 +82,9 @@ def _bend(series: Series) -> str:
         check = "Head downhill, belt uphill. Raise the belt until the robot holds; wait; read."
     else:
         heading = f"Bend {bend:g}° (kind station)"
-        check = (
-            f"Joints at ±{2 * bend:g}°; a protractor between neighbouring links shows "
-            f"{180 - 2 * bend:g}°. It showed (kind bend): ________ °"
-        )
+        drawn = bend_svg(bend_shape(series.bend, links, bend), f"{series.bend} bend")
+        words = bend_in_words(series.bend, bend, links).replace(" deg", "°")
+        check = f"{words[0].upper()}{words[1:]} At an end it showed (kind bend): ________ °{drawn}"
     return f"<section><h2>{heading}</h2><p>{check}</p>{_table(columns, LINES)}</section>"
 
 

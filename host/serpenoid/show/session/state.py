@@ -10,6 +10,7 @@ from ...calibration.taking.expected import Series, line_of, of_bend, series_of
 from ...calibration.taking.procedure import belt_range, progress
 from ...calibration.taking.steps import Step
 from ...model.errors import SerpenoidError
+from .bend_drawing import bend_shape
 
 CURVE = 24  # points of a line
 
@@ -31,6 +32,7 @@ def state_of(session: Session, step: Step, skipped: frozenset[str], robot: str) 
         "fit": _fit(session),
         "bends": [_bend(session, series) for series in series_of(session.setup.procedure)],
         "robot": robot,
+        "shape": _shape(session, step),
     }
 
 
@@ -42,11 +44,19 @@ def _aim(step: Step) -> str:
         grade = 100 * math.tan(math.radians(step.incline_deg))
         return f"incline {step.incline_deg:.1f}° = {grade:.1f} %{belt}"
     if step.kind == "bend":
-        return f"bend {step.lambda_deg:g}°: {180 - 2 * step.lambda_deg:g}° between links"
+        between = f"{180 - 2 * step.lambda_deg:g}° between the links at either end"
+        return f"{step.bend} bend {step.lambda_deg:g}°: {between}"
     if step.facing == "up":
         return "robot straight, head UPHILL"
     return {"zero": "inclinometer zero", "straight": "robot straight", "done": "all done",
             "gait": "gait run"}[step.kind]  # fmt: skip
+
+
+def _shape(session: Session, step: Step) -> dict[str, Any] | None:
+    """Return the robot's outline where it is to be bent."""
+    if step.kind != "bend":
+        return None
+    return bend_shape(step.bend, session.setup.robot.links, step.lambda_deg)
 
 
 def _last(session: Session) -> str:

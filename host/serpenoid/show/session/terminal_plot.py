@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ...calibration.taking.expected import Series, line_of, planned_bend, series_of
+from ...calibration.taking.expected import Series, line_of, series_it_is_of, series_of
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
@@ -19,7 +19,7 @@ def picture(session: Session) -> str:
     plan = _shown(session)
     points = []
     for r in session.kept:
-        bend = plan.index(Series(planned_bend(session, r.lambda_rad), r.facing))
+        bend = plan.index(series_it_is_of(session, r))
         points.append((math.degrees(r.incline_rad), r.slip_speed_m_s, bend))
     if len(points) < 2:
         return ""
@@ -34,7 +34,8 @@ def picture(session: Session) -> str:
             grid[y][x] = mark
 
     for series in plan:
-        line = line_of(session, series.lambda_rad, series.facing)
+        planned = series.bend == session.setup.procedure.bend
+        line = line_of(session, series.lambda_rad, series.facing) if planned else None
         for k in range(WIDE if line else 0):
             incline = low + (high - low) * k / (WIDE - 1)
             assert line is not None  # or the range is empty
@@ -46,7 +47,7 @@ def picture(session: Session) -> str:
 
 def _shown(session: Session) -> list[Series]:
     """Return the plan's series, and those of readings that the plan does not ask for."""
-    there = [Series(planned_bend(session, r.lambda_rad), r.facing) for r in session.kept]
+    there = [series_it_is_of(session, r) for r in session.kept]
     return list(dict.fromkeys([*series_of(session.setup.procedure), *there]))
 
 
