@@ -220,13 +220,11 @@ class Session:
               repr(self.uncertainty_of(r)), *(["up"] if r.facing == "up" else []),
               *([r.bend] if r.bend != "zigzag" else [])]
              for r in self.kept],
-            *([f"{r!r}" for r in self.further if not r.voided and _KIND_OF[type(r)].fitted]),
+            *(repr(r) for kind, r in self.numbered
+              if kind.fitted and not kind.part and not r.voided),
             *([self.zeros_rad(self.kept)] if self.zero_drifts else []),
         ]  # fmt: skip
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
-
-
-_KIND_OF = {kind.reading: kind for kind in KINDS.values()}
 
 
 def placed(made: Any, after_stations: bool) -> Any:

@@ -18,8 +18,10 @@ from typing import Any
 from ..model.checks import check_choice
 from ..model.errors import BadInput
 from ..model.toml_table import Table, check_names, located, read_text
-from .kinds.rows import READING_COLUMNS, Row, make_reading
+from .kinds.declaration import Kind
+from .kinds.rows import READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
 from .kinds.table import KINDS
+from .kinds.tracks import FOLDER, Track, read_track
 from .session import Session, Setup, placed
 
 TORN = "#torn"
@@ -196,7 +198,8 @@ def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
             unknown.append(row["kind"])
             continue
         with located(where):
-            made = placed(make_reading(row, _common(row, found)), bool(parts["readings"]))
+            common = _common(row, found) | _track(row, kind, folder)
+            made = placed(make_reading(row, common), bool(parts["readings"]))
             if hasattr(made, "uncertainty"):
                 made = replace(made, uncertainty=_setup_of(row, setups).uncertainty)
         parts[kind.part or "further"].append(made)
@@ -210,6 +213,17 @@ def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
         notes=tuple(found.notes),
         **{part: tuple(readings) for part, readings in parts.items()},
     )
+
+
+def _track(row: Row, kind: Kind, folder: Path) -> dict[str, Track]:
+    """Return the track of a reading whose kind has one."""
+    if not kind.track:
+        return {}
+    said = words_of(row)
+    name, sha256 = (said.get(word, "") for word in TRACK_WORDS)
+    if not re.fullmatch(rf"{FOLDER}/\w+\.csv", name):
+        raise BadInput(f"track is {name!r}; it must be a file such as {FOLDER}/0001.csv")
+    return {"track": read_track(folder / name, kind.track, sha256)}
 
 
 def _setup_of(row: Row, setups: list[Setup]) -> Setup:

@@ -76,6 +76,29 @@ def test_taken_for_the_other_bend_it_would_not():
     assert made.sha256 != wrong.sha256
 
 
+def test_a_robust_fit_counts_no_misreading_among_its_degrees_of_freedom():
+    made = session_of("balanced", rng=np.random.default_rng(5))
+    readings = list(made.readings)
+    readings[8] = replace(readings[8], belt_speed_m_s=readings[8].belt_speed_m_s + 0.6)
+    fit = sn.fit_friction(replace(made, readings=tuple(readings)), method="robust")
+    assert fit.outliers == (9,)
+    assert fit.dof == len(readings) - 1 - 4
+
+
+def test_no_reading_is_suspected_whose_part_would_be_left_with_two():
+    made = session_of("balanced")
+    straight = [made.readings[k] for k in (0, 2, 5)]
+    straight[1] = replace(straight[1], belt_speed_m_s=straight[1].belt_speed_m_s + 0.5)
+    few = replace(made, readings=(*straight, *made.readings[6:]))
+    fit = sn.fit_friction(few)
+    assert fit.p_value < 0.01
+    named = [note for note in fit.notes if note.startswith("Without reading")]
+    assert not any(f"Without reading {r.number} " in note for r in straight for note in named)
+    more = replace(made, readings=(*straight, made.readings[3], *made.readings[6:]))
+    notes = sn.fit_friction(more).notes
+    assert any(note.startswith(f"Without reading {straight[1].number} ") for note in notes)
+
+
 def test_the_jacobian_is_that_of_the_residuals():
     data = FitData.of(session_of("balanced", rng=np.random.default_rng(3)))
     x = starting_point(TRUTH, data) + 0.01

@@ -162,6 +162,14 @@ def test_skip_and_its_undoing(folder):
     assert [e.event for e in read_events(folder)] == ["skip", "skip", "unskip"]
 
 
+def test_undo_after_a_reading_voids_it_and_leaves_an_old_skip(folder):
+    heard, session = talk(folder, "skip", "", *STATION, "undo")
+    assert "reading 1 is void" in heard
+    assert "no longer left out" not in heard
+    assert not session.kept
+    assert [e.event for e in read_events(folder)] == ["skip", "undo"]
+
+
 def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):
     from serpenoid.calibration.taking import journal as module
 

@@ -135,8 +135,8 @@ class Kind:
     part: the attribute of Session that holds these readings; "" for `Session.further`. describe:
     returns what a reading is and its values, in words. derive: puts in what follows from other
     cells (a speed from distance and time); raises BadInput. fitted: the friction fit rests on it,
-    so that the session's hash covers it. track: columns of its file of samples, none if it has no
-    file.
+    so that the session's hash covers it. track: columns of its file of samples (`tracks`), which
+    the attribute `track` holds; none if it has no file.
     """
 
     name: str

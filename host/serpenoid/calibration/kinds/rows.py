@@ -18,6 +18,7 @@ READING_COLUMNS = (
     "belt_speed_m_s", "drift_m_s", "reversed_deg", "between_links_deg", "alpha_deg", "beta_deg",
     "omega_rad_s", "distance_m", "duration_s", "speed_m_s", "speed_sigma_m_s", "more", "comment",
 )  # fmt: skip
+TRACK_WORDS = ("track", "track_sha256")  # of a kind with a track, in the column `more`
 Row = Mapping[str, str]
 
 
@@ -38,7 +39,7 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
         planned = {w.column: getattr(plan, w.column) for w in kind.words if w.of_plan}
         cells = planned | dict(cells)
     usual = {w.column: w.usual for w in kind.words}
-    own = {f.column for f in kind.fields}
+    own = {f.column for f in kind.fields} | set(TRACK_WORDS if kind.track else ())
     unknown = next((c for c in cells if c not in own and c not in READING_COLUMNS), None)
     if unknown is not None:
         known = ", ".join(f.column for f in kind.fields)
@@ -52,9 +53,14 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
     return dict.fromkeys(READING_COLUMNS, "") | {"kind": name, "more": " ".join(more)} | there
 
 
+def words_of(row: Row) -> dict[str, str]:
+    """Return what the column `more` says, name -> text."""
+    return {name: text for name, _, text in (w.partition("=") for w in row["more"].split())}
+
+
 def cells_of(row: Row) -> dict[str, str]:
     """Return the fields of a row that hold something, column -> text; words always."""
-    said = {name: text for name, _, text in (w.partition("=") for w in row["more"].split())}
+    said = words_of(row)
     found = {}
     for field in kind_of(row["kind"]).fields:
         text = row.get(field.column, "") or said.get(field.column, "")
@@ -68,7 +74,7 @@ def cells_of(row: Row) -> dict[str, str]:
 def make_reading(row: Row, common: Mapping[str, Any]) -> Any:
     """Return the reading that a row of a known kind holds, of its kind's class; raises BadInput.
 
-    common: number, and where known voided, comment and time_utc.
+    common: number, and where known voided, comment, time_utc and track.
     """
     kind, cells = kind_of(row["kind"]), cells_of(row)
     values = {f.name: f.read(cells.get(f.column, "")) for f in kind.fields}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
-
+from .belt import BELT, BeltCheck
 from .bend import BEND, BendCheck
+from .declaration import Kind
 from .gait import GAIT, GaitRun
 from .station import STATION, Reading
 from .zero import ZERO, ZeroReading
 
-KINDS = MappingProxyType({kind.name: kind for kind in (STATION, BEND, ZERO, GAIT)})
-AnyReading = Reading | BendCheck | ZeroReading | GaitRun
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (STATION, BEND, ZERO, BELT, GAIT)}
+AnyReading = Reading | BendCheck | ZeroReading | BeltCheck | GaitRun

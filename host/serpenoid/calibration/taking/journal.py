@@ -16,10 +16,12 @@ from collections.abc import Mapping
 from datetime import datetime, timezone
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from ...model.errors import BadInput, RecordingFailed
 from ..kinds.declaration import Cells
-from ..kinds.rows import READING_COLUMNS, make_reading, reading_row
+from ..kinds.rows import READING_COLUMNS, TRACK_WORDS, kind_of, make_reading, reading_row
+from ..kinds.tracks import Samples, Track
 from ..session import Session
 from ..session_file import check_amendment, read_session
 from ..session_rows import EVENT_COLUMNS, TORN, Event, read_events, reading_rows
@@ -69,17 +71,25 @@ class Journal:
     ) -> None:
         self._release()
 
-    def add(self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "") -> int:
+    def add(
+        self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "",
+        samples: Samples | None = None,
+    ) -> int:  # fmt: skip
         """Write one reading; return its number. cells: column -> value, in the file's units.
 
-        It is checked first, so that no line is ever written that could not be read.
+        It is checked first, so that no line is ever written that could not be read. samples: of a
+        kind with a track, whose file is on the disk before the reading's line.
         """
         number = max(self.numbers, default=0) + 1
         if replaces and replaces not in self.numbers:
             raise BadInput(
                 f"there is no reading {replaces} to replace; see `serpenoid calibrate status`"
             )
-        self.check(kind, cells)
+        track = None if samples is None else Track.of(kind_of(kind).track, samples)
+        self.check(kind, cells, track)
+        if track is not None:
+            name = track.write(self.folder, number)
+            cells = dict(cells) | dict(zip(TRACK_WORDS, (name, track.sha256), strict=True))
         setup = 1 + sum(e.event == "amend" for e in self.events)
         row = reading_row(kind, cells, self.session.setup.procedure) | {
             "reading": str(number),
@@ -91,9 +101,10 @@ class Journal:
         self._append("readings.csv", READING_COLUMNS, row)
         return number
 
-    def check(self, kind: str, cells: Cells) -> None:
+    def check(self, kind: str, cells: Cells, track: Track | None = None) -> None:
         """Raise BadInput for a reading that add() would not take."""
-        make_reading(reading_row(kind, cells), {"number": 1})
+        common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
+        make_reading(reading_row(kind, cells), common)
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:
         """Write one event; void, restore and undo need a reading that is there."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from ..kinds.declaration import Cells
 from ..kinds.rows import kind_of, make_reading, reading_row
+from ..kinds.tracks import Samples, Track
 from ..session import Session, Setup
 from ..session_rows import Event
 
@@ -18,10 +20,15 @@ class MemoryRecord:
         self.events: list[Event] = []
         self._count = max((r.number for _, r in self.session.numbered), default=0)
 
-    def add(self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "") -> int:
-        """Keep one reading; return its number. cells as for Journal.add."""
+    def add(
+        self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "",
+        samples: Samples | None = None,
+    ) -> int:  # fmt: skip
+        """Keep one reading; return its number. Parameters as for Journal.add."""
         self._count += 1
-        common = {"number": self._count, "comment": comment}
+        common: dict[str, Any] = {"number": self._count, "comment": comment}
+        if samples is not None:
+            common["track"] = Track.of(kind_of(kind).track, samples)
         made = make_reading(reading_row(kind, cells, self.session.setup.procedure), common)
         if replaces:
             part = kind_of(kind).part or "further"

@@ -8,6 +8,7 @@ from typing import Protocol
 from ...model.errors import NotConverged
 from ..kinds.declaration import Cells, Field
 from ..kinds.table import KINDS
+from ..kinds.tracks import Samples
 from ..session import Session
 from ..session_rows import Event
 from .procedure import doubts, next_step, skipped_keys
@@ -43,8 +44,11 @@ class Record(Protocol):
         """Return all events so far."""
         ...
 
-    def add(self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "") -> int:
-        """Keep a reading; return its number."""
+    def add(
+        self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "",
+        samples: Samples | None = None,
+    ) -> int:  # fmt: skip
+        """Keep a reading; return its number. samples: of a kind with a track."""
         ...
 
     def event(self, event: str, reading: int = 0, detail: str = "") -> None:

@@ -1,0 +1,90 @@
+"""Tracks: what was sampled over time, in a file of its own beside the session, with its hash."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.errors import BadInput, RecordingFailed
+from ...model.toml_table import read_text
+
+FOLDER = "tracks"
+Samples = Sequence[Sequence[float]] | NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Samples of one reading.
+
+    columns: names with units, such as t_s. values: (samples, columns), SI. sha256: of the file's
+    bytes.
+    """
+
+    columns: tuple[str, ...]
+    values: NDArray[np.float64]
+    sha256: str
+
+    @classmethod
+    def of(cls, columns: tuple[str, ...], values: Samples) -> Track:
+        """Return a track of these samples; raises BadInput unless they are finite numbers."""
+        found = np.array(values, dtype=np.float64)
+        if found.ndim != 2 or found.shape[1] != len(columns) or len(found) < 2:
+            raise BadInput(
+                f"a track of {found.shape} is none; it must be (samples, {len(columns)}) for "
+                f"{', '.join(columns)}, with two samples at least"
+            )
+        if not np.isfinite(found).all():
+            raise BadInput("a track has a sample that is no finite number; leave that sample out")
+        text = _text(columns, found)
+        found.flags.writeable = False
+        return cls(columns, found, hashlib.sha256(text.encode()).hexdigest())
+
+    def write(self, folder: Path, number: int) -> str:
+        """Put the file of a reading's track onto the disk; return its name in the folder."""
+        name = f"{FOLDER}/{number:04}.csv"
+        path = folder / name
+        try:
+            path.parent.mkdir(exist_ok=True)
+            part = path.with_name(path.name + ".part")
+            with part.open("w", encoding="utf-8", newline="") as file:
+                file.write(_text(self.columns, self.values))
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(path)
+        except OSError as error:
+            raise RecordingFailed(
+                f"{path}: {error.strerror}: the track is not saved, all before it is; make room "
+                "on the disk first"
+            ) from error
+        return name
+
+    def __repr__(self) -> str:
+        return f"Track({self.sha256})"
+
+
+def read_track(path: Path, columns: tuple[str, ...], sha256: str) -> Track:
+    """Read a track's file; raises BadInput if it is not there, or not the one that was written."""
+    if not path.is_file():
+        raise BadInput(f"{path}: the track is not there, but a reading names it; restore the file")
+    text = read_text(path)
+    if hashlib.sha256(text.encode()).hexdigest() != sha256:
+        raise BadInput(
+            f"{path}: the track was changed since it was taken; restore the file from a backup"
+        )
+    rows = list(csv.reader(io.StringIO(text, newline="")))
+    if tuple(rows[0]) != columns:
+        raise BadInput(f"{path}:1: the columns are {', '.join(rows[0])}, not {', '.join(columns)}")
+    return Track.of(columns, [[float(cell) for cell in row] for row in rows[1:]])
+
+
+def _text(columns: tuple[str, ...], values: NDArray[np.float64]) -> str:
+    lines = [",".join(f"{value:.9g}" for value in row) for row in values.tolist()]
+    return "\n".join([",".join(columns), *lines]) + "\n"
