@@ -142,7 +142,7 @@ def test_long_lists_of_numbers_and_prose_pass(tmp_path):
 
 
 def test_a_file_without_end_is_refused():
-    with pytest.raises(BadInput, match="larger than"):
+    with pytest.raises(BadInput, match="regular file"):
         Table.load(Path("/dev/zero"))
 
 
