@@ -60,11 +60,15 @@ class Held:
 
 @dataclass(frozen=True)
 class Display:
-    """The treadmill's own display: what it shows, the truth over that, and its least speed."""
+    """The treadmill's own display: its steps, the truth over what it shows, and its least speed.
+
+    scatter_m_s: by which the belt runs faster or slower than shown, another each time it is set.
+    """
 
     step_m_s: float = 0.1 / 3.6
     scale: float = 1.0
     least_m_s: float = 0.0
+    scatter_m_s: float = 0.0
 
     def nearest(self, wanted_m_s: float) -> float:
         """Return the shown speed nearest to one that is wanted."""
@@ -132,7 +136,8 @@ class Person:
     def _try(self, shown_m_s: float, wait_s: float) -> tuple[Held | None, float]:
         """Let the robot go on the running belt; return what was read, and the drift seen last."""
         belt, rng, habits = self.belt, self.rng, self.habits
-        belt.run(shown_m_s * self.display.scale)
+        off_m_s = self.display.scatter_m_s * float(rng.normal())
+        belt.run(max(shown_m_s * self.display.scale + off_m_s, 0.0))
         belt.put(
             0.01 * float(rng.normal()), habits.let_go_rad * float(rng.normal()), self.facing,
             habits.let_go_m_s * float(rng.normal()), habits.let_go_rad_s * float(rng.normal()),
