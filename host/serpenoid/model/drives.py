@@ -55,8 +55,8 @@ class Servo:
     The gear adds the rotor's inertia armature_kg_m2 (times the gear ratio squared, as MuJoCo's
     armature), dry friction gear_friction_nm and viscous friction gear_damping_nms_rad.
 
-    Setpoints are those of the firmware's fixed-point code, one each frame_s, s. Units: N m, rad, s,
-    kg m^2. Raises BadInput.
+    Setpoints are those of the firmware's fixed-point code, one each frame_s, s. Units: N m,
+    N m/rad, N m s/rad, rad, rad/s, s, Hz, kg m^2. Raises BadInput.
 
     The defaults are round numbers for a servo of 6 V (0.3 N m, 60 degrees in 0.12 s) without rotor
     and gear, which no real one lacks: `sn.servo()` has those of real ones.
