@@ -28,7 +28,8 @@ def pio(tmp_path, monkeypatch):
 
     def write(script: str) -> Path:
         path = folder / "pio"
-        path.write_text(f'#!/bin/sh\necho "$@" > {folder}/arguments\n{script}\n')
+        kept = f'echo "$@" > {folder}/arguments; echo "$PLATFORMIO_BUILD_FLAGS" > {folder}/flags'
+        path.write_text(f"#!/bin/sh\n{kept}\n{script}\n")
         path.chmod(0o755)
         return folder / "arguments"
 
@@ -45,6 +46,30 @@ def test_success_ends_with_the_greeting(pio, serpenoid):
     assert arguments.read_text() == (
         f"run -d {ROOT} -e mega -t upload --upload-port {board.port}\n"
     )
+
+
+def test_joints_and_output_become_build_flags(pio, serpenoid, monkeypatch):
+    monkeypatch.setenv("PLATFORMIO_BUILD_FLAGS", "-D MINE")
+    arguments = pio(f"{BUILT}; exit 0")
+    with FakeBoard() as board:
+        options = ("--board", "uno", "--port", board.port, "--output", "pca9685")
+        assert serpenoid("flash", *options)[0] == 0
+        flags = arguments.with_name("flags").read_text()
+        assert flags == "-D MINE -D SERPENOID_JOINTS=5 -D SERPENOID_PCA9685\n"
+        status, _, errors = serpenoid("flash", *options, "--joints", "7")
+    assert status == 1
+    assert "greets with 5 joints, built were 7" in errors
+
+
+@pytest.mark.parametrize(("board", "joints"), [("uno", 9), ("uno", 1), ("mega", 13)])
+def test_joints_that_a_board_cannot_have_are_refused(pio, serpenoid, board, joints):
+    arguments = pio("exit 0")
+    with FakeBoard() as fake:
+        options = ("--board", board, "--port", fake.port, "--joints", str(joints))
+        status, _, errors = serpenoid("flash", *options)
+    assert status == 2
+    assert f"joints is {joints}; the {board} takes 2 to" in errors
+    assert not arguments.exists()
 
 
 @pytest.mark.parametrize(

@@ -199,9 +199,11 @@ class Dialogue:
     def leave(self) -> Farewell:
         """Stop the robot and close the session; what fails after the stop no longer matters."""
         self._leaving = True
-        unseen = self.inbox.notice if self._failure_told else self._failure or self.inbox.notice
+        before = self._failure
+        unseen = self.inbox.notice if self._failure_told else before or self.inbox.notice
         unstopped = self._stop_surely()
-        unseen = unseen or self.inbox.notice
+        if not (unseen or before or unstopped):  # what came amid the stop, such as a reset
+            unseen = self._failure or self.inbox.notice
         with suppress(RobotError):
             if self.inbox.in_session:
                 self._ask_within("bye", PATIENCE_S / 4)

@@ -14,6 +14,7 @@ from ....robot.robot_match import RobotMatch
 
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
 SILENCE_S = 2.0
+LIMP_S = 30.0  # a host that is there says something each half second
 HOURS_S = 6 * 3600.0
 
 
@@ -36,7 +37,10 @@ class SessionRobot:
             robot = opened.enter_context(self._robot)
             if self._match is not None:
                 self._match.check(robot)
-            if not robot.settings()["silence"]:
+            settings = robot.settings()
+            if not settings["limp"]:  # after a kill nothing else would let go of the bend
+                robot.set("limp", LIMP_S)
+            if not settings["silence"]:
                 robot.set("silence", SILENCE_S)
             opened.pop_all()
         return self
