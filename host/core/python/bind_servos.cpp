@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "periodic/servo_gait.hpp"
 #include "python/core_model.hpp"
+#include "servos/servo_gait.hpp"
 
 namespace nb = nanobind;
 using namespace serpenoid;

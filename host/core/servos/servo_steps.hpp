@@ -55,7 +55,7 @@ class ServoSteps {
         int mode = 0;                    // 1 or -1: the way it slides; 0 rests
         double before = 0;               // speed at the start of the step
         double impulse = 0;
-        bool reached = false;            // in this step
+        bool reached = false;  // in this step
         bool dry() const { return ahead > 0 || back > 0; }
     };
     void step(double h);

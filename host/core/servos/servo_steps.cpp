@@ -1,5 +1,5 @@
 // The steps of servo_steps.hpp.
-#include "periodic/servo_steps.hpp"
+#include "servos/servo_steps.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -141,9 +141,7 @@ void ServoSteps::control(const std::vector<double>& u) {
         duty_[i] = servo_.duty(goal_[i] - (theta_[i + 1] - theta_[i]), u[i + 3] - u[i + 2]);
 }
 
-void ServoSteps::shift_frames(double shift) {
-    frame_ = update_ = (shift - 1) * servo_.frame;
-}
+void ServoSteps::shift_frames(double shift) { frame_ = update_ = (shift - 1) * servo_.frame; }
 
 // Frames and updates that begin now; before the first step also those that have begun.
 void ServoSteps::enter() {

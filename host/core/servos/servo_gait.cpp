@@ -1,11 +1,11 @@
 // The secant method and the mean of servo_gait.hpp.
-#include "periodic/servo_gait.hpp"
+#include "servos/servo_gait.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "periodic/servo_steps.hpp"
+#include "servos/servo_steps.hpp"
 
 namespace serpenoid {
 
@@ -123,7 +123,10 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
                           const ServoGaitOptions& options) {
     const double least = 1e-4 * gait.omega * robot.n * 2 * robot.l;
     const double frames = 2 * M_PI / (gait.omega * servo.frame);
-    ServoSteps steps(robot, ground, gait, servo, options.longest);
+    // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
+    const double swing = std::sqrt(servo.stiffness / (servo.armature + robot.I / 8));
+    double longest = std::min(options.longest, 1 / swing);
+    ServoSteps steps(robot, ground, gait, servo, longest);
     steps.start(start[0], start[1], start[2]);
     Settling settling(steps, robot, monodromy, least);
     ServoGaitState out;
@@ -137,8 +140,8 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
         again.take_steps(longest);
         return measure(again, phases, few);
     };
-    Mean coarse = at(2 * options.longest), fine = at(options.longest);
-    double by_step = fine.speed() - coarse.speed(), longest = options.longest;
+    Mean coarse = at(2 * longest), fine = at(longest);
+    double by_step = fine.speed() - coarse.speed();
     for (int finer = 0; finer < options.most_halvings; ++finer) {
         if (std::fabs(by_step) <= options.rtol * std::max(fine.speed(), least)) break;
         coarse = fine, fine = at(longest /= 2), by_step = fine.speed() - coarse.speed();
