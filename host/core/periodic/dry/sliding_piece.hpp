@@ -54,10 +54,12 @@ class SlidingPiece {
     SlidingPiece(const SlidingPiece&) = delete;
     SlidingPiece& operator=(const SlidingPiece&) = delete;
 
-    // Nodes 0 and 1 at these phases, without the sums; then those of wheels that go these ways.
-    void look(double tau0, double tau1);
-    void weigh(const std::vector<double>& way);
+    // Nodes 0 and 1 at these phases, without the sums; then the sums, by the sign of every
+    // wheel's speed in `direction`.
+    void set_nodes(double tau0, double tau1);
+    void sum_nodes(const std::vector<double>& direction);
 
+    int wheels() const { return 2 * robot_.n; }
     const Node& node(int j) const { return node_[j]; }
     WheelDirection row(int wheel, int j) const {
         const kernels::StageWheel& g = wheel_[wheel];

@@ -1,5 +1,5 @@
 // Newton's method on the stages of sliding_piece.hpp, and what its polynomial tells.
-#include "periodic/sliding_piece.hpp"
+#include "periodic/dry/sliding_piece.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -93,9 +93,9 @@ void SlidingPiece::sum(int lanes, const std::vector<double>& way) {
     }
 }
 
-void SlidingPiece::look(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
+void SlidingPiece::set_nodes(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
 
-void SlidingPiece::weigh(const std::vector<double>& way) {
+void SlidingPiece::sum_nodes(const std::vector<double>& way) {
     for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -thrust(c);
     sum(2, way);
 }
