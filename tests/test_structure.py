@@ -39,6 +39,7 @@ CORE_ROOMS = [
     "periodic",
     "servos",
     "run",
+    "board",
     "python",
 ]
 # Rooms that see less than all that is below them: name -> the modules they may import.

@@ -6,7 +6,6 @@ namespace firmware {
 namespace {
 
 const char kWhyKey[] FLASH = "key";
-const char kWhyCommand[] FLASH = "command";
 
 const uint8_t kBytesPerPass = 64;
 

@@ -3,11 +3,8 @@
 #include "progmem.h"
 
 namespace firmware {
-namespace {
 
 const char kWhyCommand[] FLASH = "command";
-
-}  // namespace
 
 Refusal Controller::obey(const Command& command) {
     switch (command.verb) {

@@ -44,8 +44,7 @@ enum class Verb : uint8_t {
 };
 const uint8_t kVerbs = 14;
 
-const uint8_t kGaitFields = kGaitFieldCount;
-const uint8_t kMostValues = kJoints > kGaitFields ? kJoints : kGaitFields;
+const uint8_t kMostValues = kJoints > kGaitFieldCount ? kJoints : kGaitFieldCount;
 
 struct Command {
     Verb verb;

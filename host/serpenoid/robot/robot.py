@@ -44,10 +44,11 @@ class Robot:
     """A board to drive, inside `with Robot(port) as robot:` only; serpenoid.Robot is its body.
 
     port: such as "/dev/ttyACM0"; None finds the board by its USB id; "virtual" is the firmware's
-    own controller in this process, "virtual:fast" the same as fast as it goes. record: a file
-    that takes every line of the run as it comes. timeout_s: how long to wait for the board's
-    greeting. unattended_s: if the program calls nothing for so long (iterating frames() counts
-    as calling), it is taken to hang: the robot is stopped and the next call raises.
+    own controller in this process, "virtual:fast" the same as fast as it goes, and
+    "virtual:joints=9" one with so many joints. record: a file that takes every line of the run as
+    it comes. timeout_s: how long to wait for the board's greeting. unattended_s: if the program
+    calls nothing for so long (iterating frames() counts as calling), it is taken to hang: the
+    robot is stopped and the next call raises.
 
     However the block is left - by an exception, Ctrl-C, SIGTERM, SIGHUP - the robot is stopped
     first, and StopUnconfirmed is raised if the board did not confirm it (beside an error of the

@@ -91,14 +91,14 @@ def missing(port: str) -> PortMissing:
 
 
 def open_link(port: str | None) -> Link:
-    """Open a port by name, `virtual` or `virtual:fast`; None finds the board by its USB id.
+    """Open a port by name, or a virtual board; None finds the board by its USB id.
 
-    Raises PortMissing or PortBusy, which name the likely cause and its cure.
+    Raises PortMissing or PortBusy, which name the likely cause and its cure; BadInput.
     """
-    if port in ("virtual", "virtual:fast"):
-        from .virtual import VirtualLink
+    if port is not None and port.partition(":")[0] == "virtual":
+        from .virtual import virtual_link
 
-        return VirtualLink(fast=port.endswith(":fast"))
+        return virtual_link(port)
     return SerialLink(port or find_port())
 
 
