@@ -80,7 +80,10 @@ def test_joints_that_a_board_cannot_have_are_refused(pio, serpenoid, board, join
         ("echo \"Error: Unknown environment names 'mega'\"; exit 1", "platformio.ini has no"),
         (f'{BUILT}; echo "stk500_getsync(): not in sync"; exit 1', "boot loader does not answer"),
         (f'{BUILT}; echo "can\'t open device /dev/x"; exit 1', "serpenoid doctor"),
-        (f'{BUILT}; echo "avrdude: Expected signature for ATmega328P is"; exit 1', "another chip"),
+        (
+            f'{BUILT}; echo "avrdude: Expected signature for ATmega328P is"; exit 1',
+            "another chip",
+        ),
         (f'{BUILT}; echo "*** [upload] Error 1"; exit 7', "the upload failed (pio exited 7)"),
     ],
 )
@@ -237,7 +240,7 @@ def test_interrupted_before_the_upload_the_board_is_whole(pio):
 
 
 def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):
-    monkeypatch.setattr("serpenoid.robot.wire.culprit.is_pseudo_terminal", lambda _: False)
+    monkeypatch.setattr("serpenoid.robot.wire.port_diagnosis.is_pseudo_terminal", lambda _: False)
     arguments = pio("exit 0")
     with FakeBoard() as board, open(board.port, "rb"):
         status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ... import _core
 from ...model.errors import BadInput, FlashFailed
-from ..robot import Robot
+from ..robot import RobotBoard
 from ..signals import SignalGuard
 from ..wire.link import find_port, serial_ports
 from ..wire.ports import check_free
@@ -85,7 +85,7 @@ def flash(
     status, said = _run(command, show, build_flags(joints, output))
     if status:
         raise FlashFailed(_why(said, status).format(project=folder))
-    with Robot(port, timeout_s=GREETING_S) as robot:
+    with RobotBoard(port, timeout_s=GREETING_S) as robot:
         hello = robot.hello
     if hello.joints != joints:
         raise FlashFailed(

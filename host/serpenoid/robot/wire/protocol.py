@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from ..._core import firmware
 from ...model.errors import BadInput, DamagedLine
-from .written import check_frame
+from .encoding import check_frame
 
 PROTOCOL: int = firmware.PROTOCOL
 FEWEST_JOINTS, MOST_JOINTS = 2, 12

@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 
 from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
-from ....robot.robot import Robot
+from ....robot.robot import RobotBoard
 from ....robot.robot_match import RobotMatch
 
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
@@ -22,12 +22,12 @@ class SessionRobot:
     """Hold one open robot. Joints move only in pose() and go(); `powered` tells whether they hold.
 
     Inside `with SessionRobot(port) as robot:` only. match: the robot of the session, None if any
-    will do. Raises what Robot raises, BadInput if this is another.
+    will do. Raises what RobotBoard raises, BadInput if this is another.
     """
 
     def __init__(self, port: str | None, match: RobotMatch | None = None):
         self._match = match
-        self._robot = Robot(port, unattended_s=HOURS_S)
+        self._robot = RobotBoard(port, unattended_s=HOURS_S)
         self.powered = False
         self.stopped = False  # by the page's Stop button, and nobody has seen it yet
         self.held = False  # by it, until release()

@@ -10,7 +10,7 @@ STOPPED = frozenset({"hold", "idle"})  # a stop does nothing to servos that are 
 SAFE = frozenset({"safing", "safe", "idle"})  # the way that silence leads
 
 
-class Expected:
+class StateTracker:
     """Follow the commands, and say which state nobody asked for, once a change.
 
     Until the first command that moves anything, any state is right: an earlier program may have
