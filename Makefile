@@ -9,7 +9,7 @@ LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden/test_dialo
 	$(addprefix tests/host/,bench commands gaits periodic robot show simulation/test_stability.py \
 	simulation/test_adaptive.py simulation/test_nonsmooth.py simulation/test_gaits.py) \
 	$(addprefix tests/host/calibration/test_,friction.py prediction.py page.py honest_fit.py \
-	dialogue.py comparison.py)
+	dialogue.py comparison.py rounding.py ratchet_fit.py)
 
 help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"
@@ -28,32 +28,36 @@ demo: $(VENV)/built
 test: $(VENV)/built lint
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver $$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync=target test-host test-numbers test-board
+	@$(MAKE) --no-print-directory --jobs=2 test-host test-numbers test-board
 
-# The parts of `make test`, two beside each other.
+# The parts of `make test`, two beside each other; each line says whose it is.
+PART = @.ci/part $@ $(VENV)/bin/python -m pytest
 NUMBERS = $(addprefix tests/host/,model periodic simulation gaits calibration)
 HOST = tests/host tests/end_to_end
 test-host:
-	@$(VENV)/bin/python -m pytest -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS))
+	$(PART) -m "not slow" $(HOST) $(addprefix --ignore=,$(NUMBERS))
 
 test-numbers:
-	@$(VENV)/bin/python -m pytest -m "not slow" $(NUMBERS)
+	$(PART) -m "not slow" $(NUMBERS)
 
 test-board:
-	@$(VENV)/bin/python -m pytest -m "not slow" $(addprefix --ignore=,$(HOST))
+	$(PART) -m "not slow" $(addprefix --ignore=,$(HOST))
 
-quick: $(VENV)/built lint
-	$(VENV)/bin/python -m pytest -q -m "not slow" $(addprefix --ignore=,$(LONG))
+quick: $(VENV)/built $(VENV)/dev
+	@$(MAKE) --no-print-directory --jobs=2 lint quick-tests
+
+quick-tests:
+	$(PART) -q -m "not slow" $(addprefix --ignore=,$(LONG))
 
 test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium Xvfb=xvfb $$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync=target slow-host slow-board
+	@$(MAKE) --no-print-directory --jobs=2 slow-host slow-board
 
 slow-host:
-	@$(VENV)/bin/python -m pytest -m slow $(HOST)
+	$(PART) -m slow $(HOST)
 
 slow-board:
-	@$(VENV)/bin/python -m pytest -m slow $(addprefix --ignore=,$(HOST))
+	$(PART) -m slow $(addprefix --ignore=,$(HOST))
 
 build: $(VENV)/built
 
@@ -85,7 +89,12 @@ $(VENV)/bin/python:
 	@sh .ci/need $$($(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h=python3-dev
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/run: constraints/run.txt | $(VENV)/bin/python
+$(VENV)/build: constraints/build.txt | $(VENV)/bin/python
+	@echo "installing what the build needs ..."
+	@$(PIP) install --require-hashes --only-binary :all: -r $<
+	@touch $@
+
+$(VENV)/run: constraints/run.txt | $(VENV)/build
 	@echo "installing the packages that serpenoid needs ..."
 	@$(PIP) install --require-hashes --only-binary :all: -r $<
 	@touch $@
@@ -95,9 +104,14 @@ $(VENV)/dev $(VENV)/docs $(VENV)/bench: $(VENV)/%: constraints/%.txt | $(VENV)/r
 	@$(PIP) install --require-hashes -r $<
 	@touch $@
 
-$(VENV)/built: $(SOURCES) | $(VENV)/run
-	@echo "building the core (about a minute) ..."
+$(VENV)/core: $(SOURCES) | $(VENV)/build
+	@echo "building the core (some twenty seconds) ..."
 	@PATH="$$PWD/$(VENV)/bin:$$PATH" $(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: help demo test test-host test-numbers test-board quick test-slow slow-host slow-board build lint format docs figures bench wheel clean
+# The packages are installed beside the compiler's work.
+$(VENV)/built: $(SOURCES) constraints/run.txt
+	@$(MAKE) --no-print-directory --jobs=2 $(VENV)/core $(VENV)/run
+	@touch $@
+
+.PHONY: help demo test test-host test-numbers test-board quick quick-tests test-slow slow-host slow-board build lint format docs figures bench wheel clean

@@ -13,8 +13,15 @@ namespace serpenoid {
 struct Flat {};
 struct Tilted {};
 
+// The force on every link of a chain. One virtual call a chain: most systems are compiled once and
+// not once a law.
+struct ChainForce {
+    virtual ~ChainForce() = default;
+    virtual void operator()(Chain& k) const = 0;
+};
+
 template <class Law, class Plane>
-struct GroundForce {
+struct GroundForce final : ChainForce {
     GroundForce(const Ground& g, double smoothing, const Slope& s, double m)
         : law(g, smoothing), weight_x(m * s.gx), weight_y(m * s.gy) {}
 
@@ -33,7 +40,7 @@ struct GroundForce {
         if constexpr (std::is_same_v<Plane, Tilted>) f.x += weight_x, f.y += weight_y;
         return f;
     }
-    void operator()(Chain& k) const {
+    void operator()(Chain& k) const override {
         for (int i = 0; i < k.n(); ++i) {
             const Pair f = on(k.c[i], k.s[i], k.vx[i], k.vy[i]);
             k.fx[i] = f.x, k.fy[i] = f.y;

@@ -28,36 +28,28 @@ inline Gap gap(const Chain& k, double l, int i) {
             k.vy[i + 1] - k.vy[i] - l * (k.omega[i + 1] * k.c[i + 1] + k.omega[i] * k.c[i])};
 }
 
-// The dampers act on the rates of the gaps as they are ...
-struct LiveDamper {
-    explicit LiveDamper(int) {}
-    double x(const Gap& g, int) const { return g.vx; }
-    double y(const Gap& g, int) const { return g.vy; }
-    void latch(const Chain&, double) {}
-};
-
-// ... or, in the paper's scheme, on those of the last latch.
-struct HeldDamper {
-    explicit HeldDamper(int links) : vx(links - 1), vy(links - 1) {}
-    double x(const Gap&, int i) const { return vx[i]; }
-    double y(const Gap&, int i) const { return vy[i]; }
+// The rates of the gaps on which the dampers act: as they are or, in the paper's scheme, as they
+// were at the last latch.
+struct Damper {
+    Damper(int links, bool held) : held(held), vx(links - 1), vy(links - 1) {}
     void latch(const Chain& k, double l) {
+        if (!held) return;
         for (int i = 0; i + 1 < k.n(); ++i) {
             const Gap g = gap(k, l, i);
             vx[i] = g.vx, vy[i] = g.vy;
         }
     }
+    bool held;
     std::vector<double> vx, vy;
 };
 
 // Forces of all joints from the gaps between the links.
-template <class Damper>
-void spring_forces(const Robot& r, const JointSpring& spring, const Damper& damper, const Chain& k,
-                   Joints& joints) {
+inline void spring_forces(const Robot& r, const JointSpring& spring, const Damper& damper,
+                          const Chain& k, Joints& joints) {
     for (int i = 0; i + 1 < k.n(); ++i) {
         const Gap g = gap(k, r.l, i);
-        joints.Fx[i] = spring.k * g.x + spring.c * damper.x(g, i);
-        joints.Fy[i] = spring.k * g.y + spring.c * damper.y(g, i);
+        joints.Fx[i] = spring.k * g.x + spring.c * (damper.held ? damper.vx[i] : g.vx);
+        joints.Fy[i] = spring.k * g.y + spring.c * (damper.held ? damper.vy[i] : g.vy);
     }
 }
 

@@ -17,7 +17,6 @@
 
 #include "periodic/spectral.hpp"
 #include "periodic/sweep.hpp"
-#include "python/core_model.hpp"
 #include "run/evaluate.hpp"
 #include "run/simulation.hpp"
 #include "scene/energy_ledger.hpp"
@@ -27,7 +26,6 @@ using namespace serpenoid;
 
 void bind_firmware(nb::module_& m);  // bind_firmware.cpp
 void bind_kernels(nb::module_& m);   // bind_kernels.cpp
-void bind_servos(nb::module_& m);    // bind_servos.cpp
 void bind_lab(nb::module_& m);       // bind_lab.cpp
 
 namespace {
@@ -43,6 +41,12 @@ Array to_numpy(std::vector<double>&& values, std::initializer_list<std::size_t> 
                      [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
     return Array(data, shape, free);
 }
+
+struct Model {
+    Robot robot;
+    Ground ground;
+    Gait gait;
+};
 
 SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
     return steady_state({m.robot, m.ground, m.gait}, {rtol, powers, max_elements});
@@ -148,7 +152,7 @@ void check_run(const RunRequest& q, std::size_t start) {
     if (q.steps < 0 || q.most_steps < 0) throw nb::value_error("steps must be 0 or more");
 }
 
-nb::dict run(RunRequest& q, Vector start, nb::object progress) {
+nb::dict run_scene(RunRequest& q, Vector start, nb::object progress) {
     check_run(q, start.shape(0));
     q.start.assign(start.data(), start.data() + start.shape(0));
     q.go_on = [&](double t) { return go_on(progress, t); };
@@ -206,6 +210,14 @@ void bind_run(nb::module_& m) {
         .value("none", Fault::none)
         .value("limp", Fault::limp)
         .value("locked", Fault::locked);
+    nb::class_<Servo> servo(m, "Servo");
+    servo.def(nb::init<>());
+    std::vector<std::string> of_servo;
+    each_servo_field([&](const char* name, double Servo::* field) {
+        of_servo.push_back(name);
+        servo.def_rw(name, field);
+    });
+    m.attr("SERVO_FIELDS") = nb::tuple(nb::cast(of_servo));
     nb::class_<RunRequest> request(m, "RunRequest");
     request
         .def("__init__",
@@ -238,7 +250,7 @@ void bind_run(nb::module_& m) {
             [of](RunRequest& q, Value value) { of(q) = value; });
     });
     m.attr("SCENE_FIELDS") = nb::tuple(nb::cast(names));
-    m.def("run", &run, nb::arg(), nb::arg(), nb::arg().none());
+    m.def("run", &run_scene, nb::arg(), nb::arg(), nb::arg().none());
     m.def("evaluate", &evaluate_links);
     m.def("method_table", &method_table);
 }
@@ -304,7 +316,6 @@ NB_MODULE(_core, m) {
     m.def("steady_by", &steady_by);
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg().none());
-    bind_servos(m);
     bind_run(m);
     bind_firmware(m);
     bind_kernels(m);

@@ -18,7 +18,7 @@ void evaluate(const RunRequest& q, const double* joint_acceleration, Chain& chai
         angle ? explicit_angle(q.robot, joint_acceleration, chain, joints)
               : explicit_torque(q.robot, chain, joints);
     } else {
-        spring_forces(q.robot, q.spring, LiveDamper(q.robot.n), chain, joints);
+        spring_forces(q.robot, q.spring, Damper(q.robot.n, false), chain, joints);
         angle ? implicit_angle(q.robot, joint_acceleration, chain, joints)
               : implicit_torque(q.robot, chain, joints);
     }

@@ -1,18 +1,195 @@
-// Every explicit system that a scene may ask for, instantiated once.
-#include "scene/explicit_systems.hpp"
+// The exact model as first-order systems, one for each way to drive the joints.
+#include <algorithm>
+#include <cmath>
+#include <memory>
 
+#include "drive/joint_angles.hpp"
+#include "model/explicit_model.hpp"
+#include "model/tail_acceleration.hpp"
 #include "scene/make_system.hpp"
 #include "scene/make_torques.hpp"
+#include "scene/paired_system.hpp"
 #include "scene/terms.hpp"
 
 namespace serpenoid {
 
+namespace {
+
+// All angles imposed. State: x, y, theta of link 1, then their rates.
+class ExplicitAngle : public PairedSystem {
+  public:
+    explicit ExplicitAngle(const RunRequest& q)
+        : PairedSystem(q.robot.n, 3),
+          robot(q.robot),
+          drive(q.robot.n, q.gait),
+          chain_force(make_force(q)) {}
+
+    void set(const Chain& c, double* y) const override {
+        const double from[6] = {c.x[0], c.y[0], c.theta[0], c.vx[0], c.vy[0], c.omega[0]};
+        std::copy_n(from, 6, y);
+    }
+    void fill(double t, const double* y) override {
+        drive.place(t, y[2], y[5], chain);
+        chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[3], chain.vy[0] = y[4];
+        chain.follow(robot.l);
+    }
+    void load(double t, const double* y) override { fill(t, y), (*chain_force)(chain); }
+    void accelerate() override { explicit_angle(robot, drive.joint_accel(), chain, joints); }
+    void derivative(const double* y, double* dy) const override {
+        std::copy_n(y + 3, 3, dy);
+        dy[3] = chain.ax[0], dy[4] = chain.ay[0], dy[5] = chain.alpha[0];
+    }
+
+  protected:
+    Robot robot;
+    GaitDrive drive;
+
+  private:
+    std::unique_ptr<ChainForce> chain_force;
+};
+
+// The same with a right-hand side that is compiled for the ground force: runs in time spend most
+// of their time here.
+template <class Force>
+class ExplicitAngleOn final : public ExplicitAngle {
+  public:
+    explicit ExplicitAngleOn(const RunRequest& q)
+        : ExplicitAngle(q), force(q.ground, q.smoothing, q.slope, q.robot.m) {}
+
+    // One pass over the links that keeps nothing: everything else would be for the record.
+    void rate(double t, const double* y, double* dy) override {
+        const GaitWave wave = drive.wave(t);
+        const Robot& r = robot;
+        double theta = y[2], rate = y[5], c = std::cos(theta), s = std::sin(theta);
+        Along at{0, 0, y[3], y[4], 0, 0, 0};
+        HalfLink before = HalfLink::of(r.l, c, s, rate);
+        const auto first = force.on(c, s, at.vx, at.vy);
+        TailSums sums{first.x, first.y};
+        for (int i = 0; i + 1 < r.n; ++i) {
+            const GaitWave::Joint j = wave.at(i);
+            theta += j.angle, rate += j.rate, at.turn += j.acceleration;
+            c = std::cos(theta), s = std::sin(theta);
+            const HalfLink now = HalfLink::of(r.l, c, s, rate, at.turn);
+            at.pass(before, now);
+            before = now;
+            const auto f = force.on(c, s, at.vx, at.vy);
+            sums.add(r.m, at, f.x, f.y);
+        }
+        const TailMotion tail = sums.solve(r);
+        dy[0] = y[3], dy[1] = y[4], dy[2] = y[5];
+        dy[3] = tail.ax, dy[4] = tail.ay, dy[5] = tail.alpha;
+    }
+
+  private:
+    Force force;
+};
+
+// All torques given. State: x, y of link 1, theta_1..theta_n, then their rates.
+class ExplicitTorque final : public PairedSystem {
+  public:
+    ExplicitTorque(const RunRequest& q, std::unique_ptr<TorqueSource> torques)
+        : PairedSystem(q.robot.n, q.robot.n + 2),
+          robot(q.robot),
+          force(make_force(q)),
+          source(std::move(torques)) {}
+
+    void set(const Chain& c, double* y) const override {
+        y[0] = c.x[0], y[1] = c.y[0], y[half] = c.vx[0], y[half + 1] = c.vy[0];
+        for (int i = 0; i < robot.n; ++i) y[2 + i] = c.theta[i], y[half + 2 + i] = c.omega[i];
+    }
+    void fill(double, const double* y) override {
+        chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[half], chain.vy[0] = y[half + 1];
+        for (int i = 0; i < robot.n; ++i)
+            chain.theta[i] = y[2 + i], chain.omega[i] = y[half + 2 + i];
+        chain.directions();
+        chain.follow(robot.l);
+    }
+    void load(double t, const double* y) override {
+        fill(t, y);
+        (*force)(chain);
+        source->torques(t, chain, driven.data());
+    }
+    void accelerate() override { joints.T = driven, explicit_torque(robot, chain, joints); }
+    void rate(double t, const double* y, double* dy) override { forces(t, y), derivative(y, dy); }
+    void derivative(const double* y, double* dy) const override {
+        std::copy_n(y + half, half, dy);
+        dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0];
+        for (int i = 0; i < robot.n; ++i) dy[half + 2 + i] = chain.alpha[i];
+    }
+    bool rate_fills_forces() const override { return true; }
+    double next_jump(double t) const override { return source->next_jump(t); }
+    void enter(double t, const double* y) override { fill(t, y), source->enter(t, chain); }
+
+  private:
+    Robot robot;
+    std::unique_ptr<ChainForce> force;
+    std::unique_ptr<TorqueSource> source;
+};
+
+// Some angles imposed, some torques given. State: x, y, theta of link 1, the free joints' angles,
+// then the rates of all these.
+class ExplicitMixed final : public PairedSystem {
+  public:
+    ExplicitMixed(const RunRequest& q, MixedDrive joint_drive,
+                  std::unique_ptr<TorqueSource> torques)
+        : PairedSystem(q.robot.n, 3 + joint_drive.free_joints()),
+          robot(q.robot),
+          force(make_force(q)),
+          drive(std::move(joint_drive)),
+          source(std::move(torques)) {}
+
+    void set(const Chain& c, double* y) const override {
+        const double from[3] = {c.x[0], c.y[0], c.theta[0]};
+        const double rates[3] = {c.vx[0], c.vy[0], c.omega[0]};
+        std::copy_n(from, 3, y), std::copy_n(rates, 3, y + half);
+        for (int f = 0; f < drive.free_joints(); ++f) {
+            const int i = drive.free()[f];
+            y[3 + f] = c.theta[i + 1] - c.theta[i];
+            y[half + 3 + f] = c.omega[i + 1] - c.omega[i];
+        }
+    }
+    void fill(double t, const double* y) override {
+        drive.place(t, y[2], y[half + 2], y + 3, y + half + 3, chain);
+        chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[half], chain.vy[0] = y[half + 1];
+        chain.follow(robot.l);
+    }
+    void load(double t, const double* y) override {
+        fill(t, y);
+        (*force)(chain);
+        source->torques(t, chain, driven.data());
+        drive.limp(driven.data());
+    }
+    void accelerate() override {
+        joints.T = driven;
+        explicit_mixed(robot, drive.imposed(), drive.rotor(), drive.joint_accel(), chain, joints);
+    }
+    void rate(double t, const double* y, double* dy) override { forces(t, y), derivative(y, dy); }
+    void derivative(const double* y, double* dy) const override {
+        std::copy_n(y + half, half, dy);
+        dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0], dy[half + 2] = chain.alpha[0];
+        for (int f = 0; f < drive.free_joints(); ++f) {
+            const int i = drive.free()[f];
+            dy[half + 3 + f] = chain.alpha[i + 1] - chain.alpha[i];
+        }
+    }
+    bool rate_fills_forces() const override { return true; }
+    double next_jump(double t) const override { return source->next_jump(t); }
+    void enter(double t, const double* y) override { fill(t, y), source->enter(t, chain); }
+
+  private:
+    Robot robot;
+    std::unique_ptr<ChainForce> force;
+    MixedDrive drive;
+    std::unique_ptr<TorqueSource> source;
+};
+
+}  // namespace
+
 std::unique_ptr<PairedSystem> make_paired(const RunRequest& q) {
+    if (mixed(q)) return std::make_unique<ExplicitMixed>(q, mixed_drive(q), make_torques(q));
+    if (q.drive != Drive::angle) return std::make_unique<ExplicitTorque>(q, make_torques(q));
     return with_force<PairedSystem>(q, [&]<class Force>() -> std::unique_ptr<PairedSystem> {
-        if (mixed(q))
-            return std::make_unique<ExplicitMixed<Force>>(q, mixed_drive(q), make_torques(q));
-        if (q.drive == Drive::angle) return std::make_unique<ExplicitAngle<Force>>(q);
-        return std::make_unique<ExplicitTorque<Force>>(q, make_torques(q));
+        return std::make_unique<ExplicitAngleOn<Force>>(q);
     });
 }
 

@@ -1,5 +1,4 @@
-// Which terms a scene has, as types: the ground force it asks for, and which joints are not
-// imposed.
+// Which terms a scene has: the ground force it asks for, and which joints are not imposed.
 #pragma once
 
 #include <memory>
@@ -7,12 +6,11 @@
 #include "drive/joint_angles.hpp"
 #include "model/ground_force.hpp"
 #include "scene/run_request.hpp"
-#include "scene/system.hpp"
 
 namespace serpenoid {
 
 // Call make.template operator()<Force>() with the ground force that a request asks for.
-template <class Made = System, class Make>
+template <class Made, class Make>
 std::unique_ptr<Made> with_force(const RunRequest& q, const Make& make) {
     const auto plane = [&]<class Law>() {
         return q.slope.tilted() ? make.template operator()<GroundForce<Law, Tilted>>()
@@ -27,6 +25,8 @@ std::unique_ptr<Made> with_force(const RunRequest& q, const Make& make) {
     return q.ground.viscous() ? plane.template operator()<Viscous>()
                               : plane.template operator()<Frictionless>();
 }
+
+std::unique_ptr<ChainForce> make_force(const RunRequest& request);
 
 // Some joints of another kind than the others, or rotors, whose torques are solved for, too.
 inline bool mixed(const RunRequest& q) { return !q.faults.empty() || armature(q) > 0; }

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from .. import _core
-
-if TYPE_CHECKING:
-    from ..model.drives import Servo
+from ..model.drives import Servo
 
 
 @dataclass(frozen=True, slots=True)

@@ -320,18 +320,11 @@ class Radau final : public Method {
     Vector y_, stage_y_, stage_rate_, sum_;
 };
 
-template <template <class> class Model>
-std::unique_ptr<Method> with_law(const RunRequest& q, System& system) {
-    if (q.ground.ratchet()) return std::make_unique<Radau<Model<SmoothedRatchet>>>(q, system);
-    if (q.ground.dry()) return std::make_unique<Radau<Model<Smoothed>>>(q, system);
-    return std::make_unique<Radau<Model<Viscous>>>(q, system);
-}
-
 }  // namespace
 
 std::unique_ptr<Method> make_radau(const RunRequest& q, System& system) {
-    return q.drive == Drive::angle ? with_law<SpringAngle>(q, system)
-                                   : with_law<SpringTorque>(q, system);
+    if (q.drive == Drive::angle) return std::make_unique<Radau<SpringAngle>>(q, system);
+    return std::make_unique<Radau<SpringTorque>>(q, system);
 }
 
 }  // namespace serpenoid

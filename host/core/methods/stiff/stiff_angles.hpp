@@ -14,7 +14,6 @@ namespace serpenoid {
 
 // Coordinates: x, y of link 1, then of every gap; then theta_1. In tangent vectors (`lift`, `drop`)
 // x, y of every link instead.
-template <class Law>
 class SpringAngle {
   public:
     template <class Scalar>
@@ -91,7 +90,7 @@ class SpringAngle {
         LinkMotion back = turn.of(shapes_[moment].link[0]);
         back.vx = v[0], back.vy = v[1], back.ax = a[0], back.ay = a[1];
         for (int i = 0;; ++i) {
-            const LinkFriction<Law> ground(law_, back);
+            const LinkFriction ground(law_, back);
             r[2 * i] = r_.m * back.ax - ground.x() - weight_x_ + px;
             r[2 * i + 1] = r_.m * back.ay - ground.y() - weight_y_ + py;
             if (i + 1 == n) break;
@@ -115,7 +114,7 @@ class SpringAngle {
         back.vx = v[0], back.vy = v[1];
         pull_ = 0;
         for (int i = 0;; ++i) {
-            friction_[i] = LinkFriction<Law>(law_, back).slope(law_);
+            friction_[i] = LinkFriction(law_, back).slope(law_);
             if (i + 1 == n) return;
             const int g = 2 * i + 2;
             LinkMotion front = turn.of(shapes_[moment].link[i + 1]);
@@ -214,7 +213,7 @@ class SpringAngle {
 
     Robot r_;
     double k_, c_, weight_x_, weight_y_, w_;
-    Law law_;
+    SmoothLaw law_;
     GaitTable gait_;
     std::vector<Pose> shapes_;
     std::vector<FrictionSlope> friction_;

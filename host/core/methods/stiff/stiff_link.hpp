@@ -20,22 +20,34 @@
 
 namespace serpenoid {
 
-// Derivatives of the friction laws by the speed.
-inline double slope_along(const Viscous& law, double) { return -law.ct; }
-inline double slope_across(const Viscous& law, double) { return -law.cn; }
-inline double slope_along(const Smoothed& law, double v) {
-    const double w = v * v + law.square;
-    return -(law.ground.ct + law.ground.ft0 * law.square / (w * std::sqrt(w)));
-}
-inline double slope_across(const Smoothed& law, double v) {
-    const double w = v * v + law.square;
-    return -(law.ground.cn + law.ground.fn0 * law.square / (w * std::sqrt(w)));
-}
-inline double slope_along(const SmoothedRatchet& law, double v) {
-    const double w = v * v + law.square, s = law.soft(v), ds = law.square / (w * std::sqrt(w));
-    return -(law.ground.ct + law.ct_half * (s + v * ds) +
-             (law.ground.ft0 + 2 * law.ft0_half * s) * ds);
-}
+// The law of a scene and its derivatives by the speed: viscous, or smoothed on ratchet wheels,
+// whose two ways may be alike.
+class SmoothLaw {
+  public:
+    SmoothLaw(const Ground& g, double width_m_s)
+        : dry_(g.dry() || g.ratchet()), viscous_(g), dry_law_(g, dry_ ? width_m_s : 1.0) {}
+    double along(double v) const { return dry_ ? dry_law_.along(v) : viscous_.along(v); }
+    double across(double v) const { return dry_ ? dry_law_.across(v) : viscous_.across(v); }
+    double slope_along(double v) const {
+        if (!dry_) return -viscous_.ct;
+        const SmoothedRatchet& f = dry_law_;
+        const double s = f.soft(v), ds = soft_slope(v);
+        return -(f.ground.ct + f.ct_half * (s + v * ds) + (f.ground.ft0 + 2 * f.ft0_half * s) * ds);
+    }
+    double slope_across(double v) const {
+        if (!dry_) return -viscous_.cn;
+        return -(dry_law_.ground.cn + dry_law_.ground.fn0 * soft_slope(v));
+    }
+
+  private:
+    double soft_slope(double v) const {
+        const double w = v * v + dry_law_.square;
+        return dry_law_.square / (w * std::sqrt(w));
+    }
+    bool dry_;
+    Viscous viscous_;
+    SmoothedRatchet dry_law_;
+};
 
 // A link on its way: direction, turning; velocity and acceleration of its centre.
 struct LinkMotion {
@@ -57,9 +69,8 @@ struct FrictionSlope {
 };
 
 // Friction on one link.
-template <class Law>
 struct LinkFriction {
-    LinkFriction(const Law& law, const LinkMotion& k)
+    LinkFriction(const SmoothLaw& law, const LinkMotion& k)
         : c(k.c),
           s(k.s),
           vt(c * k.vx + s * k.vy),
@@ -68,8 +79,8 @@ struct LinkFriction {
           fn(law.across(vn)) {}
     double x() const { return ft * c - fn * s; }
     double y() const { return ft * s + fn * c; }
-    FrictionSlope slope(const Law& law) const {
-        const double dt = slope_along(law, vt), dn = slope_across(law, vn);
+    FrictionSlope slope(const SmoothLaw& law) const {
+        const double dt = law.slope_along(vt), dn = law.slope_across(vn);
         const double along = dt * vn - fn, across = ft - dn * vt;
         return {dt * c * c + dn * s * s, (dt - dn) * c * s, dt * s * s + dn * c * c,
                 along * c - across * s, along * s + across * c};

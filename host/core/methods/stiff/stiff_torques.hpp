@@ -14,7 +14,6 @@ namespace serpenoid {
 
 // Coordinates, link by link: x, y of link 1 or of the gap behind the link, then theta. In tangent
 // vectors (`lift`, `drop`) x, y of the link itself.
-template <class Law>
 class SpringTorque {
   public:
     template <class Scalar>
@@ -89,7 +88,7 @@ class SpringTorque {
             const double fx = last ? 0 : k_ * q[g] + c_ * v[g];
             const double fy = last ? 0 : k_ * q[g + 1] + c_ * v[g + 1];
             const double T = last ? 0 : torque[i];
-            const LinkFriction<Law> ground(law_, back);
+            const LinkFriction ground(law_, back);
             r[3 * i] = r_.m * back.ax - ground.x() - weight_x_ + px - fx;
             r[3 * i + 1] = r_.m * back.ay - ground.y() - weight_y_ + py - fy;
             r[3 * i + 2] =
@@ -114,7 +113,7 @@ class SpringTorque {
             double gx = 0, gy = 0;
             for (int g : {3 * i, 3 * i + 3})
                 if (g > 0 && g < 3 * r_.n) gx += gaps[g], gy += gaps[g + 1];
-            link_[i] = {LinkFriction<Law>(law_, k).slope(law_), -r_.l * k.s, r_.l * k.c,
+            link_[i] = {LinkFriction(law_, k).slope(law_), -r_.l * k.s, r_.l * k.c,
                         k_ * r_.l * (k.c * gx + k.s * gy)};
             back = k;
         }
@@ -236,7 +235,7 @@ class SpringTorque {
 
     Robot r_;
     double k_, c_;
-    Law law_;
+    SmoothLaw law_;
     double weight_x_, weight_y_;
     std::unique_ptr<TorqueSource> source_;
     bool servo_;  // torques depend on the state

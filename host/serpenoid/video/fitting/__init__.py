@@ -1,1 +1,0 @@
-"""From corners to the robot: camera, tag mountings, and the chain of links."""

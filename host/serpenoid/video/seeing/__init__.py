@@ -1,1 +1,0 @@
-"""From a file to the corners of tags: decoding, searching, edges, the floor."""
