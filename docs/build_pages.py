@@ -157,8 +157,8 @@ def api_page() -> str:
     for title, names in groups.items():
         kind = "autofunction" if title == "Functions" else "autoclass"
         parts += [f"## {title}\n", *(directive(kind, n, title == "Classes") for n in names)]
-    parts.append("## The robot\n\n`from serpenoid.robot import Robot`\n")
-    return "\n".join([*parts, directive("autoclass", "serpenoid.robot.Robot", True)])
+    parts.append("## The robot\n\n`from serpenoid.robot import RobotBoard`\n")
+    return "\n".join([*parts, directive("autoclass", "serpenoid.robot.RobotBoard", True)])
 
 
 def pictures(folder: Path) -> None:

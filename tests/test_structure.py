@@ -37,13 +37,15 @@ CORE_ROOMS = [
     "scene",
     "methods",
     "periodic",
+    "servos",
     "run",
+    "board",
     "python",
 ]
 # Rooms that see less than all that is below them: name -> the modules they may import.
 NARROW = {
     "lab": r"(lab|servos|simulation|model)(\..*)?|robot\.wire\..*",
-    "servos": r"(servos|simulation|model)(\..*)?",
+    "servos": r"(servos|simulation|periodic|model)(\..*)?",
     "video": r"(video|model)(\..*)?|calibration\.session\w*",
 }
 # Libraries that are slow or optional: name -> the rooms that may import them.

@@ -21,7 +21,7 @@ const uint32_t kTooSoonToSleepUs = 1200;
 void setup() {
     hardware.begin();
     controller.begin(firmware::Start{board::kName, reset_cause(), 0});
-    if (board::kWatchdog) wdt_enable(WDTO_250MS);
+    if (board::kWatchdog) wdt_enable(WDTO_30MS);
 }
 
 void loop() {

@@ -31,14 +31,16 @@ void poll() {
 
 }  // namespace serial_port
 
-// The flags belong to the byte that is read next. A byte without its stop bit is noise.
+// The flags belong to the byte that is read next. A byte without its stop bit is noise, but for a
+// stop.
 ISR(RECEIVED_vect) {
     const uint8_t flags = UCSR0A;
     const uint8_t byte = UDR0;
     UCSR0B &= static_cast<uint8_t>(~_BV(RXCIE0));
     sei();  // a servo's edge need not wait for the rest, the next byte must
     if (flags & _BV(DOR0)) serial_port::queues.in.lose();
-    serial_port::queues.in.push(flags & _BV(FE0) ? firmware::Input::kHole : byte);
+    const bool noise = (flags & _BV(FE0)) && byte != '!';
+    serial_port::queues.in.push(noise ? firmware::Input::kHole : byte);
     cli();
     UCSR0B |= _BV(RXCIE0);
 }

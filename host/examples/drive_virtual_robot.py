@@ -4,13 +4,13 @@ import math
 from pathlib import Path
 
 from serpenoid import Gait
-from serpenoid.robot import Robot
+from serpenoid.robot import RobotBoard
 from serpenoid.robot.recording.stream import load_stream
 
 recording = Path("virtual_robot.wire")
 recording.unlink(missing_ok=True)  # of an earlier run: nothing else is ever written over
 gait = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
-with Robot("virtual:fast", record=recording) as robot:  # leaving the block stops the robot
+with RobotBoard("virtual:fast", record=recording) as robot:  # leaving the block stops the robot
     robot.straight()
     robot.gait(gait)
     for frame in robot.frames(10.0):

@@ -20,16 +20,19 @@ if TYPE_CHECKING:
     from .gaits.margins import Margins, gait_margins
     from .gaits.robust import RobustGait, robust_gait
     from .gaits.uncertainty import Uncertainty
-    from .model.drives import Servo, TorqueTable
+    from .model.drives import Servo, ServoKind, TorqueTable
     from .model.errors import BadInput, Diverged, NotConverged, SerpenoidError, StepTooLarge
     from .model.evaluation import Acceleration, AngleDrive, TorqueDrive, acceleration
     from .model.gait import Gait
     from .model.ground import Ground
     from .model.link_state import LinkState
     from .model.robot import Robot
-    from .periodic.steady import Steady, steady_gait
+    from .periodic.servo_steady import ServoSteady, steady_gait
+    from .periodic.steady import Steady
     from .periodic.study import Study, load_study, sweep_study
     from .periodic.sweep import Sweep, sweep
+    from .servos.catalogue import SERVOS, servo
+    from .servos.servo_file import load_servo, save_servo
     from .simulation.run import Run
     from .simulation.scene import Scene
     from .simulation.scene_file import load_scene, save_scene
@@ -46,7 +49,7 @@ _HOMES = {
     "calibration.friction_result": ("FrictionFit",),
     "calibration.session": ("Session",),
     "calibration.session_file": ("load_session",),
-    "model.drives": ("Servo", "TorqueTable"),
+    "model.drives": ("Servo", "ServoKind", "TorqueTable"),
     "model.evaluation": ("Acceleration", "AngleDrive", "TorqueDrive", "acceleration"),
     "model.gait": ("Gait",),
     "model.ground": ("Ground",),
@@ -58,7 +61,10 @@ _HOMES = {
     "gaits.margins": ("Margins", "gait_margins"),
     "gaits.robust": ("RobustGait", "robust_gait"),
     "gaits.uncertainty": ("Uncertainty",),
-    "periodic.steady": ("Steady", "steady_gait"),
+    "periodic.servo_steady": ("ServoSteady", "steady_gait"),
+    "periodic.steady": ("Steady",),
+    "servos.catalogue": ("SERVOS", "servo"),
+    "servos.servo_file": ("load_servo", "save_servo"),
     "periodic.study": ("Study", "load_study", "sweep_study"),
     "periodic.sweep": ("Sweep", "sweep"),
     "simulation.steady_springs": ("SteadySprings", "steady_springs"),
@@ -70,6 +76,7 @@ _HOMES = {
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
+    "SERVOS",
     "Acceleration",
     "Advice",
     "AngleDrive",
@@ -90,6 +97,8 @@ __all__ = [
     "Scene",
     "SerpenoidError",
     "Servo",
+    "ServoKind",
+    "ServoSteady",
     "Session",
     "Steady",
     "SteadySprings",
@@ -107,12 +116,15 @@ __all__ = [
     "least_power_gait",
     "load_fit",
     "load_scene",
+    "load_servo",
     "load_session",
     "load_study",
     "power_front",
     "robust_gait",
     "save_fit",
     "save_scene",
+    "save_servo",
+    "servo",
     "simulate",
     "steady_gait",
     "steady_springs",

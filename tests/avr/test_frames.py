@@ -94,6 +94,7 @@ def test_answers_leave_the_longer_telemetry_its_place(start):
         talk.number += 1
         talk.board.send(seal(f"#{talk.number} status"), delay_s)
         delay_s += rng.uniform(0.005, 0.08)
+    talk.board.send(b"\n", 5.9)  # ends a line whose end was lost
     talk.board.run(6.0)
     assert np.all(np.diff(telemetry(talk.board.lines[first:]).frame) == 1)
     assert talk.counters()["dropped"] == 0

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.avr
 
 TWO_FRAMES_S = 0.04
 JITTER_US = 10.0
-KEYS = (b"\n!\n", b"\nstop\n", b"\r!\r", b"\nstop\r\n")
+KEYS = (b"\n!\n", b"\nstop\n", b"!", b"\nstop\r\n", b"#9 pin!", b"\xff!\x80", b"#9 pinstop\n")
 QUEUED = ("help", "set", "trim", "status")
 
 
@@ -97,6 +97,25 @@ def trial(start, name: str, load_name: str, seed: int) -> bool:
 @pytest.mark.parametrize("load_name", LOADS)
 def test_a_stop_is_obeyed_within_two_frames_under(start, load_name):
     assert [trial(start, "uno", load_name, seed) for seed in range(2)] == [True] * 2
+
+
+@pytest.mark.parametrize("key", [b"!", b"!\n", b"stop\n", b"x!y\n"])
+@pytest.mark.parametrize("before", [b"#9 pin", b"\xff", b"sto", b"\x00\x80"])
+def test_nothing_swallows_a_stop(start, before, key):
+    """A partial line or noise, a pause, and then a stop inside a session."""
+    talk = Dialogue(start())
+    talk.hello()
+    assert talk.ask("gait 30 80 5").startswith("ok:")
+    talk.keep_alive(1.0)
+    board = talk.board
+    board.send(before)
+    board.run(0.15)
+    key_s = board.time_s + len(key) * 40e-6
+    board.send(key)
+    board.run(0.4)
+    assert telemetry(board.lines[-12:]).state[-1] == "hold"
+    assert stopped_within(board, key_s)
+    board.close()
 
 
 @pytest.mark.slow

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import configparser
 import os
 import tarfile
 
 import pytest
-from avr.toolchain import ToolchainError, pio, require
+from avr.toolchain import ROOT, ToolchainError, pio, require
 
 
 @pytest.fixture(autouse=True)
@@ -22,7 +23,7 @@ def toolchain() -> None:
 
 @pytest.mark.avr
 def test_the_native_suites_pass() -> None:
-    assert "succeeded" in pio("test")
+    assert "succeeded" in pio("test", "-e", "native")
 
 
 @pytest.mark.avr
@@ -39,3 +40,10 @@ def test_the_libraries_pack_for_others(library: str, tmp_path) -> None:
         names = set(archive.getnames())
     assert {"library.json"} <= names
     assert any(name.endswith(".cpp") for name in names)
+
+
+def test_an_upload_without_a_name_is_for_a_board() -> None:
+    """`pio run -t upload` takes the default: the native environment would run its program."""
+    ini = configparser.ConfigParser()
+    ini.read(ROOT / "platformio.ini")
+    assert ini["platformio"]["default_envs"] == "uno"

@@ -70,9 +70,20 @@ say #105 p\\x02ng
 err: #? garbled
 say #105 {"a" * 76}
 err: #? overlong
+
+# A stop: whatever stands around it, however long ago. What stands before it in its line is gone.
 raw #105 pi
 wait 0.2
-err: #? garbled
+raw \\xFF!
+wait 0.05
+ok: #!
+raw #105 pi
+wait 0.2
+say stop
+ok: #-
+say #105 ping! *0000
+ok: #!
+err: #? crc
 
 # Whole lines that cannot be obeyed.
 ask 105 dance
@@ -201,7 +212,7 @@ state: idle why=limp
 
 # The count of all that, and good-bye, by a host and by a person.
 ask 138 status
-counters: good=46 crc=1 nocrc=1 garbled=2 overlong=1 sequence=1 lost=2 repeated=5 dropped=0 rxfull=0
+counters: good=49 crc=2 nocrc=1 garbled=1 overlong=1 sequence=1 lost=2 repeated=5 dropped=0 rxfull=0
 ok: #138
 ask 139 bye
 ok: #139

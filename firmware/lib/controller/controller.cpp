@@ -12,7 +12,7 @@ namespace {
 
 const char kStateNames[][7] FLASH = {"idle", "pose", "gait", "hold", "safing", "safe"};
 const char kResetNames[][9] FLASH = {"power", "brownout", "external", "watchdog", "unknown"};
-const char kFoundNames[][9] FLASH = {"ok", "new", "older", "damaged", "migrated"};
+const char kFoundNames[][9] FLASH = {"ok", "new", "older", "damaged", "migrated", "newer"};
 const char kWhySilence[] FLASH = "silence";
 const char kWhyArrived[] FLASH = "arrived";
 const char kWhyLimp[] FLASH = "limp";
@@ -37,34 +37,31 @@ Controller::Controller(Hardware& hardware)
       in_(hardware.serial().in),
       line_(hardware.serial().out),
       due_us_(0),
-      last_byte_us_(0),
       silent_frames_(0),
-      state_frames_(0),
       telemetry_wait_(0),
       boot_id_(0),
       last_number_(0),
       state_(State::Idle),
       found_(Found::New),
       tag_(),
-      save_tag_(),
+      store_tag_(),
       last_error_(Error::None),
       waiting_(LineReader::kNothing),
       report_(Report::None),
       report_row_(0),
-      arrivals_(0),
       keys_due_(0),
       words_due_(0),
       attached_(0),
       attach_wait_(0),
-      session_(false),
-      overtaken_(false),
-      key_handled_(false) {}
+      session_(false) {}
 
 void Controller::begin(const Start& start) {
     start_ = start;
     boot_id_ = count_boot(hardware_);
     set_defaults(settings_);
-    found_ = store_.load(settings_);
+    store_.load(settings_);
+    while (store_.busy()) store_.step();
+    found_ = store_.found();
     configure();
     frame_.number = start.first_frame - 1;
     frame_.state = state_name(state_);
@@ -76,11 +73,10 @@ void Controller::poll() {
     const uint32_t now_us = hardware_.micros();
     const uint32_t late_us = now_us - due_us_;
     if (static_cast<int32_t>(late_us) >= 0) frame(now_us, late_us);
-    receive(now_us);
-    watch_pause(now_us);
+    receive();
     accept_waiting();
     next_report_line();
-    finish_save();
+    work_on_store();
     const uint32_t pass_us = hardware_.micros() - now_us;
     if (pass_us > counters_.pass_us) counters_.pass_us = pass_us;
 }
@@ -106,7 +102,7 @@ void Controller::frame(uint32_t now_us, uint32_t late_us) {
     frame_.board_us = now_us;
     frame_.late_us = late_us;
     watch_silence(frames);
-    watch_limp(frames);
+    watch_limp();
     move(frames);
     frame_.exec_us = hardware_.micros() - now_us;
     send_telemetry(frames);
@@ -165,22 +161,22 @@ void Controller::watch_silence(uint16_t frames) {
     if (silent_frames_ < 0xFFFF0000UL) silent_frames_ += frames;
     if (limit == 0 || silent_frames_ < limit) return;
     if (!moving() || state_ == State::Safing) return;
+    if (attaching()) return go_idle(kWhySilence);  // nothing has moved yet
     const int32_t straight_q30[kJoints] = {};
     motion_.pose(straight_q30);
     become(State::Safing, kWhySilence);
 }
 
-// A robot that stands safe may go limp after a while, to spare its servos.
-void Controller::watch_limp(uint16_t frames) {
+// A robot that stands still and whose host has gone goes limp after a while.
+void Controller::watch_limp() {
     const uint32_t limit = static_cast<uint32_t>(settings_.value_u[kLimp]) / kFrameUs;
-    if (state_frames_ < 0xFFFF0000UL) state_frames_ += frames;
-    if (state_ == State::Safe && limit != 0 && state_frames_ >= limit) go_idle(kWhyLimp);
+    if (limit == 0 || silent_frames_ < limit || state_ == State::Idle || moving()) return;
+    go_idle(kWhyLimp);
 }
 
 void Controller::become(State state, const char* why) {
     if (state == state_) return;
     state_ = state;
-    state_frames_ = 0;
     frame_.state = state_name(state);
     line_.begin()
         .put_flash(FLASH_TEXT("state: "))

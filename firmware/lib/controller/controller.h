@@ -14,7 +14,8 @@
 
 namespace firmware {
 
-extern const char kVersion[];  // of the firmware, in flash
+extern const char kVersion[];     // of the firmware, in flash
+extern const char kWhyCommand[];  // the reason of a change of state, in flash
 const uint8_t kProtocol = 3;
 
 enum class State : uint8_t { Idle, Pose, Gait, Hold, Safing, Safe };
@@ -83,7 +84,7 @@ class Controller {
     OWN_FRAME void attach_next();
     bool attaching() const;
     void watch_silence(uint16_t frames);
-    void watch_limp(uint16_t frames);
+    void watch_limp();
     OWN_FRAME void send_telemetry(uint16_t frames);
     void become(State state, const char* why);
     bool moving() const;
@@ -95,7 +96,8 @@ class Controller {
     Refusal change_setting(const Command& command);
     OWN_FRAME Refusal change_trim(const Command& command);
     Refusal begin_save(const Command& command);
-    OWN_FRAME Refusal reload(bool from_eeprom);
+    Refusal begin_load();
+    Refusal take_defaults();
     OWN_FRAME Refusal within_joint_limits(uint8_t joint, int32_t angle_udeg) const;
     void stop(const char* why);
     void go_idle(const char* why);
@@ -103,18 +105,17 @@ class Controller {
     OWN_FRAME void configure();
 
     // dialogue.cpp: lines
-    OWN_FRAME void receive(uint32_t now_us);
+    OWN_FRAME void receive();
     void obey_stops();
     bool may_speak();
     void answer_stops();
-    void watch_pause(uint32_t now_us);
     void accept_waiting();
     OWN_FRAME void accept_line();
     OWN_FRAME void accept_body(const Envelope& envelope);
     bool in_order(const Envelope& envelope);
     void refuse_damaged(Error error, uint16_t& counter);
     OWN_FRAME void verdict(const Tag& tag, const Refusal& refusal, bool again = false);
-    OWN_FRAME void finish_save();
+    OWN_FRAME void work_on_store();
     void send();
 
     // report.cpp: data lines
@@ -140,23 +141,20 @@ class Controller {
     Input& in_;
     Output& line_;
     LineReader reader_;
-    uint32_t due_us_, last_byte_us_;
-    uint32_t silent_frames_, state_frames_;  // since the last good line; in this state
+    uint32_t due_us_;
+    uint32_t silent_frames_;  // since the last good line
     uint16_t telemetry_wait_;
     uint16_t boot_id_, last_number_;
     State state_;
     Found found_;
-    Tag tag_, save_tag_;  // of the last line, of the line that asked for the save under way
-    Error last_error_;    // verdict on last_number_
+    Tag tag_, store_tag_;  // of the last line; of the line that asked to save or load
+    Error last_error_;     // verdict on last_number_
     LineReader::Event waiting_;
     Report report_;
     uint8_t report_row_;
-    uint8_t arrivals_;                // bytes received, when last looked at
     uint8_t keys_due_, words_due_;    // stops obeyed and not answered yet: `!`, `stop`
     uint8_t attached_, attach_wait_;  // servos from the tail; frames until the next one
     bool session_;
-    bool overtaken_;    // what is read came before a stop that has been obeyed
-    bool key_handled_;  // the stop key at the present pause has been obeyed
 };
 
 // Names as on the wire, in flash.

@@ -6,11 +6,8 @@ namespace firmware {
 namespace {
 
 const char kWhyKey[] FLASH = "key";
-const char kWhyCommand[] FLASH = "command";
 
 const uint8_t kBytesPerPass = 64;
-const uint32_t kKeyPauseUs = 20000;
-const uint32_t kUnfinishedUs = 100000;
 
 // What may still be obeyed when a stop has overtaken it.
 bool harmless(Verb verb) {
@@ -19,23 +16,18 @@ bool harmless(Verb verb) {
 
 }  // namespace
 
-void Controller::receive(uint32_t now_us) {
-    if (arrivals_ != in_.arrivals()) {
-        arrivals_ = in_.arrivals();
-        last_byte_us_ = now_us;
-        key_handled_ = false;
-    }
+void Controller::receive() {
     for (uint8_t n = 0; n < kBytesPerPass; ++n) {
         obey_stops();
         if (waiting_ != LineReader::kNothing) return;
-        if (overtaken_ && in_.at_mark()) {
-            overtaken_ = false;
-            reader_.clear();
-        }
         const int16_t byte = in_.pop();
-        if (byte < 0) return;
+        if (byte == Input::kNothing) return;
+        if (byte == Input::kStopHere) {
+            reader_.clear();
+            continue;
+        }
         waiting_ = reader_.push(static_cast<uint8_t>(byte));
-        if (waiting_ == LineReader::kLine && is_bare_stop(reader_.data(), reader_.length())) {
+        if (waiting_ == LineReader::kLine && ends_in_stop(reader_.data(), reader_.length())) {
             waiting_ = LineReader::kNothing;  // it was obeyed as it came
             reader_.clear();
         }
@@ -47,7 +39,6 @@ void Controller::obey_stops() {
     for (char which; (which = in_.take_stop()) != 0;) {
         uint8_t& due = which == '!' ? keys_due_ : words_due_;
         if (due < 255) ++due;
-        overtaken_ = true;
         silent_frames_ = 0;
         count(counters_.good);
         stop(which == '!' ? kWhyKey : kWhyCommand);
@@ -72,22 +63,6 @@ void Controller::answer_stops() {
         --words_due_;
         verdict(Tag{'-', 0}, Refusal());
     }
-}
-
-// What a pause means: after the stop key, a stop; inside a session, that the rest is not coming.
-void Controller::watch_pause(uint32_t now_us) {
-    if (arrivals_ != in_.arrivals()) return;
-    const uint32_t pause_us = now_us - last_byte_us_;
-    if (in_.last() == '!' && !key_handled_ && pause_us > kKeyPauseUs) {
-        in_.mark_here();
-        key_handled_ = overtaken_ = true;
-        if (keys_due_ < 255) ++keys_due_;
-        silent_frames_ = 0;
-        count(counters_.good);
-        stop(kWhyKey);
-    }
-    if (waiting_ != LineReader::kNothing || !reader_.partial() || overtaken_) return;
-    if (session_ && pause_us > kUnfinishedUs) waiting_ = LineReader::kGarbled;
 }
 
 void Controller::accept_waiting() {
@@ -126,7 +101,7 @@ void Controller::accept_body(const Envelope& envelope) {
     if (session_ && !greets && !in_order(envelope)) return;
     last_number_ = envelope.number;
     if (refusal.none()) {
-        const bool too_late = overtaken_ && !harmless(command.verb);
+        const bool too_late = in_.before_stop() && !harmless(command.verb);
         refusal = too_late ? Refusal(Error::Stopped) : obey(command);
     }
     if (greets && refusal.none() && envelope.has_crc && envelope.has_number) session_ = true;
@@ -134,8 +109,8 @@ void Controller::accept_body(const Envelope& envelope) {
     if (envelope.has_crc || refusal.none()) silent_frames_ = 0;
     last_error_ = refusal.error;
     if (refusal.none() && report_ != Report::None) return;  // the verdict follows the report
-    if (refusal.none() && command.verb == Verb::Save) {
-        save_tag_ = tag_;  // the verdict follows the save
+    if (refusal.none() && (command.verb == Verb::Save || command.verb == Verb::Load)) {
+        store_tag_ = tag_;  // the verdict follows when it is done
         return;
     }
     verdict(tag_, refusal);
@@ -150,8 +125,8 @@ bool Controller::in_order(const Envelope& envelope) {
         return true;
     }
     count(counters_.repeated);
-    const bool save_pending = store_.saving() && save_tag_.number == envelope.number;
-    if (ahead == 0 && !save_pending) verdict(tag_, Refusal(last_error_), true);
+    const bool pending = store_.busy() && store_tag_.number == envelope.number;
+    if (ahead == 0 && !pending) verdict(tag_, Refusal(last_error_), true);
     if (ahead != 0) verdict(tag_, Refusal(Error::Sequence));
     return false;
 }
@@ -162,12 +137,15 @@ void Controller::refuse_damaged(Error error, uint16_t& counter) {
     verdict(tag_, Refusal(error));
 }
 
-void Controller::finish_save() {
-    bool good;
-    if (!store_.step(good)) return;
-    const Error error = good ? Error::None : Error::Eeprom;
-    if (save_tag_.number == last_number_) last_error_ = error;
-    verdict(save_tag_, Refusal(error));
+void Controller::work_on_store() {
+    const bool saved = store_.saving();
+    if (!store_.step()) return;
+    const Error error = saved             ? store_.good() ? Error::None : Error::Eeprom
+                        : store_.loaded() ? Error::None
+                                          : Error::Empty;
+    if (!saved) configure();
+    if (store_tag_.number == last_number_) last_error_ = error;
+    verdict(store_tag_, Refusal(error));
 }
 
 void Controller::verdict(const Tag& tag, const Refusal& refusal, bool again) {

@@ -3,11 +3,8 @@
 #include "progmem.h"
 
 namespace firmware {
-namespace {
 
 const char kWhyCommand[] FLASH = "command";
-
-}  // namespace
 
 Refusal Controller::obey(const Command& command) {
     switch (command.verb) {
@@ -42,8 +39,9 @@ Refusal Controller::obey(const Command& command) {
         case Verb::Save:
             return begin_save(command);
         case Verb::Load:
+            return begin_load();
         case Verb::Defaults:
-            return reload(command.verb == Verb::Load);
+            return take_defaults();
     }
     return Refusal(Error::Command);
 }
@@ -61,7 +59,7 @@ Refusal Controller::within_joint_limits(uint8_t joint, int32_t angle_udeg) const
 }
 
 Refusal Controller::start_gait(const Command& command) {
-    if (store_.saving()) return Refusal(Error::Saving);
+    if (store_.busy()) return Refusal(Error::Saving);
     const int32_t* u = command.value_u;
     for (uint8_t i = 0; i < kJoints; ++i) {
         Refusal refusal = within_joint_limits(i, u[kOffset] + u[kAlpha]);
@@ -84,7 +82,7 @@ Refusal Controller::start_gait(const Command& command) {
 }
 
 Refusal Controller::start_pose(const Command& command) {
-    if (store_.saving()) return Refusal(Error::Saving);
+    if (store_.busy()) return Refusal(Error::Saving);
     int32_t target_q30[kJoints];
     for (uint8_t i = 0; i < kJoints; ++i) {
         const Refusal refusal = within_joint_limits(i, command.value_u[i]);
@@ -125,7 +123,7 @@ Refusal Controller::change_setting(const Command& command) {
         report_ = Report::Set;
         return Refusal();
     }
-    if (store_.saving()) return Refusal(Error::Saving);
+    if (store_.busy()) return Refusal(Error::Saving);
     settings_.value_u[command.field] = command.value_u[0];
     if (command.field == kEvery) telemetry_wait_ = 0;
     configure();
@@ -137,7 +135,7 @@ Refusal Controller::change_trim(const Command& command) {
         report_ = Report::Trim;
         return Refusal();
     }
-    if (store_.saving()) return Refusal(Error::Saving);
+    if (store_.busy()) return Refusal(Error::Saving);
     if (moving()) return Refusal(Error::Motion);
     if (command.field != kCentre && state_ != State::Idle) return Refusal(Error::Attached);
     int32_t& value_u = settings_.trim_u[command.joint][command.field];
@@ -162,22 +160,26 @@ void Controller::configure() {
 }
 
 Refusal Controller::begin_save(const Command& command) {
-    if (store_.saving()) return Refusal(Error::Saving);
+    if (store_.busy()) return Refusal(Error::Saving);
     if (moving()) return Refusal(Error::Motion);
     if (settings_.value_u[kSilence] == 0 && !command.unattended) return Refusal(Error::Unattended);
+    if (store_.newer() && !command.replaces) return Refusal(Error::Newer);
     store_.save(settings_);
     return Refusal();
 }
 
-Refusal Controller::reload(bool from_eeprom) {
-    if (store_.saving()) return Refusal(Error::Saving);
+Refusal Controller::begin_load() {
+    if (store_.busy()) return Refusal(Error::Saving);
     if (state_ != State::Idle) return Refusal(Error::Attached);
-    if (from_eeprom) {
-        const Found found = store_.load(settings_);
-        if (found == Found::New || found == Found::Damaged) return Refusal(Error::Empty);
-    } else {
-        set_defaults(settings_);
-    }
+    store_.load(settings_);
+    telemetry_wait_ = 0;
+    return Refusal();
+}
+
+Refusal Controller::take_defaults() {
+    if (store_.busy()) return Refusal(Error::Saving);
+    if (state_ != State::Idle) return Refusal(Error::Attached);
+    set_defaults(settings_);
     telemetry_wait_ = 0;
     configure();
     return Refusal();

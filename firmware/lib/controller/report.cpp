@@ -84,6 +84,7 @@ void Controller::put_report_line(uint8_t row) {
 void Controller::put_status() {
     line_.put_flash(FLASH_TEXT("status: state=")).put_flash(state_name(state_));
     line_.put_flash(FLASH_TEXT(" moving=")).put_unsigned(moving() ? 1 : 0);
+    line_.put_flash(FLASH_TEXT(" attached=")).put_unsigned(attached_);
     line_.put_flash(FLASH_TEXT(" session=")).put_unsigned(session_ ? 1 : 0);
     const int32_t values_u[kGaitFieldCount] = {gait_.alpha_udeg, gait_.beta_udeg,
                                                gait_.omega_urad_s, gait_.offset_udeg};

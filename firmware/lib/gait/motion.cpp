@@ -24,7 +24,9 @@ uint32_t step_of(float omega_rad_s) {
 
 // How far apart the oscillating parts of two shapes can be at the same phase, any joint.
 float swing_between(const GaitShape& a, const GaitShape& b) {
-    const uint32_t lag = static_cast<uint32_t>(b.beta_q31_turn - a.beta_q31_turn) << 1;
+    const uint32_t lag_q31 =
+        static_cast<uint32_t>(b.beta_q31_turn) - static_cast<uint32_t>(a.beta_q31_turn);
+    const uint32_t lag = lag_q31 << 1;
     const float lag_rad = magnitude(static_cast<float>(static_cast<int32_t>(lag))) * kRadPerQ32Turn;
     const float chord = lag_rad * (kJoints - 1);
     const int16_t less = a.alpha_q14 < b.alpha_q14 ? a.alpha_q14 : b.alpha_q14;

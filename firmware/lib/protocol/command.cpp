@@ -58,21 +58,21 @@ Words split(const char* text, uint8_t length) {
 const uint8_t kMostPoseFields = kJoints > 3 ? kJoints : 3;
 
 // X(identifier, word, fewest fields, most fields, help behind the word)
-#define FIRMWARE_VERBS(X)                                                                   \
-    X(Hello, "hello", 0, 0, " - greet; with number and CRC, open a session")                \
-    X(Bye, "bye", 0, 0, " - close the session")                                             \
-    X(Ping, "ping", 0, 0, " - the host is alive")                                           \
-    X(Help, "help", 0, 0, " - this list")                                                   \
-    X(Status, "status", 0, 0, " - state, parameters, counters")                             \
-    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, deg, rad/s, deg")              \
-    X(Pose, "pose", 1, kMostPoseFields,                                                     \
-      " straight [OFFSET] | pose bent|zigzag LINK [OFFSET] | pose J1 J2 ... - deg")         \
-    X(Stop, "stop", 0, 0, " - freeze and hold; the single key ! does the same")             \
-    X(Idle, "idle", 0, 0, " - stop and let the servos go limp")                             \
-    X(Set, "set", 0, 2, " - list settings; set NAME VALUE - change one")                    \
-    X(Trim, "trim", 0, 3, " - list servos; trim J FIELD VALUE - change one")                \
-    X(Save, "save", 0, 1, " - settings and trims to EEPROM; save unattended - silence off") \
-    X(Load, "load", 0, 0, " - settings and trims from EEPROM")                              \
+#define FIRMWARE_VERBS(X)                                                           \
+    X(Hello, "hello", 0, 0, " - greet; with number and CRC, open a session")        \
+    X(Bye, "bye", 0, 0, " - close the session")                                     \
+    X(Ping, "ping", 0, 0, " - the host is alive")                                   \
+    X(Help, "help", 0, 0, " - this list")                                           \
+    X(Status, "status", 0, 0, " - state, parameters, counters")                     \
+    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, deg, rad/s, deg")      \
+    X(Pose, "pose", 1, kMostPoseFields,                                             \
+      " straight [OFFSET] | pose bent|zigzag LINK [OFFSET] | pose J1 J2 ... - deg") \
+    X(Stop, "stop", 0, 0, " - freeze and hold; a ! anywhere does the same")         \
+    X(Idle, "idle", 0, 0, " - stop and let the servos go limp")                     \
+    X(Set, "set", 0, 2, " - list settings; set NAME VALUE - change one")            \
+    X(Trim, "trim", 0, 3, " - list servos; trim J FIELD VALUE - change one")        \
+    X(Save, "save", 0, 2, " [unattended] [replace] - settings and trims to EEPROM") \
+    X(Load, "load", 0, 0, " - settings and trims from EEPROM")                      \
     X(Defaults, "defaults", 0, 0, " - settings and trims as built")
 
 #define FIRMWARE_VERB_TEXTS(id, word, fewest, most, help) const char kHelp##id[] FLASH = word help;
@@ -103,6 +103,7 @@ const char kStraight[] FLASH = "straight";
 const char kBent[] FLASH = "bent";
 const char kZigzag[] FLASH = "zigzag";
 const char kUnattended[] FLASH = "unattended";
+const char kReplace[] FLASH = "replace";
 const char kOff[] FLASH = "off";
 
 int8_t hex_digit(char c) {
@@ -226,9 +227,13 @@ Refusal parse_pose(const Words& words, Command& command) {
 }
 
 Refusal parse_save(const Words& words, Command& command) {
-    command.unattended = words.count == 2;
-    const bool known = words.count == 1 || words.word[1].is_flash(kUnattended);
-    return known ? Refusal() : Refusal(Error::Arguments);
+    for (uint8_t i = 1; i < words.count; ++i) {
+        bool& asked = words.word[i].text[0] == 'u' ? command.unattended : command.replaces;
+        const char* const known = words.word[i].text[0] == 'u' ? kUnattended : kReplace;
+        if (!words.word[i].is_flash(known)) return Refusal(Error::Arguments);
+        asked = true;
+    }
+    return Refusal();
 }
 
 Refusal parse_set(const Words& words, Command& command) {
@@ -272,8 +277,8 @@ Refusal::Refusal(Error e, const char* name, int32_t value, int32_t low, int32_t 
     strncpy(field, name, sizeof field - 1);
 }
 
-bool is_bare_stop(const char* line, uint8_t length) {
-    return (length == 1 && line[0] == '!') || (length == 4 && memcmp(line, "stop", 4) == 0);
+bool ends_in_stop(const char* line, uint8_t length) {
+    return length >= 4 && memcmp(line + length - 4, "stop", 4) == 0;
 }
 
 bool is_bare_bye(const char* line, uint8_t length) {

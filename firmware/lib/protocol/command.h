@@ -21,8 +21,9 @@ struct Envelope {
 // Split `[#NUMBER ]BODY[ *CRC]`. Returns Crc or Sequence if either is there and wrong.
 Error check_line(const char* line, uint8_t length, Envelope& envelope);
 
-// Whether a whole line is `stop` or `!`, or `bye`, and nothing else.
-bool is_bare_stop(const char* line, uint8_t length);
+// Whether a line ends in `stop`, which the receive interrupt has seen already.
+bool ends_in_stop(const char* line, uint8_t length);
+// Whether a whole line is `bye` and nothing else.
 bool is_bare_bye(const char* line, uint8_t length);
 
 enum class Verb : uint8_t {
@@ -43,13 +44,12 @@ enum class Verb : uint8_t {
 };
 const uint8_t kVerbs = 14;
 
-const uint8_t kGaitFields = kGaitFieldCount;
-const uint8_t kMostValues = kJoints > kGaitFields ? kJoints : kGaitFields;
+const uint8_t kMostValues = kJoints > kGaitFieldCount ? kJoints : kGaitFieldCount;
 
 struct Command {
     Verb verb;
     bool lists;                    // `set` or `trim` without fields
-    bool unattended;               // of `save`
+    bool unattended, replaces;     // of `save`
     uint8_t joint;                 // of `trim`, from 0
     uint8_t field;                 // Setting or TrimField
     int32_t value_u[kMostValues];  // gait fields, joint angles, or the value of set and trim

@@ -12,8 +12,7 @@
       "send it again; if it persists, shorten the cable or check its ground")                   \
     X(NoCrc, 2, "nocrc", "a session is open and the line has no CRC",                           \
       "let the host finish, type bye, or press reset")                                          \
-    X(Garbled, 3, "garbled", "bytes that are not printable ASCII, or a line never finished",    \
-      "check the baud rate")                                                                    \
+    X(Garbled, 3, "garbled", "bytes that are not printable ASCII", "check the baud rate")       \
     X(Overlong, 4, "overlong", "the line is too long", "send one command a line")               \
     X(Sequence, 5, "sequence", "the number is missing, unreadable or older than the last",      \
       "count up by one from hello")                                                             \
@@ -27,7 +26,7 @@
       "lower one, or raise servo_speed")                                                        \
     X(Motion, 12, "motion", "not while the robot moves", "send stop first")                     \
     X(Attached, 13, "attached", "not while the servos are powered", "send idle first")          \
-    X(Saving, 14, "saving", "settings are being saved", "wait for the verdict of save")         \
+    X(Saving, 14, "saving", "settings are being saved or loaded", "wait for that verdict")      \
     X(Eeprom, 15, "eeprom", "what was read back is not what was written",                       \
       "save again; if it persists, the EEPROM is worn")                                         \
     X(Empty, 16, "empty", "nothing whole is saved", "save first")                               \
@@ -36,7 +35,9 @@
     X(Unattended, 18, "unattended", "silence is off, so that nothing stops a robot left alone", \
       "set silence, or send save unattended to keep it so")                                     \
     X(Unbalanced, 19, "unbalanced", "three links have no bend that balances itself",            \
-      "guide the robot and send pose zigzag")
+      "guide the robot and send pose zigzag")                                                   \
+    X(Newer, 20, "newer", "the EEPROM holds settings of a newer firmware",                      \
+      "flash that firmware, or send save replace to lose them")
 
 namespace firmware {
 

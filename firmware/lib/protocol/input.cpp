@@ -1,5 +1,5 @@
-// The interrupt writes head_, mark_, arrivals_, keys_, words_, the loop tail_: single bytes, so
-// that neither need shut the other out.
+// The interrupt writes head_, mark_, keys_, words_, the loop tail_: single bytes, so that neither
+// need shut the other out. A fence keeps the bytes of the queue on their side of head_ and tail_.
 #include "input.h"
 
 namespace firmware {
@@ -9,42 +9,34 @@ uint8_t after(uint8_t place) {
     return static_cast<uint8_t>(place + 1 == Input::kSize ? 0 : place + 1);
 }
 
+// For the compiler alone: interrupt and loop share one processor.
+void fence() { __atomic_signal_fence(__ATOMIC_SEQ_CST); }
+
 }  // namespace
 
 void Input::push(uint8_t byte) {
-    const uint8_t places = free_places();
-    if (places > 1) {
-        store(byte);
-    } else {
-        if (places == 1) store(kHole);
-        if (full_ < 65535) full_ = static_cast<uint16_t>(full_ + 1);
+    if (byte != '!') {
+        const uint8_t places = free_places();
+        if (places > 0) store(places > 1 ? byte : kHole);
+        if (places <= 1 && full_ < 65535) full_ = static_cast<uint16_t>(full_ + 1);
     }
-    last_ = byte;
     watch(byte);
-    arrivals_ = static_cast<uint8_t>(arrivals_ + 1);
 }
 
 void Input::lose() {
     if (free_places() > 1) store(kHole);
-    progress_ = kOther;
+    progress_ = 0;
 }
 
 void Input::watch(uint8_t byte) {
     static const uint8_t kWord[] = {'s', 't', 'o', 'p'};
-    const uint8_t progress = forget_ ? static_cast<uint8_t>(kStart) : progress_;
-    forget_ = false;
-    uint8_t next = kOther;
-    if (byte == '\n' || byte == '\r') {
-        if (progress == kKey || progress == kStop) mark_ = head_;
-        if (progress == kKey) keys_ = static_cast<uint8_t>(keys_ + 1);
-        if (progress == kStop) words_ = static_cast<uint8_t>(words_ + 1);
-        next = kStart;
-    } else if (progress == kStart) {
-        next = byte == '!' ? kKey : byte == 's' ? kS : kOther;
-    } else if (progress >= kS && progress <= kSto && byte == kWord[progress - kS + 1]) {
-        next = static_cast<uint8_t>(progress + 1);
-    }
-    progress_ = next;
+    const uint8_t progress = progress_;
+    const bool word = progress == sizeof kWord && (byte == '\n' || byte == '\r');
+    if (word || byte == '!') mark_ = head_;
+    if (byte == '!') keys_ = static_cast<uint8_t>(keys_ + 1);
+    if (word) words_ = static_cast<uint8_t>(words_ + 1);
+    const bool next = progress < sizeof kWord && byte == kWord[progress];
+    progress_ = next ? static_cast<uint8_t>(progress + 1) : byte == kWord[0];
 }
 
 uint8_t Input::free_places() const {
@@ -54,6 +46,7 @@ uint8_t Input::free_places() const {
 
 void Input::store(uint8_t byte) {
     queue_[head_] = byte;
+    fence();
     head_ = after(head_);
 }
 
@@ -64,9 +57,18 @@ uint16_t Input::full() const {
     return found;
 }
 
+// The order of the looks matters: a stop that comes between two of them stands behind `head`, and
+// is met by the next call.
 int16_t Input::pop() {
-    if (head_ == tail_) return -1;
+    const uint8_t head = head_, stopped = stops();
+    if (stopped != passed_ && tail_ == mark_) {
+        passed_ = stopped;
+        return kStopHere;
+    }
+    if (head == tail_) return kNothing;
+    fence();
     const uint8_t byte = queue_[tail_];
+    fence();
     tail_ = after(tail_);
     return byte;
 }
@@ -81,11 +83,6 @@ char Input::take_stop() {
         return 's';
     }
     return 0;
-}
-
-void Input::mark_here() {
-    mark_ = head_;
-    forget_ = true;
 }
 
 }  // namespace firmware

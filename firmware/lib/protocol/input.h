@@ -1,8 +1,9 @@
-// Bytes on their way in: a queue that the receive interrupt fills, and a watch for bare stops.
+// Bytes on their way in: a queue that the receive interrupt fills, and a watch for stops.
 //
-// `!` or `stop`, alone between line ends, is seen as its last byte arrives: a stop never waits for
-// a line before it, and is never lost because the queue is full. `mark` is where it stood among
-// the bytes, so that nothing that came before a stop is obeyed after it.
+// Any `!`, and the line end behind `stop`, is a stop as it arrives: it never waits for a line
+// before it, and is never lost because the queue is full. A `!` does not enter the queue. Where
+// the last stop stood is told to whoever empties the queue, so that nothing that came before it is
+// obeyed after it.
 #pragma once
 
 #include <stdint.h>
@@ -15,19 +16,19 @@ class Input {
   public:
     static const uint8_t kSize = kJoints <= 7 ? 128 : 192;
     static const uint8_t kHole = 0;  // stands for bytes that were lost
+    // What pop() returns instead of a byte.
+    static const int16_t kNothing = -1, kStopHere = -2;
 
     Input()
         : head_(0),
           tail_(0),
           mark_(0),
-          arrivals_(0),
           keys_(0),
           words_(0),
           keys_taken_(0),
           words_taken_(0),
-          last_(0),
-          progress_(kStart),
-          forget_(false),
+          passed_(0),
+          progress_(0),
           full_(0),
           queue_() {}
 
@@ -35,31 +36,24 @@ class Input {
     void push(uint8_t byte);
     void lose();
 
-    // The oldest byte, or -1.
+    // The oldest byte; or kStopHere, where the last stop stood; or kNothing.
     int16_t pop();
-    // One bare stop that has not been taken yet: '!', 's' for `stop`, or 0.
+    // One stop that has not been taken yet: '!', 's' for `stop`, or 0.
     char take_stop();
-    // Whether the bytes up to the last stop, its own line included, have all been popped.
-    bool at_mark() const { return tail_ == mark_; }
-    // Take what has come so far for a stop: for a key that stands at a pause.
-    void mark_here();
+    // What is popped now came before a stop.
+    bool before_stop() const { return stops() != passed_; }
 
-    uint8_t arrivals() const { return arrivals_; }  // bytes that have come, modulo 256
-    uint8_t last() const { return last_; }          // the last of them
-    uint16_t full() const;                          // bytes lost as the queue was full
+    uint16_t full() const;  // bytes lost as the queue was full
 
   private:
-    enum Progress : uint8_t { kStart, kKey, kS, kSt, kSto, kStop, kOther };
-
     void watch(uint8_t byte);
     uint8_t free_places() const;
     void store(uint8_t byte);
+    uint8_t stops() const { return static_cast<uint8_t>(keys_ + words_); }
 
-    volatile uint8_t head_, tail_, mark_;
-    volatile uint8_t arrivals_, keys_, words_;
-    uint8_t keys_taken_, words_taken_;
-    volatile uint8_t last_, progress_;
-    volatile bool forget_;
+    volatile uint8_t head_, tail_, mark_, keys_, words_;
+    uint8_t keys_taken_, words_taken_, passed_;
+    volatile uint8_t progress_;  // letters of `stop` that have come
     volatile uint16_t full_;
     uint8_t queue_[kSize];  // last, where the rest is reached in fewer steps on an AVR
 };

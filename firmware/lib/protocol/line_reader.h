@@ -21,8 +21,6 @@ class LineReader {
 
     const char* data() const { return line_; }
     uint8_t length() const { return length_; }
-    // Something has come since the last line end.
-    bool partial() const { return length_ > 0 || fault_ != kNothing; }
 
   private:
     char line_[kCapacity];

@@ -7,7 +7,9 @@ namespace firmware {
 namespace {
 
 const uint8_t kErased = 0xFF;
+const uint8_t kBeforeFirst = 0xFF;  // slot; the next one is 0
 const uint16_t kSecondOfLayout1 = 256;
+const uint8_t kSlice = 32;                           // bytes
 const uint8_t kMostSettings = 32, kMostJoints = 12;  // more is no number but damage
 
 }  // namespace
@@ -32,22 +34,17 @@ bool Store::marked(uint8_t slot) {
     return slot == 0 ? layout == 1 || layout == kLayout : layout == kLayout;
 }
 
+bool Store::of_newer_layout(uint8_t slot) {
+    const uint16_t at = slot_at(slot);
+    const uint8_t layout = eeprom_.read(static_cast<uint16_t>(at + 1));
+    return slot < 2 && eeprom_.read(at) == kMark && layout > kLayout && layout != kErased;
+}
+
 Store::Layout Store::layout(uint8_t slot) {
     const uint16_t at = slot_at(slot);
     if (eeprom_.read(static_cast<uint16_t>(at + 1)) == 1) return Layout{4, 6, 5};
     return Layout{kHead, eeprom_.read(static_cast<uint16_t>(at + 4)),
                   eeprom_.read(static_cast<uint16_t>(at + 5))};
-}
-
-bool Store::whole(uint8_t slot) {
-    const Layout found = layout(slot);
-    if (found.settings > kMostSettings || found.joints > kMostJoints) return false;
-    uint16_t crc = kCrcStart;
-    // The CRC of a record followed by its own CRC, high byte first, is 0.
-    for (uint16_t i = 1; i < found.bytes(); ++i) {
-        crc = crc16_next(crc, eeprom_.read(static_cast<uint16_t>(slot_at(slot) + i)));
-    }
-    return crc == 0;
 }
 
 int32_t Store::value_at(uint16_t address) {
@@ -58,31 +55,31 @@ int32_t Store::value_at(uint16_t address) {
     return static_cast<int32_t>(value);
 }
 
-void Store::trim_at(uint8_t slot, uint8_t joint, int32_t (&trim_u)[kTrimFieldCount]) {
-    const Layout found = layout(slot);
-    const uint16_t at = static_cast<uint16_t>(slot_at(slot) + found.head +
-                                              4 * (found.settings + joint * kTrimFieldCount));
+int32_t Store::setting_in(const Layout& found, uint8_t setting) {
+    return value_at(static_cast<uint16_t>(slot_at(slot_) + found.head + 4 * setting));
+}
+
+void Store::trim_in(const Layout& found, uint8_t joint, int32_t (&trim_u)[kTrimFieldCount]) {
+    const uint8_t first = static_cast<uint8_t>(found.settings + joint * kTrimFieldCount);
     for (uint8_t f = 0; f < kTrimFieldCount; ++f) {
-        trim_u[f] = value_at(static_cast<uint16_t>(at + 4 * f));
+        trim_u[f] = setting_in(found, static_cast<uint8_t>(first + f));
     }
 }
 
-// Whether every value is one that could have been set.
-bool Store::sane(uint8_t slot) {
-    const Layout found = layout(slot);
-    for (uint8_t i = 0; i < found.settings && i < kSettingCount; ++i) {
-        const uint16_t at = static_cast<uint16_t>(slot_at(slot) + found.head + 4 * i);
-        if (!in_range(setting_field(i), value_at(at))) return false;
+// Whether every value of a row is one that could have been set.
+bool Store::row_is_sane(const Layout& found, uint8_t row) {
+    if (row == 0) {
+        for (uint8_t i = 0; i < found.settings && i < kSettingCount; ++i) {
+            if (!in_range(setting_field(i), setting_in(found, i))) return false;
+        }
+        return true;
     }
     int32_t trim_u[kTrimFieldCount], beyond_us;
-    for (uint8_t j = 0; j < found.joints; ++j) {
-        trim_at(slot, j, trim_u);
-        for (uint8_t f = 0; f < kTrimFieldCount; ++f) {
-            if (!in_range(trim_field(f), trim_u[f])) return false;
-        }
-        if (!within_pulses(trim_u, beyond_us)) return false;
+    trim_in(found, static_cast<uint8_t>(row - 1), trim_u);
+    for (uint8_t f = 0; f < kTrimFieldCount; ++f) {
+        if (!in_range(trim_field(f), trim_u[f])) return false;
     }
-    return true;
+    return within_pulses(trim_u, beyond_us);
 }
 
 uint16_t Store::serial(uint8_t slot) {
@@ -91,48 +88,100 @@ uint16_t Store::serial(uint8_t slot) {
     return static_cast<uint16_t>(low | static_cast<uint16_t>(high << 8));
 }
 
-// The slot of the newest good copy, or -1.
-int8_t Store::newest(bool& damaged) {
-    int8_t found = -1;
-    damaged = false;
-    for (uint8_t slot = 0; slot < kSlots; ++slot) {
-        if (!marked(slot)) continue;
-        if (!whole(slot) || !sane(slot)) {
-            damaged = true;
-            continue;
-        }
-        const bool newer = found < 0 || static_cast<int16_t>(
-                                            serial(slot) - serial(static_cast<uint8_t>(found))) > 0;
-        if (newer) found = static_cast<int8_t>(slot);
-    }
-    return found;
-}
-
-Found Store::load(Settings& settings) {
-    bool damaged;
-    const int8_t best = newest(damaged);
-    if (best < 0) return damaged ? Found::Damaged : Found::New;
-    const uint8_t slot = static_cast<uint8_t>(best);
-    const Layout found = layout(slot);
-    for (uint8_t i = 0; i < found.settings && i < kSettingCount; ++i) {
-        settings.value_u[i] = value_at(static_cast<uint16_t>(slot_at(slot) + found.head + 4 * i));
-    }
-    for (uint8_t j = 0; j < found.joints && j < kJoints; ++j) {
-        trim_at(slot, j, settings.trim_u[j]);
-    }
-    if (found.settings != kSettingCount || found.joints != kJoints) return Found::Migrated;
-    return damaged ? Found::Older : Found::Ok;
-}
-
-void Store::save(const Settings& settings) {
-    bool damaged;
-    const int8_t best = newest(damaged);
-    slot_ = best == 0 || best == 2 ? 1 : 0;
-    serial_ = best < 0 ? 0 : static_cast<uint16_t>(serial(static_cast<uint8_t>(best)) + 1);
+void Store::load(Settings& settings) {
     settings_ = &settings;
+    job_ = Job::Check;
+    best_ = -1;
+    damaged_ = newer_ = false;
+    slot_ = kBeforeFirst;
+}
+
+// Go on with the next copy that is there, or end the search.
+void Store::next_slot() {
+    position_ = 1;  // the mark is not in the CRC
+    crc_ = kCrcStart;
+    while (++slot_ < kSlots) {
+        newer_ = newer_ || of_newer_layout(slot_);
+        if (marked(slot_)) return;
+    }
+    end_of_checks();
+}
+
+// The CRC of a record followed by its own CRC, high byte first, is 0.
+bool Store::check_slice() {
+    if (slot_ == kBeforeFirst) {
+        next_slot();
+        return job_ == Job::None;
+    }
+    const Layout found = layout(slot_);
+    const bool possible = found.settings <= kMostSettings && found.joints <= kMostJoints;
+    if (possible && position_ < found.bytes()) {
+        for (uint8_t n = 0; n < kSlice && position_ < found.bytes(); ++n, ++position_) {
+            crc_ =
+                crc16_next(crc_, eeprom_.read(static_cast<uint16_t>(slot_at(slot_) + position_)));
+        }
+    } else if (possible && crc_ == 0) {
+        check_row(found);
+    } else {
+        damaged_ = true;
+        next_slot();
+    }
+    return job_ == Job::None;
+}
+
+void Store::check_row(const Layout& found) {
+    const uint8_t row = static_cast<uint8_t>(position_ - found.bytes());
+    const bool sane = row_is_sane(found, row);
+    if (sane && row < found.joints) {
+        ++position_;
+        return;
+    }
+    if (!sane) damaged_ = true;
+    const bool newer_copy =
+        best_ < 0 || static_cast<int16_t>(serial(slot_) - serial(static_cast<uint8_t>(best_))) > 0;
+    if (sane && newer_copy) best_ = static_cast<int8_t>(slot_);
+    next_slot();
+}
+
+void Store::end_of_checks() {
+    job_ = best_ < 0 ? Job::None : Job::Copy;
+    if (best_ < 0) return;
+    slot_ = static_cast<uint8_t>(best_);
+    newer_ = newer_ || layout(slot_).settings > kSettingCount;
+    position_ = 0;
+}
+
+bool Store::copy_row() {
+    const Layout found = layout(slot_);
+    const uint8_t row = static_cast<uint8_t>(position_++);
+    if (row == 0) {
+        for (uint8_t i = 0; i < found.settings && i < kSettingCount; ++i) {
+            settings_->value_u[i] = setting_in(found, i);
+        }
+    } else if (row <= found.joints && row <= kJoints) {
+        trim_in(found, static_cast<uint8_t>(row - 1), settings_->trim_u[row - 1]);
+    } else {
+        job_ = Job::None;
+    }
+    return job_ == Job::None;
+}
+
+Found Store::found() {
+    if (newer_) return Found::Newer;
+    if (best_ < 0) return damaged_ ? Found::Damaged : Found::New;
+    const Layout copy = layout(static_cast<uint8_t>(best_));
+    const bool migrated = copy.settings != kSettingCount || copy.joints != kJoints;
+    return migrated ? Found::Migrated : damaged_ ? Found::Older : Found::Ok;
+}
+
+void Store::save(Settings& settings) {
+    slot_ = best_ == 0 || best_ == 2 ? 1 : 0;
+    serial_ = best_ < 0 ? 0 : static_cast<uint16_t>(serial(static_cast<uint8_t>(best_)) + 1);
+    settings_ = &settings;
+    job_ = Job::Save;
     position_ = 0;
     crc_ = kCrcStart;
-    for (uint16_t i = 1; i < kRecord - 2; ++i) crc_ = crc16_next(crc_, record_byte(i));
+    good_ = true;
 }
 
 uint8_t Store::record_byte(uint16_t offset) const {
@@ -158,31 +207,57 @@ uint8_t Store::record_byte(uint16_t offset) const {
     }
 }
 
-// The byte due at the present position of the save; false when all are written.
-bool Store::next(uint16_t& offset, uint8_t& byte) const {
-    if (position_ > kRecord) return false;
-    offset = position_ == kRecord ? 0 : position_;
-    byte = position_ == 0 ? kErased : record_byte(offset);
-    return true;
+// Take away the mark of one copy of a newer layout; false if there is none left.
+bool Store::forget_newer() {
+    for (uint8_t slot = 0; newer_ && slot < kSlots; ++slot) {
+        if (!of_newer_layout(slot)) continue;
+        eeprom_.write(slot_at(slot), kErased);
+        return true;
+    }
+    newer_ = false;
+    return false;
 }
 
-bool Store::step(bool& good) {
-    if (settings_ == 0 || !eeprom_.ready()) return false;
-    uint16_t offset;
-    uint8_t byte;
-    while (next(offset, byte)) {
-        ++position_;
+bool Store::save_slice() {
+    if (forget_newer()) return false;
+    for (uint8_t n = 0; n < kSlice; ++n) {
+        const uint16_t step = position_++;
+        const bool reads_back = step > kRecord;
+        const uint16_t offset = reads_back        ? static_cast<uint16_t>(step - kRecord - 1)
+                                : step == kRecord ? 0
+                                                  : step;
+        if (offset == kRecord) {
+            job_ = Job::None;
+            if (good_) best_ = static_cast<int8_t>(slot_);
+            return true;
+        }
+        const uint8_t byte = step == 0 ? kErased : record_byte(offset);
         const uint16_t at = static_cast<uint16_t>(slot_at(slot_) + offset);
+        if (step > 0 && step < kRecord - 2) crc_ = crc16_next(crc_, byte);
         if (eeprom_.read(at) == byte) continue;
+        if (reads_back) {
+            good_ = false;
+            continue;
+        }
         eeprom_.write(at, byte);
         return false;
     }
-    good = true;
-    for (uint16_t i = 0; i < kRecord; ++i) {
-        if (eeprom_.read(static_cast<uint16_t>(slot_at(slot_) + i)) != record_byte(i)) good = false;
+    return false;
+}
+
+// Only at a start a read may have to wait for a write, that of the boot counter.
+bool Store::step() {
+    switch (job_) {
+        case Job::Check:
+            return check_slice();
+        case Job::Copy:
+            return copy_row();
+        case Job::Save:
+            return eeprom_.ready() && save_slice();
+        case Job::None:
+            break;
     }
-    settings_ = 0;
-    return true;
+    return false;
 }
 
 }  // namespace firmware

@@ -8,7 +8,9 @@
 //
 // A copy by an older firmware, or for another number of joints, is taken over: what it has no value
 // for keeps its default. Layout 1 had six settings and five joints and did not say so; its second
-// copy stood at 256.
+// copy stood at 256. A copy of a newer firmware is not overwritten unless save() is told to.
+//
+// Reading and checking all copies takes 10 ms on a Uno: both jobs are done in slices.
 #pragma once
 
 #include "eeprom.h"
@@ -16,23 +18,38 @@
 
 namespace firmware {
 
-enum class Found : uint8_t { Ok, New, Older, Damaged, Migrated };
+enum class Found : uint8_t { Ok, New, Older, Damaged, Migrated, Newer };
 
 class Store {
   public:
     explicit Store(Eeprom& eeprom)
-        : eeprom_(eeprom), settings_(0), position_(0), slot_(0), serial_(0), crc_(0) {}
+        : eeprom_(eeprom),
+          settings_(0),
+          job_(Job::None),
+          position_(0),
+          serial_(0),
+          crc_(0),
+          slot_(0),
+          best_(-1),
+          damaged_(false),
+          newer_(false),
+          good_(false) {}
 
-    // The newest whole copy; settings must hold the defaults, and are left alone if it is New or
-    // Damaged.
-    Found load(Settings& settings);
+    // Begin to load the newest whole copy; settings must hold the defaults, and are left alone if
+    // there is none. They must not be used until busy() is over.
+    void load(Settings& settings);
+    // Begin to save. The settings must not change until busy() is over.
+    void save(Settings& settings);
 
-    // Begin to save. The settings must not change until saving() is over.
-    void save(const Settings& settings);
-    bool saving() const { return settings_ != 0; }
-    // Write the next byte that differs, if the EEPROM is ready. True when that ended the save;
-    // `good` then says whether all of it reads back.
-    bool step(bool& good);
+    bool busy() const { return job_ != Job::None; }
+    bool saving() const { return job_ == Job::Save; }
+    // One slice, some 0.5 ms on a Uno. True when that ended the job.
+    bool step();
+
+    Found found();                              // by the last load
+    bool loaded() const { return best_ >= 0; }  // there was a copy to load
+    bool newer() const { return newer_; }       // a copy of a newer firmware is there
+    bool good() const { return good_; }         // the last save reads back
 
     static const uint8_t kSlots = 3;  // two of ours and the second one of layout 1
     static const uint8_t kLayout = 2;
@@ -42,6 +59,8 @@ class Store {
     static uint16_t slot_at(uint8_t slot);
 
   private:
+    enum class Job : uint8_t { None, Check, Copy, Save };
+
     // What a copy holds, by its own account.
     struct Layout {
         uint8_t head, settings, joints;
@@ -49,21 +68,33 @@ class Store {
     };
 
     bool marked(uint8_t slot);
+    bool of_newer_layout(uint8_t slot);
     Layout layout(uint8_t slot);
-    bool whole(uint8_t slot);
-    bool sane(uint8_t slot);
-    int8_t newest(bool& damaged);
+    bool check_slice();
+    void check_row(const Layout& found);
+    void next_slot();
+    bool row_is_sane(const Layout& found, uint8_t row);
+    void end_of_checks();
+    bool copy_row();
+    bool save_slice();
+    bool forget_newer();
     uint16_t serial(uint8_t slot);
     int32_t value_at(uint16_t address);
-    void trim_at(uint8_t slot, uint8_t joint, int32_t (&trim_u)[kTrimFieldCount]);
+    int32_t setting_in(const Layout& found, uint8_t setting);
+    void trim_in(const Layout& found, uint8_t joint, int32_t (&trim_u)[kTrimFieldCount]);
     uint8_t record_byte(uint16_t offset) const;
-    bool next(uint16_t& offset, uint8_t& byte) const;
 
     Eeprom& eeprom_;
-    const Settings* settings_;  // being saved, or null
-    uint16_t position_;  // 0: take the mark away; 1 .. kRecord-1: the rest; kRecord: the mark again
-    uint8_t slot_;
+    Settings* settings_;
+    Job job_;
+    // Check: the byte to check, then behind the last one rows of values: the settings, then each
+    // joint. Copy: the row. Save: 0 takes the mark away; 1 .. kRecord-1: the rest; kRecord: the
+    // mark again; behind it every byte is read back.
+    uint16_t position_;
     uint16_t serial_, crc_;
+    uint8_t slot_;  // being checked, copied or saved
+    int8_t best_;   // the newest good copy, or -1
+    bool damaged_, newer_, good_;
 };
 
 }  // namespace firmware

@@ -1,4 +1,4 @@
-// What the pieces of motion on dry ground (periodic/sliding_piece.hpp) know of a shape at up to
+// What the pieces of motion on dry ground (periodic/dry/sliding_piece.hpp) know of a shape at up to
 // eight phases side by side, and who has the kernels that fill it.
 #pragma once
 

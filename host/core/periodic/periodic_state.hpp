@@ -1,4 +1,5 @@
-// The periodic state of a gait, explicit model: what is asked for and what comes back.
+// The periodic state of a gait, explicit model: what is asked for, what comes back, and when it is
+// good enough.
 #pragma once
 
 #include <algorithm>
@@ -9,12 +10,6 @@
 
 namespace serpenoid {
 
-// The path of a gait that turns. Every cycle turns it by the same angle about one centre, so in
-// axes that turn evenly, Omega = turn / period, the place is periodic about that centre, and its
-// mean, which hangs on no phase, goes round the mean circle. The mean of the velocity in those axes
-// is Omega x (mean place): it is the speed along the circle, radius Omega times, and for a gait
-// that does not turn the displacement of a period over the period. The chord of one period, on the
-// other hand, differs from phase to phase, as the body swings about the circle.
 struct SteadyOptions {
     double rtol;       // of the speed, and of the powers when they are asked for
     bool powers;       // also the means of |P_i| and P_i^+, which need every joint torque
@@ -22,6 +17,13 @@ struct SteadyOptions {
 };
 
 // Speeds in m/s, powers in W, averaged over a period once the start is forgotten.
+//
+// The path of a gait that turns: every cycle turns it by the same angle about one centre. In axes
+// that turn evenly, Omega = turn / period, the place is periodic about that centre, and its mean,
+// which is the same from any phase, goes round the mean circle. The mean of the velocity in those
+// axes is Omega x (mean place): it is the speed along the circle, radius times Omega. For a gait
+// that does not turn it is the displacement of a period over the period. The chord of one period
+// differs from phase to phase, because the body swings about the circle.
 struct SteadyState {
     double speed = 0;      // along the mean circle (a straight line when the gait does not turn)
     double chord = 0;      // |displacement over the period from phase 0| / period
@@ -30,7 +32,7 @@ struct SteadyState {
     double positive_power = 0;  // mean of sum max(-T_i phi_i', 0)
     double turn = 0;            // change of heading per cycle, rad
     double direction = 0;       // direction of travel from the heading of link 1 at phase 0, rad
-    double speed_error = 0;     // estimates, same units as the quantity
+    double speed_error = 0;     // error bounds, same units as the quantity
     double power_error = 0;
     double positive_power_error = 0;
     double turn_error = 0;
@@ -41,16 +43,52 @@ struct SteadyState {
     int elements = 0;    // of the mesh that gave the result (0: adaptive steps)
     int iterations = 0;  // Newton iterations or map evaluations, all meshes
     bool converged = false;
+
+    // A state of which nothing is known: every error is infinite.
+    static SteadyState unknown();
 };
 
-// Two meshes or tolerances may agree by luck: nothing finer is claimed than a part of what was
-// asked for, nor than rounding.
-inline void claim_no_finer(double rtol, SteadyState& s) {
-    const double part = 1e-3 * rtol;
-    s.speed_error = std::max(s.speed_error, part * s.speed);
-    s.power_error = std::max(s.power_error, part * s.power);
-    s.positive_power_error = std::max(s.positive_power_error, part * s.positive_power);
-    s.turn_error = std::max(s.turn_error, part * std::fabs(s.turn) + 1e-14);
+// A speed's error counts relative to the speed, or to this part of body length times omega where
+// the speed is less: a gait that only swings has no speed to compare with.
+constexpr double kSpeedFloor = 1e-4;
+
+// The one rule by which a state is good enough.
+struct Acceptance {
+    Acceptance(const SteadyOptions& options, const Robot& robot, const Ground& ground,
+               double omega);
+
+    // How many times the errors are what is asked for; at most 1 is good enough.
+    double excess(const SteadyState& s) const;
+    bool operator()(const SteadyState& s) const { return excess(s) <= 1; }
+
+    double rtol, power_rtol;  // powers on dry ground: 10 rtol, for kinks of the torques limit them
+    double speed_floor;       // m/s
+};
+
+// What changed from one level (mesh or tolerance) to the next.
+struct LevelChange {
+    double speed = 0, power = 0, turn = 0, slowest = 0;
+
+    LevelChange() = default;
+    LevelChange(const SteadyState& fine, const SteadyState& coarse);
+};
+
+// How far a level's changes, and the error of its start state, bound its errors.
+struct ErrorRule {
+    double shrinks = 1;  // what the next level will change, as a part of what this one did
+    double earlier = 0;  // and as a part of the change before: one change may be small by luck
+    double earlier_power = 0;               // the same for power
+    double speed = 0, power = 0, turn = 0;  // by the error of the state, and by rounding
+};
+
+// A bound is never less than a small part of what was asked for: levels may agree by luck.
+inline double least_bound(double error, double rtol, double value) {
+    return std::max(error, 1e-3 * rtol * std::fabs(value));
 }
+
+// The one error bound of speed, power and turn: by the changes of this level and the one before,
+// and by the error of the state.
+void bound_errors(const LevelChange& change, const LevelChange& before, const ErrorRule& rule,
+                  double rtol, SteadyState& s);
 
 }  // namespace serpenoid

@@ -12,7 +12,8 @@ namespace {
 constexpr int kTableWork = 16;  // packs a link
 constexpr int kMostNodes = SpectralMesh::kCoarsest << (SpectralMesh::kLevels - 1);
 
-constexpr double kSlowest = 1e-3;  // most error of the multiplier's logarithm
+constexpr double kSlowest = 1e-3;    // most error of the multiplier's logarithm
+constexpr double kRounding = 2e-15;  // of a speed, over half of body length times omega
 
 // Whether Hermite's rule shrinks what decays fast by more than `log_radius` in `steps` of z < 0: by
 // Pade's approximant, (1 + z/2 + z^2/12) / (1 - z/2 + z^2/12), which is 1 again at infinity.
@@ -163,28 +164,40 @@ void SpectralViscous::evaluate(int k, bool powers, const double* omega, Pack& fo
     }
 }
 
-// Fill what is asked for; true if it is as good as wanted.
-bool SpectralViscous::judge(int k, const SteadyOptions& options, double omega, const Found& coarse,
-                            const Found& fine, int j, SteadyState& to) const {
-    const int W = set_.width, N = SpectralMesh::level(k).nodes;
-    const double shrunk = coarse.tail > 0 ? std::clamp(fine.tail / coarse.tail, 1e-3, 1.0) : 1e-3;
+// The state of one gait of a pack, with its errors.
+SteadyState SpectralViscous::state_of(int k, const SteadyOptions& options, double omega,
+                                      const Found& coarse, const Found& fine, int j) const {
+    const int W = set_.width;
+    SteadyState to;
     to.speed = to.chord = std::fabs(fine.speed);
     to.direction = fine.speed < 0 ? M_PI - fine.heading : -fine.heading;
     to.power = fine.power;
-    const double round = 2e-15 * omega * robot_.l * robot_.n;
-    to.speed_error = std::fabs(fine.speed - coarse.speed) * shrunk + fine.left * to.speed + round;
+    to.elements = SpectralMesh::level(k).nodes, to.iterations = fine.iterations;
+    to.start = {omega * y_[j], omega * y_[W + j], omega * y_[2 * W + j]};
     // a change of the motion by `left` of itself changes power by no more than Cauchy and Schwarz
     // allow, with the friction of the chain held still
-    to.power_error = std::fabs(fine.power - coarse.power) * shrunk +
-                     2 * fine.left * std::sqrt(fine.still_power * to.power);
-    to.turn = 0, to.elements = N, to.iterations = fine.iterations;
-    to.start = {omega * y_[j], omega * y_[W + j], omega * y_[2 * W + j]};
+    const double shrinks = coarse.tail > 0 ? std::clamp(fine.tail / coarse.tail, 1e-3, 1.0) : 1e-3;
+    const ErrorRule rule{shrinks, 0, 0,
+                         fine.left * to.speed + kRounding * omega * robot_.l * robot_.n,
+                         2 * fine.left * std::sqrt(fine.still_power * to.power)};
+    LevelChange change;
+    change.speed = std::fabs(fine.speed - coarse.speed);
+    change.power = std::fabs(fine.power - coarse.power);
+    bound_errors(change, {}, rule, options.rtol, to);
     if (options.powers) {
         to.abs_power = fine.abs_power, to.positive_power = (fine.abs_power + fine.power) / 2;
-        to.positive_power_error =
-            (fine.abs_error + 2 * fine.left * fine.still_power + to.power_error) / 2;
+        const double error =
+            fine.abs_error + 2 * fine.left * fine.still_power + shrinks * change.power + rule.power;
+        to.positive_power_error = least_bound(error / 2, options.rtol, to.positive_power);
     }
-    claim_no_finer(options.rtol, to);
+    return to;
+}
+
+// The monodromy matrix and its slowest multiplier. False where that is not known well: what decays
+// fast may hide it.
+bool SpectralViscous::multipliers(int k, double omega, const Found& coarse, const Found& fine,
+                                  SteadyState& to) const {
+    const int N = SpectralMesh::level(k).nodes;
     const double J = level_[k].node[kernels::kArm2 * N] * robot_.n * robot_.m;
     Mat3 half = {};
     for (int i = 0; i < 9; ++i) half[i] = fine.transfer[i];
@@ -199,13 +212,8 @@ bool SpectralViscous::judge(int k, const SteadyOptions& options, double omega, c
     const double error = std::fabs(change) / 15 + fine.left * std::fabs(fine.log_radius);
     to.slowest = fine.log_radius + change / 15;
     to.slowest_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
-    const bool told_apart =
-        decays_faster(-SpectralMesh::level(k).step * level_[k].stiffest / omega, 2 * N, to.slowest);
-    const double floor = std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
-    return told_apart && error <= kSlowest * std::fabs(to.slowest) &&
-           to.speed_error <= std::max(options.rtol * to.speed, floor) &&
-           std::max(to.power_error, to.positive_power_error) <=
-               options.rtol * std::max(to.power, to.positive_power) + 1e-300;
+    const double decay = -SpectralMesh::level(k).step * level_[k].stiffest / omega;
+    return decays_faster(decay, 2 * N, to.slowest) && error <= kSlowest * std::fabs(to.slowest);
 }
 
 // Evaluate the level's solution; where its iteration alone is not close enough, go on with it.
@@ -218,12 +226,16 @@ bool SpectralViscous::settle(int k, const double* omega, int count, const Steady
         bool all = true, left = false;
         for (int j = 0; j < count; ++j) {
             if (to[j].converged) continue;
-            to[j].converged = judge(k, options, omega[j], coarse[j], found[j], j, to[j]);
+            const auto judge = [&](const Found& fine) {
+                SteadyState state = state_of(k, options, omega[j], coarse[j], fine, j);
+                const bool known = multipliers(k, omega[j], coarse[j], fine, state);
+                state.converged = known && Acceptance(options, robot_, ground_, omega[j])(state);
+                return state;
+            };
+            to[j] = judge(found[j]);
             Found exact = found[j];
             exact.left = 0;
-            SteadyState unused;
-            left = left ||
-                   (!to[j].converged && judge(k, options, omega[j], coarse[j], exact, j, unused));
+            left = left || (!to[j].converged && judge(exact).converged);
             all = all && to[j].converged;
         }
         if (all || !left || more == kMore) return all;

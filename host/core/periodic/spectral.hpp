@@ -79,8 +79,10 @@ class SpectralViscous {
     void evaluate(int level, bool powers, const double* omega, Pack& found);
     bool settle(int level, const double* omega, int count, const SteadyOptions& options,
                 const Pack& coarse, Pack& found, SteadyState* to);
-    bool judge(int level, const SteadyOptions& options, double omega, const Found& coarse,
-               const Found& fine, int lane, SteadyState& to) const;
+    SteadyState state_of(int level, const SteadyOptions& options, double omega, const Found& coarse,
+                         const Found& fine, int lane) const;
+    bool multipliers(int level, double omega, const Found& coarse, const Found& fine,
+                     SteadyState& to) const;
     kernels::CycleTask task(int level) const;
 
     Robot robot_;

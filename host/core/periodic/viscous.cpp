@@ -315,9 +315,10 @@ std::vector<double> SteadyViscous::positive_powers(const Mesh& m, double omega) 
 }
 
 SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
+    const Acceptance accepted(options, robot_, ground_, omega);
     SteadyState result, coarse;
-    std::vector<double> positive, positive_before;
-    double log_before = 0, change_before = 0;
+    std::vector<double> positive;
+    LevelChange before;
     int meshes = 0;
     const double enough = std::clamp(0.1 * std::sqrt(options.rtol), 1e-7, 1e-4);
     for (int elements = mirrored_ ? 2 : 4; elements <= options.max_elements; elements *= 2) {
@@ -329,41 +330,40 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
             continue;
         }
         averages(m, omega, result);
-        const bool first = coarse.elements == 0;
-        // order 12, but meshes that are still coarse may show little of it: what one has gained on
-        // the one before is what the next may be trusted with
-        const double change = std::fabs(result.speed - coarse.speed);
-        const double gain = meshes < 2 ? 1 : std::clamp(change_before / change, 1.0, 16.0);
-        ++meshes, change_before = change;
-        const double round = 2e-15 * omega * robot_.l * robot_.n;
-        result.speed_error = change / gain + round;
-        result.power_error = std::fabs(result.power - coarse.power) / gain;
-        result.turn_error = std::fabs(result.turn - coarse.turn) / gain;
         if (options.powers) {
-            positive = positive_powers(m, omega);
-            add_positive(positive, positive_before, result);
-            positive_before = positive;
+            const std::vector<double> finer = positive_powers(m, omega);
+            add_positive(finer, positive, result);
+            positive = finer;
         }
-        claim_no_finer(options.rtol, result);
-        const double speed_floor =
-            std::max(options.rtol * 1e-4, 1e-13) * omega * 2 * robot_.l * robot_.n;
-        result.converged =
-            !first && result.speed_error <= std::max(options.rtol * result.speed, speed_floor) &&
-            std::max(result.power_error, result.positive_power_error) <=
-                options.rtol * std::max(result.power, result.positive_power) + 1e-300;
+        const LevelChange change(result, coarse);
+        bound_errors(change, before, rule(change, before, meshes), options.rtol, result);
+        result.converged = meshes > 0 && accepted(result);
         if (result.converged) break;
-        log_before = log_spectral_radius(result.monodromy);
-        coarse = result;
+        ++meshes, before = change, coarse = result;
     }
-    if (now_.elements > 0) {
-        slowest(mesh(now_.elements), omega, result);
-        // the last mesh but one is mostly too coarse for an order to be told
-        if (result.slowest_error == 0)
-            result.slowest_error = std::fabs(result.slowest - log_before) +
-                                   change_of(result.monodromy, coarse.monodromy) / 4;
-        result.slowest_error += 0.1 * options.rtol * std::fabs(result.slowest);
-    }
+    if (now_.elements > 0) bound_slowest(omega, options.rtol, coarse, result);
     return result;
+}
+
+// Gauss's rule has order 12, but meshes that are still coarse may show little of it: what a mesh
+// has gained on the one before is what the next may be trusted with.
+ErrorRule SteadyViscous::rule(const LevelChange& change, const LevelChange& before,
+                              int meshes) const {
+    constexpr double kMostGain = 16, kRounding = 2e-15;
+    const double gain = meshes < 2 ? 1 : std::clamp(before.speed / change.speed, 1.0, kMostGain);
+    return {1 / gain, 0, 0, kRounding * now_.omega * robot_.l * robot_.n};
+}
+
+// The last mesh but one is mostly too coarse for an order to be told.
+void SteadyViscous::bound_slowest(double omega, double rtol, const SteadyState& coarse,
+                                  SteadyState& s) {
+    slowest(mesh(now_.elements), omega, s);
+    if (s.slowest_error == 0)
+        s.slowest_error =
+            std::fabs(s.slowest -
+                      (coarse.elements > 0 ? log_spectral_radius(coarse.monodromy) : 0)) +
+            change_of(s.monodromy, coarse.monodromy) / 4;
+    s.slowest_error += 0.1 * rtol * std::fabs(s.slowest);
 }
 
 }  // namespace serpenoid

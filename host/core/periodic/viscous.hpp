@@ -75,6 +75,8 @@ class SteadyViscous {
     void slowest(const Mesh& mesh, double omega, SteadyState& result) const;
     double followed_slowest(const Mesh& mesh, double omega, int pieces) const;
     Vec3 between(int e, double x) const;
+    ErrorRule rule(const LevelChange& change, const LevelChange& before, int meshes) const;
+    void bound_slowest(double omega, double rtol, const SteadyState& coarse, SteadyState& s);
 
     Robot robot_;
     Ground ground_;

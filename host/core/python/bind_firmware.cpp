@@ -2,12 +2,14 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "board/any_board.hpp"
 #include "crc16.h"
 #include "drive/firmware_gait.hpp"
 #include "error_codes.h"
@@ -16,6 +18,7 @@
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using serpenoid::AnyBoard;
 
 namespace {
 
@@ -46,26 +49,13 @@ Angles gait_setpoints_rad(double alpha_rad, double beta_rad, double omega_rad_s,
 
 std::string text(nb::bytes data) { return std::string(data.c_str(), data.size()); }
 
-firmware::Reset reset_named(const std::string& name) {
-    using firmware::Reset;
-    for (const Reset r : {Reset::Power, Reset::Brownout, Reset::External, Reset::Watchdog}) {
-        if (name == firmware::reset_name(r)) return r;
-    }
-    throw std::invalid_argument("reset is '" + name +
-                                "'; it must be power, brownout, external or watchdog");
-}
-
-nb::dict counters(const firmware::VirtualBoard& board) {
-    const firmware::Counters& c = board.controller().counters();
+nb::dict counters(const AnyBoard& board) {
     nb::dict found;
-    found["good"] = c.good, found["crc"] = c.crc, found["nocrc"] = c.nocrc;
-    found["garbled"] = c.garbled, found["overlong"] = c.overlong, found["sequence"] = c.sequence;
-    found["lost"] = c.lost, found["repeated"] = c.repeated, found["dropped"] = c.dropped;
-    found["overruns"] = c.overruns, found["clipped"] = c.clipped;
+    for (const auto& [name, value] : board.counters()) found[name.c_str()] = value;
     return found;
 }
 
-void set_eeprom(firmware::VirtualBoard& board, nb::bytes data) {
+void set_eeprom(AnyBoard& board, nb::bytes data) {
     if (data.size() != firmware::VirtualBoard::kEepromBytes) {
         throw std::invalid_argument("the EEPROM has 1024 bytes, not " +
                                     std::to_string(data.size()));
@@ -74,77 +64,56 @@ void set_eeprom(firmware::VirtualBoard& board, nb::bytes data) {
     board.eeprom().assign(bytes, bytes + data.size());
 }
 
+uint64_t microseconds(double seconds) {
+    if (!(seconds >= 0 && seconds <= 1e6)) throw std::invalid_argument("seconds must be 0 to 1e6");
+    return static_cast<uint64_t>(std::llround(seconds * 1e6));
+}
+
 void bind_board(nb::module_& m) {
-    using firmware::VirtualBoard;
-    nb::class_<VirtualBoard>(m, "Board",
-                             "The firmware's controller on a simulated clock, wire and servos.\n\n"
-                             "It must be booted before it is run; the wire has its true pace.")
-        .def(nb::init<uint64_t>(), "start_us"_a = 0)
-        .def(
-            "boot",
-            [](VirtualBoard& b, const std::string& reset, uint32_t first_frame) {
-                b.boot(reset_named(reset), first_frame);
-            },
-            "reset"_a = "power", "first_frame"_a = 0,
-            "Start anew with the same EEPROM; what was on the wire is lost.")
+    nb::class_<AnyBoard>(m, "Board",
+                         "The firmware's controller on a simulated clock, wire and servos.\n\n"
+                         "It must be booted before it is run; the wire has its true pace. joints:\n"
+                         "2 to 12.")
+        .def(nb::new_([](uint64_t start_us, int joints) {
+                 return serpenoid::make_board(joints, start_us);
+             }),
+             "start_us"_a = 0, "joints"_a = 5)
+        .def("boot", &AnyBoard::boot, "reset"_a = "power", "first_frame"_a = 0,
+             "Start anew with the same EEPROM; what was on the wire is lost.")
         .def(
             "run",
-            [](VirtualBoard& b, double seconds) {
-                if (!(seconds >= 0 && seconds <= 1e6)) {
-                    throw std::invalid_argument("seconds must be 0 to 1e6");
-                }
+            [](AnyBoard& b, double seconds) {
+                const uint64_t duration_us = microseconds(seconds);
                 nb::gil_scoped_release release;
-                b.run(static_cast<uint64_t>(std::llround(seconds * 1e6)));
+                b.run(duration_us);
             },
             "seconds"_a, "Let so much of the board's time pass.")
         .def(
-            "stall",
-            [](VirtualBoard& b, double seconds) {
-                b.stall(static_cast<uint64_t>(std::llround(seconds * 1e6)));
-            },
+            "stall", [](AnyBoard& b, double seconds) { b.stall(microseconds(seconds)); },
             "seconds"_a, "Let time pass without the programme running.")
         .def(
-            "write", [](VirtualBoard& b, nb::bytes data) { b.put(text(data)); }, "data"_a,
+            "write", [](AnyBoard& b, nb::bytes data) { b.put(text(data)); }, "data"_a,
             "Put bytes on the wire to the board.")
         .def(
             "read",
-            [](VirtualBoard& b) {
+            [](AnyBoard& b) {
                 const std::string bytes = b.take();
                 return nb::bytes(bytes.data(), bytes.size());
             },
             "Return all bytes that have arrived from the board since the last call.")
         .def_prop_rw(
-            "eeprom",
-            [](VirtualBoard& b) { return nb::bytes(b.eeprom().data(), b.eeprom().size()); },
+            "eeprom", [](AnyBoard& b) { return nb::bytes(b.eeprom().data(), b.eeprom().size()); },
             &set_eeprom, "All 1024 bytes; change them while it is not running.")
-        .def_prop_ro("time_s",
-                     [](VirtualBoard& b) { return static_cast<double>(b.now_us()) * 1e-6; })
-        .def_prop_ro("state",
-                     [](VirtualBoard& b) {
-                         return std::string(firmware::state_name(b.controller().state()));
-                     })
-        .def_prop_ro("frame", [](VirtualBoard& b) { return b.controller().frame_number(); })
-        .def_prop_ro("boot_id", [](VirtualBoard& b) { return b.controller().boot_id(); })
-        .def_prop_ro("session", [](VirtualBoard& b) { return b.controller().session(); })
+        .def_prop_ro("time_s", [](AnyBoard& b) { return static_cast<double>(b.now_us()) * 1e-6; })
+        .def_prop_ro("state", &AnyBoard::state)
+        .def_prop_ro("frame", &AnyBoard::frame)
+        .def_prop_ro("boot_id", &AnyBoard::boot_id)
+        .def_prop_ro("session", &AnyBoard::session)
         .def_prop_ro("counters", &counters, "Counts since boot, by the names of PROTOCOL.md.")
-        .def_prop_ro(
-            "setpoints_rad",
-            [](VirtualBoard& b) {
-                std::vector<double> angles;
-                for (uint8_t i = 0; i < firmware::kJoints; ++i) {
-                    angles.push_back(b.controller().motion().setpoints_q14()[i] / 16384.0);
-                }
-                return angles;
-            },
-            "The joints' setpoints, tail first.")
-        .def_prop_ro(
-            "pulses_us",
-            [](VirtualBoard& b) {
-                std::vector<int> pulses;
-                for (uint8_t i = 0; i < firmware::kJoints; ++i) pulses.push_back(b.servo_us(i));
-                return pulses;
-            },
-            "The pulse width each servo gets, 0 while detached.");
+        .def_prop_ro("setpoints_rad", &AnyBoard::setpoints_rad,
+                     "The joints' setpoints, tail first.")
+        .def_prop_ro("pulses_us", &AnyBoard::pulses_us,
+                     "The pulse width each servo gets, 0 while detached.");
 }
 
 nb::list errors() {

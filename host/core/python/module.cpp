@@ -17,6 +17,7 @@
 
 #include "periodic/spectral.hpp"
 #include "periodic/sweep.hpp"
+#include "python/core_model.hpp"
 #include "run/evaluate.hpp"
 #include "run/simulation.hpp"
 #include "scene/energy_ledger.hpp"
@@ -26,6 +27,7 @@ using namespace serpenoid;
 
 void bind_firmware(nb::module_& m);  // bind_firmware.cpp
 void bind_kernels(nb::module_& m);   // bind_kernels.cpp
+void bind_servos(nb::module_& m);    // bind_servos.cpp
 void bind_lab(nb::module_& m);       // bind_lab.cpp
 
 namespace {
@@ -41,12 +43,6 @@ Array to_numpy(std::vector<double>&& values, std::initializer_list<std::size_t> 
                      [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
     return Array(data, shape, free);
 }
-
-struct Model {
-    Robot robot;
-    Ground ground;
-    Gait gait;
-};
 
 SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
     return steady_state({m.robot, m.ground, m.gait}, {rtol, powers, max_elements});
@@ -210,14 +206,6 @@ void bind_run(nb::module_& m) {
         .value("none", Fault::none)
         .value("limp", Fault::limp)
         .value("locked", Fault::locked);
-    nb::class_<Servo> servo(m, "Servo");
-    servo.def(nb::init<>());
-    std::vector<std::string> of_servo;
-    each_servo_field([&](const char* name, double Servo::* field) {
-        of_servo.push_back(name);
-        servo.def_rw(name, field);
-    });
-    m.attr("SERVO_FIELDS") = nb::tuple(nb::cast(of_servo));
     nb::class_<RunRequest> request(m, "RunRequest");
     request
         .def("__init__",
@@ -316,6 +304,7 @@ NB_MODULE(_core, m) {
     m.def("steady_by", &steady_by);
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg().none());
+    bind_servos(m);
     bind_run(m);
     bind_firmware(m);
     bind_kernels(m);

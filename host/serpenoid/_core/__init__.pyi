@@ -93,25 +93,6 @@ def sweep(
     /,
 ) -> NDArray[numpy.float64]: ...
 
-class Formulation(enum.Enum):
-    explicit = 0
-
-    implicit = 1
-
-class Drive(enum.Enum):
-    angle = 0
-
-    torque = 1
-
-    servo = 2
-
-class Fault(enum.Enum):
-    none = 0
-
-    limp = 1
-
-    locked = 2
-
 class Servo:
     def __init__(self) -> None: ...
     @property
@@ -160,6 +141,51 @@ class Servo:
     def frame_s(self, arg: float, /) -> None: ...
 
 SERVO_FIELDS: tuple
+
+class ServoGaitState:
+    @property
+    def speed(self) -> float: ...
+    @property
+    def spread(self) -> float: ...
+    @property
+    def error(self) -> float: ...
+    @property
+    def turn(self) -> float: ...
+    @property
+    def power(self) -> float: ...
+    @property
+    def amplitude(self) -> float: ...
+    @property
+    def lag(self) -> float: ...
+    @property
+    def ripple(self) -> float: ...
+    @property
+    def cycles(self) -> int: ...
+    @property
+    def converged(self) -> bool: ...
+
+def servo_gait(
+    arg0: Model, arg1: Servo, arg2: Sequence[float], arg3: Sequence[float], arg4: float, /
+) -> ServoGaitState: ...
+
+class Formulation(enum.Enum):
+    explicit = 0
+
+    implicit = 1
+
+class Drive(enum.Enum):
+    angle = 0
+
+    torque = 1
+
+    servo = 2
+
+class Fault(enum.Enum):
+    none = 0
+
+    limp = 1
+
+    locked = 2
 
 class RunRequest:
     def __init__(self, arg: Model, /) -> None: ...

@@ -25,10 +25,11 @@ class Board:
     """
     The firmware's controller on a simulated clock, wire and servos.
 
-    It must be booted before it is run; the wire has its true pace.
+    It must be booted before it is run; the wire has its true pace. joints:
+    2 to 12.
     """
 
-    def __init__(self, start_us: int = 0) -> None: ...
+    def __init__(self, start_us: int = 0, joints: int = 5) -> None: ...
     def boot(self, reset: str = "power", first_frame: int = 0) -> None:
         """Start anew with the same EEPROM; what was on the wire is lost."""
 

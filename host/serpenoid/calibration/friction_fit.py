@@ -27,9 +27,9 @@ from .fitting.identifiability import bend_note, check_readings
 from .fitting.influence import BOTH_WAYS, Influence, influences, leave_one_out
 from .fitting.joint import Minimum, minimise, starting_point, whole_residuals
 from .fitting.joint import residuals as residuals_at
-from .fitting.naive import points, two_lines
+from .fitting.paper_fit import points, two_lines
 from .fitting.profile import intervals, quantiles
-from .fitting.robust import Summit, robust_minimum
+from .fitting.robust import FitMode, robust_minimum
 from .friction_result import (
     DOUBTFUL,
     LEVEL,
@@ -137,12 +137,12 @@ def _naive(session: Session, data: FitData) -> FrictionFit:
 def _joint(session: Session, data: FitData, method: str) -> FrictionFit:
     plain = minimise(data, starting_point(two_lines(data)[0], data))
     if method == "joint":
-        raw = _raw(session, data, Summit(plain, np.ones(len(data)), 0.0))
+        raw = _raw(session, data, FitMode(plain, np.ones(len(data)), 0.0))
         return _suspicious(session, data, _result(session, data, raw, method), plain)
     return _result(session, data, _raw(session, data, robust_minimum(data, plain)), method)
 
 
-def _raw(session: Session, data: FitData, found: Summit) -> _Raw:
+def _raw(session: Session, data: FitData, found: FitMode) -> _Raw:
     from scipy.special import ndtri
 
     x, count = found.minimum.x, len(data)

@@ -25,7 +25,7 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot as Body
-from ..robot.robot import Robot
+from ..robot.robot import RobotBoard
 from ..show import report
 from ..show.comparison_figure import comparison_figure
 from ..show.friction_report import show_advice, show_comparison
@@ -96,7 +96,7 @@ def take_session(folder: Path, truth: Truth = TRUTH, body: Body | None = None) -
         note="the demo's: no measurement", surface="simulated belt",
     )  # fmt: skip
     create_session(folder, setup if body is None else replace(setup, robot=body))
-    with Robot("virtual:fast") as robot, Journal(folder) as journal:
+    with RobotBoard("virtual:fast") as robot, Journal(folder) as journal:
         setup = journal.session.setup
         treadmill = SimulatedTreadmill(
             setup, truth, SEED, run_gait=lambda gait: board_gait(robot, gait)
@@ -155,7 +155,7 @@ def _drive_wanted(session: Session, fit: FrictionFit, speed_m_s: float) -> dict[
     with report.busy("searching"):
         best = least_power_gait(session.setup.robot, fit.ground, speed_m_s=speed_m_s)
     gait = best.gait
-    with Robot("virtual:fast") as robot:
+    with RobotBoard("virtual:fast") as robot:
         made = board_gait(robot, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
     band = speed_band(fit, made)
     alpha, beta = math.degrees(made.alpha_rad), math.degrees(made.beta_rad)

@@ -30,12 +30,14 @@ from .group import Commands, of_arguments, of_system
 from .options import fit_options
 from .paths import OutFolder
 from .simulate import simulate
+from .video import VIDEO_GROUP
 from .view import view
 
 SECTIONS = {
     "See it work": ("demo", "examples", "view"),
     "Predict": ("steady", "sweep", "optimize", "simulate", "figures"),
     "Measure friction": ("calibrate", "fit", "advise", "compare", "report"),
+    "Film the robot": ("video",),
     "Run the robot": ("ports", "flash", "doctor", "trim", "drive", "monitor"),
     "Hold it to account": ("bench",),
 }
@@ -70,6 +72,7 @@ def demo(out: Path, **given: Any) -> None:
 
 
 cli.add_command(BENCH_GROUP)
+cli.add_command(VIDEO_GROUP)
 for command in (
     advise,
     calibrate,

@@ -103,12 +103,12 @@ def _virtual_stream() -> Stream:
     import tempfile
 
     from ..model.gait import Gait
-    from ..robot import Robot
+    from ..robot import RobotBoard
     from ..robot.recording.stream import load_stream
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.wire"
-        with Robot("virtual:fast", record=path) as robot:
+        with RobotBoard("virtual:fast", record=path) as robot:
             robot.gait(Gait(math.radians(70), math.radians(75), 5.0))
             if not sum(1 for _ in robot.frames(_VIRTUAL_S)):
                 raise BadInput("the virtual robot sent no frames")

@@ -18,32 +18,38 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
-from .at_a_rate import RateSearch
-from .close_look import small_valleys
-from .gait_cloud import Candidate, GaitCloud
+from .fixed_rate import FixedRateSearch
+from .gait_cloud import GaitCloud
+from .gait_table import Candidate
 from .limits import LIMIT_NAMES, GaitLimits
-from .quadratic_search import Array, Point, least
+from .quadratic_search import Array, Point, minimize
+from .refine_table import refined_valleys
 from .shape_search import GaitShape, ShapeSearch, Solve, exact_solver
 
 COSTS = ("power", "abs_power", "positive_power")
 ANY = GaitLimits()
-_MOST_LENGTHS_A_SECOND = 1e4  # beyond it the cloud's rates have no end, and the wish no sense
-_CLOSER = 4.0  # the best of dry valleys is looked at so many times as closely
-_WIDTHS = (0.25, 0.08, 0.025, 0.008)  # e-folds either way, of tables of shapes round it
+_MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense, and the cloud's rates would not end
+_VALLEYS = 6  # of the cloud, followed at most
+_WITHIN, _WITHIN_DRY = 1.4, 1.6  # of the cheapest: what the cloud's coarseness may hide
+_RADIUS, _RADIUS_KNOWN = 0.15, 0.08  # first box: half a step of the cloud; round a known gait
+_NARROW = 1.2  # ratio of rates: a narrower range is searched at fixed rates
+_APART = 0.1  # e-folds of shape: two ends closer than this are one valley
+_CLOSER = 4.0  # refinement factor for the best valley on dry ground
+_WIDTHS = (0.25, 0.08, 0.025, 0.008)  # e-folds either way, of its tables of shapes
 _SMALL_VALLEYS = 3  # followed of each table
+_DRY_GAP = 2e-3  # e-folds: small dry valleys were found so far apart, so no optimum is known better
 
 
 @dataclass(frozen=True, slots=True)
 class LeastPower:
-    """Hold the cheapest gait for a speed: the gait, power_w that was made least, W, speed_m_s, m/s.
+    """Hold the gait with the least power for a speed.
 
-    steady: the exact model's periodic state. active: the limits that the gait has reached, in
-    words. power_error_w: how much less power there may be, W: solved_error_w, that of the gait
-    itself, plus what the search may have missed: what its last model saw below, and on dry ground
-    what the last and closest table of shapes gained or saw below. basins: separate valleys of
-    shapes that were followed to their lowest point; runner_up_w: the power, W, of the next best one
-    (inf: there was one valley). evaluations: periodic states solved on the way, those of the coarse
-    cloud and the tables not counted.
+    gait, power_w (the cost that was minimized, W), speed_m_s (m/s). steady: the exact model's
+    periodic state. active: the limits that the gait has reached, in words. power_error_w: how much
+    less power there may be, W. It is solved_error_w, W, the error of the gait's own power, plus
+    what the search may have missed by its last model or its finest table. basins: separate valleys
+    of shapes that were searched; runner_up_w: the power of the second best, W (inf: there was one
+    valley). evaluations: periodic states solved in the search, without those of tables.
     """
 
     gait: Gait
@@ -74,56 +80,57 @@ class Finder:
         self.search = ShapeSearch(robot, ground, solver, cost, limits)
         self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
         self.coarse = 1e-7 if ground.smooth and self.exact else 3e-4  # accuracy of the search
-        # no optimum is known better: on dry ground small valleys were found so far apart
-        self.blur = self.coarse if ground.smooth else 2e-3
+        self.least_gap = self.coarse if ground.smooth else _DRY_GAP
         self.smallest = 0.002 if ground.smooth and self.exact else 0.012
 
     def follow(
         self, start: Candidate, speed: float, radius: float, closer: float = 1.0
     ) -> tuple[Point, float]:
-        """Return the lowest point of the valley that a candidate lies in; closer: to it."""
+        """Return the lowest point of a candidate's valley; closer: refinement factor."""
         low, high = self.search.bounds()
         rtol = max(self.rtol, self.coarse / closer)
         evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
         first = evaluate([np.array(start.shape)])[0]
-        return least(evaluate, first, radius, self.smallest / closer, low, high)
+        return minimize(evaluate, first, radius, self.smallest / closer, low, high)
 
     def candidates(self, speed: float) -> list[Candidate]:
-        """Return where to start: the cloud's valleys that may hold the least."""
-        return self.cloud.candidates(speed, most=6, within=1.4 if self.ground.smooth else 1.6)
+        """Return the cloud's valleys that may hold the minimum."""
+        return self.cloud.candidates(
+            speed, _VALLEYS, _WITHIN if self.ground.smooth else _WITHIN_DRY
+        )
 
-    def cheapest(self, speed: float, extra: Candidate | None = None) -> LeastPower:
+    def minimize(self, speed: float, extra: Candidate | None = None) -> LeastPower:
         """Return the cheapest gait; extra: one more start."""
         starts = self.candidates(speed) + ([extra] if extra else [])
-        followed = [self.follow(s, speed, 0.08 if s is extra else 0.15) for s in starts]
-        ends = [end for end in followed if not end[0].better[0]] or self.within_few_rates(speed)
+        followed = [self.follow(s, speed, _RADIUS_KNOWN if s is extra else _RADIUS) for s in starts]
+        ends = [end for end in followed if not end[0].better[0]] or self.at_fixed_rates(speed)
         if not ends:
             raise self.unreachable(speed, [point for point, _ in followed])
         ends.sort(key=lambda e: e[0].value)
         if not self.ground.smooth:
-            ends[0] = self.looked_at_closely(ends[0][0], speed)
+            ends[0] = self.refined(ends[0][0], speed)
         return self.finish(speed, ends)
 
-    def within_few_rates(self, speed: float) -> list[tuple[Point, float]]:
+    def at_fixed_rates(self, speed: float) -> list[tuple[Point, float]]:
         """Return the cheapest gaits at the ends and the middle of a narrow range of rates."""
         low, high = self.limits.omega_low_rad_s, self.limits.omega_high_rad_s
-        if not 0 < high <= 1.2 * low:
+        if not 0 < high <= _NARROW * low:
             return []
         rates = np.unique([low, math.sqrt(low * high), high])
-        searches = [RateSearch(self.search, float(rate), speed) for rate in rates]
-        found = [search.cheapest(self.rtol, self.coarse) for search in searches]
+        searches = [FixedRateSearch(self.search, float(rate), speed) for rate in rates]
+        found = [search.minimize(self.rtol, self.coarse) for search in searches]
         return [end for end in found if end is not None]
 
-    def looked_at_closely(self, best: Point, speed: float) -> tuple[Point, float]:
+    def refined(self, best: Point, speed: float) -> tuple[Point, float]:
         """Return the best of a dry valley, where kinks make small valleys in the large one.
 
-        Tables of shapes, each finer than the one before, show them; the best are followed. What the
-        last table gained, or saw below, may be missing still; the finest is for steep ones.
+        Finer and finer tables of shapes show them, and the best are followed. The last table's
+        gain, or what it saw below, may still be missing. The finest table is for steep valleys.
         """
         gap = 0.0
         for width in _WIDTHS:
             state: Any = best.data
-            starts = small_valleys(self.search, state.gait, speed, width, _SMALL_VALLEYS)
+            starts = refined_valleys(self.search, state.gait, speed, width, _SMALL_VALLEYS)
             before = best.value
             for start in starts:
                 point, _ = self.follow(start, speed, width / 6, closer=_CLOSER)
@@ -131,7 +138,7 @@ class Finder:
             gap = max(before - best.value, 0.0)
             if self.exact and starts:  # the tables are the exact model's
                 gap = max(gap, best.value - math.log(starts[0].watts))
-            if width == _WIDTHS[-2] and gap <= self.blur:
+            if width == _WIDTHS[-2] and gap <= self.least_gap:
                 break
         return best, gap
 
@@ -142,10 +149,12 @@ class Finder:
         state = (
             search.at_speed(GaitShape(*best.at), speed, rough.gait.omega_rad_s, self.rtol) or rough
         )
-        watts = getattr(state, f"{search.cost}_w")
-        apart = [p for p, _ in ends[1:] if np.abs(p.at - best.at).max() > 0.1]
+        watts = search.watts(state)
+        apart = [p for p, _ in ends[1:] if np.abs(p.at - best.at).max() > _APART]
         exact, own = self.exact_state(state), _numerical(state, search.cost)
-        gap = max(gap, self.blur) + 3 * abs(state.speed_m_s / speed - 1)  # power goes as speed^2
+        gap = max(gap, self.least_gap) + 3 * abs(
+            state.speed_m_s / speed - 1
+        )  # power goes as speed^2
         return LeastPower(
             state.gait, watts, state.speed_m_s, search.cost, exact, limits=self.limits,
             active=self.limits.active(state.gait, search.torque_nm(state.gait)),
@@ -188,7 +197,7 @@ class Finder:
 
     def _needed(self, gaits: list[Gait]) -> str:
         """Return in words which limit the gaits break least, and what it would have to be."""
-        worst = [min((left, name) for name, left in self.search.room(g).items()) for g in gaits]
+        worst = [min((left, name) for name, left in self.search.margins(g).items()) for g in gaits]
         if not worst or max(worst)[0] >= 0:
             return ""
         short, name = max(worst)
@@ -234,16 +243,16 @@ def finder(
 
 
 def _check_rolling(ground: Ground) -> None:
-    """Refuse wheels that roll for nothing and hold sideways: the less they bend, the less it costs.
+    """Refuse wheels without rolling friction that grip dryly: no gait has the least power.
 
-    They follow the wave as a train its rails, at omega link_length_m / beta however small alpha is,
-    and no friction does any work.
+    They follow the wave as a train follows its rails, at omega link_length_m / beta however small
+    alpha is, and no friction does any work.
     """
     if ground.ct_forward == ground.ft0_forward == 0.0 < ground.fn0:
         raise BadInput(
-            "where ct and ft0 are both 0 the wheels roll for nothing, and fn0 holds them sideways: "
-            "the less the joints bend the less power it takes, so that no gait takes least; give "
-            "ct or ft0 what was measured, if ever so little"
+            "ct and ft0 are both 0: the wheels roll for nothing, and fn0 holds them sideways. The "
+            "less the joints bend, the less power it takes, so no gait takes least; give the "
+            "measured ct or ft0, even if it is small"
         )
 
 
@@ -260,11 +269,11 @@ class _Soft:
 
 
 class EitherWave:
-    """Finds the cheapest gaits with waves from head to tail and, on a ratchet, from tail to head.
+    """Finds the cheapest gaits with waves in one direction and, on a ratchet, in both.
 
-    A wave from tail to head is one from head to tail of a robot whose head and tail have changed
-    places; without a ratchet that is the same robot. Each search starts from the gait of the speed
-    before, too. watts: what each search found last, inf for nothing.
+    A wave from tail to head is a wave from head to tail of the robot turned round. Without a
+    ratchet that is the same robot. Each search also starts from the gait of the speed before.
+    watts: what each search found last, inf for nothing.
     """
 
     def __init__(self, ground: Ground, search: Callable[[Ground], Finder]) -> None:
@@ -275,14 +284,14 @@ class EitherWave:
         self.starts: list[Candidate | None] = [None] * len(self.searches)
         self.watts = [math.inf] * len(self.searches)
 
-    def cheapest(self, speed: float) -> LeastPower:
+    def minimize(self, speed: float) -> LeastPower:
         """Return the cheapest gait for a speed; raises NotConverged."""
         found: list[LeastPower] = []
         lost: NotConverged | None = None
         for k, search in enumerate(self.searches):
             self.watts[k] = math.inf
             try:
-                one = search.cheapest(speed, self.starts[k])
+                one = search.minimize(speed, self.starts[k])
             except NotConverged as error:
                 lost = lost or error
                 continue
@@ -319,16 +328,41 @@ def least_power_gait(
     joint_damping_n_s_m: float = 1.0,
     rtol: float | None = None,
 ) -> LeastPower:
-    """Find alpha, beta and omega that give a speed, m/s, for the least mean power, over all shapes.
+    """Find alpha, beta and omega that give a speed for the least mean power, over all shapes.
 
-    cost: "power" (net; the paper's), "abs_power" or "positive_power" (a servo that does not
-    regenerate). A cloud of shapes and rates first; every valley of it that may hold the least is
-    then followed to its lowest point by quadratic models, with the rate solved for the speed. On a
-    ratchet waves from tail to head (beta below 0) are looked through as well.
-    formulation: "implicit" follows the valleys by the paper's springs, N/m, and dampers, N s/m,
-    from the exact model's cloud. rtol: relative accuracy of the final state (1e-10 viscous, 1e-5
-    dry unless given). Raises BadInput, and NotConverged with the fastest gait there is when none
-    reaches the speed.
+    A coarse table of shapes and rates comes first. Quadratic models then follow every valley that
+    may hold the minimum; the rate is solved for the speed. On a ratchet, waves from tail to head
+    (beta below 0) are searched too.
+
+    Parameters
+    ----------
+    robot, ground
+        What crawls, and on what.
+    speed_m_s
+        The wanted speed, m/s.
+    cost
+        "power" (net; the paper's), "abs_power" or "positive_power" (servos do not regenerate).
+    limits
+        Of joints, servos and rate.
+    formulation
+        "explicit", or "implicit": the valleys of the exact model's table are followed by the
+        paper's springs and dampers.
+    joint_stiffness_n_m, joint_damping_n_s_m
+        Of the implicit formulation, N/m and N s/m.
+    rtol
+        Accuracy of the final state, relative; 1e-10 on viscous and 1e-5 on dry ground unless given.
+
+    Returns
+    -------
+    LeastPower
+        The gait, its power and the error of the minimum.
+
+    Raises
+    ------
+    BadInput
+        For arguments out of range, and wheels without any rolling friction.
+    NotConverged
+        If no gait reaches the speed; the message names the fastest one.
     """
 
     def search(on: Ground) -> Finder:
@@ -337,7 +371,7 @@ def least_power_gait(
             joint_damping_n_s_m,
         )  # fmt: skip
 
-    return replace(EitherWave(ground, search).cheapest(float(speed_m_s)), formulation=formulation)
+    return replace(EitherWave(ground, search).minimize(float(speed_m_s)), formulation=formulation)
 
 
 def power_front(
@@ -354,10 +388,27 @@ def power_front(
 ) -> tuple[LeastPower | None, ...]:
     """Find the least-power gait of every speed, in their order; None where no gait reaches it.
 
-    One cloud serves all speeds, in m/s; each also starts from the gait of the next lower one, so
-    the answers hang neither on their order nor on repeats. formulation: as in least_power_gait, and
-    so joint_stiffness_n_m, N/m, joint_damping_n_s_m, N s/m. rtol: relative accuracy of the final
-    states. Raises BadInput.
+    Parameters
+    ----------
+    robot, ground, cost, limits, formulation
+        As in `least_power_gait`.
+    speeds_m_s
+        The wanted speeds, m/s. One coarse table serves all. Each search also starts from the gait
+        of the next lower speed, so the answers depend neither on their order nor on repeats.
+    joint_stiffness_n_m, joint_damping_n_s_m
+        Of the implicit formulation, N/m and N s/m.
+    rtol
+        Accuracy of the final states, relative.
+
+    Returns
+    -------
+    tuple of LeastPower or None
+        One for each speed.
+
+    Raises
+    ------
+    BadInput
+        For arguments out of range.
     """
     speeds = _wanted(speeds_m_s)
 
@@ -367,11 +418,11 @@ def power_front(
             joint_damping_n_s_m,
         )  # fmt: skip
 
-    ways = EitherWave(ground, search)
+    waves = EitherWave(ground, search)
     found: dict[float, LeastPower | None] = {}
     for speed in sorted(set(speeds)):
         try:
-            found[speed] = replace(ways.cheapest(speed), formulation=formulation)
+            found[speed] = replace(waves.minimize(speed), formulation=formulation)
         except NotConverged:
             found[speed] = None
     return tuple(found[speed] for speed in speeds)

@@ -55,7 +55,7 @@ class GaitLimits:
                 check_number(name, getattr(self, name), 0.0, open_low=True)
         check_number("omega_low_rad_s", self.omega_low_rad_s, 0.0, self.omega_high_rad_s)
 
-    def room(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:
+    def margins(self, gait: Gait, torque_nm: float = 0.0) -> dict[str, float]:
         """Return by how many e-folds a gait, or torque in N m, is below each limit."""
         used = {
             "joint_angle_rad": (abs(gait.offset_rad) + gait.alpha_rad, self.joint_angle_rad),
@@ -72,8 +72,8 @@ class GaitLimits:
 
     def active(self, gait: Gait, torque_nm: float = 0.0) -> tuple[str, ...]:
         """Return the limits that a gait, or torque_nm in N m, has reached, in words."""
-        room = self.room(gait, torque_nm)
-        return tuple(LIMIT_NAMES[name] for name, left in room.items() if left <= _ACTIVE)
+        margins = self.margins(gait, torque_nm)
+        return tuple(LIMIT_NAMES[name] for name, left in margins.items() if left <= _ACTIVE)
 
     def in_words(self) -> str:
         """Return the limits there are, with their units; angles in degrees."""

@@ -1,8 +1,8 @@
-"""Least value of a function of two variables: quadratic models in a shrinking box, no gradients.
+"""Minimize a function of two variables by quadratic models in a shrinking box, without gradients.
 
-A model is fitted to nine points of a box; the least feasible point of the model is tried; the box
-follows what is found, and shrinks where nothing is. Kinks and noise below the box's size do no
-harm, and the last model tells how much lower the true least value may be.
+A model is fitted to nine points of a box, and its lowest allowed point is tried. The box follows
+a lower point, and shrinks where there is none. Kinks and noise smaller than the box do no harm.
+The last model says how much lower the true minimum may be.
 """
 
 from __future__ import annotations
@@ -14,24 +14,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+_SHRINK = 0.4  # of the box, where it finds nothing lower
+_WORTHWHILE = 1e-3  # of radius^2, in e-folds of the value: a smaller gain shrinks the box
+_ALLOWED = -1e-6  # margin: rounding beyond a limit
+_FAR = 0.5  # margin, e-folds: a box so far from every limit needs no model of it
 _STAR = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j], dtype=float)
 _MESH = np.stack(np.meshgrid(*[np.linspace(-1, 1, 41)] * 2), axis=-1).reshape(-1, 2)
 
 
 @dataclass(frozen=True)
 class Point:
-    """Hold a point, the value there, the least room it leaves (below 0: not allowed), its data."""
+    """Hold a point, its value, its least margin to a limit (below 0: not allowed), and its data."""
 
     at: Array
     value: float
-    room: float
+    margin: float
     data: object = None
 
     @property
     def better(self) -> tuple[bool, float]:
-        """Return what points are compared by: allowed first, then by value, or by room."""
-        allowed = self.room >= -1e-6 and np.isfinite(self.value)
-        return (not allowed, self.value if allowed else -self.room)
+        """Return the key that orders points: allowed ones first, by value; others by margin."""
+        allowed = self.margin >= _ALLOWED and np.isfinite(self.value)
+        return (not allowed, self.value if allowed else -self.margin)
 
 
 Evaluate = Callable[[Sequence[Array]], list[Point]]
@@ -51,28 +55,28 @@ def _terms(u: Array) -> Array:
 
 
 def _lowest_of_model(star: list[Point], unit: Array) -> tuple[Array, float] | None:
-    """Return where in the box the model is least and allowed, and its value there."""
+    """Return the lowest allowed point of the model in the box, and its value there."""
     values = _fit(unit, np.array([p.value for p in star]))
     if values is None:
         return None
     model = _terms(_MESH) @ values
-    rooms = np.array([min(p.room, 1e3) for p in star])
-    if rooms.min() < 0.5:  # far from every limit there is none to model
-        room = _fit(unit, rooms)
-        if room is not None:
-            model = np.where(_terms(_MESH) @ room >= 0, model, np.inf)
+    margins = np.array([min(p.margin, 1e3) for p in star])
+    if margins.min() < _FAR:
+        margin = _fit(unit, margins)
+        if margin is not None:
+            model = np.where(_terms(_MESH) @ margin >= 0, model, np.inf)
     k = int(np.argmin(model))
     return (_MESH[k], float(model[k])) if np.isfinite(model[k]) else None
 
 
-def least(
+def minimize(
     evaluate: Evaluate, start: Point, radius: float, smallest: float, low: Array, high: Array
 ) -> tuple[Point, float]:
-    """Return the least allowed point near a start, and how much less there may still be.
+    """Return the lowest allowed point near a start, and how much lower the minimum may be.
 
-    evaluate takes points and returns Points. radius: half the first box; smallest: of the last.
-    low, high: bounds. What may be missing comes from the last model, whose box is `smallest`, or
-    where it had none from what the last box gained.
+    evaluate: takes points and returns Points. radius, smallest: half of the first and of the last
+    box. low, high: bounds. The second value comes from the last model, or where there was none
+    from what the last box gained.
     """
     best, gap = start, np.inf
     while radius >= smallest * (1 - 1e-9):
@@ -91,6 +95,10 @@ def least(
         if found is None and np.isfinite(worth):  # beside an edge too few points have a value
             gap = max(worth, 0.0)
         best = lowest
-        if not gained or step < 0.5 * radius or (not best.better[0] and worth < 1e-3 * radius**2):
-            radius *= 0.4
+        if (
+            not gained
+            or step < 0.5 * radius
+            or (not best.better[0] and worth < _WORTHWHILE * radius**2)
+        ):
+            radius *= _SHRINK
     return best, gap

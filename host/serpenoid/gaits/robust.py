@@ -92,15 +92,15 @@ def robust_gait(
     check_number("samples", samples, 20, 65536)
     uncertainty = uncertainty or Uncertainty()
     wanted = float(speed_m_s)
-    ways = EitherWave(ground, lambda on: finder(robot, on, [speed_m_s], cost, limits))
-    fragile = ways.cheapest(wanted)
+    waves = EitherWave(ground, lambda on: finder(robot, on, [speed_m_s], cost, limits))
+    fragile = waves.minimize(wanted)
     drawn = uncertainty.samples(robot, ground, samples, seed)
     best: _Found | None = None
-    for least_w, k in sorted(zip(ways.watts, range(2), strict=False)):
+    for least_w, k in sorted(zip(waves.watts, range(2), strict=False)):
         if least_w >= (best.watts if best else math.inf):  # robust it would cost more still
             continue
         seen = [one.turned_round() for one in drawn] if k else drawn
-        found = _one_way(ways.searches[k], seen, wanted)
+        found = _one_direction(waves.searches[k], seen, wanted)
         if found is not None and (best is None or found.watts < best.watts):
             best = replace(found, turned=k > 0)
     if best is None:
@@ -130,7 +130,7 @@ class _Found:
         return replace(gait, beta_rad=-gait.beta_rad) if self.turned else gait
 
 
-def _one_way(search: Finder, drawn: list[Sample], wanted: float) -> _Found | None:
+def _one_direction(search: Finder, drawn: list[Sample], wanted: float) -> _Found | None:
     """Return the cheapest robust gait with waves from head to tail."""
     few, many = (drawn[: max(20, len(drawn) // part)] for part in _FOR_SHAPE)
     work = RobustSearch(search, few, wanted)
@@ -142,7 +142,7 @@ def _one_way(search: Finder, drawn: list[Sample], wanted: float) -> _Found | Non
     if best is None:
         return None
     state: Any = best.data
-    return _Found(state.gait, getattr(state, f"{search.search.cost}_w"), work)
+    return _Found(state.gait, search.search.watts(state), work)
 
 
 def _settled(work: RobustSearch, best: Point, drawn: list[Sample]) -> Point | None:
@@ -171,7 +171,7 @@ def _finished(
     fresh = uncertainty.samples(robot, ground, len(drawn), seed + 1, skip=len(drawn))
     of_fragile = drawn[:_OF_FRAGILE]
     return RobustGait(
-        gait, getattr(exact, f"{search.cost}_w"), exact.speed_m_s, work.wanted, search.cost, exact,
+        gait, search.watts(exact), exact.speed_m_s, work.wanted, search.cost, exact,
         uncertainty, low_speed(speeds, len(drawn)),
         low_speed(sampled_speeds(robot, gait, fresh), len(fresh)), speeds, fragile,
         low_speed(sampled_speeds(robot, fragile.gait, of_fragile), len(of_fragile)),

@@ -15,12 +15,12 @@ from ..model.gait import Gait
 from ..model.robot import Robot
 from ..periodic.grid import threads_to_use
 from ..periodic.steady import MAX_ELEMENTS
-from .quadratic_search import Array, Point, least
+from .quadratic_search import Array, Point, minimize
 from .shape_search import GaitShape
 from .uncertainty import Sample
 
 if TYPE_CHECKING:
-    from .gait_cloud import Candidate
+    from .gait_table import Candidate
     from .least_power import Finder
 
 KEEP, QUANTILE = 0.9, 0.05
@@ -129,11 +129,11 @@ class RobustSearch:
             state = self.search.at_speed(shape, self.wanted, rate, 1e-3)
         if state is None:
             return nowhere
-        room = self.search.room(state.gait).values()
-        watts = getattr(state, f"{self.search.cost}_w")
+        watts = self.search.watts(state)
         if watts > most_w:
             return nowhere
-        return Point(at, math.log(max(watts, 1e-300)), min(room, default=math.inf), state)
+        margin = min(self.search.margins(state.gait).values(), default=math.inf)
+        return Point(at, math.log(max(watts, 1e-300)), margin, state)
 
     def coarse(self) -> Point | None:
         """Return the best of the cloud's shapes by a rough percentile.
@@ -142,7 +142,7 @@ class RobustSearch:
         """
         drawn, best = self.drawn, None
         self.drawn = self.samples = drawn[:: max(1, len(drawn) // _RANKED)]
-        for start in self.cloud.cheapest_shapes(self.wanted, within=2.0):
+        for start in self.cloud.shapes_within(self.wanted, within=2.0):
             most = math.inf if best is None else math.exp(best.value)
             if start.watts > 1.1 * most:
                 break
@@ -169,6 +169,6 @@ class RobustSearch:
         first = self.at(start.at, rate)
         if not math.isfinite(first.value):
             return start
-        return least(
+        return minimize(
             lambda shapes: [self.at(s, rate) for s in shapes], first, radius, smallest, low, high
         )[0]

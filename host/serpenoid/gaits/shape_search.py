@@ -1,4 +1,4 @@
-"""One shape of gait, the rate that gives it a wanted speed, and what it then costs."""
+"""One shape of gait: the rate that gives it a wanted speed, and its cost there."""
 
 from __future__ import annotations
 
@@ -18,15 +18,19 @@ from .limits import GaitLimits, peak_torque_nm
 from .quadratic_search import Array, Point
 
 Solve = Callable[[Gait, float], Any]  # a gait, an accuracy -> .speed_m_s, .power_w ...
-_MOST_STEPS = 40
-_FAR_DRY = 4.0  # e-folds of rate from the guess, which a cloud of shapes and rates has made
+_MOST_STEPS = 40  # secants; usual are 4 to 6
+_FAR, _FAR_DRY = 9.0, 4.0  # e-folds of rate from the guess; a dry table's guess is near
+_LARGEST_STEP = 1.1  # e-folds of rate: a factor of 3
+_STEP_BLIND = 0.7  # e-folds, where the slope of speed against rate says nothing
+_LEAST_SLOPE = 0.1  # of ln speed against ln rate; it is 1 where inertia counts for little
+_NEAR_MISS = 30  # times the accuracy asked for: a state this good still ranks shapes
 
 
 class GaitShape(NamedTuple):
     """Hold alpha and beta in the coordinates of the search.
 
-    swing: ln of the amplitude of the links' headings, alpha / (2 sin(beta / 2)), which matters more
-    than that of the joints; lag: ln beta.
+    swing: ln of the amplitude of the links' headings, alpha / (2 sin(beta / 2)); it matters more
+    than the amplitude of the joints. lag: ln beta.
     """
 
     swing: float
@@ -49,14 +53,14 @@ class GaitShape(NamedTuple):
 
 
 def exact_solver(robot: Robot, ground: Ground, powers: bool) -> Solve:
-    """Return a function that solves a gait by the exact model; a near miss is taken as it is."""
+    """Return a function that solves a gait by the exact model; it accepts a near miss."""
 
     def solve(gait: Gait, rtol: float) -> Any:
         try:
             return steady_gait(robot, ground, gait, rtol=rtol, powers=powers)
         except NotConverged as error:
             best = getattr(error, "best", None)
-            if best is None or not best.error_estimate <= 30 * rtol:
+            if best is None or not best.error_estimate <= _NEAR_MISS * rtol:
                 raise
             return best
 
@@ -64,7 +68,7 @@ def exact_solver(robot: Robot, ground: Ground, powers: bool) -> Solve:
 
 
 class ShapeSearch:
-    """Cost of a shape at one speed: the rate is whatever gives that speed."""
+    """Cost of a shape at one speed; the rate follows from the speed."""
 
     def __init__(
         self, robot: Robot, ground: Ground, solve: Solve, cost: str, limits: GaitLimits
@@ -81,8 +85,8 @@ class ShapeSearch:
         if not 0 < shape.alpha_rad <= math.pi:
             return None
         x, last = math.log(guess), None
-        far = 9.0 if self.ground.smooth else _FAR_DRY
-        high = min(math.log(min(self.limits.omega_high_rad_s, 1e300)) + 0.7, x + far)
+        far = _FAR if self.ground.smooth else _FAR_DRY
+        high = min(math.log(min(self.limits.omega_high_rad_s, 1e300)) + _STEP_BLIND, x + far)
         for _ in range(_MOST_STEPS):
             try:
                 state = self.solve(Gait(shape.alpha_rad, shape.beta_rad, math.exp(x)), rtol)
@@ -93,9 +97,9 @@ class ShapeSearch:
             if abs(y) <= 2 * rtol:
                 return state
             slope = 1.0 if last is None or x == last[0] else (y - last[1]) / (x - last[0])
-            step = -y / slope if slope > 0.1 else -math.copysign(0.7, y)
+            step = -y / slope if slope > _LEAST_SLOPE else -math.copysign(_STEP_BLIND, y)
             last = (x, y)
-            x += min(max(step, -1.1), 1.1)
+            x += min(max(step, -_LARGEST_STEP), _LARGEST_STEP)
             if not math.log(guess) - far <= x <= high:
                 return None
         return None
@@ -106,20 +110,23 @@ class ShapeSearch:
             return 0.0
         return peak_torque_nm(self.robot, self.ground, gait)
 
-    def room(self, gait: Gait) -> dict[str, float]:
+    def margins(self, gait: Gait) -> dict[str, float]:
         """Return by how many e-folds a gait is below each limit."""
-        return self.limits.room(gait, self.torque_nm(gait))
+        return self.limits.margins(gait, self.torque_nm(gait))
+
+    def watts(self, state: Any) -> float:
+        """Return the cost of a state, W."""
+        return getattr(state, f"{self.cost}_w")
 
     def point(self, at: Array, speed_m_s: float, guess: float, rtol: float) -> Point:
-        """Return ln of the cost at a shape, and the least room its limits leave."""
+        """Return ln of the cost at a shape, and its least margin to a limit."""
         state = self.at_speed(GaitShape(*at), speed_m_s, guess, rtol)
         if state is None:
             return Point(at, math.inf, -1.0)
-        watts = getattr(state, f"{self.cost}_w")
-        room = self.room(state.gait).values()
-        # to first order as if the speed were the wanted one exactly: power goes as speed squared
-        value = math.log(max(watts, 1e-300)) - 2 * math.log(state.speed_m_s / speed_m_s)
-        return Point(at, value, min(room, default=math.inf), state)
+        margin = min(self.margins(state.gait).values(), default=math.inf)
+        # power goes as speed squared: this takes out the remaining error of the speed
+        value = math.log(max(self.watts(state), 1e-300)) - 2 * math.log(state.speed_m_s / speed_m_s)
+        return Point(at, value, margin, state)
 
     def points(
         self, shapes: Sequence[Array], speed_m_s: float, guess: float, rtol: float

@@ -47,6 +47,11 @@ class Belt:
         """Return the belt's true speed now, uphill, m/s."""
         return self._speed
 
+    @property
+    def told_rad(self) -> list[float]:
+        """Return where the joints are told to stand, the steering left out."""
+        return self._pose
+
     def tilt(self, incline_rad: float) -> None:
         """Raise the belt to an incline."""
         self._chain.set_slope(self._gravity * math.sin(incline_rad), 0.0)

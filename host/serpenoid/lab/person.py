@@ -17,11 +17,12 @@ from .instruments import CLOCK_S, EYE_M, EYE_RAD, RULER_M, Instrument
 
 LOOK_S = 0.5
 STEER_STEP_RAD = math.radians(0.25)
-STEER_MOST_RAD = math.radians(6.0)
-TRIM_MOST_RAD = math.radians(4.0)
+STEER_MOST_RAD = math.radians(3.0)
+TRIM_MOST_RAD = math.radians(2.5)
 AIM_MOST_RAD = 0.2
 TRIES = 25  # of belt speeds, until somebody gives up
 LEAVE_M = 0.75 * HALF_LENGTH_M  # along: time to take the robot back to the middle
+CARRIED = 0.25  # of the belt's speed: its wheels hardly roll, the belt carries it off
 Told = Callable[["Belt", str], None]
 
 
@@ -60,11 +61,15 @@ class Held:
 
 @dataclass(frozen=True)
 class Display:
-    """The treadmill's own display: what it shows, the truth over that, and its least speed."""
+    """The treadmill's own display: its steps, the truth over what it shows, and its least speed.
+
+    scatter_m_s: by which the belt runs faster or slower than shown, another each time it is set.
+    """
 
     step_m_s: float = 0.1 / 3.6
     scale: float = 1.0
     least_m_s: float = 0.0
+    scatter_m_s: float = 0.0
 
     def nearest(self, wanted_m_s: float) -> float:
         """Return the shown speed nearest to one that is wanted."""
@@ -81,7 +86,7 @@ class Helm:
 
     def look(self, across_m: float, heading_rad: float, speed_m_s: float) -> float:
         """Return the offset for the next half second, rad."""
-        turn = self._link_m / max(speed_m_s, 0.1)  # rad of offset for a rad a second
+        turn = self._link_m / max(speed_m_s, 0.2)  # rad of offset for a rad a second
         aim = min(max(-across_m, -AIM_MOST_RAD), AIM_MOST_RAD)  # a radian to a metre
         off = aim - heading_rad
         trim = self.trim_rad + 0.2 * turn * off * LOOK_S
@@ -117,7 +122,7 @@ class Person:
             held, drift_m_s = self._try(shown, self._patience(settle_s))
             step = self.display.step_m_s
             if held is not None and abs(drift_m_s) <= 0.7 * step:
-                return held
+                return None if drift_m_s > CARRIED * shown else held
             downhill = 1 if drift_m_s < 0 else -1  # robot runs ahead: the belt is too slow
             by = abs(drift_m_s)
             if held is None:  # it left the belt: nobody saw where it would settle
@@ -125,14 +130,15 @@ class Person:
                 by, last = max(by, stride), downhill
             found = self.display.nearest(shown + downhill * max(by, step))
             if found == shown and downhill < 0:
-                return held if held is not None and abs(drift_m_s) < 2 * step else None
+                return None
             shown = found
         return None
 
     def _try(self, shown_m_s: float, wait_s: float) -> tuple[Held | None, float]:
         """Let the robot go on the running belt; return what was read, and the drift seen last."""
         belt, rng, habits = self.belt, self.rng, self.habits
-        belt.run(shown_m_s * self.display.scale)
+        off_m_s = self.display.scatter_m_s * float(rng.normal())
+        belt.run(max(shown_m_s * self.display.scale + off_m_s, 0.0))
         belt.put(
             0.01 * float(rng.normal()), habits.let_go_rad * float(rng.normal()), self.facing,
             habits.let_go_m_s * float(rng.normal()), habits.let_go_rad_s * float(rng.normal()),

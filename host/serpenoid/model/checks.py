@@ -62,13 +62,13 @@ def _range(low: float, high: float, open_low: bool) -> str:
     return f"a finite number{', ' + limits if limits else ''}"
 
 
-def check_kind(name: str, value: object, kind: type, order: str = "") -> None:
-    """Raise BadInput unless value is of the kind; order: of the arguments, for swapped ones."""
+def check_kind(name: str, value: object, kind: type | tuple[type, ...], order: str = "") -> None:
+    """Raise BadInput unless value is of a kind; order: of the arguments, for swapped ones."""
     if not isinstance(value, kind):
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        wanted = " or ".join(f"serpenoid.{one.__name__}" for one in kinds)
         order = f": the order is {order}" if order else ""
-        raise BadInput(
-            f"{name} is a {type(value).__name__}; it must be a serpenoid.{kind.__name__}{order}"
-        )
+        raise BadInput(f"{name} is a {type(value).__name__}; it must be a {wanted}{order}")
 
 
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> str:

@@ -1,18 +1,28 @@
-"""What moves the joints when the gait's angles are not simply imposed: torques, or servos."""
+"""What moves the joints when the gait's angles are not simply imposed: torques, servos, kinds."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .checks import check_number
+from .checks import check_choice, check_number
 from .errors import BadInput
 from .vectors import number_array
+
+# What follows the stalled torque S (stiffness, friction) or the motor's line S / w0 (damping,
+# rotor): their own sigma says how uncertain the ratio is.
+_WITH_TORQUE = ("stiffness_nm_rad", "gear_friction_nm")
+_WITH_LINE = ("damping_nms_rad", "gear_damping_nms_rad", "armature_kg_m2")
+_HUNTS, _TRIES = 0.97, 1000
+UNCERTAIN = ("torque_limit_nm", "speed_limit_rad_s", *_WITH_TORQUE, *_WITH_LINE, "dead_band_rad",
+             "supply_sag")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +65,8 @@ class Servo:
     The gear adds the rotor's inertia armature_kg_m2 (times the gear ratio squared, as MuJoCo's
     armature), dry friction gear_friction_nm and viscous friction gear_damping_nms_rad.
 
-    Setpoints are those of the firmware's fixed-point code, one each frame_s, s. Units: N m, rad, s,
-    kg m^2. Raises BadInput.
+    Setpoints are those of the firmware's fixed-point code, one each frame_s, s. Units: N m,
+    N m/rad, N m s/rad, rad, rad/s, s, Hz, kg m^2. Raises BadInput.
 
     The defaults are round numbers for a servo of 6 V (0.3 N m, 60 degrees in 0.12 s) without rotor
     and gear, which no real one lacks: `sn.servo()` has those of real ones.
@@ -94,3 +104,88 @@ def core_servo(servo: Servo) -> Any:
     for name in _core.SERVO_FIELDS:
         setattr(core, name, getattr(servo, name))
     return core
+
+
+@dataclass(frozen=True, slots=True)
+class ServoKind:
+    """Describe servos of one kind: the typical one, and the doubt about any other.
+
+    sigma: standard deviation of the logarithm of Servo's fields, by name (0.1 is 10 %); fields
+    without one are exact. Stiffness and gear friction follow the stalled torque of a drawn servo,
+    damping, gear damping and rotor its torque over its speed; their sigma is that of the ratio.
+    updates_hz: rates at which loops of this kind may look, each as likely; () for the typical
+    one's. source: where the values come from. Raises BadInput.
+    """
+
+    name: str
+    servo: Servo
+    sigma: Mapping[str, float] = field(default_factory=dict)
+    updates_hz: tuple[float, ...] = ()
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        for name, value in self.sigma.items():
+            check_choice("sigma", name, UNCERTAIN)
+            check_number(f"sigma of {name}", value, 0.0, 3.0)
+        for rate in self.updates_hz:
+            check_number("updates_hz", rate, 0.0, 1e4)
+        object.__setattr__(self, "sigma", MappingProxyType(dict(self.sigma)))
+
+    @property
+    def exact(self) -> bool:
+        """Tell whether nothing is in doubt."""
+        return not any(self.sigma.values()) and len(self.updates_hz) < 2
+
+    def draws(self, count: int, seed: int = 0) -> list[Servo]:
+        """Return servos of this kind, drawn at random. Raises BadInput."""
+        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+            raise BadInput(f"count is {count!r}; it must be a whole number, 1 or more")
+        rng = np.random.default_rng(seed)
+        return [self._sound(rng) for _ in range(count)]
+
+    def _sound(self, rng: np.random.Generator) -> Servo:
+        """Return a servo that does not hunt by itself: such ones are not sold."""
+        drawn = self._draw(rng)
+        for _ in range(_TRIES):
+            if loop_radius(drawn) < _HUNTS:
+                break
+            drawn = self._draw(rng)
+        return drawn
+
+    def _draw(self, rng: np.random.Generator) -> Servo:
+        factor = {name: math.exp(self.sigma.get(name, 0.0) * rng.normal()) for name in UNCERTAIN}
+        torque, line = factor["torque_limit_nm"], 1 / factor["speed_limit_rad_s"]
+        for name in _WITH_TORQUE:
+            factor[name] *= torque
+        for name in _WITH_LINE:
+            factor[name] *= torque * line
+        values = {name: getattr(self.servo, name) * factor[name] for name in UNCERTAIN}
+        values["supply_sag"] = min(values["supply_sag"], 1.0)
+        if self.updates_hz:
+            values["update_hz"] = float(rng.choice(self.updates_hz))
+        return replace(self.servo, **values)
+
+
+def loop_radius(servo: Servo) -> float:
+    """Return by what factor an unloaded servo's swing changes in 20 ms; above 1 it hunts.
+
+    The rotor alone, without dry friction, dead band and limits: J r' = S d - (S / w0 + c) r with
+    the duty held between two looks. 0 where nothing is held or there is no rotor.
+    """
+    J, S = servo.armature_kg_m2, servo.torque_limit_nm
+    if servo.update_hz == 0 or J == 0:
+        return 0.0
+    line = S / servo.speed_limit_rad_s
+    rate = (line + servo.gear_damping_nms_rad) / J
+    look = 1 / servo.update_hz
+    decay = math.exp(-rate * look)
+    glide = (1 - decay) / rate  # angle by a unit of rate, rate by a unit of acceleration
+    drift = (look - glide) / rate  # angle by a unit of acceleration
+    gain = np.array([servo.stiffness_nm_rad, servo.damping_nms_rad - line]) / J
+    step = np.array([[1.0, glide], [0.0, decay]]) - np.outer([drift, glide], gain)
+    return float(np.abs(np.linalg.eigvals(step)).max() ** (0.02 / look))
+
+
+def with_frame(kind: ServoKind, frame_s: float) -> ServoKind:
+    """Return a kind of servo on another board: setpoints come each frame_s, s."""
+    return replace(kind, servo=replace(kind.servo, frame_s=frame_s))

@@ -24,14 +24,14 @@ from ..model.errors import (
 from .recording.recorder import Recorder
 from .signals import SignalGuard
 from .wire.clock import Drift
-from .wire.dialogue import Answer, Dialogue, Farewell
+from .wire.dialogue import Answer, CloseResult, Dialogue
+from .wire.encoding import degrees, digits, word
 from .wire.error_table import refused
 from .wire.greeting import greet
 from .wire.inbox import Losses
 from .wire.link import open_link
 from .wire.protocol import Data, Hello, Telemetry, Verdict
 from .wire.reports import Status, Trim, settings_of, status_of, trims_of
-from .wire.written import degrees, digits, word
 
 if TYPE_CHECKING:
     from ..model.gait import Gait
@@ -40,14 +40,17 @@ ATTEMPTS = 5
 T = TypeVar("T")
 
 
-class Robot:
-    """A board to drive, inside `with Robot(port) as robot:` only; serpenoid.Robot is its body.
+class RobotBoard:
+    """A robot's board to talk to, inside `with RobotBoard(port) as robot:` only.
+
+    `Robot` in this package is the same class; serpenoid.Robot, another one, is the robot's body.
 
     port: such as "/dev/ttyACM0"; None finds the board by its USB id; "virtual" is the firmware's
-    own controller in this process, "virtual:fast" the same as fast as it goes. record: a file
-    that takes every line of the run as it comes. timeout_s: how long to wait for the board's
-    greeting. unattended_s: if the program calls nothing for so long (iterating frames() counts
-    as calling), it is taken to hang: the robot is stopped and the next call raises.
+    own controller in this process, "virtual:fast" the same as fast as it goes, and
+    "virtual:joints=9" one with so many joints. record: a file that takes every line of the run as
+    it comes. timeout_s: how long to wait for the board's greeting. unattended_s: if the program
+    calls nothing for so long (iterating frames() counts as calling), it is taken to hang: the
+    robot is stopped and the next call raises.
 
     However the block is left - by an exception, Ctrl-C, SIGTERM, SIGHUP - the robot is stopped
     first, and StopUnconfirmed is raised if the board did not confirm it (beside an error of the
@@ -78,7 +81,7 @@ class Robot:
         self._signals = SignalGuard(self._halt)
         self._process = os.getpid()
 
-    def __enter__(self) -> Robot:
+    def __enter__(self) -> RobotBoard:
         if self._talk is not None:
             raise RobotClosed("this Robot has been used already; make a new one")
         self._signals.install()
@@ -260,7 +263,9 @@ class Robot:
     @property
     def _dialogue(self) -> Dialogue:
         if self._talk is None:
-            raise RobotClosed("the robot is not open; use it inside `with Robot(port) as robot:`")
+            raise RobotClosed(
+                "the robot is not open; use it inside `with RobotBoard(port) as robot:`"
+            )
         if os.getpid() != self._process:
             raise RobotClosed("the robot belongs to the process that opened it, not to its fork")
         return self._talk
@@ -307,13 +312,13 @@ class Robot:
 
     def _leave(self, error: BaseException | None) -> None:
         self._signals.held = True
-        talk, farewell = self._talk, Farewell(None, None)
+        talk, result = self._talk, CloseResult(None, None)
         told: RobotError | None = None
         try:
             if talk is not None:
-                farewell = talk.leave()
+                result = talk.leave()
                 talk.link.close()
-            told = _told(farewell, self._end_recording(error), error)
+            told = _told(result, self._end_recording(error), error)
         finally:
             self._signals.restore(forget=told is not None)
         if told:
@@ -336,15 +341,15 @@ class Robot:
 
 
 def _told(
-    farewell: Farewell, unwritten: RecordingFailed | None, error: BaseException | None
+    result: CloseResult, unwritten: RecordingFailed | None, error: BaseException | None
 ) -> RobotError | None:
     """Return what went wrong and no call has told, if it may be raised in place of error.
 
     An error of the program itself is not replaced: beside it, what went wrong is a warning.
     """
     if error is None or isinstance(error, (KeyboardInterrupt, SystemExit)):
-        return farewell.unseen or farewell.unstopped or unwritten
-    unstopped = None if isinstance(error, RobotLost) else farewell.unstopped
+        return result.unseen or result.unstopped or unwritten
+    unstopped = None if isinstance(error, RobotLost) else result.unstopped
     for problem in filter(None, (unstopped, unwritten)):
         warnings.warn(str(problem), RuntimeWarning, stacklevel=4)
     return None
@@ -366,3 +371,6 @@ def _steering(offset_rad: float) -> str:
 def _obey(text: str, answer: Answer) -> None:
     if not answer.verdict.accepted:
         raise refused(text, answer.verdict)
+
+
+Robot = RobotBoard  # the name in earlier scripts

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..model.errors import BadInput
-from .robot import Robot
+from .robot import RobotBoard
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class RobotMatch:
     what: str
     cure: str
 
-    def check(self, robot: Robot) -> None:
+    def check(self, robot: RobotBoard) -> None:
         """Raise BadInput, before anything moves, if the board moves other links."""
         moved = robot.hello.joints + 1
         if moved != self.links:

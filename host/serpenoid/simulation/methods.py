@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from .. import _core
-from ..model.drives import Servo
+
+if TYPE_CHECKING:
+    from ..model.drives import Servo
 
 
 @dataclass(frozen=True, slots=True)

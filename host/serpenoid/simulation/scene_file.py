@@ -64,8 +64,12 @@ def save_scene(scene: Scene, path: str | Path) -> None:
     """
     import tomli_w
 
+    write_whole(path, _HEAD + tomli_w.dumps({"format": FORMAT} | scene_values(scene)))
+
+
+def write_whole(path: str | Path, text: str) -> None:
+    """Write a text file, which is there whole or not at all. Raises SerpenoidError."""
     target = Path(os.path.realpath(path))
-    text = _HEAD + tomli_w.dumps({"format": FORMAT} | scene_values(scene))
     half_done = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         with half_done.open("w", encoding="utf-8") as file:

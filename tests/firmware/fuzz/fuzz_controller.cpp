@@ -2,7 +2,8 @@
 // always.
 //
 // A byte of 0x80 or more is a pause of so many milliseconds less 0x80, or one bare good line that
-// is sealed here, so that the fuzzer need not guess CRCs.
+// is sealed here, so that the fuzzer need not guess CRCs. A `!` before a pause that is long enough
+// for all bytes on their way has stopped the robot, whatever stands before it.
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -14,6 +15,8 @@
 using namespace firmware;
 
 namespace {
+
+const uint32_t kStoppedMs = 105;  // 2000 bytes on the wire and a frame
 
 void require(bool holds) {
     if (!holds) std::abort();
@@ -32,6 +35,10 @@ struct Watch {
             if (board.controller().state() == State::Idle) require(board.attached() == 0);
             for (uint8_t i = 0; i < kJoints; ++i) check_joint(i, state);
         }
+    }
+    bool stopped() const {
+        const State state = board.controller().state();
+        return state == State::Hold || state == State::Idle;
     }
     void check_joint(uint8_t i, State before) {
         const Settings& settings = board.controller().settings();
@@ -55,6 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     watch.board.boot(Reset::Power);
     std::string line;
     uint16_t number = 0;
+    bool key = false;  // the last byte was a `!`
     for (size_t i = 0; i < size; ++i) {
         const char byte = static_cast<char>(data[i]);
         line += byte;
@@ -68,16 +76,18 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             line.clear();
             watch.run(10);
         } else if (data[i] >= 0x80) {
-            watch.run(data[i] - 0x80u);
+            const uint32_t pause_ms = data[i] - 0x80u;
+            watch.run(pause_ms);
+            if (key && pause_ms >= kStoppedMs) require(watch.stopped());
         } else {
             watch.board.put(std::string(1, byte));
             if (byte == '\n') line.clear();
         }
+        key = data[i] == '!';
     }
     watch.run(40);
     watch.board.put("\n!\n");  // a stop always works
     watch.run(120);
-    const State state = watch.board.controller().state();
-    require(state == State::Hold || state == State::Idle);
+    require(watch.stopped());
     return 0;
 }

@@ -1,4 +1,5 @@
 // The whole controller on a simulated board: dialogue, motion, silence, stops, rollovers, saves.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -159,31 +160,65 @@ TEST_CASE("noise is no sign of life, a good line is") {
     CHECK(b.state() == State::Safe);
 }
 
-TEST_CASE("the stop key needs no line end, whatever came before it") {
-    for (const char* before :
-         {"", "x", "#12 gait 3", "\x01\x02\xFF",
-          "an overlong line with no end in sight, an overlong line with no end "
-          "in sight, an overlong line"}) {
-        for (const bool session : {false, true}) {
-            Bench b;
-            if (session) b.ask("hello");
-            session ? b.ask("gait 30 80 5", 0.5) : b.type("gait 30 80 5", 0.5);
-            const std::string verdict = b.raw(std::string(before) + "!", 0.06);
-            CHECK(b.state() == State::Hold);
-            CHECK(verdict == "ok: #!");
-            const double held = b.angle_deg(2);
-            b.run(5);
-            CHECK(b.angle_deg(2) == held);
-            CHECK(b.state() == State::Hold);
+TEST_CASE("nothing swallows a stop: neither what stands before it, nor a pause, nor what follows") {
+    const std::string befores[] = {"",
+                                   "x",
+                                   "#9 pin",
+                                   "#12 gait 3",
+                                   "\xFF",
+                                   std::string("\x00\xFE\x80", 3),
+                                   "sto",
+                                   "#9 ping *",
+                                   "an overlong line with no end in sight, an overlong line with "
+                                   "no end in sight, an overlong"};
+    const std::string afters[] = {"", "\n", "\xFF", "x\n", " *1234\n"};
+    for (const std::string& before : befores) {
+        for (const std::string& after : afters) {
+            for (const double pause_s : {0.0, 0.15}) {
+                for (const bool session : {false, true}) {
+                    CAPTURE(before);
+                    CAPTURE(after);
+                    CAPTURE(pause_s);
+                    CAPTURE(session);
+                    Bench b;
+                    if (session) b.ask("hello");
+                    session ? b.ask("gait 30 80 5", 0.2) : b.type("gait 30 80 5", 0.2);
+                    b.raw(before, pause_s);
+                    const size_t heard = b.lines.size();
+                    b.raw("!" + after, 0.024);
+                    CHECK(b.state() == State::Hold);
+                    REQUIRE(b.lines.size() >= heard + 2);
+                    CHECK(b.lines[heard] == "state: hold why=key");
+                    CHECK(b.lines[heard + 1] == "ok: #!");
+                    const double held = b.angle_deg(2);
+                    b.run(0.3);
+                    CHECK(b.angle_deg(2) == held);
+                    CHECK(b.state() == State::Hold);
+                }
+            }
         }
     }
 }
 
-TEST_CASE("a stop key inside a line is text") {
+TEST_CASE("a line that ends in stop is a stop, after a partial line and noise too") {
+    for (const char* before : {"", "#9 pin", "\xFF", "sto", "s"}) {
+        Bench b;
+        b.ask("hello");
+        b.ask("gait 30 80 5", 0.2);
+        b.raw(before, 0.15);
+        b.raw("stop\n", 0.03);
+        CHECK(b.state() == State::Hold);
+        CHECK(std::count(b.lines.begin(), b.lines.end(), "ok: #-") == 1);
+    }
+}
+
+TEST_CASE("a ! ends the line it stands in: nothing of that line is obeyed") {
     Bench b;
     b.type("gait 30 80 5", 0.2);
-    b.type("p!ng");
-    CHECK(b.state() == State::Gait);
+    b.raw("gait 20 80!", 0.03);
+    CHECK(b.starts(b.type(" 5"), "err: #- command"));
+    CHECK(b.state() == State::Hold);
+    CHECK(b.type("ping") == "ok: #-");
 }
 
 TEST_CASE("a bare stop is obeyed inside a session, anything else bare is not") {
@@ -352,15 +387,15 @@ TEST_CASE("answers leave room for telemetry however many lines ask for one; moti
           std::string::npos);
 }
 
-TEST_CASE("garbled, overlong and unfinished lines are told and counted") {
+TEST_CASE("garbled and overlong lines are told and counted, slow ones are lines") {
     Bench b;
     CHECK(b.starts(b.raw("st\x02op\n"), "err: #? garbled"));
     CHECK(b.starts(b.raw(std::string(81, 'a') + "\n"), "err: #? overlong"));
     CHECK(b.starts(b.raw("ping *0000\n"), "err: #? crc"));
     b.ask("hello");
-    CHECK(b.starts(b.raw("#2 pi", 0.2), "err: #? garbled"));
-    CHECK(b.ask("ping") == "ok: #2");
-    CHECK(b.counters().garbled == 2);
+    CHECK(b.raw("#2 pi", 3) == "");  // a line may take its time
+    CHECK(b.raw(sealed("#2 ping").substr(5)) == "ok: #2");
+    CHECK(b.counters().garbled == 1);
     CHECK(b.counters().overlong == 1);
     CHECK(b.counters().crc == 1);
 }
@@ -429,19 +464,39 @@ TEST_CASE("a stop ends the attaching too, and what is limp stays limp until told
     CHECK(b.board.attached() == kJoints);
 }
 
-TEST_CASE("safe may go limp after a while") {
+TEST_CASE("a robot that stands still goes limp when its host has been gone for a while") {
+    for (const char* still : {"pose bent 10", "gait 30 80 5", "stop"}) {
+        CAPTURE(still);
+        Bench b;
+        b.type("set limp 5");
+        b.type("gait 30 80 5", 1);
+        for (int k = 0; k < 12; ++k) b.type("ping", 1);  // its host is there
+        CHECK(b.state() == State::Gait);
+        b.type(still, 4.9);
+        const bool stopped = still[0] == 's', posed = still[0] == 'p';
+        CHECK(b.state() == (stopped ? State::Hold : posed ? State::Pose : State::Safe));
+        b.run(0.3);
+        CHECK(b.state() == State::Idle);
+        CHECK(b.lines.back() == "state: idle why=limp");
+        CHECK(b.board.attached() == 0);
+    }
+}
+
+TEST_CASE("silence while servos are being attached makes those limp that are") {
     Bench b;
-    b.type("set limp 3");
-    b.type("gait 30 80 5", 2.2);
-    CHECK(b.state() == State::Safing);
-    b.run(2);
-    CHECK(b.state() == State::Safe);
-    b.run(1.5);
-    CHECK(b.state() == State::Safe);
-    b.run(1.5);
+    b.type("set silence 0.2");
+    b.type("pose straight", 0.15);
+    CHECK(b.board.attached() == 2);
+    b.run(0.1);
     CHECK(b.state() == State::Idle);
-    CHECK(b.lines.back() == "state: idle why=limp");
+    CHECK(b.lines.back() == "state: idle why=silence");
     CHECK(b.board.attached() == 0);
+    b.type("pose straight", 0.15);
+    b.board.put("status\n");
+    b.run(0.03);
+    bool told = false;
+    for (const std::string& line : b.lines) told = told || line.find(" attached=2 ") < line.size();
+    CHECK(told);
 }
 
 TEST_CASE("silence off is saved when asked for twice, and told in the greeting") {

@@ -102,12 +102,11 @@ TEST_CASE("an envelope is a number, a body and a CRC, the first and the last opt
     }
 }
 
-TEST_CASE("only stop and the stop key stand bare") {
-    CHECK(is_bare_stop("stop", 4));
-    CHECK(is_bare_stop("!", 1));
-    CHECK_FALSE(is_bare_stop("stop ", 5));
-    CHECK_FALSE(is_bare_stop("!!", 2));
-    CHECK_FALSE(is_bare_stop("", 0));
+TEST_CASE("a line that ends in stop") {
+    CHECK(ends_in_stop("stop", 4));
+    CHECK(ends_in_stop("#9 pinstop", 10));
+    CHECK_FALSE(ends_in_stop("stop ", 5));
+    CHECK_FALSE(ends_in_stop("top", 3));
 }
 
 TEST_CASE("numbers are millionths, exactly, or nothing") {
@@ -171,6 +170,10 @@ TEST_CASE("commands") {
     CHECK_FALSE(c.unattended);
     CHECK(parse("save unattended", c).none());
     CHECK(c.unattended);
+    CHECK_FALSE(c.replaces);
+    CHECK(parse("save replace unattended", c).none());
+    CHECK(c.unattended);
+    CHECK(c.replaces);
     CHECK(parse("trim 5 scale 600.5", c).none());
     CHECK(c.joint == 4);
     CHECK(c.field == kScale);
@@ -226,7 +229,6 @@ TEST_CASE("80 bytes are a line, 81 are not; a fault is told once, at the line's 
         const uint8_t byte = static_cast<uint8_t>(code);
         LineReader reader;
         CHECK(reader.push(byte) == LineReader::kNothing);
-        CHECK(reader.partial());
         CHECK(reader.push('\n') == LineReader::kGarbled);
     }
 }
@@ -243,48 +245,64 @@ std::string stops(Input& in, const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("a stop alone between line ends is seen as it arrives, anything else is not") {
-    for (const char* seen : {"!\n", "\r!\r", "x\n!\n", "!!\n!\n", "stop ping\n!\n"}) {
+TEST_CASE("any ! is a stop as it arrives, so is the end of a line that ends in stop") {
+    for (const char* seen : {"!", "x!", "p!ng", "\xFF!\x80", "sto!p\n", "stop!", "#9 gait 3!0"}) {
         Input in;
         CHECK(stops(in, seen) == "!");
     }
-    for (const char* seen : {"stop\n", "\nstop\r\n", "sto\nstop\n", "stopstop\nstop\n"}) {
+    for (const char* seen : {"stop\n", "stop\r\n", "sto\nstop\n", "#9 pinstop\n", "\xFFstop\n",
+                             "sstop\r", "stostop\n", "stopstop\n"}) {
         Input in;
         CHECK(stops(in, seen) == "s");
     }
-    for (const char* text :
-         {"!", "stop", "p!ng\n", "x!\n", " !\n", "stop \n", "sstop\n", "sto\n"}) {
+    for (const char* text : {"stop", "stop \n", "sto\n", "st op\n", "stop*\n"}) {
         Input in;
         CHECK(stops(in, text) == "");
     }
     Input in;
-    CHECK(stops(in, "stop\n!\nstop\n!\n") == "!!ss");
+    CHECK(stops(in, "stop\n!\nstop\n!!\n") == "!!!ss");
 }
 
 TEST_CASE("a stop is seen though the queue is full, and marks what came before it") {
     Input in;
     CHECK(stops(in, std::string(500, 'a') + "\n!\n") == "!");
     CHECK(in.full() > 0);
-    CHECK_FALSE(in.at_mark());
     int bytes = 0;
     int16_t last = 0;
-    while (!in.at_mark()) {
-        last = in.pop();
-        REQUIRE(last >= 0);
-        ++bytes;
+    for (int16_t byte; (byte = in.pop()) != Input::kStopHere; last = byte, ++bytes) {
+        REQUIRE(byte >= 0);
+        CHECK(in.before_stop());
     }
+    CHECK_FALSE(in.before_stop());
     CHECK(bytes == int{Input::kSize} - 1);
     CHECK(last == int{Input::kHole});  // the line that lost bytes is told to be damaged
-    CHECK(in.pop() == -1);
+    CHECK(in.pop() == int{Input::kNothing});
 }
+
+TEST_CASE("a ! does not enter the queue; where it stood is told once") {
+    Input in;
+    CHECK(stops(in, "ab!cd") == "!");
+    std::string popped;
+    for (int16_t byte; (byte = in.pop()) != Input::kNothing;) {
+        popped += byte == Input::kStopHere ? '|' : static_cast<char>(byte);
+        CHECK(in.before_stop() == (popped.find('|') == std::string::npos));
+    }
+    CHECK(popped == "ab|cd");
+}
+
+namespace {
+
+uint8_t next(uint8_t byte) { return static_cast<uint8_t>(byte + 1 == '!' ? '!' + 1 : byte + 1); }
+
+}  // namespace
 
 TEST_CASE("bytes come out as they went in, over many turns of the queue") {
     Input in;
     uint8_t to = 0, from = 0;
     std::mt19937 random(9);
     for (int k = 0; k < 2000; ++k) {
-        for (unsigned long n = random() % 60; n > 0; --n) in.push(++to);
-        for (int16_t byte; (byte = in.pop()) >= 0;) CHECK(byte == ++from);
+        for (unsigned long n = random() % 60; n > 0; --n) in.push(to = next(to));
+        for (int16_t byte; (byte = in.pop()) >= 0;) CHECK(byte == (from = next(from)));
     }
     CHECK(in.full() == 0);
     in.lose();

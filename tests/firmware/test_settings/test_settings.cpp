@@ -40,13 +40,28 @@ struct Memory : Eeprom {
     }
 };
 
-bool save(Memory& memory, const Settings& settings) {
-    Store store(memory);
+// A store that has looked for copies, as at a start.
+struct Started : Store {
+    explicit Started(Memory& memory, Settings& settings) : Store(memory) {
+        Store::load(settings);
+        end();
+    }
+    int end() {
+        int slices = 0;
+        for (; busy() && slices < 2000; ++slices) step();
+        REQUIRE_FALSE(busy());
+        return slices;
+    }
+};
+
+Found load(Memory& memory, Settings& settings) { return Started(memory, settings).found(); }
+
+bool save(Memory& memory, Settings settings) {
+    Settings before = default_settings();
+    Started store(memory, before);
     store.save(settings);
-    bool good = false;
-    for (int k = 0; k < 1000 && store.saving(); ++k) store.step(good);
-    REQUIRE_FALSE(store.saving());
-    return good;
+    store.end();
+    return store.good();
 }
 
 bool same(const Settings& a, const Settings& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -109,7 +124,7 @@ void seal_copy(Memory& memory, uint8_t slot) {
 TEST_CASE("a new EEPROM is new, and leaves the defaults alone") {
     Memory memory;
     Settings settings = default_settings();
-    CHECK(Store(memory).load(settings) == Found::New);
+    CHECK(load(memory, settings) == Found::New);
     CHECK(same(settings, default_settings()));
 }
 
@@ -118,7 +133,7 @@ TEST_CASE("what is saved comes back, many times over") {
     for (uint32_t k = 0; k < 20; ++k) {
         CHECK(save(memory, some_settings(k)));
         Settings settings = default_settings();
-        CHECK(Store(memory).load(settings) == Found::Ok);
+        CHECK(load(memory, settings) == Found::Ok);
         CHECK(same(settings, some_settings(k)));
     }
 }
@@ -132,7 +147,7 @@ TEST_CASE("the serial number may wrap") {
     for (uint32_t k = 1; k < 4; ++k) {
         REQUIRE(save(memory, some_settings(k)));
         Settings settings = default_settings();
-        CHECK(Store(memory).load(settings) == Found::Ok);
+        CHECK(load(memory, settings) == Found::Ok);
         CHECK(same(settings, some_settings(k)));
     }
 }
@@ -153,7 +168,7 @@ TEST_CASE("power that fails in any byte of a save leaves the old settings or the
             save(memory, some_settings(3));
             memory.writes_left = -1;
             Settings settings = default_settings();
-            const Found found = Store(memory).load(settings);
+            const Found found = load(memory, settings);
             const bool usable = found == Found::Ok || found == Found::Older;
             CAPTURE(cut);
             CAPTURE(torn);
@@ -162,7 +177,7 @@ TEST_CASE("power that fails in any byte of a save leaves the old settings or the
                 same(settings, some_settings(2)) || same(settings, some_settings(3));
             CHECK(old_or_new);
             CHECK(save(memory, some_settings(4)));  // and the next save works
-            CHECK(Store(memory).load(settings) != Found::Damaged);
+            CHECK(load(memory, settings) != Found::Damaged);
             CHECK(same(settings, some_settings(4)));
         }
     }
@@ -174,7 +189,7 @@ TEST_CASE("a cut in the very first save leaves a new EEPROM") {
         memory.writes_left = cut;
         save(memory, some_settings(1));
         Settings settings = default_settings();
-        CHECK(Store(memory).load(settings) == Found::New);
+        CHECK(load(memory, settings) == Found::New);
         CHECK(same(settings, default_settings()));
     }
 }
@@ -185,11 +200,11 @@ TEST_CASE("a byte that goes bad later costs one copy, two cost the settings, and
     REQUIRE(save(memory, some_settings(2)));
     memory.bytes[Store::slot_at(1) + 20] ^= 0x10;
     Settings settings = default_settings();
-    CHECK(Store(memory).load(settings) == Found::Older);
+    CHECK(load(memory, settings) == Found::Older);
     CHECK(same(settings, some_settings(1)));
     memory.bytes[Store::slot_at(0) + 20] ^= 0x10;
     settings = default_settings();
-    CHECK(Store(memory).load(settings) == Found::Damaged);
+    CHECK(load(memory, settings) == Found::Damaged);
     CHECK(same(settings, default_settings()));
 }
 
@@ -253,7 +268,7 @@ TEST_CASE("a copy by an older firmware is taken over, wherever it stood, and sav
         write_layout_1(memory, newest_at == 64 ? 256 : 64, 4, some_settings(8));
         write_layout_1(memory, newest_at, 5, old);
         Settings settings = default_settings();
-        CHECK(Store(memory).load(settings) == Found::Migrated);
+        CHECK(load(memory, settings) == Found::Migrated);
         CHECK(std::memcmp(settings.trim_u, old.trim_u, sizeof old.trim_u) == 0);
         for (int i = 0; i < 6; ++i) CHECK(settings.value_u[i] == old.value_u[i]);
         CHECK(settings.value_u[kLimp] == setting_field(kLimp).default_u);
@@ -263,12 +278,12 @@ TEST_CASE("a copy by an older firmware is taken over, wherever it stood, and sav
             save(half, settings);
             half.writes_left = -1;
             Settings found = default_settings();
-            Store(half).load(found);
+            load(half, found);
             REQUIRE(same(found, settings));
         }
         for (const uint32_t seed : {20, 21, 22}) {
             REQUIRE(save(memory, some_settings(seed)));
-            CHECK(Store(memory).load(settings) == Found::Ok);
+            CHECK(load(memory, settings) == Found::Ok);
             CHECK(same(settings, some_settings(seed)));
         }
     }
@@ -285,7 +300,7 @@ TEST_CASE("a copy for another number of joints keeps what both have") {
     record[end] = static_cast<uint8_t>(crc >> 8);
     record[end + 1] = static_cast<uint8_t>(crc & 0xFF);
     Settings settings = default_settings();
-    CHECK(Store(memory).load(settings) == Found::Migrated);
+    CHECK(load(memory, settings) == Found::Migrated);
     Settings wanted = some_settings(3);
     for (int f = 0; f < kTrimFieldCount; ++f) {
         wanted.trim_u[kJoints - 1][f] = default_settings().trim_u[kJoints - 1][f];
@@ -303,7 +318,7 @@ TEST_CASE("a whole copy with a value out of its range is refused like a damaged 
         seal_copy(memory, 1);
         Settings settings = default_settings();
         CAPTURE(value);
-        CHECK(Store(memory).load(settings) == Found::Older);
+        CHECK(load(memory, settings) == Found::Older);
         CHECK(same(settings, some_settings(1)));
     }
     Memory memory;  // each in its range, but together beyond the pulses of a servo
@@ -311,6 +326,80 @@ TEST_CASE("a whole copy with a value out of its range is refused like a damaged 
     wide.trim_u[0][kScale] = 1200000000;
     REQUIRE(save(memory, wide));
     Settings settings = default_settings();
-    CHECK(Store(memory).load(settings) == Found::Damaged);
+    CHECK(load(memory, settings) == Found::Damaged);
     CHECK(same(settings, default_settings()));
+}
+
+TEST_CASE("a copy of a newer firmware is told, and lost only when asked for") {
+    const auto newer_layout = [](Memory& memory) {
+        memory.bytes[Store::slot_at(0) + 1] = Store::kLayout + 1;
+    };
+    const auto more_settings = [](Memory& memory) {
+        uint8_t* const record = &memory.bytes[Store::slot_at(0)];
+        record[4] = kSettingCount + 1;  // the first trim is read as a setting, the rest moves down
+        record[5] = kJoints - 1;
+        uint16_t crc = kCrcStart;
+        const int end = Store::kRecord - 2 - 4 * (kTrimFieldCount - 1);
+        for (int i = 1; i < end; ++i) crc = crc16_next(crc, record[i]);
+        record[end] = static_cast<uint8_t>(crc >> 8);
+        record[end + 1] = static_cast<uint8_t>(crc & 0xFF);
+        // what is now each joint's centre was its scale: give all fields values that can be
+        for (int j = 0; j < kJoints - 1; ++j) {
+            const int32_t fine[] = {1500000000, 573000000, 1000000, -90000000, 90000000};
+            std::memcpy(record + Store::kHead + 4 * (kSettingCount + 1 + j * kTrimFieldCount), fine,
+                        sizeof fine);
+        }
+        crc = kCrcStart;
+        for (int i = 1; i < end; ++i) crc = crc16_next(crc, record[i]);
+        record[end] = static_cast<uint8_t>(crc >> 8);
+        record[end + 1] = static_cast<uint8_t>(crc & 0xFF);
+    };
+    Memory first;
+    REQUIRE(save(first, some_settings(1)));
+    for (const bool layout : {true, false}) {
+        Memory memory = first;
+        layout ? newer_layout(memory) : more_settings(memory);
+        Settings settings = default_settings();
+        Started store(memory, settings);
+        CHECK(store.found() == Found::Newer);
+        CHECK(store.newer());
+        CHECK(store.loaded() == !layout);
+        Settings wanted = some_settings(2);
+        store.save(wanted);
+        store.end();
+        CHECK(store.good());
+        CHECK_FALSE(store.newer());
+        CHECK(load(memory, settings) == Found::Ok);
+        CHECK(same(settings, wanted));
+    }
+    Memory memory = first;  // an older copy of ours beside it is used
+    REQUIRE(save(memory, some_settings(2)));
+    newer_layout(memory);
+    Settings settings = default_settings();
+    CHECK(load(memory, settings) == Found::Newer);
+    CHECK(same(settings, some_settings(2)));
+}
+
+TEST_CASE("no slice of a load or save reads or writes more than a frame may wait") {
+    struct Counting : Memory {
+        int reads = 0;
+        uint8_t read(uint16_t address) override {
+            ++reads;
+            return Memory::read(address);
+        }
+    };
+    Counting memory;
+    REQUIRE(save(memory, some_settings(1)));
+    REQUIRE(save(memory, some_settings(2)));
+    Settings settings = default_settings();
+    Store store(memory);
+    for (const bool saves : {false, true}) {
+        saves ? store.save(settings) : store.load(settings);
+        while (store.busy()) {
+            memory.reads = memory.writes = 0;
+            store.step();
+            CHECK(memory.reads <= 60);  // some 5 us each on a Uno
+            CHECK(memory.writes <= 1);
+        }
+    }
 }

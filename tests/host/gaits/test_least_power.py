@@ -110,14 +110,14 @@ def test_limits_are_kept_and_named(limits, name: str) -> None:
     assert best.active == (name,)
     assert best.power_w > free.power_w
     torque = peak_torque_nm(PAPER, VISCOUS, best.gait)
-    assert min(limits.room(best.gait, torque).values()) > -2e-3
+    assert min(limits.margins(best.gait, torque).values()) > -2e-3
     # along the limit no neighbour at the same speed is cheaper
     for factor in (0.98, 1.02):
         other = finder(PAPER, VISCOUS, [0.5], "power", limits).search.point(
             np.array(GaitShape.of(best.gait.alpha_rad, factor * best.gait.beta_rad)), 0.5,
             best.gait.omega_rad_s, 1e-8,
         )  # fmt: skip
-        assert other.room < 0 or other.value > math.log(best.power_w) - 1e-6
+        assert other.margin < 0 or other.value > math.log(best.power_w) - 1e-6
 
 
 def test_a_speed_beyond_the_limits_names_the_fastest() -> None:
@@ -177,7 +177,7 @@ def test_wheels_on_rails_cost_less_the_less_they_bend() -> None:
         assert s.speed_m_s == pytest.approx(0.2 * SMALL.link_length_m / 0.3, rel=0.03)
         watts.append(s.abs_power_w)
     assert watts[1] < 0.5 * watts[0]
-    with pytest.raises(sn.BadInput, match="the less the joints bend the less power"):
+    with pytest.raises(sn.BadInput, match="less the joints bend, the less power"):
         sn.least_power_gait(SMALL, rails, speed_m_s=0.05)
 
 
@@ -219,7 +219,7 @@ def test_dry_optima_within_limits_lie_in_other_valleys(limits, speed, at_most_w)
     best = sn.least_power_gait(OF_2005, BINGHAM, speed_m_s=speed, limits=limits)
     assert best.power_w < at_most_w
     assert best.speed_m_s == pytest.approx(speed, rel=1e-4)
-    assert min(limits.room(best.gait).values()) > -2e-3
+    assert min(limits.margins(best.gait).values()) > -2e-3
 
 
 def test_wider_limits_never_cost_more_on_dry_ground() -> None:

@@ -28,7 +28,8 @@ def pio(tmp_path, monkeypatch):
 
     def write(script: str) -> Path:
         path = folder / "pio"
-        path.write_text(f'#!/bin/sh\necho "$@" > {folder}/arguments\n{script}\n')
+        kept = f'echo "$@" > {folder}/arguments; echo "$PLATFORMIO_BUILD_FLAGS" > {folder}/flags'
+        path.write_text(f"#!/bin/sh\n{kept}\n{script}\n")
         path.chmod(0o755)
         return folder / "arguments"
 
@@ -47,6 +48,30 @@ def test_success_ends_with_the_greeting(pio, serpenoid):
     )
 
 
+def test_joints_and_output_become_build_flags(pio, serpenoid, monkeypatch):
+    monkeypatch.setenv("PLATFORMIO_BUILD_FLAGS", "-D MINE")
+    arguments = pio(f"{BUILT}; exit 0")
+    with FakeBoard() as board:
+        options = ("--board", "uno", "--port", board.port, "--output", "pca9685")
+        assert serpenoid("flash", *options)[0] == 0
+        flags = arguments.with_name("flags").read_text()
+        assert flags == "-D MINE -D SERPENOID_JOINTS=5 -D SERPENOID_PCA9685\n"
+        status, _, errors = serpenoid("flash", *options, "--joints", "7")
+    assert status == 1
+    assert "greets with 5 joints, built were 7" in errors
+
+
+@pytest.mark.parametrize(("board", "joints"), [("uno", 9), ("uno", 1), ("mega", 13)])
+def test_joints_that_a_board_cannot_have_are_refused(pio, serpenoid, board, joints):
+    arguments = pio("exit 0")
+    with FakeBoard() as fake:
+        options = ("--board", board, "--port", fake.port, "--joints", str(joints))
+        status, _, errors = serpenoid("flash", *options)
+    assert status == 2
+    assert f"joints is {joints}; the {board} takes 2 to" in errors
+    assert not arguments.exists()
+
+
 @pytest.mark.parametrize(
     ("script", "said"),
     [
@@ -55,7 +80,10 @@ def test_success_ends_with_the_greeting(pio, serpenoid):
         ("echo \"Error: Unknown environment names 'mega'\"; exit 1", "platformio.ini has no"),
         (f'{BUILT}; echo "stk500_getsync(): not in sync"; exit 1', "boot loader does not answer"),
         (f'{BUILT}; echo "can\'t open device /dev/x"; exit 1', "serpenoid doctor"),
-        (f'{BUILT}; echo "avrdude: Expected signature for ATmega328P is"; exit 1', "another chip"),
+        (
+            f'{BUILT}; echo "avrdude: Expected signature for ATmega328P is"; exit 1',
+            "another chip",
+        ),
         (f'{BUILT}; echo "*** [upload] Error 1"; exit 7', "the upload failed (pio exited 7)"),
     ],
 )
@@ -212,7 +240,7 @@ def test_interrupted_before_the_upload_the_board_is_whole(pio):
 
 
 def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):
-    monkeypatch.setattr("serpenoid.robot.wire.culprit.is_pseudo_terminal", lambda _: False)
+    monkeypatch.setattr("serpenoid.robot.wire.port_diagnosis.is_pseudo_terminal", lambda _: False)
     arguments = pio("exit 0")
     with FakeBoard() as board, open(board.port, "rb"):
         status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)

@@ -12,7 +12,7 @@ from robot.fake_board import FakeBoard, sealed
 from serpenoid.model.errors import BadInput, DamagedLine
 from serpenoid.model.toml_table import Table
 from serpenoid.robot import Robot
-from serpenoid.robot.wire import culprit
+from serpenoid.robot.wire import port_diagnosis
 from serpenoid.robot.wire.protocol import Data, parse
 from serpenoid.robot.wire.reports import settings_of, status_of, trims_of
 
@@ -142,12 +142,12 @@ def test_long_lists_of_numbers_and_prose_pass(tmp_path):
 
 
 def test_a_file_without_end_is_refused():
-    with pytest.raises(BadInput, match="larger than"):
+    with pytest.raises(BadInput, match="regular file"):
         Table.load(Path("/dev/zero"))
 
 
 def test_nobody_is_told_to_join_root(monkeypatch):
     monkeypatch.setattr("grp.getgrgid", lambda _: SimpleNamespace(gr_name="root"))
-    said = culprit.why_forbidden("/dev/null")
+    said = port_diagnosis.why_forbidden("/dev/null")
     assert "usermod -aG root" not in said
     assert "udev" in said

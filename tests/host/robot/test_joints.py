@@ -8,7 +8,7 @@ import pytest
 from robot.fake_board import sealed
 from serpenoid.calibration.taking.board_run import board_gait
 from serpenoid.model.bends import balanced_signs, joint_multiples
-from serpenoid.model.errors import BadInput
+from serpenoid.model.errors import BadInput, CommandRefused
 from serpenoid.model.gait import Gait
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.stream import load_stream
@@ -122,3 +122,29 @@ def telemetry(frame: int) -> bytes:
         f"t:{frame} {angles} board_us={board_us} ph=0.000 p={pulses} exec_us=1 late_us=0 clipped=0"
         " st=hold"
     )
+
+
+@pytest.mark.parametrize("number", range(3, 13))
+def test_any_number_of_joints_takes_the_balanced_bend(number):
+    with Robot(f"virtual:fast:joints={number}") as robot:
+        assert robot.hello.joints == number
+        robot.set("pose_speed", 360)
+        robot.bent(0.2, -0.03)
+        *_, frame = robot.frames(1.0 + 0.15 * number)
+        bent = [0.2 * k - 0.03 for k in joint_multiples(balanced_signs(number + 1))]
+        assert frame.setpoint_rad == pytest.approx(bent, abs=2e-4)
+
+
+def test_three_links_have_no_balanced_bend():
+    with Robot("virtual:joints=2:fast") as robot:
+        with pytest.raises(CommandRefused, match=r"three links.*guide the robot"):
+            robot.bent(0.1)
+        robot.zigzag(0.1, 0.02)
+        *_, frame = robot.frames(1.5)
+        assert frame.setpoint_rad == pytest.approx([0.22, -0.18], abs=2e-4)
+
+
+@pytest.mark.parametrize("port", ["virtual:joints=13", "virtual:joints=", "virtual:quick"])
+def test_no_such_virtual_board(port):
+    with pytest.raises(BadInput, match="2 to 12 joints"), Robot(port):
+        pass

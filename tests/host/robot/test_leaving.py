@@ -11,10 +11,10 @@ import sys
 import time
 
 import pytest
-from robot.fake_board import FakeBoard
+from robot.fake_board import FakeBoard, honest
 from robot.patience import LONG_S, until
 from serpenoid import Gait
-from serpenoid.model.errors import RobotUnattended
+from serpenoid.model.errors import RobotReset, RobotUnattended
 from serpenoid.robot import Robot
 
 GAIT = Gait(alpha_rad=math.radians(30), beta_rad=math.radians(80), omega_rad_s=5.0)
@@ -128,6 +128,21 @@ def test_a_second_ctrl_c_waits_until_the_robot_has_been_left():
         assert not fake.board.session
 
 
+@pytest.mark.parametrize("word", [b"!", b" stop *"])
+def test_a_reset_at_the_moment_of_the_stop_is_told(word):
+    with FakeBoard() as fake:
+
+        def reset(line: bytes) -> bytes:
+            if word in line:
+                fake.to_board = honest
+                fake.reset("brownout")
+            return line
+
+        with pytest.raises(RobotReset, match="brownout"), Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            fake.to_board = reset
+
+
 def test_handlers_are_given_back():
     before = [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     with Robot("virtual:fast"):
@@ -199,6 +214,7 @@ def test_a_process_that_was_suspended_is_told_that_the_board_went_safe():
     with FakeBoard() as fake, Robot(fake.port) as robot:
         robot.set("silence", 0.2)
         robot.gait(GAIT)
+        fake.goes_on(0.7)  # until all servos are attached
         with robot._dialogue._talking:  # nobody can speak, as if the whole process slept
             assert fake.await_state("safe")
         assert until(lambda: robot._dialogue.inbox.notice)

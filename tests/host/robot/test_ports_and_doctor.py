@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 from robot.fake_board import FakeBoard, eeprom_after, nothing, sealed
 from serpenoid.robot.tools import doctor
-from serpenoid.robot.wire import culprit, ports
+from serpenoid.robot.wire import port_diagnosis, ports
 
 FAST = {"listen_s": 0.3, "timeout_s": 2.0}
 
@@ -103,7 +103,7 @@ def test_a_port_that_may_not_be_opened(monkeypatch):
 
 
 def test_a_port_in_use_names_who(monkeypatch):
-    monkeypatch.setattr(ports.culprit, "is_pseudo_terminal", lambda _: False)
+    monkeypatch.setattr(ports.port_diagnosis, "is_pseudo_terminal", lambda _: False)
     hold = "import sys; f = open(sys.argv[1], 'rb'); print('up', flush=True); sys.stdin.read()"
     with FakeBoard() as board:
         other = subprocess.Popen(
@@ -119,8 +119,8 @@ def test_a_port_in_use_names_who(monkeypatch):
 
 
 def test_of_a_crowd_some_are_named():
-    crowd = [culprit.Holder(10**7 + i, "cat") for i in range(30)]
-    said = culprit.why_held("/dev/ttyX", crowd)
+    crowd = [port_diagnosis.Holder(10**7 + i, "cat") for i in range(30)]
+    said = port_diagnosis.why_held("/dev/ttyX", crowd)
     assert "(process 10000002) and 27 more; close it" in said
     assert "10000003" not in said
 
@@ -131,7 +131,7 @@ def test_who_plays_a_board_may_hold_its_port():
 
 
 def test_a_service_that_meddles_is_a_note(monkeypatch):
-    monkeypatch.setattr(doctor.culprit, "running", lambda name: name == "ModemManager")
+    monkeypatch.setattr(doctor.port_diagnosis, "running", lambda name: name == "ModemManager")
     with FakeBoard() as board:
         found = {f.name: f for f in doctor.examine(board.port, **FAST)}
         assert found["ModemManager"].mark == "note"

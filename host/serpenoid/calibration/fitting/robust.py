@@ -3,11 +3,11 @@
 A residual's density is (1 - e) N(r; 0, 1) + e N(r; 0, K^2): good as stated, or, with chance e, a
 misreading that is K times as far out. The likelihood is climbed by expectation and maximisation:
 g_i, the chance that reading i is good, weighs its square in the next joint fit. It has several
-summits, since a line follows its outlier; so it is climbed from all readings, from those left
-when the worst one, two, ... are taken out in turn, and without each of the worst few. Each summit
+modes, since a line follows its outlier; so it is climbed from all readings, from those left
+when the worst one, two, ... are taken out in turn, and without each of the worst few. Each mode
 is taken for a normal distribution by its curvature, and the answer is their mixture's mean and
 covariance: a reading in doubt, or a choice between two stories, widens the intervals. Of many
-readings no single one makes a summit, and the climb begins from all of them alone.
+readings no single one makes a mode, and the climb begins from all of them alone.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ _MANY = 300  # readings
 
 
 @dataclass(frozen=True)
-class Summit:
-    """One summit of the likelihood: the weighted minimum and each reading's chance to be good.
+class FitMode:
+    """One mode of the likelihood: the weighted minimum and each reading's chance to be good.
 
     height: log of its share of the whole likelihood, but for a constant.
     """
@@ -39,20 +39,20 @@ class Summit:
     height: float
 
 
-def robust_minimum(data: FitData, plain: Minimum) -> Summit:
-    """Return the mixture of the summits found, about the best one; raises NotConverged."""
-    summits: list[Summit] = []
+def robust_minimum(data: FitData, plain: Minimum) -> FitMode:
+    """Return the mixture of the modes found, about the best one; raises NotConverged."""
+    modes: list[FitMode] = []
     for x, good in _starts(data, plain):
-        summit = _climb(data, x, good)
-        if all(np.abs(summit.minimum.x - s.minimum.x).max() > 1e-4 for s in summits):
-            summits.append(summit)
-    summits = [s for s in summits if math.isfinite(s.height)]
-    if not summits:
+        mode = _climb(data, x, good)
+        if all(np.abs(mode.minimum.x - s.minimum.x).max() > 1e-4 for s in modes):
+            modes.append(mode)
+    modes = [s for s in modes if math.isfinite(s.height)]
+    if not modes:
         raise NotConverged(
             "the readings do not fix the unknowns of a robust fit; take method='joint', or more "
             "readings"
         )
-    return _mixture(summits)
+    return _mixture(modes)
 
 
 def _starts(data: FitData, plain: Minimum) -> list[tuple[Floats, Floats]]:
@@ -73,22 +73,22 @@ def _worst_first(found: Minimum, count: int) -> list[int]:
     return np.argsort(leave_one_out(found, count).chi2).tolist()
 
 
-def _mixture(summits: list[Summit]) -> Summit:
-    """Return mean and covariance of all summits; what is no number stays the best one's."""
-    best = max(summits, key=lambda s: s.height)
-    share = np.exp([s.height - best.height for s in summits])
+def _mixture(modes: list[FitMode]) -> FitMode:
+    """Return mean and covariance of all modes; what is no number stays the best one's."""
+    best = max(modes, key=lambda s: s.height)
+    share = np.exp([s.height - best.height for s in modes])
     share /= share.sum()
-    xs = np.array([s.minimum.x for s in summits])
+    xs = np.array([s.minimum.x for s in modes])
     mean = share @ xs
     spread = np.einsum("s,si,sj->ij", share, xs - mean, xs - mean)
     within = sum(
-        part * np.linalg.inv(s.minimum.information) for part, s in zip(share, summits, strict=True)
+        part * np.linalg.inv(s.minimum.information) for part, s in zip(share, modes, strict=True)
     )
     minimum = replace(best.minimum, x=mean, information=np.linalg.inv(within + spread))
-    return replace(best, minimum=minimum, good=share @ np.array([s.good for s in summits]))
+    return replace(best, minimum=minimum, good=share @ np.array([s.good for s in modes]))
 
 
-def _climb(data: FitData, x: Floats, good: Floats) -> Summit:
+def _climb(data: FitData, x: Floats, good: Floats) -> FitMode:
     for _ in range(_ROUNDS):
         x, before = minimise(data, x, _weights(good)).x, good
         good, _ = _chances(balance(x, data)[0])
@@ -99,14 +99,14 @@ def _climb(data: FitData, x: Floats, good: Floats) -> Summit:
     curved = _curved(found, good)
     priors = float(np.sum(found.residuals[len(data) :] ** 2)) / 2
     height = float(np.log(densities).sum()) - priors - _half_log_determinant(curved.information)
-    return Summit(curved, good, height)
+    return FitMode(curved, good, height)
 
 
 def _half_log_determinant(information: Floats) -> float:
     """Return half the logarithm of its determinant; inf where it is not positive definite.
 
     A minimum far out, where a friction is 0 and a reading's whole error with it, has slopes of
-    1e12 beside others of 1: rounding leaves no information there, and it is no summit.
+    1e12 beside others of 1: rounding leaves no information there, and it is no mode.
     """
     scale = np.sqrt(np.diag(information))
     eigenvalues = np.linalg.eigvalsh(information / np.outer(scale, scale))

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from ...robot.robot import Robot
+from ...robot.robot import RobotBoard
 
 RAMP_S = 4.0  # in which a board ramps into a gait
 PERIODS = 2
 
 
-def board_gait(robot: Robot, gait: Gait) -> Gait:
+def board_gait(robot: RobotBoard, gait: Gait) -> Gait:
     """Drive a gait and return the one that the board's set-points describe, in true seconds.
 
     Amplitude and lag are those of the set-points' fundamental over whole periods of the board, so

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from ...model.errors import BadInput
 from ...model.ground import Ground
@@ -23,7 +24,8 @@ from .steps import Step
 from .treadmill import MOST_STEPS, Posture, Treadmill, take_step
 
 _BACK = ("ct_back", "ft0_back")  # of ratchet wheels; as forwards unless given
-_TRUTH = ("incline_zero_deg", "belt_scale", "joint_sigma_deg", "disturbance_m_s", "misreads",
+_TRUTH = ("incline_zero_deg", "belt_scale", "mass_scale", "joint_sigma_deg", "link_spread",
+          "rolling_kg", "breakaway", "disturbance_m_s", "misreads", "hasty",
           "amplitude")  # fmt: skip
 Told = Callable[[Step], None]
 
@@ -64,10 +66,11 @@ def simulated_treadmill(
     ground = Ground(ct if back[0] is None else (ct, back[0]), cn,
                     ft0 if back[1] is None else (ft0, back[1]), fn0)  # fmt: skip
     given = {n: table.number(n) for n in _TRUTH if n in table.values}
-    truth = Truth(ground, **{
+    in_si: dict[str, Any] = {
         n.replace("_deg", "_rad"): math.radians(v) if n.endswith("_deg") else v
         for n, v in given.items()
-    })  # fmt: skip
+    }
+    truth = Truth(ground, **in_si)
     return SimulatedTreadmill(setup, truth, table.whole("seed"), gait_speed)
 
 

@@ -1,9 +1,9 @@
-"""A treadmill, a robot and a person that are not there, with a truth that is known and seeded.
+"""A person in the virtual lab who follows the procedure, with a truth that is known and seeded.
 
-The robot on the belt obeys m u' = F(slip) - m g sin(gamma) downhill, with friction summed over
-its links; friction at rest is set-valued, so below the least pull the wheels stick and the belt
-carries the robot away: no station. Everything a person reads goes through instruments that err as
-the set-up says they may, and now and then the person misreads.
+The robot obeys the lab's equations of motion on the belt, not a law of the fit: it yaws and leaves
+the belt unless it is steered, and below its least pull the belt carries it away. Everything that is
+read goes through instruments that err as the set-up says they may, and now and then the person
+misreads, or reads too early.
 """
 
 from __future__ import annotations
@@ -14,6 +14,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...lab.belt import Belt
+from ...lab.crawl import crawl_speed
+from ...lab.instruments import Instrument
+from ...lab.person import Display, Habits, Person
+from ...lab.robot import LabRobot, pose_of
 from ...model.bends import balanced_signs
 from ...model.gait import Gait
 from ...model.ground import Ground
@@ -23,9 +28,8 @@ from ..session import Session, Setup
 from .steps import Step
 
 GaitSpeed = Callable[[Robot, Ground, Gait], float]
-LOST_M_S = 0.12  # of drift: the robot is off the belt before it has settled
-CREEP_M_S = 0.03  # of slip: below it wheels stick and slip by turns
 RUN_M, RUN_S = 1.0, 40.0  # a gait run: so far, or so long at most
+START_M_S = 0.3  # of the belt, where nothing tells better
 
 
 @dataclass(frozen=True)
@@ -34,19 +38,40 @@ class Truth:
 
     ground: of the whole snake. incline_zero_rad: what the inclinometer shows where it is level.
     belt_scale: true belt speed over shown. incline_scale: the treadmill's true steps of grade over
-    those stated. joint_sigma_rad: of one bend as it comes out, before
-    the protractor tells. disturbance_m_s: of the robot when it is let go. misreads: share of
-    readings that are typed wrong. amplitude: of the joints in a gait, true over commanded.
+    those stated. mass_scale: the robot's true mass over the one weighed. joint_sigma_rad: of what
+    each joint stands off its set-point, for good. link_spread: relative, of each link's friction.
+    rolling_kg, breakaway: of the wheels (`lab.robot`). disturbance_m_s: of the robot when it is let
+    go. misreads: share of readings that are typed wrong. hasty: share that are read too early.
+    steered: a person steers it while it holds. guided: between rails, which keep it straight.
+    amplitude: of the joints in a gait, true over commanded.
     """
 
     ground: Ground
     incline_zero_rad: float = 0.0
     belt_scale: float = 1.0
     incline_scale: float = 1.0
-    joint_sigma_rad: float = math.radians(1.0)
-    disturbance_m_s: float = 0.05
+    mass_scale: float = 1.0
+    joint_sigma_rad: float = math.radians(0.5)
+    link_spread: float = 0.0
+    rolling_kg: float = 0.0
+    breakaway: float = 1.0
+    disturbance_m_s: float = 0.03
     misreads: float = 0.0
+    hasty: float = 0.0
+    steered: bool = True
+    guided: bool = False
     amplitude: float = 1.0
+
+    def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
+        """Return the robot as it truly is, its joint errors drawn."""
+        heavy = replace(
+            body, link_mass_kg=body.link_mass_kg * self.mass_scale,
+            link_inertia_kg_m2=body.inertia_kg_m2 * self.mass_scale,
+        )  # fmt: skip
+        whole = LabRobot.whole(
+            heavy, self.ground, rolling_kg=self.rolling_kg, breakaway=self.breakaway
+        )
+        return whole.drawn(rng, self.joint_sigma_rad, self.link_spread)
 
 
 def drawn_truth(setup: Setup, ground: Ground, rng: np.random.Generator) -> Truth:
@@ -58,8 +83,9 @@ def drawn_truth(setup: Setup, ground: Ground, rng: np.random.Generator) -> Truth
 class SimulatedTreadmill:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
-    gait_speed: the true speed of a gait on ground per link, m/s; the exact model's unless given.
-    run_gait: runs a gait on a board and returns the one that the board made of it, in true seconds.
+    gait_speed: the true speed of a gait on ground per link, m/s; the lab's own robot's unless
+    given. run_gait: runs a gait on a board and returns the one that the board made of it, in true
+    seconds.
     """
 
     def __init__(
@@ -72,12 +98,23 @@ class SimulatedTreadmill:
     ):
         self.truth = truth
         self._setup = setup
-        self._rng = np.random.default_rng(seed)
-        self._gait_speed = gait_speed or exact_speed
-        self._run_gait = run_gait
-        self._lambda_rad, self._facing = 0.0, "down"
+        self._rng = rng = np.random.default_rng(seed)
+        self._gait_speed, self._run_gait = gait_speed, run_gait
+        self.robot = truth.robot(setup.robot, rng)
+        self.belt = Belt(self.robot, gravity_m_s2=setup.procedure.gravity_m_s2)
+        self.belt.guide(truth.guided)
+        steps, errs = setup.treadmill, setup.uncertainty
+        self.person = Person(
+            self.belt, rng,
+            Habits(steers=truth.steered, hasty=truth.hasty, let_go_m_s=truth.disturbance_m_s),
+            Display(
+                steps.belt_step_m_s, truth.belt_scale, steps.belt_least_m_s,
+                errs.belt_speed_sigma_m_s,
+            ),
+        )  # fmt: skip
         # The deck does not lie level when the treadmill says 0.
-        self._deck_rad = math.radians(float(self._rng.uniform(-0.15, 0.15)))
+        self._deck_rad = math.radians(float(rng.uniform(-0.15, 0.15)))
+        self._bent_rad, self._shown_m_s = 0.0, START_M_S
         self._true: dict[str, float | str] = {}
         self._ran: dict[Gait, tuple[float, float]] = {}  # true rate and speed
         self.misread = 0
@@ -94,30 +131,8 @@ class SimulatedTreadmill:
     def look_again(
         self, step: Step, doubtful: Sequence[tuple[Field, tuple[float, float]]], cells: Cells
     ) -> Cells:
-        """Read again what is doubted, with care; bend again what came out too far off."""
+        """Read again what is doubted, with care."""
         return self._bend(step) if step.kind == "bend" else self._true
-
-    def true_slip_m_s(
-        self, incline_rad: float, lambda_rad: float, facing: str = "down"
-    ) -> float | None:
-        """Return the slip at which friction balances the pull; None where the wheels stick."""
-        slope, dry_n = self._pull(lambda_rad, facing)
-        slip = (self._setup.weight_n * math.sin(incline_rad) - dry_n) / slope
-        return slip if slip > 0.0 else None
-
-    def _pull(self, lambda_rad: float, facing: str) -> tuple[float, float]:
-        """Return A and B: friction along the belt is A v + B, summed link by link."""
-        ground, links = self.truth.ground, self._setup.robot.links
-        zigzag = self._setup.procedure.bend == "zigzag"
-        signs = (1,) * links if zigzag else balanced_signs(links)
-        ct, ft0 = (
-            (ground.ct_backward, ground.ft0_backward) if facing == "up"
-            else (ground.ct_forward, ground.ft0_forward)
-        )  # fmt: skip
-        turned = [abs(sign) * lambda_rad for sign in signs]
-        slope = sum(ct * math.cos(x) ** 2 + ground.cn * math.sin(x) ** 2 for x in turned)
-        dry = sum(ft0 * math.cos(x) + ground.fn0 * math.sin(x) for x in turned)
-        return slope / links, dry / links
 
     def _normal(self, sigma: float) -> float:
         return float(self._rng.normal()) * sigma
@@ -125,7 +140,7 @@ class SimulatedTreadmill:
     def _shown_deg(self, incline_rad: float) -> float:
         """Return what the inclinometer shows: its zero on top, in its steps."""
         step = self._setup.uncertainty.incline_sigma_rad * math.sqrt(12)
-        shown = round((incline_rad + self.truth.incline_zero_rad) / step) * step
+        shown = Instrument(self.truth.incline_zero_rad, step=step).shows(incline_rad, self._rng)
         return round(math.degrees(shown), 4)
 
     def _zero(self, step: Step) -> Cells:
@@ -136,52 +151,55 @@ class SimulatedTreadmill:
         }
 
     def _straight(self, step: Step) -> Cells:
-        self._lambda_rad, self._facing = 0.0, step.facing
+        self._pose(0.0, step.facing)
         return {}
 
+    def _pose(self, bent_rad: float, facing: str) -> None:
+        """Have the board put the robot in a pose, and lay it on the belt."""
+        links = self._setup.robot.links
+        zigzag = self._setup.procedure.bend == "zigzag"
+        signs = [(-1) ** k for k in range(links)] if zigzag else balanced_signs(links)
+        self._bent_rad, self.person.facing = bent_rad, facing
+        self.belt.pose(pose_of(signs, bent_rad))
+
     def _bend(self, step: Step) -> Cells:
-        bent = math.radians(step.lambda_deg) + self._normal(self.truth.joint_sigma_rad)
-        self._lambda_rad, self._facing = max(bent, math.radians(1.0)), step.facing
-        seen = self._lambda_rad + self._normal(self._setup.uncertainty.lambda_sigma_rad)
-        return {"between_links_deg": round(180.0 - 2 * math.degrees(seen), 1)}
+        """Bend as planned; lay the protractor on the joints at both ends."""
+        self._pose(math.radians(step.lambda_deg), step.facing)
+        scatter = math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad
+        ends = [
+            abs(2 * self._bent_rad + way * error) + self._normal(scatter)
+            for way, error in self._ends()
+        ]
+        return {"between_links_deg": round(180.0 - math.degrees(sum(ends) / 2), 1)}
+
+    def _ends(self) -> list[tuple[float, float]]:
+        """Return which way the joints at both ends are bent, and what they stand off."""
+        told, errors = self.belt.told_rad, self.robot.joint_error_rad
+        return [(math.copysign(1.0, told[k]), errors[k]) for k in (0, -1)]
 
     def _station(self, step: Step) -> Cells | None:
-        """Set the nearest incline, find the belt step that holds best, wait, read what is left."""
-        setup = self._setup
-        steps = setup.treadmill
-        aim = math.tan(
-            math.radians(step.incline_deg) - self.truth.incline_zero_rad - self._deck_rad
-        )
+        """Set the nearest incline, find the belt speed that holds, wait, read what is left."""
+        steps = self._setup.treadmill
+        aim = math.radians(step.incline_deg) - self.truth.incline_zero_rad - self._deck_rad
         grade_step = steps.incline_step_rad * self.truth.incline_scale
-        grade = round(aim / grade_step) * grade_step
+        grade = round(math.tan(aim) / grade_step) * grade_step
         incline_rad = math.atan(grade) + self._deck_rad
-        slip = self.true_slip_m_s(incline_rad, self._lambda_rad, self._facing)
-        if slip is None:
+        self.belt.tilt(incline_rad)
+        self.person.facing = step.facing
+        held = self.person.hold(self._guess_m_s(step), step.settle_s)
+        if held is None or held.belt_shown_m_s - held.drift_m_s <= 0.0:
             return None
-        belt = max(
-            round(slip / self.truth.belt_scale / steps.belt_step_m_s) * steps.belt_step_m_s,
-            steps.belt_least_m_s, steps.belt_step_m_s,
-        )  # fmt: skip
-        drift = belt * self.truth.belt_scale - slip
-        if abs(drift) > LOST_M_S:
-            return None
-        unsettled = self._normal(self.truth.disturbance_m_s) * self._left(step)
-        jerks = self._normal(0.01) if slip < CREEP_M_S else 0.0
-        noise = self._normal(setup.uncertainty.belt_speed_sigma_m_s)
-        drift_shown = round(drift + unsettled + jerks + noise, 3)
-        if belt - drift_shown <= 0.0:
-            return None
+        self._shown_m_s = held.belt_shown_m_s
         return {
             "incline_deg": self._shown_deg(incline_rad),
-            "belt_speed_m_s": round(belt, 5),
-            "drift_m_s": drift_shown,
+            "belt_speed_m_s": round(held.belt_shown_m_s, 5),
+            "drift_m_s": round(held.drift_m_s, 3),
         }
 
-    def _left(self, step: Step) -> float:
-        """Return the share of a disturbance that is left when a station is read."""
-        slope, _ = self._pull(self._lambda_rad, self._facing)
-        mass_kg = self._setup.robot.links * self._setup.robot.link_mass_kg
-        return math.exp(-step.settle_s * slope / mass_kg)
+    def _guess_m_s(self, step: Step) -> float:
+        """Return where a person begins: what the dialogue lets expect, else where the belt was."""
+        likely = next((f.likely for f in step.fields if f.column == "belt_speed_m_s"), None)
+        return sum(likely) / 2 if likely is not None else self._shown_m_s
 
     def _gait(self, step: Step) -> Cells:
         gait = step.gait
@@ -189,9 +207,7 @@ class SimulatedTreadmill:
         if gait not in self._ran:
             made = gait if self._run_gait is None else self._run_gait(gait)
             true = replace(made, alpha_rad=made.alpha_rad * self.truth.amplitude)
-            robot, ground = self._setup.robot, self.truth.ground
-            per_link = Ground.whole_body(robot.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
-            self._ran[gait] = made.omega_rad_s, self._gait_speed(robot, per_link, true)
+            self._ran[gait] = made.omega_rad_s, self._crawls_at(true)
         (omega, speed), watch = self._ran[gait], self._setup.stopwatch
         distance = min(RUN_M, speed * RUN_S)
         duration = (distance / speed if speed > 0.0 else RUN_S) + self._normal(watch.time_sigma_s)
@@ -201,6 +217,13 @@ class SimulatedTreadmill:
             "duration_s": round(max(duration, 0.1), 2),
             "omega_rad_s": omega,
         }
+
+    def _crawls_at(self, gait: Gait) -> float:
+        if self._gait_speed is None:
+            return crawl_speed(self.robot, gait)
+        robot, ground = self._setup.robot, self.truth.ground
+        per_link = Ground.whole_body(robot.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
+        return self._gait_speed(robot, per_link, gait)
 
     def _typed(self, step: Step, read: Mapping[str, float | str]) -> Cells:
         """Return what is typed: now and then a figure is wrong."""
@@ -212,10 +235,3 @@ class SimulatedTreadmill:
             else:
                 typed["belt_speed_m_s"] = round(float(typed["belt_speed_m_s"]) * 3.6, 5)  # km/h
         return typed
-
-
-def exact_speed(robot: Robot, ground: Ground, gait: Gait) -> float:
-    """Return the exact model's steady speed of a gait, m/s."""
-    from ...periodic.steady import steady_gait
-
-    return steady_gait(robot, ground, gait, rtol=1e-4, powers=False).speed_m_s

@@ -15,15 +15,31 @@ from ..options import AS_JSON, show_json
 @click.option("--port", help="Serial port; found by its USB id unless given.")
 @click.option("--project", type=click.Path(file_okay=False, path_type=Path),
               help="Folder of platformio.ini; found from here unless given.")  # fmt: skip
+@click.option("--joints", type=int, default=5, show_default=True,
+              help="How many joints the robot has: its links less one.")  # fmt: skip
+@click.option("--output", type=click.Choice(["servo", "pca9685"]), default="servo",
+              show_default=True, help="Servos at the board's pins or at a PCA9685.")  # fmt: skip
 @AS_JSON
-def flash(board: str | None, port: str | None, project: Path | None, as_json: bool) -> None:
+def flash(
+    board: str | None,
+    port: str | None,
+    project: Path | None,
+    joints: int,
+    output: str,
+    as_json: bool,
+) -> None:
     """Build the firmware and put it on the board, by PlatformIO, then wait for its greeting."""
     from dataclasses import asdict
 
     from ...robot.tools.upload import flash as build_and_upload
 
     hello = build_and_upload(
-        board, port, project, lambda text: click.echo(text, nl=False, err=True)
+        board,
+        port,
+        project,
+        lambda text: click.echo(text, nl=False, err=True),
+        joints=joints,
+        output=output,
     )
     if as_json:
         show_json(asdict(hello))

@@ -5,5 +5,7 @@ from __future__ import annotations
 import click
 
 PORT = click.option(
-    "--port", help="Serial port; found by its USB id unless given. `virtual` needs no robot."
+    "--port",
+    help="Serial port; found by its USB id unless given. `virtual` or `virtual:joints=9` needs no "
+    "robot.",
 )

@@ -15,12 +15,12 @@ def trim(port: str | None, as_json: bool) -> None:
     """Centre each servo by keys and save that on the board; the robot straightens first."""
     from dataclasses import asdict
 
-    from ...robot.robot import Robot
+    from ...robot.robot import RobotBoard
     from ...robot.tools.keys import keyboard, need_terminal
     from ...robot.tools.trimming import UNATTENDED_S, Trimming, straighten
 
     need_terminal()
-    with Robot(port, unattended_s=UNATTENDED_S) as robot:
+    with RobotBoard(port, unattended_s=UNATTENDED_S) as robot:
         straighten(robot)
         work = Trimming(robot, lambda text: click.echo(text, err=True))
         with keyboard() as keys:

@@ -9,8 +9,8 @@ from importlib.util import find_spec
 from typing import Literal
 
 from ...model.errors import NoAnswer, ProtocolMismatch, RobotError
-from ..robot import Robot
-from ..wire import culprit, link
+from ..robot import RobotBoard
+from ..wire import link, port_diagnosis
 from ..wire.inbox import Losses
 from ..wire.ports import allowed, users
 from ..wire.protocol import PROTOCOL, Hello
@@ -27,7 +27,7 @@ RESETS = {
     "brownout": "give the servos a supply of their own and join the grounds",
     "watchdog": "the program hung: flash the newest firmware; if it persists, report it",
 }
-MEDDLERS = {"brltty": culprit.BRLTTY, "ModemManager": culprit.MODEM_MANAGER}
+MEDDLERS = {"brltty": port_diagnosis.BRLTTY, "ModemManager": port_diagnosis.MODEM_MANAGER}
 BOARD_COUNTS = ("crc", "garbled", "overlong", "lost", "rxfull")
 HOST_COUNTS = ("damaged_lines", "missed_frames")
 LATE_US = 2000  # the firmware's own budget for the lateness of a frame (firmware/README.md)
@@ -99,21 +99,21 @@ def _exists(port: str) -> Finding:
 def _access(port: str) -> Iterator[Finding]:
     """Look at who may open the port, and who has done so."""
     if not allowed(port):
-        yield Finding("permission", "fix", "refused", culprit.why_forbidden(port))
+        yield Finding("permission", "fix", "refused", port_diagnosis.why_forbidden(port))
     else:
         yield Finding("permission", "ok", f"this user may open {port}")
     if holders := users(port):
-        yield Finding("other programs", "fix", "in use", culprit.why_held(port, holders))
+        yield Finding("other programs", "fix", "in use", port_diagnosis.why_held(port, holders))
     else:
         yield Finding("other programs", "ok", f"none has {port} open")
     for name, cure in MEDDLERS.items():
-        if culprit.running(name):
+        if port_diagnosis.running(name):
             yield Finding(name, "note", "runs here and may take the port", cure)
 
 
 def _board(port: str, listen_s: float, timeout_s: float) -> Iterator[Finding]:
     try:
-        with Robot(port, timeout_s=timeout_s) as robot:
+        with RobotBoard(port, timeout_s=timeout_s) as robot:
             yield Finding("greeting", "ok", f"{robot.hello.board}, boot {robot.hello.boot}")
             yield Finding("protocol", "ok", f"{PROTOCOL}, firmware {robot.hello.firmware}")
             yield from _settings(robot.hello, robot.settings())
@@ -141,7 +141,7 @@ def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
 _LISTEN_S = 0.2  # in which some frames must come
 
 
-def _running(robot: Robot, listen_s: float) -> Iterator[Finding]:
+def _running(robot: RobotBoard, listen_s: float) -> Iterator[Finding]:
     """Listen for a while, then judge losses, timing and clock."""
     if robot.settings()["every"] != 1:
         robot.set("every", 1)  # until the next reset, so that there is something to hear
@@ -178,7 +178,7 @@ def _timing(status: Status) -> Finding:
     return Finding("timing", "ok", found)
 
 
-def _drift(robot: Robot) -> Finding:
+def _drift(robot: RobotBoard) -> Finding:
     drift = robot.clock
     if not drift.span_s:
         return Finding("clock", "note", "not measured", "listen longer: --listen-s 5")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...model.errors import ClockWrong, FramesMissing, RobotHeld
-from ..robot import Robot
+from ..robot import RobotBoard
 from ..robot_match import RobotMatch
 from ..wire.protocol import Telemetry
 
@@ -64,7 +64,7 @@ class DrivenRun:
     ):
         self.gait = gait
         self.match, self.halted = match, False
-        self.robot = Robot(port, record=record)
+        self.robot = RobotBoard(port, record=record)
         self.first: Telemetry | None = None
         self.last: Telemetry | None = None
         self.frames = self.latest_us = self.clipped_frames = 0
@@ -73,7 +73,7 @@ class DrivenRun:
     def run(self, duration_s: float | None, watch: Callable[[DrivenRun], None]) -> None:
         """Drive for a time or without end, calling watch after every frame.
 
-        Raises what Robot raises, BadInput if it is another robot, FramesMissing if
+        Raises what RobotBoard raises, BadInput if it is another robot, FramesMissing if
         too few frames came, ClockWrong if the board's clock cannot be believed; whatever happens
         the robot is stopped first.
         """
@@ -151,7 +151,7 @@ class DrivenRun:
         self.clipped_frames += frame.clipped > 0
 
 
-def _make_watchable(robot: Robot) -> None:
+def _make_watchable(robot: RobotBoard) -> None:
     """See that every frame is told, and that the board stops if this program dies.
 
     Both last until the board's next reset only; its EEPROM is left alone.

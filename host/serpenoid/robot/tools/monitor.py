@@ -118,13 +118,13 @@ class Monitor:
 
     def leave(self) -> None:
         """Stop the robot, close the session and the port; raise if the stop is not sure."""
-        farewell = self._talk.leave()
+        result = self._talk.leave()
         self._link.close()
         self._queue.put(None)
         if self._sender:
             self._sender.join(GREETING_S)
-        told = None if farewell.unseen is self._failure else farewell.unseen
-        if problem := told or farewell.unstopped:
+        told = None if result.unseen is self._failure else result.unseen
+        if problem := told or result.unstopped:
             raise problem
 
     def _hear(self, most_s: float) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ...model.errors import CommandRefused, RobotLost
-from ..robot import Robot
+from ..robot import RobotBoard
 from .keys import Keyboard
 
 HELP = """\
@@ -23,7 +23,7 @@ UNATTENDED_S = 3600.0  # the robot holds still while a person looks for a screwd
 class Trimming:
     """The keys' meaning: which joint is chosen, what is changed, what is not saved yet."""
 
-    def __init__(self, robot: Robot, show: Callable[[str], None]):
+    def __init__(self, robot: RobotBoard, show: Callable[[str], None]):
         self.robot = robot
         self.trims = list(robot.trims())
         self.chosen = 0
@@ -39,7 +39,7 @@ class Trimming:
             pass
 
     def press(self, key: str) -> bool:
-        """Obey one key; return False to leave. Raises what Robot raises, refusals apart."""
+        """Obey one key; return False to leave. Raises what RobotBoard raises, refusals apart."""
         warned, self._warned = self._warned, self._warned and not key
         if key in MOVES:
             self._move(MOVES[key])
@@ -85,7 +85,7 @@ class Trimming:
         return True
 
 
-def straighten(robot: Robot) -> None:
+def straighten(robot: RobotBoard) -> None:
     """Move all joints to 0 and wait until they are there."""
     robot.straight()
     end_s = time.monotonic() + STRAIGHT_S

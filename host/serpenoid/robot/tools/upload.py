@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ... import _core
 from ...model.errors import BadInput, FlashFailed
-from ..robot import Robot
+from ..robot import RobotBoard
 from ..signals import SignalGuard
 from ..wire.link import find_port, serial_ports
 from ..wire.ports import check_free
@@ -27,6 +27,10 @@ KNOWN = {
     "uno": {(0x2A03, 0x43)} | {(0x2341, p) for p in (0x1, 0x43, 0x6A, 0x243)},
     "mega": {(v, p) for v in (0x2341, 0x2A03) for p in (0x10, 0x42, 0x210, 0x242)},
 }
+OUTPUTS = {"servo": "", "pca9685": "-D SERPENOID_PCA9685"}  # build flags
+# The Servo library makes 12 pulses with one timer, and the memory of an Uno or Nano holds 8 joints.
+MOST_JOINTS = {"uno": 8, "nano": 8, "nano_old": 8, "mega": 12}
+FEWEST_JOINTS = 2
 GREETING_S = 10.0
 GRACE_S = 5.0
 HALF_DONE = "\nthe board may hold half a program: flash it again before use\n"
@@ -52,13 +56,20 @@ UPLOAD_CAUSES = (
 
 
 def flash(
-    board: str | None, port: str | None, project: Path | None, show: Callable[[str], None]
+    board: str | None,
+    port: str | None,
+    project: Path | None,
+    show: Callable[[str], None],
+    *,
+    joints: int = 5,
+    output: str = "servo",
 ) -> Hello:
     """Build, upload, and return the greeting of the new firmware.
 
     board: one of BOARDS, or None if the USB id tells; port: None finds it by USB id; project: the
     folder of platformio.ini, or None if this is a source tree. show takes PlatformIO's output as
-    it comes. Raises BadInput, PortMissing, PortBusy, FlashFailed, NoAnswer.
+    it comes. output: one of OUTPUTS, what makes the servos' pulses. Raises BadInput, PortMissing,
+    PortBusy, FlashFailed, NoAnswer.
     """
     folder = find_project(project)
     pio = find_platformio()
@@ -68,13 +79,34 @@ def flash(
         raise BadInput(f"port is {port!r}, which has no flash memory; name a serial port")
     port = port or find_port()
     board = board or board_at(port)
+    check_joints(board, joints)
     check_free(port)
     command = [pio, "run", "-d", str(folder), "-e", board, "-t", "upload", "--upload-port", port]
-    status, said = _run(command, show)
+    status, said = _run(command, show, build_flags(joints, output))
     if status:
         raise FlashFailed(_why(said, status).format(project=folder))
-    with Robot(port, timeout_s=GREETING_S) as robot:
-        return robot.hello
+    with RobotBoard(port, timeout_s=GREETING_S) as robot:
+        hello = robot.hello
+    if hello.joints != joints:
+        raise FlashFailed(
+            f"the board greets with {hello.joints} joints, built were {joints}: was another board "
+            "flashed? check --port"
+        )
+    return hello
+
+
+def check_joints(board: str, joints: int) -> None:
+    """Raise BadInput if a board cannot have so many joints."""
+    most = MOST_JOINTS[board]
+    if not FEWEST_JOINTS <= joints <= most:
+        larger = "; its memory holds no more, take a Mega" if most < joints <= 12 else ""
+        raise BadInput(f"joints is {joints}; the {board} takes {FEWEST_JOINTS} to {most}{larger}")
+
+
+def build_flags(joints: int, output: str) -> str:
+    """Return what PlatformIO is to add to the compiler's flags, the user's own before it."""
+    own = os.environ.get("PLATFORMIO_BUILD_FLAGS", "")
+    return " ".join(f"{own} -D SERPENOID_JOINTS={joints} {OUTPUTS[output]}".split())
 
 
 def find_platformio() -> str | None:
@@ -128,14 +160,14 @@ def board_at(port: str) -> str:
     raise BadInput(f"the USB id of {port} does not tell the board; give --board {'|'.join(BOARDS)}")
 
 
-def _run(command: list[str], show: Callable[[str], None]) -> tuple[int, str]:
+def _run(command: list[str], show: Callable[[str], None], flags: str) -> tuple[int, str]:
     """Run a program, showing what it says as it comes; return its exit status and all it said.
 
     It gets a process group of its own, so that Ctrl-C reaches it through here alone, once.
     """
     said = bytearray()
     guard = SignalGuard(lambda: None)  # SIGTERM and SIGHUP end it in order, too
-    with _started(command) as process:
+    with _started(command, flags) as process:
         assert process.stdout is not None
         try:
             guard.install()
@@ -153,7 +185,7 @@ def _run(command: list[str], show: Callable[[str], None]) -> tuple[int, str]:
             guard.restore()
 
 
-def _started(command: list[str]) -> subprocess.Popen[bytes]:
+def _started(command: list[str], flags: str) -> subprocess.Popen[bytes]:
     try:
         return subprocess.Popen(
             command,
@@ -161,6 +193,7 @@ def _started(command: list[str]) -> subprocess.Popen[bytes]:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             start_new_session=True,
+            env={**os.environ, "PLATFORMIO_BUILD_FLAGS": flags},
         )
     except OSError as error:
         raise FlashFailed(

@@ -58,7 +58,7 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Farewell:
+class CloseResult:
     """How a run was left: why the stop is not sure, if so; an error that no call has raised."""
 
     unstopped: StopUnconfirmed | None
@@ -125,7 +125,7 @@ class Dialogue:
         with self._sending:
             self._held = self._held or stay
             with self._changed:
-                self.inbox.expected.halting()
+                self.inbox.states.halting()
             self._write(STOP)
 
     def stop(self, *, stay: bool = False) -> Answer:
@@ -196,17 +196,19 @@ class Dialogue:
                 "`serpenoid doctor` tells"
             )
 
-    def leave(self) -> Farewell:
+    def leave(self) -> CloseResult:
         """Stop the robot and close the session; what fails after the stop no longer matters."""
         self._leaving = True
-        unseen = self.inbox.notice if self._failure_told else self._failure or self.inbox.notice
+        before = self._failure
+        unseen = self.inbox.notice if self._failure_told else before or self.inbox.notice
         unstopped = self._stop_surely()
-        unseen = unseen or self.inbox.notice
+        if not (unseen or before or unstopped):  # what came amid the stop, such as a reset
+            unseen = self._failure or self.inbox.notice
         with suppress(RobotError):
             if self.inbox.in_session:
                 self._ask_within("bye", PATIENCE_S / 4)
         self.fall_silent()
-        return Farewell(unstopped, unseen)
+        return CloseResult(unstopped, unseen)
 
     def fall_silent(self) -> None:
         """End reading and pinging without a word: the wire may be used anew."""
@@ -338,7 +340,7 @@ class Dialogue:
         """End the run with its first error: stop the robot if the wire still carries that."""
         with self._changed:
             first, self._failure = self._failure, self._failure or error
-            self.inbox.expected.halting()
+            self.inbox.states.halting()
             self._changed.notify_all()
         if not first:
             with suppress(RobotError):

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 
 from ...model.errors import DamagedLine, RobotError, RobotReset
 from .clock import FRAME_US, BoardClock
-from .expected import Expected
 from .protocol import Data, Hello, Telemetry, Verdict, parse, unseal
+from .state_tracker import StateTracker
 
 MOST_UNREAD = 15_000  # frames: five minutes
 LATE_GREETING_S = 0.5  # after a session opened, a greeting may still answer an earlier asking
@@ -57,7 +57,7 @@ class Inbox:
         self.protocol: int | None = None  # that of a greeting with a right CRC, of any form
         self.pending: Pending | None = None
         self.notice: RobotError | None = None
-        self.expected = Expected()
+        self.states = StateTracker()
         self.quiet_s = 0.0  # listened to since the last frame
         self.clock = BoardClock()
         self.losses = Losses()
@@ -91,7 +91,7 @@ class Inbox:
     def ask(self, number: int, text: str) -> Pending:
         """Note the command that goes out now; what comes for it is put into what is returned."""
         self.pending = Pending(number, text)
-        self.expected.asking(text)
+        self.states.asking(text)
         return self.pending
 
     def open_session(self, host_s: float) -> None:
@@ -151,7 +151,7 @@ class Inbox:
             return
         if verdict.number == pending.number:
             pending.verdict = verdict
-            self.expected.answered(pending.text, verdict.accepted)
+            self.states.answered(pending.text, verdict.accepted)
             if verdict.accepted and " ".join(pending.text.split()).startswith(CHANGES_CADENCE):
                 self.every = None
         elif verdict.mark == "?":
@@ -170,7 +170,7 @@ class Inbox:
     def _judge(self, state: str, *, by_silence: bool = False) -> None:
         """Keep the first surprise for the program's next call."""
         if self.in_session:
-            surprise = self.expected.surprise(state, by_silence=by_silence)
+            surprise = self.states.surprise(state, by_silence=by_silence)
             self.notice = self.notice or surprise
 
     def _take_frame(self, frame: Telemetry, host_s: float) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from ...model.errors import PortBusy, PortMissing, RobotLost
-from . import culprit
+from . import port_diagnosis
 
 if TYPE_CHECKING:
     import serial
@@ -80,7 +80,7 @@ def find_port() -> str:
         raise PortMissing(f"{len(boards)} ports may be the robot: {names}; name one of them")
     others = ", ".join(p.device for p in ports) or "none at all"
     raise PortMissing(
-        f"no board found by its USB id; serial ports here: {others}. {culprit.why_no_port()}"
+        f"no board found by its USB id; serial ports here: {others}. {port_diagnosis.why_no_port()}"
     )
 
 
@@ -91,14 +91,14 @@ def missing(port: str) -> PortMissing:
 
 
 def open_link(port: str | None) -> Link:
-    """Open a port by name, `virtual` or `virtual:fast`; None finds the board by its USB id.
+    """Open a port by name, or a virtual board; None finds the board by its USB id.
 
-    Raises PortMissing or PortBusy, which name the likely cause and its cure.
+    Raises PortMissing or PortBusy, which name the likely cause and its cure; BadInput.
     """
-    if port in ("virtual", "virtual:fast"):
-        from .virtual import VirtualLink
+    if port is not None and port.partition(":")[0] == "virtual":
+        from .virtual import virtual_link
 
-        return VirtualLink(fast=port.endswith(":fast"))
+        return virtual_link(port)
     return SerialLink(port or find_port())
 
 
@@ -151,9 +151,9 @@ def _open(port: str) -> serial.Serial:
     import serial
 
     # Asked first because the opening itself would reset a robot that another program is driving.
-    holders = culprit.who_holds(port)
-    if holders and not culprit.is_pseudo_terminal(port):
-        raise PortBusy(culprit.why_held(port, holders))
+    holders = port_diagnosis.who_holds(port)
+    if holders and not port_diagnosis.is_pseudo_terminal(port):
+        raise PortBusy(port_diagnosis.why_held(port, holders))
     try:
         opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=WRITE_TIMEOUT_S)
     except OSError as error:
@@ -176,9 +176,9 @@ def _exclude_others(port: serial.Serial, exclude: bool) -> None:
 
 def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
     if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK):
-        return PortBusy(culprit.why_held(port, culprit.who_holds(port)))
+        return PortBusy(port_diagnosis.why_held(port, port_diagnosis.who_holds(port)))
     if error.errno in (errno.EACCES, errno.EPERM):
-        return PortBusy(culprit.why_forbidden(port))
+        return PortBusy(port_diagnosis.why_forbidden(port))
     if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO):
         return missing(port)
     there = ", ".join(p.device for p in serial_ports()) or "none"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...model.errors import PortBusy
-from . import culprit
+from . import port_diagnosis
 from .link import missing, serial_ports
 
 
@@ -21,7 +21,7 @@ class PortState:
     product_id: int
     chip: str
     allowed: bool
-    held_by: tuple[culprit.Holder, ...]
+    held_by: tuple[port_diagnosis.Holder, ...]
 
     @property
     def usb(self) -> str:
@@ -45,7 +45,7 @@ def port_states() -> list[PortState]:
     """List the serial ports, by name."""
     return [
         PortState(p.device, p.description, p.vendor_id or 0, p.product_id or 0, p.chip,
-                  allowed(p.device), tuple(culprit.who_holds(p.device)))
+                  allowed(p.device), tuple(port_diagnosis.who_holds(p.device)))
         for p in serial_ports()
     ]  # fmt: skip
 
@@ -55,9 +55,9 @@ def allowed(device: str) -> bool:
     return os.access(device, os.R_OK | os.W_OK)
 
 
-def users(device: str) -> list[culprit.Holder]:
+def users(device: str) -> list[port_diagnosis.Holder]:
     """List who has a port open and would be disturbed: not who plays a board at it."""
-    return [] if culprit.is_pseudo_terminal(device) else culprit.who_holds(device)
+    return [] if port_diagnosis.is_pseudo_terminal(device) else port_diagnosis.who_holds(device)
 
 
 def check_free(device: str) -> None:
@@ -65,4 +65,4 @@ def check_free(device: str) -> None:
     if os.name == "posix" and not Path(device).is_char_device():
         raise missing(device)
     if holders := users(device):
-        raise PortBusy(culprit.why_held(device, holders))
+        raise PortBusy(port_diagnosis.why_held(device, holders))

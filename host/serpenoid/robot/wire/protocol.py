@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from ..._core import firmware
 from ...model.errors import BadInput, DamagedLine
-from .written import check_frame
+from .encoding import check_frame
 
 PROTOCOL: int = firmware.PROTOCOL
 FEWEST_JOINTS, MOST_JOINTS = 2, 12
@@ -111,6 +111,8 @@ def seal(command: str, number: int, joints: int = 5) -> bytes:
         raise BadInput(f"sequence number is {number}; it must be from 0 to 65535")
     if not command or not all(" " <= c <= "~" for c in command):
         raise BadInput(f"command is {command!r}; it must be printable ASCII and not empty")
+    if "!" in command:
+        raise BadInput(f"command is {command!r}; a ! stops the board wherever it stands: call stop")
     body = f"#{number} {command}"
     line = f"{body} *{crc(body):04X}"
     if len(line) > (most := line_limit(joints)):

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from ..._core import firmware
 from ...model.errors import DamagedLine
+from .encoding import said, said_field
 from .protocol import Data
-from .written import said, said_field
 
 MOST_COUNT = 2**32 - 1
 

@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
+
+from ...model.errors import BadInput
 
 STEP_S = 0.002  # of the board's time, within which a fast board answers
 LEAST_S = 40e-6  # a byte on the wire, the board's own step: less would not pass at all
 NAP_S = 0.005
+
+
+def virtual_link(port: str) -> VirtualLink:
+    """Open `virtual`, with any of `:fast` and `:joints=N` behind it; raise BadInput."""
+    words = port.split(":")[1:]
+    numbers = [found[1] for word in words if (found := re.fullmatch(r"joints=(\d{1,2})", word))]
+    joints = int(numbers[-1]) if numbers else 5
+    if len(words) != len(numbers) + words.count("fast") or not 2 <= joints <= 12:
+        raise BadInput(
+            f"port is {port!r}; a virtual board is `virtual`, `virtual:fast`, `virtual:joints=9` "
+            "or `virtual:fast:joints=9`, with 2 to 12 joints"
+        )
+    return VirtualLink(fast="fast" in words, joints=joints)
 
 
 class VirtualLink:
@@ -15,15 +31,15 @@ class VirtualLink:
 
     The controller, its wire of 250000 baud and its EEPROM (empty at first) are those of
     serpenoid._core.firmware.Board, kept as `board`. fast: its time passes only in read(), so
-    that a run takes as long as it computes and is the same every time.
+    that a run takes as long as it computes and is the same every time. joints: 2 to 12.
     """
 
-    def __init__(self, *, fast: bool = False):
+    def __init__(self, *, fast: bool = False, joints: int = 5):
         from ..._core import firmware
 
         self.lockstep = fast
         self.name = "virtual:fast" if fast else "virtual"
-        self.board = firmware.Board()
+        self.board = firmware.Board(joints=joints)
         self.board.boot("external")
         self._begun_s = time.monotonic()
         self._using = threading.RLock()  # a signal handler may write amid a read

@@ -9,11 +9,12 @@ from contextlib import ExitStack, contextmanager
 
 from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
-from ....robot.robot import Robot
+from ....robot.robot import RobotBoard
 from ....robot.robot_match import RobotMatch
 
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
 SILENCE_S = 2.0
+LIMP_S = 30.0  # a host that is there says something each half second
 HOURS_S = 6 * 3600.0
 
 
@@ -21,12 +22,12 @@ class SessionRobot:
     """Hold one open robot. Joints move only in pose() and go(); `powered` tells whether they hold.
 
     Inside `with SessionRobot(port) as robot:` only. match: the robot of the session, None if any
-    will do. Raises what Robot raises, BadInput if this is another.
+    will do. Raises what RobotBoard raises, BadInput if this is another.
     """
 
     def __init__(self, port: str | None, match: RobotMatch | None = None):
         self._match = match
-        self._robot = Robot(port, unattended_s=HOURS_S)
+        self._robot = RobotBoard(port, unattended_s=HOURS_S)
         self.powered = False
         self.stopped = False  # by the page's Stop button, and nobody has seen it yet
         self.held = False  # by it, until release()
@@ -36,7 +37,10 @@ class SessionRobot:
             robot = opened.enter_context(self._robot)
             if self._match is not None:
                 self._match.check(robot)
-            if not robot.settings()["silence"]:
+            settings = robot.settings()
+            if not settings["limp"]:  # after a kill nothing else would let go of the bend
+                robot.set("limp", LIMP_S)
+            if not settings["silence"]:
                 robot.set("silence", SILENCE_S)
             opened.pop_all()
         return self

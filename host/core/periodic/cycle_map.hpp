@@ -1,0 +1,123 @@
+// A cycle of a gait as a map: from the motion at phase 0 to what following it gives.
+//
+// State is p = (nm Vx, nm Vy, L) of body_shape.hpp. A gait that does not steer is its own mirror
+// image half a cycle later, p(pi) = S p(0) with S = diag(1, -1, -1), as every joint angle has
+// changed its sign: half a cycle is then enough. One that steers needs the whole cycle, S = 1.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "body/body_shape.hpp"
+#include "numerics/dense.hpp"
+
+namespace serpenoid {
+
+struct CycleState {
+    Vec3 p{};                        // nm Vx, nm Vy, L
+    double theta = 0, x = 0, y = 0;  // heading, and place in axes that turn by `spin`
+    double dissipated = 0;           // J
+    // Derivatives by the first p: of p in the first three rows, then of the values named here.
+    enum { kTheta = 3, kX, kY, kDissipated, kRows };
+    std::array<Vec3, kRows> by_start{};
+};
+
+// Work of the joints over the cycle, J.
+struct JointWork {
+    std::vector<double> positive;  // integral of P_i^+ of each joint
+    double net = 0;
+    double doubtful = 0;  // positive work that depends on wheels whose mode is ambiguous
+};
+
+// What following a cycle gives.
+struct CycleEnd {
+    CycleState state;
+    JointWork work;  // where it was asked for
+    // Two sliding wheels stopped at one moment. Which of them is first in a motion beside this one
+    // depends on the direction of the disturbance: there is no one derivative.
+    bool simultaneous_events = false;
+};
+
+// How to follow: local errors stay below `tolerance` of the scales.
+struct Following {
+    double tolerance;
+    bool work = false;       // sum up the joints' work
+    bool derivative = true;  // needed; exact maps always have it
+    double spin = 0;         // turning of the axes in which x, y are counted, rad a rad
+};
+
+// Signs of the components half a cycle later, or a whole one.
+inline Vec3 mirror_signs(bool mirrored) { return mirrored ? Vec3{1, -1, -1} : Vec3{1, 1, 1}; }
+
+// The rows of a matrix in mirrored axes.
+inline Mat3 mirror_rows(Mat3 M, bool mirrored) {
+    if (mirrored)
+        for (int i = 3; i < 9; ++i) M[i] = -M[i];
+    return M;
+}
+
+// d = (S - P)^-1 miss: the change of a start by which S (start + d) = end + P d, with miss = end -
+// S start. False where the matrix is singular.
+inline bool close_cycle(const Mat3& P, bool mirrored, const Vec3& miss, Vec3& d) {
+    const Vec3 S = mirror_signs(mirrored);
+    Mat3 C;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) C[3 * i + j] = (i == j) * S[i] - P[3 * i + j];
+    d = miss;
+    return solve_dense<3, 1>(C.data(), d.data());
+}
+
+// Displacement in the axes of the start, and change of heading.
+struct Path {
+    double x, y, turn;
+
+    // The path of a whole period from that of its first half: the second half is the mirror image,
+    // seen from the heading then.
+    Path twice_mirrored() const {
+        const double c = std::cos(turn), s = std::sin(turn);
+        return {x + c * x + s * y, y + s * x - c * y, 0};
+    }
+    double length() const { return std::hypot(x, y); }
+    double direction() const { return std::atan2(y, x); }
+};
+
+class CycleMap {
+  public:
+    CycleMap(const Robot& robot, const Gait& gait);
+    virtual ~CycleMap() = default;
+
+    // Follow from p at phase 0 over the span. Nothing where the steps run out or get too short.
+    virtual std::optional<CycleEnd> follow(const Vec3& p, const Following& how) = 0;
+
+    // Whether the derivative is measured by differences, and so has an error. Such a map can
+    // measure that of p again, from both sides at `distance` of the scales.
+    virtual bool measures_derivative() const { return false; }
+    virtual std::optional<Mat3> measured_derivative(const Vec3&, const Following&, double) {
+        return {};
+    }
+
+    bool mirrored() const { return mirrored_; }
+    double span() const { return mirrored_ ? M_PI : 2 * M_PI; }  // of phase
+    double time() const { return span() / gait_.omega; }         // of the span, s
+    double nm() const { return nm_; }
+    const Gait& gait() const { return gait_; }
+    const Vec3& scale() const { return scale_; }  // of p
+    // At phase 0: the turning rate w of a given L, and L of a chain that does not turn.
+    double rate(double L) const { return (L - gait_.omega * shape_.K) / shape_.J; }
+    double momentum_at_rest() const { return gait_.omega * shape_.K; }
+
+  protected:
+    Robot robot_;
+    Gait gait_;
+    GaitTable table_;
+    double nm_;
+    Vec3 scale_;
+
+  private:
+    bool mirrored_;
+    BodyShape shape_;  // at phase 0
+};
+
+}  // namespace serpenoid

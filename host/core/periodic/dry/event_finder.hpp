@@ -1,0 +1,47 @@
+// Where within a smooth piece (sliding_piece.hpp) the mode of a wheel ends: a sliding speed reaches
+// zero, or the force on a wheel that sticks reaches its bound.
+//
+// The margin of a wheel is its speed, or its force's distance from the bound, in units of the aim;
+// an event is aimed at a margin of -1, a little beyond the end of the mode.
+#pragma once
+
+#include <vector>
+
+#include "periodic/dry/sliding_piece.hpp"
+
+namespace serpenoid {
+
+struct ModeEvent {
+    double at = 1;   // fraction of the piece
+    int wheel = -1;  // none: the mode lasts
+    bool sliding = false;
+    double slope = 0;  // of the wheel's speed there, m/s a rad, where it slides
+};
+
+class EventFinder {
+  public:
+    EventFinder(const Robot& robot, SlidingPiece& piece)
+        : wheels_(2 * robot.n), piece_(piece), margin_(wheels_), lowest_(wheels_) {}
+
+    void aim(double speed_eps, double force_eps) { speed_eps_ = speed_eps, force_eps_ = force_eps; }
+
+    // The first event of the piece, which was solved with this mode over h of phase.
+    ModeEvent first(const SlidingMode& mode, double h);
+
+    // Of the last piece: a wheel's margins at the start and the stages, and a lower bound of them.
+    const double* margins(int wheel) const { return margin_[wheel].at; }
+    double lowest(int wheel) const { return lowest_[wheel]; }
+
+  private:
+    void set_margins(const SlidingMode& mode);
+    double end_of_wheel(const double* margins, double first) const;
+    double sharpen(int wheel, double sign, double x);
+
+    int wheels_;
+    SlidingPiece& piece_;
+    std::vector<SlidingPiece::Lanes> margin_;
+    std::vector<double> lowest_;
+    double speed_eps_ = 0, force_eps_ = 0;
+};
+
+}  // namespace serpenoid

@@ -1,0 +1,121 @@
+// The convex problem of event_step.hpp and what its solution tells.
+#include "periodic/dry/event_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace serpenoid {
+
+EventStep::EventStep(const CycleMap& map, SlidingPiece& piece)
+    : omega_(map.gait().omega), nm_(map.nm()), scale_(map.scale()), piece_(piece) {
+    for (int c = 1; c <= piece.wheels(); ++c) apart_.push_back(std::fmod(0.6180339887 * c, 1.0));
+}
+
+// Wheels of a straight chain have one and the same kink, where an active-set method could cycle:
+// each kink is moved by its own 1e-13 or less of the speed scale.
+void EventStep::set_kinks(double h) {
+    const double speed = scale_[0] / nm_;
+    kinks_.clear(), wheel_of_kink_.clear();
+    for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
+        if (!piece_.has_modes(wheel)) continue;
+        const WheelDirection g = piece_.row(wheel, 1);
+        kinks_.push_back({{g.x, g.y, g.r},
+                          omega_ * g.e + 1e-13 * speed * apart_[kinks_.size()],
+                          h * piece_.mu(wheel)});
+        wheel_of_kink_.push_back(wheel);
+    }
+}
+
+// The velocity after h seconds from p.
+bool EventStep::solve(const Vec3& p, const Vec3& u0, double h) {
+    const SlidingPiece::Node& k = piece_.node(1);
+    const double* D = k.D;
+    const Mat3 H = {nm_ + h * D[0], h * D[1], h * D[2], h * D[1],      nm_ + h * D[3],
+                    h * D[4],       h * D[2], h * D[4], k.J + h * D[5]};
+    const double c = std::cos(h * u0[2]), n = std::sin(h * u0[2]);
+    const Vec3 b = {c * p[0] + n * p[1] - h * (omega_ * k.d[0] + k.dry[0]),
+                    c * p[1] - n * p[0] - h * (omega_ * k.d[1] + k.dry[1]),
+                    p[2] - omega_ * k.K - h * (omega_ * k.d[2] + k.dry[2])};
+    if (convex_.solve(H, b, kinks_)) return true;
+    convex_.forget();
+    return convex_.solve(H, b, kinks_);
+}
+
+// What friction takes at the end of the step, W.
+double EventStep::dissipation(const Vec3& u) const {
+    const SlidingPiece::Node& k = piece_.node(1);
+    const double* D = k.D;
+    double watts = u[0] * (D[0] * u[0] + 2 * D[1] * u[1] + 2 * D[2] * u[2]) +
+                   u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
+                   2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
+                   omega_ * omega_ * k.dd;
+    for (std::size_t c = 0; c < kinks_.size(); ++c)
+        watts += piece_.mu(wheel_of_kink_[c]) * std::fabs(kinks_[c].at(u)) -
+                 piece_.thrust(wheel_of_kink_[c]) * kinks_[c].at(u);
+    return watts;
+}
+
+bool EventStep::take(CycleState& state, double tau, double dtau, double spin, SlidingMode& mode) {
+    const double h = dtau / omega_;
+    piece_.set_nodes(tau, tau + dtau);
+    const Vec3 u0 = piece_.velocity(piece_.node(0), state.p);
+    direction_.clear();
+    for (int wheel = 0; wheel < piece_.wheels(); ++wheel)
+        direction_.push_back(piece_.row(wheel, 0).speed(u0.data(), omega_));
+    piece_.sum_nodes(direction_);
+    set_kinks(h);
+    if (!solve(state.p, u0, h)) return false;
+    const Vec3& u = convex_.minimum();
+    const SlidingPiece::Node& k = piece_.node(1);
+    state.p = {nm_ * u[0], nm_ * u[1], k.J * u[2] + omega_ * k.K};
+    state.theta += h * u[2];
+    const double heading = state.theta - spin * (tau + dtau);
+    state.x += h * (std::cos(heading) * u[0] - std::sin(heading) * u[1]);
+    state.y += h * (std::sin(heading) * u[0] + std::cos(heading) * u[1]);
+    state.dissipated += h * dissipation(u);
+    set_mode(mode);
+    put_at_rest(mode, state);
+    return true;
+}
+
+void EventStep::set_mode(SlidingMode& mode) const {
+    mode.count = 0;
+    for (std::size_t c = 0; c < kinks_.size(); ++c) {
+        const int wheel = wheel_of_kink_[c], kink = static_cast<int>(c);
+        if (convex_.held(kink) && mode.count < 3) {
+            mode.sign[wheel] = 0, mode.stuck[mode.count++] = wheel;
+        } else {
+            mode.sign[wheel] = convex_.sign(kink) < 0 ? -1 : 1;
+        }
+    }
+}
+
+// Put the wheels that stick at rest to the last digit. The step leaves 1e-11 of the scale of their
+// speeds, which over a short piece would be taken for a force. Wheels of a straight chain have one
+// and the same row: those stay as they are.
+void EventStep::put_at_rest(const SlidingMode& mode, CycleState& state) const {
+    const SlidingPiece::Node& k = piece_.node(1);
+    const double mass[3] = {nm_, nm_, k.J};
+    const Vec3 u = piece_.velocity(k, state.p);
+    Mat3 S = identity3();
+    Vec3 pull{}, row[3]{};
+    for (int a = 0; a < mode.count; ++a) {
+        const WheelDirection g = piece_.row(mode.stuck[a], 1);
+        row[a] = {g.x, g.y, g.r}, pull[a] = -g.speed(u.data(), omega_);
+    }
+    for (int a = 0; a < mode.count; ++a)
+        for (int b = 0; b < mode.count; ++b) {
+            S[3 * a + b] = 0;
+            for (int i = 0; i < 3; ++i) S[3 * a + b] += row[a][i] * row[b][i] / mass[i];
+        }
+    if (mode.count == 0 || !solve_dense<3, 1>(S.data(), pull.data())) return;
+    Vec3 p = state.p;
+    double moved = 0;
+    for (int i = 0; i < 3; ++i) {
+        for (int a = 0; a < mode.count; ++a) p[i] += pull[a] * row[a][i];
+        moved = std::max(moved, std::fabs(p[i] - state.p[i]) / scale_[i]);
+    }
+    if (moved < 1e-8) state.p = p;
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,42 @@
+// One very short implicit step at an event, without any mode: it finds the mode that follows.
+//
+// The step is one of implicit Euler, a convex problem (kinked_quadratic.hpp) whose solution says of
+// every wheel whether it slides or sticks.
+#pragma once
+
+#include <vector>
+
+#include "numerics/kinked_quadratic.hpp"
+#include "periodic/cycle_map.hpp"
+#include "periodic/dry/sliding_piece.hpp"
+
+namespace serpenoid {
+
+class EventStep {
+  public:
+    EventStep(const CycleMap& map, SlidingPiece& piece);
+
+    // Step from tau over dtau and set the mode there. spin: of the axes of x and y. False where
+    // the convex problem cycles. Nodes 0 and 1 of the piece are then those of both ends.
+    bool take(CycleState& state, double tau, double dtau, double spin, SlidingMode& mode);
+
+    void forget() { convex_.forget(); }  // the modes of the last step
+
+  private:
+    void set_kinks(double h);
+    bool solve(const Vec3& p, const Vec3& u0, double h);
+    double dissipation(const Vec3& u) const;
+    void set_mode(SlidingMode& mode) const;
+    void put_at_rest(const SlidingMode& mode, CycleState& state) const;
+
+    double omega_, nm_;
+    Vec3 scale_;
+    SlidingPiece& piece_;
+    Convex3 convex_;
+    std::vector<Kink> kinks_;
+    std::vector<int> wheel_of_kink_;
+    std::vector<double> apart_;      // by how much each kink is moved, below 1
+    std::vector<double> direction_;  // of every wheel before the step, by its sign
+};
+
+}  // namespace serpenoid

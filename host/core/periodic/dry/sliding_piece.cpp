@@ -1,0 +1,376 @@
+// Newton's method on the stages of sliding_piece.hpp, and what its polynomial tells.
+#include "periodic/dry/sliding_piece.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace serpenoid {
+
+namespace {
+
+constexpr int s = SlidingPiece::kStages;
+constexpr double kBetween = 0.73;  // of a piece: where its polynomial is farthest from a stage
+
+// Rate of the polynomial at stage j, times h: sum_k of this times (Y_k - p0). Inverse of a.
+const std::array<double, s * s>& differentiation() {
+    static const std::array<double, s * s> D = [] {
+        auto A = SlidingPiece::Rule::get().a;
+        std::array<double, s * s> I{};
+        for (int k = 0; k < s; ++k) I[k * s + k] = 1;
+        solve_dense<s, s>(A.data(), I.data());
+        return I;
+    }();
+    return D;
+}
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// x of least |Q + sum_a x_a g_a| for up to three rows g.
+Vec3 least_squares(const Vec3* g, int count, const Vec3& Q) {
+    Vec3 x{};
+    if (count == 1) x[0] = -dot(g[0], Q) / dot(g[0], g[0]);
+    if (count == 2) {
+        double S[4] = {dot(g[0], g[0]), dot(g[0], g[1]), dot(g[1], g[0]), dot(g[1], g[1])};
+        double b[2] = {-dot(g[0], Q), -dot(g[1], Q)};
+        if (solve_dense<2, 1>(S, b)) x = {b[0], b[1], 0};
+    }
+    if (count == 3) {
+        Mat3 S;
+        for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a) S[3 * i + a] = g[a][i];
+        Vec3 b = {-Q[0], -Q[1], -Q[2]};
+        if (solve_dense<3, 1>(S.data(), b.data())) x = b;
+    }
+    return x;
+}
+
+}  // namespace
+
+SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait,
+                           const kernels::StageKernel& kernel)
+    : robot_(robot),
+      ground_(ground),
+      omega_(gait.omega),
+      nm_(robot.n * robot.m),
+      inverse_nm_(1 / nm_),
+      ft0_(ground.ft0_mean()),
+      thrust_(ground.thrust()),
+      grip_(ground.grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
+      kernel_(kernel),
+      wheel_(2 * robot.n),
+      aside_(2 * robot.n),
+      viscous_(2 * robot.n),
+      dry_(2 * robot.n),
+      force_(2 * robot.n),
+      scratch_(8 * robot.n) {
+    const GaitTable table(robot.n, gait);
+    for (int i = 0; i + 1 < robot.n; ++i) {
+        cosine_.push_back(gait.alpha * table.cosine(i));
+        sine_.push_back(gait.alpha * table.sine(i));
+    }
+    chain_ = {robot.n,   robot.m,        robot.l,      robot.I,    ground.ct,
+              ground.cn, cosine_.data(), sine_.data(), gait.offset};
+}
+
+void SlidingPiece::shape(int lanes, const Lanes& tau) {
+    kernel_.shape(chain_, lanes, tau, sums_, wheel_.data(), scratch_.front().at);
+    for (int j = 0; j < lanes; ++j)
+        node_[j].J = sums_.J.at[j], node_[j].K = sums_.K.at[j], node_[j].iJ = 1 / sums_.J.at[j];
+}
+
+void SlidingPiece::sum(int lanes, const std::vector<double>& way) {
+    for (int c = 0; c < 2 * robot_.n; ++c) viscous_[c] = viscous(c, way[c]);
+    kernel_.sums(2 * robot_.n, lanes, wheel_.data(), viscous_.data(), dry_.data(), sums_);
+    for (int j = 0; j < lanes; ++j) {
+        Node& k = node_[j];
+        for (int i = 0; i < 6; ++i) k.D[i] = sums_.D[i].at[j];
+        for (int i = 0; i < 3; ++i) k.d[i] = sums_.d[i].at[j], k.dry[i] = sums_.dry[i].at[j];
+        k.dd = sums_.dd.at[j], k.dry_e = sums_.dry_e.at[j];
+    }
+}
+
+void SlidingPiece::set_nodes(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
+
+void SlidingPiece::sum_nodes(const std::vector<double>& way) {
+    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -thrust(c);
+    sum(2, way);
+}
+
+Vec3 SlidingPiece::direction(int wheel, int j) const {
+    const kernels::StageWheel& g = wheel_[wheel];
+    return {g.x.at[j], g.y.at[j], g.r.at[j]};
+}
+
+// dp/dtau without the stuck wheels' forces.
+Vec3 SlidingPiece::free_rate(const Node& k, const Vec3& p, const Vec3& u) const {
+    const double io = 1 / omega_, w = u[2], *D = k.D;
+    return {io * (w * p[1] - k.dry[0] - D[0] * u[0] - D[1] * u[1] - D[2] * w) - k.d[0],
+            io * (-w * p[0] - k.dry[1] - D[1] * u[0] - D[3] * u[1] - D[4] * w) - k.d[1],
+            io * (-k.dry[2] - D[2] * u[0] - D[4] * u[1] - D[5] * w) - k.d[2]};
+}
+
+Mat3 SlidingPiece::free_jacobian(const Node& k, const Vec3& p, const Vec3& u) const {
+    const double io = 1 / omega_, im = io * inverse_nm_, iJ = io * k.iJ, w = io * u[2], *D = k.D;
+    return {-D[0] * im,          -D[1] * im + w, (-D[2] + p[1]) * iJ, -D[1] * im - w, -D[3] * im,
+            (-D[4] - p[0]) * iJ, -D[2] * im,     -D[4] * im,          -D[5] * iJ};
+}
+
+// Three directions: first those in which no stuck wheel pushes, then the stuck wheels' rows.
+std::array<Vec3, 3> SlidingPiece::split(int j, int& constraints) const {
+    constraints = mode_->count;
+    std::array<Vec3, 3> d{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+    for (int a = 0; a < constraints; ++a) d[3 - constraints + a] = direction(mode_->stuck[a], j);
+    if (constraints == 2) d[0] = cross(d[1], d[2]);
+    if (constraints == 1) {  // a row has a unit vector in its first two components
+        const Vec3 g = d[2];
+        d[0] = {-g[1], g[0], 0};
+        d[1] = {-g[2] * g[0], -g[2] * g[1], 1};
+    }
+    return d;
+}
+
+// h times the rate of the polynomial at stage j.
+Vec3 SlidingPiece::stage_rate(int j) const {
+    const auto& D = differentiation();
+    Vec3 r{};
+    for (int k = 0; k < s; ++k)
+        for (int i = 0; i < 3; ++i) r[i] += D[j * s + k] * (Y_[k][i] - p0_[i]);
+    return r;
+}
+
+// One step of Newton's method, and the derivative by p0.
+bool SlidingPiece::step() {
+    const auto& diff = differentiation();
+    for (int j = 0; j < s; ++j) {
+        const Node& k = node_[j + 1];
+        int constraints;
+        const auto d = split(j + 1, constraints);
+        const Vec3 u = velocity(k, Y_[j]), F = free_rate(k, Y_[j], u);
+        const Mat3 A = free_jacobian(k, Y_[j], u);
+        Vec3 Q = stage_rate(j);
+        for (int i = 0; i < 3; ++i) Q[i] -= h_ * F[i];
+        for (int r = 0; r < 3; ++r) {
+            double* line = &rows_[(3 * j + r) * kRow];
+            double* right = line + kRight;
+            std::fill_n(line, kRight, 0.0);
+            Vec3 own;  // derivative by this stage beyond the polynomial's rate
+            if (r < 3 - constraints) {
+                for (int m = 0; m < s; ++m)
+                    for (int i = 0; i < 3; ++i) line[3 * m + i] = diff[j * s + m] * d[r][i];
+                for (int i = 0; i < 3; ++i)
+                    own[i] = -h_ * (d[r][0] * A[i] + d[r][1] * A[3 + i] + d[r][2] * A[6 + i]);
+                right[0] = -dot(d[r], Q);
+            } else {
+                const WheelDirection g = row(mode_->stuck[r - 3 + constraints], j + 1);
+                own = {g.x * inverse_nm_, g.y * inverse_nm_, g.r * k.iJ};
+                right[0] = -g.speed(u.data(), omega_);
+            }
+            for (int i = 0; i < 3; ++i) line[3 * j + i] += own[i];
+            for (int i = 0; i < 3; ++i) right[1 + i] = -own[i];
+        }
+    }
+    if (!kernel_.solve(rows_.data())) return false;
+    change_[0] = change_[1] = change_[2] = 0;
+    for (int j = 0; j < s; ++j)
+        for (int i = 0; i < 3; ++i) {
+            const double* r = &rows_[(3 * j + i) * kRow + kRight];
+            Y_[j][i] += r[0];
+            change_[i] = std::max(change_[i], std::fabs(r[0]));
+            for (int c = 0; c < 3; ++c) T_[j][3 * i + c] = (i == c) + r[1 + c];
+        }
+    return true;
+}
+
+bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Vec3& p0,
+                         const Vec3& scale, double close) {
+    const Rule& rule = Rule::get();
+    mode_ = &mode, tau_ = tau, h_ = h, p0_ = p0;
+    Lanes phase{{tau}};
+    for (int j = 0; j < s; ++j) phase.at[j + 1] = tau + h * rule.c[j];
+    phase.at[s + 1] = tau + h * kBetween;
+    shape(s + 2, phase);
+    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = mu(c) * mode.sign[c] - thrust(c);
+    sum(s + 1, mode.sign);
+    Y_.fill(p0);
+    double size = HUGE_VAL;
+    for (int i = 0; i < 12; ++i) {
+        const bool near = i > 0;  // the equations are almost linear: one step comes close
+        if (!step()) return false;
+        size = std::max({change_[0] / scale[0], change_[1] / scale[1], change_[2] / scale[2]});
+        if (!(size < 1e12)) return false;
+        if (near && size < 0.1 && size * size < close) {
+            velocities();
+            stuck_forces(mode);
+            return true;
+        }
+    }
+    return false;
+}
+
+void SlidingPiece::velocities() {
+    u_[0] = velocity(node_[0], p0_);
+    for (int j = 0; j < s; ++j) u_[j + 1] = velocity(node_[j + 1], Y_[j]);
+}
+
+void SlidingPiece::speeds(Lanes* to) const {
+    Lanes u[3]{};
+    for (int j = 0; j <= s; ++j)
+        for (int i = 0; i < 3; ++i) u[i].at[j] = u_[j][i];
+    kernel_.speeds(2 * robot_.n, s + 1, wheel_.data(), u, omega_, to);
+}
+
+double SlidingPiece::speed(int wheel, double x) {
+    kernel_.shape(chain_, 1, {{tau_ + h_ * x}}, aside_sums_, aside_.data(), scratch_.front().at);
+    const kernels::StageWheel& g = aside_[wheel];
+    const Vec3 p = at(x);
+    const double w = (p[2] - omega_ * aside_sums_.K.at[0]) / aside_sums_.J.at[0];
+    return (g.x.at[0] * p[0] + g.y.at[0] * p[1]) * inverse_nm_ + g.r.at[0] * w + omega_ * g.e.at[0];
+}
+
+void SlidingPiece::lowest(const Lanes* values, double* to) const {
+    static const auto weights = [] {
+        std::array<Lanes, s + 1> w{};
+        for (int j = 0; j <= s; ++j) {
+            double unit[s + 1]{};
+            unit[j] = 1;
+            const auto b = StagePolynomial<s>(unit).bernstein();
+            for (int i = 0; i < Lanes::kCount; ++i) w[j].at[i] = b[std::min(i, s)];
+        }
+        return w;
+    }();
+    kernel_.lowest(2 * robot_.n, s + 1, weights.data(), values, to);
+}
+
+void SlidingPiece::stuck_forces(const SlidingMode& mode) {
+    if (mode.count == 0) return;
+    for (int j = 0; j < s; ++j) {
+        Vec3 Q = stage_rate(j), g[3];
+        const Vec3 F = free_rate(node_[j + 1], Y_[j], u_[j + 1]);
+        for (int i = 0; i < 3; ++i) Q[i] = omega_ * (Q[i] / h_ - F[i]);
+        for (int a = 0; a < mode.count; ++a) g[a] = direction(mode.stuck[a], j + 1);
+        lambda_[j] = least_squares(g, mode.count, Q);
+    }
+}
+
+// The least change of p (kinetic energy's measure) that would put stuck wheels at rest between the
+// stages: the rate at the start knows nothing of it, as their forces take up whatever it is.
+double SlidingPiece::drift(const Vec3& scale) const {
+    if (mode_->count == 0) return 0;
+    const Node& k = node_[s + 1];
+    const Vec3 u = velocity(k, at(kBetween));
+    const double weight[3] = {inverse_nm_, inverse_nm_, k.iJ};
+    Mat3 S = identity3();
+    Vec3 pull{};
+    for (int a = 0; a < mode_->count; ++a) {
+        pull[a] = row(mode_->stuck[a], s + 1).speed(u.data(), omega_);
+        for (int b = 0; b < mode_->count; ++b) {
+            const Vec3 g = direction(mode_->stuck[a], s + 1), f = direction(mode_->stuck[b], s + 1);
+            S[3 * a + b] =
+                g[0] * f[0] * weight[0] + g[1] * f[1] * weight[1] + g[2] * f[2] * weight[2];
+        }
+    }
+    if (!solve_dense<3, 1>(S.data(), pull.data())) return 0;
+    double most = 0;
+    for (int i = 0; i < 3; ++i) {
+        double moved = 0;
+        for (int a = 0; a < mode_->count; ++a)
+            moved += pull[a] * direction(mode_->stuck[a], s + 1)[i];
+        most = std::max(most, std::fabs(moved) / scale[i]);
+    }
+    return most;
+}
+
+// What the polynomial's rate at the start is off by, but for what a stuck wheel's force takes up;
+// and how far that force is from the one that the stages tell.
+double SlidingPiece::error(const Vec3& scale) const {
+    constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it,
+                                     // times how much that force outweighs inertia
+    constexpr double kDrift = 0.3;   // in the mean
+    const Rule& rule = Rule::get();
+    const Vec3 F = free_rate(node_[0], p0_, u_[0]), slope = rate(0);
+    Vec3 Q, g[3]{};
+    for (int i = 0; i < 3; ++i) Q[i] = (slope[i] - F[i]) / scale[i];
+    for (int a = 0; a < mode_->count; ++a) {
+        g[a] = direction(mode_->stuck[a], 0);
+        for (int i = 0; i < 3; ++i) g[a][i] /= scale[i];
+    }
+    const Vec3 x = least_squares(g, mode_->count, Q);
+    double most = 0, force = 0, outweighs = 0;
+    for (int a = 0; a < mode_->count; ++a) {
+        const double bound = mu(mode_->stuck[a]) / grip(mode_->stuck[a]);
+        force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / bound);
+        outweighs = std::max(outweighs, bound / (2 * omega_ * scale[0]));
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int a = 0; a < mode_->count; ++a) Q[i] += x[a] * g[a][i];
+        most = std::max(most, std::fabs(Q[i]));
+    }
+    return std::max({h_ * most * rule.bump_height, force * std::max(kForce, outweighs * force),
+                     kDrift * drift(scale)});
+}
+
+Vec3 SlidingPiece::at(double x) const {
+    if (x == 0) return p0_;
+    const auto w = Rule::get().dense(x);
+    Vec3 p = p0_;
+    for (int k = 0; k < s; ++k)
+        for (int i = 0; i < 3; ++i) p[i] += w[k] * (Y_[k][i] - p0_[i]);
+    return p;
+}
+
+// The rates at the stages, interpolated.
+Vec3 SlidingPiece::rate(double x) const {
+    const Rule& rule = Rule::get();
+    const auto w = rule.dense(x);
+    Vec3 r{};
+    for (int j = 0; j < s; ++j) {
+        if (x == 0) {
+            for (int i = 0; i < 3; ++i) r[i] += rule.slope0[j] / h_ * (Y_[j][i] - p0_[i]);
+            continue;
+        }
+        const Vec3 v = stage_rate(j);
+        for (int i = 0; i < 3; ++i) r[i] += w[j] * rule.c[j] / (x * h_) * v[i];
+    }
+    return r;
+}
+
+Mat3 SlidingPiece::tangent(double x) const {
+    const auto w = Rule::get().dense(x);
+    Mat3 T = identity3();
+    for (int k = 0; k < s; ++k)
+        for (int i = 0; i < 9; ++i) T[i] += w[k] * (T_[k][i] - (i % 4 == 0));
+    return T;
+}
+
+double SlidingPiece::stuck_force(int a, double x) const {
+    const Rule& rule = Rule::get();
+    double sum = 0;
+    if (x == 0) {
+        for (int j = 0; j < s; ++j) sum += rule.at0[j] * lambda_[j][a];
+        return sum;
+    }
+    const auto w = rule.dense(x);
+    for (int j = 0; j < s; ++j) sum += w[j] * rule.c[j] / x * lambda_[j][a];
+    return sum;
+}
+
+void SlidingPiece::torques(int count, const double* x, Lanes* torque, Lanes* rate) {
+    Lanes tau{}, momenta[3]{};
+    for (int c = 0; c < 2 * robot_.n; ++c)
+        force_[c] = {}, std::fill_n(force_[c].at, count, dry_[c]);
+    for (int q = 0; q < count; ++q) {
+        tau.at[q] = tau_ + h_ * x[q];
+        for (int a = 0; a < mode_->count; ++a)
+            force_[mode_->stuck[a]].at[q] += stuck_force(a, x[q]);
+        const Vec3 p = at(x[q]);
+        for (int i = 0; i < 3; ++i) momenta[i].at[q] = p[i];
+    }
+    kernel_.torques(chain_, count, tau, momenta, omega_, viscous_.data(), force_.data(), torque,
+                    rate, scratch_.front().at);
+}
+
+}  // namespace serpenoid

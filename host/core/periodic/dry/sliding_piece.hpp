@@ -1,0 +1,145 @@
+// A piece of the motion on dry ground during which every wheel keeps to what it does: slides
+// forwards, backwards, or sticks. Joint angles imposed; flat ground.
+//
+// With p = (nm Vx, nm Vy, L) and u = (Vx, Vy, w) of body_shape.hpp the motion obeys, by phase,
+//
+//     omega p' = -(D u + omega d) - sum_sliding mu s g - sum_stuck lambda g + w (p_y, -p_x, 0),
+//     g_a . u + omega e_a = 0 for every stuck wheel a,
+//
+// g and e being a wheel's row. A ratchet has the D of the mode, the mean of both ways as mu and
+// half their difference as a constant thrust along its links. Radau collocation
+// (radau_collocation.hpp) on the piece: p is a polynomial that satisfies at every stage the
+// constraints, and of the first equation the part that no lambda enters, so that there are three
+// unknowns a stage however many wheels stick. The rest of it gives lambda. Newton's matrix gives
+// the derivative by the start as well, and the polynomial the state between the stages, where a
+// mode may end.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "body/body_shape.hpp"
+#include "kernels/kernel_table.hpp"
+#include "model/gait.hpp"
+#include "model/params.hpp"
+#include "numerics/dense.hpp"
+#include "numerics/radau_collocation.hpp"
+
+namespace serpenoid {
+
+// What wheel 2i (along link i) and 2i + 1 (across it) do: sign of sliding, or 0 where it sticks.
+struct SlidingMode {
+    std::vector<double> sign;
+    std::array<int, 3> stuck{};
+    int count = 0;  // of stuck ones
+    bool operator==(const SlidingMode&) const = default;
+};
+
+class SlidingPiece {
+  public:
+    static constexpr int kStages = 5;
+    using Rule = RadauRule<kStages>;
+    using Lanes = kernels::Lanes;  // of the start (0) and the stages
+
+    // What is known of one phase: sums over the wheels.
+    struct Node {
+        double J, K, iJ;
+        double D[6], d[3], dd;  // of the viscous ones
+        Vec3 dry;               // sum of the others' forces times g
+        double dry_e;           // and times e
+    };
+
+    SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait,
+                 const kernels::StageKernel& kernel);
+    SlidingPiece(const SlidingPiece&) = delete;
+    SlidingPiece& operator=(const SlidingPiece&) = delete;
+
+    // Nodes 0 and 1 at these phases, without the sums; then the sums, by the sign of every
+    // wheel's speed in `direction`.
+    void set_nodes(double tau0, double tau1);
+    void sum_nodes(const std::vector<double>& direction);
+
+    int wheels() const { return 2 * robot_.n; }
+    const Node& node(int j) const { return node_[j]; }
+    WheelDirection row(int wheel, int j) const {
+        const kernels::StageWheel& g = wheel_[wheel];
+        return {g.x.at[j], g.y.at[j], g.r.at[j], g.e.at[j]};
+    }
+    Vec3 velocity(const Node& node, const Vec3& p) const {
+        return {p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * node.K) * node.iJ};
+    }
+    double mu(int wheel) const { return wheel % 2 ? ground_.fn0 : ft0_; }
+    double thrust(int wheel) const { return wheel % 2 ? 0 : thrust_; }
+    double viscous(int wheel, double way) const {
+        return wheel % 2 ? ground_.cn : ground_.ct_going(way);
+    }
+    // Whether its mode ends when it stops.
+    bool has_modes(int wheel) const {
+        return mu(wheel) > 0 || (wheel % 2 == 0 && ground_.ct != ground_.ct_back);
+    }
+    // mu over the force that counts as little or much for a wheel that is held.
+    double grip(int wheel) const { return wheel % 2 ? 1 : grip_; }
+
+    // Solve over h of phase from tau. False when Newton's method does not come to a step below
+    // `close` (of the scales).
+    bool solve(const SlidingMode& mode, double tau, double h, const Vec3& p0, const Vec3& scale,
+               double close);
+
+    double error(const Vec3& scale) const;      // of the polynomial, as a fraction of the scales
+    double drift(const Vec3& scale) const;      // what of it stuck wheels show between the stages
+    Vec3 at(double x) const;                    // p at a fraction of the piece
+    Vec3 rate(double x) const;                  // and dp/dtau
+    Mat3 tangent(double x) const;               // dp(x)/dp0
+    double stuck_force(int a, double x) const;  // lambda of the a-th stuck wheel
+
+    const Vec3& stage(int j) const { return Y_[j]; }
+    const Vec3& stage_velocity(int j) const { return u_[j + 1]; }
+    const Mat3& stage_tangent(int j) const { return T_[j]; }
+    double stage_force(int j, int a) const { return lambda_[j][a]; }
+    // Every wheel's speed at the start and the stages.
+    void speeds(Lanes* to) const;
+    // A wheel's speed at a fraction of the piece, by the shape there.
+    double speed(int wheel, double x);
+    // A lower bound of each wheel's polynomial through such values.
+    void lowest(const Lanes* values, double* to) const;
+    // Every joint's torque and rate at some fractions of the piece.
+    void torques(int count, const double* x, Lanes* torque, Lanes* rate);
+
+  private:
+    static constexpr int s = kStages, N = 3 * s, kRow = 20, kRight = 16;
+    void shape(int lanes, const Lanes& tau);
+    void sum(int lanes, const std::vector<double>& way);
+    void velocities();
+    Vec3 free_rate(const Node& node, const Vec3& p, const Vec3& u) const;
+    Mat3 free_jacobian(const Node& node, const Vec3& p, const Vec3& u) const;
+    bool step();
+    void stuck_forces(const SlidingMode& mode);
+    Vec3 stage_rate(int j) const;
+    std::array<Vec3, 3> split(int j, int& constraints) const;
+    Vec3 direction(int wheel, int j) const;
+
+    Robot robot_;
+    Ground ground_;
+    double omega_, nm_, inverse_nm_, ft0_, thrust_, grip_;
+    std::vector<double> cosine_, sine_;  // of the joints' angles
+    kernels::CycleChain chain_;
+    kernels::StageKernel kernel_;
+    kernels::StageSums sums_{};
+    std::vector<kernels::StageWheel> wheel_;
+    kernels::StageSums aside_sums_{};
+    std::vector<kernels::StageWheel> aside_;
+    std::vector<double> viscous_, dry_;  // every wheel's coefficient, and force where it slides
+    std::vector<Lanes> force_, scratch_;
+    std::array<Node, kStages + 2> node_;  // the last one is between stages
+    const SlidingMode* mode_ = nullptr;
+    double tau_ = 0, h_ = 0;
+    Vec3 p0_{};
+    std::array<Vec3, kStages> Y_{};      // p at the stages
+    std::array<Vec3, kStages + 1> u_{};  // u at the start and there
+    std::array<Mat3, kStages> T_{};      // dp/dp0 there
+    std::array<Vec3, kStages> lambda_{};
+    alignas(64) std::array<double, N * kRow> rows_;
+    double change_[3] = {0, 0, 0};
+};
+
+}  // namespace serpenoid

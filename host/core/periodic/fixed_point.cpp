@@ -1,0 +1,138 @@
+// The damped steps of fixed_point.hpp.
+#include "periodic/fixed_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace serpenoid {
+
+namespace {
+
+double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2])}); }
+
+// In which motions draw together, but for a factor: that of the kinetic energy.
+double inner(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] / 12; }
+
+}  // namespace
+
+double Orbit::at_start(double value, int row, const Vec3& scale) const {
+    for (int k = 0; k < 3; ++k) value += end.state.by_start[row][k] * step[k] * scale[k];
+    return value;
+}
+
+double Orbit::sensitivity(int row, const Vec3& scale) const {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += std::fabs(end.state.by_start[row][k]) * scale[k];
+    return sum;
+}
+
+double Orbit::condition() const {
+    Mat3 A = identity3(), inverse = identity3();
+    for (int i = 0; i < 9; ++i) A[i] -= derivative[i];
+    if (!solve_dense<3, 3>(A.data(), inverse.data())) return HUGE_VAL;
+    double most = 0;
+    for (int i = 0; i < 3; ++i)
+        most = std::max(most, std::fabs(inverse[3 * i]) + std::fabs(inverse[3 * i + 1]) +
+                                  std::fabs(inverse[3 * i + 2]));
+    return most;
+}
+
+// Follow from z: the residual and the image's derivative.
+bool FixedPoint::evaluate(const Following& how, Orbit& orbit) {
+    const Vec3 &scale = map_.scale(), sign = mirror_signs(map_.mirrored());
+    Vec3 p;
+    for (int k = 0; k < 3; ++k) p[k] = z[k] * scale[k];
+    std::optional<CycleEnd> end = map_.follow(p, how);
+    if (!end) return false;
+    orbit.z = z, orbit.end = std::move(*end);
+    const CycleState& state = orbit.end.state;
+    for (int i = 0; i < 3; ++i) {
+        orbit.residual[i] = (sign[i] * state.p[i] - p[i]) / scale[i];
+        for (int j = 0; j < 3; ++j)
+            orbit.derivative[3 * i + j] = sign[i] * state.by_start[i][j] * (scale[j] / scale[i]);
+    }
+    return true;
+}
+
+// (1 + damping - M)^-1 residual.
+bool FixedPoint::step(const Orbit& orbit, double damping, Vec3& d) const {
+    Mat3 A = identity3();
+    for (int i = 0; i < 9; ++i) A[i] = (1 + damping) * A[i] - orbit.derivative[i];
+    d = orbit.residual;
+    return solve_dense<3, 1>(A.data(), d.data()) && std::isfinite(size(d));
+}
+
+// A step no longer than `reach` and not against the residual: the more damping, the shorter the
+// step is and the more it follows the residual, so that what settles fast still does. True where
+// Newton's step was not such a one.
+bool FixedPoint::shorten(const Orbit& orbit, double reach, Vec3& d) const {
+    const Vec3& r = orbit.residual;
+    const auto fits = [&] { return size(d) <= reach && inner(r, d) >= 0; };
+    if (fits()) return false;
+    for (double damping = 1e-6 * size(r) / reach; damping < 1; damping *= 4)
+        if (step(orbit, damping, d) && fits()) return true;
+    for (int k = 0; k < 3; ++k) d[k] = r[k] * std::min(1.0, reach / size(r));
+    return true;
+}
+
+bool FixedPoint::follow_cycles(int most, double near_enough, double tolerance, double share) {
+    constexpr double kPromising = 1e-3;
+    for (int i = 0; i < most; ++i, share = 1) {
+        Orbit orbit;
+        if (!evaluate({tolerance, false, false}, orbit)) return false;
+        double change = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double by = share * orbit.residual[k];
+            change = std::max(change, std::fabs(by)), z[k] += by;
+        }
+        promising_ = change < kPromising;
+        if (change < near_enough) break;
+    }
+    return true;
+}
+
+// Where every wheel slides one way all the cycle through friction hardly depends on the speed: the
+// residual is the same over a wide stretch, 1 - M next to singular, and Newton's step far too long.
+// So a step is at most `reach` long. Friction draws motions together, so that the fixed point lies
+// on the side to which the residual points: a step at whose end the residual still points ahead is
+// taken, though it be no smaller, and the next may be longer; one that has gone too far is cut by
+// the secant. When that does not help, a few cycles are followed.
+FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Orbit& orbit) {
+    constexpr int kMost = 40;
+    constexpr double kReach = 2;  // of the first step, in units of the scales
+    Vec3 last_z = z, last_d{};
+    double last = HUGE_VAL, part = 1, reach = kReach, before = 0;
+    bool cut = false;
+    for (int i = 0; i < kMost; ++i) {
+        const bool with_work = work && (i > 0 || near || promising_);
+        if (!evaluate({tolerance, with_work}, orbit)) return Ended::broken;
+        ++iterations;
+        const double now = size(orbit.residual), ahead = inner(orbit.residual, last_d);
+        if (now > last && now > 0.1 * goal && !(ahead > 0)) {
+            part *= std::clamp(before / (before - ahead), 0.1, 0.5);
+            if (part > 0.01) {
+                for (int k = 0; k < 3; ++k) z[k] = last_z[k] + part * last_d[k];
+                reach = part * size(last_d);
+            } else {
+                z = last_z, last = HUGE_VAL, part = 1;
+                if (!follow_cycles(4, goal, tolerance)) return Ended::broken;
+            }
+            continue;
+        }
+        Vec3 d;
+        if (!step(orbit, 0, d)) return Ended::stalled;
+        if (i == 0 && !near) promising_ = size(d) <= 4 * goal;
+        if (size(d) <= goal && with_work == work) {
+            orbit.step = d;
+            z = orbit.start();
+            return Ended::converged;
+        }
+        if (part == 1 && cut) reach *= 3;
+        cut = shorten(orbit, reach, d);
+        last = now, last_z = z, last_d = d, part = 1, before = inner(orbit.residual, d);
+        for (int k = 0; k < 3; ++k) z[k] += d[k];
+    }
+    return Ended::stalled;
+}
+
+}  // namespace serpenoid

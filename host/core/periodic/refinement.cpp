@@ -1,0 +1,168 @@
+// Levels and errors of refinement.hpp.
+#include "periodic/refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "numerics/matrix_product.hpp"
+
+namespace serpenoid {
+
+namespace {
+
+constexpr double kEarlier = 0.05;  // of the change before: one change may be small by luck
+
+// The derivative over a period in (Vx, Vy, L), of that of the image by p.
+Mat3 monodromy_of(Mat3 M, const CycleMap& map) {
+    for (int i = 0; i < 2; ++i) M[3 * i + 2] /= map.nm(), M[6 + i] *= map.nm();
+    return map.mirrored() ? multiply(M, M) : M;
+}
+
+Vec3 times(const Vec3& a, const Vec3& b) { return {a[0] * b[0], a[1] * b[1], a[2] * b[2]}; }
+
+}  // namespace
+
+// Speed, turn and power of the orbit's own start: those of the motion that was followed, and what
+// Newton's last step changes by derivatives.
+SteadyState Refinement::report(const Orbit& orbit, double tolerance) const {
+    const Vec3 &scale = map_.scale(), p = times(orbit.start(), scale);
+    const CycleState& end = orbit.end.state;
+    const bool measured = map_.measures_derivative();  // by differences, which add noise
+    const auto value = [&](double v, int row) {
+        return measured ? v : orbit.at_start(v, row, scale);
+    };
+    Path path{value(end.x, CycleState::kX), value(end.y, CycleState::kY),
+              value(end.theta, CycleState::kTheta)};
+    const double period = 2 * M_PI / map_.gait().omega;
+    SteadyState out;
+    Mat3 M = orbit.derivative;
+    for (int i = 0; i < 9; ++i) M[i] *= scale[i / 3] / scale[i % 3];
+    out.monodromy = monodromy_of(M, map_), out.slowest = log_spectral_radius(out.monodromy);
+    if (map_.mirrored()) path = path.twice_mirrored();
+    out.chord = path.length() / period, out.turn = path.turn;
+    if (!map_.mirrored()) {
+        const auto arc = map_.follow(p, {tolerance, false, false, path.turn / (2 * M_PI)});
+        if (arc) path = {arc->state.x, arc->state.y, path.turn};
+    }
+    out.speed = path.length() / period, out.direction = path.direction();
+    out.power = value(end.dissipated, CycleState::kDissipated) / map_.time();
+    out.start = {p[0] / map_.nm(), p[1] / map_.nm(), map_.rate(p[2])};
+    return out;
+}
+
+// A measured derivative is known from both sides, at two distances. Below what the steps' own
+// errors make of it a multiplier cannot be told from zero.
+void Refinement::measure_multipliers(double tolerance, SteadyState& s) const {
+    const double near = std::max(1e-5, 0.3 * std::sqrt(tolerance));
+    const Vec3 p = times(z_, map_.scale());
+    const auto M = map_.measured_derivative(p, {tolerance}, near),
+               wide = map_.measured_derivative(p, {tolerance}, 3 * near);
+    if (!M || !wide) return;
+    const bool half = map_.mirrored();
+    s.monodromy = monodromy_of(mirror_rows(*M, half), map_);
+    s.slowest = log_spectral_radius(s.monodromy);
+    const double other = log_spectral_radius(monodromy_of(mirror_rows(*wide, half), map_));
+    const double noise = 10 * tolerance / near, seen = std::exp(s.slowest / (half ? 2 : 1));
+    s.slowest_error = (s.slowest == other ? 0 : std::fabs(s.slowest - other)) +
+                      (half ? 2 : 1) * std::log1p(noise / (seen + 1e-300));
+}
+
+// Sums over the joints. Every joint's change from the level before counts as an error, and so does
+// the mismatch of the joints' net work and what friction took.
+void Refinement::add_positive(const JointWork& work, double mismatch, SteadyState& next) {
+    const double time = map_.time();
+    double change = 0;
+    positive_.resize(work.positive.size());
+    for (std::size_t i = 0; i < positive_.size(); ++i) {
+        next.positive_power += work.positive[i] / time;
+        change += std::fabs(work.positive[i] - positive_[i]) / time;
+    }
+    const double earlier = map_.measures_derivative() ? kEarlier : 0;
+    next.positive_power_error =
+        change + earlier * positive_change_ + (mismatch + work.doubtful) / time;
+    positive_change_ = first_ ? 0 : change;
+    next.abs_power = 2 * next.positive_power - next.power;
+    positive_ = work.positive;
+}
+
+// Error of a level: its changes from the level before, and what the change of its start and an
+// error of the map move it by; a lucky change alone would hide them.
+void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) {
+    constexpr double kState = 0.8;
+    constexpr double kLuck = 0.15;  // a power seldom changes by less than this of a tolerance
+    const Vec3 &scale = map_.scale(), z = orbit.start();
+    double moved = 0, step = 0;
+    for (int k = 0; k < 3; ++k) {
+        moved = std::max(moved, std::fabs(z[k] - z_[k]));
+        step = std::max(step, std::fabs(orbit.step[k]));
+    }
+    z_ = z;
+    // a measured derivative knows neither the rest of Newton's way nor what an error of the map
+    // does
+    const bool measured = map_.measures_derivative();
+    const double state = measured ? step : kState * (moved + tolerance * orbit.condition());
+    const double by_state =
+        measured ? 0 : state * orbit.sensitivity(CycleState::kDissipated, scale) / map_.time();
+    // wide tolerances say nothing of the power where wheels hardly roll back
+    ErrorRule rule{1,
+                   kEarlier,
+                   measured ? 0 : kEarlier,
+                   state * scale[0] / map_.nm(),
+                   kLuck * tolerance * next.power + by_state,
+                   kLuck * tolerance + state * orbit.sensitivity(CycleState::kTheta, scale)};
+    if (options_.powers) {
+        const double mismatch = std::fabs(orbit.end.work.net - orbit.end.state.dissipated);
+        add_positive(orbit.end.work, mismatch, next);
+        rule.power += mismatch / map_.time();
+        next.positive_power_error += by_state;
+    }
+    const LevelChange change(next, coarse_);
+    bound_errors(change, before_, rule, options_.rtol, next);
+    // derivatives jump where the sequence of modes does: one change tells little of the next
+    next.slowest_error = 5 * change.slowest + 0.3 * before_.slowest;
+    if (orbit.end.simultaneous_events)
+        next.slowest_error = std::max(next.slowest_error, std::fabs(next.slowest));
+}
+
+FixedPoint::Ended Refinement::level(double tolerance, const Levels& levels, SteadyState& next) {
+    constexpr double kFirst = 2.0 / 3;  // of the goal, while the start is not good to a tolerance
+    constexpr double kLeast = 1e-9;
+    const double goal = std::max((point_.near ? 1 : kFirst) * levels.goal * tolerance, kLeast);
+    Orbit orbit;
+    const auto ended = point_.solve(tolerance, goal, options_.powers, orbit);
+    if (ended != FixedPoint::Ended::converged) return ended;
+    next = report(orbit, tolerance);
+    next.iterations = point_.iterations;
+    point_.near = true;
+    bound(orbit, tolerance, next);
+    return ended;
+}
+
+// What breaks off at one tolerance mostly does not at another: a level has some tries.
+SteadyState Refinement::refine(const Levels& levels, const Acceptance& accepted) {
+    constexpr int kTries = 3;
+    SteadyState best = SteadyState::unknown();
+    z_ = point_.z, point_.near = false;
+    int broken = 0;
+    double reached = 0;
+    for (double tolerance = levels.first; tolerance > levels.last; tolerance *= levels.tighter) {
+        SteadyState next;
+        const auto ended = level(tolerance, levels, next);
+        if (ended != FixedPoint::Ended::converged) {
+            if (++broken == kTries) break;
+            if (point_.near || ended == FixedPoint::Ended::broken) point_.z = z_;
+            tolerance *= 10;  // half of this one comes next
+            continue;
+        }
+        reached = tolerance;
+        next.converged = !first_ && accepted(next);
+        if (first_ || accepted.excess(next) < accepted.excess(best)) best = next;
+        if (best.converged) break;
+        if (!first_) before_ = LevelChange(next, coarse_);
+        coarse_ = next, first_ = false;
+    }
+    if (reached > 0 && map_.measures_derivative()) measure_multipliers(reached, best);
+    return best;
+}
+
+}  // namespace serpenoid

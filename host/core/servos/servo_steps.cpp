@@ -1,0 +1,407 @@
+// The steps of servo_steps.hpp.
+#include "servos/servo_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace serpenoid {
+
+namespace {
+
+constexpr int kAllAtOnce = 6, kMostRevisions = 60;
+constexpr double kSpread = 1e-9;  // of the load, among more contacts than are needed to hold
+
+// In place, lower triangle, reciprocals on the diagonal.
+void cholesky(std::vector<double>& m, int size) {
+    for (int i = 0; i < size; ++i) {
+        for (int j = 0; j <= i; ++j) {
+            double sum = m[i * size + j];
+            for (int k = 0; k < j; ++k) sum -= m[i * size + k] * m[j * size + k];
+            m[i * size + j] = i == j ? 1 / std::sqrt(sum) : sum * m[j * size + j];
+        }
+    }
+}
+
+void forward(const std::vector<double>& m, int size, double* x) {
+    for (int i = 0; i < size; ++i) {
+        for (int k = 0; k < i; ++k) x[i] -= m[i * size + k] * x[k];
+        x[i] *= m[i * size + i];
+    }
+}
+
+void backward(const std::vector<double>& m, int size, double* x) {
+    for (int i = size; i-- > 0;) {
+        for (int k = i + 1; k < size; ++k) x[i] -= m[k * size + i] * x[k];
+        x[i] *= m[i * size + i];
+    }
+}
+
+double dot(const double* a, const double* b, int size) {
+    double sum = 0;
+    for (int i = 0; i < size; ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+}  // namespace
+
+ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gait,
+                       const Servo& servo, double longest)
+    : robot_(robot),
+      ground_(ground),
+      gait_(gait),
+      table_(robot.n, gait),
+      servo_(servo),
+      longest_(longest),
+      n_(robot.n),
+      size_(robot.n + 2),
+      lever_(n_ * n_),
+      inertia_(n_ * n_),
+      theta_(n_),
+      c_(n_),
+      s_(n_),
+      u_(size_),
+      before_(size_),
+      ahead_(size_),
+      mass_(size_ * size_),
+      right_(size_),
+      goal_(n_ - 1),
+      duty_(n_ - 1),
+      still_(n_ - 1),
+      slope_(n_ - 1),
+      tick_(servo.update_hz > 0 ? 1 / servo.update_hz : 0),
+      wave_(2 * (n_ - 1)) {
+    // centres from that of link 1 in half lengths of links, then from their mean
+    for (int i = 1; i < n_; ++i)
+        for (int j = 0; j <= i; ++j) lever_[i * n_ + j] = j == 0 || j == i ? 1 : 2;
+    for (int j = 0; j < n_; ++j) {
+        double mean = 0;
+        for (int i = 0; i < n_; ++i) mean += lever_[i * n_ + j] / n_;
+        for (int i = 0; i < n_; ++i) lever_[i * n_ + j] = (lever_[i * n_ + j] - mean) * robot.l;
+    }
+    for (int i = 0; i < n_; ++i)
+        for (int j = 0; j < n_; ++j)
+            for (int k = 0; k < n_; ++k)
+                inertia_[i * n_ + j] += robot.m * lever_[k * n_ + i] * lever_[k * n_ + j];
+    const auto add = [&](double front, double back) {
+        contact_.push_back({std::vector<double>(size_), std::vector<double>(size_), front, back});
+    };
+    for (int i = 0; i < n_; ++i) add(ground.ft0, ground.ft0_back), add(ground.fn0, ground.fn0);
+    for (int i = 0; i + 1 < n_; ++i) add(servo.gear_friction, servo.gear_friction);
+}
+
+void ServoSteps::start(double vx, double vy, double rate) {
+    std::fill(theta_.begin(), theta_.end(), 0.0);
+    u_[2] = rate;
+    for (int i = 0; i + 1 < n_; ++i) {
+        const GaitTable::Joint j = table_.at(i, 0, 1);
+        theta_[i + 1] = theta_[i] + j.angle;
+        u_[i + 3] = u_[i + 2] + gait_.omega * j.slope;
+    }
+    u_[0] = vx, u_[1] = vy;
+    before_ = u_;
+    shift_frames(0.5);
+}
+
+double ServoSteps::momentum() const {
+    double sum = 0;
+    for (int i = 0; i < n_; ++i) {
+        sum += robot_.I * u_[i + 2];
+        for (int j = 0; j < n_; ++j)
+            sum += inertia_[i * n_ + j] * std::cos(theta_[i] - theta_[j]) * u_[j + 2];
+    }
+    return sum;
+}
+
+void ServoSteps::body(double* v) const {
+    const double c = std::cos(theta_[0]), s = std::sin(theta_[0]);
+    v[0] = c * u_[0] + s * u_[1], v[1] = c * u_[1] - s * u_[0], v[2] = momentum();
+}
+
+void ServoSteps::set_body(const double* v) {
+    const double c = std::cos(theta_[0]), s = std::sin(theta_[0]);
+    u_[0] = c * v[0] - s * v[1], u_[1] = s * v[0] + c * v[1];
+    double whole = n_ * robot_.I;
+    for (int i = 0; i < n_; ++i)
+        for (int j = 0; j < n_; ++j)
+            whole += inertia_[i * n_ + j] * std::cos(theta_[i] - theta_[j]);
+    const double turn = (v[2] - momentum()) / whole;
+    for (int i = 0; i < n_; ++i) u_[i + 2] += turn;
+    before_ = u_;
+}
+
+void ServoSteps::setpoints(double t) {
+    const double phase = gait_.omega * t, s = std::sin(phase), c = std::cos(phase);
+    for (int i = 0; i + 1 < n_; ++i) goal_[i] = table_.at(i, s, c).angle;
+}
+
+// The loop's duties from angles and rates as they stand.
+void ServoSteps::control(const std::vector<double>& u) {
+    for (int i = 0; i + 1 < n_; ++i)
+        duty_[i] = servo_.duty(goal_[i] - (theta_[i + 1] - theta_[i]), u[i + 3] - u[i + 2]);
+}
+
+void ServoSteps::shift_frames(double shift) { frame_ = update_ = (shift - 1) * servo_.frame; }
+
+// Frames and updates that begin now; before the first step also those that have begun.
+void ServoSteps::enter() {
+    const double now = t_ + 1e-9 * servo_.frame;
+    if (frame_ <= now) {
+        while (frame_ + servo_.frame <= now) frame_ += servo_.frame;
+        setpoints(frame_), frame_ += servo_.frame;
+        before_ = u_;  // forces jump
+    }
+    if (tick_ == 0 || update_ > now) return;
+    while (update_ <= now) update_ += tick_;
+    control(u_), before_ = u_;
+}
+
+void ServoSteps::cycle() {
+    const double T = 2 * M_PI / gait_.omega, heading = theta_[0];
+    path_ = {}, squares_ = work_ = 0;
+    samples_.clear();
+    std::fill(wave_.begin(), wave_.end(), 0.0);
+    for (t_ = 0; t_ < T - 1e-9 * servo_.frame;) {
+        enter();
+        const double stop = std::min({T, frame_, tick_ > 0 ? update_ : T});
+        const int parts = std::max(1, static_cast<int>(std::ceil((stop - t_) / longest_ - 1e-6)));
+        const double h = (stop - t_) / parts;
+        for (int p = 0; p < parts; ++p) step(h);
+        t_ = stop;
+    }
+    frame_ -= T, update_ -= T;
+    finish(theta_[0] - heading);
+}
+
+void ServoSteps::step(double h) {
+    for (int i = 0; i < n_; ++i) {
+        theta_[i] += 0.5 * h * u_[i + 2];
+        c_[i] = std::cos(theta_[i]), s_[i] = std::sin(theta_[i]);
+    }
+    for (int i = 0; i < size_; ++i) ahead_[i] = 1.5 * u_[i] - 0.5 * before_[i];
+    before_ = u_;
+    masses(h);
+    drive(h);
+    wheels(h);
+    cholesky(mass_, size_);
+    forward(mass_, size_, right_.data());
+    slide(h);
+    for (int i = 0; i < n_; ++i) theta_[i] += 0.5 * h * u_[i + 2];
+    tally(h);
+}
+
+// M, and M u0 with the Coriolis forces.
+void ServoSteps::masses(double h) {
+    std::fill(mass_.begin(), mass_.end(), 0.0);
+    mass_[0] = mass_[size_ + 1] = n_ * robot_.m;
+    double* to = &mass_[2 * size_ + 2];
+    std::fill(right_.begin(), right_.end(), 0.0);
+    for (int i = 0; i < n_; ++i) {
+        for (int j = 0; j <= i; ++j) {
+            const double a = inertia_[i * n_ + j];
+            to[i * size_ + j] = to[j * size_ + i] = a * (c_[i] * c_[j] + s_[i] * s_[j]);
+            const double turn = h * a * (s_[i] * c_[j] - c_[i] * s_[j]);
+            right_[i + 2] -= turn * ahead_[j + 2] * ahead_[j + 2];
+            right_[j + 2] += turn * ahead_[i + 2] * ahead_[i + 2];
+        }
+        to[i * size_ + i] += robot_.I;
+    }
+    for (int i = 0; i + 1 < n_; ++i) joint_term(i, servo_.armature);
+    for (int i = 0; i < size_; ++i) right_[i] += dot(&mass_[i * size_], u_.data(), size_);
+}
+
+// Add f (phi_i')^2 / 2 to the quadratic form of the matrix.
+void ServoSteps::joint_term(int i, double f) {
+    double* to = &mass_[(i + 2) * size_ + i + 2];
+    to[0] += f, to[size_ + 1] += f, to[1] -= f, to[size_] -= f;
+}
+
+// Servos' torques, linear in the rates of their joints.
+void ServoSteps::drive(double h) {
+    if (servo_.update_hz == 0) control(ahead_);
+    Supply load;
+    for (int i = 0; i + 1 < n_; ++i) load.add(servo_, duty_[i], ahead_[i + 3] - ahead_[i + 2]);
+    const double V = load.voltage(servo_.supply_sag);
+    const double line = servo_.torque_limit / servo_.speed_limit;
+    for (int i = 0; i + 1 < n_; ++i) {
+        double still = servo_.torque_limit * V * duty_[i], slope = line + servo_.gear_damping;
+        if (servo_.update_hz == 0 && std::fabs(duty_[i]) < 1) {
+            const double more = V * (servo_.damping - line);
+            still += more * (ahead_[i + 3] - ahead_[i + 2]), slope += more;
+        }
+        const double rate = u_[i + 3] - u_[i + 2], impulse = h * (still - 0.5 * slope * rate);
+        right_[i + 3] += impulse, right_[i + 2] -= impulse;
+        joint_term(i, 0.5 * h * slope);
+        still_[i] = still, slope_[i] = slope;
+    }
+}
+
+// The rows of all contacts, and viscous friction.
+void ServoSteps::wheels(double h) {
+    for (int i = 0; i < n_; ++i) {
+        double *t = contact_[2 * i].row.data(), *n = contact_[2 * i + 1].row.data();
+        t[0] = c_[i], t[1] = s_[i], n[0] = -s_[i], n[1] = c_[i];
+        for (int j = 0; j < n_; ++j) {
+            const double lever = lever_[i * n_ + j];
+            t[j + 2] = lever * (s_[i] * c_[j] - c_[i] * s_[j]);
+            n[j + 2] = lever * (c_[i] * c_[j] + s_[i] * s_[j]);
+        }
+    }
+    for (int i = 0; i + 1 < n_; ++i) {
+        double* g = contact_[2 * n_ + i].row.data();
+        g[i + 2] = -1, g[i + 3] = 1;
+    }
+    for (int k = 0; k < static_cast<int>(contact_.size()); ++k) {
+        Contact& contact = contact_[k];
+        const double* g = contact.row.data();
+        contact.before = dot(g, u_.data(), size_);
+        if (k >= 2 * n_) continue;
+        const double c = k % 2 ? ground_.cn : ground_.ct_going(contact.before);
+        if (c == 0) continue;
+        for (int i = 0; i < size_; ++i) {
+            right_[i] -= 0.5 * h * c * contact.before * g[i];
+            for (int j = 0; j <= i; ++j) mass_[i * size_ + j] += 0.5 * h * c * g[i] * g[j];
+        }
+    }
+}
+
+double ServoSteps::bound(const Contact& c, int mode, double h) const {
+    return mode > 0 ? -h * c.ahead : h * c.back;
+}
+
+// Find the impulses of all contacts, and u1.
+void ServoSteps::slide(double h) {
+    free_ = right_;
+    for (Contact& c : contact_) c.reached = false;
+    for (int look = 0; look < kMostRevisions; ++look) {
+        for (Contact& c : contact_) c.impulse = bound(c, c.mode, h);
+        push();
+        if (!revise(h, look < kAllAtOnce)) break;
+    }
+    if (turn_round(h)) push();
+}
+
+// u1 by the impulses of what slides, and by those that keep the rest at rest.
+void ServoSteps::push() {
+    std::fill(right_.begin(), right_.end(), 0.0);
+    resting_.clear();
+    for (Contact& c : contact_) {
+        if (!c.dry()) continue;
+        if (c.mode == 0) {
+            resting_.push_back(&c);
+            continue;
+        }
+        for (int i = 0; i < size_; ++i) right_[i] += c.impulse * c.row[i];
+    }
+    forward(mass_, size_, right_.data());
+    for (int i = 0; i < size_; ++i) right_[i] += free_[i];
+    hold();
+    u_ = right_;
+    backward(mass_, size_, u_.data());
+}
+
+void ServoSteps::hold() {
+    const int k = static_cast<int>(resting_.size());
+    if (k == 0) return;
+    gram_.resize(k * k), pull_.resize(k);
+    double trace = 0;
+    for (int i = 0; i < k; ++i) {
+        Contact& c = *resting_[i];
+        if (!c.reached) c.reach = c.row, forward(mass_, size_, c.reach.data());
+        c.reached = true;
+        const double* a = c.reach.data();
+        pull_[i] = -dot(a, right_.data(), size_);
+        for (int j = 0; j <= i; ++j) gram_[i * k + j] = dot(a, resting_[j]->reach.data(), size_);
+        trace += gram_[i * k + i];
+    }
+    for (int i = 0; i < k; ++i) gram_[i * k + i] += kSpread * trace;
+    cholesky(gram_, k);
+    forward(gram_, k, pull_.data()), backward(gram_, k, pull_.data());
+    for (int i = 0; i < k; ++i) {
+        Contact& c = *resting_[i];
+        c.impulse = pull_[i];
+        for (int j = 0; j < size_; ++j) right_[j] += c.impulse * c.reach[j];
+    }
+}
+
+// Change the modes that cannot be, all or the worst; tell whether there were any.
+bool ServoSteps::revise(double h, bool all) {
+    double most = 0;
+    Contact* worst = nullptr;
+    int to = 0;
+    bool any = false;
+    for (Contact& c : contact_) {
+        if (!c.dry()) continue;
+        double wrong = 0;
+        int mode = 0;
+        if (c.mode == 0) {
+            const double over = c.impulse - h * c.back, under = -h * c.ahead - c.impulse;
+            wrong = std::max(over, under) / (h * (c.ahead + c.back));
+            if (wrong <= 1e-9) continue;
+            mode = over > under ? -1 : 1;
+        } else {
+            const double v = dot(c.row.data(), u_.data(), size_);
+            if (v * c.mode >= 0) continue;
+            wrong = std::fabs(v) / (std::fabs(v) + std::fabs(c.before));
+        }
+        any = true;
+        if (all)
+            c.mode = mode;
+        else if (wrong > most)
+            most = wrong, worst = &c, to = mode;
+    }
+    if (worst) worst->mode = to;
+    return any;
+}
+
+// What goes the other way at the end of the step has the mean of both ways' friction.
+bool ServoSteps::turn_round(double h) {
+    bool any = false;
+    for (Contact& c : contact_) {
+        if (!c.dry() || c.mode * c.before >= 0) continue;
+        const double after = std::fabs(dot(c.row.data(), u_.data(), size_));
+        const double before = std::fabs(c.before), part = before / (before + after);
+        c.impulse = part * bound(c, -c.mode, h) + (1 - part) * bound(c, c.mode, h);
+        any = true;
+    }
+    return any;
+}
+
+void ServoSteps::tally(double h) {
+    const double middle = t_ + 0.5 * h, phase = gait_.omega * middle;
+    samples_.push_back({middle, h, 0.5 * (before_[0] + u_[0]), 0.5 * (before_[1] + u_[1])});
+    const double s = h * std::sin(phase), c = h * std::cos(phase);
+    for (int i = 0; i + 1 < n_; ++i) {
+        const double rate = 0.5 * (before_[i + 3] - before_[i + 2] + u_[i + 3] - u_[i + 2]);
+        wave_[2 * i] += c * rate, wave_[2 * i + 1] += s * rate;
+        squares_ += h * rate * rate;
+        work_ += h * (still_[i] - slope_[i] * rate) * rate;
+        const Contact& gear = contact_[2 * n_ + i];
+        if (gear.dry()) work_ += gear.impulse * rate;
+    }
+    t_ += h;
+}
+
+void ServoSteps::finish(double turn) {
+    const double T = 2 * M_PI / gait_.omega;
+    double x = 0, y = 0;
+    for (const Sample& at : samples_) {
+        const double c = std::cos(turn * at.t / T), s = std::sin(turn * at.t / T);
+        x += at.h * (c * at.vx + s * at.vy), y += at.h * (c * at.vy - s * at.vx);
+    }
+    path_.speed = std::hypot(x, y) / T, path_.turn = turn, path_.power = work_ / T;
+    double along = 0, across = 0, waves = 0, asked = 0;
+    for (int i = 0; i + 1 < n_; ++i) {
+        // rates a cos + b sin, over those of the gait: omega alpha gain cos(phase + lead)
+        const double a = wave_[2 * i] * 2 / T, b = wave_[2 * i + 1] * 2 / T;
+        const double want = gait_.omega * gait_.alpha;
+        const double cosine = want * table_.cosine(i), sine = -want * table_.sine(i);
+        along += a * cosine + b * sine, across += b * cosine - a * sine;
+        waves += a * a + b * b, asked += cosine * cosine + sine * sine;
+    }
+    if (asked > 0) path_.amplitude = std::sqrt(waves / asked);
+    path_.lag = std::atan2(across, along);
+    path_.ripple = std::sqrt(std::max(0.0, squares_ / T - 0.5 * waves) / (n_ - 1));
+}
+
+}  // namespace serpenoid

@@ -1,0 +1,201 @@
+"""The commands of `serpenoid video`: tags to print, and a film to numbers."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .group import Commands
+from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
+from .paths import FIGURES, OutFile
+
+if TYPE_CHECKING:
+    from ..model.gait import Gait
+    from ..model.robot import Robot
+    from ..video.measure_film import FilmMeasurement
+
+_GAIT = ("alpha_deg", "beta_deg", "omega_rad_s", "frequency_hz", "offset_deg")
+
+
+class _FilmOrTags(Commands):
+    """`serpenoid video FILE` is short for `serpenoid video film FILE`."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Put the command's name before a film's."""
+        if args and args[0] not in (*self.commands, "-h", "--help"):
+            args = ["film", *args]
+        return super().parse_args(ctx, args)
+
+
+@click.group(name="video", cls=_FilmOrTags)
+def VIDEO_GROUP() -> None:
+    """Measure speed, path and every joint from a film of the robot with printed tags.
+
+    `serpenoid video tags` prints the tags; `serpenoid video FILE` measures a film.
+    """
+
+
+_ROBOT = (
+    click.option(
+        "--session",
+        type=click.Path(file_okay=False, path_type=Path),
+        help="Session whose robot it is.",
+    ),
+    click.option("--links", type=int, help="Number of links, 2 to 13; 6 unless given."),
+    click.option("--length-m", type=float, help="Length of a link, joint to joint."),
+    click.option(
+        "--tag-mm",
+        type=float,
+        help="Side of a tag's black square; by the link's length unless given.",
+    ),
+)
+
+
+def _robot_options(command: Any) -> Any:
+    for option in reversed(_ROBOT):
+        command = option(command)
+    return command
+
+
+def _robot(given: dict[str, Any]) -> tuple[Robot, float | None]:
+    """Take the robot and the tag's side (m) from the options."""
+    from ..calibration.session_file import load_session
+    from ..model.robot import Robot
+
+    session, tag_mm = given.pop("session"), given.pop("tag_mm")
+    base = load_session(session).setup.robot if session else preset_robot("2005")[0]
+    links, length = given.pop("links"), given.pop("length_m")
+    robot = Robot(links or base.links, base.link_mass_kg, length or base.link_length_m)
+    return robot, None if tag_mm is None else tag_mm / 1e3
+
+
+@VIDEO_GROUP.command()
+@_robot_options
+@click.option(
+    "--paper",
+    type=click.Choice(["a4", "letter"]),
+    default="a4",
+    show_default=True,
+    help="Size of the paper.",
+)
+@click.option(
+    "--out",
+    type=OutFile(".pdf", ".png", ".svg"),
+    default=Path("tags.pdf"),
+    show_default=True,
+    help="File to write.",
+)
+def tags(paper: str, out: Path, **given: Any) -> None:
+    """Write a sheet of tags to print: one for each link, with cut lines and a ruler."""
+    from ..show.video.tag_sheet import tag_sheet
+    from ..video.seeing.extra import need_extra
+    from ..video.seeing.tags import tag_cells, tag_side_m
+
+    need_extra()
+    robot, side = _robot(given)
+    side = tag_side_m(robot.link_length_m) if side is None else side
+    pages = tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, out)
+    click.echo(
+        f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm on {pages} page"
+        f"{'s' if pages > 1 else ''}; print at 100 %"
+    )
+
+
+@VIDEO_GROUP.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@_robot_options
+@gait_options
+@click.option(
+    "--recording",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="The run's recording (.wire): its gait, and the board's time.",
+)
+@click.option("--track", type=OutFile(".csv"), help="Write time, place, heading, joints.")
+@click.option("--plot", "picture", type=OutFile(*FIGURES), help="Draw what was measured.")
+@click.option("--annotate", type=OutFile(".mp4"), help="Write a film with the chain drawn in.")
+@AS_JSON
+def film(
+    file: Path,
+    recording: Path | None,
+    track: Path | None,
+    picture: Path | None,
+    annotate: Path | None,
+    as_json: bool,
+    **given: Any,
+) -> None:
+    """Measure a film: speed, path, turn, rate, and each joint's amplitude, centre and phase.
+
+    Each with its standard deviation. With a gait or a recording, joints are compared with what
+    was commanded.
+    """
+    from ..show.progress import progress
+    from ..video.seeing.extra import need_extra
+
+    need_extra()
+    from ..video.measure_film import measure_film
+    from ..video.seeing.film import Film
+
+    robot, side = _robot(given)
+    gait = _commanded(given, recording, robot.links)
+    length = max(1, math.ceil(Film.open(file).duration_s))
+    with progress(length, "seconds of film") as advance:
+        found = measure_film(
+            file,
+            robot.links,
+            robot.link_length_m,
+            side,
+            gait,
+            board_rate=recording is not None,
+            progress=_whole_seconds(advance),
+        )
+    _write(found, track, picture, annotate)
+    if as_json:
+        show_json(found.run.to_dict())
+    else:
+        from ..show.video.film_report import show_film
+
+        show_film(found)
+
+
+def _whole_seconds(advance: Any) -> Any:
+    """Return a progress function that is told times of a film, and tells whole seconds."""
+    done = [0]
+
+    def tell(time_s: float) -> None:
+        if time_s >= done[0] + 1:
+            advance(int(time_s) - done[0])
+            done[0] = int(time_s)
+
+    return tell
+
+
+def _commanded(given: dict[str, Any], recording: Path | None, links: int) -> Gait | None:
+    """Return the gait of the options or of the recording, None without either."""
+    typed = {name: given.get(name) for name in _GAIT if given.get(name) is not None}
+    if recording is not None:
+        if typed:
+            raise click.UsageError("--recording has the gait; leave the gait's options out")
+        from ..robot.recording.run_gait import recorded_gait
+
+        return recorded_gait(recording, links - 1)
+    return make_gait(given) if typed else None
+
+
+def _write(
+    found: FilmMeasurement, track: Path | None, picture: Path | None, annotate: Path | None
+) -> None:
+    if track is not None:
+        from ..video.result import write_track
+
+        write_track(found.measured, track)
+    if picture is not None:
+        from ..show.video.film_figure import film_figure
+
+        film_figure(found, picture)
+    if annotate is not None:
+        from ..video.annotate import annotate_film
+
+        annotate_film(found, annotate)

@@ -1,0 +1,158 @@
+"""A table of gaits over shapes and rates, and the cheapest shapes that it shows at one speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.ground import Ground
+from ..model.robot import Robot
+from ..periodic.sweep import sweep
+from .limits import GaitLimits
+from .shape_search import GaitShape, on_threads
+
+Array = NDArray[np.float64]
+# Solves one column of a table: amplitudes (A,), one lag, rates (W,) -> speed and cost, (A, W).
+Column = Callable[[Array, float, Array], tuple[Array, Array]]
+_BEYOND = 2.0  # of the servos' speed: faster gaits help no interpolation and are not solved
+_STILL = 1e-6  # of body length times rate: a lower speed is noise of the solver
+_ROUNDING = 1 + 1e-9  # an amplitude at its limit, after exp(log(limit))
+_PENALTY = 8.0  # cost of a limit exceeded by a factor f rises as f^8, so valleys inside win
+
+
+class Candidate(NamedTuple):
+    """Hold a shape of a table, the rate that should give the speed, and its cost in W."""
+
+    watts: float
+    shape: GaitShape
+    omega_rad_s: float
+
+
+class GaitTable:
+    """Speeds and costs of gaits over shapes and rates.
+
+    Parameters
+    ----------
+    robot, ground, cost, limits
+        As in `least_power_gait`.
+    alpha_rad, beta_rad
+        Amplitude and lag of the joints, broadcast to (S, L); each column has one lag.
+    rtol
+        Relative accuracy of the speeds.
+    column
+        Solves one column; the exact model unless given.
+
+    Attributes
+    ----------
+    omega_rad_s : (W,)
+        Rates, none at first; see `add_rates`.
+    speed_m_s, cost_w : (S, L, W)
+        NaN where there is no solution.
+    """
+
+    def __init__(
+        self, robot: Robot, ground: Ground, cost: str, limits: GaitLimits, alpha_rad: Array,
+        beta_rad: Array, rtol: float, column: Column | None = None,
+    ) -> None:  # fmt: skip
+        self.robot, self.ground, self.cost, self.limits = robot, ground, cost, limits
+        self.alpha_rad, self.beta_rad = np.broadcast_arrays(alpha_rad, beta_rad)
+        self.omega_rad_s = np.empty(0)
+        self.speed_m_s = self.cost_w = np.empty((*self.alpha_rad.shape, 0))
+        self._rtol, self._column = rtol, column or self._exact_column
+
+    def add_rates(self, rates: Array, shapes: NDArray[np.bool_] | None = None) -> None:
+        """Solve all shapes, or those of a mask (S, L), at rates in ascending order, rad/s."""
+        allowed = self.alpha_rad <= min(self.limits.joint_angle_rad, math.pi) * _ROUNDING
+        if shapes is not None:
+            allowed &= shapes
+        speed, cost = np.full((2, *self.alpha_rad.shape, rates.size), np.nan)
+
+        def solve(j: int) -> None:
+            rows = np.flatnonzero(allowed[:, j])
+            alpha = np.minimum(self.alpha_rad[rows, j], math.pi)
+            most = _BEYOND * self.limits.servo_speed_rad_s / alpha.min(initial=math.pi)
+            count = int(np.searchsorted(rates, most))
+            if rows.size and count:
+                speed[rows, j, :count], cost[rows, j, :count] = self._column(
+                    alpha, float(self.beta_rad[0, j]), rates[:count]
+                )
+
+        on_threads(solve, range(self.alpha_rad.shape[1]))
+        self.omega_rad_s = np.concatenate([self.omega_rad_s, rates])
+        self.speed_m_s = np.concatenate([self.speed_m_s, speed], axis=2)
+        self.cost_w = np.concatenate([self.cost_w, cost], axis=2)
+
+    def _exact_column(self, alpha: Array, beta: float, rates: Array) -> tuple[Array, Array]:
+        """Return speed and cost by the exact model."""
+        found = sweep(
+            self.robot, self.ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=rates,
+            rtol=self._rtol, powers=self.cost != "power",
+        )  # fmt: skip
+        good, v = found.converged[:, 0], found.speed_m_s[:, 0]
+        v = np.where(v > _STILL * rates * self.robot.links * self.robot.link_length_m, v, 0.0)
+        watts = getattr(found, f"{self.cost}_w")[:, 0]
+        return np.where(good, v, np.nan), np.where(good, watts, np.nan)
+
+    def at_speed(self, speed_m_s: float) -> tuple[Array, Array]:
+        """Return rate and cost of every shape at a speed, (S, L); NaN where none gives it.
+
+        Straight lines in log-log between the two rates that enclose the speed; the lowest such
+        pair of rates counts.
+        """
+        x = np.log(self.omega_rad_s)
+        rate, watts = np.full((2, *self.alpha_rad.shape), np.nan)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            y, q = np.log(self.speed_m_s / speed_m_s), np.log(self.cost_w)
+            for k in range(x.size - 2, -1, -1):
+                here = (y[:, :, k] <= 0) & (y[:, :, k + 1] >= 0) & np.isfinite(q[:, :, k])
+                f = np.clip(-y[:, :, k] / (y[:, :, k + 1] - y[:, :, k]), 0, 1)
+                f = np.where(np.isfinite(f), f, 1.0)
+                rate = np.where(here, np.exp(x[k] + f * (x[k + 1] - x[k])), rate)
+                line = q[:, :, k] + f * (q[:, :, k + 1] - q[:, :, k])
+                watts = np.where(here, np.exp(line), watts)
+        return rate, watts
+
+    def candidates(self, speed_m_s: float, most: int, within: float) -> list[Candidate]:
+        """Return the cheapest shapes that no neighbour undercuts, at most `within` times the best.
+
+        A shape beyond a limit of servo speed or rate has a penalty. So where no shape keeps the
+        limits, those nearest to them are returned. Their costs include the penalty.
+        """
+        rate, watts = self.at_speed(speed_m_s)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            excess = np.log(np.maximum.reduce([
+                self.alpha_rad * rate / self.limits.servo_speed_rad_s,
+                self.limits.omega_low_rad_s / rate, rate / self.limits.omega_high_rad_s,
+            ]))  # fmt: skip
+        price = np.where(np.isnan(watts), np.inf, watts * np.exp(_PENALTY * np.maximum(excess, 0)))
+        picked = valleys(price, most)
+        return [
+            self._candidate(i, j, rate, price)
+            for cost, (i, j) in picked
+            if cost <= within * picked[0][0]
+        ]
+
+    def shapes_within(self, speed_m_s: float, within: float) -> list[Candidate]:
+        """Return all shapes that cost at most `within` times the best, cheapest first."""
+        rate, watts = self.at_speed(speed_m_s)
+        good = np.argwhere(watts <= within * np.nanmin(watts, initial=math.inf)).tolist()
+        return sorted(self._candidate(i, j, rate, watts) for i, j in good)
+
+    def _candidate(self, i: int, j: int, rate: Array, watts: Array) -> Candidate:
+        shape = GaitShape.of(float(self.alpha_rad[i, j]), float(self.beta_rad[i, j]))
+        return Candidate(float(watts[i, j]), shape, float(rate[i, j]))
+
+
+def valleys(price: Array, most: int) -> list[tuple[float, list[int]]]:
+    """Return price and place of entries that no neighbour undercuts, cheapest first; inf: none."""
+    padded = np.pad(price, 1, constant_values=np.inf)
+    around = [
+        padded[1 + i : 1 + i + price.shape[0], 1 + j : 1 + j + price.shape[1]]
+        for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j
+    ]  # fmt: skip
+    local = np.isfinite(price) & (price <= np.min(around, axis=0))
+    return sorted(zip(price[local].tolist(), np.argwhere(local).tolist(), strict=True))[:most]

@@ -1,0 +1,143 @@
+"""The speed of a gait whose joints are moved by servos, and what the servo leaves uncertain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..model.checks import check_kind
+from ..model.core_model import core_model
+from ..model.drives import Servo, ServoKind, core_servo
+from ..model.errors import NotConverged
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from .steady import Steady, relative_error
+from .steady import steady_gait as ideal_gait
+
+DRAWS = 32
+_STEP_S, _LONG_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 2.0
+_BAND = (2.5, 97.5)  # per cent
+
+
+@dataclass(frozen=True, slots=True)
+class ServoSteady:
+    """Hold the speed of a gait with ideal joints and with servos.
+
+    ideal: the periodic state of joints that follow the gait exactly. With the (typical) servo:
+    speed_m_s is the mean over all phases between the board's frames and the gait, which have no
+    period in common; spread_m_s is half its range over them; error_estimate is the numerical error,
+    relative, from steps of twice the length, the phases, and what the settling leaves.
+    amplitude_ratio and lag_rad: first harmonic of the joints' angles against the gait's, mean over
+    the joints; ripple_rad_s: rms of what their rates have beside it; power_w: mean net power that
+    the gears give to the joints. samples_m_s: speeds of servos drawn from the kind, empty for a
+    servo that is exact; low_m_s and high_m_s: their 95 % interval, or the spread of an exact one.
+    """
+
+    ideal: Steady
+    servo: Servo | ServoKind
+    speed_m_s: float
+    spread_m_s: float
+    error_estimate: float
+    amplitude_ratio: float
+    lag_rad: float
+    ripple_rad_s: float
+    power_w: float
+    turn_rad_per_cycle: float
+    samples_m_s: tuple[float, ...] = ()
+
+    @property
+    def low_m_s(self) -> float:
+        """Return the lower end of the band that the servo leaves, m/s."""
+        return self._end(_BAND[0], -1)
+
+    @property
+    def high_m_s(self) -> float:
+        """Return the upper end of the band that the servo leaves, m/s."""
+        return self._end(_BAND[1], 1)
+
+    def _end(self, percentile: float, sign: int) -> float:
+        if not self.samples_m_s:
+            return max(self.speed_m_s + sign * self.spread_m_s, 0.0)
+        return float(np.percentile(self.samples_m_s, percentile))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures as plain numbers, for JSON."""
+        names = (
+            "speed_m_s", "low_m_s", "high_m_s", "spread_m_s", "error_estimate", "amplitude_ratio",
+            "lag_rad", "ripple_rad_s", "power_w", "turn_rad_per_cycle",
+        )  # fmt: skip
+        return {name: getattr(self, name) for name in names}
+
+
+def _solve(ideal: Steady, servo: Servo) -> Any:
+    """Return the core's answer for one servo."""
+    long = ideal.gait.period_s > _LONG_PERIOD_S
+    step = min(_LONG_STEP_S if long else _STEP_S, servo.frame_s / 4)
+    model = core_model(ideal.robot, ideal.ground, ideal.gait)
+    start, monodromy = tuple(ideal.body_velocity), tuple(ideal.monodromy.ravel())
+    return _core.servo_gait(model, core_servo(servo), start, monodromy, step)
+
+
+def servo_speeds(pairs: Iterable[tuple[Steady, Servo]]) -> NDArray[np.float64]:
+    """Return the speed, m/s, for each ideal periodic state and the servo that it is to have."""
+    with ThreadPoolExecutor() as pool:
+        found = pool.map(lambda pair: _solve(*pair).speed, list(pairs))
+        return np.fromiter(found, float)
+
+
+def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> ServoSteady:
+    """Return the speed that servos leave of a gait's; draws: so many of an uncertain kind.
+
+    Servos make the joints lag and their rates ripple at the frames' rate; on dry ground the ripple
+    loosens wheels which should hold. Time steps with impulses for all that is dry, and a secant
+    method to the fixed point of the cycle. Raises BadInput, and NotConverged with the best found.
+    """
+    check_kind("servo", servo, (Servo, ServoKind))
+    typical = servo.servo if isinstance(servo, ServoKind) else servo
+    s = _solve(ideal, typical)
+    drawn: tuple[float, ...] = ()
+    if isinstance(servo, ServoKind) and not servo.exact and draws > 0:
+        drawn = tuple(servo_speeds((ideal, one) for one in servo.draws(draws)).tolist())
+    error = relative_error(s.error, s.speed, ideal.robot, ideal.gait)
+    found = ServoSteady(
+        ideal, servo, s.speed, s.spread, error, s.amplitude, s.lag, s.ripple, s.power, s.turn, drawn
+    )
+    if s.converged:
+        return found
+    raise NotConverged(
+        f"the motion of {ideal.gait} with servos does not settle to a speed: the best is "
+        f"{s.speed:.6g} m/s (it is this exception's `best`); follow it in time with simulate, "
+        "drive 'servo'",
+        best=found,
+    )
+
+
+@overload
+def steady_gait(
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
+    servo: None = None,
+) -> Steady: ...  # fmt: skip
+@overload
+def steady_gait(
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
+    servo: Servo | ServoKind,
+) -> ServoSteady: ...  # fmt: skip
+def steady_gait(
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-6, powers: bool = True,
+    servo: Servo | ServoKind | None = None,
+) -> Steady | ServoSteady:  # fmt: skip
+    """Solve for the periodic state of a gait: joints that follow it exactly, or moved by servos.
+
+    Without `servo` a Steady (periodic/steady.py says how it is found, and what rtol and powers
+    are); with one a ServoSteady, whose `ideal` is that Steady. Raises BadInput, and NotConverged
+    whose `best` is the best found.
+    """
+    ideal = ideal_gait(robot, ground, gait, rtol=rtol, powers=powers)
+    return ideal if servo is None else with_servo(ideal, servo)

@@ -1,0 +1,70 @@
+"""Which state the board may be in after what it was asked; no input or output here."""
+
+from __future__ import annotations
+
+from ...model.errors import RobotError, RobotUnattended, StateUnasked
+
+LEADS_TO = {"gait": "gait", "pose": "pose", "idle": "idle"}
+STOPS = ("stop", "!")
+STOPPED = frozenset({"hold", "idle"})  # a stop does nothing to servos that are limp
+SAFE = frozenset({"safing", "safe", "idle"})  # the way that silence leads
+
+
+class StateTracker:
+    """Follow the commands, and say which state nobody asked for, once a change.
+
+    Until the first command that moves anything, any state is right: an earlier program may have
+    left it. Between a command's first copy and its verdict, the states before and after it are.
+    """
+
+    def __init__(self) -> None:
+        self._states: frozenset[str] | None = None
+        self._before: frozenset[str] | None = None
+        self._halted = False
+
+    def asking(self, text: str) -> None:
+        """Note a command that goes out now."""
+        self._before, self._halted = self._states, False
+        if self._states is not None:
+            self._states |= self._after(text)
+
+    def halting(self) -> None:
+        """Note a stop key that goes out now, whatever else is under way."""
+        self._halted = True
+        if self._states is not None:
+            self._states |= STOPPED
+
+    def answered(self, text: str, accepted: bool) -> None:
+        """Note the verdict on the command that went out last."""
+        if not accepted:
+            self._states = self._before
+        elif after := self._after(text):
+            self._states = after
+        if self._halted and self._states is not None:
+            self._states |= STOPPED
+
+    def surprise(self, state: str, *, by_silence: bool = False) -> RobotError | None:
+        """Return the error that the board is in a state nobody asked for, or None."""
+        expected = self._states
+        if state in expected if expected is not None else not by_silence:
+            return None
+        if by_silence or state in ("safing", "safe"):
+            self._states = SAFE
+            return RobotUnattended(
+                "the board heard nothing from this program for its silence time and went to its "
+                "safe pose; was the program or the computer asleep?"
+            )
+        self._states = frozenset({state})
+        asked = " or ".join(sorted(expected or ()))
+        return StateUnasked(
+            f"the board is in state {state!r}, asked for was {asked!r}: another program or its own "
+            "firmware changed that; look who else has the port (`serpenoid doctor`), start again"
+        )
+
+    def _after(self, text: str) -> frozenset[str]:
+        """Return the states that a command leads to; none if it leaves the state as it is."""
+        word = (text.split() or [""])[0]
+        if word in STOPS:
+            limp = self._states is None or "idle" in self._states
+            return STOPPED if limp else STOPPED - {"idle"}
+        return frozenset({LEADS_TO[word]} if word in LEADS_TO else ())

@@ -1,0 +1,117 @@
+"""The picture of a measured film: path over the first frame, joints over their sines, residuals."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..plot import BLUE, GREEN, GREY, ORANGE, RED, figure, save
+
+if TYPE_CHECKING:
+    from ...video.measure_film import FilmMeasurement
+
+COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", "#8B6914", GREY)
+
+
+def film_figure(film: FilmMeasurement, path: Path) -> None:
+    """Draw a measured film into a file."""
+    with figure(9.0, 11.0) as (fig, _unused):
+        fig.clear()
+        top, middle, bottom = fig.subplots(3, 1, height_ratios=[1.7, 1.4, 1.0])
+        _picture(top, film)
+        _joints(middle, film)
+        _residuals(bottom, film)
+        run = film.run
+        fig.suptitle(
+            f"{run.film['name']}: {1e3 * run.speed_m_s:.2f} ± {1e3 * run.speed_sigma_m_s:.2f} "
+            f"mm/s, {run.omega_rad_s / (2 * math.pi):.4g} Hz, {run.periods:.2g} periods",
+            fontsize=11,
+            x=0.01,
+            ha="left",
+        )
+        save(fig, path)
+
+
+def _picture(ax: Any, film: FilmMeasurement) -> None:
+    """Draw the first frame, the middle's and the head's path, and the chain at start and end."""
+    camera = film.measured.bundle.camera
+    states = film.measured.track.states
+    ax.imshow(film.watched.picture, cmap="gray", vmin=0, vmax=255)
+    middle = camera.image(np.column_stack([states[:, :2], np.zeros(len(states))]))
+    ax.plot(*middle.T, color=BLUE, lw=2, label="middle of the robot")
+    head = camera.image(camera.corners(states)[:, -1].mean(axis=1))
+    ax.plot(*head.T, color=ORANGE, lw=1.2, label="head")
+    for k, style in ((0, "-"), (-1, ":")):
+        ends = chain_px(camera, states[k])
+        ax.plot(
+            *ends.T,
+            style,
+            color=RED,
+            lw=1.5,
+            marker="o",
+            ms=3,
+            label="links and joints at the start" if k == 0 else "at the end",
+        )
+    ax.set(title="path over the first frame", xticks=[], yticks=[])
+    ax.set(xlim=(0, film.watched.picture.shape[1]), ylim=(film.watched.picture.shape[0], 0))
+    ax.grid(False)
+    ax.legend(loc="lower right", fontsize=7, frameon=True)
+
+
+def chain_px(camera: Any, state: np.ndarray) -> np.ndarray:
+    """Return tail end, joints and head end of one state in the picture, (links + 1, 2) px."""
+    from ...video.fitting.chain import link_centres
+
+    centres = link_centres(state, camera.link_m)
+    half = 0.5 * camera.link_m * np.stack([np.cos(state[2:]), np.sin(state[2:])], axis=-1)
+    ends = np.concatenate([centres[:1] - half[:1], centres + half])
+    return camera.image(np.column_stack([ends, np.zeros(len(ends))]))
+
+
+def _joints(ax: Any, film: FilmMeasurement) -> None:
+    """Draw each joint's angle as dots, over the commanded sine or else its own."""
+    from ...video.fitting.chain import joint_angles
+
+    track = film.measured.track
+    phi = np.degrees(np.where(film.measured.held, joint_angles(track.states), np.nan))
+    t = track.t_s - track.t_s[0]
+    about = track.t_s - track.t_s.mean()
+    for i in range(phi.shape[1]):
+        colour = COLOURS[i % len(COLOURS)]
+        ax.plot(t, phi[:, i], ".", ms=2.5, color=colour)
+        ax.plot(t, np.degrees(_sine(film, i, about)), lw=0.9, color=colour, label=f"joint {i + 1}")
+    told = "commanded sine, in step with joint 1" if film.gait else "fitted sine"
+    ax.set(title=f"joints: dots seen, lines the {told}", ylabel="angle (°)", xlabel="time (s)")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+    ax.set_xlim(0, t[-1])
+
+
+def _sine(film: FilmMeasurement, i: int, t_s: np.ndarray) -> np.ndarray:
+    m = film.measured.fitted.motion
+    if film.gait is None:
+        return m.offset_rad[i] + m.amplitude_rad[i] * np.sin(m.omega_rad_s * t_s + m.phase_rad[i])
+    g = film.gait
+    phase = m.phase_rad[0] + i * g.beta_rad
+    return g.offset_rad + g.alpha_rad * np.sin(m.omega_rad_s * t_s + phase)
+
+
+def _residuals(ax: Any, film: FilmMeasurement) -> None:
+    """Draw the corners' residuals: the chain beside what was found."""
+    track = film.measured.track
+    t = track.t_s - track.t_s[0]
+    rms = np.sqrt(np.mean(track.misses_px**2, axis=(2, 3)))
+    for i in range(rms.shape[1]):
+        ax.plot(t, rms[:, i], lw=0.8, color=COLOURS[i % len(COLOURS)], label=f"tag {i + 1}")
+    run = film.run
+    ax.set(
+        title=f"residuals: {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm in the mean; "
+        "a gap: the tag was not found",
+        ylabel="residual (px)",
+        xlabel="time (s)",
+    )
+    ax.set_ylim(bottom=0)
+    ax.set_xlim(0, t[-1])
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)

@@ -1,0 +1,74 @@
+"""What a film showed, on the terminal."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+
+from ..screen import screen
+
+if TYPE_CHECKING:
+    from ...video.measure_film import FilmMeasurement
+    from ...video.result import FilmedRun
+
+
+def show_film(found: FilmMeasurement) -> None:
+    """Print speed, turn, rate, the joints and the remarks."""
+    run, out = found.run, screen()
+    out.print(_summary(run), highlight=False, soft_wrap=True)
+    out.print(_joints(found))
+    film = run.film
+    out.print(
+        f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
+        f"{film['duration_s']:.2f} s; tags seen in {100 * min(run.tags_seen):.1f} % of the "
+        f"frames or more; residuals {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm",
+        highlight=False,
+        soft_wrap=True,
+    )
+    for remark in run.remarks:
+        out.print(f"{remark.name}: {remark.text}", highlight=False, soft_wrap=True, markup=False)
+
+
+def _summary(run: FilmedRun) -> str:
+    hertz, hertz_sigma = run.omega_rad_s / math.tau, run.omega_sigma_rad_s / math.tau
+    lines = [
+        f"speed      {1e3 * run.speed_m_s:.2f} ± {1e3 * run.speed_sigma_m_s:.2f} mm/s along "
+        f"{1e3 * run.path_m:.0f} mm",
+        f"direction  {math.degrees(run.direction_rad):+.1f}° ± "
+        f"{math.degrees(run.direction_sigma_rad):.1f}° from where the links point",
+        f"turn       {math.degrees(run.turn_rad_s):+.3f} ± "
+        f"{math.degrees(run.turn_sigma_rad_s):.3f} °/s",
+        f"rate       {hertz:.5f} ± {hertz_sigma:.5f} Hz, {run.periods:.2f} periods",
+    ]
+    if run.time_scale != 1.0:
+        lines.append(f"times      those of the file, times {run.time_scale:.5g}: the board's")
+    return "\n".join(lines)
+
+
+def _joints(found: FilmMeasurement) -> Table:
+    """Return the joints' table, with what was commanded where that is known."""
+    table = Table(box=None, pad_edge=False)
+    gait = found.gait
+    commanded = ["of commanded", "phase error (°)"] if gait else []
+    for name in ("joint", "amplitude (°)", "centre (°)", "phase (°)", *commanded, "seen"):
+        table.add_column(name, justify="right")
+    for joint in found.run.joints:
+        row = [
+            str(joint.joint),
+            _pair(joint.amplitude_rad, joint.amplitude_sigma_rad),
+            _pair(joint.offset_rad, joint.offset_sigma_rad),
+            _pair(joint.phase_rad, joint.phase_sigma_rad),
+        ]
+        if gait:
+            late = joint.phase_rad - (joint.joint - 1) * gait.beta_rad
+            late = math.remainder(late, math.tau)
+            share = joint.amplitude_rad / gait.alpha_rad if gait.alpha_rad else math.nan
+            row += [f"{100 * share:.2f} %", f"{math.degrees(late):+.2f}"]
+        table.add_row(*row, f"{100 * joint.seen:.1f} %")
+    return table
+
+
+def _pair(value_rad: float, sigma_rad: float) -> str:
+    return f"{math.degrees(value_rad):.2f} ± {math.degrees(sigma_rad):.2f}"

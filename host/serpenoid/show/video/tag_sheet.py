@@ -1,0 +1,181 @@
+"""The sheet of tags to print, in true size: cut lines, numbers, which way the head is, a ruler."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.errors import BadInput
+from ..whole_file import whole_file
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+PAPERS_MM = {"a4": (210.0, 297.0), "letter": (215.9, 279.4)}
+MARGIN_MM = 12.0  # what no printer reaches
+HEAD_MM, FOOT_MM = 40.0, 26.0
+GAP_MM = 4.0
+CELLS = 6
+RULER_MM = 100
+BLACK, GREY = "black", "#777777"
+
+
+def tag_sheet(
+    cells: Sequence[NDArray[np.bool_]], side_m: float, link_m: float, paper: str, path: Path
+) -> int:
+    """Write the sheet as PDF, PNG or SVG; return the number of pages.
+
+    cells: each link's tag, tail first. side_m: of the black square. Only a PDF has more than one
+    page. Raises BadInput where one page is not enough for what is no PDF, or a tag for none.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_pdf import PdfPages
+    from matplotlib.figure import Figure
+
+    pages = _pages(len(cells), 1e3 * side_m, paper)
+    if len(pages) > 1 and path.suffix.lower() != ".pdf":
+        raise BadInput(f"{path}: {len(cells)} tags need {len(pages)} pages; name a .pdf")
+    figures = []
+    for number, places in enumerate(pages):
+        width, height = PAPERS_MM[paper]
+        fig = Figure(figsize=(width / 25.4, height / 25.4))
+        FigureCanvasAgg(fig)
+        ax = fig.add_axes((0, 0, 1, 1))
+        ax.set(xlim=(0, width), ylim=(0, height), aspect="equal")
+        ax.axis("off")
+        _words(ax, width, height, len(cells), side_m, link_m, (number + 1, len(pages)))
+        for k, (x, y) in places.items():
+            _tag(ax, cells[k], k + 1, len(cells), 1e3 * side_m, x, y)
+        _ruler(ax, MARGIN_MM + 4, MARGIN_MM + 6)
+        figures.append(fig)
+    with whole_file(path) as part:
+        if path.suffix.lower() == ".pdf":
+            with PdfPages(part, metadata={"Title": "serpenoid tags"}) as pdf:
+                for fig in figures:
+                    pdf.savefig(fig)
+        else:
+            figures[0].savefig(part, dpi=300)
+    return len(pages)
+
+
+def _pages(count: int, side_mm: float, paper: str) -> list[dict[int, tuple[float, float]]]:
+    """Return each page's tags and the lower left corners of their labels, mm."""
+    width, height = PAPERS_MM[paper]
+    label = side_mm * (CELLS + 2) / CELLS
+    wide, high = label + GAP_MM, label + GAP_MM + 5.0
+    columns = int((width - 2 * MARGIN_MM + GAP_MM) // wide)
+    rows = int((height - 2 * MARGIN_MM - HEAD_MM - FOOT_MM) // high)
+    if columns < 1 or rows < 1:
+        raise BadInput(f"a tag of {side_mm:g} mm does not fit on {paper}; give a smaller --tag-mm")
+    pages = []
+    for first in range(0, count, columns * rows):
+        places = {}
+        for k in range(first, min(count, first + columns * rows)):
+            row, column = divmod(k - first, columns)
+            places[k] = (
+                MARGIN_MM + column * wide,
+                height - MARGIN_MM - HEAD_MM - (row + 1) * high + GAP_MM,
+            )
+        pages.append(places)
+    return pages
+
+
+def _words(
+    ax: Axes,
+    width: float,
+    height: float,
+    count: int,
+    side_m: float,
+    link_m: float,
+    page: tuple[int, int],
+) -> None:
+    more = f", page {page[0]} of {page[1]}" if page[1] > 1 else ""
+    top = height - MARGIN_MM
+    ax.text(
+        MARGIN_MM,
+        top,
+        f"Tags for a robot of {count} links of {1e3 * link_m:g} mm{more}",
+        fontsize=13,
+        va="top",
+        weight="bold",
+    )
+    text = (
+        f'1. Print at 100 % ("actual size") on matt paper. The ruler below must be {RULER_MM} mm '
+        f"long, a black square {1e3 * side_m:g} mm.\n"
+        "2. Cut along the dashed lines: the white rim belongs to the tag.\n"
+        "3. Put number 1 on the TAIL link, then 2, 3, ... to the head; in the middle of each link, "
+        "flat, all at one height.\n"
+        "4. The arrow points to the HEAD. Lay it along the link as well as you can: within 1° for "
+        "the tail's and the head's tag."
+    )
+    ax.text(MARGIN_MM, top - 8, text, fontsize=8.2, va="top", linespacing=1.45)
+
+
+def _tag(
+    ax: Axes, white: NDArray[np.bool_], number: int, count: int, side: float, x: float, y: float
+) -> None:
+    """Draw one label: rim, cells, cut line, number, arrow to the head."""
+    from matplotlib.patches import FancyArrow, Rectangle
+
+    cell = side / CELLS
+    label = side + 2 * cell
+    ax.add_patch(Rectangle((x, y), label, label, fill=False, ls=(0, (4, 3)), lw=0.5, ec=GREY))
+    ax.add_patch(Rectangle((x + cell, y + cell), side, side, fc=BLACK, lw=0))
+    for row, column in np.argwhere(white):
+        corner = (x + cell * (1 + column), y + cell * (CELLS - row))
+        ax.add_patch(Rectangle(corner, cell, cell, fc="white", lw=0))
+    # In the rim, small and pale enough to leave the black square's edge alone.
+    small = max(3.0, 0.45 * cell / 25.4 * 72)
+    ax.text(
+        x + 0.5 * cell,
+        y + 0.5 * cell,
+        str(number),
+        fontsize=small,
+        ha="center",
+        va="center",
+        color=GREY,
+    )
+    ax.add_patch(
+        FancyArrow(
+            x + label - 0.85 * cell,
+            y + 0.5 * label,
+            0.5 * cell,
+            0.0,
+            width=0.06 * cell,
+            head_width=0.3 * cell,
+            head_length=0.25 * cell,
+            length_includes_head=True,
+            fc=GREY,
+            lw=0,
+        )
+    )
+    end = {1: "TAIL", count: "HEAD"}.get(number, "")
+    ax.text(
+        x,
+        y - 0.8,
+        f"{number}  {end}  →" if end else f"{number}  →",
+        fontsize=8,
+        va="top",
+        family="DejaVu Sans",
+    )
+
+
+def _ruler(ax: Axes, x: float, y: float) -> None:
+    """Draw a ruler in millimetres."""
+    ax.plot([x, x + RULER_MM], [y, y], color=BLACK, lw=0.8)
+    for mm in range(RULER_MM + 1):
+        high = 5.0 if mm % 10 == 0 else 3.5 if mm % 5 == 0 else 2.0
+        ax.plot([x + mm, x + mm], [y, y + high], color=BLACK, lw=0.5)
+        if mm % 10 == 0:
+            ax.text(x + mm, y - 1, str(mm), fontsize=7, ha="center", va="top")
+    ax.text(
+        x + RULER_MM + 5,
+        y,
+        f"{RULER_MM} mm: check with a ruler before you cut",
+        fontsize=8,
+        va="bottom",
+    )

@@ -1,0 +1,81 @@
+"""A short film with the fitted chain drawn into its frames."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting.camera import Camera
+from .fitting.chain import link_centres
+from .measure_film import FilmMeasurement
+
+Array = NDArray[np.float64]
+LONGEST_S = 20.0
+WIDEST_PX = 1280
+CHAIN, JOINT, PATH = (40, 60, 235), (0, 200, 255), (220, 150, 0)  # blue, green, red
+TICKS_S = Fraction(1, 90000)
+
+
+def annotate_film(found: FilmMeasurement, path: Path) -> None:
+    """Write the film's first LONGEST_S seconds with chain, path and numbers, as H.264."""
+    import av
+    import cv2
+
+    camera, track = found.measured.bundle.camera, found.measured.track
+    film = found.watched.film
+    shrink = max(1, math.ceil(film.width / WIDEST_PX))
+    size = (film.width // shrink // 2 * 2, film.height // shrink // 2 * 2)
+    begun = track.t_s[0]
+    # The file's own times: where they were scaled, frames are still counted in them.
+    times = begun + (track.t_s - begun) / found.run.time_scale
+    with av.open(str(path), "w") as box:
+        stream: Any = box.add_stream("libx264", rate=30)
+        stream.width, stream.height = size
+        stream.pix_fmt = "yuv420p"
+        stream.time_base = stream.codec_context.time_base = TICKS_S
+        for time_s, grey, _ in film.frames([]):
+            if time_s > begun + LONGEST_S:
+                break
+            picture = cv2.cvtColor(np.ascontiguousarray(grey), cv2.COLOR_GRAY2BGR)
+            k = int(np.searchsorted(times, time_s - 1e-6))
+            if k < len(times) and abs(times[k] - time_s) < 1e-4:
+                _draw(picture, camera, track.states, k)
+            picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+            _words(picture, found, time_s)
+            frame = av.VideoFrame.from_ndarray(picture, format="bgr24").reformat(format="yuv420p")
+            frame.pts, frame.time_base = round(time_s / TICKS_S), TICKS_S
+            box.mux(stream.encode(frame))
+        box.mux(stream.encode())
+
+
+def _draw(picture: Any, camera: Camera, states: Array, k: int) -> None:
+    import cv2
+
+    def pixels(flat: Array) -> Any:
+        return camera.image(np.column_stack([flat, np.zeros(len(flat))])).round().astype(np.int32)
+
+    centres = link_centres(states[k], camera.link_m)
+    half = 0.5 * camera.link_m * np.stack([np.cos(states[k, 2:]), np.sin(states[k, 2:])], axis=-1)
+    joints = pixels(np.concatenate([centres[:1] - half[:1], centres + half]))
+    thick = max(2, picture.shape[1] // 500)
+    cv2.polylines(picture, [pixels(states[: k + 1, :2])], False, PATH, thick, cv2.LINE_AA)
+    cv2.polylines(picture, [joints], False, CHAIN, thick, cv2.LINE_AA)
+    for x, y in joints:
+        cv2.circle(picture, (int(x), int(y)), 2 * thick, JOINT, -1, cv2.LINE_AA)
+
+
+def _words(picture: Any, found: FilmMeasurement, time_s: float) -> None:
+    import cv2
+
+    run = found.run
+    text = f"{time_s:6.2f} s   {1e3 * run.speed_m_s:.1f} mm/s   {run.omega_rad_s / math.tau:.3f} Hz"
+    place = (12, picture.shape[0] - 14)
+    cv2.rectangle(picture, (0, picture.shape[0] - 40), (400, picture.shape[0]), (0, 0, 0), -1)
+    cv2.putText(
+        picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.6, (255, 255, 255), 1, cv2.LINE_AA
+    )

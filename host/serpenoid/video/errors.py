@@ -1,0 +1,105 @@
+"""Standard deviations of a film's numbers: what the pixels leave, and what the camera's fit leaves.
+
+Pixels: residuals are taken as they are, slow ones included: the variance of a least-squares fit
+times their correlation factor. Camera: each of its unknowns moves the whole track; the motion is
+fitted again along each, and the camera's covariance is carried over.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting.bundle import Bundle
+from .fitting.chain import joint_angles
+from .fitting.frames import Track
+from .motion import Fitted, basis, correlation_factor, fit_from, joint_slope, path_basis
+
+Array = NDArray[np.float64]
+# Below these no phone was ever held against a rule: the lens is not the two terms of the model.
+FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 2e-4, np.radians(0.02), np.radians(0.005)
+
+
+def number_sigmas(bundle: Bundle, track: Track, fitted: Fitted) -> Array:
+    """Return the standard deviations of `Motion.numbers`, in their order."""
+    pixels = _of_pixels(track.t_s, fitted)
+    camera = _of_camera(bundle, track, fitted)
+    floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
+    floor[0], floor[-1] = 0.0, FLOOR_TURN_RAD_S
+    floor[-2] = FLOOR_SPEED * fitted.motion.speed_m_s
+    return np.sqrt(pixels**2 + camera**2 + floor**2)
+
+
+def _of_pixels(t_s: Array, fitted: Fitted) -> Array:
+    """Return what the residuals of joints and path leave open."""
+    t = t_s - t_s.mean()
+    m = fitted.motion
+    columns = basis(t, m.omega_rad_s)
+    joints = fitted.joints_rest_rad.shape[1]
+    amplitude, phase, offset, rate = (np.zeros(joints) for _ in range(4))
+    for i in range(joints):
+        variance, free = _variance(fitted.joints_rest_rad[:, i], fitted.weight[:, i], 8)
+        slope = joint_slope(t, fitted, i)
+        a = np.concatenate([columns, slope[:, None]], axis=1) * np.sqrt(fitted.weight[:, i, None])
+        cov = variance * np.linalg.pinv(a.T @ a) * free
+        s, c = np.sin(m.phase_rad[i]), np.cos(m.phase_rad[i])
+        offset[i] = np.sqrt(cov[0, 0])
+        along = np.zeros(len(cov))
+        along[1:3] = s, c
+        amplitude[i] = np.sqrt(along @ cov @ along)
+        along[1:3] = c, -s
+        phase[i] = np.sqrt(along @ cov @ along) / max(m.amplitude_rad[i], 1e-9)
+        rate[i] = np.sqrt(cov[-1, -1])
+    apart = np.hypot(phase[1:], phase[0])
+    omega = 1 / np.sqrt(np.sum(1 / np.maximum(rate, 1e-12) ** 2))
+    along, across, turn = _of_path(t, fitted)
+    direction = across / max(m.speed_m_s, 1e-9)
+    return np.concatenate([[omega], amplitude, apart, offset, [direction, along, turn]])
+
+
+def _variance(rest: Array, weight: Array, unknowns: int) -> tuple[float, float]:
+    """Return the weighted residuals' variance and the factor of their correlation."""
+    scaled = rest * np.sqrt(weight)
+    there = weight > 0
+    free = max(1, int(there.sum()) - unknowns)
+    return float(np.sum(scaled**2) / free), correlation_factor(scaled[there])
+
+
+def _of_path(t: Array, fitted: Fitted) -> tuple[float, float, float]:
+    """Return sigma of the velocity along and across the path, and of the turn's rate."""
+    m = fitted.motion
+    weight = fitted.path_weight
+    a = path_basis(t, m.omega_rad_s, m.turn_rad_s) * np.sqrt(weight)[:, None]
+    way = np.exp(-1j * np.arctan2(m.velocity_m_s[1], m.velocity_m_s[0]))
+    rest = fitted.path_rest_m * way
+    cov = np.linalg.pinv((a.conj().T @ a).real)[1, 1]
+    sigmas = [np.sqrt(np.prod(_variance(part, weight, 5)) * cov) for part in (rest.real, rest.imag)]
+    columns = np.concatenate([basis(t, m.omega_rad_s), t[:, None]], axis=1)
+    b = columns * np.sqrt(weight)[:, None]
+    spread, slow = _variance(fitted.heading_rest_rad, weight, 8)
+    turn = np.sqrt(spread * slow * np.linalg.pinv(b.T @ b)[-1, -1])
+    return float(sigmas[0]), float(sigmas[1]), float(turn)
+
+
+def _of_camera(bundle: Bundle, track: Track, fitted: Fitted) -> Array:
+    """Return what the camera's covariance leaves open."""
+    assert track.by_shared is not None
+    sigma = np.sqrt(np.diag(bundle.covariance))
+    t = track.t_s - track.t_s.mean()
+    here = fitted.motion.numbers()
+    by = np.zeros((len(here), len(sigma)))
+    for k, size in enumerate(sigma):
+        states = track.states + 0.3 * size * track.by_shared[..., k]
+        moved = fit_from(
+            t,
+            states,
+            np.unwrap(joint_angles(states), axis=0),
+            fitted.weight,
+            fitted.path_weight,
+            fitted.motion.omega_rad_s,
+            free_rate=False,
+        )
+        change = moved.motion.numbers() - here
+        change[1:-2] = (change[1:-2] + np.pi) % (2 * np.pi) - np.pi
+        by[:, k] = change / (0.3 * size)
+    return np.sqrt(np.einsum("ik,kl,il->i", by, bundle.covariance, by))

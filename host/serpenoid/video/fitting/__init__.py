@@ -1,0 +1,1 @@
+"""From corners to the robot: camera, tag mountings, and the chain of links."""

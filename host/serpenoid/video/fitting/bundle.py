@@ -1,0 +1,189 @@
+"""Camera, lens and tag mountings, fitted together with the chain in each of some frames.
+
+Least squares of the corners' pixels; the states of single frames are eliminated (Schur), so that
+a step costs little whatever the number of frames. Neighbouring links meet at their joint because
+the states know nothing else; the link length is the scale.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..seeing.sightings import Sightings
+from .camera import LENS, MOUNTING, Camera
+
+Array = NDArray[np.float64]
+STEPS = 40
+OUTLIER = 3.0  # in sigmas: a tag's residual from which its weight falls
+NOISE_PX = 0.3  # of a corner, until the residuals tell
+PLAIN = 0.05  # a rough fit holds distortion and principal point by so much of their sigmas
+# What is known before any film: sigma of focal length (log), k1, k2, principal point (of the
+# longer side), tilts, distance (log), the tag's printed side (log), readout (s).
+LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, 0.03, 0.012])
+# Of a tag that a person puts on: place m, turn rad, height m, slopes.
+MOUNTING_SIGMA = np.array([0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03])
+# A frame's own state is free, but for what keeps it from running away where no tag holds it.
+# Errors of edges follow the tags' angle and place, so that frames are not independent: by so much
+# their scatter is too small (found by films of known truth).
+SLOW = 2.0
+READOUT = LENS.index("readout_s")
+LOOSE = 1.0 / np.radians(15.0)
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """What the fit found.
+
+    camera; covariance of its shared unknowns, from the scatter of the frames; noise_px: standard
+    deviation of a corner; prior: what the unknowns were held to, and prior_sigma how tightly.
+    """
+
+    camera: Camera
+    covariance: Array
+    noise_px: float
+    prior: Array
+    prior_sigma: Array
+    cost: float
+
+
+def priors(camera: Camera, side_m: float, turns: Array) -> tuple[Array, Array]:
+    """Return what the shared unknowns are held to, and their standard deviations."""
+    held = np.zeros_like(camera.shared)
+    held[0], held[8] = np.log(0.9), np.log(side_m)
+    held[5:8] = camera.shared[5:8]
+    held[READOUT] = 0.012
+    held[len(LENS) + 2 :: len(MOUNTING)] = turns
+    sigma = np.concatenate([LENS_SIGMA, np.tile(MOUNTING_SIGMA, camera.links)])
+    return held, sigma
+
+
+def fit(
+    camera: Camera,
+    states: Array,
+    sightings: Sightings,
+    side_m: float,
+    turns: Array,
+    steps: int = STEPS,
+    rough: bool = False,
+) -> tuple[Bundle, Array]:
+    """Fit camera and states to the sightings; return the fit and the states.
+
+    rough: with a plain lens and a fixed noise, so that costs of several starts can be compared.
+    """
+    held, sigma = priors(camera, side_m, turns)
+    if rough:
+        sigma[1:5] *= PLAIN
+    problem = _Problem(sightings, states.copy(), held, sigma)
+    damping, noise = 1e-3, NOISE_PX
+    normal = problem.normal(camera, states, noise)
+    for _ in range(steps):
+        step, step_states = normal.solve(damping)
+        tried = replace(camera, shared=camera.shared + step)
+        tried_states = states + step_states
+        cost = problem.cost(tried, tried_states, noise)
+        if cost < normal.cost:
+            gained = normal.cost - cost
+            camera, states, damping = tried, tried_states, max(damping / 5, 1e-9)
+            noise = noise if rough else problem.noise(camera, states)
+            normal = problem.normal(camera, states, noise)
+            if gained < 1e-5 * cost and damping < 1e-6:
+                break
+        else:
+            damping *= 8
+            if damping > 1e6:
+                break
+    return Bundle(camera, normal.covariance(), noise, held, sigma, normal.cost), states
+
+
+class _Problem:
+    """Hold sightings and priors; make the normal equations of one step."""
+
+    def __init__(self, sightings: Sightings, start: Array, held: Array, sigma: Array) -> None:
+        self.seen = sightings.seen
+        self.found = np.where(self.seen[..., None, None], sightings.corners_px, 0.0)
+        self.skew = sightings.skew
+        self.start, self.held, self.sigma = start, held, sigma
+
+    def misses(self, camera: Camera, states: Array) -> Array:
+        """Return found less expected pixels, 0 where nothing was found."""
+        image = camera.image(camera.corners(states)) + camera.shared[READOUT] * self.skew
+        return np.where(self.seen[..., None, None], self.found - image, 0.0)
+
+    def weights(self, misses: Array, noise: float) -> Array:
+        """Return each tag's weight, (frames, links): 1, less for outliers, 0 for none."""
+        rms = np.sqrt(np.mean(misses**2, axis=(2, 3))) / noise
+        return self.seen * np.minimum(1.0, OUTLIER / np.maximum(rms, 1e-9))
+
+    def noise(self, camera: Camera, states: Array) -> float:
+        """Return the standard deviation of a corner's coordinate, px, robustly."""
+        misses = self.misses(camera, states)[self.seen]
+        # Of 8 numbers a tag, some 3 go into its frame's state.
+        return max(0.02, 1.4826 * float(np.median(np.abs(misses))) * np.sqrt(8 / 6.5))
+
+    def _own_prior(self, camera: Camera, states: Array) -> tuple[float, Array, Array]:
+        off = (camera.shared - self.held) / self.sigma
+        drift = (states - self.start) * LOOSE
+        drift[:, :2] = 0.0
+        return float(off @ off + 0.01 * np.sum(drift**2)), off, drift
+
+    def cost(self, camera: Camera, states: Array, noise: float) -> float:
+        """Return the sum of squares; an outlier's grows no faster than its distance."""
+        misses = self.misses(camera, states)
+        if not np.isfinite(misses).all():
+            return np.inf
+        rms = np.sqrt(np.mean(misses**2, axis=(2, 3))) / noise
+        squares = np.where(rms < OUTLIER, rms**2, OUTLIER * (2 * rms - OUTLIER))
+        return 8 * float(squares[self.seen].sum()) + self._own_prior(camera, states)[0]
+
+    def normal(self, camera: Camera, states: Array, noise: float) -> _Normal:
+        """Return the normal equations at a point."""
+        _, by_state, by_shared = camera.jacobians(states)
+        by_shared[..., READOUT] = self.skew
+        misses = self.misses(camera, states)
+        root = np.sqrt(self.weights(misses, noise)) / noise
+        frames, n = root.shape
+        flat = (frames, 8 * n)
+        residual = (misses * root[..., None, None]).reshape(flat)
+        a = (by_state * root[..., None, None, None]).reshape(*flat, -1)
+        b = (by_shared * root[..., None, None, None]).reshape(*flat, -1)
+        _, off, drift = self._own_prior(camera, states)
+        loose = np.diag(np.r_[0.0, 0.0, np.full(n, 0.01 * LOOSE**2)])
+        own = a.transpose(0, 2, 1) @ a + loose + 1e-9 * np.eye(n + 2)
+        pull = np.einsum("fki,fk->fi", a, residual) - 0.01 * LOOSE * drift
+        cross = a.transpose(0, 2, 1) @ b
+        inside = np.linalg.solve(own, np.concatenate([cross, pull[..., None]], axis=-1))
+        back = cross.transpose(0, 2, 1)
+        shared = np.einsum("fki,fkj->ij", b, b) - np.sum(back @ inside[..., :-1], axis=0)
+        score = np.einsum("fki,fk->fi", b, residual) - np.einsum(
+            "fik,fk->fi", back, inside[..., -1]
+        )
+        return _Normal(shared, score, inside, off, self.sigma, self.cost(camera, states, noise))
+
+
+@dataclass(frozen=True)
+class _Normal:
+    """Normal equations of the shared unknowns: matrix, each frame's score, the frames' part."""
+
+    matrix: Array
+    score: Array
+    inside: Array
+    off: Array
+    sigma: Array
+    cost: float
+
+    def solve(self, damping: float) -> tuple[Array, Array]:
+        matrix = self.matrix + np.diag(1 / self.sigma**2)
+        matrix = matrix + damping * np.diag(np.diag(matrix))
+        step = np.linalg.solve(matrix, self.score.sum(axis=0) - self.off / self.sigma)
+        return step, self.inside[..., -1] - self.inside[..., :-1] @ step
+
+    def covariance(self) -> Array:
+        """Return the covariance from how the frames' scores scatter, and from the priors."""
+        known = np.diag(1 / self.sigma**2)
+        inverse = np.linalg.inv(self.matrix + known)
+        frames = len(self.score)
+        scatter = self.score - self.score.mean(axis=0)
+        return inverse @ (SLOW * scatter.T @ scatter * frames / (frames - 1) + known) @ inverse

@@ -1,0 +1,40 @@
+"""The chain of links in the plane of its tags: where link centres stand, and how that changes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def lever_matrix(links: int) -> Array:
+    """Return M of c_i = c + L sum_j M_ij u_j, (links, links).
+
+    c_i: centre of link i; c: mean of the centres; L: link length; u_j: unit vector along link j.
+    Neighbouring links meet at their joint: c_{i+1} - c_i = L (u_i + u_{i+1}) / 2.
+    """
+    from_tail = np.tril(np.ones((links, links)), -1) + 0.5 * np.eye(links)
+    from_tail[:, 0] -= 0.5  # the tail link's own half is not passed
+    return from_tail - from_tail.mean(axis=0)
+
+
+def link_centres(states: Array, link_m: float) -> Array:
+    """Return the centres of the links, (..., links, 2).
+
+    states: (..., links + 2): mean of the centres x, y (m), then headings theta_1..theta_n (rad).
+    """
+    theta = states[..., 2:]
+    along = np.stack([np.cos(theta), np.sin(theta)], axis=-1)
+    levers = link_m * lever_matrix(theta.shape[-1])
+    return states[..., None, :2] + np.einsum("ij,...jk->...ik", levers, along)
+
+
+def states_from_links(centres: Array, headings: Array) -> Array:
+    """Return states from centres (..., links, 2) and headings (..., links)."""
+    return np.concatenate([centres.mean(axis=-2), headings], axis=-1)
+
+
+def joint_angles(states: Array) -> Array:
+    """Return phi_i = theta_{i+1} - theta_i, (..., links - 1), within half a turn."""
+    return (np.diff(states[..., 2:], axis=-1) + np.pi) % (2 * np.pi) - np.pi

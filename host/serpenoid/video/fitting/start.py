@@ -1,0 +1,132 @@
+"""Where the fit of camera and chain starts: the plane in which the tags look most like squares."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..seeing.sightings import Sightings
+from .camera import LENS, MOUNTING, Camera
+from .chain import lever_matrix
+
+Array = NDArray[np.float64]
+FOCALS = (0.6, 0.75, 0.95, 1.3, 2.0)  # of the image's longer side: wide angle to telephoto
+TILTS_RAD = np.radians([0, 8, 16, 24, 32, 40, 48, 56, 64, 72])
+DIRECTIONS = 16
+SAMPLE = 400  # tags that are looked at
+
+
+def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Camera]:
+    """Return cameras to start from, best first.
+
+    The best plane of every focal length, and the best of all that leans the other way: small
+    squares look nearly the same from both sides.
+    """
+    corners = sightings.corners_px[sightings.seen]
+    corners = corners[:: max(1, len(corners) // SAMPLE)]
+    tried = []
+    for focal in FOCALS:
+        ranked = []
+        for tilt in _tilts():
+            camera = _bare(sightings, link_m, side_m, focal, tilt)
+            ranked.append((_unevenness(camera.on_plane(corners)), camera))
+        tried.append(sorted(ranked, key=lambda pair: pair[0]))
+    best = sorted((ranked[0] for ranked in tried), key=lambda pair: pair[0])
+    lean = best[0][1].shared[5:7]
+    others = [pair for ranked in tried for pair in ranked if pair[1].shared[5:7] @ lean < 0]
+    starts = [*best, *([min(others, key=lambda pair: pair[0])] if others else [])]
+    return [_scaled(camera, corners, side_m) for _, camera in starts]
+
+
+def _tilts() -> Array:
+    around = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
+    leaning = TILTS_RAD[1:, None, None] * np.stack([np.cos(around), np.sin(around)], axis=-1)
+    return np.concatenate([np.zeros((1, 2)), leaning.reshape(-1, 2)])
+
+
+def _bare(s: Sightings, link_m: float, side_m: float, focal: float, tilt: Array) -> Camera:
+    shared = np.zeros(len(LENS) + len(MOUNTING) * s.links)
+    shared[0], shared[8] = np.log(focal), np.log(side_m)
+    shared[5:7] = tilt
+    return Camera(s.links, link_m, s.image_px, shared)
+
+
+def _unevenness(flat: Array) -> float:
+    """Return how far quadrilaterals (..., 4, 2) are from squares of one size."""
+    sides = np.linalg.norm(np.roll(flat, -1, axis=-2) - flat, axis=-1)
+    diagonals = np.linalg.norm(flat[..., :2, :] - flat[..., 2:, :], axis=-1) / np.sqrt(2)
+    logs = np.log(np.concatenate([sides, diagonals], axis=-1))
+    spread = np.abs(logs - np.median(logs))
+    return float(spread.mean()) if np.isfinite(spread).all() else np.inf
+
+
+def _scaled(camera: Camera, corners: Array, side_m: float) -> Camera:
+    """Return the camera at the distance at which the tags have their side."""
+    flat = camera.on_plane(corners)
+    found = np.median(np.linalg.norm(np.roll(flat, -1, axis=-2) - flat, axis=-1))
+    shared = camera.shared.copy()
+    shared[7] += np.log(side_m / found)
+    return replace(camera, shared=shared)
+
+
+def tag_poses(camera: Camera, sightings: Sightings) -> tuple[Array, Array]:
+    """Return centre (frames, links, 2) and heading (frames, links) of every tag in the plane."""
+    flat = camera.on_plane(sightings.corners_px)
+    right = flat[..., 1, :] - flat[..., 0, :] + flat[..., 2, :] - flat[..., 3, :]
+    return flat.mean(axis=-2), np.arctan2(right[..., 1], right[..., 0])
+
+
+def quarter_turns(centres: Array, headings: Array) -> Array:
+    """Return how every tag is turned on its link, (links,), in whole quarter turns, rad.
+
+    A link points from the tag before it to the tag after it, in the mean over the film.
+    """
+    n = headings.shape[1]
+    turns = np.zeros(n)
+    for i in range(n):
+        along = centres[:, min(i + 1, n - 1)] - centres[:, max(i - 1, 0)]
+        apart = np.arctan2(along[:, 1], along[:, 0]) - headings[:, i]
+        apart = apart[np.isfinite(apart)]
+        if len(apart):
+            mean = np.angle(np.exp(1j * apart).mean())
+            turns[i] = -np.round(mean / (np.pi / 2)) * np.pi / 2
+    return turns
+
+
+def first_states(camera: Camera, sightings: Sightings, turns: Array) -> Array:
+    """Return states (frames, links + 2) from the tags that are there; others by interpolation."""
+    centres, headings = tag_poses(camera, sightings)
+    theta = headings - turns
+    theta = np.stack([filled(sightings.t_s, theta[:, i]) for i in range(theta.shape[1])], axis=1)
+    theta = _never_seen_filled(theta)
+    along = np.stack([np.cos(theta), np.sin(theta)], axis=-1)
+    levers = camera.link_m * lever_matrix(theta.shape[1])
+    middle = np.nanmean(centres - np.einsum("ij,fjk->fik", levers, along), axis=1)
+    return np.concatenate([middle, theta], axis=1)
+
+
+def filled(t_s: Array, angle: Array) -> Array:
+    """Return an angle without jumps of a turn, NaN filled between its neighbours in time."""
+    there = np.isfinite(angle)
+    if not there.any():
+        return angle
+    return np.interp(t_s, t_s[there], np.unwrap(angle[there]))
+
+
+def _never_seen_filled(theta: Array) -> Array:
+    """Return headings where a link that was never seen points between those beside it."""
+    seen = np.isfinite(theta).all(axis=0)
+    order = np.arange(theta.shape[1])
+    base = theta[:, seen][:, :1]
+    near = base + (theta - base + np.pi) % (2 * np.pi) - np.pi  # one branch for a frame
+    out = theta.copy()
+    for k in np.flatnonzero(~seen):
+        before, after = order[seen][order[seen] < k], order[seen][order[seen] > k]
+        if len(before) and len(after):
+            a, b = before[-1], after[0]
+            out[:, k] = near[:, a] + (near[:, b] - near[:, a]) * (k - a) / (b - a)
+        else:
+            out[:, k] = near[:, before[-1] if len(before) else after[0]]
+    return out

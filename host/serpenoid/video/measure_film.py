@@ -1,0 +1,72 @@
+"""One call from a film file to its numbers: watch, refuse, measure, tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..model.checks import check_number
+from ..model.errors import BadInput
+from ..model.gait import Gait
+from .faults import refuse_mixed_tags, refuse_unseen, remarks_of
+from .fitting.start import first_cameras, tag_poses
+from .instrument import Measured, measure
+from .result import FilmedRun, filmed_run
+from .seeing.film import Film
+from .seeing.sightings import Sightings
+from .seeing.tags import MOST_LINKS, tag_side_m
+from .seeing.watch import Watched, sha256_of, watch
+from .wiring import judge
+
+
+@dataclass(frozen=True)
+class FilmMeasurement:
+    """Everything of one film: numbers, what was seen, what was fitted, the commanded gait."""
+
+    run: FilmedRun
+    watched: Watched
+    measured: Measured
+    gait: Gait | None
+
+
+def measure_film(
+    path: Path,
+    links: int,
+    link_m: float,
+    side_m: float | None = None,
+    gait: Gait | None = None,
+    board_rate: bool = False,
+    progress: Callable[[float], None] = lambda _: None,
+) -> FilmMeasurement:
+    """Measure what the robot of a film does.
+
+    links, link_m: number and length (m) of its links. side_m: of a printed tag, without its white
+    rim; that of the printed sheet unless given. gait: what was commanded. board_rate: its rate is
+    the board's own (of a recording), and the film's times are scaled to it. Raises BadInput: no
+    film, or one that cannot be measured; the message says why and what to do.
+    """
+    if not 2 <= links <= MOST_LINKS:
+        raise BadInput(f"links is {links}; a film can be measured of 2 to {MOST_LINKS}")
+    check_number("link_m", link_m, 0.005, 3.0)
+    side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
+    watched = watch(Film.open(path), links, progress)
+    name = str(path)
+    refuse_unseen(watched, name)
+    sightings = watched.sightings
+    camera = first_cameras(sightings, link_m, side)[0]
+    refuse_mixed_tags(tag_poses(camera, sightings), name)
+    measured = measure(sightings, link_m, side)
+    scale = 1.0
+    if board_rate and gait is not None:
+        scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
+        measured = measure(_rescaled(sightings, scale), link_m, side)
+    remarks = remarks_of(watched, measured, side, name)
+    run = filmed_run(watched, measured, sha256_of(path), scale, remarks)
+    run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
+    return FilmMeasurement(run, watched, measured, gait)
+
+
+def _rescaled(s: Sightings, scale: float) -> Sightings:
+    """Return sightings at the board's times."""
+    return Sightings.of(s.t_s[0] + (s.t_s - s.t_s[0]) * scale, s.corners_px, s.image_px)

@@ -1,0 +1,180 @@
+"""What a film says of the robot, in numbers with standard deviations; its JSON and its track."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting.chain import joint_angles
+from .instrument import Measured
+from .seeing.watch import Watched
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One joint's sine: phi = offset + amplitude sin(w t + phase); joints count from the tail.
+
+    phase_rad: beside the tail joint's. seen: share of the frames whose tags hold the joint.
+    """
+
+    joint: int
+    amplitude_rad: float
+    amplitude_sigma_rad: float
+    phase_rad: float
+    phase_sigma_rad: float
+    offset_rad: float
+    offset_sigma_rad: float
+    seen: float
+
+
+@dataclass(frozen=True)
+class Remark:
+    """One thing to know about a film or the robot in it: a short name, and words."""
+
+    name: str
+    text: str
+
+
+@dataclass(frozen=True)
+class FilmedRun:
+    """What `serpenoid video` tells.
+
+    Speed, along the mean path; direction of travel from the links' mean heading (0: head first);
+    turn; rate; path_m: length of the mean path. joints: from the tail. residual_px, residual_m:
+    root mean square of the corners beside the fitted chain. time_scale: what the file's times were
+    multiplied with. film, camera: what JSON holds of them.
+    """
+
+    links: int
+    link_length_m: float
+    speed_m_s: float
+    speed_sigma_m_s: float
+    direction_rad: float
+    direction_sigma_rad: float
+    turn_rad_s: float
+    turn_sigma_rad_s: float
+    omega_rad_s: float
+    omega_sigma_rad_s: float
+    path_m: float
+    periods: float
+    joints: tuple[Joint, ...]
+    tags_seen: tuple[float, ...]
+    frames_used: float
+    residual_px: float
+    residual_m: float
+    time_scale: float
+    camera: dict[str, Any]
+    film: dict[str, Any]
+    remarks: tuple[Remark, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        return asdict(self)
+
+
+def filmed_run(
+    watched: Watched, measured: Measured, sha256: str, time_scale: float, remarks: list[Remark]
+) -> FilmedRun:
+    """Gather the numbers of a measured film."""
+    m, sigma = measured.fitted.motion, measured.sigmas
+    count = len(m.amplitude_rad)
+    span_s = float(np.ptp(measured.track.t_s))
+    camera = measured.bundle.camera
+    rms_px = float(np.sqrt(np.nanmean(measured.track.misses_px**2)))
+    seen = watched.sightings.seen
+    m_per_px = camera.side_m / float(np.nanmean(watched.sightings.side_px))
+    return FilmedRun(
+        links=camera.links,
+        link_length_m=camera.link_m,
+        speed_m_s=m.speed_m_s,
+        speed_sigma_m_s=float(sigma[-2]),
+        direction_rad=m.direction_rad,
+        direction_sigma_rad=float(sigma[-3]),
+        turn_rad_s=m.turn_rad_s,
+        turn_sigma_rad_s=float(sigma[-1]),
+        omega_rad_s=m.omega_rad_s,
+        omega_sigma_rad_s=float(sigma[0]),
+        path_m=m.speed_m_s * span_s,
+        periods=m.omega_rad_s * span_s / (2 * np.pi),
+        joints=tuple(_joint(measured, i, count) for i in range(count)),
+        tags_seen=tuple(float(share) for share in seen.mean(axis=0)),
+        frames_used=float(seen.any(axis=1).mean()),
+        residual_px=rms_px,
+        residual_m=rms_px * m_per_px,
+        time_scale=time_scale,
+        camera=_camera(measured),
+        film=_film(watched, sha256),
+        remarks=tuple(remarks),
+    )
+
+
+def _joint(measured: Measured, i: int, count: int) -> Joint:
+    m, sigma = measured.fitted.motion, measured.sigmas
+    phase = (m.phase_rad[i] - m.phase_rad[0] + np.pi) % (2 * np.pi) - np.pi
+    phase_sigma = float(sigma[count + i]) if i else 0.0
+    return Joint(
+        i + 1,
+        float(m.amplitude_rad[i]),
+        float(sigma[1 + i]),
+        float(phase),
+        phase_sigma,
+        float(m.offset_rad[i]),
+        float(sigma[2 * count + i]),
+        float(measured.held[:, i].mean()),
+    )
+
+
+def _camera(measured: Measured) -> dict[str, Any]:
+    camera = measured.bundle.camera
+    lens = camera.shared
+    return {
+        "focal_px": float(camera.scale_px * np.exp(lens[0])),
+        "k1": float(lens[1]),
+        "k2": float(lens[2]),
+        "tilt_rad": float(np.hypot(lens[5], lens[6])),
+        "distance_m": float(np.exp(lens[7])),
+        "readout_s": float(lens[9]),
+        "tag_side_m": camera.side_m,
+        "noise_px": measured.bundle.noise_px,
+    }
+
+
+def _film(watched: Watched, sha256: str) -> dict[str, Any]:
+    film, t = watched.film, watched.sightings.t_s
+    return {
+        "name": film.path.name,
+        "sha256": sha256,
+        "codec": film.codec,
+        "width_px": film.width,
+        "height_px": film.height,
+        "frames": len(t),
+        "duration_s": float(np.ptp(t)),
+        "frame_rate_hz": float(1 / np.median(np.diff(t))),
+    }
+
+
+def track_rows(measured: Measured) -> tuple[list[str], Array]:
+    """Return the columns of a track and its rows: time, place, heading, joints."""
+    track = measured.track
+    names = ["t_s", "x_m", "y_m", "heading_rad"]
+    phi = joint_angles(track.states)
+    names += [f"joint{i + 1}_rad" for i in range(phi.shape[1])]
+    heading = np.unwrap(track.states[:, 2:], axis=0).mean(axis=1)
+    held = np.where(measured.held, phi, np.nan)
+    return names, np.column_stack([track.t_s, track.states[:, :2], heading, held])
+
+
+def write_track(measured: Measured, path: Path) -> None:
+    """Write the track as CSV; a joint that no tag holds in a frame stays empty."""
+    names, rows = track_rows(measured)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file)
+        out.writerow(names)
+        out.writerows(["" if np.isnan(x) else f"{x:.7g}" for x in row] for row in rows)

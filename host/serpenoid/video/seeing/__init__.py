@@ -1,0 +1,1 @@
+"""From a file to the corners of tags: decoding, searching, edges, the floor."""

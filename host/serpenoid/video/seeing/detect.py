@@ -1,0 +1,102 @@
+"""Tags in a frame: searched for in a window that follows the robot, else in the whole picture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .edges import refine
+
+Array = NDArray[np.float64]
+Grey = NDArray[np.uint8]
+Tag = tuple[Array, float]  # corners (4, 2) px, clockwise; width of the edges, px
+DICTIONARY = "DICT_4X4_50"
+MARGIN_SIDES = 2.5  # round the tags seen last, in sides of a tag
+LOOK_AGAIN = 15  # frames after which a missing tag is searched for in the whole picture
+
+
+def dictionary() -> Any:
+    """Return the tags' dictionary: number 0 is the tail's."""
+    import cv2
+
+    return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
+
+
+class TagFinder:
+    """Find tags frame by frame; remembers where they were."""
+
+    def __init__(self, links: int) -> None:
+        import cv2
+
+        self.links = links
+        self.window: tuple[int, int, int, int] | None = None
+        self.side_px = 0.0
+        self.patience = 0
+        self.strangers: dict[int, int] = {}  # numbers that are on no link, and how often
+        self._cv2 = cv2
+
+    def _detector(self, side_px: float) -> Any:
+        cv2 = self._cv2
+        p = cv2.aruco.DetectorParameters()
+        p.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR
+        p.minMarkerPerimeterRate = 0.01
+        if side_px:
+            near = int(np.clip(side_px * 0.8, 11, 101)) | 1
+            p.adaptiveThreshWinSizeMin = p.adaptiveThreshWinSizeMax = near
+        return cv2.aruco.ArucoDetector(dictionary(), p)
+
+    def find(self, picture: Grey) -> dict[int, Tag]:
+        """Return the tags found, by link from 0."""
+        found = self._look(picture) if self.window else {}
+        if len(found) == self.links:
+            self.patience = 0
+        elif not found or self.patience <= 0:
+            found = self._whole(picture) | found
+            self.patience = LOOK_AGAIN
+        else:
+            self.patience -= 1
+        self._follow(found, picture.shape)
+        return found
+
+    def _whole(self, picture: Grey) -> dict[int, Tag]:
+        self.window, self.side_px = (0, 0, picture.shape[1], picture.shape[0]), 0.0
+        return self._look(picture)
+
+    def _look(self, picture: Grey) -> dict[int, Tag]:
+        assert self.window is not None
+        left, top, right, bottom = self.window
+        part = np.ascontiguousarray(picture[top:bottom, left:right])
+        corners, ids, _ = self._detector(self.side_px).detectMarkers(part)
+        found: dict[int, Tag] = {}
+        edges: Array = np.zeros(0)
+        if ids is not None:
+            corners, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
+        for k, number in enumerate([] if ids is None else ids.ravel()):
+            if number >= self.links:
+                self.strangers[int(number)] = self.strangers.get(int(number), 0) + 1
+            else:
+                found[int(number)] = corners[k] + [left, top], float(edges[k])
+        return found
+
+    def _follow(self, found: dict[int, Tag], shape: tuple[int, ...]) -> None:
+        """Set the window for the next frame."""
+        if not found:
+            self.window = None
+            return
+        points = np.concatenate([q for q, _ in found.values()])
+        self.side_px = float(np.median([np.linalg.norm(q[1] - q[0]) for q, _ in found.values()]))
+        # Links that were not seen may be on either side: room for all of them.
+        room = self.side_px * (MARGIN_SIDES + 2.5 * (self.links - len(found)))
+        low, high = points.min(axis=0) - room, points.max(axis=0) + room
+        self.window = (
+            max(0, int(low[0])),
+            max(0, int(low[1])),
+            min(shape[1], int(high[0]) + 1),
+            min(shape[0], int(high[1]) + 1),
+        )
+
+    def window_of(self, shape: tuple[int, ...]) -> tuple[int, int, int, int]:
+        """Return where the robot is: left, top, right, bottom, px."""
+        return self.window or (0, 0, shape[1], shape[0])

@@ -1,0 +1,125 @@
+"""A tag's corners from its edges: where grey passes the middle between black border and white rim.
+
+The detector's corners stand on whole pixels of the contour; they give the place to look at. Along
+each edge the grey profile across it is read, a line is laid through the crossings, and neighbouring
+lines are cut.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+ALONG = np.linspace(0.1, 0.9, 13)  # where an edge is read, as a share of it
+REACH_CELLS = 0.75  # how far across, in cells of the tag; border and rim are one cell wide
+CELLS = 6
+ACROSS = np.linspace(-1.0, 1.0, 17)
+LEAST_POINTS = 5
+LEAST_CONTRAST = 12.0  # grey levels
+
+
+def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
+    """Return corners (tags, 4, 2) and each tag's edge width, px.
+
+    quads: the detector's corners, clockwise. The width is the distance over which grey rises from
+    a quarter to three quarters. A tag whose edges cannot be read keeps its corners; width NaN.
+    """
+    start, end = quads, np.roll(quads, -1, axis=1)
+    along = end - start
+    length = np.linalg.norm(along, axis=-1, keepdims=True)
+    # Clockwise on a picture whose y points down: outside is to the left of the way along.
+    outward = np.stack([along[..., 1], -along[..., 0]], axis=-1) / length
+    reach = REACH_CELLS / CELLS * length.mean(axis=1, keepdims=True)
+    base = start[:, :, None] + ALONG[:, None] * along[:, :, None]
+    where = base[..., None, :] + (reach[..., None] * ACROSS)[..., None] * outward[:, :, None, None]
+    profile = _sample(picture, where)
+    offset, width = _crossings(profile)
+    lines = _lines(offset * reach)
+    corners = _cut(start, along, outward, lines)
+    read = np.isfinite(offset) & np.isfinite(width)
+    flat = (len(quads), -1)
+    widths = _median((width * reach).reshape(flat), read.reshape(flat))
+    good = np.isfinite(corners).all(axis=(1, 2))
+    good &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach[:, 0, 0]
+    return np.where(good[:, None, None], corners, quads), np.where(good, widths, np.nan)
+
+
+def _sample(picture: NDArray[np.uint8], where: Array) -> Array:
+    import cv2
+
+    flat = where.reshape(where.shape[0] * 4, -1, 2).astype(np.float32)
+    grey = cv2.remap(
+        picture, flat[..., 0], flat[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+    )
+    return grey.reshape(where.shape[:-1]).astype(float)
+
+
+def _crossings(profile: Array) -> tuple[Array, Array]:
+    """Return where profiles (..., points) pass their middle, NaN where not, and how wide they rise.
+
+    Both in units of the reach.
+    """
+    dark, bright = profile[..., :3].mean(axis=-1), profile[..., -3:].mean(axis=-1)
+    rise = bright - dark
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = (profile - dark[..., None]) / rise[..., None]
+    at = [_passes(share, level) for level in (0.25, 0.5, 0.75)]
+    contrast = np.quantile(rise, 0.5, axis=(-2, -1), keepdims=True)
+    good = (rise > 0.5 * contrast) & (rise > LEAST_CONTRAST)
+    return np.where(good, at[1], np.nan), np.abs(at[2] - at[0])
+
+
+def _passes(share: Array, level: float) -> Array:
+    """Return where a rising profile first passes a level."""
+    above = share > level
+    k = above.argmax(axis=-1)
+    low = np.take_along_axis(share, np.maximum(k - 1, 0)[..., None], -1)[..., 0]
+    high = np.take_along_axis(share, k[..., None], -1)[..., 0]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        part = (level - low) / (high - low)
+    step = ACROSS[1] - ACROSS[0]
+    found = ACROSS[np.maximum(k - 1, 0)] + part * step
+    return np.where((k > 0) & np.isfinite(found), found, np.nan)
+
+
+def _lines(offset: Array) -> Array:
+    """Return intercept and slope of each edge's line, (tags, 4, 2); NaN with too few points."""
+    there = np.isfinite(offset)
+    for _ in range(2):
+        line = _line(offset, there)
+        miss = np.abs(offset - line[..., :1] - line[..., 1:] * ALONG)
+        typical = _median(miss, there)[..., None]
+        there = there & (miss <= 3.5 * typical + 0.02)
+    return _line(offset, there)
+
+
+def _median(values: Array, there: NDArray[np.bool_]) -> Array:
+    """Return the median of those that are there along the last axis, NaN of none."""
+    ranked = np.sort(np.where(there, values, np.inf), axis=-1)
+    middle = np.maximum(there.sum(axis=-1) - 1, 0) // 2
+    found = np.take_along_axis(ranked, middle[..., None], -1)[..., 0]
+    return np.where(np.isfinite(found), found, np.nan)
+
+
+def _line(offset: Array, there: NDArray[np.bool_]) -> Array:
+    w = there.astype(float)
+    y = np.where(there, offset, 0.0)
+    n, sx, sxx = w.sum(-1), (w * ALONG).sum(-1), (w * ALONG**2).sum(-1)
+    sy, sxy = y.sum(-1), (y * ALONG).sum(-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        slope = (n * sxy - sx * sy) / (n * sxx - sx * sx)
+        line = np.stack([(sy - slope * sx) / n, slope], axis=-1)
+    return np.where((n >= LEAST_POINTS)[..., None], line, np.nan)
+
+
+def _cut(start: Array, along: Array, outward: Array, lines: Array) -> Array:
+    """Return where each edge's line meets that of the edge before it."""
+    point = start + lines[..., :1] * outward
+    way = along + lines[..., 1:] * outward
+    before_point, before_way = np.roll(point, 1, axis=1), np.roll(way, 1, axis=1)
+    apart = before_point - point
+    with np.errstate(invalid="ignore", divide="ignore"):
+        cross = way[..., 0] * before_way[..., 1] - way[..., 1] * before_way[..., 0]
+        share = (apart[..., 0] * before_way[..., 1] - apart[..., 1] * before_way[..., 0]) / cross
+    return point + share[..., None] * way

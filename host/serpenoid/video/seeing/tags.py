@@ -1,0 +1,28 @@
+"""The printed tags: their size by the robot's links, and their black and white cells."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.errors import BadInput
+from .detect import dictionary
+from .edges import CELLS
+
+MOST_LINKS = 13
+SHARE_OF_LINK = 0.45
+LEAST_SIDE_M, MOST_SIDE_M = 0.008, 0.06
+
+
+def tag_side_m(link_m: float) -> float:
+    """Return the side of the tags for links of a length, in whole millimetres, m."""
+    side = round(1e3 * SHARE_OF_LINK * link_m) / 1e3
+    return min(max(side, LEAST_SIDE_M), MOST_SIDE_M)
+
+
+def tag_cells(links: int) -> list[NDArray[np.bool_]]:
+    """Return which cells of each link's tag are white, (6, 6) each, row by row from the top."""
+    if not 2 <= links <= MOST_LINKS:
+        raise BadInput(f"links is {links}; the sheet has tags for 2 to {MOST_LINKS}")
+    known = dictionary()
+    return [known.generateImageMarker(k, CELLS) > 127 for k in range(links)]

@@ -1,0 +1,104 @@
+"""A film watched once from its first frame to its last: tags, edges, floor, times."""
+
+from __future__ import annotations
+
+import hashlib
+from array import array
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.errors import BadInput
+from .background import Background
+from .detect import TagFinder
+from .film import Film
+from .sightings import Sightings
+
+Array = NDArray[np.float64]
+MOST_FRAMES = 500_000  # more than two hours at 60 frames/s
+HASHED_BYTES = 1 << 20
+
+
+@dataclass(frozen=True)
+class Watched:
+    """What one look at a film brought up.
+
+    film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; damage: what
+    could not be read, in words; strangers: tags of numbers that are on no link, with the number of
+    frames; shifts: of the floor, (time, x px, y px); plain_floor: nothing on it can be followed;
+    picture: the first frame with a tag, grey; mirrored: tags are seen in a mirror only.
+    """
+
+    film: Film
+    sightings: Sightings
+    edge_px: Array
+    damage: tuple[str, ...]
+    strangers: dict[int, int]
+    shifts: tuple[tuple[float, float, float], ...]
+    plain_floor: bool
+    picture: NDArray[np.uint8]
+    mirrored: bool
+
+
+def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: None) -> Watched:
+    """Read a film. progress: is told the time that was reached, s. Raises BadInput."""
+    finder = TagFinder(links)
+    times, numbers, edges = array("d"), array("f"), array("f")
+    damage: list[str] = []
+    ground: Background | None = None
+    picture: NDArray[np.uint8] | None = None
+    mirrored = 0
+    for time_s, grey, _ in film.frames(damage):
+        found = finder.find(grey)
+        times.append(time_s)
+        corners = np.full((links, 4, 2), np.nan, np.float32)
+        width = np.full(links, np.nan, np.float32)
+        for link, (quad, edge_px) in found.items():
+            corners[link], width[link] = quad, edge_px
+        numbers.extend(corners.ravel().tolist())
+        edges.extend(width.tolist())
+        if ground is None and found:
+            picture, ground = grey.copy(), Background(finder.window_of(grey.shape))
+        if ground is not None:
+            ground.look(time_s, grey)
+        elif len(times) % 15 == 1:
+            mirrored += bool(TagFinder(links).find(np.ascontiguousarray(grey[:, ::-1])))
+        if picture is None:
+            picture = grey.copy()
+        progress(time_s)
+        if len(times) >= MOST_FRAMES:
+            raise BadInput(
+                f"{film.path}: has more than {MOST_FRAMES} frames; cut out a few "
+                "minutes in which the robot crawls"
+            )
+    if picture is None:
+        raise BadInput(
+            f"{film.path}: not one frame can be read ({'; '.join(damage[:2]) or 'empty'})"
+            "; copy it from the phone again"
+        )
+    shape = (len(times), links, 4, 2)
+    corners_px = np.frombuffer(numbers, np.float32).reshape(shape).astype(float)
+    sightings = Sightings.of(np.array(times), corners_px, (film.width, film.height))
+    return Watched(
+        film,
+        sightings,
+        np.frombuffer(edges, np.float32).reshape(shape[:2]).astype(float),
+        tuple(damage),
+        finder.strangers,
+        tuple(ground.shifts if ground else ()),
+        ground is None or ground.plain,
+        picture,
+        mirrored > 0,
+    )
+
+
+def sha256_of(path: Path) -> str:
+    """Return a file's hash."""
+    done = hashlib.sha256()
+    with path.open("rb") as file:
+        while block := file.read(HASHED_BYTES):
+            done.update(block)
+    return done.hexdigest()

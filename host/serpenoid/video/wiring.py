@@ -1,0 +1,155 @@
+"""Which servo moves which joint, which way and about which centre: told from the joints' sines."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.gait import Gait
+from .result import FilmedRun, Remark
+
+Array = NDArray[np.float64]
+EXPLAINED_RAD = math.radians(12.0)  # phases this near to even steps are a gait's
+CENTRE_RAD = math.radians(1.0)  # a centre further off is worth a trim
+RATE_FLAG = 0.02
+
+
+def even_steps(phase: Array, step: float | None) -> tuple[float, float]:
+    """Return the step that explains phases best, and what is left (rms), rad."""
+    order = np.arange(len(phase))
+    tried = np.radians(np.arange(-180.0, 180.0, 0.5)) if step is None else np.array([step])
+    left = np.exp(1j * (phase[None] - tried[:, None] * order))
+    middle = np.angle(left.mean(axis=1))[:, None]
+    rms = np.sqrt(np.mean(np.angle(left * np.exp(-1j * middle)) ** 2, axis=1))
+    best = int(rms.argmin())
+    return float(tried[best]), float(rms[best])
+
+
+def plugs(phase: Array, step: float | None) -> tuple[list[int], list[int], float, float]:
+    """Return the order of plugs, the reversed joints, step and rest that explain the phases.
+
+    The fewest faults count: none, one or two reversed joints, one pair of swapped plugs, one of
+    both. step: of the commanded gait, None if it is not known.
+    """
+    n = len(phase)
+    straight = list(range(n))
+    swaps = [straight] + [_swapped(straight, a, b) for a, b in combinations(range(n), 2)]
+    turns: list[tuple[int, ...]] = [(), *combinations(range(n), 1), *combinations(range(n), 2)]
+    tried = [(len(t) + 2 * (s != straight), s, t) for s in swaps for t in turns]
+    for cost, swap, turn in sorted(tried, key=lambda fault: fault[0]):
+        if cost > max(1, n // 2):
+            break
+        seen = phase.copy()
+        seen[list(turn)] += math.pi
+        found, rest = even_steps(seen[swap], step)
+        if rest < EXPLAINED_RAD:
+            return swap, list(turn), found, rest
+    found, rest = even_steps(phase, step)
+    return straight, [], found, rest
+
+
+def _swapped(order: list[int], a: int, b: int) -> list[int]:
+    out = list(order)
+    out[a], out[b] = out[b], out[a]
+    return out
+
+
+def judge(run: FilmedRun, gait: Gait | None) -> list[Remark]:
+    """Return what the joints say of the servos: order, sense, centres, rate, amplitude."""
+    told = _plugs(run, gait) + _centres(run, gait)
+    if gait is not None:
+        off = run.omega_rad_s / gait.omega_rad_s - 1
+        if abs(off) > max(RATE_FLAG, 4 * run.omega_sigma_rad_s / gait.omega_rad_s):
+            told.append(Remark("rate", _rate_words(run, gait)))
+    return told
+
+
+def _rate_words(run: FilmedRun, gait: Gait) -> str:
+    ratio = gait.omega_rad_s / run.omega_rad_s
+    hertz = [omega / (2 * math.pi) for omega in (run.omega_rad_s, gait.omega_rad_s)]
+    text = f"the film shows {hertz[0]:.4g} Hz, commanded were {hertz[1]:.4g} Hz"
+    if ratio > 1.5:
+        return (
+            f"{text}: is it slow motion, {ratio:.2g} times? Give the run's recording with "
+            "--recording, and the times are put right; speeds are those of the file"
+        )
+    return f"{text}: the robot did not run that gait, or the file's times are wrong"
+
+
+def _plugs(run: FilmedRun, gait: Gait | None) -> list[Remark]:
+    phase = np.array([j.phase_rad for j in run.joints])
+    if len(phase) < 3:
+        return []
+    swap, turned, _, rest = plugs(phase, gait.beta_rad if gait else None)
+    told = []
+    if rest > EXPLAINED_RAD:
+        told.append(
+            Remark(
+                "phases",
+                f"the joints' phases are no even steps ({math.degrees(rest):.0f}° "
+                "off): plugs of several servos may be swapped",
+            )
+        )
+    swapped = [k + 1 for k, other in enumerate(swap) if k != other]
+    if swapped:
+        told.append(
+            Remark(
+                "plugs",
+                f"joints {swapped[0]} and {swapped[1]} move as if their plugs "
+                "were swapped: swap them back",
+            )
+        )
+    told += [
+        Remark(
+            "sense",
+            f"joint {k + 1} moves the wrong way round: set its trim's sense to the other sign",
+        )
+        for k in turned
+    ]
+    return told
+
+
+def _centres(run: FilmedRun, gait: Gait | None) -> list[Remark]:
+    told = []
+    for joint, off in zip(run.joints, centre_errors(run, gait), strict=True):
+        if abs(off) > max(CENTRE_RAD, 2 * joint.offset_sigma_rad):
+            told.append(
+                Remark(
+                    "centre",
+                    f"joint {joint.joint} swings about {math.degrees(off):+.1f}° ± "
+                    f"{math.degrees(joint.offset_sigma_rad):.1f}° off its centre: move its trim by "
+                    f"{math.degrees(-off):+.1f}°",
+                )
+            )
+    return told
+
+
+def centre_errors(run: FilmedRun, gait: Gait | None) -> list[float]:
+    """Return how far each joint's centre is off, rad: from the commanded bend, or else from 0."""
+    meant = gait.offset_rad if gait else 0.0
+    return [joint.offset_rad - meant for joint in run.joints]
+
+
+def measured_gait(run: FilmedRun, gait: Gait | None) -> Gait:
+    """Return the gait that the joints made: gains and shifts beside the commanded one.
+
+    Without a commanded gait: beside the mean amplitude and the even steps that fit best.
+    """
+    amplitude = np.array([j.amplitude_rad for j in run.joints])
+    phase = np.array([j.phase_rad for j in run.joints])
+    offset = float(np.mean([j.offset_rad for j in run.joints]))
+    beta = gait.beta_rad if gait else even_steps(phase, None)[0]
+    alpha = gait.alpha_rad if gait else float(amplitude.mean())
+    off = np.exp(1j * (phase - beta * np.arange(len(phase))))
+    shift = np.angle(off / (off.mean() / abs(off.mean())))
+    return Gait(
+        alpha,
+        beta,
+        run.omega_rad_s,
+        offset,
+        tuple((amplitude / alpha).tolist()),
+        tuple(shift.tolist()),
+    )

@@ -1,0 +1,149 @@
+"""Speeds with servos: against the full simulation, which steps from event to event; limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.simulation.starts import start_state
+
+ROBOT = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+VISCOUS = sn.Ground(0.1, 1.0)
+
+
+def drawn_case(seed: int) -> tuple[sn.Robot, sn.Ground, sn.Gait, sn.Servo]:
+    """Return a robot, ground, gait and servo at random; the servo fits the robot's size."""
+    rng = np.random.default_rng(seed)
+
+    def about(middle: float, factor: float) -> float:
+        return middle * factor ** rng.normal()
+
+    links, mass, length = int(rng.integers(4, 9)), about(0.08, 1.6), about(0.08, 1.3)
+    dry = mass * 9.81
+    ground = sn.Ground(
+        about(0.014, 2), about(0.3, 2), dry * about(0.03, 1.6) * (rng.random() < 0.9),
+        dry * about(0.1, 2) * (rng.random() < 0.95),
+    )  # fmt: skip
+    alpha, beta = math.radians(rng.uniform(20, 80)), math.radians(rng.uniform(40, 110))
+    gait = sn.Gait(alpha, beta, math.tau * 0.2 * 10 ** rng.uniform(0, 1))
+    torque, speed = about(0.4, 1.6) * mass * links * length / 0.036, about(8.0, 1.3)
+    line = torque / speed
+    servo = sn.Servo(
+        torque / about(0.17, 1.6), line * (1 + rng.random()), torque, speed,
+        rng.uniform(0, 0.015), about(0.04, 1.6) * line * (rng.random() < 0.8),
+        torque * about(0.04, 2) * (rng.random() < 0.8), 0.2 * line * rng.random(),
+        float(rng.choice([0, 50, 300])), 0.08 * rng.random(),
+    )  # fmt: skip
+    return sn.Robot(links, mass, length), ground, gait, servo
+
+
+def mean_speed(run: sn.Run, of_a_cycle: int) -> float:
+    """Return the speed of one cycle of a run with 200 rows each, along its mean circle."""
+    rows = slice(200 * of_a_cycle, 200 * of_a_cycle + 201)
+    turn = np.ptp(run.theta_rad[rows, 0][[0, -1]]) * np.sign(
+        run.theta_rad[rows, 0][-1] - run.theta_rad[rows, 0][0]
+    )
+    angle = turn * (np.arange(200) + 0.5) / 200
+    dx, dy = np.diff(run.x_m[rows].mean(1)), np.diff(run.y_m[rows].mean(1))
+    along = np.sum((dx + 1j * dy) * np.exp(-1j * angle))
+    return float(abs(along) / (run.t_s[rows][-1] - run.t_s[rows][0]))
+
+
+def full_speeds(
+    ideal: sn.Steady, servo: sn.Servo, keep: int, seconds: float = 60.0
+) -> tuple[np.ndarray, float]:
+    """Return the speeds of the last cycles of a full simulation, and how they still drift."""
+    robot, ground, gait = ideal.robot, ideal.ground, ideal.gait
+    start = start_state(sn.Scene(robot, ground, gait, start="steady"))
+    settle = max(2, math.ceil(min(5 * ideal.settling_time_s + 6, seconds) / gait.period_s))
+    rough = not ground.smooth or servo.gear_friction_nm > 0
+    run = sn.simulate(
+        sn.Scene(
+            robot, ground, gait, drive="servo", servo=servo, start=start, tolerance=1e-6,
+            method="nonsmooth" if rough else "dop853", dt_s=gait.period_s / 200,
+            duration_s=(settle + keep) * gait.period_s, record_every=1,
+        )
+    )  # fmt: skip
+    speeds = np.array([mean_speed(run, settle + k) for k in range(keep)])
+    half = keep // 2
+    return speeds, float(speeds[half:].mean() - speeds[:half].mean())
+
+
+@pytest.mark.parametrize("seed", [4, 11, 14, 21, 28, 34])
+def test_the_speed_is_that_of_the_full_simulation(seed: int) -> None:
+    """Other coordinates, other steps, other contacts: what both share is the servo's law alone."""
+    robot, ground, gait, servo = drawn_case(seed)
+    found = sn.steady_gait(robot, ground, gait, rtol=1e-4, servo=servo)
+    speeds, _ = full_speeds(found.ideal, servo, keep=4)
+    assert found.speed_m_s == pytest.approx(speeds.mean(), rel=0.01)
+    assert found.error_estimate < 0.03
+
+
+@pytest.mark.slow
+def test_three_hundred_random_servos() -> None:
+    """Within 2 % in 95 of 100, where there is a speed (a hundredth of what joints could give)."""
+    errors, covered = [], []
+    for seed in range(330):
+        robot, ground, gait, servo = drawn_case(seed)
+        try:
+            found = sn.steady_gait(robot, ground, gait, rtol=1e-3, servo=servo)
+            speeds, drift = full_speeds(found.ideal, servo, keep=8)
+        except (sn.NotConverged, sn.Diverged):
+            continue
+        speed = speeds.mean()
+        if abs(drift) > 0.005 * speed:  # the simulation itself has not settled
+            continue
+        errors.append(abs(found.speed_m_s / speed - 1))
+        covered.append(errors[-1] < 2 * found.error_estimate + 0.002)
+        if len(errors) == 300:
+            break
+    assert len(errors) > 250
+    assert np.mean(np.array(errors) < 0.02) > 0.95
+    assert np.mean(covered) > 0.9
+
+
+def test_the_default_servo_shakes_wheels_loose_and_a_rotor_holds_them() -> None:
+    """The two columns of the question: quick servos .64 of the ideal speed, heavy ones most."""
+    quick = sn.steady_gait(ROBOT, GROUND, GAIT, servo=sn.Servo())
+    assert quick.speed_m_s / quick.ideal.speed_m_s == pytest.approx(0.642, abs=0.006)
+    heavy = sn.steady_gait(ROBOT, GROUND, GAIT, servo=replace(sn.Servo(), armature_kg_m2=1e-3))
+    assert heavy.speed_m_s / heavy.ideal.speed_m_s > 0.9
+    assert heavy.ripple_rad_s < 0.5 * quick.ripple_rad_s
+    faster = sn.steady_gait(ROBOT, GROUND, GAIT, servo=replace(sn.Servo(), frame_s=0.005))
+    assert faster.speed_m_s / faster.ideal.speed_m_s > 0.92
+
+
+@pytest.mark.parametrize("ground", [GROUND, VISCOUS], ids=["dry", "viscous"])
+def test_a_perfect_servo_has_the_ideal_speed(ground: sn.Ground) -> None:
+    """Slow, strong, on frames of .5 ms: joints follow the gait, 20 ms late."""
+    perfect = sn.Servo(30.0, 0.6, 1e3, 1e3, 0.0, frame_s=5e-4)
+    found = sn.steady_gait(ROBOT, ground, GAIT, servo=perfect)
+    assert found.speed_m_s == pytest.approx(found.ideal.speed_m_s, rel=0.01)
+    assert found.amplitude_ratio == pytest.approx(1, rel=3e-3)
+    late = GAIT.omega_rad_s * (perfect.frame_s / 2 + 0.6 / 30)
+    assert found.lag_rad == pytest.approx(late, rel=0.05)
+    assert found.power_w == pytest.approx(found.ideal.power_w, rel=0.02)
+
+
+def test_a_mirrored_gait_is_as_fast_and_turns_the_other_way() -> None:
+    left = sn.steady_gait(ROBOT, GROUND, replace(GAIT, offset_rad=0.2), servo=sn.Servo())
+    right = sn.steady_gait(ROBOT, GROUND, replace(GAIT, offset_rad=-0.2), servo=sn.Servo())
+    assert left.speed_m_s == pytest.approx(right.speed_m_s, rel=0.01)
+    assert left.turn_rad_per_cycle == pytest.approx(-right.turn_rad_per_cycle, rel=0.02)
+
+
+def test_an_uncertain_kind_leaves_a_band_around_its_typical_speed() -> None:
+    found = sn.steady_gait(ROBOT, GROUND, GAIT, servo=sn.servo("XL-330"))
+    assert found.low_m_s < found.speed_m_s < found.high_m_s < 1.05 * found.ideal.speed_m_s
+    assert len(found.samples_m_s) == 32
+    assert set(found.to_dict()) >= {"speed_m_s", "low_m_s", "high_m_s", "spread_m_s"}
+
+
+def test_what_is_no_servo_is_refused() -> None:
+    with pytest.raises(sn.BadInput, match=r"servo is a str; it must be a serpenoid\.Servo or"):
+        sn.steady_gait(ROBOT, GROUND, GAIT, servo="SG90")  # type: ignore[call-overload]

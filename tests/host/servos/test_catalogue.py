@@ -1,0 +1,101 @@
+"""Kinds of servos: their numbers, their draws, their files."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.model.drives import loop_radius
+
+
+def test_every_kind_is_a_servo_that_does_not_hunt() -> None:
+    for name, kind in sn.SERVOS.items():
+        assert kind.name == name
+        assert kind.source
+        assert not kind.exact
+        assert 0 < loop_radius(kind.servo) < 0.97
+        # no servo is without rotor or gear; motors come to speed in 10 to 100 ms
+        line = kind.servo.torque_limit_nm / kind.servo.speed_limit_rad_s
+        assert 0.01 < kind.servo.armature_kg_m2 / line < 0.1
+        assert kind.servo.gear_friction_nm < 0.2 * kind.servo.torque_limit_nm
+
+
+def test_draws_have_the_sigma_and_follow_torque_and_speed() -> None:
+    base = sn.Servo(2.0, 0.05, 0.4, 8.0, 0.005, 2e-3, 0.02, 4e-3)
+    kind = sn.ServoKind("x", base, {"torque_limit_nm": 0.3, "armature_kg_m2": 0.4})
+    drawn = kind.draws(2000, seed=1)
+
+    def sigma(value) -> float:
+        return float(np.std([math.log(value(one)) for one in drawn]))
+
+    assert sigma(lambda s: s.torque_limit_nm) == pytest.approx(0.3, rel=0.05)
+    assert sigma(lambda s: s.armature_kg_m2 / s.torque_limit_nm) == pytest.approx(0.4, rel=0.05)
+    for name in ("stiffness_nm_rad", "damping_nms_rad", "gear_friction_nm"):
+        ratios = [getattr(s, name) / s.torque_limit_nm for s in drawn]
+        assert np.ptp(ratios) < 1e-12
+    assert drawn == kind.draws(2000, seed=1) != kind.draws(2000, seed=2)
+    assert sn.ServoKind("x", base).draws(3) == [base] * 3
+
+
+def test_drawn_servos_do_not_hunt_and_look_as_often_as_the_kind_says() -> None:
+    drawn = sn.servo().draws(300)
+    assert max(map(loop_radius, drawn)) < 0.97
+    assert {s.update_hz for s in drawn} == {50.0, 300.0}
+
+
+def test_the_loop_radius_is_that_of_a_simulated_swing() -> None:
+    """A held loop with a rotor, stepped finely: its swing falls by the factor from look to look."""
+    servo = sn.Servo(3.0, 0.05, 0.4, 8.0, 0.0, 2e-3, 0.0, 3e-3, 50.0)
+    angle, rate, swings, h = 0.1, 0.0, [], 1e-5
+    line = servo.torque_limit_nm / servo.speed_limit_rad_s
+    for k in range(100_000):
+        if k % 2000 == 0:
+            torque = -servo.stiffness_nm_rad * angle - (servo.damping_nms_rad - line) * rate
+            swings.append(math.hypot(angle, rate / 40))
+        rate += h * (torque - (line + servo.gear_damping_nms_rad) * rate) / servo.armature_kg_m2
+        angle += h * rate
+    fall = (swings[-1] / swings[9]) ** (1 / (len(swings) - 10))
+    assert fall == pytest.approx(loop_radius(servo), rel=0.01)
+
+
+def test_a_kind_comes_back_from_its_file(tmp_path: Path) -> None:
+    for kind in sn.SERVOS.values():
+        path = tmp_path / f"{kind.name}.toml"
+        sn.save_servo(kind, path)
+        assert sn.load_servo(path) == kind == sn.servo(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("format = 2\n[servo]\n", ":1: format is 2"),
+        ("format = 1\n[servo]\nstiffness = 3\n", ":3: unknown key 'stiffness'"),
+        ("format = 1\n[servo]\narmature_kg_m2 = -1\n", "armature_kg_m2 is -1"),
+        ("format = 1\n[servo]\n[sigma]\nframe_s = 0.1\n", ":4: unknown key 'frame_s'"),
+        ("format = 1\n[servo]\n[sigma]\nsupply_sag = 9\n", ":4: supply_sag is 9"),
+        ("format = 1\n", "no key servo"),
+    ],
+)
+def test_a_file_that_is_no_servo_is_refused(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(sn.BadInput) as error:
+        sn.servo(path)
+    assert says in str(error.value)
+
+
+def test_an_unknown_name_is_told_the_known_ones() -> None:
+    assert sn.servo("sg90") is sn.servo("SG-90") is sn.SERVOS["SG90"]
+    with pytest.raises(sn.BadInput, match=r"known are hobby, SG90.*NAME\.toml"):
+        sn.servo("SG91")
+
+
+def test_doubt_about_what_is_no_field_is_refused() -> None:
+    with pytest.raises(sn.BadInput, match="sigma is 'frame_s'"):
+        sn.ServoKind("x", sn.Servo(), {"frame_s": 0.1})
+    with pytest.raises(sn.BadInput, match="frame_s is 0"):
+        replace(sn.Servo(), frame_s=0.0)

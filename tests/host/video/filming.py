@@ -1,0 +1,250 @@
+"""A film of a world that nobody measured: rays from each pixel to floor, links and tags.
+
+Shares no formula with the instrument: pixels are traced into the world, lens distortion is undone
+by iteration once a camera, tags lie at their own heights and tilts, rows are exposed one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import cv2
+import numpy as np
+
+Pose = Callable[[float], tuple[np.ndarray, np.ndarray]]  # time -> centres (n, 2), headings (n,)
+
+
+@dataclass(frozen=True)
+class Lens:
+    """A camera on a tripod: where it stands, what it looks at, and what its lens does."""
+
+    eye_m: tuple[float, float, float] = (0.0, -0.35, 0.75)
+    target_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    width: int = 960
+    height: int = 540
+    focal_px: float = 800.0
+    k1: float = 0.0
+    k2: float = 0.0
+    middle_px: tuple[float, float] = (0.0, 0.0)  # off the image's middle
+    exposure_s: float = 0.004
+    rolling_s: float = 0.0  # readout of all rows
+    noise: float = 2.0
+
+    def rays(self, up: int = 1) -> tuple[np.ndarray, np.ndarray]:
+        """Return the eye and each (sub)pixel's direction in the world, (h up, w up, 3)."""
+        eye, target = np.array(self.eye_m), np.array(self.target_m)
+        ahead = (target - eye) / np.linalg.norm(target - eye)
+        side = np.array([0.0, 1.0, 0.0]) if abs(ahead[2]) > 0.999 else np.array([0.0, 0.0, 1.0])
+        right = np.cross(ahead, side)
+        right /= np.linalg.norm(right)
+        down = np.cross(ahead, right)
+        columns = (np.arange(self.width * up) + 0.5) / up - self.width / 2 - self.middle_px[0]
+        rows = (np.arange(self.height * up) + 0.5) / up - self.height / 2 - self.middle_px[1]
+        seen = np.stack(np.meshgrid(columns, rows), axis=-1) / self.focal_px
+        true = seen.copy()
+        for _ in range(30):
+            s = np.sum(true**2, axis=-1, keepdims=True)
+            true = seen / (1 + self.k1 * s + self.k2 * s**2)
+        return eye, (ahead + true[..., :1] * right + true[..., 1:] * down).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Body:
+    """Links with tags: sizes, and how each tag sits."""
+
+    links: int = 6
+    link_m: float = 0.076
+    side_m: float = 0.034
+    width_m: float = 0.045
+    height_m: float = 0.045
+    mount_m: np.ndarray | None = None  # (links, 3): dx, dy, lift
+    turn_rad: np.ndarray | None = None
+    slope: np.ndarray | None = None  # (links, 2)
+    ids: tuple[int, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Glare:
+    """A lamp's reflection on the floor plane: tags inside are washed out."""
+
+    centre_m: tuple[float, float] = (0.0, 0.0)
+    radius_m: float = 0.08
+    strength: float = 220.0
+
+
+@dataclass
+class Film:
+    """Draw frames of a moving body."""
+
+    lens: Lens
+    body: Body
+    pose: Pose
+    seed: int = 1
+    glare: Glare | None = None
+    up: int = 3
+    steps: int = 1  # moments inside an exposure
+    _cache: dict = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.rng = np.random.default_rng(self.seed)
+        self.eye, self.directions = self.lens.rays()
+        self.floor = self._floor()
+        side = max(8, 6)
+        words = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+        ids = self.body.ids or tuple(range(self.body.links))
+        self.bits = [
+            np.pad(words.generateImageMarker(i, 6), (side - 6) // 2, constant_values=255)
+            for i in ids
+        ]
+        self.grain = [
+            self.rng.normal(0, self.lens.noise, (self.lens.height, self.lens.width)).astype(
+                np.float32
+            )
+            for _ in range(3)
+        ]
+
+    def _floor(self) -> np.ndarray:
+        """Return the still background: wood-like noise of several sizes."""
+        d = self.directions
+        t = -self.eye[2] / np.minimum(d[..., 2], -1e-3)
+        x, y = self.eye[0] + t * d[..., 0], self.eye[1] + t * d[..., 1]
+        tile = np.zeros((512, 512), np.float32)
+        for size, strength in ((8, 14), (32, 12), (128, 10)):
+            coarse = self.rng.normal(0, strength, (size, size)).astype(np.float32)
+            tile += cv2.resize(coarse, (512, 512), interpolation=cv2.INTER_CUBIC)
+        planks = 10 * ((np.floor(y / 0.09) % 2) - 0.5)
+        look = cv2.remap(
+            tile,
+            ((x * 600) % 511).astype(np.float32),
+            ((y * 600) % 511).astype(np.float32),
+            cv2.INTER_LINEAR,
+        )
+        return 135 + look + planks.astype(np.float32)
+
+    def frame(self, t_s: float) -> np.ndarray:
+        """Return one frame, (height, width) of bytes."""
+        image = self.floor.copy()
+        for i in range(self.body.links):
+            self._link(image, i, t_s)
+        if self.glare is not None:
+            image += self._shine()
+        image += np.roll(self.grain[self.rng.integers(3)], self.rng.integers(997))
+        return np.clip(image, 0, 255).astype(np.uint8)
+
+    def _shine(self) -> np.ndarray:
+        if "shine" not in self._cache:
+            d = self.directions
+            t = (self.body.height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
+            x, y = self.eye[0] + t * d[..., 0], self.eye[1] + t * d[..., 1]
+            g = self.glare
+            assert g is not None
+            far = np.hypot(x - g.centre_m[0], y - g.centre_m[1]) / g.radius_m
+            self._cache["shine"] = (g.strength * np.exp(-(far**4))).astype(np.float32)
+        return self._cache["shine"]
+
+    def _box(self, i: int, t_s: float) -> tuple[slice, slice] | None:
+        """Return the pixels that a link can touch during the exposure."""
+        key = "grid"
+        if key not in self._cache:
+            d = self.directions[::4, ::4]
+            t = (self.body.height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
+            self._cache[key] = self.eye[:2] + t[..., None] * d[..., :2]
+        centres, _ = self.pose(t_s)
+        later, _ = self.pose(t_s + self.lens.rolling_s + self.lens.exposure_s)
+        ground = self._cache[key]
+        reach = 0.62 * np.hypot(self.body.link_m, self.body.width_m) + 0.012
+        reach += np.linalg.norm(later[i] - centres[i])
+        near = np.abs(ground - centres[i]).max(axis=-1) < reach
+        if not near.any():
+            return None
+        rows, columns = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
+        return (
+            slice(max(0, 4 * rows[0] - 4), min(self.lens.height, 4 * rows[-1] + 8)),
+            slice(max(0, 4 * columns[0] - 4), min(self.lens.width, 4 * columns[-1] + 8)),
+        )
+
+    def _link(self, image: np.ndarray, i: int, t_s: float) -> None:
+        box = self._box(i, t_s)
+        if box is None:
+            return
+        rows, columns = box
+        d = self.directions[rows, columns]
+        size = (d.shape[1] * self.up, d.shape[0] * self.up)
+        d = cv2.resize(d, size, interpolation=cv2.INTER_LINEAR)
+        row = (np.arange(size[1]) + 0.5) / self.up + rows.start
+        colour, cover = 0.0, 0.0
+        for k in range(self.steps):
+            inside = ((k + 0.5) / self.steps - 0.5) * self.lens.exposure_s
+            light, there = self._trace(i, d, t_s + inside, row)
+            colour, cover = colour + light * there, cover + there
+        small = (size[0] // self.up, size[1] // self.up)
+        light = cv2.resize(np.asarray(colour, np.float32), small, interpolation=cv2.INTER_AREA)
+        there = cv2.resize(np.asarray(cover, np.float32), small, interpolation=cv2.INTER_AREA)
+        image[box] = image[box] * (1 - there / self.steps) + light / self.steps
+
+    def _trace(
+        self, i: int, d: np.ndarray, t_s: float, row: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the light on each ray, and whether it meets link i."""
+        b = self.body
+        first, last = (row[0] / self.lens.height - 0.5), (row[-1] / self.lens.height - 0.5)
+        ends = [self.pose(t_s + f * self.lens.rolling_s) for f in (first, last)]
+        share = ((row - row[0]) / (row[-1] - row[0]))[:, None].astype(np.float32)
+        (c0, h0), (c1, h1) = [(c[i], h[i]) for c, h in ends]
+        cx, cy = c0[0] + share * (c1[0] - c0[0]), c0[1] + share * (c1[1] - c0[1])
+        angle = h0 + share * (h1 - h0)
+        dx, dy, lift = b.mount_m[i] if b.mount_m is not None else (0.0, 0.0, 0.0)
+        turn = b.turn_rad[i] if b.turn_rad is not None else 0.0
+        slope = b.slope[i] if b.slope is not None else (0.0, 0.0)
+        cos, sin = np.cos(angle).astype(np.float32), np.sin(angle).astype(np.float32)
+        # The tag's plane in the link's frame: z = height + lift + slopes, about the tag's middle.
+        ex, ey = np.float32(self.eye[0]) - cx, np.float32(self.eye[1]) - cy
+        ox, oy = cos * ex + sin * ey - dx, -sin * ex + cos * ey - dy
+        vx, vy = cos * d[..., 0] + sin * d[..., 1], -sin * d[..., 0] + cos * d[..., 1]
+        ct, st = np.float32(np.cos(turn)), np.float32(np.sin(turn))
+        ox, oy, vx, vy = (
+            ct * ox + st * oy,
+            -st * ox + ct * oy,
+            ct * vx + st * vy,
+            -st * vx + ct * vy,
+        )
+        oz = np.float32(self.eye[2] - b.height_m - lift)
+        t = (slope[0] * ox + slope[1] * oy - oz) / (d[..., 2] - slope[0] * vx - slope[1] * vy)
+        x, y = ox + t * vx, oy + t * vy
+        there = (np.abs(x) < 0.42 * b.link_m) & (np.abs(y) < b.width_m / 2)
+        cell = np.float32(6 / b.side_m)
+        column = np.clip((x * cell + 4).astype(np.int32), 0, 7)
+        line = np.clip((4 - y * cell).astype(np.int32), 0, 7)
+        bright = self.bits[i][line, column] * np.float32(0.82) + np.float32(22)
+        label = (np.abs(x * cell) < 4) & (np.abs(y * cell) < 4)
+        return np.where(label, bright, np.float32(70)), there.astype(np.float32)
+
+
+def write(
+    path: Path,
+    frames: list[np.ndarray],
+    times_s: np.ndarray,
+    codec: str = "libx264",
+    crf: int = 20,
+    rotation: int = 0,
+) -> Path:
+    """Encode frames at their times as a phone would."""
+    with av.open(str(path), "w") as box:
+        stream = box.add_stream(codec, rate=30)
+        stream.height, stream.width = frames[0].shape
+        stream.pix_fmt = "yuv420p"
+        stream.options = {"crf": str(crf), "preset": "veryfast"}
+        stream.time_base = Fraction(1, 90000)
+        stream.codec_context.time_base = Fraction(1, 90000)
+        stream.codec_context.thread_count = 1
+        for image, t in zip(frames, times_s, strict=True):
+            picture = av.VideoFrame.from_ndarray(image, format="gray").reformat(format="yuv420p")
+            picture.pts = round(t * 90000)
+            picture.time_base = Fraction(1, 90000)
+            box.mux(stream.encode(picture))
+        box.mux(stream.encode())
+    return path

@@ -1,0 +1,131 @@
+"""From pixels to numbers: films of known worlds, measured; each rendered once for all tests."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from serpenoid.commands.main import cli
+from serpenoid.video.measure_film import measure_film
+from serpenoid.video.motion import Motion
+from video.filming import Body, Lens
+from video.worlds import GAIT, LINK_M, SIDE_M, World, crawling, shoot, simulated
+
+
+def wrapped(angle):
+    return (np.asarray(angle) + math.pi) % math.tau - math.pi
+
+
+def misses(found, world: World) -> dict[str, float]:
+    """Return relative error of speed and rate, and the worst errors of the joints, degrees."""
+    run = found.run
+    amplitude = np.array([j.amplitude_rad for j in run.joints])
+    phase = np.array([j.phase_rad for j in run.joints])
+    return {
+        "speed": run.speed_m_s / world.speed_m_s - 1,
+        "rate": run.omega_rad_s / world.omega_rad_s - 1,
+        "amplitude": math.degrees(np.abs(amplitude - world.amplitude_rad).max()),
+        "phase": math.degrees(
+            np.abs(wrapped(phase - (world.phase_rad - world.phase_rad[0]))).max()
+        ),
+        "turn": math.degrees(abs(run.turn_rad_s - world.turn_rad_s)),
+    }
+
+
+@pytest.fixture(scope="session")
+def plain(tmp_path_factory):
+    """A film of 2.3 periods whose truth is known: tags mounted askew, a real lens, slow rows."""
+    rng = np.random.default_rng(5)
+    world = crawling()
+    body = Body(
+        6, mount_m=rng.normal(size=(6, 3)) * [0.002, 0.002, 0.001],
+        turn_rad=np.radians(1.5) * rng.normal(size=6), slope=0.02 * rng.normal(size=(6, 2)),
+    )  # fmt: skip
+    lens = Lens(k1=0.06, k2=-0.02, middle_px=(5.0, -3.0), rolling_s=0.015)
+    path = tmp_path_factory.mktemp("film") / "plain.mp4"
+    return shoot(world, path, lens, body), world, body, lens
+
+
+@pytest.fixture(scope="session")
+def measured(plain):
+    path, world, *_ = plain
+    return measure_film(path, 6, LINK_M), world
+
+
+def test_speed_and_joints_are_found(measured) -> None:
+    off = misses(*measured)
+    assert abs(off["speed"]) < 0.003
+    assert abs(off["rate"]) < 0.0005
+    assert max(off["amplitude"], off["phase"]) < 0.2
+    assert off["turn"] < 0.05
+
+
+def test_the_stated_sigmas_are_neither_blind_nor_vain(measured) -> None:
+    found, world = measured
+    run = found.run
+    assert abs(run.speed_m_s - world.speed_m_s) < 5 * run.speed_sigma_m_s
+    assert run.speed_sigma_m_s < 0.005 * world.speed_m_s
+    for joint, true in zip(run.joints, world.amplitude_rad, strict=True):
+        assert abs(joint.amplitude_rad - true) < 5 * joint.amplitude_sigma_rad
+        assert joint.amplitude_sigma_rad < math.radians(0.2)
+
+
+def test_centres_inside_are_known_well_and_those_of_the_ends_as_well_as_tags_lie(measured) -> None:
+    found, world = measured
+    ends = (0, len(found.run.joints) - 1)
+    for i, joint in enumerate(found.run.joints):
+        assert abs(joint.offset_rad - world.offset_rad[i]) < 4 * joint.offset_sigma_rad
+        outer = joint.offset_sigma_rad > math.radians(1.0)
+        assert outer == (i in ends)
+
+
+def test_camera_and_mountings_are_those_of_the_renderer(measured, plain) -> None:
+    _, _, body, lens = plain
+    camera = measured[0].measured.bundle.camera
+    assert measured[0].run.camera["readout_s"] == pytest.approx(lens.rolling_s, abs=0.002)
+    assert measured[0].run.camera["focal_px"] == pytest.approx(lens.focal_px, rel=0.03)
+    assert camera.side_m == pytest.approx(SIDE_M, rel=0.003)
+    inner = slice(1, -1)
+    assert camera.mounting[inner, :2] == pytest.approx(body.mount_m[inner, :2], abs=4e-4)
+    assert camera.mounting[inner, 2] == pytest.approx(body.turn_rad[inner], abs=math.radians(0.3))
+
+
+def test_a_simulated_robot_is_measured_as_the_simulator_says(tmp_path) -> None:
+    world = simulated()
+    found = measure_film(
+        shoot(world, tmp_path / "robot.mp4", seconds=2.2 * GAIT.period_s), 6, LINK_M, gait=GAIT
+    )
+    off = misses(found, world)
+    assert abs(off["speed"]) < 0.005
+    assert max(off["amplitude"], off["phase"]) < 0.25
+    assert not [r for r in found.run.remarks if r.name in ("plugs", "sense", "phases", "rate")]
+
+
+def test_the_command_tells_it_and_writes_what_was_asked_for(plain, tmp_path) -> None:
+    path, world, *_ = plain
+    names = {"--track": "track.csv", "--plot": "film.png", "--annotate": "drawn.mp4"}
+    options = [part for option, name in names.items() for part in (option, str(tmp_path / name))]
+    done = CliRunner().invoke(cli, ["video", str(path), "--json", *options])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.output)
+    assert told["speed_m_s"] == pytest.approx(world.speed_m_s, rel=0.005)
+    assert len(told["joints"]) == 5
+    assert len(told["film"]["sha256"]) == 64
+    rows = np.genfromtxt(tmp_path / "track.csv", delimiter=",", names=True)
+    assert len(rows) == told["film"]["frames"]
+    assert np.ptp(rows["joint3_rad"]) > 1.2
+    assert all((tmp_path / name).stat().st_size > 5000 for name in names.values())
+    words = CliRunner().invoke(cli, ["video", str(path)]).output
+    assert "mm/s" in words
+    assert "joint" in words
+
+
+def test_numbers_do_not_depend_on_which_way_the_camera_looks() -> None:
+    """Turn the world about the plane's normal and shift it: speed and direction stay."""
+    motion = Motion(1.0, np.ones(2), np.zeros(2), np.zeros(2), np.array([0.03, 0.04]), 0.1, 0.2)
+    turned = replace(motion, velocity_m_s=np.array([-0.04, 0.03]), heading_rad=0.2 + math.pi / 2)
+    assert turned.numbers() == pytest.approx(motion.numbers())

@@ -1,0 +1,100 @@
+"""Chain, camera and edges beside slow obvious versions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from serpenoid.video.fitting.camera import LENS, MOUNTING, Camera
+from serpenoid.video.fitting.chain import joint_angles, link_centres
+from serpenoid.video.motion import correlation_factor
+from serpenoid.video.seeing.edges import refine
+
+LINK_M = 0.076
+
+
+def camera(links: int = 4) -> Camera:
+    rng = np.random.default_rng(1)
+    lens = [np.log(0.9), 0.1, -0.03, 0.01, -0.005, 0.4, 0.2, 0.0, np.log(0.034), 0.01]
+    mounting = rng.normal(size=(links, len(MOUNTING))) * [0.003, 0.003, 0.1, 0.002, 0.03, 0.03]
+    return Camera(links, LINK_M, (1920, 1080), np.concatenate([lens, mounting.ravel()]))
+
+
+def states(links: int = 4, frames: int = 3) -> np.ndarray:
+    rng = np.random.default_rng(2)
+    return np.concatenate(
+        [0.1 * rng.normal(size=(frames, 2)), 0.5 * rng.normal(size=(frames, links))], axis=1
+    )
+
+
+def test_neighbouring_links_meet_at_their_joint() -> None:
+    state = states(6)
+    centres = link_centres(state, LINK_M)
+    half = LINK_M / 2 * np.stack([np.cos(state[:, 2:]), np.sin(state[:, 2:])], axis=-1)
+    assert (centres + half)[:, :-1] == pytest.approx((centres - half)[:, 1:])
+    assert centres.mean(axis=1) == pytest.approx(state[:, :2])
+    assert joint_angles(state) == pytest.approx(np.diff(state[:, 2:], axis=1))
+
+
+def test_derivatives_are_those_of_small_steps() -> None:
+    c, s, step = camera(), states(), 1e-6
+    _, by_state, by_shared = c.jacobians(s)
+
+    def image(shared: np.ndarray, state: np.ndarray) -> np.ndarray:
+        moved = replace(c, shared=shared)
+        return moved.image(moved.corners(state))
+
+    for k, unit in enumerate(np.eye(len(c.shared)) * step):
+        slope = (image(c.shared + unit, s) - image(c.shared - unit, s)) / (2 * step)
+        assert by_shared[..., k] == pytest.approx(slope, abs=2e-3), (*LENS, *MOUNTING * 4)[k]
+    for k, unit in enumerate(np.eye(s.shape[1]) * step):
+        slope = (image(c.shared, s + unit) - image(c.shared, s - unit)) / (2 * step)
+        assert by_state[..., k] == pytest.approx(slope, abs=2e-3)
+
+
+def test_the_plane_is_found_again_from_pixels() -> None:
+    c = camera()
+    flat = states()[:, :2]
+    pixels = c.image(np.column_stack([flat, np.zeros(len(flat))]))
+    assert c.on_plane(pixels) == pytest.approx(flat, abs=1e-9)
+
+
+def drawn_square(quad: np.ndarray, blur_px: float, fine: int = 16) -> np.ndarray:
+    """Return a black square in a white rim, as a picture that was averaged over its pixels."""
+    big = np.full((120 * fine, 120 * fine), 160, np.uint8)
+    middle = quad.mean(axis=0)
+    for grow, grey in ((8 / 6, 235), (1.0, 25)):
+        shape = (middle + grow * (quad - middle) + 0.5) * fine - 0.5
+        cv2.fillConvexPoly(big, np.round(shape * 16).astype(np.int32), grey, shift=4)
+    small = cv2.resize(big, (120, 120), interpolation=cv2.INTER_AREA)
+    return cv2.GaussianBlur(small, (0, 0), blur_px)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.2, 0.5, 0.785, 1.1])
+def test_edges_give_corners_to_a_fraction_of_a_pixel(angle: float) -> None:
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    square = 17 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ turn.T + [60.3, 58.8]
+    picture = drawn_square(square, 0.8)
+    found, width = refine(picture, (np.round(square) + 0.3)[None])
+    assert np.abs(found[0] - square).max() < 0.1
+    assert np.abs((found[0] - square).mean(axis=0)).max() < 0.03
+    assert 0.5 < width[0] < 2.0
+
+
+def test_edges_that_cannot_be_read_leave_the_corners_alone() -> None:
+    square = np.array([[20.0, 20], [50, 20], [50, 50], [20, 50]])
+    found, width = refine(np.full((80, 80), 128, np.uint8), square[None])
+    assert found[0] == pytest.approx(square)
+    assert np.isnan(width[0])
+
+
+def test_slow_residuals_count_for_more() -> None:
+    rng = np.random.default_rng(3)
+    white = rng.normal(size=4000)
+    assert correlation_factor(white) == pytest.approx(1.0, abs=0.2)
+    slow = np.zeros(4000)
+    for k in range(1, 4000):
+        slow[k] = 0.8 * slow[k - 1] + white[k]
+    assert correlation_factor(slow) == pytest.approx(9.0, rel=0.4)  # (1 + .8) / (1 - .8)

@@ -1,0 +1,113 @@
+"""Robots that crawl before the camera: by the simulator, or along known curves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import serpenoid as sn
+from video.filming import Body, Film, Lens, Pose, write
+
+LINK_M, SIDE_M = 0.076, 0.034
+GAIT = sn.Gait(math.radians(45), math.radians(80), 4.0)
+
+
+@dataclass(frozen=True)
+class World:
+    """A pose at each time, and what is true of it."""
+
+    pose: Pose
+    links: int
+    omega_rad_s: float
+    amplitude_rad: np.ndarray
+    phase_rad: np.ndarray
+    offset_rad: np.ndarray
+    speed_m_s: float
+    turn_rad_s: float
+
+
+def crawling(
+    seed: int = 1,
+    links: int = 6,
+    speed_m_s: float = 0.05,
+    alpha_deg: float = 45.0,
+    omega_rad_s: float = 4.0,
+    start_m: float = -0.11,
+) -> World:
+    """Return a robot whose joints, path and turn are known exactly; no joint is perfect."""
+    rng = np.random.default_rng(seed)
+    joints = links - 1
+    amplitude = np.radians(alpha_deg) * (1 + 0.03 * rng.normal(size=joints))
+    phase = np.radians(80) * np.arange(joints) + 0.04 * rng.normal(size=joints)
+    offset = np.radians(1.5) * rng.normal(size=joints)
+    turn, way = np.radians(1.2), 0.15
+
+    def pose(t: float) -> tuple[np.ndarray, np.ndarray]:
+        phi = offset + amplitude * np.sin(omega_rad_s * t + phase)
+        angle = np.concatenate([[0.0], np.cumsum(phi)])
+        angle += way + turn * t + 0.08 * np.sin(omega_rad_s * t) - angle.mean()
+        half = LINK_M / 2 * np.exp(1j * angle)
+        centre = np.concatenate([[0.0], np.cumsum(half[:-1] + half[1:])])
+        middle = start_m + speed_m_s * (np.exp(1j * turn * t) - 1) / (1j * turn)
+        middle += 0.004 * np.sin(2 * omega_rad_s * t) * np.exp(1j * turn * t)
+        centre += middle * np.exp(1j * way) - centre.mean()
+        return np.column_stack([centre.real, centre.imag]), angle
+
+    return World(pose, links, omega_rad_s, amplitude, phase, offset, speed_m_s, turn)
+
+
+def simulated(gait: sn.Gait = GAIT) -> World:
+    """Return the 2005 robot on its ground, by the simulator; speed and turn over whole periods."""
+    robot = sn.Robot(6, 0.0756, LINK_M)
+    ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    settled_s, step_s = 4 * gait.period_s, gait.period_s / 400
+    run = sn.simulate(
+        sn.Scene(robot, ground, gait, dt_s=step_s, duration_s=8 * gait.period_s, record_every=4)
+    )
+    first = int(np.searchsorted(run.t_s, settled_s))
+    t = run.t_s[first:] - settled_s
+    middle = run.x_m[first].mean() + 1j * run.y_m[first].mean()
+    ahead = (run.x_m[-1] + 1j * run.y_m[-1]).mean() - middle
+    z = ((run.x_m[first:] + 1j * run.y_m[first:]) - middle) / ahead * abs(ahead) - 0.1
+    theta = run.theta_rad[first:] - np.angle(ahead)
+
+    def pose(at_s: float) -> tuple[np.ndarray, np.ndarray]:
+        now = [np.interp(at_s, t, column) for column in (*z.real.T, *z.imag.T, *theta.T)]
+        return np.array(now[:12]).reshape(2, 6).T, np.array(now[12:])
+
+    cycles = 3
+    end = cycles * gait.period_s
+    moved = pose(end)[0].mean(axis=0) - pose(0.0)[0].mean(axis=0)
+    joints = np.ones(5)
+    return World(
+        pose,
+        6,
+        gait.omega_rad_s,
+        gait.alpha_rad * joints,
+        gait.beta_rad * np.arange(5),
+        0 * joints,
+        float(np.hypot(*moved)) / end,
+        float((pose(end)[1] - pose(0.0)[1]).mean()) / end,
+    )
+
+
+def shoot(
+    world: World,
+    path,
+    lens: Lens | None = None,
+    body: Body | None = None,
+    seconds: float = 3.6,
+    rate_hz: float = 30.0,
+    seed: int = 1,
+    codec: str = "libx264",
+    times_s: np.ndarray | None = None,
+    **film,
+):
+    """Render a film of a world into a file, at a phone's varying times; return the path."""
+    rng = np.random.default_rng(seed)
+    if times_s is None:
+        times_s = np.arange(0, seconds, 1 / rate_hz)
+        times_s = times_s + 0.03 / rate_hz * rng.normal(size=len(times_s))
+    camera = Film(lens or Lens(), body or Body(world.links), world.pose, seed=seed, **film)
+    return write(path, [camera.frame(t) for t in times_s], times_s - times_s[0], codec)
