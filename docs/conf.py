@@ -13,7 +13,7 @@ project = "serpenoid"
 author = "The serpenoid authors"
 project_copyright = "the serpenoid authors; MIT licence"
 release = version = version_of("serpenoid")
-extensions = ["myst_parser", "sphinx.ext.autodoc", "mathtext"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathtext"]
 html_math_renderer = "mathtext"
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
@@ -26,6 +26,8 @@ html_css_files = ["serpenoid.css"]
 html_theme_options = {"top_of_page_buttons": []}
 html_copy_source = False
 autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_rtype = False
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
@@ -45,4 +47,4 @@ def plain(_app, _what, _name, _obj, _options, lines: list[str]) -> None:
 
 def setup(app) -> None:
     """Register what is above with Sphinx."""
-    app.connect("autodoc-process-docstring", plain)
+    app.connect("autodoc-process-docstring", plain, priority=100)  # before napoleon

@@ -17,11 +17,28 @@ MOST_LINKS = 300  # MJCF nests a body a link, and XML libraries recurse as deep
 def to_mjcf(robot: Robot, ground: Ground, *, timestep_s: float = 1e-3) -> str:
     """Return a robot as an MJCF document: planar, hinged at the joints, a motor on each.
 
-    Link 1, the tail, moves on two slides and a hinge, `x`, `y`, `turn`, from the origin along x;
-    joint i is the hinge `joint<i>` with the motor `torque<i>`, N m on link i from link i+1 as in
-    serpenoid (that is, minus MuJoCo's sign). Viscous friction is exact: two actuators without a
-    control at each link's centre. Dry friction that differs along and across is more than MuJoCo
-    can say: it is left out with a warning. Raises BadInput.
+    Link 1, the tail, moves on two slides and a hinge, `x`, `y`, `turn`, from the origin along x.
+    Joint i is the hinge `joint<i>` with the motor `torque<i>`, N m on link i from link i+1 as in
+    serpenoid (minus MuJoCo's sign). Viscous friction is exact: two actuators without a control at
+    each link's centre. MuJoCo cannot state dry friction that differs along and across: it is left
+    out with a warning.
+
+    Parameters
+    ----------
+    robot, ground
+        What crawls, and on what.
+    timestep_s
+        MuJoCo's step, s.
+
+    Returns
+    -------
+    str
+        The document.
+
+    Raises
+    ------
+    BadInput
+        For ratchet wheels and arguments out of range.
     """
     check_parts(robot, ground)
     timestep_s = check_number("timestep_s", timestep_s, 0.0, open_low=True)

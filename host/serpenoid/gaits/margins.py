@@ -95,9 +95,24 @@ def _fall(speed_at: Callable[[float], float], full: float) -> float:
 
 
 def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
-    """Find how much amplitude or fn0 a gait may lose, by solving the gaits and grounds with less.
+    """Find how much amplitude or fn0 a gait may lose, by solving gaits and grounds with less.
 
-    Raises BadInput, NotConverged.
+    Parameters
+    ----------
+    robot, ground, gait
+        What crawls, on what and how.
+
+    Returns
+    -------
+    Margins
+        Losses that the gait bears, and the speed that smaller ones cost.
+
+    Raises
+    ------
+    BadInput
+        For arguments of a wrong kind.
+    NotConverged
+        If a gait with less has no periodic state.
     """
 
     def speed(ground: Ground, gait: Gait) -> float:

@@ -81,13 +81,38 @@ def robust_gait(
     samples: int = SAMPLES,
     seed: int = 2005,
 ) -> RobustGait:
-    """Find the least power such that 95 % of the robots that may be real keep 90 % of the speed.
+    """Find the least power at which 95 % of the sampled robots keep 90 % of the speed.
 
-    On the ground as it is thought to be the gait makes the wanted speed, m/s, or more. Speeds are
-    solved for sampled robots, never linearised: at a cliff their spread is skewed. The shape is
-    chosen by the slow ones among them and a smoothed percentile, its rate by the percentile itself;
-    the gait is then checked on as many others. Raises BadInput, and NotConverged when no gait will
-    do. On a ratchet waves from tail to head (beta below 0) are looked through as well.
+    On the nominal ground the gait makes at least the wanted speed. Speeds are solved for sampled
+    robots, never linearised, because their spread is skewed near a cliff. The slow samples and a
+    smoothed percentile choose the shape; the percentile itself sets the rate. The gait is then
+    checked with as many other samples. On a ratchet, waves from tail to head (beta below 0) are
+    searched too.
+
+    Parameters
+    ----------
+    robot, ground, cost, limits
+        As in `least_power_gait`.
+    speed_m_s
+        The wanted speed, m/s.
+    uncertainty
+        How well friction and servos are known; the defaults of `Uncertainty` unless given.
+    samples
+        Number of sampled robots, 20 to 65536.
+    seed
+        Of the samples.
+
+    Returns
+    -------
+    RobustGait
+        The gait, its power, the low speeds and the price of robustness.
+
+    Raises
+    ------
+    BadInput
+        For arguments out of range.
+    NotConverged
+        If no gait keeps the speed.
     """
     check_number("samples", samples, 20, 65536)
     uncertainty = uncertainty or Uncertainty()

@@ -78,10 +78,31 @@ def acceleration(
 ) -> Acceleration:
     """Evaluate a formulation once: Eqs. 1-9 with pinned joints (explicit) or Eqs. 51-56 (implicit).
 
-    state: a LinkState, or (q, qdot) as LinkState.joined takes them; the explicit model uses only
-    link 1's position and velocity and all angles and rates. drive: TorqueDrive or AngleDrive. Dry
-    friction is taken with sgn 0 = 0, or as v / sqrt(v^2 + w^2) with w = smoothing_m_s > 0, m/s.
-    joint_stiffness_n_m in N/m, joint_damping_n_s_m in N s/m. Raises BadInput.
+    Parameters
+    ----------
+    robot, ground
+        What moves, and on what.
+    state
+        A LinkState, or (q, qdot) as `LinkState.joined` takes them. The explicit model reads the
+        position and velocity of link 1 only, and all angles and rates.
+    drive
+        A TorqueDrive or an AngleDrive.
+    formulation
+        "explicit" or "implicit".
+    joint_stiffness_n_m, joint_damping_n_s_m
+        Of the implicit formulation, N/m and N s/m.
+    smoothing_m_s
+        Speed w, m/s. Dry friction uses v / sqrt(v^2 + w^2), or sgn 0 = 0 where w is 0.
+
+    Returns
+    -------
+    Acceleration
+        Accelerations and joint forces, torques or rates.
+
+    Raises
+    ------
+    BadInput
+        For arguments of a wrong kind or out of range.
     """
     check_parts(robot, ground)
     check_choice("formulation", formulation, FORMULATIONS)

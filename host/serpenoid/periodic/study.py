@@ -124,9 +124,31 @@ def sweep_study(
 ) -> Study:
     """Solve a grid of any size, as sweep does, into a folder of chunks.
 
-    alpha_rad, beta_rad in rad, omega_rad_s in rad/s; rtol: relative accuracy. Memory holds a few
-    chunks at a time. Chunks that are there already, of the same study, are kept: call it again to
-    go on after an interruption. Raises BadInput (the folder holds something else), ClusterFailed.
+    Memory holds a few chunks at a time. Chunks of the same study that are already there are kept:
+    after an interruption, call it again to continue.
+
+    Parameters
+    ----------
+    robot, ground, powers, threads, scheduler, progress
+        As in `sweep`.
+    out
+        The folder.
+    alpha_rad, beta_rad, omega_rad_s
+        A value or a list each; rad and rad/s.
+    rtol
+        Accuracy of the speed, relative.
+
+    Returns
+    -------
+    Study
+        The folder's chunks, read when they are used.
+
+    Raises
+    ------
+    BadInput
+        If the folder holds something else.
+    ClusterFailed
+        If the cluster cannot be reached or has other versions.
     """
     grid = Grid(
         several(Robot, robot), several(Ground, ground), axis("alpha_rad", alpha_rad),
@@ -151,7 +173,23 @@ def sweep_study(
 
 
 def load_study(folder: str | os.PathLike[str]) -> Study:
-    """Return the study that a folder holds, complete or not. Raises BadInput."""
+    """Return the study that a folder holds, complete or not.
+
+    Parameters
+    ----------
+    folder
+        As `sweep_study` wrote it.
+
+    Returns
+    -------
+    Study
+        The folder's chunks, read when they are used.
+
+    Raises
+    ------
+    BadInput
+        If the folder holds no study.
+    """
     path = Path(folder) / HEAD
     if not path.exists():
         raise BadInput(f"{folder} holds no study (no {HEAD}); sweep_study writes one")

@@ -55,15 +55,41 @@ def sweep(
 ) -> Sweep:
     """Solve every gait of a grid, for one robot and ground or for all pairs of several.
 
-    alpha_rad, beta_rad in rad, omega_rad_s in rad/s: a value or a list each, as Gait has them.
-    rtol: relative accuracy. Each value has the accuracy that steady_gait gives, and says so. Shapes
-    (alpha, beta) are shared out to threads, as many as there are processors unless given; the
-    figures are the same to the last bit for any number of them. scheduler: the address of a Dask
-    cluster, such as "tcp://10.0.0.1:8786", whose workers then solve the shapes, to the same bits;
-    one that is lost is done without (needs `pip install serpenoid[dask]`, here and on the workers).
-    progress is called, in the caller's thread, with the number of gaits done since its last call;
-    Ctrl-C and an exception of progress end the sweep, on a cluster, too. A result larger than
-    memory: see sweep_study. Raises BadInput, ClusterFailed.
+    Each value has the accuracy that `steady_gait` gives, and its error. A result that is larger
+    than memory: see `sweep_study`.
+
+    Parameters
+    ----------
+    robot, ground
+        One, or a list of each.
+    alpha_rad, beta_rad, omega_rad_s
+        A value or a list each, as Gait has them; rad and rad/s.
+    rtol
+        Accuracy of the speed, relative.
+    powers
+        Whether to compute powers; without them a sweep is faster.
+    threads
+        Shapes (alpha, beta) are shared among so many; all processors unless given. The numbers are
+        the same to the last bit for any number of threads.
+    scheduler
+        Address of a Dask cluster, such as "tcp://10.0.0.1:8786", whose workers then solve the
+        shapes, to the same bits and also if workers are lost. Needs `pip install serpenoid[dask]`
+        here and on the workers.
+    progress
+        Called in the caller's thread with the number of gaits solved since the last call. Ctrl-C
+        and an exception of progress end the sweep.
+
+    Returns
+    -------
+    Sweep
+        Arrays indexed [alpha, beta, omega], after [robot, ground] where there are several.
+
+    Raises
+    ------
+    BadInput
+        For arguments out of range.
+    ClusterFailed
+        If the cluster cannot be reached or has other versions.
     """
     grid = Grid(
         several(Robot, robot), several(Ground, ground), axis("alpha_rad", alpha_rad),

@@ -37,15 +37,28 @@ _ANGLES = ("alpha_rad", "beta_rad", "offset_rad", "incline_rad", "incline_direct
 def load_scene(path: str | Path) -> Scene:
     """Read a scene from a TOML file.
 
-    Above the first table stand `format = 1` and those of Scene's numbers, words and lists that are
-    not to have their defaults. [robot], [ground] and [gait] must be there; ct, cn, ft0 and fn0 are
-    written ct_n_s_m, cn_n_s_m, ft0_n and fn0_n. [servo] goes with drive = "servo". [torque], with
-    drive = "torque", has torque_nm: a row by time of t_s, or constants, without t_s. [locked_rad]
-    has the angle of each locked joint by its number. `start` is a word, or a table of the six lists
-    of a LinkState. Any angle may be given in degrees: alpha_deg for alpha_rad.
+    At the top stand `format = 1` and those numbers, words and lists of a Scene that differ from
+    their defaults. The tables [robot], [ground] and [gait] are required; ct, cn, ft0 and fn0 are
+    written ct_n_s_m, cn_n_s_m, ft0_n and fn0_n. [servo] goes with drive = "servo". [torque] goes
+    with drive = "torque" and has torque_nm: constants, or one row for each time of t_s.
+    [locked_rad] has the angle of each locked joint by its number. `start` is a word, or a table of
+    the six lists of a LinkState. Any angle may be in degrees: alpha_deg instead of alpha_rad.
 
-    Raises BadInput, naming file, line, value and limits, for whatever is missing, unknown, of the
-    wrong type, out of range or of a newer format.
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    Scene
+        The scene, checked.
+
+    Raises
+    ------
+    BadInput
+        If something is missing, unknown, of a wrong type, out of range or of a newer format. The
+        message names file, line, value and limits.
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
@@ -57,10 +70,21 @@ def load_scene(path: str | Path) -> Scene:
 
 
 def save_scene(scene: Scene, path: str | Path) -> None:
-    """Write a scene to a TOML file, exactly: load_scene gives back the same numbers.
+    """Write a scene to a TOML file, exactly: `load_scene` returns the same numbers.
 
-    The file is there whole or not at all. Raises BadInput for a torque that is a Python function,
-    SerpenoidError when the file cannot be written.
+    Parameters
+    ----------
+    scene
+        The scene.
+    path
+        The file; it is written whole or not at all.
+
+    Raises
+    ------
+    BadInput
+        For a torque that is a Python function.
+    SerpenoidError
+        If the file cannot be written.
     """
     import tomli_w
 

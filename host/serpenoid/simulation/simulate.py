@@ -23,14 +23,35 @@ def simulate(
     accuracy: float | None = None,
     keep: Collection[str] = (),
 ) -> Run:
-    """Run a scene and return what it recorded; progress is called with the time, now and then.
+    """Run a scene and return what it recorded.
 
-    accuracy: if given, method (unless the scene names one) and step or tolerance are chosen so that
-    the estimated error stays below it, in body lengths and rad, and Run.picked says which and
-    why; NotConverged says why not. keep: "dt_s", "tolerance": which may not be changed for it.
-    Raises StepTooLarge, before anything runs, when dt_s is outside the method's stability region,
-    Diverged when the state leaves the finite numbers or the method gives up, naming the time, and
-    BadInput.
+    Parameters
+    ----------
+    scene
+        The run's description.
+    progress
+        Called now and then with the time in s.
+    accuracy
+        Largest estimated error, in body lengths and rad. If given, the step or tolerance is chosen
+        for it, and the method too unless the scene names one. `Run.picked` says which and why.
+    keep
+        "dt_s", "tolerance": what `accuracy` must not change.
+
+    Returns
+    -------
+    Run
+        The record, and its error.
+
+    Raises
+    ------
+    BadInput
+        For a scene that cannot run.
+    StepTooLarge
+        Before the run, if dt_s is outside the method's stability region.
+    Diverged
+        If the state leaves the finite numbers or the method gives up; the message has the time.
+    NotConverged
+        If `accuracy` cannot be reached.
     """
     check_kind("scene", scene, Scene)
     if accuracy is not None:

@@ -117,10 +117,29 @@ def steady_springs(
 ) -> SteadySprings:
     """Run the implicit model until it repeats, and compare it with the exact model's speed.
 
-    joint_stiffness_n_m in N/m, joint_damping_n_s_m in N s/m. Starts from the exact periodic state
-    on the slow manifold and follows it until the speed will change by less than rtol, relative
-    (1e-9 to 0.1). Dry friction sticks (method "nonsmooth"). Raises BadInput, and
-    NotConverged after 4096 cycles.
+    The run starts from the exact periodic state on the slow manifold. Dry friction sticks (method
+    "nonsmooth").
+
+    Parameters
+    ----------
+    robot, ground, gait
+        What crawls, on what and how.
+    joint_stiffness_n_m, joint_damping_n_s_m
+        Of the springs and dampers, N/m and N s/m.
+    rtol
+        The run ends when the speed will change by less than this, relative; 1e-9 to 0.1.
+
+    Returns
+    -------
+    SteadySprings
+        Speeds, powers, their errors, and the modelling error.
+
+    Raises
+    ------
+    BadInput
+        For arguments out of range.
+    NotConverged
+        If the motion does not repeat within 4096 cycles.
     """
     check_number("rtol", rtol, 1e-9, 0.1)
     exact = steady_gait(robot, ground, gait, powers=False)
