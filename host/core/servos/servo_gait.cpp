@@ -11,8 +11,9 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kMany = 60;      // frames in a cycle: fewer, and a cut one shows in it
-constexpr double kFarthest = 30;  // times the residual: a step of the secant method
+constexpr double kMany = 60;        // frames in a cycle: fewer, and a cut one shows in it
+constexpr double kMostSteps = 1e6;  // in a cycle
+constexpr double kFarthest = 30;    // times the residual: a step of the secant method
 
 class Settling {
   public:
@@ -36,6 +37,7 @@ class Settling {
             if (cycles > 1) learn(before, r, d);
             d = step(r);
             left = size(d);
+            if (!(left < 1e300)) return false;
             if (left <= part * std::max(steps_.path().speed, least_)) return true;
             Vec3 to = from;
             for (int i = 0; i < 3; ++i) to[i] = (to[i] + d[i]) / unit(i);
@@ -126,10 +128,11 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
     const double swing = std::sqrt(servo.stiffness / (servo.armature + robot.I / 8));
     double longest = std::min(options.longest, 1 / swing);
+    ServoGaitState out;
+    if (2 * M_PI / (gait.omega * longest) > kMostSteps) return out;
     ServoSteps steps(robot, ground, gait, servo, longest);
     steps.start(start[0], start[1], start[2]);
     Settling settling(steps, robot, monodromy, least);
-    ServoGaitState out;
     out.converged = settling.run(options.settled, options.most_cycles);
     out.cycles = settling.cycles;
     const bool few = frames < kMany;

@@ -6,6 +6,8 @@
 // the answer is the mean of cycles whose frames begin at phases spread over a frame.
 #pragma once
 
+#include <cmath>
+
 #include "drive/servo.hpp"
 #include "model/params.hpp"
 #include "numerics/dense.hpp"
@@ -22,9 +24,9 @@ struct ServoGaitOptions {
 };
 
 struct ServoGaitState {
-    double speed = 0;   // m/s, mean over the phases
-    double spread = 0;  // half the range over the phases
-    double error = 0;   // estimated, of `speed`
+    double speed = NAN;  // m/s, mean over the phases; NaN where steps would be far too many
+    double spread = 0;   // half the range over the phases
+    double error = 0;    // estimated, of `speed`
     double turn = 0, power = 0, amplitude = 0, lag = 0, ripple = 0;  // as ServoSteps::Path
     int cycles = 0;
     bool converged = false;

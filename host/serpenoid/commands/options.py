@@ -19,6 +19,7 @@ from .given import take_fit
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
+    from ..model.drives import ServoKind
     from ..model.gait import Gait
     from ..model.ground import Ground
     from ..model.robot import Robot
@@ -100,6 +101,22 @@ gait_options = stacked([
     click.option("--frequency-hz", type=float, help="Gait frequency."),
     click.option("--offset-deg", type=float, help="Bend of every joint: steers."),
 ])  # fmt: skip
+
+
+servo_option = click.option(
+    "--servo", "servo_name", metavar="NAME|FILE|ideal",
+    help="Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
+)  # fmt: skip
+IDEAL = "ideal"
+
+
+def take_servo(name: str | None, default: str = IDEAL) -> ServoKind | None:
+    """Return the servo of --servo; None for joints that follow the gait exactly."""
+    if (name or default).lower() == IDEAL:
+        return None
+    from ..servos.catalogue import servo
+
+    return servo(name or default)
 
 
 def _take(given: dict[str, Any], options: Mapping[str, str]) -> dict[str, Any]:

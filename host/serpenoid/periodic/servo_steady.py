@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -53,6 +54,11 @@ class ServoSteady:
     samples_m_s: tuple[float, ...] = ()
 
     @property
+    def name(self) -> str:
+        """Return the name of the kind of servo."""
+        return self.servo.name if isinstance(self.servo, ServoKind) else "as given"
+
+    @property
     def low_m_s(self) -> float:
         """Return the lower end of the band that the servo leaves, m/s."""
         return self._end(_BAND[0], -1)
@@ -73,7 +79,7 @@ class ServoSteady:
             "speed_m_s", "low_m_s", "high_m_s", "spread_m_s", "error_estimate", "amplitude_ratio",
             "lag_rad", "ripple_rad_s", "power_w", "turn_rad_per_cycle",
         )  # fmt: skip
-        return {name: getattr(self, name) for name in names}
+        return {"name": self.name} | {name: getattr(self, name) for name in names}
 
 
 def _solve(ideal: Steady, servo: Servo) -> Any:
@@ -102,6 +108,12 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
     check_kind("servo", servo, (Servo, ServoKind))
     typical = servo.servo if isinstance(servo, ServoKind) else servo
     s = _solve(ideal, typical)
+    if math.isnan(s.speed):
+        raise NotConverged(
+            f"a servo of stiffness {typical.stiffness_nm_rad:g} N m/rad on links of inertia "
+            f"{ideal.robot.inertia_kg_m2:g} kg m^2 would take more steps than anybody waits for; "
+            "give it a rotor (armature_kg_m2), which real ones have"
+        )
     drawn: tuple[float, ...] = ()
     if isinstance(servo, ServoKind) and not servo.exact and draws > 0:
         drawn = tuple(servo_speeds((ideal, one) for one in servo.draws(draws)).tolist())

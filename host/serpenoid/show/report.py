@@ -24,6 +24,7 @@ from .whole_file import whole_file
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
     from ..model.gait import Gait
+    from ..periodic.servo_steady import ServoSteady
     from ..periodic.steady import Steady
     from ..simulation.steady_springs import SteadySprings
 
@@ -94,6 +95,21 @@ def steady(s: Steady) -> None:
         ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
     ]
     table(gait_words(s.gait), ["periodic state, exact model", "value"], rows)
+
+
+def with_servo(s: ServoSteady) -> None:
+    """Print the speed with servos beside that of ideal joints."""
+    band = f"{s.low_m_s:.3g} to {s.high_m_s:.3g} m/s"
+    rows = [
+        ["speed, ideal joints", f"{s.ideal.speed_m_s:.4g} m/s"],
+        ["speed, typical servo", f"{s.speed_m_s:.4g} m/s"],
+        ["speed, 95 % of such servos", band],
+        ["joints: amplitude reached, lag",
+         f"{s.amplitude_ratio:.0%}, {math.degrees(s.lag_rad):.0f} deg"],
+        ["joints: rate beside the sine, rms", f"{s.ripple_rad_s:.2g} rad/s"],
+        ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
+    ]  # fmt: skip
+    table(f"servos: {s.name}", ["with servos on the board's frames", "value"], rows)
 
 
 def steady_springs(s: SteadySprings, gait: Gait) -> None:

@@ -10,19 +10,28 @@ import click
 from ...model.checks import FORMULATIONS
 from ..options import (
     AS_JSON,
+    IDEAL,
     describe,
     gait_options,
     interruptible,
     make_gait,
     make_robot,
     robot_options,
+    servo_option,
     show_json,
+    take_servo,
 )
 
 if TYPE_CHECKING:
+    from ...model.drives import ServoKind
     from ...model.gait import Gait
     from ...model.ground import Ground
     from ...model.robot import Robot
+    from ...periodic.servo_steady import ServoSteady
+    from ...periodic.steady import Steady
+
+
+_FEW_LINKS = 20  # to ask servos about without being asked: the work grows as their cube
 
 
 @click.command()
@@ -38,16 +47,22 @@ if TYPE_CHECKING:
 )
 @click.option("--stiffness-n-m", type=float, help="Implicit: k; 1000 unless given.")
 @click.option("--damping-n-s-m", type=float, help="Implicit: c; 1 unless given.")
+@servo_option
 @AS_JSON
 def steady(
     as_json: bool,
+    servo_name: str | None,
     rtol: float,
     formulation: str,
     stiffness_n_m: float | None,
     damping_n_s_m: float | None,
     **given: Any,
 ) -> None:
-    """Find the periodic state of one gait: speed, powers, settling time, margins."""
+    """Find the periodic state of one gait: speed, powers, settling time, margins.
+
+    The figures are those of joints that follow the gait exactly. Beside them stands the speed with
+    servos: with any hobby servo unless --servo says which, or `ideal`.
+    """
     springs = {"joint_stiffness_n_m": stiffness_n_m, "joint_damping_n_s_m": damping_n_s_m}
     springs = {name: value for name, value in springs.items() if value is not None}
     if springs and formulation == "explicit":
@@ -58,8 +73,12 @@ def steady(
     robot, ground = make_robot(given)
     gait = make_gait(given)
     if formulation == "implicit":
+        if servo_name not in (None, IDEAL):
+            raise click.UsageError("--servo has no effect on --formulation implicit; leave one out")
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
-    return _pinned(robot, ground, gait, as_json, rtol)
+    few = robot.links <= _FEW_LINKS
+    servo = take_servo(servo_name, "hobby" if few else IDEAL)
+    return _pinned(robot, ground, gait, as_json, rtol, servo)
 
 
 def _on_springs(
@@ -82,8 +101,10 @@ def _on_springs(
     return report.steady_springs(soft, gait)
 
 
-def _pinned(robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float) -> None:
-    """Tell the periodic state of the exact model, and how near to a cliff the gait stands."""
+def _pinned(
+    robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float, servo: ServoKind | None
+) -> None:
+    """Tell the periodic state of the exact model, servos' speed, and how near a cliff is."""
     from ...gaits.margins import gait_margins
     from ...periodic.steady import steady_gait
     from ...show import report
@@ -91,8 +112,26 @@ def _pinned(robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float
 
     with report.busy("solving"):
         s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
+        moved = _with_servo(s, servo)
         margins = interruptible(lambda: gait_margins(robot, ground, gait))
     if as_json:
-        return show_json({"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()})
+        values = {"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()}
+        return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
     report.steady(s)
+    if moved is not None:
+        report.with_servo(moved)
     return gait_report.margins(margins)
+
+
+def _with_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:
+    """Return the speed with servos; what does not settle is told, and is no reason to stop."""
+    from ...model.errors import NotConverged
+    from ...periodic.servo_steady import with_servo
+
+    if servo is None:
+        return None
+    try:
+        return interruptible(lambda: with_servo(ideal, servo))
+    except NotConverged as error:
+        warnings.warn(str(error), stacklevel=2)
+        return error.best
