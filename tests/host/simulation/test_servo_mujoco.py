@@ -76,7 +76,7 @@ def test_a_robot_with_rotors_goes_where_mujoco_takes_it(formulation: str) -> Non
     allowed = 1e-6 if formulation == "explicit" else 2e-3
     assert np.abs(ours - theirs).max() < allowed * travelled
     no_rotor = centres_by_mujoco(sn.Servo(2.0, 0.04, 1e6, 1e6, 0.0), start, 100)
-    assert np.abs(no_rotor - theirs).max() > 0.01 * travelled  # or the test could not fail
+    assert np.abs(no_rotor - theirs).max() > 5e-3 * travelled  # or the test could not fail
 
 
 def test_the_speed_with_servos_is_that_of_a_long_run_by_mujoco() -> None:
@@ -85,5 +85,5 @@ def test_the_speed_with_servos_is_that_of_a_long_run_by_mujoco() -> None:
     cycle = 1.25  # s; 62.5 frames: two cycles are 125
     centres = centres_by_mujoco(SERVO, start, 7 * 125)
     way = np.linalg.norm(centres[-1] - centres[-1 - 2 * 125])
-    assert way / (4 * cycle) == pytest.approx(found.speed_m_s, rel=5e-3)
-    assert abs(found.speed_m_s / found.ideal.speed_m_s - 1) > 0.01
+    assert way / (4 * cycle) == pytest.approx(found.speed_m_s, rel=2e-3)
+    assert abs(found.speed_m_s / found.ideal.speed_m_s - 1) > 0.006
