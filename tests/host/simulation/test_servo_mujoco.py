@@ -1,4 +1,4 @@
-"""Servos by another code: MuJoCo's armature, joint damping and position actuators, viscous ground."""
+"""Servos by another code: MuJoCo's rotors, joint damping, position actuators; viscous ground."""
 
 from __future__ import annotations
 
