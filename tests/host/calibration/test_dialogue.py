@@ -51,11 +51,16 @@ def talk(folder, *lines, robot=None):
 
 
 ZERO = ("0,1", "-0.1")
-STATION = ("2.0", "0.2", "", "")  # incline, belt, drift, "only 0 s of 16" kept
+# belt set, incline, belt, turned, drift, "only 0 s of 16" kept
+STATION = ("", "2.0", "0.2", "", "", "keep")
+
+
+def station(incline, belt, drift=""):
+    return ("", incline, belt, "", drift, "keep")
 
 
 def test_a_few_steps_by_hand(folder):
-    heard, session = talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "0.01", "")
+    heard, session = talk(folder, *ZERO, "", *STATION, *station("2.3", "0.5", "0.01"))
     assert [z.zero_rad for z in session.zeros] == [0.0]
     assert [(r.belt_speed_m_s, r.drift_m_s) for r in session.kept] == [(0.2, 0.0), (0.5, 0.01)]
     assert "head downhill" in heard
@@ -89,8 +94,11 @@ class Led:
         self.heard += prompt + "\n"
         if self.cells is None:
             return "skip"
+        if "keep" in prompt:
+            return "keep"
         asked = [f for f in self.step.fields if prompt == f"  {f.words} ({f.unit}): "]
-        return f"{self.cells[asked[0].column]:g}".replace(".", ",") if asked else ""
+        told = [self.cells[f.column] for f in asked if f.column in self.cells]
+        return f"{told[0]:g}".replace(".", ",") if told else ""
 
 
 def test_it_leads_through_all_of_a_session_with_the_robot(folder):
@@ -110,9 +118,22 @@ def test_it_leads_through_all_of_a_session_with_the_robot(folder):
 
 
 def test_comma_decimals_units_and_nonsense(folder):
-    talk(folder, *ZERO, "", *STATION, "2.3", "1,8 km/h", "", "")
+    talk(folder, *ZERO, "", *STATION, *station("2.3", "1,8 km/h"))
     heard, session = talk(
-        folder, "", "two", "nan", "2;6", "2.6", "8000", "1e3", "2.9 knots", "0.8", "", ""
+        folder,
+        "",
+        "",
+        "two",
+        "nan",
+        "2;6",
+        "2.6",
+        "8000",
+        "1e3",
+        "2.9 knots",
+        "0.8",
+        "",
+        "",
+        "keep",
     )
     assert "'two' is no number; type a number in deg or %, such as 2.3 or 4 %" in heard
     assert heard.count("is no number") == 2
@@ -122,8 +143,9 @@ def test_comma_decimals_units_and_nonsense(folder):
 
 
 def test_a_slip_of_units_is_seen_by_its_range_and_asked(folder):
-    talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "", "")
-    heard, session = talk(folder, "", "4.5", "y", "2.8", "y", "", "")
+    talk(folder, *ZERO, "", *STATION, *station("2.3", "0.5"))
+    heard, session = talk(folder, "", "", "4.5", "", "y", "2.8", "yes", "", "", "keep")
+    assert heard.count("did you mean 4.5 %") == 2  # Enter answers nothing
     assert "did you mean 4.5 % = 2.577 deg?" in heard
     assert "did you mean 2.8 km/h = 0.7778 m/s?" in heard
     reading = session.kept[-1]
@@ -132,18 +154,49 @@ def test_a_slip_of_units_is_seen_by_its_range_and_asked(folder):
 
 
 def test_what_is_out_of_line_is_asked_about_and_may_be_kept(folder):
-    talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "", "")
-    heard, session = talk(folder, "", "2.6", "0.05", "", "", "")
-    assert "belt speed 0.05 m/s: expected" in heard
+    talk(folder, *ZERO, "", *STATION, *station("2.3", "0.5"))
+    # Neither Enter nor the same number again keeps it: the word does.
+    heard, session = talk(folder, "", *station("2.6", "0.05"), "", "0.05", "keep")
+    assert heard.count("belt speed 0.05 m/s: expected") == 3
     assert session.kept[-1].belt_speed_m_s == 0.05
-    heard, session = talk(folder, "undo", "", "2.6", "0.05", "", "", "0.8")
+    heard, session = talk(folder, "undo", "", *station("2.6", "0.05"), "0.8")
     assert session.kept[-1].belt_speed_m_s == 0.8
 
 
+def test_a_robot_that_turned_is_held_again(folder):
+    turned = ("", "2.0", "0.2", "12", "", "keep")
+    heard, session = talk(folder, *ZERO, "", *turned, "again", *STATION)
+    assert "turned off the belt's direction, + to the left (Enter: not) 12 deg: expected" in heard
+    assert "is not held by this law: hold it again" in heard
+    assert [r.turned_rad for r in session.kept] == [0.0]
+    heard, session = talk(folder, "undo", "", *turned, "keep")
+    assert math.degrees(session.kept[0].turned_rad) == pytest.approx(12.0)
+
+
+def test_settling_counts_from_the_moment_that_the_belt_was_set(folder, monkeypatch):
+    import time
+
+    now = [1000.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+
+    def later():
+        now[0] += 15.0
+        return "2.0"
+
+    heard, session = talk(folder, *ZERO, "", "", later, "0.2", "", "")
+    assert "since the belt was set" not in heard
+    assert [r.waited_s for r in session.kept] == [15.0]
+    # Somebody who pressed Enter late says how long it really ran.
+    heard, session = talk(folder, "", "", "2.3", "0.5", "", "", "long", "20 s")
+    assert "only 0 s of 16 since the belt was set" in heard
+    assert "'long' is no number" in heard
+    assert session.kept[-1].waited_s == 20.0
+
+
 def test_undo_redo_void_and_restore(folder):
-    _, session = talk(folder, *ZERO, "", *STATION, "2.3", "0.5", "", "", "undo")
+    _, session = talk(folder, *ZERO, "", *STATION, *station("2.3", "0.5"), "undo")
     assert [r.number for r in session.kept] == [2]
-    heard, session = talk(folder, "redo 2", "", "0.25", "")
+    heard, session = talk(folder, "redo 2", "", "0.25", "", "")
     assert [(r.number, r.belt_speed_m_s) for r in session.kept] == [(4, 0.25)]
     assert session.kept[0].incline_rad == pytest.approx(math.radians(2.0))
     _, session = talk(folder, "undo")  # brings back the one that was redone
@@ -239,6 +292,49 @@ def test_the_robot_is_bent_by_the_tool_and_let_go_at_the_end(folder):
     assert "Enter bends the robot" in heard
 
 
+def test_the_offset_that_runs_straight_is_found_kept_and_resumed(folder):
+    def left(robot, times):
+        def press():
+            robot.steer(times)
+            return ""
+
+        return press
+
+    def joints(robot):
+        frame = list(robot._robot.frames(0.5))[-1]
+        return [math.degrees(a) for a in frame.setpoint_rad]
+
+    with SessionRobot("virtual:fast") as robot:
+        lies = []
+
+        def look():
+            lies.append(joints(robot))
+            return "quit"
+
+        heard, session = talk(folder, *ZERO, "", left(robot, 3), *STATION, look, robot=robot)
+    assert lies == [pytest.approx([0.75] * 5, abs=0.02)]
+    assert "every joint has +0.75 deg from now on" in heard
+    assert math.degrees(session.kept[0].offset_rad) == pytest.approx(0.75)
+    with Journal(folder) as journal:
+        journal.event("skip", detail="straight")
+    with SessionRobot("virtual:fast") as robot:
+        heard, _ = talk(folder, "", left(robot, -1), look, robot=robot)
+    assert "steer until the robot runs straight" not in heard  # it is known
+    assert lies[1] == pytest.approx([-14.5, 8.0, 0.5, -7.0, 15.5], abs=0.02)
+
+
+def test_steering_beyond_a_joint_leaves_the_pose(folder):
+    with SessionRobot("virtual:fast") as robot:
+        assert robot.steer(1) == "+0.00 deg on every joint"  # nothing is posed
+        robot.pose(30.0)
+        robot.steer(40)
+        kept = robot.steer(0)
+        assert kept == "+10.00 deg on every joint"
+        assert robot.steer(4000) == kept
+        robot.idle()
+        assert robot.steer(1) == kept
+
+
 def test_when_nobody_answers_the_servos_are_let_go_and_the_pose_taken_again(folder):
     with SessionRobot("virtual:fast") as seat:
         heard, _ = talk(folder, *ZERO, "", None, lambda: str(seat.powered), robot=seat)
@@ -254,7 +350,7 @@ def test_a_robot_that_is_lost_loses_no_reading(folder):
         def lost():
             raise RobotLost("unplugged")
 
-        heard, session = talk(folder, *ZERO, "", *STATION, lost, robot=seat)
+        heard, session = talk(folder, *ZERO, "", "", *STATION, lost, robot=seat)
     assert "! the robot: unplugged" in heard
     assert len(session.kept) == 1
 

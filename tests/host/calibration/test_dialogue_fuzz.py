@@ -16,7 +16,7 @@ from serpenoid.calibration.taking.person.dialogue import Dialogue
 WORDS = (
     "undo", "redo", "redo 2", "redo 99", "void 1", "void 3 slipped, badly", "void", "restore 1",
     "skip", "pause", "note", 'note a "remark", with ; and \x00 and \u2028', "status", "help", "?",
-    "quit", "QUIT", "u", "redo -1", "void 1e3", "restore ²",
+    "keep", "again", "yes", "quit", "QUIT", "u", "redo -1", "void 1e3", "restore ²",
 )  # fmt: skip
 NONSENSE = (
     "", " ", "nan", "inf", "-inf", "1e400", "0x10", "1,2,3", "1;2", "--5", "5 parsecs", "%", "é",
@@ -69,7 +69,8 @@ def test_anything_at_any_prompt(begun, tmp_path, seed):
 
 
 ROAD = (
-    "0.1", "-0.1", "", "2.0", "0.2", "", "", "2.3", "0.5", "", "", "skip", "2.9", "1.05", "", "",
+    "0.1", "-0.1", "", "", "2.0", "0.2", "", "", "keep", "", "2.3", "0.5", "", "", "keep",
+    "", "skip", "", "2.9", "1.05", "", "", "keep",
 )  # fmt: skip
 
 

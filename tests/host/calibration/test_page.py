@@ -82,6 +82,25 @@ def test_only_the_token_the_own_host_and_the_own_origin_are_answered():
         assert stops == [1]
 
 
+def test_a_button_does_what_it_says_and_no_other():
+    pressed = []
+
+    def left():
+        pressed.append("left")
+        return "+0.25 deg"
+
+    with Page(HTML, buttons={"left": left}) as page:
+        own = f"http://127.0.0.1:{page.port}"
+        assert ask(page, "POST", f"/{page.token}/left")[0] == 404  # no origin
+        assert ask(page, "POST", f"/{page.token}/right", Origin=own)[0] == 404
+        assert ask(page, "GET", f"/{page.token}/left", Origin=own)[0] == 404
+        assert not pressed
+        assert ask(page, "POST", f"/{page.token}/left", Origin=own) == (
+            200, '{"shown": "+0.25 deg"}',
+        )  # fmt: skip
+    assert pressed == ["left"]
+
+
 def test_a_stop_that_fails_says_so():
     def lost():
         raise RobotLost("unplugged")

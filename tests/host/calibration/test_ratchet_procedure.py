@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 import serpenoid as sn
-from calibration.test_dialogue import STATION, ZERO, talk
+from calibration.test_dialogue import STATION, ZERO, station, talk
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.memory import MemoryRecord
@@ -53,9 +53,10 @@ def test_a_plain_plan_never_turns_the_robot_round():
 
 def test_the_dialogue_turns_it_round_after_the_straight_series(tmp_path):
     folder = create_session(tmp_path / "session", ratchet_setup())
-    stations = (*STATION, "2.3", "0.5", "", "", "2.6", "0.8", "", "")
+    stations = (*STATION, *station("2.3", "0.5"), *station("2.6", "0.8"))
     heard, session = talk(
-        folder, *ZERO, "", *stations, "", "6.5", "0.3", "", "", "undo", "", "6.6", "0.3", "", "",
+        folder, *ZERO, "", *stations, "", *station("6.5", "0.3"), "undo",
+        "", *station("6.6", "0.3"),
     )  # fmt: skip
     assert "head UPHILL" in heard
     assert "If the belt carries it off at any speed: steeper" in heard

@@ -1,11 +1,13 @@
 """`serpenoid calibrate DIR` at a terminal, driven as a person would; killed, and resumed."""
 
+import math
 import signal
 
 import pytest
 from robot.terminal import Person
 from serpenoid import load_session
 from serpenoid.calibration.session_file import read_session
+from serpenoid.calibration.session_rows import read_events
 
 
 @pytest.fixture
@@ -23,18 +25,32 @@ def test_taken_killed_and_resumed_at_a_terminal(folder):
         person.presses("0,1\n0.0\n")
         person.sees("Enter straightens the robot")
         person.presses("\n")
+        person.sees("Left and right keys bend every joint")
+        person.presses("\x1b[D\x1b[D\x1b[C\x1b[D")
+        person.sees("+0.50 deg on every joint")
+        person.presses("\n")
+        person.sees("every joint has +0.50 deg from now on")
+        person.sees("Enter when the belt is set")
+        person.presses("\n")
         person.sees("the inclinometer shows")
-        person.presses("2.0\n")
+        person.presses("note héllo\n2.1\x7f0\n")
         person.sees("belt speed")
-        person.presses("0.2\n")
+        person.presses("9\x150.2\n")
+        person.sees("turned off the belt")
+        person.presses("\n")
         person.sees("drift left over")
         person.presses("\n")
-        person.sees("n reads again")
+        person.sees("keep, or again")
         person.presses("\n")
+        person.sees("keep, or again")
+        person.presses("keep\n")
         person.sees("kept as reading 2")
         person.sends(signal.SIGKILL)
         person.leaves()
-    assert len(load_session(folder).kept) == 1
+    (reading,) = load_session(folder).kept
+    assert math.degrees(reading.offset_rad) == pytest.approx(0.5)
+    assert (math.degrees(reading.incline_rad), reading.belt_speed_m_s) == (pytest.approx(2.0), 0.2)
+    assert "note,,héllo" in (folder / "events.csv").read_text()
     with Person("calibrate", str(folder)) as person:
         person.sees("453.6 g, on belt")
         person.sees("Is it this robot")
@@ -59,6 +75,7 @@ def test_the_end_of_the_input_and_ctrl_c_leave_the_session_whole(folder):
         person.sends(signal.SIGINT)
         assert person.leaves() == 130
     assert read_session(folder).notes == ()
+    assert [e.event for e in read_events(folder)].count("end") == 2
 
 
 def test_a_new_session_asks_what_it_needs(tmp_path):

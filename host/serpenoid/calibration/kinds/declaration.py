@@ -33,11 +33,11 @@ class Field:
 
     column: its name in readings.csv, unit included. words: what a person is asked for. quantity: a
     key of UNITS; bare numbers are in its first unit, which is the column's. low, high: limits, low
-    itself excluded if open_low. likely: the range that earlier readings let expect, or None.
-    usual: what an empty answer means, or None. source: READ off by a person, PLANNED (the plan or
-    the board tells it) or DERIVED from the others. attribute: of the reading, in SI; the column's
-    name with `_rad` for `_deg` unless given. optional: the cell may be empty. sheet: column and
-    unit of the sheet to type into, where people use another unit.
+    itself excluded if open_low. likely: the range that is expected, or None; why: what it means to
+    be beyond it. usual: what an empty answer means, or None. source: READ off by a person, PLANNED
+    (the plan or the board tells it) or DERIVED from the others. attribute: of the reading, in SI;
+    the column's name with `_rad` for `_deg` unless given. optional: the cell may be empty. sheet:
+    column and unit of the sheet to type into, where people use another unit.
     """
 
     column: str
@@ -46,6 +46,7 @@ class Field:
     low: float
     high: float
     likely: tuple[float, float] | None = None
+    why: str = ""
     usual: float | None = None
     open_low: bool = False
     source: str = READ

@@ -26,6 +26,15 @@ FIELDS = (
         "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed",
         -MAX_SPEED_M_S, MAX_SPEED_M_S, likely=(-0.06, 0.06), usual=0.0,
     ),
+    Field(
+        "turned_deg", "turned off the belt's direction, + to the left (Enter: not)", "angle",
+        -180.0, 180.0, likely=(-5.0, 5.0), usual=0.0, optional=True,
+        why="a robot that has turned by more is not held by this law: hold it again",
+    ),
+    Field("offset_deg", "steering, on every joint", "angle", -45.0, 45.0, source=PLANNED,
+          optional=True),
+    Field("waited_s", "time since the belt was set", "time", 0.0, 1e5, source=PLANNED,
+          optional=True),
     Word("facing", FACINGS),
     Word("bend", BENDS, of_plan=True),
 )  # fmt: skip
@@ -43,7 +52,8 @@ class Reading:
     the belt. voided: not to be used, for the reason in comment. time_utc: ISO 8601, empty if not
     recorded. facing: "down" the incline, or "up": the wheels then roll backwards, which tells a
     ratchet. uncertainty: of the instruments it was taken with, None for those of the session's
-    set-up. Raises BadInput.
+    set-up. turned_rad: heading when it was read. offset_rad: steering on every joint. waited_s:
+    how long the belt had run at this speed; each None where nobody told. Raises BadInput.
     """
 
     number: int
@@ -57,6 +67,9 @@ class Reading:
     uncertainty: Uncertainty | None = None
     facing: str = "down"
     bend: str = "zigzag"
+    turned_rad: float | None = None
+    offset_rad: float | None = None
+    waited_s: float | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, FIELDS)
@@ -84,6 +97,7 @@ def _in_words(r: Reading) -> tuple[str, str]:
     values = (
         f"{math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "
         f"drift {r.drift_m_s:+.3f} m/s{', facing up' if r.facing == 'up' else ''}"
+        + (f", turned {math.degrees(r.turned_rad):+.3g}°" if r.turned_rad else "")
     )
     zigzag = " as a zigzag" if r.bend == "zigzag" and r.lambda_rad else ""
     return f"station, bend {math.degrees(r.lambda_rad):.4g}°{zigzag}", values

@@ -148,6 +148,8 @@ def doubts(
     """
     found = []
     for field in step.fields:
+        if field.column not in cells:
+            continue
         value, likely = float(cells[field.column]), field.likely
         if field.column == "belt_speed_m_s":
             likely = likely_belt(session, step, cells)
@@ -265,8 +267,8 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
     }  # fmt: skip
     return Step(
         f"{_station_key(bend_deg, facing)}{incline_deg:.2f}", "station", say,
-        (shown, belt, STATION["drift_m_s"]), bend_deg, facing, incline_deg, wait_s,
-        bend=series.bend, cells=cells,
+        (shown, belt, STATION["turned_deg"], STATION["drift_m_s"]), bend_deg, facing, incline_deg,
+        wait_s, bend=series.bend, cells=cells,
     )  # fmt: skip
 
 

@@ -43,11 +43,10 @@ def with_a_person(
             people = ask_identity(journal, console)
         except (Left, EOFError):
             return console.say("Left; nothing was changed.")
-        robot = (
-            None
-            if port is None
-            else stack.enter_context(SessionRobot(port, _match(journal.session)))
-        )
+        robot = None
+        if port is not None:
+            robot = stack.enter_context(SessionRobot(port, _match(journal.session)))
+            console.keys = _steering(robot)
         board = BY_HAND if robot is None else robot.greeting
         for line in begin(journal, people, board):
             console.say(line)
@@ -55,9 +54,11 @@ def with_a_person(
         if with_page:
             told.append(_page(stack, journal, robot, lan, console))
         dialogue = Dialogue(journal, console, robot, _each(told), patience_s)
-        well = held_dialogue(dialogue, console)
-        with suppress(RecordingFailed):  # a full disk was told of already
-            journal.event("end")
+        try:
+            well = held_dialogue(dialogue, console)
+        finally:
+            with suppress(RecordingFailed):  # a full disk was told of already
+                journal.event("end")
     if not well:
         raise SystemExit(1)
     return None
@@ -104,14 +105,21 @@ def _page(
     from ...show.session.state import state_of
 
     html = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
-    page = stack.enter_context(Page(html, robot and robot.halt, lan=lan))
+    buttons = {} if robot is None else _steering(robot)
+    page = stack.enter_context(Page(html, robot and robot.halt, lan=lan, buttons=buttons))
     console.say(f"page: {page.url}")
 
     def told(session: Session, step: Any) -> None:
         board = BY_HAND if robot is None else _state(robot)
-        page.publish(state_of(session, step, skipped_keys(journal.events), board))
+        offset = "" if robot is None else robot.steer(0)
+        page.publish(state_of(session, step, skipped_keys(journal.events), board, offset))
 
     return told
+
+
+def _steering(robot: SessionRobot) -> dict[str, Any]:
+    """Return what the left and right keys do: one step on every joint each."""
+    return {"left": lambda: robot.steer(1), "right": lambda: robot.steer(-1)}
 
 
 def _state(robot: SessionRobot) -> str:
@@ -154,14 +162,16 @@ def _pictures(console: Any, *windows: Any) -> Any:
 def _so_far(session: Session) -> str:
     """Return the running fit in a line, or what it still needs."""
     from ...calibration.friction_fit import fit_friction
+    from ...show.session.state import agreement
 
     try:
         fit = fit_friction(session)
     except SerpenoidError as error:
         return f"no fit yet: {str(error).split(': ', 1)[-1].split(';')[0]}"
-    return "so far, whole snake: " + ", ".join(
+    values = ", ".join(
         f"{row.name} {row.value:.3g} ± {row.sigma:.1g} {row.unit}" for row in fit.rows()
     )
+    return f"so far, whole snake: {values}\n{agreement(fit)}"
 
 
 def program() -> str:

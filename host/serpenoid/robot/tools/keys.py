@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import re
 import select
@@ -31,17 +32,18 @@ def need_terminal() -> None:
 
 
 @contextmanager
-def keyboard() -> Iterator[Keyboard]:
+def keyboard(reader: KeyReader | None = None) -> Iterator[Keyboard]:
     """Give a function that returns the next key within so many seconds, or nothing.
 
     A key is one character or a name of NAMES; "end" is the end of the input. Where standard input
-    is no terminal, its characters count as keys. Ctrl-C stays a signal; Ctrl-Z is off.
+    is no terminal, its characters count as keys. Ctrl-C stays a signal; Ctrl-Z is off. reader: one
+    that is used again, so that keys typed ahead are not lost.
     """
     if sys.stdin is None:
         yield lambda _: "end"
         return
     if not sys.stdin.isatty():
-        yield _Reader(sys.stdin.fileno())
+        yield reader or KeyReader(sys.stdin.fileno())
         return
     import termios
 
@@ -52,19 +54,25 @@ def keyboard() -> Iterator[Keyboard]:
     raw[6][termios.VSUSP] = b"\0"
     termios.tcsetattr(fd, termios.TCSADRAIN, raw)
     try:
-        yield _Reader(fd)
+        yield reader or KeyReader(fd)
     finally:
         termios.tcsetattr(fd, termios.TCSADRAIN, before)
 
 
-class _Reader:
+class KeyReader:
     """Bytes of a file to keys; several may come at once, one may come in pieces."""
 
     def __init__(self, fd: int):
         self._fd = fd
         self._text = ""
+        self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
+
+    def forget(self) -> None:
+        """Drop what was typed ahead."""
+        self._text = ""
 
     def __call__(self, timeout_s: float) -> str:
+        """Return the next key within so many seconds, or nothing."""
         if not self._text:
             self._fill(timeout_s)
         while UNFINISHED.search(self._text) and self._fill(REST_S):
@@ -79,5 +87,5 @@ class _Reader:
         if not select.select([self._fd], [], [], timeout_s)[0]:
             return False
         data = os.read(self._fd, 1024)
-        self._text += data.decode("ascii", "replace") if data else "\x04"
+        self._text += self._decoder.decode(data) if data else "\x04"
         return bool(data)

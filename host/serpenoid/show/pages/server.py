@@ -1,7 +1,7 @@
 """The server of a page beside the robot: it shows a state as it changes, and can stop the robot.
 
-It answers three requests, all under an unguessable token: the page, its stream of states, and
-Stop. Host and Origin are checked, so that no other page in the same browser reaches it.
+It answers under an unguessable token only: the page, its stream of states, Stop, and what else its
+buttons do. Host and Origin are checked, so that no other page in the same browser reaches it.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import secrets
 import socket
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
@@ -30,12 +30,20 @@ class Page:
     """Serve one page while `with Page(...) as page:` lasts; publish() sends it a new state.
 
     html: the page, with @NONCE@ in its script's tag. stop: stops the robot now, from any thread;
-    None where there is no robot. lan: reachable from other machines, too.
+    None where there is no robot. lan: reachable from other machines, too. buttons: what other
+    buttons do, by their names; each returns what to show.
     """
 
     def __init__(
-        self, html: str, stop: Callable[[], None] | None = None, *, lan: bool = False, port: int = 0
+        self,
+        html: str,
+        stop: Callable[[], None] | None = None,
+        *,
+        lan: bool = False,
+        port: int = 0,
+        buttons: Mapping[str, Callable[[], str]] | None = None,
     ):
+        self.buttons = dict(buttons or {})
         self.token = secrets.token_urlsafe(18)
         self.html, self.stop = html, stop
         self.nonce = secrets.token_urlsafe(12)
@@ -84,7 +92,7 @@ class Page:
 
     @property
     def url(self) -> str:
-        """Return the address to open; whoever knows it can look and stop, and nothing else."""
+        """Return the address to open; whoever knows it can look, stop and press its buttons."""
         return f"http://{self.name}:{self.port}/{self.token}/"
 
     def publish(self, state: State) -> None:
@@ -138,12 +146,15 @@ class _Request(BaseHTTPRequestHandler):
         return self._refuse()
 
     def do_POST(self) -> None:
-        """Stop the robot, if the request comes from the page itself."""
+        """Stop the robot or do what a button does, if the request comes from the page itself."""
         page = self.server.page
         origin = self.headers.get("Origin", "")
         own = origin.lower() == f"http://{self.headers.get('Host', '')}".lower()
-        if not (self._allowed() and own and self.path == f"/{page.token}/stop"):
+        name = self.path.removeprefix(f"/{page.token}/")
+        if not (self._allowed() and own and (name == "stop" or name in page.buttons)):
             return self._refuse()
+        if name != "stop":
+            return self._press(page.buttons[name])
         if page.stop is None:
             return self._send(409, json.dumps({"error": "no robot: it is set by hand"}))
         try:
@@ -151,6 +162,12 @@ class _Request(BaseHTTPRequestHandler):
         except SerpenoidError as error:
             return self._send(500, json.dumps({"error": str(error)}))
         return self._send(200, json.dumps({"stopped": True}))
+
+    def _press(self, button: Callable[[], str]) -> None:
+        try:
+            return self._send(200, json.dumps({"shown": button()}))
+        except SerpenoidError as error:
+            return self._send(500, json.dumps({"error": str(error)}))
 
     def log_message(self, format: str, *args: object) -> None:
         """Stay silent: the terminal belongs to the dialogue."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from ...calibration.friction_result import DOUBTFUL
 from ...calibration.session import Session
 from ...calibration.taking.expected import Series, line_of, of_bend, series_of
 from ...calibration.taking.procedure import belt_range, progress
@@ -12,14 +13,21 @@ from ...calibration.taking.steps import Step
 from ...model.errors import SerpenoidError
 from .bend_drawing import bend_shape
 
+if TYPE_CHECKING:
+    from ...calibration.friction_result import FrictionFit
+
 CURVE = 24  # points of a line
 
 
-def state_of(session: Session, step: Step, skipped: frozenset[str], robot: str) -> dict[str, Any]:
+def state_of(
+    session: Session, step: Step, skipped: frozenset[str], robot: str, offset: str = ""
+) -> dict[str, Any]:
     """Return the step, progress, last reading, running fit, points, and lines with their band.
 
-    Degrees and SI, as people read them. robot: in words, such as "holds" or "by hand".
+    Degrees and SI, as people read them. robot: in words, such as "holds" or "by hand". offset: its
+    steering, in words.
     """
+    fit = _fit(session)
     return {
         "name": session.setup.name,
         "kind": step.kind,
@@ -29,7 +37,9 @@ def state_of(session: Session, step: Step, skipped: frozenset[str], robot: str) 
         "asks": [f"{f.words} ({f.unit})" for f in step.fields],
         "progress": [list(row) for row in progress(session, skipped)],
         "last": _last(session),
-        "fit": _fit(session),
+        "fit": [] if fit is None else _rows(fit),
+        "agreement": "" if fit is None else agreement(fit),
+        "offset": offset,
         "bends": [_bend(session, series) for series in series_of(session.setup.procedure)],
         "robot": robot,
         "shape": _shape(session, step),
@@ -69,17 +79,31 @@ def _last(session: Session) -> str:
     )
 
 
-def _fit(session: Session) -> list[dict[str, Any]]:
+def _fit(session: Session) -> FrictionFit | None:
     from ...calibration.friction_fit import fit_friction
 
     try:
-        rows = fit_friction(session).rows()
+        return fit_friction(session)
     except SerpenoidError:  # too few readings yet
-        return []
+        return None
+
+
+def _rows(fit: FrictionFit) -> list[dict[str, Any]]:
     return [
         {"name": r.name, "unit": r.unit, "value": r.value, "low": r.low, "high": r.high}
-        for r in rows
+        for r in fit.rows()
     ]
+
+
+def agreement(fit: FrictionFit) -> str:
+    """Return in words whether the readings agree, and which one to look at if they do not."""
+    if fit.p_value is None:
+        return "no reading too many: nothing checks the fit yet"
+    chi2 = f"χ² {fit.chi2:.1f} for {fit.dof} degrees of freedom"
+    if fit.p_value >= DOUBTFUL:
+        return f"{chi2}: the readings agree"
+    look = next((note for note in fit.notes if note.startswith("Without reading")), "")
+    return f"{chi2}: THE READINGS DISAGREE. {look}".rstrip()
 
 
 def _bend(session: Session, series: Series) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 from ....model.errors import BadInput, RecordingFailed, RobotError
 from ...kinds.declaration import Field
+from ...kinds.station import STATION
 from ...session import Session
 from ..journal import Journal
 from ..parse_number import parse_number, span
@@ -50,6 +51,9 @@ class Dialogue:
         self._patience_s = patience_s
         self._posture = Posture()
         self._commands = PromptCommands(self)
+        steered = [r.offset_rad for r in journal.session.kept if r.offset_rad is not None]
+        if robot is not None and steered:
+            robot.offset_rad = steered[-1]
 
     def run(self) -> None:
         """Go on until everything is done or the person leaves."""
@@ -111,6 +115,17 @@ class Dialogue:
             return
         self._ask_to_move(f"Enter {what} the robot (hands off): ", self._robot, step)
         self._robot.pose(step.lambda_deg, step.bend)
+        self._steer(self._robot, step)
+
+    def _steer(self, robot: SessionRobot, step: Step) -> None:
+        """Have the offset found that runs straight, before the first station; it is kept."""
+        if step.lambda_deg or any(r.offset_rad is not None for r in self.journal.session.kept):
+            return
+        self.ask(
+            "  Let the belt run slowly. Left and right keys bend every joint a little: steer until "
+            "the robot runs straight by itself. Enter keeps it: ", step,
+        )  # fmt: skip
+        self.say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
     def _start(self, step: Step) -> None:
         if self._robot is None or step.gait is None:
@@ -133,35 +148,68 @@ class Dialogue:
     def _values(self, step: Step) -> Values:
         """Ask for a step's numbers; what is out of line is asked about, never refused."""
         values: Values = {}
-        begun_s = -math.inf
+        begun_s = self._belt_set(step)
         for field in step.fields:
-            if field.column == "drift_m_s":
-                begun_s = time.monotonic()
-                self.say(f"  let it settle {step.settle_s:.0f} s")
             likely = field.likely
             if field.column == "belt_speed_m_s":
                 likely = likely_belt(self.journal.session, step, values)
             values[field.column] = self._number(field, likely, step)
-        waited_s = time.monotonic() - begun_s
-        if waited_s < step.settle_s / 2:
-            waited = f"  only {waited_s:.0f} s of {step.settle_s:.0f}"
-            question = f"{waited}: Enter keeps it, n reads again: "
-            if self.ask(question, step).lower().startswith("n"):
-                values["drift_m_s"] = self._number(step.fields[-1], None, step)
+        if step.kind == "station":
+            values["waited_s"] = self._waited(time.monotonic() - begun_s, step)
+            if self._robot is not None:
+                values["offset_deg"] = round(math.degrees(self._robot.offset_rad), 3)
         return self._doubted(step, values)
 
+    def _belt_set(self, step: Step) -> float:
+        """Ask when a station's belt runs at its last speed; return that moment, monotonic."""
+        if step.kind == "station":
+            self.ask(f"  Enter when the belt is set; let it settle {step.settle_s:.0f} s: ", step)
+        return time.monotonic()
+
+    def _waited(self, waited_s: float, step: Step) -> float:
+        """Return how long a station settled; too short a time is kept by a word only."""
+        if waited_s >= step.settle_s / 2:
+            return round(waited_s, 1)
+        question = (
+            f"  only {waited_s:.0f} s of {step.settle_s:.0f} since the belt was set. Type how long "
+            "it really ran (20 s), keep, or again: "
+        )
+        while True:
+            answer = self._word(question, step)
+            if answer == "keep":
+                return round(waited_s, 1)
+            try:
+                return parse_number(answer, STATION["waited_s"]).value
+            except BadInput as error:
+                self.say(f"  ! {error}")
+
+    def _word(self, question: str, step: Step) -> str:
+        """Return an answer to a doubt, "keep" for its short forms; `again` raises Again."""
+        answer = self.ask(question, step).lower()
+        if answer in ("again", "a"):
+            self.say("  again, from the start of this step")
+            raise Again
+        return "keep" if answer in ("k", "keep") else answer
+
     def _doubted(self, step: Step, values: Values) -> Values:
-        """Ask once about each number that is not where it was expected."""
-        for field, likely in doubts(self.journal.session, step, values):
+        """Ask about each number that is not where it was expected, until a word keeps it."""
+        kept: set[str] = set()
+        while True:
+            found = doubts(self.journal.session, step, values)
+            open_ = [(field, likely) for field, likely in found if field.column not in kept]
+            if not open_:
+                return values
+            field, likely = open_[0]
             value = float(values[field.column])
-            question = (
-                f"  {field.words} {value:.4g} {field.unit}: expected {span(likely)}. "
-                "Enter keeps it, or type it again: "
-            )
-            answer = self.ask(question, step)
-            if answer and answer.lower() not in ("y", "yes", "k", "keep"):
-                values[field.column] = self.read(answer, field, likely, step)
-        return values
+            why = f" ({field.why})" if field.why else ""
+            answer = self._word(
+                f"  {field.words} {value:.4g} {field.unit}: expected {span(likely)}{why}. "
+                "Type it anew, keep, or again: ", step,
+            )  # fmt: skip
+            if answer == "keep":
+                kept.add(field.column)
+            elif answer:
+                values[field.column] = self.read(answer, field, None, step)
 
     def _number(self, field: Field, likely: tuple[float, float] | None, step: Step) -> float:
         return self.read(self.ask(f"  {field.words} ({field.unit}): ", step), field, likely, step)
@@ -175,12 +223,12 @@ class Dialogue:
                 typed = parse_number(text, field, likely)
                 if not typed.question:
                     return typed.value
-                answer = self.ask(f"  {typed.question} y, k keeps it, or type it again: ", step)
-                if answer.lower() in ("y", "yes", "") and typed.meant is not None:
+                answer = self._word(f"  {typed.question} Type yes, keep, or it anew: ", step)
+                if answer in ("y", "yes") and typed.meant is not None:
                     return typed.meant
-                if answer.lower() in ("k", "keep"):
+                if answer == "keep":
                     return typed.value
-                text = answer
+                text = answer or text
                 continue
             except BadInput as error:
                 self.say(f"  ! {error}")

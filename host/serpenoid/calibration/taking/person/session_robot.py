@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 
 from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
@@ -16,6 +16,7 @@ MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
 SILENCE_S = 2.0
 LIMP_S = 30.0  # a host that is there says something each half second
 HOURS_S = 6 * 3600.0
+STEER_RAD = math.radians(0.25)  # a key
 
 
 class SessionRobot:
@@ -31,6 +32,8 @@ class SessionRobot:
         self.powered = False
         self.stopped = False  # by the page's Stop button, and nobody has seen it yet
         self.held = False  # by it, until release()
+        self.offset_rad = 0.0  # on every joint, to steer
+        self._posed: tuple[float, str] | None = None
 
     def __enter__(self) -> SessionRobot:
         with ExitStack() as opened:
@@ -58,18 +61,37 @@ class SessionRobot:
     def pose(self, bend_deg: float, bend: str = "balanced") -> None:
         """Bend the robot, balanced or as a zigzag; straight at 0."""
         self.powered = True
-        move = self._robot.bent if bend == "balanced" else self._robot.zigzag
         with self._unless_stopped():
-            move(math.radians(bend_deg)) if bend_deg else self._robot.straight()
+            self._lie(bend_deg, bend, self.offset_rad)
+            self._posed = bend_deg, bend
             end_s = time.monotonic() + MOVED_S
             while self._robot.status().moving:
                 if time.monotonic() > end_s:
                     raise RobotLost(f"the robot is not there after {MOVED_S:g} s; ask for `status`")
                 time.sleep(0.05)
 
+    def _lie(self, bend_deg: float, bend: str, offset_rad: float) -> None:
+        if not bend_deg:
+            return self._robot.straight(offset_rad)
+        move = self._robot.bent if bend == "balanced" else self._robot.zigzag
+        return move(math.radians(bend_deg), offset_rad)
+
+    def steer(self, steps: int) -> str:
+        """Add steps to every joint of a robot that holds a pose; return the offset in words.
+
+        Positive turns it to the left. From any thread. A pose that a joint cannot reach is left as
+        it was.
+        """
+        if self.powered and self._posed is not None and not self.held:
+            wanted_rad = self.offset_rad + steps * STEER_RAD
+            with suppress(CommandRefused, RobotHeld):
+                self._lie(*self._posed, wanted_rad)
+                self.offset_rad = wanted_rad
+        return f"{math.degrees(self.offset_rad):+.2f} deg on every joint"
+
     def go(self, gait: Gait) -> None:
         """Start a gait."""
-        self.powered = True
+        self.powered, self._posed = True, None
         with self._unless_stopped():
             self._robot.gait(gait)
 
@@ -85,6 +107,7 @@ class SessionRobot:
 
     def idle(self) -> None:
         """Stop, and let the servos go limp."""
+        self._posed = None
         if self.powered:
             self._robot.idle()
             self.powered = False

@@ -9,8 +9,10 @@ import sys
 import termios
 import textwrap
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
+
+from ....robot.tools.keys import KeyReader, keyboard
 
 TICK_S = 0.5
 
@@ -35,9 +37,15 @@ class Terminal(Protocol):
 
 
 class Console:
-    """Standard input and output; works behind a pipe, too."""
+    """Standard input and output; works behind a pipe, too.
+
+    keys: what single keys do while a line is asked for at a terminal, key -> function that returns
+    what to show; such as those that steer a robot.
+    """
 
     def __init__(self) -> None:
+        self.keys: Mapping[str, Callable[[], str]] = {}
+        self._reader: KeyReader | None = None
         self._pending = b""
         self._ended = False
 
@@ -50,6 +58,8 @@ class Console:
     def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
         """Print the prompt and wait for a line."""
         print(prompt, end="", flush=True)
+        if self.keys and sys.stdin.isatty():
+            return self._ask_by_keys(prompt, patience_s, tick)
         end_s = time.monotonic() + patience_s
         while b"\n" not in self._pending and not self._ended:
             if time.monotonic() > end_s:
@@ -69,8 +79,47 @@ class Console:
             print(flush=True)
         return line.decode("utf-8", "replace").strip()
 
+    def _ask_by_keys(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
+        """Return a line as ask does, each key heard at once: some do something by themselves."""
+        self._reader = self._reader or KeyReader(sys.stdin.fileno())
+        line, end_s = "", time.monotonic() + patience_s
+        with keyboard(self._reader) as next_key:
+            while True:
+                key = next_key(min(TICK_S, patience_s))
+                if key == "enter" or (key == "end" and line):
+                    print(flush=True)
+                    return line.strip()
+                if key == "end":
+                    print(flush=True)
+                    raise EOFError
+                if not key:
+                    if time.monotonic() > end_s:
+                        print(flush=True)
+                        return None
+                    tick()
+                    continue
+                line = self._after(key, line, prompt)
+
+    def _after(self, key: str, line: str, prompt: str) -> str:
+        """Return the line after one more key, and show it."""
+        if key in self.keys:
+            shown = f"{prompt.lstrip()}{line}"[-40:]
+            print(f"\r\x1b[K  [{self.keys[key]()}] {shown}", end="", flush=True)
+        elif key == "backspace":
+            print("\b \b" if line else "", end="", flush=True)
+            return line[:-1]
+        elif key == "\x15":  # Ctrl-U
+            print("\b \b" * len(line), end="", flush=True)
+            return ""
+        elif len(key) == 1 and key.isprintable():
+            print(key, end="", flush=True)
+            return line + key
+        return line
+
     def forget(self) -> None:
         """Drop what was typed ahead at a terminal; what a pipe holds was meant in this order."""
+        if self._reader is not None:
+            self._reader.forget()
         if sys.stdin.isatty():
             self._pending = b""
             termios.tcflush(sys.stdin.fileno(), termios.TCIFLUSH)
