@@ -221,7 +221,7 @@ def test_a_browser_follows_loses_and_finds_the_page_and_stops_the_robot(browser)
         browser.opens(page.url)
         browser.sees("#link", "live")
         browser.sees("#aim", "incline" if step.kind == "station" else "bend")
-        assert browser.runs("return document.querySelectorAll('circle').length") == len(
+        assert browser.runs("return document.querySelectorAll('#picture circle').length") == len(
             session.kept
         )
         session, step = session_in_progress(14)

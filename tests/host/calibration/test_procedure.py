@@ -42,7 +42,8 @@ def test_the_steps_come_in_order(record):
     assert next_step(record.session).kind == "straight"
     step = next_step(record.session, posed_deg=0.0)
     assert (step.kind, step.incline_deg) == ("station", 2.0)
-    assert [f.column for f in step.fields] == ["incline_deg", "belt_speed_m_s", "drift_m_s"]
+    asked = ["incline_deg", "belt_speed_m_s", "turned_deg", "drift_m_s"]
+    assert [f.column for f in step.fields] == asked
     for incline, belt in ((2.0, 0.2), (2.3, 0.5), (2.6, 0.8)):
         station(record, incline, belt)
     bend = next_step(record.session, posed_deg=0.0)

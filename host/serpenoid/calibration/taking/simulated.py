@@ -194,6 +194,9 @@ class SimulatedTreadmill:
             "incline_deg": self._shown_deg(incline_rad),
             "belt_speed_m_s": round(held.belt_shown_m_s, 5),
             "drift_m_s": round(held.drift_m_s, 3),
+            "turned_deg": round(math.degrees(held.turned_rad), 1),
+            "offset_deg": round(math.degrees(held.offset_rad), 3),
+            "waited_s": round(held.waited_s, 1),
         }
 
     def _guess_m_s(self, step: Step) -> float:

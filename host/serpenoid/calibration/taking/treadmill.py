@@ -18,7 +18,17 @@ MOST_STEPS = 1000
 
 
 class Treadmill(Protocol):
-    """Sets what a step says and answers with what was read, column -> number."""
+    """Sets what a step says and answers with what was read, column -> number.
+
+    A simulated one answers with what a person there could read, never with a truth. For each kind
+    of step (`Step.kind`) it returns the numbers of `step.fields`, in the columns' units:
+    zero (incline_deg, reversed_deg), bend (between_links_deg, between the last two links at an end
+    of a robot bent as `step.bend` says), station (incline_deg, belt_speed_m_s, drift_m_s, and as
+    far as they are known turned_deg, offset_deg and waited_s), gait (distance_m, duration_s,
+    omega_rad_s); straight has none. A person who types takes the same steps (`person.dialogue`):
+    a lab that is practised with moves its belt and robot beside it, by SessionRobot's calls and by
+    what is set at the treadmill.
+    """
 
     def answer(self, step: Step, session: Session) -> Cells | None:
         """Do a step; return its fields' numbers, or None if it cannot be done."""
