@@ -37,9 +37,9 @@ _VIRTUAL_S = 8.0
 def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> None:
     """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
 
-    WHAT is a scene file, a recording of `serpenoid drive --record` (shown beside what the model
-    predicts of that gait, for the robot and ground of the options), or `virtual`, eight seconds of
-    the virtual robot.
+    WHAT is a scene file, a recording of `serpenoid drive --record`, or `virtual`: eight seconds of
+    the virtual robot. A recording is shown beside the model's prediction for the robot and ground
+    of the options.
     """
     from ..show.pages.view_page import write_page
 

@@ -22,33 +22,54 @@ MAX_ELEMENTS = 1024
 
 @dataclass(frozen=True, slots=True)
 class Steady:
-    """Hold the periodic state of a gait (explicit model), after all memory of the start is gone.
+    """Hold the periodic state of a gait (explicit model), when the start is forgotten.
 
-    speed_m_s: along the path's mean circle, which for a gait that goes straight is the displacement
-    over a period through the period. A gait that steers turns about a centre; seen in axes that
-    turn evenly with it, the centre of mass has a mean place, whose distance from the centre is
-    radius_m (inf when straight): this hangs on no phase. chord_m_s: |displacement over the period
-    that begins at phase 0| / period, which does. turn_rad_per_cycle: change of heading a period,
-    rad. power_w: net mean of P = -sum T_i phi_i', W; abs_power_w, positive_power_w: means of sum
-    |P_i| and sum max(P_i, 0), W. error_estimate: of the speed, relative (where the speed is next to
-    nothing: to 1e-4 of body length times omega); power_error_w, abs_power_error_w,
-    positive_power_error_w: of each power; turn_error_rad: of the turn. direction_rad: direction of
-    travel counted from the heading of link 1 at phase 0.
-    body_velocity: (Vx, Vy, theta_1'), m/s, m/s, rad/s, at phase 0: of the centre of mass along and
-    across link 1, and of link 1's heading.
-    monodromy: derivative (3, 3) of (Vx, Vy, angular momentum; m/s, m/s, kg m^2/s) after a period by
-    those before it.
-    settling_time_s: in which the slowest disturbance falls to 1/e, inf when none does;
-    settling_error: of it, relative.
+    Attributes
+    ----------
+    robot, ground, gait
+        What crawls, on what and how.
+    speed_m_s
+        Along the path's mean circle, m/s. For a straight gait it is the displacement over a period,
+        divided by the period. A gait that steers turns about a centre. In axes that turn evenly
+        with it, the centre of mass has a mean place; radius_m, m, is its distance from the centre
+        (inf when straight). Neither depends on the phase.
+    chord_m_s
+        |displacement over the period that begins at phase 0| / period, m/s. It depends on the
+        phase.
+    turn_rad_per_cycle
+        Change of heading in a period, rad.
+    power_w, abs_power_w, positive_power_w
+        Net mean of P = -sum T_i phi_i', and means of sum |P_i| and of sum max(P_i, 0), W.
+    error_estimate
+        Of the speed, relative (near no speed: to 1e-4 of body length times omega).
+    power_error_w, abs_power_error_w, positive_power_error_w
+        Of each power, W.
+    turn_error_rad
+        Of the turn, rad.
+    direction_rad
+        Direction of travel, counted from the heading of link 1 at phase 0, rad.
+    body_velocity : (3,)
+        (Vx, Vy, theta_1') at phase 0, m/s, m/s, rad/s: of the centre of mass along and across
+        link 1, and of link 1's heading.
+    monodromy : (3, 3)
+        Derivative of (Vx, Vy, angular momentum; m/s, m/s, kg m^2/s) after a period by those before.
+    settling_time_s, settling_error
+        Time in which the slowest disturbance falls to 1/e, s, inf when none does; its error,
+        relative.
 
-    Where wheels that rest leave next to nothing of a disturbance (multipliers below 1e-13), or
-    stop several at one moment so that there is no derivative, settling_error is 1: the time is
-    anything up to twice of that given. Three wheels at rest hold the whole chain, and three
-    equations give their three forces; of more than three that could rest at once the law of
-    friction picks three (the velocities are the same whichever it is). Where a wheel's speed dips
-    so near to nothing that the motion does not tell whether it rests, its dry friction is in doubt
-    meanwhile, and so are the joints' torques, though hardly the speed or net power:
-    positive_power_error_w covers either.
+    Notes
+    -----
+    settling_error is 1 in two cases: resting wheels leave almost nothing of a disturbance
+    (multipliers below 1e-13), or several wheels stop at one moment, so there is no derivative. The
+    time is then anything up to twice the one given.
+
+    Three wheels at rest hold the whole chain, and three equations give their forces. If more than
+    three could rest at once, the friction law picks three; the velocities are the same for any
+    choice.
+
+    If a wheel's speed comes so near to nothing that its stick or slip state is ambiguous, its dry
+    friction is uncertain, and so are the joint torques, though hardly the speed or net power.
+    positive_power_error_w covers both cases.
     """
 
     robot: Robot

@@ -52,9 +52,9 @@ class RobotBoard:
     calls nothing for so long (iterating frames() counts as calling), it is taken to hang: the
     robot is stopped and the next call raises.
 
-    However the block is left - by an exception, Ctrl-C, SIGTERM, SIGHUP - the robot is stopped
-    first, and StopUnconfirmed is raised if the board did not confirm it (beside an error of the
-    program itself: a warning). Signals are caught in the main thread only: elsewhere, after a
+    When the block ends, also by an exception, Ctrl-C, SIGTERM or SIGHUP, the robot is stopped
+    first. If the board did not confirm that, StopUnconfirmed is raised; beside an error of the
+    program itself it is a warning. Signals are caught in the main thread only: elsewhere, after a
     kill, the board's own silence time has to do. A fork of the process cannot use the robot.
 
     Opening raises PortMissing, PortBusy, NoAnswer or ProtocolMismatch; any call may raise

@@ -1,9 +1,9 @@
-"""How far a run may be off: two finer runs beside it, and the exact model beside the springs.
+"""The error of a run: two finer runs beside it, and the exact model beside the springs.
 
-A run is held against a much finer one, by another method where another runs the scene: their
-difference is the run's error, whether or not its steps are short enough for an order to show. A
-third run between the two checks the finest: what these two differ by is added, and where it is
-not small the figures are no bound. RunError.settled then says so, and chaos is named.
+A run is compared with a much finer one, by another method where one runs the scene. Their
+difference is the run's error, even if its steps are too long to show an order. A third run
+between the two checks the finest, and their difference is added. Where that is not small the
+figures are no bound: RunError.settled then says so, and chaos is named.
 """
 
 from __future__ import annotations

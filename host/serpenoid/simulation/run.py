@@ -42,17 +42,34 @@ class Judge(Protocol):
 
 @dataclass(frozen=True)
 class Run:
-    """Hold a run: T recorded times t_s (T,), and (T, n) arrays over links counted from the tail.
+    """Hold a run: T recorded times and arrays over n links, counted from the tail.
 
-    x_m, y_m: link centres, m, theta_rad: angles, rad, vx_m_s, vy_m_s, m/s, omega_rad_s, rad/s:
-    their rates, ground frame; t_s in s. Empty unless recorded: joint_force_x_n, joint_force_y_n, N,
-    joint_torque_nm, N m, (T, n-1), on link i from link i+1 ("joints"); friction_x_n, friction_y_n,
-    N, (T, n), of the ground on each link ("friction"); energy_j, J, (T, 7), columns ENERGY_COLUMNS:
-    three stores, then what joints, friction and dampers did since t = 0 and the work of joints that
-    do not regenerate ("energy"). judge: finds the run's error. picked: what an accuracy that was
-    asked for chose, and why (else empty). steps: how many the method took. local_error: sum of the
-    errors that an adaptive method thinks its steps made, in the scale of scene.tolerance, which is
-    relative (0: it has no idea).
+    Attributes
+    ----------
+    scene
+        What was run.
+    t_s : (T,)
+        Times, s.
+    x_m, y_m, theta_rad : (T, n)
+        Link centres, m, and angles, rad, in the ground's frame.
+    vx_m_s, vy_m_s, omega_rad_s : (T, n)
+        Their rates, m/s and rad/s.
+    joint_force_x_n, joint_force_y_n, joint_torque_nm : (T, n-1)
+        On link i from link i+1, N and N m; empty unless "joints" is recorded.
+    friction_x_n, friction_y_n : (T, n)
+        Of the ground on each link, N; empty unless "friction" is recorded.
+    energy_j : (T, 7)
+        J, columns ENERGY_COLUMNS; empty unless "energy" is recorded. Three stores, then what
+        joints, friction and dampers did since t = 0, and the work of joints that do not regenerate.
+    judge
+        Finds the run's error.
+    picked
+        What an accuracy that was asked for chose, and why; else empty.
+    steps
+        How many the method took.
+    local_error
+        Sum of the errors that an adaptive method estimates for its steps, in the scale of
+        scene.tolerance, relative (0: it has no estimate).
     """
 
     scene: Scene

@@ -32,35 +32,54 @@ _FIRMWARE_LIMITS = {"alpha_rad": math.pi / 2, "beta_rad": math.pi, "offset_rad":
 class Scene:
     """Describe one run of the simulator. SI units, radians. Raises BadInput.
 
-    formulation: "explicit" (pinned joints) or "implicit" (Eqs. 51-56 with joint_stiffness_n_m k,
-    N/m, and joint_damping_n_s_m c, N s/m).
-
-    drive: "angle" (the gait's joint angles are imposed), "torque" (`torque`, N m, is a TorqueTable,
-    an (n-1,) list of constants, or a function of time) or "servo" (a Servo follows the gait as the
-    firmware sends it). Joints count from 1 at the tail: `limp` lists those without torque, `locked`
-    maps others to the angle at which they stay.
-
-    incline_rad: slope of the ground, rad, which rises towards incline_direction_rad, rad, of the
-    ground's frame (0: along x). Friction stays as given: measure it on the slope.
-
-    method: one of methods.METHODS, or "auto": "nonsmooth" on dry ground, else "rk4"; the scene then
-    has that method's name, and chooses anew when `replace` changes it. Methods with fixed steps
-    take dt_s; adaptive ones keep each step's error below `tolerance` (relative: body lengths,
-    radians, and those times omega), and dt_s is only the grid of the recorded times. On dry ground
-    all but "nonsmooth" take sgn 0 = 0: wheels that should hold chatter, the order is 1 (the 2005
-    robot at 1 rad/s: rk4 is 3 % slow at 10 ms, 0.1 % at 1 ms), and recorded joint torques stay
-    wrong by a quarter at any step.
-
-    start: "zero_momentum" (from rest: link 1 at the origin along x, neither the centre of mass
-    moves nor the chain turns as a whole), "link1_at_rest" (x = y = theta_1 = 0 and their rates: the
-    paper's, in which the body moves), "steady" (from the periodic state) or a LinkState. gap: what
-    the implicit formulation starts from, "slow_manifold" (springs already carry the joint forces,
-    no ringing) or "zero". smoothing_m_s: above 0 dry friction is smoothed by that width, m/s, for
-    study.
-
-    record: "joints" adds forces and torques of the joints, "friction" the force of the ground on
-    each link, "energy" a ledger (kinetic energy, work, heat) that is integrated with the motion.
-    record_every: keep each of so many dt_s; unless given every one, thinned to 20 000 rows.
+    Attributes
+    ----------
+    robot, ground, gait
+        What crawls, on what and how.
+    formulation
+        "explicit" (pinned joints) or "implicit" (Eqs. 51-56).
+    joint_stiffness_n_m, joint_damping_n_s_m
+        k and c of the implicit formulation, N/m and N s/m.
+    drive
+        "angle": the gait's joint angles are imposed. "torque": `torque` acts. "servo": `servo`
+        follows the gait as the firmware sends it.
+    torque
+        N m: a TorqueTable, an (n-1,) list of constants, or a function of time.
+    servo
+        The servos of all joints.
+    limp, locked
+        Joints without torque, and joints that stay at an angle, rad. Joints count from 1 at the
+        tail.
+    incline_rad, incline_direction_rad
+        Slope of the ground, rad, and the direction in which it rises, rad, in the ground's frame
+        (0: along x). Friction stays as given: measure it on the slope.
+    method
+        One of methods.METHODS, or "auto": "nonsmooth" on dry ground, else "rk4". With "auto" the
+        scene has the method's name, and chooses again when `replace` changes it. On dry ground all
+        methods but "nonsmooth" use sgn 0 = 0. Wheels that should hold then chatter, the order is 1
+        (the 2005 robot at 1 rad/s: rk4 is 3 % slow at 10 ms, 0.1 % at 1 ms), and recorded joint
+        torques are wrong by a quarter at any step.
+    dt_s
+        Step of a method with fixed steps, s; for adaptive ones the grid of recorded times, s.
+    tolerance
+        Adaptive methods keep each step's error below it, relative: to body lengths, radians, and
+        those times omega.
+    duration_s
+        Of the run, s.
+    start
+        "zero_momentum": from rest, link 1 at the origin along x; neither the centre of mass moves
+        nor the chain turns as a whole. "link1_at_rest": x = y = theta_1 = 0 and their rates, as in
+        the paper; the body then moves. "steady": from the periodic state. Or a LinkState.
+    gap
+        Start of the implicit formulation: "slow_manifold" (springs already carry the joint forces)
+        or "zero".
+    smoothing_m_s
+        Above 0, dry friction is smoothed by this width, m/s, for study.
+    record
+        "joints" adds forces and torques of the joints, "friction" the ground's force on each link.
+        "energy" adds a ledger (kinetic energy, work, heat), integrated with the motion.
+    record_every
+        Keep one of so many steps; unless given every one, thinned to 20 000 rows.
     """
 
     robot: Robot

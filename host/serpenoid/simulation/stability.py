@@ -1,16 +1,16 @@
-"""Whether a fixed step is inside its method's stability region: asked before a run.
+"""Check before a run whether a fixed step is inside its method's stability region.
 
-The joints of the implicit model are springs. With J the derivative of the gaps by the coordinates
-and M the masses, the modes of the chain have mu = eigenvalues of J M^-1 J^T and obey
-x'' + c mu x' + k mu x = 0. Angles imposed: the links' centres move and all turn together, so
+The joints of the implicit model are springs. Let J be the derivative of the gaps by the
+coordinates and M the masses. The modes of the chain obey x'' + c mu x' + k mu x = 0, with mu the
+eigenvalues of J M^-1 J^T. Angles imposed: the links' centres move and all turn together, so
 
     J M^-1 J^T = (1/m) (Laplacian of the joints) x 1 + r r^T/(n I),   r_i = l (n_i + n_{i+1});
 
 torques imposed: every link turns by itself, r_i's blocks stand on the diagonal and beside it (with
 some joints imposed and some free the modes lie between; the higher bound is taken). Servos are
 springs of the joint angles: phi'' + d nu phi' + p nu phi = 0 with nu the eigenvalues of the joints'
-mobility; one at its limit is damped by the motor's own line. A step too long by a few per cent may
-stay finite and bounded and be a metre wrong: no NaN tells.
+mobility; one at its limit is damped by the motor's own line. A run whose step is a few per cent
+too long may stay finite and be a metre wrong, without any NaN.
 """
 
 from __future__ import annotations

@@ -28,10 +28,20 @@ _STEPS_A_CYCLE = 1000
 class SteadySprings:
     """Hold the periodic state of a gait by the implicit model (Eqs. 51-56).
 
-    speed_m_s (m/s), power_w, abs_power_w, positive_power_w (W): as in Steady. error_estimate: of
-    the speed, relative: how much it will still change with the cycles to come, and the time steps;
-    power_error_w, abs_power_error_w, positive_power_error_w: the same of each power, W.
-    modelling_error: of the speed, relative to the exact model's, signed. cycles: run until then.
+    Attributes
+    ----------
+    speed_m_s
+        As in Steady, m/s.
+    power_w, abs_power_w, positive_power_w
+        As in Steady, W.
+    error_estimate
+        Of the speed, relative: what later cycles will still change, and the time steps.
+    power_error_w, abs_power_error_w, positive_power_error_w
+        The same for each power, W.
+    modelling_error
+        Of the speed, relative to the exact model's, signed.
+    cycles
+        Run until then.
     """
 
     speed_m_s: float
