@@ -18,10 +18,9 @@ DryMotion::DryMotion(const Robot& robot, const Ground& ground, const Gait& gait,
       omega_(gait.omega),
       speed_scale_(gait.omega * robot.l * std::max(gait.alpha, least_bend)),
       arm_(robot.n * robot.l),
-      ft0_(ground.ft0_mean()),
-      thrust_(ground.thrust()),
-      grip_(ground.grip(robot.n * robot.m * omega_ * speed_scale_)),
-      ratchet_(ground.ct != ground.ct_back),
+      along_(WheelLaw::along(ground)),
+      across_(WheelLaw::across(ground)),
+      grip_(along_.grip(robot.n * robot.m * omega_ * speed_scale_)),
       table_(robot.n, gait) {
     const double v = speed_scale_;
     power_scale_ = robot.n * v *
@@ -48,25 +47,24 @@ void DryMotion::assemble(double h, const double* before) {
     H_ = {nm, 0, 0, 0, nm, 0, 0, 0, shape_.J};
     b_ = {0, 0, 0};
     kinks_.clear();
-    const auto wheel = [&](const WheelDirection& row, double c, double dry, double thrust,
-                           bool modes) {
+    const auto wheel = [&](const WheelDirection& row, const WheelLaw& law, double c) {
         const Vec3 g{row.x, row.y, row.r};
         const double e = omega_ * row.e, hc = h * c;
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) H_[3 * i + j] += hc * g[i] * g[j];
-            b_[i] -= (hc * e - h * thrust) * g[i];
+            b_[i] -= (hc * e - h * law.thrust) * g[i];
         }
-        if (!modes) return;
+        if (!law.has_modes()) return;
         const double apart = std::fmod(0.6180339887 * static_cast<double>(kinks_.size() + 1), 1.0);
-        kinks_.push_back({g, e + 1e-11 * speed_scale_ * apart, h * dry});
+        kinks_.push_back({g, e + 1e-11 * speed_scale_ * apart, h * law.bound});
     };
     for (const LinkShape& link : shape_.link) {
-        double ct = ground_.ct;
-        if (ratchet_)
-            ct = ground_.ct_going(before ? link.t.speed(before, omega_)
-                                         : convex_.sign(static_cast<int>(kinks_.size())));
-        wheel(link.t, ct, ft0_, thrust_, has_modes(false));
-        wheel(link.n, ground_.cn, ground_.fn0, 0, has_modes(true));
+        double direction = 0;
+        if (!along_.one_viscous())
+            direction = before ? link.t.speed(before, omega_)
+                               : convex_.sign(static_cast<int>(kinks_.size()));
+        wheel(link.t, along_, along_.viscous(direction));
+        wheel(link.n, across_, across_.mean_viscous());
     }
 }
 
@@ -79,10 +77,10 @@ void DryMotion::wheel_forces(const DryState& state, std::vector<double>& force) 
     int kink = 0;
     force.clear();
     for (const LinkShape& k : shape_.link) {
-        const double way = has_modes(false) ? convex_.sign(kink++) : 0;
-        const double n = has_modes(true) ? ground_.fn0 * convex_.sign(kink++) : 0;
-        force.push_back(-ground_.ct_going(way) * k.t.speed(u, omega_) - (ft0_ * way - thrust_));
-        force.push_back(-ground_.cn * k.n.speed(u, omega_) - n);
+        const double t = along_.has_modes() ? convex_.sign(kink++) : 0;
+        const double n = across_.has_modes() ? convex_.sign(kink++) : 0;
+        force.push_back(along_.force(k.t.speed(u, omega_), t));
+        force.push_back(across_.force(k.n.speed(u, omega_), n));
     }
 }
 
@@ -156,8 +154,7 @@ double DryMotion::dissipation(const Vec3& u) const {
     double sum = 0;
     for (const LinkShape& k : shape_.link) {
         const double t = k.t.speed(u.data(), omega_), n = k.n.speed(u.data(), omega_);
-        sum += ground_.ct_going(t) * t * t + ground_.cn * n * n +
-               (t < 0 ? ground_.ft0_back : ground_.ft0) * std::fabs(t) + ground_.fn0 * std::fabs(n);
+        sum += along_.dissipation(t) + across_.dissipation(n);
     }
     return sum;
 }
@@ -216,13 +213,12 @@ double DryMotion::error_norm(const DryState& a, const DryState& b) const {
 void DryMotion::margins(const DryState& s, double tau, std::vector<double>& margin) {
     const double u[3] = {s.v[DryState::Vx], s.v[DryState::Vy], rate(s.v[DryState::L], tau)};
     margin.clear();
-    const auto wheel = [&](const WheelDirection& row, bool modes) {
-        if (!modes) return;
+    const auto wheel = [&](const WheelDirection& row, const WheelLaw& law) {
+        if (!law.has_modes()) return;
         const int c = static_cast<int>(margin.size());
         margin.push_back(convex_.sign(c) * row.speed(u, omega_) / speed_eps_);
     };
-    for (const LinkShape& k : shape_.link)
-        wheel(k.t, has_modes(false)), wheel(k.n, has_modes(true));
+    for (const LinkShape& k : shape_.link) wheel(k.t, along_), wheel(k.n, across_);
     for (int a = 0; a < convex_.held_count(); ++a)
         margin[convex_.held_kink(a)] =
             grip(convex_.held_kink(a)) * (1 - std::fabs(s.v[DryState::stick + a])) / stick_eps_;
@@ -331,8 +327,8 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
     stick_eps_ = std::max(0.1 * tolerance, 1e-6);
     // long enough for dry friction to take a whole miss of the event back, at both bounds
     longest_kick_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-7, 1e-4);  // it errs by its square
-    shortest_kick_ = std::clamp(
-        20 * speed_eps_ * robot_.n * robot_.m * omega_ / ground_.least_dry(), 1e-7, longest_kick_);
+    shortest_kick_ = std::clamp(20 * speed_eps_ * robot_.n * robot_.m * omega_ / least_dry(ground_),
+                                1e-7, longest_kick_);
     convex_.forget();
     kick_ = 0, step_ = std::max(step_, 1e-4);
     if (!kick(state, tau, tau_end)) return false;

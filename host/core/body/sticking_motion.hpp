@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "body/body_shape.hpp"
+#include "model/friction_law.hpp"
 #include "numerics/kinked_quadratic.hpp"
 
 namespace serpenoid {
@@ -86,8 +87,7 @@ class DryMotion {
     bool add_positive(const DryState& from, double tau, double H, double tolerance);
     void add_positive_of_kick(const DryState& to, double tau, double length);
     double dissipation(const Vec3& u) const;
-    double grip(int kink) const { return has_modes(true) && kink % 2 ? 1 : grip_; }
-    bool has_modes(bool across) const { return across ? ground_.fn0 > 0 : ratchet_ || ft0_ > 0; }
+    double grip(int kink) const { return across_.has_modes() && kink % 2 ? 1 : grip_; }
     double error_norm(const DryState& a, const DryState& b) const;
     bool extrapolate(const DryState& from, double tau, double H, double tolerance, Step& step);
     void margins(const DryState& s, double tau, std::vector<double>& margin);
@@ -99,8 +99,8 @@ class DryMotion {
     Ground ground_;
     Slope slope_;
     double omega_, speed_scale_, power_scale_, arm_, spin_ = 0;
-    double ft0_, thrust_, grip_;  // along a link; grip_: sliding_piece.hpp
-    bool ratchet_;                // of the viscous friction
+    WheelLaw along_, across_;
+    double grip_;  // of wheels along a link
 
     double* positive_ = nullptr;
     double net_work_ = 0;

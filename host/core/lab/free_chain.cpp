@@ -120,12 +120,13 @@ bool FreeChain::step(double h) {
     };
     for (int i = 0; i < robot_.n; ++i) {
         const LabLink& k = links_[i];
-        const double ct = k.ground.ct_going(spin_[i]);
+        const WheelLaw t = WheelLaw::along(k.ground), n = WheelLaw::across(k.ground);
+        const double ct = t.viscous(spin_[i]);
         add(along_[i], h * ct + k.rolling,
-            (h * ct + k.rolling) * along_[i].e - k.rolling * spin_[i] - h * k.ground.thrust());
-        add(across_[i], h * k.ground.cn, h * k.ground.cn * across_[i].e);
-        kink(along_[i], k.ground.ft0_mean(), spin_[i], k);
-        kink(across_[i], k.ground.fn0, skid_[i], k);
+            (h * ct + k.rolling) * along_[i].e - k.rolling * spin_[i] - h * t.thrust);
+        add(across_[i], h * n.viscous(0), h * n.viscous(0) * across_[i].e);
+        kink(along_[i], t.bound, spin_[i], k);
+        kink(across_[i], n.bound, skid_[i], k);
     }
     if (guided_) {
         constexpr double kStiff =
@@ -138,8 +139,7 @@ bool FreeChain::step(double h) {
     for (int i = 0; i < robot_.n; ++i) {
         const Ground& k = links_[i].ground;
         const double t = spin_[i] = along_[i].at(u_), n = skid_[i] = across_[i].at(u_);
-        heat_ += h * (k.ct_going(t) * t * t + k.cn * n * n + k.fn0 * std::fabs(n) +
-                      (t < 0 ? k.ft0_back : k.ft0) * std::fabs(t));
+        heat_ += h * (WheelLaw::along(k).dissipation(t) + WheelLaw::across(k).dissipation(n));
     }
     return std::isfinite(x_ + y_ + theta_);
 }

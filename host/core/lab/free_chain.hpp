@@ -17,6 +17,7 @@
 #include <array>
 #include <vector>
 
+#include "model/friction_law.hpp"
 #include "model/params.hpp"
 #include "numerics/kinked_quadratic.hpp"
 

@@ -1,11 +1,76 @@
-// Friction of one wheel direction as types, so that a model is compiled with the law that it has.
+// Friction of one wheel direction: the law as a whole, and the types with which a model is
+// compiled.
+//
+// What a solver needs of the law (force, dissipation, bounds at rest, slope) stands here. Only the
+// vector kernels have copies: Packed... in kernels/rk4_kernel.hpp.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/params.hpp"
 
 namespace serpenoid {
+
+// The set-valued law of one direction of a wheel: the force -(c v + F0 sgn v), with c and F0 by the
+// sign of v, and at rest any force between both ends. At rest the force is thrust - bound s with s
+// in [-1, 1]; where the wheel slides, s is the sign of v. A step that keeps c has the potential
+// c v^2/2 + bound |v| - thrust v, whose minimum convex problems look for.
+class WheelLaw {
+  public:
+    WheelLaw(double c, double c_back, double f0, double f0_back)
+        : bound(f0 == f0_back ? f0 : 0.5 * (f0 + f0_back)),
+          thrust(0.5 * (f0_back - f0)),
+          c_(c),
+          c_back_(c_back),
+          f0_(f0),
+          f0_back_(f0_back) {}
+
+    static WheelLaw along(const Ground& g) { return {g.ct, g.ct_back, g.ft0, g.ft0_back}; }
+    static WheelLaw across(const Ground& g) { return {g.cn, g.cn, g.fn0, g.fn0}; }
+
+    double bound, thrust;  // N
+
+    // c by the direction in which the wheel goes, N s/m; 0: at rest, the mean of both.
+    double viscous(double direction) const {
+        return direction > 0 ? c_ : direction < 0 ? c_back_ : mean_viscous();
+    }
+    double mean_viscous() const { return c_ == c_back_ ? c_ : 0.5 * (c_ + c_back_); }
+    bool one_viscous() const { return c_ == c_back_; }  // the same both ways
+
+    // N, at the speed v with the multiplier s.
+    double force(double v, double s) const { return -viscous(s) * v - (bound * s - thrust); }
+    // What friction takes at the speed v, W.
+    double dissipation(double v) const {
+        return viscous(v) * v * v + (v < 0 ? f0_back_ : f0_) * std::fabs(v);
+    }
+
+    // Whether something changes when the wheel stops.
+    bool has_modes() const { return bound > 0 || !one_viscous(); }
+
+    // The bound over the force that is little or much to a wheel that rests: the weaker end, or the
+    // force that `moves` the links where the stronger end is next to no bound at all.
+    double grip(double moves) const {
+        if (f0_ == f0_back_) return 1;
+        const double weak = std::min(f0_, f0_back_), strong = std::max(f0_, f0_back_);
+        return bound / std::min(strong, std::max(weak, moves));
+    }
+
+    // The least force at which a wheel that rests gives way; 0 without dry friction.
+    double least() const {
+        if (f0_ == 0 || f0_back_ == 0) return std::max(f0_, f0_back_);
+        return std::min(f0_, f0_back_);
+    }
+
+  private:
+    double c_, c_back_, f0_, f0_back_;
+};
+
+// The least force at which any wheel gives way; 0 without dry friction.
+inline double least_dry(const Ground& g) {
+    const double t = WheelLaw::along(g).least(), n = WheelLaw::across(g).least();
+    return t == 0 || n == 0 ? std::max(t, n) : std::min(t, n);
+}
 
 // No friction at all, for which momentum is conserved.
 struct Frictionless {
@@ -19,6 +84,8 @@ struct Viscous {
     explicit Viscous(const Ground& g, double = 0) : ct(g.ct), cn(g.cn) {}
     double along(double v) const { return -ct * v; }
     double across(double v) const { return -cn * v; }
+    double slope_along(double) const { return -ct; }  // derivatives by v
+    double slope_across(double) const { return -cn; }
     double ct, cn;
 };
 
@@ -46,6 +113,11 @@ struct Smoothed {
     double soft(double v) const { return v / std::sqrt(v * v + square); }
     double along(double v) const { return -(ground.ct * v + ground.ft0 * soft(v)); }
     double across(double v) const { return -(ground.cn * v + ground.fn0 * soft(v)); }
+    double soft_slope(double v) const {
+        const double w = v * v + square;
+        return square / (w * std::sqrt(w));
+    }
+    double slope_across(double v) const { return -(ground.cn + ground.fn0 * soft_slope(v)); }
     Ground ground;
     double square;
 };
@@ -68,11 +140,16 @@ struct SmoothedRatchet : Smoothed {
         : Smoothed(g, width_m_s),
           ct_half(0.5 * (g.ct - g.ct_back)),
           ft0_half(0.5 * (g.ft0 - g.ft0_back)) {
-        ground.ct = g.ct_mean(), ground.ft0 = g.ft0_mean();
+        const WheelLaw law = WheelLaw::along(g);
+        ground.ct = law.mean_viscous(), ground.ft0 = law.bound;
     }
     double along(double v) const {
         const double s = soft(v);
         return -((ground.ct + ct_half * s) * v + (ground.ft0 + ft0_half * s) * s);
+    }
+    double slope_along(double v) const {
+        const double s = soft(v), ds = soft_slope(v);
+        return -(ground.ct + ct_half * (s + v * ds) + (ground.ft0 + 2 * ft0_half * s) * ds);
     }
     double ct_half, ft0_half;
 };

@@ -1,8 +1,6 @@
 // The three things every model is made of, in SI units and radians; Python has checked the ranges.
 #pragma once
 
-#include <algorithm>
-#include <initializer_list>
 #include <vector>
 
 // The small parts of which a right-hand side is composed: with dozens of compositions in one
@@ -29,27 +27,6 @@ struct Ground {
     bool viscous() const { return ct > 0 || ct_back > 0 || cn > 0; }
     bool ratchet() const { return ct != ct_back || ft0 != ft0_back; }
     bool smooth() const { return !dry() && ct == ct_back; }  // a smooth function of the speed
-
-    // The dry force along a link is `thrust`, and -ft0_mean sgn v with its whole interval at rest.
-    double ft0_mean() const { return ft0 == ft0_back ? ft0 : 0.5 * (ft0 + ft0_back); }
-    double thrust() const { return 0.5 * (ft0_back - ft0); }
-    double ct_mean() const { return ct == ct_back ? ct : 0.5 * (ct + ct_back); }
-    // By which way a wheel goes; 0 where it rests.
-    double ct_going(double way) const { return way > 0 ? ct : way < 0 ? ct_back : ct_mean(); }
-    // ft0_mean over the force that is little or much to a wheel that rests: the weaker bound, or
-    // the force that `moves` the links where the stronger one is next to no bound at all.
-    double grip(double moves) const {
-        if (ft0 == ft0_back) return 1;
-        const double weak = std::min(ft0, ft0_back), strong = std::max(ft0, ft0_back);
-        return ft0_mean() / std::min(strong, std::max(weak, moves));
-    }
-    // The least force at which any wheel gives way; 0 without dry friction.
-    double least_dry() const {
-        double least = 0;
-        for (const double f : {ft0, ft0_back, fn0})
-            if (f > 0 && (least == 0 || f < least)) least = f;
-        return least;
-    }
 };
 
 // Acceleration of gravity along the plane of the ground, m/s^2, ground frame; 0 on the level.

@@ -14,7 +14,7 @@ std::unique_ptr<System> make_sticking(const RunRequest& q) {
     constexpr double kAtRest = 1e-3;     // of what a step may err by
     constexpr double kRounding = 1e-10;  // a tolerance below which that would be rounding
     RunRequest slippery = q;
-    slippery.ground = {q.ground.ct_mean(), q.ground.cn, 0, 0};
+    slippery.ground = {WheelLaw::along(q.ground).mean_viscous(), q.ground.cn, 0, 0};
     slippery.servo.gear_friction = 0;
     const double speed = 2 * q.robot.l * q.robot.n * rate_unit(q);
     const double moves = q.robot.n * q.robot.m * speed * rate_unit(q);

@@ -19,14 +19,14 @@ StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const Run
                                double at_rest, double moves)
     : System(*slippery),
       inner_(std::move(slippery)),
-      ground_(q.ground),
+      along_(WheelLaw::along(q.ground)),
+      ratchet_(q.ground.ratchet()),
       length_(2 * q.robot.l),
       at_rest_(at_rest) {
-    const Ground& g = ground_;
-    const bool along = g.ft0_mean() > 0 || g.ct != g.ct_back;
+    const WheelLaw across = WheelLaw::across(q.ground);
     for (int i = 0; i < chain.n(); ++i) {
-        if (along) ways_.push_back({i, Kind::along, g.ft0_mean(), g.grip(moves)});
-        if (g.fn0 > 0) ways_.push_back({i, Kind::across, g.fn0, 1});
+        if (along_.has_modes()) ways_.push_back({i, Kind::along, along_.bound, along_.grip(moves)});
+        if (across.has_modes()) ways_.push_back({i, Kind::across, across.bound, 1});
     }
     for (int i = 0; i + 1 < chain.n() && gear_friction(q) > 0; ++i)
         if (q.faults.empty() || q.faults[i] == Fault::none)
@@ -70,8 +70,8 @@ void StickingSystem::let_go() { chain.fx = free_x_, chain.fy = free_y_, inner_->
 // What a ratchet has beside the mean of both ways.
 void StickingSystem::differ(const Way& w) {
     const int i = w.link;
-    const double more = ground_.ct_going(w.sign) - ground_.ct_mean();
-    const double f = ground_.thrust() - more * speed(w);
+    const double more = along_.viscous(w.sign) - along_.mean_viscous();
+    const double f = along_.thrust - more * speed(w);
     chain.fx[i] += f * chain.c[i], chain.fy[i] += f * chain.s[i];
 }
 
@@ -79,7 +79,7 @@ void StickingSystem::differ(const Way& w) {
 void StickingSystem::slide(double t, const double* y) {
     inner_->load(t, y);
     for (const Way& w : ways_) {
-        if (ground_.ratchet() && w.kind == Kind::along) differ(w);
+        if (ratchet_ && w.kind == Kind::along) differ(w);
         if (w.sign != 0) push(w, -w.sign);
     }
     inner_->accelerate();

@@ -23,6 +23,7 @@
 #include <memory>
 #include <vector>
 
+#include "model/friction_law.hpp"
 #include "numerics/box_quadratic.hpp"
 #include "scene/paired_system.hpp"
 
@@ -58,7 +59,7 @@ class StickingSystem final : public System, public Modes {
         int link;  // of a gear: behind it
         Kind kind;
         double dry;        // bound of its force, N
-        double grip;       // sliding_piece.hpp
+        double grip;       // friction_law.hpp
         int sign = 0;      // 0 rests, else which way it slides
         double share = 0;  // of the bound, while it rests
     };
@@ -73,7 +74,8 @@ class StickingSystem final : public System, public Modes {
     void put_to_rest(const std::vector<int>& ways, double* y);
 
     std::unique_ptr<PairedSystem> inner_;
-    Ground ground_;
+    WheelLaw along_;
+    bool ratchet_;
     double length_, at_rest_;
     bool known_ = false;  // modes have been found before
     std::vector<Way> ways_;

@@ -251,12 +251,13 @@ void ServoSteps::wheels(double h) {
         double* g = contact_[2 * n_ + i].row.data();
         g[i + 2] = -1, g[i + 3] = 1;
     }
+    const WheelLaw along = WheelLaw::along(ground_), across = WheelLaw::across(ground_);
     for (int k = 0; k < static_cast<int>(contact_.size()); ++k) {
         Contact& contact = contact_[k];
         const double* g = contact.row.data();
         contact.before = dot(g, u_.data(), size_);
         if (k >= 2 * n_) continue;
-        const double c = k % 2 ? ground_.cn : ground_.ct_going(contact.before);
+        const double c = (k % 2 ? across : along).viscous(contact.before);
         if (c == 0) continue;
         for (int i = 0; i < size_; ++i) {
             right_[i] -= 0.5 * h * c * contact.before * g[i];

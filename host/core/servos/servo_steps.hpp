@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "drive/servo.hpp"
+#include "model/friction_law.hpp"
 #include "model/gait.hpp"
 #include "model/params.hpp"
 

@@ -29,21 +29,13 @@ class SmoothLaw {
     double along(double v) const { return dry_ ? dry_law_.along(v) : viscous_.along(v); }
     double across(double v) const { return dry_ ? dry_law_.across(v) : viscous_.across(v); }
     double slope_along(double v) const {
-        if (!dry_) return -viscous_.ct;
-        const SmoothedRatchet& f = dry_law_;
-        const double s = f.soft(v), ds = soft_slope(v);
-        return -(f.ground.ct + f.ct_half * (s + v * ds) + (f.ground.ft0 + 2 * f.ft0_half * s) * ds);
+        return dry_ ? dry_law_.slope_along(v) : viscous_.slope_along(v);
     }
     double slope_across(double v) const {
-        if (!dry_) return -viscous_.cn;
-        return -(dry_law_.ground.cn + dry_law_.ground.fn0 * soft_slope(v));
+        return dry_ ? dry_law_.slope_across(v) : viscous_.slope_across(v);
     }
 
   private:
-    double soft_slope(double v) const {
-        const double w = v * v + dry_law_.square;
-        return dry_law_.square / (w * std::sqrt(w));
-    }
     bool dry_;
     Viscous viscous_;
     SmoothedRatchet dry_law_;

@@ -28,10 +28,10 @@ void EventFinder::set_margins(const SlidingMode& mode) {
     }
     for (int a = 0; a < mode.count; ++a) {
         const int wheel = mode.stuck[a];
-        const double unit = piece_.grip(wheel) / force_eps_, mu = piece_.mu(wheel);
+        const double unit = piece_.grip(wheel) / force_eps_, bound = piece_.law(wheel).bound;
         for (int j = 0; j <= s; ++j) {
             const double f = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);
-            margin_[wheel].at[j] = unit * (1 - std::fabs(f) / mu);
+            margin_[wheel].at[j] = unit * (1 - std::fabs(f) / bound);
         }
     }
 }
@@ -74,7 +74,7 @@ ModeEvent EventFinder::first(const SlidingMode& mode, double h) {
     piece_.lowest(margin_.data(), lowest_.data());
     ModeEvent first;
     for (int wheel = 0; wheel < wheels_; ++wheel) {
-        if (!piece_.has_modes(wheel) || lowest_[wheel] >= kBeyond) continue;
+        if (!piece_.law(wheel).has_modes() || lowest_[wheel] >= kBeyond) continue;
         const double at = end_of_wheel(margin_[wheel].at, first.at);
         if (at < first.at) first = {at, wheel, mode.sign[wheel] != 0};
     }

@@ -17,11 +17,11 @@ void EventStep::set_kinks(double h) {
     const double speed = scale_[0] / nm_;
     kinks_.clear(), wheel_of_kink_.clear();
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
-        if (!piece_.has_modes(wheel)) continue;
+        if (!piece_.law(wheel).has_modes()) continue;
         const WheelDirection g = piece_.row(wheel, 1);
         kinks_.push_back({{g.x, g.y, g.r},
                           omega_ * g.e + 1e-13 * speed * apart_[kinks_.size()],
-                          h * piece_.mu(wheel)});
+                          h * piece_.law(wheel).bound});
         wheel_of_kink_.push_back(wheel);
     }
 }
@@ -49,9 +49,11 @@ double EventStep::dissipation(const Vec3& u) const {
                    u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
                    2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
                    omega_ * omega_ * k.dd;
-    for (std::size_t c = 0; c < kinks_.size(); ++c)
-        watts += piece_.mu(wheel_of_kink_[c]) * std::fabs(kinks_[c].at(u)) -
-                 piece_.thrust(wheel_of_kink_[c]) * kinks_[c].at(u);
+    for (std::size_t c = 0; c < kinks_.size(); ++c) {
+        const WheelLaw& law = piece_.law(wheel_of_kink_[c]);
+        const double v = kinks_[c].at(u);
+        watts += law.bound * std::fabs(v) - law.thrust * v;
+    }
     return watts;
 }
 

@@ -47,7 +47,7 @@ SlidingCycle::SlidingCycle(const Robot& robot, const Ground& ground, const Gait&
                            long most_pieces)
     : CycleMap(robot, gait),
       omega_(gait.omega),
-      least_dry_(ground.least_dry()),
+      least_dry_(least_dry(ground)),
       piece_(robot, ground, gait, instruction_sets().front()->stage),
       events_(robot, piece_),
       event_step_(*this, piece_),

@@ -53,13 +53,11 @@ Vec3 least_squares(const Vec3* g, int count, const Vec3& Q) {
 SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait,
                            const kernels::StageKernel& kernel)
     : robot_(robot),
-      ground_(ground),
       omega_(gait.omega),
       nm_(robot.n * robot.m),
       inverse_nm_(1 / nm_),
-      ft0_(ground.ft0_mean()),
-      thrust_(ground.thrust()),
-      grip_(ground.grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
+      law_{WheelLaw::along(ground), WheelLaw::across(ground)},
+      grip_(law_[0].grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
       kernel_(kernel),
       wheel_(2 * robot.n),
       aside_(2 * robot.n),
@@ -83,7 +81,7 @@ void SlidingPiece::shape(int lanes, const Lanes& tau) {
 }
 
 void SlidingPiece::sum(int lanes, const std::vector<double>& way) {
-    for (int c = 0; c < 2 * robot_.n; ++c) viscous_[c] = viscous(c, way[c]);
+    for (int c = 0; c < 2 * robot_.n; ++c) viscous_[c] = law(c).viscous(way[c]);
     kernel_.sums(2 * robot_.n, lanes, wheel_.data(), viscous_.data(), dry_.data(), sums_);
     for (int j = 0; j < lanes; ++j) {
         Node& k = node_[j];
@@ -96,7 +94,7 @@ void SlidingPiece::sum(int lanes, const std::vector<double>& way) {
 void SlidingPiece::set_nodes(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
 
 void SlidingPiece::sum_nodes(const std::vector<double>& way) {
-    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -thrust(c);
+    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -law(c).thrust;
     sum(2, way);
 }
 
@@ -193,7 +191,7 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
     for (int j = 0; j < s; ++j) phase.at[j + 1] = tau + h * rule.c[j];
     phase.at[s + 1] = tau + h * kBetween;
     shape(s + 2, phase);
-    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = mu(c) * mode.sign[c] - thrust(c);
+    for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = law(c).bound * mode.sign[c] - law(c).thrust;
     sum(s + 1, mode.sign);
     Y_.fill(p0);
     double size = HUGE_VAL;
@@ -301,7 +299,7 @@ double SlidingPiece::error(const Vec3& scale) const {
     const Vec3 x = least_squares(g, mode_->count, Q);
     double most = 0, force = 0, outweighs = 0;
     for (int a = 0; a < mode_->count; ++a) {
-        const double bound = mu(mode_->stuck[a]) / grip(mode_->stuck[a]);
+        const double bound = law(mode_->stuck[a]).bound / grip(mode_->stuck[a]);
         force = std::max(force, std::fabs(omega_ * x[a] - stuck_force(a, 0)) / bound);
         outweighs = std::max(outweighs, bound / (2 * omega_ * scale[0]));
     }

@@ -20,6 +20,7 @@
 
 #include "body/body_shape.hpp"
 #include "kernels/kernel_table.hpp"
+#include "model/friction_law.hpp"
 #include "model/gait.hpp"
 #include "model/params.hpp"
 #include "numerics/dense.hpp"
@@ -68,16 +69,8 @@ class SlidingPiece {
     Vec3 velocity(const Node& node, const Vec3& p) const {
         return {p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * node.K) * node.iJ};
     }
-    double mu(int wheel) const { return wheel % 2 ? ground_.fn0 : ft0_; }
-    double thrust(int wheel) const { return wheel % 2 ? 0 : thrust_; }
-    double viscous(int wheel, double way) const {
-        return wheel % 2 ? ground_.cn : ground_.ct_going(way);
-    }
-    // Whether its mode ends when it stops.
-    bool has_modes(int wheel) const {
-        return mu(wheel) > 0 || (wheel % 2 == 0 && ground_.ct != ground_.ct_back);
-    }
-    // mu over the force that counts as little or much for a wheel that is held.
+    const WheelLaw& law(int wheel) const { return law_[wheel % 2]; }
+    // The bound over the force that counts as little or much for a wheel that is held.
     double grip(int wheel) const { return wheel % 2 ? 1 : grip_; }
 
     // Solve over h of phase from tau. False when Newton's method does not come to a step below
@@ -119,8 +112,9 @@ class SlidingPiece {
     Vec3 direction(int wheel, int j) const;
 
     Robot robot_;
-    Ground ground_;
-    double omega_, nm_, inverse_nm_, ft0_, thrust_, grip_;
+    double omega_, nm_, inverse_nm_;
+    std::array<WheelLaw, 2> law_;  // along links, across them
+    double grip_;
     std::vector<double> cosine_, sine_;  // of the joints' angles
     kernels::CycleChain chain_;
     kernels::StageKernel kernel_;

@@ -65,7 +65,7 @@ void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
     constexpr double kSlow = 20;  // a fifth of a tolerance of speed, in units of the aim
     constexpr double kFinest = 1e-7;
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
-        if (mode.sign[wheel] == 0 || piece_.mu(wheel) == 0) continue;
+        if (mode.sign[wheel] == 0 || piece_.law(wheel).bound == 0) continue;
         if (events_.lowest(wheel) >= kSlow) {
             fresh_[wheel] = 0;
             continue;
@@ -74,7 +74,7 @@ void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
         Stretch<SlidingPiece::kStages> whole{0, 1, p.bernstein()};
         if (x < 1) whole = whole.cut(x);
         if (!fresh_[wheel])
-            work_.doubtful += piece_.mu(wheel) * reach_ * h * whole.below(kSlow, kFinest);
+            work_.doubtful += piece_.law(wheel).bound * reach_ * h * whole.below(kSlow, kFinest);
         if (p(x) >= kSlow) fresh_[wheel] = 0;
     }
 }
