@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..model.errors import NotConverged
 from .robot import JOINT_RATE_RAD_S, LabRobot
 
+LEAD_RATE_RAD_S = 8.0  # of a servo that follows set-points
 STEP_S = 0.004  # of the motion; ten times shorter ones turn the zigzag of 6 s 0.005 deg less
 SLEW_M_S2 = 0.25  # a belt's own haste
 HALF_WIDTH_M, HALF_LENGTH_M = 0.22, 0.6  # of the belt that a robot's centre may be on
@@ -37,6 +38,7 @@ class Belt:
     def __init__(self, robot: LabRobot, *, gravity_m_s2: float = 9.81, step_s: float = STEP_S):
         self.robot = robot
         self.t_s = 0.0
+        self.moved_m = 0.0  # by the belt, uphill
         self._chain, self._gravity, self._step_s = robot.chain(), gravity_m_s2, step_s
         self._pose, self._offset = [0.0] * (robot.body.links - 1), 0.0
         self._facing_rad = 0.0
@@ -63,6 +65,7 @@ class Belt:
     def pose(self, set_rad: Sequence[float]) -> None:
         """Bend the robot, off the belt: what its joints are told."""
         self._pose, self._offset = list(set_rad), 0.0
+        self._chain.set_joints(self._joints())
 
     def guide(self, guided: bool) -> None:
         """Put rails at both sides of the robot, which keep its heading and place, or take them."""
@@ -72,6 +75,11 @@ class Belt:
         """Add an offset to every joint, while the robot is where it is."""
         self._offset = offset_rad
         self._chain.aim(self._joints(), JOINT_RATE_RAD_S)
+
+    def lead(self, set_rad: Sequence[float]) -> None:
+        """Let the joints go to set-points that move, where the robot is."""
+        self._pose, self._offset = list(set_rad), 0.0
+        self._chain.aim(self._joints(), LEAD_RATE_RAD_S)
 
     def put(
         self, across_m: float = 0.0, heading_rad: float = 0.0, facing: str = "down",
@@ -98,6 +106,7 @@ class Belt:
             if not self._chain.advance(dt, self._step_s):
                 raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
             self.t_s += dt
+            self.moved_m += self._speed * dt
             left -= dt
 
     def look(self) -> Sight:

@@ -29,7 +29,7 @@ from .wire.encoding import degrees, digits, word
 from .wire.error_table import refused
 from .wire.greeting import greet
 from .wire.inbox import Losses
-from .wire.link import open_link
+from .wire.link import Link, open_link
 from .wire.protocol import Data, Hello, Telemetry, Verdict
 from .wire.reports import Status, Trim, settings_of, status_of, trims_of
 
@@ -47,10 +47,10 @@ class RobotBoard:
 
     port: such as "/dev/ttyACM0"; None finds the board by its USB id; "virtual" is the firmware's
     own controller in this process, "virtual:fast" the same as fast as it goes, and
-    "virtual:joints=9" one with so many joints. record: a file that takes every line of the run as
-    it comes. timeout_s: how long to wait for the board's greeting. unattended_s: if the program
-    calls nothing for so long (iterating frames() counts as calling), it is taken to hang: the
-    robot is stopped and the next call raises.
+    "virtual:joints=9" one with so many joints; a Link is taken as it is. record: a file that takes
+    every line of the run as it comes. timeout_s: how long to wait for the board's greeting.
+    unattended_s: if the program calls nothing for so long (iterating frames() counts as calling),
+    it is taken to hang: the robot is stopped and the next call raises.
 
     When the block ends, also by an exception, Ctrl-C, SIGTERM or SIGHUP, the robot is stopped
     first. If the board did not confirm that, StopUnconfirmed is raised; beside an error of the
@@ -66,7 +66,7 @@ class RobotBoard:
 
     def __init__(
         self,
-        port: str | None = None,
+        port: str | Link | None = None,
         *,
         record: Path | None = None,
         timeout_s: float = 5.0,

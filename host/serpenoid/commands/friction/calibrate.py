@@ -14,6 +14,7 @@ from ..options import AS_JSON, doubt_robot, show_json
 from ..paths import OutFile
 from .calibrate_new import new
 from .calibrate_person import count, program, with_a_person
+from .calibrate_practice import practice
 
 if TYPE_CHECKING:
     from ...calibration.taking.journal import Journal
@@ -44,6 +45,7 @@ def calibrate() -> None:
 
 
 calibrate.add_command(new)
+calibrate.add_command(practice)
 
 
 @calibrate.command()

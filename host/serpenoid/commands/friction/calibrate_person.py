@@ -13,17 +13,19 @@ if TYPE_CHECKING:
     from ...calibration.taking.person.session_robot import SessionRobot
     from ...calibration.taking.person.terminal import Console
     from ...robot.robot_match import RobotMatch
+    from ...robot.wire.link import Link
 
 BY_HAND = "by hand"  # what the page's script goes by, too
 
 
 def with_a_person(
-    folder: Path, port: str | None, patience_s: float, with_page: bool, lan: bool,
-    window: bool | None = None,
+    folder: Path, port: str | Link | None, patience_s: float, with_page: bool, lan: bool,
+    window: bool | None = None, console: Any = None,
 ) -> None:  # fmt: skip
     """Take or resume a session at the terminal; exit status 1 where the robot was lost.
 
-    window: whether to open one for the picture; None where there is a display.
+    window: whether to open one for the picture; None where there is a display. console: another
+    terminal than standard input and output.
     """
     from contextlib import ExitStack, suppress
 
@@ -34,7 +36,7 @@ def with_a_person(
     from ...calibration.taking.person.session_robot import SessionRobot
     from ...calibration.taking.person.terminal import Console
 
-    console = Console()
+    console = console or Console()
     with ExitStack() as stack:
         journal = stack.enter_context(Journal(folder))
         for note in journal.session.notes:

@@ -90,11 +90,14 @@ def missing(port: str) -> PortMissing:
     return PortMissing(f"there is no port {port}; serial ports here: {there}")
 
 
-def open_link(port: str | None) -> Link:
+def open_link(port: str | Link | None) -> Link:
     """Open a port by name, or a virtual board; None finds the board by its USB id.
 
-    Raises PortMissing or PortBusy, which name the likely cause and its cure; BadInput.
+    A link is taken as it is. Raises PortMissing or PortBusy, which name the likely cause and its
+    cure; BadInput.
     """
+    if not (port is None or isinstance(port, str)):
+        return port
     if port is not None and port.partition(":")[0] == "virtual":
         from .virtual import virtual_link
 

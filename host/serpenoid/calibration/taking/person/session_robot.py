@@ -11,6 +11,7 @@ from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
 from ....robot.robot import RobotBoard
 from ....robot.robot_match import RobotMatch
+from ....robot.wire.link import Link
 
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
 SILENCE_S = 2.0
@@ -26,7 +27,7 @@ class SessionRobot:
     will do. Raises what RobotBoard raises, BadInput if this is another.
     """
 
-    def __init__(self, port: str | None, match: RobotMatch | None = None):
+    def __init__(self, port: str | Link | None, match: RobotMatch | None = None):
         self._match = match
         self._robot = RobotBoard(port, unattended_s=HOURS_S)
         self.powered = False

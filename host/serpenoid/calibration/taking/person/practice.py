@@ -1,0 +1,205 @@
+"""Practice at a desk: a treadmill of the lab whose truth is drawn by a seed, worked by words."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ....lab.instruments import Instrument
+from ....lab.person import Display
+from ....lab.practice import PracticeTreadmill, SetPoints
+from ....model.errors import BadInput
+from ....model.ground import Ground
+from ...session import Session, Setup
+from ..simulated import Truth
+from .terminal import Terminal
+
+SOURCE = re.compile(r"practice treadmill, seed (\d+)")
+USUAL = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # the 2005 robot's, whole snake
+SPREAD, ZERO_RAD, SCALE, JOINT_RAD = 0.15, math.radians(0.15), 0.02, math.radians(0.5)
+LONGEST_WAIT_S = 600.0
+HELP = """\
+The treadmill is worked by words, or on its page:
+  belt 1.6      belt speed in km/h; belt +, belt - by a step
+  incline 4     in %; incline +, incline - by a step
+  put           lay the robot on the belt and let go (put up: head uphill); take: off again
+  left, right   steer by a step (left 4: four steps)
+  look          where the robot is, as a picture
+  mark          ruler and watch; again: how far and how long, and so the drift
+  inclinometer  what it shows; turned: laid the other way round
+  protractor    what it shows between the links at both ends
+  wait 20       let 20 s pass"""
+
+
+@dataclass(frozen=True)
+class PracticeTruth:
+    """What whoever practises is to find out."""
+
+    ground: Ground
+    zero_rad: float
+    belt_scale: float
+    deck_rad: float
+
+    @classmethod
+    def drawn(cls, seed: int) -> PracticeTruth:
+        """Draw one; the same seed gives the same."""
+        rng = np.random.default_rng([seed, 2005])
+        frictions = {k: v * math.exp(SPREAD * rng.normal()) for k, v in USUAL.items()}
+        zero, scale, deck = rng.normal(size=3)
+        return cls(
+            Ground(**frictions), ZERO_RAD * float(zero), 1.0 + SCALE * float(scale),
+            math.radians(0.1 * float(np.clip(deck, -2, 2))),
+        )  # fmt: skip
+
+    def in_words(self) -> str:
+        """Return it in a line."""
+        g = self.ground
+        return (
+            f"the truth, whole snake: ct {g.ct_forward:.4g} N s/m, cn {g.cn:.4g} N s/m, ft0 "
+            f"{g.ft0_forward:.4g} N, fn0 {g.fn0:.4g} N; inclinometer's zero "
+            f"{math.degrees(self.zero_rad):+.2f} deg, belt {self.belt_scale:.3f} of shown"
+        )
+
+
+def practice_setup(setup: Setup, seed: int) -> Setup:
+    """Return a set-up that says that it is practice, and of which seed."""
+    return replace(
+        setup, kind="simulated", source=f"practice treadmill, seed {seed}",
+        note="practice: no measurement", surface="practice belt", weighed=True,
+    )  # fmt: skip
+
+
+def practice_seed(session: Session) -> int:
+    """Return the seed of a session of practice; raises BadInput for any other."""
+    found = SOURCE.fullmatch(session.setup.source)
+    if found is None:
+        raise BadInput(
+            f"{session.folder} is no session of practice ({session.setup.source!r}); give another "
+            "folder"
+        )
+    return int(found[1])
+
+
+def practice_treadmill(
+    setup: Setup, seed: int, set_points: SetPoints, pace: float
+) -> PracticeTreadmill:
+    """Return the treadmill of a session, with the truth of its seed."""
+    drawn, steps, errs = PracticeTruth.drawn(seed), setup.treadmill, setup.uncertainty
+    robot = Truth(drawn.ground, joint_sigma_rad=JOINT_RAD).robot(
+        setup.robot, np.random.default_rng(seed)
+    )
+    return PracticeTreadmill(
+        robot, set_points,
+        Display(
+            steps.belt_step_m_s, drawn.belt_scale, steps.belt_least_m_s,
+            errs.belt_speed_sigma_m_s / 2,
+        ),
+        Instrument(drawn.zero_rad, step=errs.incline_sigma_rad * math.sqrt(12)),
+        grade_step=steps.incline_step_rad, deck_rad=drawn.deck_rad,
+        protractor_rad=errs.lambda_sigma_rad, seed=seed, pace=pace,
+    )  # fmt: skip
+
+
+class PracticeTerminal:
+    """A terminal that works the treadmill, too: what is no word of it goes to the dialogue."""
+
+    def __init__(self, terminal: Terminal, treadmill: PracticeTreadmill, pace: float = 1.0):
+        self._terminal, self._treadmill, self._pace = terminal, treadmill, pace
+        self.keys: Mapping[str, Callable[[], str]] = {}
+        self._words = {
+            "belt": self._belt, "incline": self._incline, "wait": self._wait,
+            "left": self._steer("left"), "right": self._steer("right"),
+            "put": lambda given: treadmill.put("up" if given == "up" else "down"),
+            "look": lambda given: f"{picture(treadmill)}\n  {treadmill.look()}",
+            "treadmill": lambda given: HELP,
+            **{name: self._button(name)
+               for name in ("take", "mark", "inclinometer", "turned", "protractor")},
+        }  # fmt: skip
+
+    def say(self, text: str) -> None:
+        """Show a line or more."""
+        self._terminal.say(text)
+
+    def forget(self) -> None:
+        """Drop what was typed ahead."""
+        self._terminal.forget()
+
+    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
+        """Return the next line that is not for the treadmill; None if none came in time."""
+        if hasattr(self._terminal, "keys"):
+            self._terminal.keys = self.keys  # type: ignore[attr-defined]
+        while True:
+            line = self._terminal.ask(prompt, patience_s, tick)
+            word, _, given = (line or "").strip().lower().partition(" ")
+            if line is None or word not in self._words:
+                return line
+            self.say("  " + self._words[word](given.strip()))
+
+    def _button(self, name: str) -> Callable[[str], str]:
+        return lambda given: self._treadmill.buttons[name]()
+
+    def _belt(self, given: str) -> str:
+        room = self._treadmill
+        if given in ("+", "-"):
+            return room.buttons["faster" if given == "+" else "slower"]()
+        shown = _number(given, ("km/h", "kmh"))
+        if shown is None:
+            return "say how fast in km/h: belt 1.6; or belt +, belt -"
+        return room.set_belt(round(shown / 3.6 / room.belt_step_m_s))
+
+    def _incline(self, given: str) -> str:
+        room = self._treadmill
+        if given in ("+", "-"):
+            return room.buttons["steeper" if given == "+" else "flatter"]()
+        shown = _number(given, ("%",))
+        if shown is None:
+            return "say how steep in %: incline 4; or incline +, incline -"
+        return room.set_grade(round(shown / 100 / room.grade_step))
+
+    def _wait(self, given: str) -> str:
+        seconds = _number(given, ("s",))
+        if seconds is None or not 0 < seconds <= LONGEST_WAIT_S:
+            return f"say how long in s, at most {LONGEST_WAIT_S:g}: wait 20"
+        time.sleep(seconds / self._pace)
+        return self._treadmill.look()
+
+    def _steer(self, way: str) -> Callable[[str], str]:
+        def steer(given: str) -> str:
+            steps = _number(given or "1", ())
+            if way not in self.keys or steps is None or not 0 < steps <= 40:
+                return "no robot to steer, or no number of steps from 1 to 40"
+            return [self.keys[way]() for _ in range(int(steps))][-1]
+
+        return steer
+
+
+def _number(text: str, units: tuple[str, ...]) -> float | None:
+    for unit in units:
+        text = text.removesuffix(unit).strip()
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def picture(treadmill: PracticeTreadmill, columns: int = 61, rows: int = 9) -> str:
+    """Return the robot on the belt from above in characters, downhill to the right."""
+    state = treadmill.state()
+    grid = [["."] * columns for _ in range(rows)]
+    grid[rows // 2][columns // 2] = "+"
+    if state["lies"]:
+        ends = np.array(state["chain"])
+        for t in np.linspace(0.0, len(ends) - 1.0, 200):
+            x, y = (float(np.interp(t, np.arange(len(ends)), way)) for way in ends.T)
+            column = round((columns - 1) * (x + 0.62) / 1.24)
+            row = round((rows - 1) * (0.22 - y) / 0.44)
+            if 0 <= column < columns and 0 <= row < rows:
+                grid[row][column] = "O" if t > len(ends) - 1.4 else "#"
+    lines = ["".join(row) for row in grid]
+    return "\n  ".join(["uphill, the belt runs here <<" + " " * 20 + "downhill", *lines])

@@ -1,0 +1,115 @@
+"""`serpenoid calibrate practice`: the afternoon at the treadmill, learnt at a desk."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from ...calibration.taking.person.practice import PracticeTerminal
+    from ...lab.practice import PracticeTreadmill
+
+PICTURE_S = 0.1
+
+
+@click.command()
+@click.argument("folder", type=click.Path(file_okay=False, path_type=Path),
+                default=Path("practice-session"))  # fmt: skip
+@click.option("--seed", type=click.IntRange(0, 10**6), help="Of the truth that is to be found; "
+              "drawn unless given.")  # fmt: skip
+@click.option("--pace", type=click.FloatRange(0.1, 50.0), default=1.0, show_default=True,
+              help="How many seconds pass at the treadmill in one of the clock.")  # fmt: skip
+@click.option("--page/--no-page", "with_page", default=True, show_default=True,
+              help="Serve the treadmill as a page: a picture, and buttons.")  # fmt: skip
+@click.option("--lan", is_flag=True, help="The page is reachable from a phone in the same net.")
+def practice(folder: Path, seed: int | None, pace: float, with_page: bool, lan: bool) -> None:
+    """Learn the afternoon at a desk: the real dialogue, a robot on a treadmill of the lab.
+
+    The robot obeys the equations of motion: it yaws and rolls off unless you steer it. Its
+    friction is told at the end. The session goes on where it was left, as a real one.
+    """
+    from ...calibration.session_file import read_session
+    from ...calibration.taking.person.practice import (
+        HELP,
+        PracticeTerminal,
+        PracticeTruth,
+        practice_seed,
+        practice_treadmill,
+    )
+    from ...calibration.taking.person.terminal import Console
+    from ...robot.wire.virtual import VirtualLink
+    from .calibrate_person import with_a_person
+
+    if lan and not with_page:
+        raise click.UsageError("--lan goes with --page")
+    _begin(folder, seed)
+    session = read_session(folder)
+    drawn, link = practice_seed(session), VirtualLink(joints=session.setup.robot.links - 1)
+    room = practice_treadmill(session.setup, drawn, link.set_points_rad, pace).start()
+    terminal = PracticeTerminal(Console(), room, pace)
+    terminal.say(HELP + "\nThese words once more: treadmill.")
+    try:
+        with _page(room, terminal, lan) if with_page else _nothing():
+            with_a_person(folder, link, 1e9, False, False, False, terminal)
+    finally:
+        room.stop()
+        session = read_session(folder)
+        if len(session.kept) >= 4:
+            terminal.say(f"\n{PracticeTruth.drawn(drawn).in_words()}; `serpenoid fit {folder}`")
+
+
+def _begin(folder: Path, seed: int | None) -> None:
+    """Make the session's folder unless it is there; refuse another seed than it has."""
+    from ...calibration.session_file import read_session
+    from ...calibration.taking.new_session import create_session, default_setup
+    from ...calibration.taking.person.practice import practice_seed, practice_setup
+    from ...model.errors import BadInput
+
+    if (folder / "session.toml").exists():
+        has = practice_seed(read_session(folder))
+        if seed not in (None, has):
+            raise BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
+        return
+    import secrets
+
+    drawn = secrets.randbelow(10**6) if seed is None else seed
+    create_session(folder, practice_setup(default_setup(folder.resolve().name), drawn))
+
+
+@contextmanager
+def _nothing() -> Iterator[None]:
+    yield
+
+
+@contextmanager
+def _page(room: PracticeTreadmill, terminal: PracticeTerminal, lan: bool) -> Iterator[None]:
+    """Serve the treadmill while this lasts."""
+    from importlib.resources import files
+
+    from ...show.pages.server import Page
+
+    def steer(way: str) -> Any:
+        return lambda: terminal.keys[way]() if way in terminal.keys else "no robot to steer yet"
+
+    html = files("serpenoid.show.session").joinpath("practice.html").read_text(encoding="utf-8")
+    buttons = room.buttons | {way: steer(way) for way in ("left", "right")}
+    ended = threading.Event()
+    with Page(html, lan=lan, buttons=buttons) as page:
+
+        def publish() -> None:
+            while not ended.wait(PICTURE_S):
+                page.publish(room.state())
+
+        thread = threading.Thread(target=publish, daemon=True)
+        thread.start()
+        terminal.say(f"the treadmill: {page.url}")
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()

@@ -1,0 +1,218 @@
+"""A treadmill to practise at: it runs by the clock, and whoever practises sets and reads it."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from .belt import Belt
+from .instruments import RULER_M, Instrument
+from .person import Display
+from .robot import LabRobot
+
+TICK_S = 0.04
+MOST_BEHIND_S = 1.0  # of the world's time: a computer that slept is not made up for
+MOST_GRADE_STEPS = 30  # 15 % in steps of 0.5 %
+MOST_BELT_M_S = 4.0
+LET_GO_M_S, LET_GO_RAD, LET_GO_RAD_S = 0.02, math.radians(1.5), math.radians(2.0)
+DISPLAY, INCLINOMETER_RAD = Display(), Instrument(step=math.radians(0.1))
+SetPoints = Callable[[], Sequence[float]]
+
+
+class PracticeTreadmill:
+    """A robot on a treadmill that runs by the clock from start() to stop().
+
+    set_points: where the robot's joints are told to stand now, rad, such as a virtual board's.
+    inclinometer_rad: with the zero that is to be found. grade_step: of the treadmill's incline, as
+    a tangent. deck_rad: how the deck lies where the treadmill says 0. pace: how many seconds pass
+    in one of the clock.
+    """
+
+    def __init__(
+        self, robot: LabRobot, set_points: SetPoints, display: Display = DISPLAY,
+        inclinometer_rad: Instrument = INCLINOMETER_RAD, *,
+        grade_step: float = 0.005, deck_rad: float = 0.0, protractor_rad: float = 0.007,
+        seed: int = 0, pace: float = 1.0,
+    ):  # fmt: skip
+        self.belt = Belt(robot)
+        self._set_points, self._display = set_points, display
+        self._inclinometer_rad, self._protractor_rad = inclinometer_rad, protractor_rad
+        self._grade_step, self._deck_rad, self._pace = grade_step, deck_rad, pace
+        self._rng = np.random.default_rng(seed)
+        self._grade = self._shown_steps = 0
+        self._facing = "down"
+        self._lies = False  # on the belt; else in somebody's hand
+        self._mark: tuple[float, float] | None = None
+        self._lock = threading.RLock()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._go_on, daemon=True)
+        self.belt.tilt(deck_rad)
+        self.buttons: dict[str, Callable[[], str]] = {
+            "faster": lambda: self.set_belt(self._shown_steps + 1),
+            "slower": lambda: self.set_belt(self._shown_steps - 1),
+            "steeper": lambda: self.set_grade(self._grade + 1),
+            "flatter": lambda: self.set_grade(self._grade - 1),
+            "put": self.put, "put_up": lambda: self.put("up"), "take": self.take,
+            "mark": self.mark, "inclinometer": self.inclinometer,
+            "turned": lambda: self.inclinometer(turned=True), "protractor": self.protractor,
+        }  # fmt: skip
+
+    def start(self) -> PracticeTreadmill:
+        """Let time pass from now on."""
+        self._thread.start()
+        return self
+
+    def stop(self) -> None:
+        """Let no more time pass."""
+        self._ended.set()
+        self._thread.join()
+
+    def _go_on(self) -> None:
+        last = time.monotonic()
+        while not self._ended.wait(TICK_S):
+            now = time.monotonic()
+            self.pass_time(min((now - last) * self._pace, MOST_BEHIND_S * self._pace))
+            last = now
+
+    def pass_time(self, duration_s: float) -> None:
+        """Let the world's time pass, the joints going where they are told."""
+        with self._lock:
+            told = list(self._set_points())
+            if not self._lies:
+                self.belt.pose(told)
+                self.belt.t_s += duration_s
+                return
+            self.belt.lead(told)
+            self.belt.wait(max(duration_s, 1e-4))
+            if self.belt.off:
+                self._lies = False
+
+    @property
+    def belt_step_m_s(self) -> float:
+        """Return the step of the belt's display."""
+        return self._display.step_m_s
+
+    @property
+    def grade_step(self) -> float:
+        """Return the step of the treadmill's incline, as a tangent."""
+        return self._grade_step
+
+    @property
+    def belt_shown_m_s(self) -> float:
+        """Return what the treadmill shows."""
+        return self._shown_steps * self._display.step_m_s
+
+    def set_belt(self, steps: int) -> str:
+        """Set the belt, in steps of its display; return what it shows."""
+        with self._lock:
+            least = math.ceil(self._display.least_m_s / self._display.step_m_s - 1e-9)
+            most = int(MOST_BELT_M_S / self._display.step_m_s)
+            before, steps = self._shown_steps, min(max(steps, 0), most)
+            if 0 < steps < least:
+                steps = least if steps > before else 0
+            self._shown_steps = steps
+            off = self._display.scatter_m_s * float(self._rng.normal()) if steps else 0.0
+            self.belt.run(max(self.belt_shown_m_s * self._display.scale + off, 0.0))
+            return self.belt_in_words()
+
+    def belt_in_words(self) -> str:
+        """Return what the belt's display shows."""
+        return f"belt {3.6 * self.belt_shown_m_s:.1f} km/h ({self.belt_shown_m_s:.3f} m/s)"
+
+    def set_grade(self, steps: int) -> str:
+        """Raise or lower the treadmill, in its own steps; return what it shows."""
+        with self._lock:
+            self._grade = min(max(steps, 0), MOST_GRADE_STEPS)
+            self.belt.tilt(self._incline_rad)
+            return f"incline {100 * self._grade * self._grade_step:.1f} % by the treadmill"
+
+    @property
+    def _incline_rad(self) -> float:
+        return math.atan(self._grade * self._grade_step) + self._deck_rad
+
+    def put(self, facing: str = "down") -> str:
+        """Lay the robot in the middle of the belt and let go of it."""
+        with self._lock:
+            normal = self._rng.normal(size=4)
+            self._facing, self._lies, self._mark = facing, True, None
+            self.belt.put(
+                0.01 * normal[0], LET_GO_RAD * normal[1], facing, LET_GO_M_S * normal[2],
+                LET_GO_RAD_S * normal[3],
+            )  # fmt: skip
+            return f"the robot is on the belt, head {'up' if facing == 'up' else 'down'}hill"
+
+    def take(self) -> str:
+        """Take the robot off the belt."""
+        with self._lock:
+            self._lies = False
+            return "the robot is in your hand"
+
+    def mark(self) -> str:
+        """Mark where the robot is and start the watch; the second time, read both."""
+        with self._lock:
+            if not self._lies:
+                self._mark = None
+                return "the robot is not on the belt"
+            at = self.belt.look()
+            if self._mark is None:
+                self._mark = at.t_s, RULER_M.shows(at.along_m, self._rng)
+                return "marked; the watch runs: press again to read"
+            since, begun = at.t_s - self._mark[0], self._mark[1]
+            uphill = begun - RULER_M.shows(at.along_m, self._rng)
+            self._mark = None
+            drift = uphill / since if since > 0.2 else 0.0
+            return f"{1000 * uphill:+.0f} mm uphill in {since:.1f} s: drift {drift:+.3f} m/s"
+
+    def inclinometer(self, turned: bool = False) -> str:
+        """Return what the inclinometer on the deck shows, or shows turned end for end."""
+        incline = -self._incline_rad if turned else self._incline_rad
+        shown = math.degrees(self._inclinometer_rad.shows(incline, self._rng))
+        return f"inclinometer{', turned,' if turned else ''} {shown:.1f} deg"
+
+    def protractor(self) -> str:
+        """Return what a protractor shows between the links at either end."""
+        with self._lock:
+            true = self.belt.robot.true_joints(list(self._set_points()))
+            shown = [
+                180.0 - math.degrees(abs(true[k]) + self._protractor_rad * self._rng.normal())
+                for k in (0, -1)
+            ]
+            return f"protractor: {shown[0]:.1f} deg at the tail, {shown[1]:.1f} deg at the head"
+
+    def look(self) -> str:
+        """Return what anybody sees, in a line."""
+        return f"{self._where()}; {self.belt_in_words()}"
+
+    def _where(self) -> str:
+        with self._lock:
+            if not self._lies:
+                return "the robot is off the belt"
+            at = self.belt.look()
+            return (
+                f"{1000 * abs(at.along_m):.0f} mm {'down' if at.along_m > 0 else 'up'}hill of the "
+                f"middle, {1000 * abs(at.across_m):.0f} mm {'left' if at.across_m > 0 else 'right'}"
+                f" of it, turned {math.degrees(at.heading_rad):+.0f} deg"
+            )
+
+    def state(self) -> dict[str, Any]:
+        """Return what the page draws: links' ends in m, x downhill, and what the displays show."""
+        with self._lock:
+            half = self.belt.robot.body.link_length_m / 2
+            places = self.belt.places()
+            x, y, angle = places.T
+            c, s = half * np.cos(angle), half * np.sin(angle)
+            ends = np.stack([np.append(x - c, x[-1] + c[-1]), np.append(y - s, y[-1] + s[-1])])
+            grade = 100 * self._grade * self._grade_step
+            return {
+                "chain": np.round(ends.T, 4).tolist(), "lies": self._lies,
+                "moved_m": round(self.belt.moved_m, 4), "belt": self.belt_in_words(),
+                "incline": f"{grade:.1f} %", "tilt_deg": round(math.degrees(self._incline_rad), 2),
+                "watch_s": None if self._mark is None
+                else round(self.belt.t_s - self._mark[0], 1),
+                "look": self._where(),
+            }  # fmt: skip

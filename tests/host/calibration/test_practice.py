@@ -1,0 +1,107 @@
+"""Practice at a desk: the words that work the treadmill, and whose truth is found."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from serpenoid.calibration.session import Session
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.person.practice import (
+    USUAL,
+    PracticeTerminal,
+    PracticeTruth,
+    picture,
+    practice_seed,
+    practice_setup,
+    practice_treadmill,
+)
+from serpenoid.model.errors import BadInput
+
+SETUP = practice_setup(default_setup("practice"), 7)
+
+
+class Typed:
+    """A terminal whose lines are given, and which keeps what is said."""
+
+    def __init__(self, *lines):
+        self.lines, self.said, self.keys = list(lines), [], {}
+
+    def say(self, text):
+        self.said.append(text)
+
+    def forget(self):
+        pass
+
+    def ask(self, prompt, patience_s, tick):
+        return self.lines.pop(0) if self.lines else None
+
+
+def practised(*lines):
+    typed = Typed(*lines)
+    room = practice_treadmill(SETUP, 7, lambda: [0.0] * 5, pace=50.0)
+    terminal = PracticeTerminal(typed, room, 50.0)
+    return typed, room, terminal
+
+
+def test_words_of_the_treadmill_are_obeyed_and_others_go_on():
+    typed, room, terminal = practised(
+        "belt 1.6", "belt +", "incline 4 %", "incline -", "put", "look", "mark", "wait 5", "mark",
+        "inclinometer", "turned", "protractor", "take", "treadmill", "2.31",
+    )  # fmt: skip
+    room.start()
+    assert terminal.ask("it shows: ", 1.0, lambda: None) == "2.31"
+    room.stop()
+    said = "\n".join(typed.said)
+    assert "belt 1.7 km/h" in said
+    assert "incline 3.5 %" in said
+    assert "#####O" in said
+    assert "in " in said
+    assert "drift" in said
+    assert "inclinometer, turned, -" in said
+    assert "protractor: 1" in said
+    assert "wait 20" in said
+    assert terminal.ask("", 1.0, lambda: None) is None
+
+
+@pytest.mark.parametrize("line", ["belt", "belt fast", "belt nan", "incline x", "wait", "wait -3",
+                                  "wait 1e9", "left", "left 0", "right many"])  # fmt: skip
+def test_what_cannot_be_obeyed_is_said(line):
+    typed, room, terminal = practised(line, "go on")
+    assert terminal.ask("", 1.0, lambda: None) == "go on"
+    assert len(typed.said) == 1
+    assert room.belt_shown_m_s == 0.0
+
+
+def test_steering_words_press_the_keys():
+    typed, _, terminal = practised("left 3", "right", "")
+    pressed = []
+    terminal.keys = {w: lambda w=w: pressed.append(w) or w for w in ("left", "right")}
+    assert terminal.ask("", 1.0, lambda: None) == ""
+    assert pressed == ["left"] * 3 + ["right"]
+    assert typed.keys == terminal.keys
+
+
+def test_a_seed_is_a_truth_near_the_robot_of_2005():
+    one, same, other = (PracticeTruth.drawn(s) for s in (7, 7, 8))
+    assert one == same
+    assert one != other
+    for name, usual in USUAL.items():
+        assert 0.5 < getattr(one.ground, name) / usual < 2.0
+    assert "ft0" in one.in_words()
+    assert abs(one.deck_rad) <= math.radians(0.2)
+
+
+def test_a_session_of_practice_knows_its_seed_and_no_other_is_taken():
+    assert SETUP.kind == "simulated"
+    assert practice_seed(Session(SETUP, ())) == 7
+    with pytest.raises(BadInput, match="no session of practice"):
+        practice_seed(Session(replace(SETUP, source="my treadmill"), ()))
+
+
+def test_the_picture_has_no_robot_once_it_is_off():
+    _, room, _ = practised()
+    assert "#" not in picture(room)
+    room.put()
+    assert picture(room).count("O") >= 1
