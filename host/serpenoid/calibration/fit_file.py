@@ -179,7 +179,8 @@ def _influence(given: Mapping[str, Any]) -> Influence:
     shift = given["shift_in_sigmas"]
     return Influence(
         check_whole("reading", given["reading"], 0, 10**9),
-        *(check_number(name, given[name]) for name in ("leverage", "studentised")),
+        check_number("leverage", given["leverage"]),
+        check_number("studentised", given["studentised"]),
         tuple(check_number(n, shift[n]) for n in BOTH_WAYS if n in NAMES or n in shift),
         check_number("chi2_without", given["chi2_without"]),
     )  # fmt: skip

@@ -71,6 +71,13 @@ def test_listed_readings_are_added_once(folder, tmp_path, serpenoid):
     assert serpenoid("calibrate", str(folder), "--script", str(path))[1].startswith("2 step(s)")
     assert serpenoid("calibrate", str(folder), "--script", str(path))[1].startswith("0 step(s)")
     assert [r.belt_speed_m_s for r in load_session(folder).kept] == [0.2, 0.5]
+    # One of them voided, a reading by hand, the list grown: only what is new is added.
+    serpenoid("calibrate", "void", str(folder), "1")
+    cells = ("lambda_deg=0", "incline_deg=2.2", "belt_speed_m_s=0.4")
+    serpenoid("calibrate", "add", str(folder), "station", *cells)
+    path.write_text(text + text.split("[[reading]]")[2].join(["[[reading]]", ""]))
+    assert serpenoid("calibrate", str(folder), "--script", str(path))[1].startswith("1 step(s)")
+    assert [r.belt_speed_m_s for r in load_session(folder).kept] == [0.5, 0.4, 0.5]
 
 
 def test_readings_are_added_redone_voided_and_restored(folder, serpenoid):
@@ -117,6 +124,12 @@ def test_amendments_hold_from_there_on(folder, serpenoid):
     serpenoid(*add)
     sigmas = [r.uncertainty.belt_speed_sigma_m_s for r in load_session(folder).kept]
     assert sigmas == [0.01, 0.05]
+    assert serpenoid("calibrate", "amend", str(folder), "plan.ratchet=true")[0] == 0
+    assert serpenoid("calibrate", "amend", str(folder), "plan.bend=zigzag")[0] == 0
+    plan = load_session(folder).setup.procedure
+    assert (plan.ratchet, plan.bend) == (True, "zigzag")
+    status, _, err = serpenoid("calibrate", "amend", str(folder), "plan.bend=round")
+    assert (status, "bend is 'round'; it must be one of zigzag, balanced" in err) == (2, True)
     assert serpenoid("calibrate", "amend", str(folder), "robot.links=5")[0] == 2
 
 
@@ -165,6 +178,24 @@ def test_a_sheet_is_printed_and_taken_in_once(folder, tmp_path, serpenoid):
     assert kept[1].incline_rad == pytest.approx(0.0449697, abs=1e-6)  # atan 0.045
     again = serpenoid("calibrate", "add", str(folder), "--sheet", str(path))
     assert (again[0], "nothing is added twice" in again[2]) == (2, True)
+
+
+def test_a_sheet_that_was_cut_short_is_gone_on_with(folder, tmp_path, serpenoid):
+    path = tmp_path / "typed.csv"
+    lines = [f"station,0,{2 + k / 10},{0.2 + k / 10}\n" for k in range(6)]
+    path.write_text(HEAD + "".join(lines))
+    add = ("calibrate", "add", str(folder), "--sheet", str(path))
+    assert serpenoid(*add)[0] == 0
+    whole = (folder / "readings.csv").read_bytes()
+    for cut in (2, 60, 300):  # as by a power cut in the middle of writing
+        (folder / "readings.csv").write_bytes(whole[:-cut])
+        status, _, err = serpenoid(*add)
+        assert (status, "were there already" in err) == (0, True)
+        speeds = [r.belt_speed_m_s for r in load_session(folder).kept]
+        assert speeds == pytest.approx([0.2 + k / 10 for k in range(6)])
+    path.write_text(HEAD + "".join(lines) + "station,0,2.7,0.95\n")
+    assert serpenoid(*add)[1].startswith("1 reading(s) added")
+    assert len(load_session(folder).kept) == 7
 
 
 def test_the_sheet_to_type_into_takes_a_whole_session(folder, tmp_path, serpenoid):

@@ -10,9 +10,10 @@ from __future__ import annotations
 import csv
 import errno
 import fcntl
+import hashlib
 import io
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 from types import TracebackType
@@ -20,13 +21,22 @@ from typing import Any
 
 from ...model.errors import BadInput, RecordingFailed
 from ..kinds.declaration import Cells
-from ..kinds.rows import READING_COLUMNS, TRACK_WORDS, kind_of, make_reading, reading_row
+from ..kinds.rows import (
+    LISTED,
+    READING_COLUMNS,
+    TRACK_WORDS,
+    kind_of,
+    make_reading,
+    reading_row,
+    words_of,
+)
 from ..kinds.tracks import Samples, Track
 from ..session import Session
 from ..session_file import check_amendment, read_session
 from ..session_rows import EVENT_COLUMNS, TORN, Event, read_events, reading_rows
 
 LOCK = ".lock"
+Listed = tuple[str, Cells, str]  # kind, cells and comment
 
 
 def utc_now() -> str:
@@ -90,16 +100,34 @@ class Journal:
         if track is not None:
             name = track.write(self.folder, number)
             cells = dict(cells) | dict(zip(TRACK_WORDS, (name, track.sha256), strict=True))
-        setup = 1 + sum(e.event == "amend" for e in self.events)
-        row = reading_row(kind, cells, self.session.setup.procedure) | {
-            "reading": str(number),
-            "time_utc": utc_now(),
-            "setup": str(setup),
-            "replaces": str(replaces or ""),
-            "comment": comment,
-        }
-        self._append("readings.csv", READING_COLUMNS, row)
+        row = self._row(number, kind, cells, comment) | {"replaces": str(replaces or "")}
+        self._append("readings.csv", READING_COLUMNS, [row])
         return number
+
+    def add_once(self, listed: Sequence[Listed]) -> int:
+        """Write those of a list that are not there yet, all at once; return how many.
+
+        Each row holds a hash of the list up to it. So a list that was cut short by a kill is gone
+        on with, one that has grown adds its new end, and nothing is there twice.
+        """
+        there = {words_of(row).get(LISTED, "") for row in reading_rows(self.folder)}
+        number, digest, rows = max(self.numbers, default=0), hashlib.sha256(), []
+        for kind, cells, comment in listed:
+            self.check(kind, cells)
+            digest.update(repr((kind, sorted(cells.items()), comment)).encode())
+            mark = digest.hexdigest()[:16]
+            if mark not in there:
+                number += 1
+                rows.append(self._row(number, kind, {**cells, LISTED: mark}, comment))
+        if rows:
+            self._append("readings.csv", READING_COLUMNS, rows)
+        return len(rows)
+
+    def _row(self, number: int, kind: str, cells: Cells, comment: str) -> dict[str, str]:
+        setup = 1 + sum(e.event == "amend" for e in self.events)
+        return reading_row(kind, cells, self.session.setup.procedure) | {
+            "reading": str(number), "time_utc": utc_now(), "setup": str(setup), "comment": comment,
+        }  # fmt: skip
 
     def check(self, kind: str, cells: Cells, track: Track | None = None) -> None:
         """Raise BadInput for a reading that add() would not take."""
@@ -114,7 +142,7 @@ class Journal:
         if event == "amend":
             check_amendment(self.session.setup, detail, self.folder)
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}
-        self._append("events.csv", EVENT_COLUMNS, row | {"detail": detail})
+        self._append("events.csv", EVENT_COLUMNS, [row | {"detail": detail}])
 
     def _read(self) -> None:
         self.session = read_session(self.folder)
@@ -155,10 +183,13 @@ class Journal:
             os.close(self._lock)
             self._lock = -1
 
-    def _append(self, name: str, columns: tuple[str, ...], row: Mapping[str, str]) -> None:
+    def _append(
+        self, name: str, columns: tuple[str, ...], rows: Sequence[Mapping[str, str]]
+    ) -> None:
         if self._lock < 0:
             raise BadInput("the session is not open; use it inside `with Journal(folder)`")
-        append_line(self.folder / name, csv_line([row.get(column, "") for column in columns]))
+        lines = (csv_line([row.get(column, "") for column in columns]) for row in rows)
+        append_line(self.folder / name, "".join(lines))
         self._read()
 
 
@@ -170,7 +201,10 @@ def csv_line(cells: list[str]) -> str:
 
 
 def append_line(path: Path, line: str) -> None:
-    """Put a line at a file's end and on the disk, whole or not at all; raises RecordingFailed."""
+    """Put a line or more at a file's end and on the disk, whole or not at all.
+
+    Raises RecordingFailed.
+    """
     try:
         fd = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
     except OSError as error:

@@ -18,7 +18,7 @@ from ...model.errors import BadInput
 from ...model.ground import Ground
 from ...model.toml_table import Table, located
 from ..session import Setup
-from .journal import Journal
+from .journal import Journal, Listed
 from .simulated import GaitSpeed, SimulatedTreadmill, Truth
 from .steps import Step
 from .treadmill import MOST_STEPS, Posture, Treadmill, take_step
@@ -95,14 +95,15 @@ def _take(journal: Journal, treadmill: Treadmill, told: Told) -> int:
 
 
 def _add_listed(journal: Journal, top: Table) -> int:
-    """Add listed readings from where the session stands: those it has already are not repeated."""
+    """Add those of the listed readings that the session has not got from this list already."""
     listed = top.values["reading"]
     if not isinstance(listed, list) or not all(isinstance(row, dict) for row in listed):
         raise BadInput(f"{top.where('reading')}: give readings as [[reading]] tables")
-    there = len(journal.numbers)
-    for number, row in enumerate(listed[there:], there + 1):
+    made: list[Listed] = []
+    for number, row in enumerate(listed, 1):
         cells = dict(row)
+        kind, comment = str(cells.pop("kind", "station")), str(cells.pop("comment", ""))
         with located(f"{top.path}: reading {number}"):
-            kind = str(cells.pop("kind", "station"))
-            journal.add(kind, cells, comment=str(cells.pop("comment", "")))
-    return len(listed[there:])
+            journal.check(kind, cells)
+        made.append((kind, cells, comment))
+    return journal.add_once(made)

@@ -8,7 +8,6 @@ that of the protractor check above it; a line in which nothing was read is left 
 from __future__ import annotations
 
 import csv
-import hashlib
 import math
 from pathlib import Path
 
@@ -35,12 +34,9 @@ HEADINGS = "kind, lambda_deg, incline_deg, belt_speed_m_s, drift_m_s, comment"
 def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
     """Add every row of a CSV file to a session; return how many, and what to tell.
 
-    Nothing is added unless every row can be; the same file is not taken twice. Raises BadInput.
+    Nothing is added unless every row can be, and no row twice. Raises BadInput.
     """
     text = read_text(path)
-    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
-    if any(e.event == "note" and digest in e.detail for e in journal.events):
-        raise BadInput(f"{path}: this very file was taken in before; nothing is added twice")
     semicolons = ";" in text.split("\n", 1)[0]
     rows = list(csv.reader(text.splitlines(), delimiter=";" if semicolons else ","))
     if not rows or "kind" not in _names(rows[0]):
@@ -64,11 +60,14 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
         raise BadInput(
             f"{path}: no line has a reading in it; type them in, then add the file again"
         )
-    for kind, values, comment in made:
-        journal.add(kind, values, comment=comment)
-    journal.event("note", detail=f"sheet {path.name}, {digest}")
+    added = journal.add_once(made)
+    if not added:
+        raise BadInput(f"{path}: all its readings were taken in before; nothing is added twice")
+    journal.event("note", detail=f"sheet {path.name}")
     told = ["cells parted by semicolons, decimals by commas: read as such"] if semicolons else []
-    return len(made), told
+    if added < len(made):
+        told.append(f"{len(made) - added} reading(s) of it were there already")
+    return added, told
 
 
 def _names(cells: list[str]) -> list[str]:
@@ -100,7 +99,7 @@ def _headings(ratchet: bool) -> list[str]:
     kinds = [sorted(kind.fields, key=lambda f: f.source != PLANNED) for kind in KINDS.values()]
     fields = [f for kind in kinds for f in kind if f.source != DERIVED]
     names = [f.sheet[0] if isinstance(f, Field) and f.sheet else f.column for f in fields]
-    left_out = {"bend"} if ratchet else {"bend", "facing"}
+    left_out = {"bend", "offset_deg", "waited_s", *([] if ratchet else ["facing"])}
     told = [name for name in dict.fromkeys(names) if name not in left_out]
     return ["kind", *told, "comment"]
 
