@@ -164,6 +164,7 @@ def remarks_of(watched: Watched, measured: Measured, side_m: float, name: str) -
     """Return what is to be told of a film that was measured; raise BadInput for what is too bad."""
     _refuse_short(measured, name)
     told = [
+        _assumed(measured),
         camera_moved(watched),
         _plain(watched),
         _side(measured, side_m, name),
@@ -184,6 +185,16 @@ def remarks_of(watched: Watched, measured: Measured, side_m: float, name: str) -
             )
         )
     return [remark for remark in told if remark is not None]
+
+
+def _assumed(measured: Measured) -> Remark | None:
+    if not measured.assumed:
+        return None
+    return Remark(
+        "tags never seen",
+        "tags that are never seen leave their joints unmeasured; speed and turn are those of the "
+        "tags that are there, and their size is the scale: print it exactly",
+    )
 
 
 def _refuse_short(measured: Measured, name: str) -> None:

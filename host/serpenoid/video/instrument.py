@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from . import errors, motion
+from ..model.errors import BadInput
+from . import errors, motion, unseen
 from .fitting import bundle as bundles
 from .fitting import frames, start
+from .fitting.chain import joint_angles
 from .seeing.sightings import Sightings
 
 Array = NDArray[np.float64]
@@ -17,6 +19,8 @@ CALIBRATION_FRAMES = 120
 ROUGH_FRAMES, ROUGH_STEPS = 30, 15  # for the choice between starts
 EXPECTED_SIGMA_RAD = np.radians(15.0)  # of a link that no tag holds, from its neighbours in time
 SENSITIVE_FRAMES = 2000  # at most, for how the track follows the camera
+HELD_SHARE = 0.15  # of the frames: a joint seen less is taken from the gait
+GAIT_ROUNDS, GAIT_RAD = 2, np.radians(15.0)  # how well one sine says where a link points
 HELD_RAD = np.radians(1.5)  # a joint known worse than this in a frame says nothing there
 
 
@@ -26,6 +30,7 @@ class Measured:
 
     bundle: camera and mountings. track: the chain over time. fitted: motion and residuals.
     sigmas: of `Motion.numbers`. held: which joints tags hold in which frame, (frames, joints).
+    assumed: some joints are never seen, and follow one travelling sine.
     """
 
     bundle: bundles.Bundle
@@ -33,6 +38,7 @@ class Measured:
     fitted: motion.Fitted
     sigmas: Array
     held: NDArray[np.bool_]
+    assumed: bool = False
 
 
 def calibrate(sightings: Sightings, link_m: float, side_m: float) -> tuple[bundles.Bundle, Array]:
@@ -66,12 +72,52 @@ def measure(sightings: Sightings, link_m: float, side_m: float) -> Measured:
     expected = start.first_states(fit.camera, seen, turns)
     loose = np.full(len(expected), EXPECTED_SIGMA_RAD)
     track = frames.fit_states(fit.camera, seen, expected, loose, fit.noise_px)
-    fitted = _motion_of(track)
-    track = frames.fit_states(fit.camera, seen, track.states, loose, fit.noise_px)
-    fitted = _motion_of(track)
+    assumed = _too_few(track)
+    if assumed:
+        fit, track = _by_the_gait(fit, seen, expected, side_m, turns)
+    fitted = _motion_of(track, assumed)
+    if not seen.seen.all():
+        phi = joint_angles(track.states) - fitted.joints_rest_rad
+        expected = unseen.expected_headings(track.states, seen.seen, phi)
+        loose = np.full(len(expected), unseen.KNOWN_RAD)
+        track = frames.fit_states(fit.camera, seen, expected, loose, fit.noise_px)
+        fitted = _motion_of(track, assumed)
     some = _sensitive(fit, seen, track, loose)
-    sigmas = errors.number_sigmas(fit, some, _motion_of(some))
-    return Measured(fit, track, fitted, sigmas, _weights(track)[0] > 0)
+    sigmas = errors.number_sigmas(fit, some, _motion_of(some, assumed))
+    return Measured(fit, track, fitted, sigmas, _weights(track)[0] > 0, assumed)
+
+
+def _too_few(track: frames.Track) -> bool:
+    """Tell whether a joint is held so seldom that its own sine cannot be fitted."""
+    held = _weights(track)[0] > 0
+    return bool(held.mean(axis=0).min() < HELD_SHARE)
+
+
+def _by_the_gait(
+    fit: bundles.Bundle, seen: Sightings, expected: Array, side_m: float, turns: Array
+) -> tuple[bundles.Bundle, frames.Track]:
+    """Fit camera and track anew, with unseen links where one travelling sine has them."""
+    picked = _spread(seen, CALIBRATION_FRAMES)
+    track = None
+    for _ in range(GAIT_ROUNDS):
+        phi = unseen.travelling_sine(fit.camera, seen, turns)
+        if phi is None:
+            break
+        guess = unseen.expected_headings(expected, seen.seen, phi)
+        fit, _ = bundles.fit(
+            fit.camera,
+            guess[picked],
+            seen.picked(picked),
+            side_m,
+            turns,
+            known_rad=GAIT_RAD,
+        )
+        tight = np.full(len(guess), GAIT_RAD)
+        track = frames.fit_states(fit.camera, seen, guess, tight, fit.noise_px)
+        expected = track.states
+    if track is None:
+        raise BadInput("no tag is seen with another one: at least two must be seen together")
+    return fit, track
 
 
 def _sensitive(
@@ -89,10 +135,21 @@ def _weights(track: frames.Track) -> tuple[Array, Array]:
     own = np.diagonal(cov, axis1=1, axis2=2)
     lag = np.diagonal(cov[:, 2:, 2:], offset=1, axis1=1, axis2=2)
     joints = own[:, 2:-1] + own[:, 3:] - 2 * lag
-    weight = np.where(joints < HELD_RAD**2, np.median(joints) / joints, 0.0)
+    held = (joints < HELD_RAD**2) & ~_ambiguous(track)
+    weight = np.where(held, np.median(joints) / joints, 0.0)
     place = own[:, 0] + own[:, 1]
     return np.minimum(weight, 2.0), np.minimum(np.median(place) / place, 2.0)
 
 
-def _motion_of(track: frames.Track) -> motion.Fitted:
-    return motion.fit_motion(track, *_weights(track))
+def _ambiguous(track: frames.Track) -> NDArray[np.bool_]:
+    """Return which joints may bend either way, (frames, joints): two tags missing side by side."""
+    missing = np.asarray(np.isnan(track.misses_px).any(axis=(2, 3)))
+    pair = missing[:, 1:] & missing[:, :-1]
+    none = np.zeros((len(pair), 1), bool)
+    lost = np.concatenate([none, pair], axis=1) | np.concatenate([pair, none], axis=1)
+    return lost[:, 1:] | lost[:, :-1]
+
+
+def _motion_of(track: frames.Track, assumed: bool = False) -> motion.Fitted:
+    joints, path = _weights(track)
+    return motion.fit_motion(track, np.ones_like(joints) if assumed else joints, path)

@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from ..model.checks import check_number
 from ..model.errors import BadInput
 from ..model.gait import Gait
-from .faults import refuse_mixed_tags, refuse_unseen, remarks_of
+from .faults import camera_moved, refuse_mixed_tags, refuse_unseen, remarks_of
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
 from .result import FilmedRun, filmed_run
@@ -53,18 +55,32 @@ def measure_film(
     watched = watch(Film.open(path), links, progress)
     name = str(path)
     refuse_unseen(watched, name)
+    camera_moved(watched)
     sightings = watched.sightings
     camera = first_cameras(sightings, link_m, side)[0]
     refuse_mixed_tags(tag_poses(camera, sightings), name)
-    measured = measure(sightings, link_m, side)
+    measured = _measured(sightings, link_m, side, name)
     scale = 1.0
     if board_rate and gait is not None:
         scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
-        measured = measure(_rescaled(sightings, scale), link_m, side)
+        measured = _measured(_rescaled(sightings, scale), link_m, side, name)
     remarks = remarks_of(watched, measured, side, name)
     run = filmed_run(watched, measured, sha256_of(path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)
+
+
+def _measured(sightings: Sightings, link_m: float, side_m: float, name: str) -> Measured:
+    """Measure; what cannot be solved is told with the film's name."""
+    try:
+        return measure(sightings, link_m, side_m)
+    except (np.linalg.LinAlgError, FloatingPointError) as error:
+        raise BadInput(
+            f"{name}: the tags fit no camera ({error}); are they flat, matt and well lit, and is "
+            "the whole robot in the picture?"
+        ) from error
+    except BadInput as error:
+        raise BadInput(f"{name}: {error}") from error
 
 
 def _rescaled(s: Sightings, scale: float) -> Sightings:

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 HARMONICS = 3
 LEAST_PERIODS = 1.5
+# Weight (of one frame: 1) that holds overtones at 0 where part of a cycle is never seen.
+OVERTONES_HELD = 2.5e-3
 
 
 @dataclass(frozen=True)
@@ -130,9 +132,10 @@ def _slope(t_s: Array, omega: float) -> Array:
 def _weighted(columns: Array, values: Array, weight: Array) -> Array:
     """Return least-squares coefficients, each column of values with its own weights."""
     normal = np.einsum("fi,fk,fj->kij", columns, weight, columns, optimize=True)
-    normal = normal + 1e-12 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(
-        columns.shape[1]
-    )
+    size = columns.shape[1]
+    hold = np.full(size, 1e-9)
+    hold[3 : 1 + 2 * HARMONICS] = OVERTONES_HELD
+    normal = normal + np.diag(hold)
     right = np.einsum("fi,fk,fk->ki", columns, weight, values, optimize=True)
     return np.linalg.solve(normal, right[..., None])[..., 0].T
 

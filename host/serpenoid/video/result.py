@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .fitting.chain import joint_angles
-from .instrument import Measured
+from .instrument import HELD_SHARE, Measured
 from .seeing.watch import Watched
 
 Array = NDArray[np.float64]
@@ -21,7 +21,8 @@ Array = NDArray[np.float64]
 class Joint:
     """One joint's sine: phi = offset + amplitude sin(w t + phase); joints count from the tail.
 
-    phase_rad: beside the tail joint's. seen: share of the frames whose tags hold the joint.
+    phase_rad: beside the tail joint's. seen: share of the frames whose tags hold the joint; below
+    a seventh the numbers are NaN.
     """
 
     joint: int
@@ -117,6 +118,10 @@ def filmed_run(
 
 def _joint(measured: Measured, i: int, count: int) -> Joint:
     m, sigma = measured.fitted.motion, measured.sigmas
+    seen = float(measured.held[:, i].mean())
+    if seen < HELD_SHARE:
+        none = float("nan")
+        return Joint(i + 1, none, none, none, none, none, none, seen)
     phase = (m.phase_rad[i] - m.phase_rad[0] + np.pi) % (2 * np.pi) - np.pi
     phase_sigma = float(sigma[count + i]) if i else 0.0
     return Joint(
@@ -127,7 +132,7 @@ def _joint(measured: Measured, i: int, count: int) -> Joint:
         phase_sigma,
         float(m.offset_rad[i]),
         float(sigma[2 * count + i]),
-        float(measured.held[:, i].mean()),
+        seen,
     )
 
 

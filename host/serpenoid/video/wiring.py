@@ -81,7 +81,7 @@ def _rate_words(run: FilmedRun, gait: Gait) -> str:
 
 def _plugs(run: FilmedRun, gait: Gait | None) -> list[Remark]:
     phase = np.array([j.phase_rad for j in run.joints])
-    if len(phase) < 3:
+    if len(phase) < 3 or not np.isfinite(phase).all():
         return []
     swap, turned, _, rest = plugs(phase, gait.beta_rad if gait else None)
     told = []

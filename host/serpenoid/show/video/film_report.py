@@ -63,7 +63,7 @@ def _joints(found: FilmMeasurement) -> Table:
         ]
         if gait:
             late = joint.phase_rad - (joint.joint - 1) * gait.beta_rad
-            late = math.remainder(late, math.tau)
+            late = math.remainder(late, math.tau) if math.isfinite(late) else late
             share = joint.amplitude_rad / gait.alpha_rad if gait.alpha_rad else math.nan
             row += [f"{100 * share:.2f} %", f"{math.degrees(late):+.2f}"]
         table.add_row(*row, f"{100 * joint.seen:.1f} %")
@@ -71,4 +71,6 @@ def _joints(found: FilmMeasurement) -> Table:
 
 
 def _pair(value_rad: float, sigma_rad: float) -> str:
+    if math.isnan(value_rad):
+        return "not seen"
     return f"{math.degrees(value_rad):.2f} ± {math.degrees(sigma_rad):.2f}"

@@ -22,7 +22,7 @@ NOISE_PX = 0.3  # of a corner, until the residuals tell
 PLAIN = 0.05  # a rough fit holds distortion and principal point by so much of their sigmas
 # What is known before any film: sigma of focal length (log), k1, k2, principal point (of the
 # longer side), tilts, distance (log), the tag's printed side (log), readout (s).
-LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, 0.03, 0.012])
+LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, 0.01, 0.012])
 # Of a tag that a person puts on: place m, turn rad, height m, slopes.
 MOUNTING_SIGMA = np.array([0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03])
 # A frame's own state is free, but for what keeps it from running away where no tag holds it.
@@ -30,7 +30,7 @@ MOUNTING_SIGMA = np.array([0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03])
 # their scatter is too small (found by films of known truth).
 SLOW = 2.0
 READOUT = LENS.index("readout_s")
-LOOSE = 1.0 / np.radians(15.0)
+LOOSE_RAD = np.radians(30.0)
 
 
 @dataclass(frozen=True)
@@ -68,19 +68,21 @@ def fit(
     turns: Array,
     steps: int = STEPS,
     rough: bool = False,
+    known_rad: float = LOOSE_RAD,
 ) -> tuple[Bundle, Array]:
     """Fit camera and states to the sightings; return the fit and the states.
 
     rough: with a plain lens and a fixed noise, so that costs of several starts can be compared.
+    known_rad: how well the headings of `states` are known; it decides about links without a tag.
     """
     held, sigma = priors(camera, side_m, turns)
     if rough:
         sigma[1:5] *= PLAIN
-    problem = _Problem(sightings, states.copy(), held, sigma)
+    problem = _Problem(sightings, states.copy(), held, sigma, 1.0 / known_rad)
     damping, noise = 1e-3, NOISE_PX
     normal = problem.normal(camera, states, noise)
     for _ in range(steps):
-        step, step_states = normal.solve(damping)
+        step, step_states = problem.normal(camera, states, noise, damping).solve(damping)
         tried = replace(camera, shared=camera.shared + step)
         tried_states = states + step_states
         cost = problem.cost(tried, tried_states, noise)
@@ -101,11 +103,13 @@ def fit(
 class _Problem:
     """Hold sightings and priors; make the normal equations of one step."""
 
-    def __init__(self, sightings: Sightings, start: Array, held: Array, sigma: Array) -> None:
+    def __init__(
+        self, sightings: Sightings, start: Array, held: Array, sigma: Array, loose: float
+    ) -> None:
         self.seen = sightings.seen
         self.found = np.where(self.seen[..., None, None], sightings.corners_px, 0.0)
         self.skew = sightings.skew
-        self.start, self.held, self.sigma = start, held, sigma
+        self.start, self.held, self.sigma, self.loose = start, held, sigma, loose
 
     def misses(self, camera: Camera, states: Array) -> Array:
         """Return found less expected pixels, 0 where nothing was found."""
@@ -125,9 +129,9 @@ class _Problem:
 
     def _own_prior(self, camera: Camera, states: Array) -> tuple[float, Array, Array]:
         off = (camera.shared - self.held) / self.sigma
-        drift = (states - self.start) * LOOSE
+        drift = (states - self.start) * self.loose
         drift[:, :2] = 0.0
-        return float(off @ off + 0.01 * np.sum(drift**2)), off, drift
+        return float(off @ off + np.sum(drift**2)), off, drift
 
     def cost(self, camera: Camera, states: Array, noise: float) -> float:
         """Return the sum of squares; an outlier's grows no faster than its distance."""
@@ -138,8 +142,8 @@ class _Problem:
         squares = np.where(rms < OUTLIER, rms**2, OUTLIER * (2 * rms - OUTLIER))
         return 8 * float(squares[self.seen].sum()) + self._own_prior(camera, states)[0]
 
-    def normal(self, camera: Camera, states: Array, noise: float) -> _Normal:
-        """Return the normal equations at a point."""
+    def normal(self, camera: Camera, states: Array, noise: float, damping: float = 0.0) -> _Normal:
+        """Return the normal equations at a point; damping holds the frames' states."""
         _, by_state, by_shared = camera.jacobians(states)
         by_shared[..., READOUT] = self.skew
         misses = self.misses(camera, states)
@@ -150,9 +154,10 @@ class _Problem:
         a = (by_state * root[..., None, None, None]).reshape(*flat, -1)
         b = (by_shared * root[..., None, None, None]).reshape(*flat, -1)
         _, off, drift = self._own_prior(camera, states)
-        loose = np.diag(np.r_[0.0, 0.0, np.full(n, 0.01 * LOOSE**2)])
-        own = a.transpose(0, 2, 1) @ a + loose + 1e-9 * np.eye(n + 2)
-        pull = np.einsum("fki,fk->fi", a, residual) - 0.01 * LOOSE * drift
+        loose = np.diag(np.r_[0.0, 0.0, np.full(n, self.loose**2)])
+        own = a.transpose(0, 2, 1) @ a + loose
+        own = own + (1e-9 + damping * np.einsum("fii->fi", own)[:, None]) * np.eye(n + 2)
+        pull = np.einsum("fki,fk->fi", a, residual) - self.loose * drift
         cross = a.transpose(0, 2, 1) @ b
         inside = np.linalg.solve(own, np.concatenate([cross, pull[..., None]], axis=-1))
         back = cross.transpose(0, 2, 1)

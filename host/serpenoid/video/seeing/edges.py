@@ -30,7 +30,10 @@ def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
     length = np.linalg.norm(along, axis=-1, keepdims=True)
     # Clockwise on a picture whose y points down: outside is to the left of the way along.
     outward = np.stack([along[..., 1], -along[..., 0]], axis=-1) / length
-    reach = REACH_CELLS / CELLS * length.mean(axis=1, keepdims=True)
+    # A tag seen aslant is narrower one way: across an edge, a cell is as wide as the area tells.
+    x, y = quads[..., 0], quads[..., 1]
+    area = 0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1))
+    reach = REACH_CELLS / CELLS * area[:, None, None] / np.maximum(length, 1e-6)
     base = start[:, :, None] + ALONG[:, None] * along[:, :, None]
     where = base[..., None, :] + (reach[..., None] * ACROSS)[..., None] * outward[:, :, None, None]
     profile = _sample(picture, where)
@@ -41,7 +44,7 @@ def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
     flat = (len(quads), -1)
     widths = _median((width * reach).reshape(flat), read.reshape(flat))
     good = np.isfinite(corners).all(axis=(1, 2))
-    good &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach[:, 0, 0]
+    good &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach.max(axis=(1, 2))
     return np.where(good[:, None, None], corners, quads), np.where(good, widths, np.nan)
 
 

@@ -19,6 +19,7 @@ from .sightings import Sightings
 
 Array = NDArray[np.float64]
 MOST_FRAMES = 500_000  # more than two hours at 60 frames/s
+COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
 HASHED_BYTES = 1 << 20
 
 
@@ -81,11 +82,13 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
         )
     shape = (len(times), links, 4, 2)
     corners_px = np.frombuffer(numbers, np.float32).reshape(shape).astype(float)
+    edge_px = np.frombuffer(edges, np.float32).reshape(shape[:2]).astype(float)
+    corners_px = _sharp(corners_px, edge_px)
     sightings = Sightings.of(np.array(times), corners_px, (film.width, film.height))
     return Watched(
         film,
         sightings,
-        np.frombuffer(edges, np.float32).reshape(shape[:2]).astype(float),
+        edge_px,
         tuple(damage),
         finder.strangers,
         tuple(ground.shifts if ground else ()),
@@ -93,6 +96,15 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
         picture,
         mirrored > 0,
     )
+
+
+def _sharp(corners_px: Array, edge_px: Array) -> Array:
+    """Return the corners without tags whose edges could not be read, where nearly all could."""
+    found = np.isfinite(corners_px[..., 0, 0])
+    coarse = found & ~np.isfinite(edge_px)
+    if coarse.sum() > COARSE_SHARE * found.sum():
+        return corners_px
+    return np.where(coarse[..., None, None], np.nan, corners_px)
 
 
 def sha256_of(path: Path) -> str:

@@ -1,0 +1,113 @@
+"""Links whose tags are missing: where the gait says that they point.
+
+A joint that was seen for part of the film follows its own sine. Joints that were never seen follow
+one travelling sine, whose amplitude and lag are those that explain how head and tail move beside
+each other: the turn between them, and the vector from one to the other.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting.camera import Camera
+from .fitting.start import tag_poses
+from .motion import basis, first_rate
+from .seeing.sightings import Sightings
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+KNOWN_RAD = np.radians(2.0)  # how well a gait says where a link points
+AMPLITUDES = np.radians([20.0, 40.0, 60.0])  # from which the fit starts
+LAGS = np.radians(np.arange(-150, 180, 30))
+STARTS = [
+    (a, b) for a in np.radians([20.0, 40.0, 60.0]) for b in np.radians(np.arange(-150, 180, 30))
+]
+
+
+def expected_headings(states: Array, seen: NDArray[np.bool_], phi: Array) -> Array:
+    """Return states whose unseen links point as the joints phi (frames, joints) say.
+
+    From the nearest links that are seen, on both sides; the nearer one counts for more.
+    """
+    out = states.copy()
+    theta = states[:, 2:]
+    n = theta.shape[1]
+    turned = np.concatenate([np.zeros((len(phi), 1)), np.cumsum(phi, axis=1)], axis=1)
+    for k in range(n):
+        total, weight = np.zeros(len(theta)), np.zeros(len(theta))
+        free = ~seen[:, k]
+        for way in (-1, 1):
+            open_ = free.copy()
+            for j in range(k + way, n if way > 0 else -1, way):
+                here = open_ & seen[:, j]
+                near = 1.0 / abs(k - j)
+                guess = theta[:, j] + turned[:, k] - turned[:, j]
+                total[here] += near * _near(guess, theta[:, k])[here]
+                weight[here] += near
+                open_ &= ~here
+        filled = free & (weight > 0)
+        out[filled, 2 + k] = total[filled] / weight[filled]
+    return out
+
+
+def _near(angle: Array, other: Array) -> Array:
+    """Return angles on the branch that is nearest to others."""
+    return other + (angle - other + np.pi) % (2 * np.pi) - np.pi
+
+
+def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array | None:
+    """Return joints phi (frames, joints) of one sine that explains the outermost tags' motion.
+
+    Unknown: amplitude, lag, phase, offset, and the scale of the picture. None where no frame shows
+    two tags.
+    """
+    from scipy.optimize import least_squares
+
+    share = sightings.seen.mean(axis=0)
+    ends = np.flatnonzero(share > 0.3)
+    if len(ends) < 2:
+        return None
+    first, last = int(ends[0]), int(ends[-1])
+    both = sightings.seen[:, first] & sightings.seen[:, last]
+    centres, headings = tag_poses(camera, sightings)
+    theta = headings - turns
+    t = sightings.t_s - sightings.t_s.mean()
+    apart = np.unwrap(theta[both, last] - theta[both, first])
+    apart -= 2 * np.pi * np.round(apart.mean() / (2 * np.pi))
+    gone = centres[both, last] - centres[both, first]
+    gone = (gone[:, 0] + 1j * gone[:, 1]) * np.exp(-1j * theta[both, first]) / camera.link_m
+    omega = first_rate(t[both], apart[:, None], np.ones((len(apart), 1)))
+    found = _fit(t[both], apart, gone, omega, last - first, least_squares)
+    joints = np.arange(sightings.links - 1) - first
+    a, lag, phase, offset, omega = found
+    return offset + a * np.sin(omega * t[:, None] + phase + lag * joints)
+
+
+def _fit(t: Array, apart: Array, gone: Complex, omega: float, joints: int, solve: object) -> Array:
+    """Return amplitude, lag, phase, offset and rate of the sine."""
+
+    def miss(x: Array) -> Array:
+        phi = x[3] + x[0] * np.sin(x[4] * t[:, None] + x[2] + x[1] * np.arange(joints))
+        theta = np.concatenate([np.zeros((len(t), 1)), np.cumsum(phi, axis=1)], axis=1)
+        unit = np.exp(1j * theta)
+        way = 0.5 * unit[:, 0] + unit[:, 1:-1].sum(axis=1) + 0.5 * unit[:, -1]
+        # The picture's scale is free: the vector counts by its best factor.
+        factor = np.sum((way.conj() * gone).real) / np.sum(np.abs(way) ** 2)
+        off = gone - factor * way
+        return np.concatenate([theta[:, -1] - apart, off.real, off.imag])
+
+    columns = basis(t, omega, 1)
+    _, c, s = np.linalg.lstsq(columns, apart, rcond=None)[0]
+    best = None
+    for amplitude, lag in product(AMPLITUDES, LAGS):
+        sum_phase = np.angle(np.exp(1j * lag * np.arange(joints)).sum())
+        x0 = np.array([amplitude, lag, np.arctan2(c, s) - sum_phase, 0.0, omega])
+        tried = solve(miss, x0, max_nfev=30)  # type: ignore[operator]
+        if best is None or tried.cost < best.cost:
+            best = tried
+    assert best is not None
+    return best.x

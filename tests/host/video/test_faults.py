@@ -1,0 +1,253 @@
+"""What is wrong with a film is told in words, or the film is refused; nothing hangs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.model.errors import BadInput
+from serpenoid.robot import Robot
+from serpenoid.robot.recording.run_gait import recorded_gait
+from serpenoid.video import wiring
+from serpenoid.video.instrument import measure
+from serpenoid.video.measure_film import measure_film
+from serpenoid.video.result import FilmedRun, Joint
+from serpenoid.video.seeing.film import Film as File
+from serpenoid.video.seeing.sightings import Sightings
+from serpenoid.video.seeing.watch import watch
+from video.filming import Body, Film, Lens, write
+from video.worlds import LINK_M, SIDE_M, crawling
+
+QUICK = crawling(seed=2, omega_rad_s=8.0, alpha_deg=40, speed_m_s=0.08, start_m=-0.06)
+TIMES = np.arange(0, 1.7, 1 / 30)
+GAIT = sn.Gait(math.radians(40), math.radians(80), 8.0)
+
+
+def drawn(body: Body | None = None, lens: Lens | None = None, times=TIMES, **more):
+    film = Film(lens or Lens(), body or Body(), QUICK.pose, **more)
+    return [film.frame(t) for t in times]
+
+
+@pytest.fixture(scope="module")
+def frames():
+    """Two periods, drawn once; faults are made of these pictures."""
+    return drawn()
+
+
+@pytest.fixture
+def told(tmp_path):
+    """Measure pictures; return the run and its remarks by name."""
+
+    def measured(pictures, times=TIMES, name="film.mp4", codec="libx264", **how):
+        path = write(tmp_path / name, pictures, np.asarray(times[: len(pictures)]), codec)
+        run = measure_film(path, how.pop("links", 6), how.pop("link_m", LINK_M), **how).run
+        return run, {r.name: r.text for r in run.remarks}
+
+    return measured
+
+
+def shifted(picture, x: float, y: float):
+    move = np.array([[1.0, 0, x], [0, 1.0, y]])
+    size = picture.shape[::-1]
+    return cv2.warpAffine(picture, move, size, borderMode=cv2.BORDER_REPLICATE)
+
+
+def test_a_good_film_has_nothing_to_tell(frames, told) -> None:
+    run, remarks = told(frames)
+    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
+    assert not set(remarks) - {"centre"}
+
+
+def test_a_knock_is_told_with_its_time_and_a_push_is_refused(frames, told) -> None:
+    _, remarks = told([shifted(f, 0.9 * (k > 25), 0) for k, f in enumerate(frames)])
+    assert "moved by 0.9 px at 1." in remarks["camera"]
+    with pytest.raises(BadInput, match=r"moved by 7\.\d px at 1\.\d s. Put the phone on a tripod"):
+        told([shifted(f, 7.0 * (k > 25), 2) for k, f in enumerate(frames)])
+
+
+def test_a_camera_held_by_hand_is_refused(frames, told) -> None:
+    sway = [shifted(f, 6 * math.sin(0.2 * k), 5 * math.sin(0.15 * k)) for k, f in enumerate(frames)]
+    with pytest.raises(BadInput, match="moves all the time"):
+        told(sway)
+
+
+def test_too_short_a_film_is_refused(frames, told) -> None:
+    with pytest.raises(BadInput, match=r"shows 1\.\d\d periods .* film longer"):
+        told(frames[:32])
+
+
+def test_links_of_another_length_are_found_by_the_tags(frames, told) -> None:
+    with pytest.raises(BadInput, match=r"tags are \d\d\.\d mm wide, not 34.0 mm"):
+        told(frames, link_m=0.09, side_m=SIDE_M)
+
+
+def test_swapped_tags_are_refused_and_a_turned_one_is_allowed_for(told) -> None:
+    with pytest.raises(BadInput, match="in the order 1, 2, 4, 3, 5, 6 along"):
+        told(drawn(Body(ids=(0, 1, 3, 2, 4, 5)), times=TIMES[::3]), times=TIMES[::3])
+    turn = np.radians([0, 0, 180, 0, 90, 0])
+    run, remarks = told(drawn(Body(turn_rad=turn)))  # tag 3 upside down, tag 5 a quarter turn
+    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
+    assert "tags" in remarks
+
+
+def test_another_robot_is_refused(frames, told) -> None:
+    with pytest.raises(BadInput, match="shows tags 5, 6, but the robot has 4 links"):
+        told(frames[:12], links=4)
+
+
+def test_a_mirrored_picture_is_named(frames, told) -> None:
+    with pytest.raises(BadInput, match="mirrored"):
+        told([np.ascontiguousarray(f[:, ::-1]) for f in frames[:12]])
+
+
+def test_a_floor_alone_is_no_robot(told) -> None:
+    grey = np.full((540, 960), 120, np.uint8)
+    with pytest.raises(BadInput, match="no tag is seen in 12 frames"):
+        told([grey] * 12)
+
+
+def test_a_robot_that_rests_is_told_so(frames, told) -> None:
+    with pytest.raises(BadInput, match=r"no joint moves|periods"):
+        told([frames[0]] * 40)
+
+
+def test_lost_frames_leave_the_numbers_right(frames, told) -> None:
+    keep = [k for k in range(len(frames)) if k not in (12, 13, 14, 30)]
+    run, remarks = told([frames[k] for k in keep], times=TIMES[keep])
+    assert "4 frames are missing" in remarks["frames lost"]
+    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
+
+
+@pytest.mark.slow
+def test_a_phone_held_upright_measures_the_same(frames, told) -> None:
+    run, _ = told([np.ascontiguousarray(np.rot90(f)) for f in frames])
+    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
+
+
+def test_slow_motion_is_seen_by_the_rate_and_undone_by_the_board(frames, told) -> None:
+    run, remarks = told(frames, times=8 * TIMES, gait=GAIT, board_rate=True)
+    assert run.time_scale == pytest.approx(1 / 8, rel=1e-3)
+    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
+    assert "rate" not in remarks
+    slow = replace(run, omega_rad_s=run.omega_rad_s / 8)
+    assert any("slow motion, 8" in r.text for r in wiring.judge(slow, GAIT))
+
+
+@pytest.mark.slow
+def test_hevc_is_read(frames, told) -> None:
+    run, _ = told(frames, codec="libx265")
+    assert run.film["codec"] == "hevc"
+    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
+
+
+@pytest.mark.slow
+def test_blur_is_named(told) -> None:
+    lens = Lens(exposure_s=1 / 25)
+    run, remarks = told(drawn(lens=lens, steps=6))
+    assert "shorten the exposure" in remarks["blur"]
+    assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.01)
+
+
+@pytest.mark.parametrize("fault", ["strip", "ends"])
+def test_lost_tags_do_not_bend_the_speed(frames, told, tmp_path, fault) -> None:
+    """Nothing is averaged over the tags that happen to be left."""
+    path = write(tmp_path / "film.mp4", frames, TIMES)
+    seen = watch(File.open(path), 6).sightings
+    corners = seen.corners_px.copy()
+    across = corners.mean(axis=2)[..., 0]
+    lost = {
+        "strip": (across > 440) & (across < 560), "ends": np.isin(np.arange(6), range(1, 5)),
+    }[fault]  # fmt: skip
+    corners[np.broadcast_to(lost, across.shape)] = np.nan
+    found = measure(Sightings.of(seen.t_s, corners, seen.image_px), LINK_M, SIDE_M)
+    limit = 0.005 if fault == "ends" else 0.01
+    assert found.fitted.motion.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=limit)
+
+
+@pytest.mark.slow
+def test_damaged_files_end_in_words(frames, tmp_path) -> None:
+    path = write(tmp_path / "film.mp4", frames, TIMES)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(7)
+    for k in range(6):
+        broken = bytearray(whole)
+        if k < 3:
+            del broken[int(len(whole) * (0.2 + 0.3 * k)) :]
+        for place in rng.integers(3000, max(3001, len(broken)), 20 * (k >= 3)):
+            broken[min(place, len(broken) - 1)] ^= 0xFF
+        path.write_bytes(broken)
+        try:
+            run = measure_film(path, 6, LINK_M).run
+        except BadInput:
+            continue
+        assert run.remarks
+        assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [("words.mp4", b"no film at all" * 99, "cannot be read as a film"),
+     ("empty.mp4", b"", "cannot be read as a film"), ("none.mp4", None, "there is no such file")],
+)  # fmt: skip
+def test_what_is_no_film_is_named(tmp_path, name, content, words) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(BadInput, match=words):
+        measure_film(tmp_path / name, 6, LINK_M)
+
+
+def test_a_picture_is_no_film(frames, tmp_path) -> None:
+    cv2.imwrite(str(tmp_path / "one.png"), frames[0])
+    with pytest.raises(BadInput, match="is a picture, not a film"):
+        measure_film(tmp_path / "one.png", 6, LINK_M)
+    with pytest.raises(BadInput, match="a folder; name the film"):
+        measure_film(tmp_path, 6, LINK_M)
+
+
+def run_of(phase_deg: list[float], offset_deg: list[float] | None = None) -> FilmedRun:
+    offsets = offset_deg or [0.0] * len(phase_deg)
+    joints = tuple(
+        Joint(i + 1, math.radians(40), 1e-3, math.radians(p), 1e-3, math.radians(o), 1e-3, 1.0)
+        for i, (p, o) in enumerate(zip(phase_deg, offsets, strict=True))
+    )
+    count = len(joints) + 1
+    return FilmedRun(count, LINK_M, 0.05, 1e-4, 0.0, 1e-3, 0.0, 1e-4, 8.0, 1e-3, 0.1, 2.0, joints,
+                     (1.0,) * count, 1.0, 0.1, 1e-4, 1.0, {}, {})  # fmt: skip
+
+
+@pytest.mark.parametrize("gait", [GAIT, None])
+def test_swapped_plugs_and_reversed_servos_are_found(gait) -> None:
+    straight = [0.0, 80, 160, 240, 320]
+    assert wiring.judge(run_of(straight), gait) == []
+    turned = [*straight[:2], straight[2] + 180, *straight[3:]]
+    assert [r.name for r in wiring.judge(run_of(turned), gait)] == ["sense"]
+    swapped = [0.0, 80, 240, 160, 320]
+    (remark,) = wiring.judge(run_of(swapped), gait)
+    assert remark.name == "plugs"
+    assert gait is None or "joints 3 and 4" in remark.text  # without a gait, 2 and 5 do as well
+
+
+def test_a_centre_that_is_off_asks_for_a_trim() -> None:
+    run = run_of([0.0, 80, 160, 240, 320], [0.0, 0, 2.5, 0, 0])
+    (remark,) = wiring.judge(run, GAIT)
+    assert "joint 3 swings about +2.5°" in remark.text
+    assert "move its trim by -2.5°" in remark.text
+    assert wiring.judge(run, replace(GAIT, offset_rad=math.radians(2.5)))[0].name == "centre"
+
+
+def test_a_recording_gives_the_gait_that_was_commanded(tmp_path) -> None:
+    path = tmp_path / "run.wire"
+    gait = sn.Gait(math.radians(30), math.radians(80), 5.0)
+    with Robot("virtual:fast", record=path) as robot:
+        robot.gait(gait)
+        list(robot.frames(8.0))
+    found = recorded_gait(path, 5)
+    assert found.alpha_rad == pytest.approx(gait.alpha_rad, abs=math.radians(0.2))
+    assert found.beta_rad == pytest.approx(gait.beta_rad, abs=math.radians(0.3))
+    assert found.omega_rad_s == pytest.approx(gait.omega_rad_s, rel=0.01)
+    with pytest.raises(BadInput, match="has 5 joints; the robot has 3"):
+        recorded_gait(path, 3)
