@@ -12,80 +12,53 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <utility>
 #include <vector>
 
-#include "body/body_shape.hpp"
-#include "body/viscous_drag.hpp"
-#include "numerics/gauss_rule.hpp"
 #include "periodic/periodic_state.hpp"
+#include "periodic/viscous_shape.hpp"
 
 namespace serpenoid {
 
-// Solves for one shape (alpha, beta, offset) and any number of rates: its tables do not hold omega.
+// Solves for one shape (alpha, beta, offset) and any number of rates.
 class SteadyViscous {
   public:
-    SteadyViscous(const Robot& robot, const Ground& ground, const Gait& gait);
+    SteadyViscous(const Robot& robot, const Ground& ground, const Gait& gait)
+        : shape_(robot, ground, gait) {}
 
     // The periodic state at this rate; starts from the last solution, scaled, when there is one.
     SteadyState solve(double omega, const SteadyOptions& options);
 
   private:
-    static constexpr int kStages = 6;
-    using Rule = Gauss<kStages>;
+    static constexpr int kStages = ViscousMesh::kStages;
+    using Rule = ViscousMesh::Rule;
 
-    struct Node : ViscousSums {
-        double J, K;
-        BodyShape shape;
-    };
-    struct Mesh {
-        int elements;
-        double h;  // phase per element
-        std::vector<Node> nodes;
-    };
-    struct Iterate {
-        int elements = 0;
-        double omega = 0;
-        Vec3 start{};
-        std::vector<Vec3> stage;
-    };
-
-    // A linearised element: its stages as functions of its start (three columns, then what they
-    // are off by, a row a component), and the same of its end.
+    // A linearised element: its stages as functions of its start (three columns, then the
+    // correction, a row a component), and the same of its end.
     struct Element {
         std::array<double, 3 * kStages * 4> stages;
         Mat3 transfer;
         Vec3 correction;
     };
+    // The linearised end of a mesh: its derivative by the start, and by what y + q is off.
+    struct Chain {
+        std::vector<Element> elements;
+        Mat3 transfer = identity3();
+        Vec3 end{};
+    };
 
-    const Mesh& mesh(int elements);
-    Node node(double tau) const;
-    void guess(const Mesh& mesh, double omega);
-    bool newton(const Mesh& mesh, double omega, double enough, SteadyState& result);
-    bool eliminate(const Mesh& mesh, int e, double omega, Vec3& y, Element& out) const;
-    std::pair<double, double> update(const Mesh& mesh, int e, double omega, const Element& element,
-                                     const Vec3& d);
-    double newton_step(const Mesh& mesh, double omega, Mat3& half);
-    Vec3 derivative(const Node& node, const Vec3& y, double omega, Mat3& jacobian) const;
-    void averages(const Mesh& mesh, double omega, SteadyState& result) const;
-    Vec3 beginning(const Mesh& mesh, double omega) const;
-    Vec3 travel(const Mesh& mesh, double omega, double spin) const;
-    std::vector<double> positive_powers(const Mesh& mesh, double omega) const;
-    void slowest(const Mesh& mesh, double omega, SteadyState& result) const;
-    double followed_slowest(const Mesh& mesh, double omega, int pieces) const;
-    Vec3 between(int e, double x) const;
+    void guess(const ViscousMesh& mesh, double omega);
+    bool newton(double enough, SteadyState& result);
+    bool eliminate(int e, Vec3& y, Element& out) const;
+    bool linearise(Chain& chain) const;
+    std::pair<double, double> update(int e, const Element& element, const Vec3& d);
+    double update_all(const Chain& chain, Vec3 d);
+    void set_means(SteadyState& out) const;
     ErrorRule rule(const LevelChange& change, const LevelChange& before, int meshes) const;
-    void bound_slowest(double omega, double rtol, const SteadyState& coarse, SteadyState& s);
+    void set_slowest(double rtol, const SteadyState& coarse, SteadyState& s) const;
 
-    Robot robot_;
-    Ground ground_;
-    Gait gait_;
-    GaitTable table_;
-    bool mirrored_;
-    std::vector<double> lag_;  // of every joint, rad
-    std::map<int, Mesh> meshes_;
-    Iterate now_;
+    ViscousShape shape_;
+    ViscousMotion now_;
 };
 
 }  // namespace serpenoid

@@ -1,0 +1,18 @@
+// What decays fast on viscous ground: the slowest multiplier beside it, and the state at phase 0.
+#pragma once
+
+#include "periodic/viscous_shape.hpp"
+
+namespace serpenoid {
+
+// The state at phase 0.
+Vec3 state_at_start(const ViscousShape& shape, const ViscousMotion& motion);
+
+// Logarithm of the size of a period's largest multiplier.
+struct Slowest {
+    double log_size, error;  // error 0: that of the collocation
+};
+Slowest slowest_multiplier(const ViscousShape& shape, const ViscousMotion& motion,
+                           const Mat3& monodromy);
+
+}  // namespace serpenoid
