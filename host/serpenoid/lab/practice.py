@@ -22,6 +22,7 @@ MOST_BELT_M_S = 4.0
 LET_GO_M_S, LET_GO_RAD, LET_GO_RAD_S = 0.02, math.radians(1.5), math.radians(2.0)
 DISPLAY, INCLINOMETER_RAD = Display(), Instrument(step=math.radians(0.1))
 SetPoints = Callable[[], Sequence[float]]
+BELT_LENGTH_M = 2.8
 
 
 class PracticeTreadmill:
@@ -60,6 +61,7 @@ class PracticeTreadmill:
             "put": self.put, "put_up": lambda: self.put("up"), "take": self.take,
             "mark": self.mark, "inclinometer": self.inclinometer,
             "turned": lambda: self.inclinometer(turned=True), "protractor": self.protractor,
+            "turns": self.turns,
         }  # fmt: skip
 
     def start(self) -> PracticeTreadmill:
@@ -183,6 +185,16 @@ class PracticeTreadmill:
                 for k in (0, -1)
             ]
             return f"protractor: {shown[0]:.1f} deg at the tail, {shown[1]:.1f} deg at the head"
+
+    def turns(self) -> str:
+        """Time ten turns of a mark on the belt, with a hand's error."""
+        with self._lock:
+            shown_m_s = self.belt_shown_m_s
+            if not shown_m_s:
+                return "the belt stands"
+            way_m = 10 * BELT_LENGTH_M
+            duration_s = way_m / (shown_m_s * self._display.scale) + 0.2 * float(self._rng.normal())
+            return f"ten turns of {BELT_LENGTH_M:g} m, {way_m:g} m, in {duration_s:.1f} s"
 
     def look(self) -> str:
         """Return what anybody sees, in a line."""

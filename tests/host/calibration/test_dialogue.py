@@ -163,6 +163,26 @@ def test_what_is_out_of_line_is_asked_about_and_may_be_kept(folder):
     assert session.kept[-1].belt_speed_m_s == 0.8
 
 
+def test_a_zero_whose_sign_was_forgotten_is_questioned(folder):
+    heard, session = talk(folder, "0.6", "0,6", "", "-0.6")
+    assert "turned, it shows 0.6 deg: expected -1.6 to 0.4" in heard
+    assert "was a sign forgotten?" in heard
+    assert [z.zero_rad for z in session.zeros] == [pytest.approx(0.0, abs=1e-9)]
+    heard, _ = talk(folder, "undo", "skip")
+    assert "without a zero, 0.1 deg that nobody sees is 6 %" in heard
+
+
+def test_the_belt_is_checked_at_the_end(folder):
+    with Journal(folder) as journal:
+        for bend in ("bend 7.5", "bend 15", "bend 30", "gait 1", "gait 2", "gait 3"):
+            journal.event("skip", detail=bend)
+    talk(folder, *ZERO, "", *STATION, *station("2.3", "0.5"), *station("2.6", "0.8"))
+    heard, session = talk(folder, *ZERO, "1,8 km/h", "28", "50")
+    assert "mark the belt's edge" in heard
+    assert session.of("belt")[0].scale == pytest.approx(1.12)
+    assert "all of the plan is done" in heard
+
+
 def test_a_robot_that_turned_is_held_again(folder):
     turned = ("", "2.0", "0.2", "12", "", "keep")
     heard, session = talk(folder, *ZERO, "", *turned, "again", *STATION)

@@ -69,8 +69,11 @@ def test_the_zero_is_read_again_at_the_end(record):
     skipped = frozenset({"zero before", "straight", *(f"bend {b:g}" for b in (7.5, 15, 30))})
     assert next_step(record.session, skipped).key == "zero after"
     record.add("zero", {"incline_deg": 0.1, "reversed_deg": 0.0})
+    assert next_step(record.session, skipped).kind == "belt"
+    record.add("belt", {"belt_speed_m_s": 0.5, "distance_m": 28.0, "duration_s": 55.0})
     assert next_step(record.session, skipped).kind == "done"
     assert dict(progress(record.session, skipped))["zero after"] == "done"
+    assert dict(progress(record.session, skipped))["belt check"] == "done"
 
 
 def test_inclines_rise_faster_where_the_belt_hardly_does(record):

@@ -18,6 +18,7 @@ FIELDS = (
     Field(
         "reversed_deg", "turned, it shows", "incline", -MAX_INCLINE_DEG, MAX_INCLINE_DEG,
         LIKELY_DEG,
+        why="the zero would be beyond 0.5 deg: was a sign forgotten?",
     ),
 )  # fmt: skip
 

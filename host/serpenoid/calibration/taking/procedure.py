@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from ...model.bends import balanced_signs, joint_multiples
+from ..kinds.belt import BELT
 from ..kinds.bend import BEND
 from ..kinds.declaration import Field
 from ..kinds.gait import GAIT
@@ -22,8 +23,13 @@ from ..session_rows import Event
 from .expected import Series, expected_speed, line_of, of_bend, planned_bend, series_of
 from .steps import Step
 
-ZERO_BEFORE, ZERO_AFTER = "zero before", "zero after"
+ZERO_BEFORE, ZERO_AFTER, BELT_CHECK = "zero before", "zero after", "belt check"
+_BELT_SAY = (
+    "Belt check, robot off the belt: mark the belt's edge, run it at a speed that you used much, "
+    "and time ten turns or more. The way is turns times the belt's length."
+)
 MOST_DEG = 12.0  # of incline: the snake starts to tumble, or the wheels to slide
+MOST_ZERO_DEG = 0.5  # beyond it an inclinometer's sign was forgotten, or it is not one to use
 SETTLE_TIMES = 3.0  # of m / C_t, after which 5 % of a disturbance is left
 SERIES = 6  # stations of a bend from rest to the top speed
 FEWEST = 3  # stations of a bend before the top speed may end it
@@ -67,6 +73,8 @@ def next_step(
             return _station(session, series, incline_deg, shown_rad)
     if session.kept and not (_zero_read(session, False) or ZERO_AFTER in skipped):
         return _zero(ZERO_AFTER)
+    if session.kept and not (_belt_read(session) or BELT_CHECK in skipped):
+        return Step(BELT_CHECK, "belt", _BELT_SAY, BELT.numbers)
     return _gait_step(session, skipped) or Step("done", "done", "all of the plan is done")
 
 
@@ -80,9 +88,14 @@ def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tu
         name = f"{series.key} deg" if series.lambda_rad else series.name
         rows.append((name, f"{count} stations{', more to come' if open_ else ', done'}"))
     rows.append(("zero after", _done(_zero_read(session, False))))
+    rows.append((BELT_CHECK, _done(_belt_read(session))))
     wanted = len(session.setup.procedure.gaits) * session.setup.procedure.gait_runs
     rows.append(("gait runs", f"{len(session.kept_gait_runs)} of {wanted}"))
     return rows
+
+
+def _belt_read(session: Session) -> bool:
+    return any(not b.voided for b in session.of("belt"))
 
 
 def _zero_read(session: Session, before: bool) -> bool:
@@ -151,11 +164,19 @@ def doubts(
         if field.column not in cells:
             continue
         value, likely = float(cells[field.column]), field.likely
-        if field.column == "belt_speed_m_s":
+        if field.column == "belt_speed_m_s" and step.kind == "station":
             likely = likely_belt(session, step, cells)
+        if field.column == "reversed_deg":
+            likely = _likely_reversed(cells)
         if likely is not None and not likely[0] <= value <= likely[1]:
             found.append((field, likely))
     return found
+
+
+def _likely_reversed(cells: Mapping[str, float | str]) -> tuple[float, float]:
+    """Return what an inclinometer turned end for end shows if its zero is no more than usual."""
+    shown_deg = float(cells["incline_deg"])
+    return -shown_deg - 2 * MOST_ZERO_DEG, -shown_deg + 2 * MOST_ZERO_DEG
 
 
 def likely_belt(

@@ -29,6 +29,7 @@ from .steps import Step
 
 GaitSpeed = Callable[[Robot, Ground, Gait], float]
 RUN_M, RUN_S = 1.0, 40.0  # a gait run: so far, or so long at most
+TURNS, BELT_M = 10, 2.8  # of a belt check
 START_M_S = 0.3  # of the belt, where nothing tells better
 
 
@@ -123,7 +124,7 @@ class SimulatedTreadmill:
         """Do a step as a person would."""
         read = {
             "zero": self._zero, "straight": self._straight, "bend": self._bend,
-            "station": self._station, "gait": self._gait,
+            "station": self._station, "gait": self._gait, "belt": self._belt,
         }[step.kind](step)  # fmt: skip
         self._true = dict(read or {})
         return None if read is None else self._typed(step, read)
@@ -197,6 +198,19 @@ class SimulatedTreadmill:
             "turned_deg": round(math.degrees(held.turned_rad), 1),
             "offset_deg": round(math.degrees(held.offset_rad), 3),
             "waited_s": round(held.waited_s, 1),
+        }
+
+    def _belt(self, step: Step) -> Cells:
+        """Time a mark on the belt over ten turns."""
+        shown = (
+            round(0.5 / self._setup.treadmill.belt_step_m_s) * self._setup.treadmill.belt_step_m_s
+        )
+        watch, way_m = self._setup.stopwatch, TURNS * BELT_M
+        duration = way_m / (shown * self.truth.belt_scale) + self._normal(watch.time_sigma_s)
+        return {
+            "belt_speed_m_s": round(shown, 5),
+            "distance_m": round(way_m + self._normal(watch.distance_sigma_m), 3),
+            "duration_s": round(duration, 2),
         }
 
     def _guess_m_s(self, step: Step) -> float:

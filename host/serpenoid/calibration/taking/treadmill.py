@@ -24,7 +24,8 @@ class Treadmill(Protocol):
     of step (`Step.kind`) it returns the numbers of `step.fields`, in the columns' units:
     zero (incline_deg, reversed_deg), bend (between_links_deg, between the last two links at an end
     of a robot bent as `step.bend` says), station (incline_deg, belt_speed_m_s, drift_m_s, and as
-    far as they are known turned_deg, offset_deg and waited_s), gait (distance_m, duration_s,
+    far as they are known turned_deg, offset_deg and waited_s), belt (belt_speed_m_s, distance_m,
+    duration_s of a mark on the belt), gait (distance_m, duration_s,
     omega_rad_s); straight has none. A person who types takes the same steps (`person.dialogue`):
     a lab that is practised with moves its belt and robot beside it, by SessionRobot's calls and by
     what is set at the treadmill.

@@ -41,6 +41,9 @@ def calibrate() -> None:
     """Measure friction on a treadmill: `calibrate new DIR`, then `calibrate DIR`, any time again.
 
     Every reading is on the disk before the next is asked for; nothing is ever overwritten.
+
+    `calibrate DIR` takes --port (a robot that bends and steers itself), --page, --lan, --window,
+    --script and --dry-run: see `serpenoid calibrate take --help`.
     """
 
 

@@ -59,7 +59,8 @@ def _aim(step: Step) -> str:
     if step.facing == "up":
         return "robot straight, head UPHILL"
     return {"zero": "inclinometer zero", "straight": "robot straight", "done": "all done",
-            "gait": "gait run"}[step.kind]  # fmt: skip
+            "gait": "gait run",
+            "belt": "belt check: time ten turns"}[step.kind]  # fmt: skip
 
 
 def _shape(session: Session, step: Step) -> dict[str, Any] | None:

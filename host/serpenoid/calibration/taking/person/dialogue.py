@@ -151,7 +151,7 @@ class Dialogue:
         begun_s = self._belt_set(step)
         for field in step.fields:
             likely = field.likely
-            if field.column == "belt_speed_m_s":
+            if field.column == "belt_speed_m_s" and step.kind == "station":
                 likely = likely_belt(self.journal.session, step, values)
             values[field.column] = self._number(field, likely, step)
         if step.kind == "station":

@@ -33,6 +33,7 @@ The treadmill is worked by words, or on its page:
   mark          ruler and watch; again: how far and how long, and so the drift
   inclinometer  what it shows; turned: laid the other way round
   protractor    what it shows between the links at both ends
+  turns         mark the belt and time ten turns
   wait 20       let 20 s pass"""
 
 
@@ -118,7 +119,7 @@ class PracticeTerminal:
             "look": lambda given: f"{picture(treadmill)}\n  {treadmill.look()}",
             "treadmill": lambda given: HELP,
             **{name: self._button(name)
-               for name in ("take", "mark", "inclinometer", "turned", "protractor")},
+               for name in ("take", "mark", "inclinometer", "turned", "protractor", "turns")},
         }  # fmt: skip
 
     def say(self, text: str) -> None:

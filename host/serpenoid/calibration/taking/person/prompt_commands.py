@@ -94,6 +94,11 @@ class PromptCommands:
     def _skip(self, rest: str, step: Step) -> None:
         self._journal.event("skip", max(self._journal.numbers, default=0), step.key)
         self._talk.say(f"  left out: {step.key}")
+        if step.kind == "zero":
+            self._talk.say(
+                "  ! without a zero, 0.1 deg that nobody sees is 6 % of the 2005 robot's ft0; the "
+                "fit then counts the error that session.toml states. `undo` brings the step back."
+            )
         raise Again
 
     def _pause(self, rest: str, step: Step) -> None:
