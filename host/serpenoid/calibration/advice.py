@@ -20,15 +20,15 @@ import numpy as np
 from ..model.checks import check_kind
 from ..model.errors import BadInput
 from ..model.gait import Gait
-from .comparison import AMPLITUDE_SIGMA
 from .fitting.data import FitData, Floats, projections
 from .fitting.joint import jacobian, starting_point
 from .fitting.rounding import nearest_shown
+from .fitting.shared import shared_covariance
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit
 from .kinds.station import Reading, bent_share
 from .session import Session, Setup
-from .speed_samples import Progress, sample_speeds
+from .speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds
 from .taking.expected import Series
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0, 45.0)
@@ -198,7 +198,9 @@ def _covariance(session: Session, whole: Floats) -> Floats:
     """Return the parameters' covariance that a session's readings leave, near these values."""
     data = FitData.of(session)
     slopes = jacobian(starting_point(whole, data), data)
-    return np.asarray(np.linalg.inv(slopes.T @ slopes), dtype=np.float64)
+    covariance = np.asarray(np.linalg.inv(slopes.T @ slopes), dtype=np.float64)
+    of = data.parameters
+    return covariance[:of, :of] + shared_covariance(whole, data.belt_sigma, data.mass_sigma)
 
 
 def _places(

@@ -17,10 +17,9 @@ from .friction_fit import fit_friction
 from .friction_result import FrictionFit, band
 from .kinds.gait import GaitRun
 from .session import Session
-from .speed_samples import Progress, SpeedSamples, sample_speeds, speed
+from .speed_samples import AMPLITUDE_SIGMA, Progress, SpeedSamples, sample_speeds, speed
 from .verdict import Judge, Measured, in_words, of_gaits
 
-AMPLITUDE_SIGMA = 0.03
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 SAME_RATE = 1e-3  # rates closer than this, relative, are repeats of one gait
 _CURVE_SAMPLES, _CURVE_POINTS = 32, 9

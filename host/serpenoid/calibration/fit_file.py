@@ -142,6 +142,7 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
         outliers=tuple(check_whole("outlier", k, 0, 10**9) for k in given["outliers"]),
         influence=tuple(map(_influence, given["influence"])),
         notes=tuple(map(str, given["notes"])),
+        alarms=tuple(map(str, given["alarms"])),
         session_name=str(given["session"]["name"]),
         session_sha256=str(given["session"]["sha256"]),
     )

@@ -22,16 +22,17 @@ import numpy as np
 
 from ..model.checks import check_choice, check_kind
 from ..model.errors import BadInput, NotConverged
+from .alarms import parts, with_alarms
 from .fitting.data import FitData, Floats, projections
 from .fitting.identifiability import bend_note, check_readings
-from .fitting.influence import BOTH_WAYS, Influence, influences, leave_one_out
-from .fitting.joint import Minimum, minimise, starting_point, whole_residuals
+from .fitting.influence import BOTH_WAYS, Influence, influences
+from .fitting.joint import minimise, starting_point, whole_residuals
 from .fitting.joint import residuals as residuals_at
 from .fitting.paper_fit import points, two_lines
 from .fitting.profile import intervals, quantiles
 from .fitting.robust import FitMode, robust_minimum
+from .fitting.shared import shared_covariance, widened
 from .friction_result import (
-    DOUBTFUL,
     LEVEL,
     UNITS,
     Estimate,
@@ -43,7 +44,6 @@ from .friction_result import (
 from .session import Session
 
 METHODS = ("joint", "robust", "naive")
-_REFITTED = 3  # so many suspects are fitted without, since a gross outlier is no linear step
 
 
 def fit_friction(session: Session, *, method: str = "joint") -> FrictionFit:
@@ -120,7 +120,7 @@ def _naive(session: Session, data: FitData) -> FrictionFit:
     from scipy.special import stdtrit
 
     values, covariance = two_lines(data)
-    straight, back, bent = _parts(data)
+    straight, back, bent = parts(data)
     freedom = np.array([straight, bent, straight, bent, back, back])[: data.parameters] - 2
     widths = stdtrit(freedom, 0.5 + LEVEL / 2) * np.sqrt(np.diag(covariance))
     _check_signs(session, values)
@@ -129,17 +129,16 @@ def _naive(session: Session, data: FitData) -> FrictionFit:
     chi2 = float(residuals @ residuals)
     raw = _Raw(values, covariance, _about(values, widths), residuals, chi2, np.ones(len(data)), {})
     fit = _result(session, data, raw, "naive")
-    if not _doubtful(fit):
-        return fit
-    return _suspicious(session, data, fit, minimise(data, starting_point(values, data)))
+    return with_alarms(fit, session, data)
 
 
 def _joint(session: Session, data: FitData, method: str) -> FrictionFit:
     plain = minimise(data, starting_point(two_lines(data)[0], data))
     if method == "joint":
         raw = _raw(session, data, FitMode(plain, np.ones(len(data)), 0.0))
-        return _suspicious(session, data, _result(session, data, raw, method), plain)
-    return _result(session, data, _raw(session, data, robust_minimum(data, plain)), method)
+        return with_alarms(_result(session, data, raw, method), session, data, plain)
+    fit = _result(session, data, _raw(session, data, robust_minimum(data, plain)), method)
+    return with_alarms(fit, session, data, plain)
 
 
 def _raw(session: Session, data: FitData, found: FitMode) -> _Raw:
@@ -156,22 +155,18 @@ def _raw(session: Session, data: FitData, found: FitMode) -> _Raw:
     else:
         ends = _about(x[: data.parameters], quantile * sigmas[: data.parameters])
     counted = found.good > 0.5
+    values = x[: data.parameters]
+    shared = shared_covariance(values, data.belt_sigma, data.mass_sigma)
     return _Raw(
-        values=x[: data.parameters],
-        covariance=covariance[: data.parameters, : data.parameters],
-        intervals=ends,
+        values=values,
+        covariance=covariance[: data.parameters, : data.parameters] + shared,
+        intervals=widened(ends, values, np.sqrt(np.diag(shared)), quantile),
         residuals=whole,
         chi2=float(np.sum(residuals[counted] ** 2) + np.sum(found.minimum.residuals[count:] ** 2)),
         good=found.good,
         nuisances=_nuisances(data, x, sigmas),
         influence=influences(found.minimum, [r.number for r in session.kept], share),
     )
-
-
-def _parts(data: FitData) -> tuple[int, int, int]:
-    """Return how many readings are straight forwards, straight backwards, and bent."""
-    straight, back = ~data.bent & ~data.back, ~data.bent & data.back
-    return int(np.sum(straight)), int(np.sum(back)), int(np.sum(data.bent))
 
 
 def _about(values: Floats, widths: Floats) -> Floats:
@@ -186,7 +181,7 @@ def _nuisances(data: FitData, x: Floats, sigmas: Floats) -> dict[str, Estimate]:
         again = sum(n == name or n.startswith(name + "_again") for n in names)
         names.append(name + (f"_again_{again}" if again else ""))
     units = np.append(data.posture_sigma_rad, data.zero_sigma_rad)
-    told = [*range(data.parameters, data.parameters + len(names)), -1]
+    told = [*range(data.first_posture, data.first_rounding), -1]
     values, widths = units * x[told], units * sigmas[told]
     estimates = map(Estimate, values.tolist(), widths.tolist())
     return dict(zip([*names, "incline_zero_rad"], estimates, strict=True))
@@ -235,30 +230,3 @@ def _zero_note(data: FitData) -> list[str]:
         f"The set-up claims a zero of the inclinometer without error; {data.zero_sigma_rad:.3g} rad"
         " (0.1 degrees) is assumed. Read it both ways round, and state what is left."
     ]
-
-
-def _doubtful(fit: FrictionFit) -> bool:
-    return fit.p_value is not None and fit.p_value <= DOUBTFUL
-
-
-def _suspicious(session: Session, data: FitData, fit: FrictionFit, found: Minimum) -> FrictionFit:
-    """Name in the notes the reading without which a bad chi2 is least.
-
-    Residuals would mislead, for a line follows its outlier. A part is left with three readings at
-    least, or any line would pass.
-    """
-    if not _doubtful(fit):
-        return fit
-    part = np.where(data.bent, 2, data.back)
-    enough = np.array(_parts(data))[part] > 3
-    chi2 = np.where(enough, leave_one_out(found, len(data)).chi2, np.inf)
-    suspects = [int(k) for k in np.argsort(chi2)[:_REFITTED] if enough[k]]
-    left = {k: minimise(data.without(k), found.x).chi2 for k in suspects}
-    if not left:
-        return fit
-    worst = min(left, key=left.__getitem__)
-    note = (
-        f"Without reading {session.kept[worst].number} chi2 would be {left[worst]:.1f}: "
-        "look at that one first, or fit with method 'robust'."
-    )
-    return replace(fit, notes=(*fit.notes, note))

@@ -105,7 +105,8 @@ class FrictionFit:
     priors under the stated uncertainties. nuisances: lambda_offset_rad_at_..._deg of every bend and
     incline_zero_rad as fitted (not naive). residuals: per kept reading, in standard deviations.
     outliers: numbers of the readings that a robust fit holds for misread. influence: of every kept
-    reading (not naive). notes: what a reader of the numbers should know, in words. session_name,
+    reading (not naive). notes: what a reader of the numbers should know, in words. alarms: those of
+    them that forbid to trust any prediction. session_name,
     session_sha256: the session fitted, and the hash of what the fit rests on.
     """
 
@@ -123,6 +124,7 @@ class FrictionFit:
     outliers: tuple[int, ...]
     influence: tuple[Influence, ...]
     notes: tuple[str, ...]
+    alarms: tuple[str, ...] = ()
     session_name: str = ""
     session_sha256: str = ""
 
@@ -216,6 +218,7 @@ class FrictionFit:
             "residuals": list(self.residuals),
             "outliers": list(self.outliers),
             "influence": [i.to_dict() for i in self.influence],
+            "alarms": list(self.alarms),
             "notes": list(self.notes),
         }
 
@@ -258,11 +261,10 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"Reading(s) {named} held for misread: they count next to nothing. Look them up, and "
             "void or correct them."
         )
-    if fit.p_value is not None and fit.p_value < DOUBTFUL:
+    if session.belt_scale[1] == 0.0 and session.setup.kind == "measured":
         notes.append(
-            f"chi2 is {fit.chi2:.1f} for {fit.dof} degrees of freedom (p = {fit.p_value:.1g}): the "
-            "readings disagree by more than the stated uncertainties allow, so do not trust the "
-            "intervals."
+            "The belt is taken to run exactly as it shows: time a mark on it (a reading of kind "
+            "belt), or state belt_scale_sigma_percent."
         )
     return (*_weak(fit), *notes)
 

@@ -21,6 +21,7 @@ from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
 from .friction_result import FrictionFit, band
+from .speed_samples import AMPLITUDE_SIGMA, sample_speeds
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 SPRINGS_RTOL = 1e-3
@@ -34,8 +35,8 @@ class SpeedPoint:
     """Hold the speeds predicted for one rate.
 
     explicit_m_s: periodic state of the exact model, explicit_error_m_s: its numerical error;
-    sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval that the friction fit leaves
-    it, by 64 samples. implicit_m_s: periodic state of the implicit model with the paper's springs,
+    sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval that friction fit and joints
+    leave it, by 64 samples (`speed_samples.SpeedBand`). implicit_m_s: periodic state of the implicit model with the paper's springs,
     run until it repeats; implicit_error_m_s: what cycles and time steps leave open in it.
     """
 
@@ -54,13 +55,6 @@ class SpeedPoint:
         return {name: getattr(self, name) for name in self.__slots__}
 
 
-def _speeds(robot: Robot, grounds: Sequence[Ground], gait: Gait) -> Array:
-    """Return the exact model's speed for each sampled friction, m/s."""
-    return np.array(
-        [steady_gait(robot, g, gait, rtol=1e-3, powers=False).speed_m_s for g in grounds]
-    )
-
-
 def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
     """Predict the speed of one gait on fitted ground, with what the fit leaves uncertain.
 
@@ -68,7 +62,7 @@ def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
     hangs on friction only once it is weak enough for them to slip.
     """
     s = steady_gait(robot, fit.ground, gait, powers=False)
-    sampled = _speeds(robot, fit.sample(SAMPLES), gait)
+    sampled = sample_speeds(fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, count=SAMPLES).both_m_s
     low, high = band(sampled)
     springs = steady_springs(
         robot, fit.ground, gait, joint_stiffness_n_m=STIFFNESS_N_M,

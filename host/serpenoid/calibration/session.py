@@ -28,6 +28,7 @@ from .kinds.zero import ZeroReading
 PROVENANCE = ("measured", "regenerated", "simulated")
 FOLLOWED = 1.5  # errors of the zero's difference, beyond which it is taken to have drifted
 MAX_GRAVITY_M_S2 = 30.0
+NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +142,29 @@ class Session:
         return reading.uncertainty or self.setup.uncertainty
 
     @property
+    def belt_scale(self) -> tuple[float, float]:
+        """Return the belt's true speed over the one shown, and its standard deviation.
+
+        The mean of the checks by mark and stopwatch and of the 1 that the instruments state; where
+        they state no error, of the checks alone.
+        """
+        stated = self.setup.uncertainty.belt_scale_sigma
+        known = [(1.0, stated)] if stated else []
+        watch = self.setup.stopwatch
+        known += [(b.scale, b.scale_sigma(watch)) for b in self.of("belt") if not b.voided]
+        if not known:
+            return 1.0, 0.0
+        weights = [max(sigma, 1e-6) ** -2 for _, sigma in known]
+        mean = sum(w * scale for w, (scale, _) in zip(weights, known, strict=True)) / sum(weights)
+        return mean, sum(weights) ** -0.5
+
+    @property
+    def mass_sigma(self) -> float:
+        """Return the relative standard deviation of the mass; 5 % where it was not weighed."""
+        stated = self.setup.uncertainty.mass_sigma
+        return stated if self.setup.weighed else max(stated, NOT_WEIGHED)
+
+    @property
     def zero(self) -> Zero:
         """Return the inclinometer's zero and its standard deviation.
 
@@ -215,7 +239,8 @@ class Session:
         """Return a hash of all that a friction fit rests on: robot, gravity, zeros, stations."""
         setup = self.setup
         rests_on = [
-            repr(setup.robot), setup.procedure.gravity_m_s2, repr(self.zero),
+            repr(setup.robot), setup.procedure.gravity_m_s2, repr(self.zero), self.mass_sigma,
+            self.belt_scale, setup.uncertainty.joint_sigma_rad,
             [[r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s,
               repr(self.uncertainty_of(r)), *(["up"] if r.facing == "up" else []),
               *([r.bend] if r.bend != "zigzag" else [])]

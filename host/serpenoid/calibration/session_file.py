@@ -33,6 +33,11 @@ STATUSES = ("kept", "void")
 _SIGMAS = (
     "incline_sigma_deg", "incline_zero_sigma_deg", "belt_speed_sigma_m_s", "lambda_sigma_deg",
 )  # fmt: skip
+_SHARED = {  # optional, since sessions of before do not state them: key -> field, its unit in SI
+    "belt_scale_sigma_percent": ("belt_scale_sigma", 0.01),
+    "mass_sigma_percent": ("mass_sigma", 0.01),
+    "joint_sigma_deg": ("joint_sigma_rad", math.radians(1.0)),
+}
 _STEPS = (
     "incline_step_percent", "belt_speed_step_m_s", "belt_speed_least_m_s", "distance_sigma_m",
     "time_sigma_s",
@@ -87,7 +92,7 @@ def amended(setup: Setup, change: Table) -> Setup:
         setup = replace(setup, **{name: table.string(name) for name in table.values})
     if "instruments" in change.values:
         table = change.table("instruments")
-        table.only(optional=_SIGMAS + _STEPS)
+        table.only(optional=(*_SIGMAS, *_STEPS, *_SHARED))
         setup = replace(setup, **_instruments(table, setup))
     if "plan" in change.values:
         table = change.table("plan")
@@ -162,7 +167,7 @@ def _setup_2(top: Table, words: dict[str, Any]) -> Setup:
     instruments = top.table("instruments")
     laboratory.only("surface", "place", "people", "gravity_m_s2")
     plan.only(*_PLAN, optional=_PLAN_TOO)
-    instruments.only(*_SIGMAS, optional=_STEPS)
+    instruments.only(*_SIGMAS, optional=(*_STEPS, *_SHARED))
     procedure = _plan(plan, replace(_NO_PLAN, gravity_m_s2=_gravity(laboratory)))
     setup = Setup(
         procedure=procedure,
@@ -251,6 +256,9 @@ def _uncertainty(table: Table, before: Uncertainty | None = None) -> Uncertainty
             in_degrees = name.endswith("_deg")
             field = name.replace("_deg", "_rad") if in_degrees else name
             found[field] = math.radians(value) if in_degrees else value
+    for name, (field, unit) in _SHARED.items():
+        if name in table.values:
+            found[field] = unit * table.number(name, 0.0)
     return replace(before, **found) if before else Uncertainty(**found)
 
 

@@ -14,10 +14,11 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import steady_gait
-from .friction_result import FrictionFit
+from .friction_result import FrictionFit, band
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
+AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
 AMPLITUDE_STEP = 0.02  # of the joints, to find what a lost amplitude costs
 
 
@@ -28,11 +29,18 @@ def speed(robot: Robot, ground: Ground, gait: Gait) -> float:
 
 @dataclass(frozen=True)
 class SpeedBand:
-    """Hold what a fit predicts of one gait: the speed, and the 95 % of its sampled frictions."""
+    """Hold what a fit predicts of one gait: the speed, and the 95 % interval about it.
+
+    This is the one band of every predicted speed: draws of the frictions that the readings allow,
+    each with joints whose amplitude is off by AMPLITUDE_SIGMA, and the draws' quantiles by `band`.
+    low_friction_m_s, high_friction_m_s: the narrower one, of friction alone.
+    """
 
     speed_m_s: float
     low_m_s: float
     high_m_s: float
+    low_friction_m_s: float
+    high_friction_m_s: float
 
     def to_dict(self) -> dict[str, float]:
         """Return plain values."""
@@ -40,15 +48,17 @@ class SpeedBand:
 
     def in_words(self) -> str:
         """Return the speed with its band."""
-        band = f"{self.low_m_s:.4f} to {self.high_m_s:.4f} for 95 % of the frictions"
-        return f"{self.speed_m_s:.4f} m/s, {band} that the readings allow"
+        ends = f"{self.low_m_s:.4f} to {self.high_m_s:.4f}"
+        return f"{self.speed_m_s:.4f} m/s, {ends} (95 %, friction and joints)"
 
 
-def speed_band(fit: FrictionFit, gait: Gait, count: int = 64) -> SpeedBand:
-    """Predict one gait's speed by the exact model, with the band that the fit leaves it."""
-    drawn = sample_speeds(fit, [gait], count=count).friction_m_s
-    low, high = np.quantile(drawn, [0.025, 0.975]).tolist()
-    return SpeedBand(speed(fit.robot, fit.ground, gait), low, high)
+def speed_band(
+    fit: FrictionFit, gait: Gait, count: int = 64, amplitude_sigma: float = AMPLITUDE_SIGMA
+) -> SpeedBand:
+    """Predict one gait's speed by the exact model, with the band that fit and joints leave it."""
+    drawn = sample_speeds(fit, [gait], amplitude_sigma=amplitude_sigma, count=count)
+    ends = (*band(drawn.both_m_s[:, 0]), *band(drawn.friction_m_s[:, 0]))
+    return SpeedBand(speed(fit.robot, fit.ground, gait), *ends)
 
 
 def scaled(gait: Gait, amplitude: float) -> Gait:

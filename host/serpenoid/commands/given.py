@@ -10,9 +10,11 @@ import click
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
 
+ALARMS = "serpenoid.alarms"  # of click's context: what show_json puts into every answer
+
 
 def take_fit(given: dict[str, Any]) -> FrictionFit | None:
-    """Take the fit of --session or --ground, None if neither was given."""
+    """Take the fit of --session or --ground, None if neither was given; its alarms are told."""
     session, ground = given.pop("session", None), given.pop("ground_file", None)
     if session is not None and ground is not None:
         raise click.UsageError("give one of --session and --ground")
@@ -22,7 +24,8 @@ def take_fit(given: dict[str, Any]) -> FrictionFit | None:
         return None
     from ..calibration.fit_file import load_fit
 
-    return _tell_age(load_fit(ground))
+    fit = load_fit(ground)
+    return tell_alarms(fit, [note for note in fit.notes if "is older than the readings" in note])
 
 
 def session_fit(folder: Path) -> FrictionFit:
@@ -35,12 +38,16 @@ def session_fit(folder: Path) -> FrictionFit:
     if (folder / NAME).exists():
         kept = load_fit(folder)
         if kept.session_sha256 == session.sha256:
-            return kept
-    return fit_friction(session)
+            return tell_alarms(kept)
+    return tell_alarms(fit_friction(session))
 
 
-def _tell_age(fit: FrictionFit) -> FrictionFit:
-    for note in fit.notes:
-        if "is older than the readings" in note:
-            click.echo(f"serpenoid: warning: {note}", err=True)
+def tell_alarms(fit: FrictionFit, more: list[str] | None = None) -> FrictionFit:
+    """Warn of all that forbids to trust a fit, and leave it to show_json; return the fit."""
+    told = [*fit.alarms, *(more or [])]
+    for alarm in told:
+        click.echo(f"serpenoid: warning: {alarm}", err=True)
+    context = click.get_current_context(silent=True)
+    if context is not None and told:
+        context.meta[ALARMS] = told
     return fit

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..model.checks import check_number
-from .given import take_fit
+from .given import ALARMS, take_fit
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
@@ -271,8 +271,11 @@ def finite(values: Any) -> Any:
 
 
 def show_json(values: dict[str, Any]) -> None:
-    """Print strict JSON; what is not finite becomes null."""
-    click.echo(json.dumps(finite(values), indent=2, allow_nan=False))
+    """Print strict JSON, with the alarms of the fit it rests on; what is not finite becomes null."""
+    context = click.get_current_context(silent=True)
+    alarms = context.meta.get(ALARMS) if context else None
+    told = values | {"fit_alarms": alarms} if alarms else values
+    click.echo(json.dumps(finite(told), indent=2, allow_nan=False))
 
 
 _TYPED = {"link_mass_kg": "--mass-kg", "link_length_m": "--length-m",

@@ -92,11 +92,11 @@ def test_no_reading_is_suspected_whose_part_would_be_left_with_two():
     few = replace(made, readings=(*straight, *made.readings[6:]))
     fit = sn.fit_friction(few)
     assert fit.p_value < 0.01
-    named = [note for note in fit.notes if note.startswith("Without reading")]
+    named = [note for note in fit.notes if "Without reading" in note]
     assert not any(f"Without reading {r.number} " in note for r in straight for note in named)
     more = replace(made, readings=(*straight, made.readings[3], *made.readings[6:]))
     notes = sn.fit_friction(more).notes
-    assert any(note.startswith(f"Without reading {straight[1].number} ") for note in notes)
+    assert any(f"Without reading {straight[1].number} " in note for note in notes)
 
 
 def test_the_jacobian_is_that_of_the_residuals():

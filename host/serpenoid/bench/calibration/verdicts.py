@@ -19,10 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...calibration.comparison import AMPLITUDE_SIGMA
 from ...calibration.friction_fit import fit_friction
 from ...calibration.friction_result import ground_of
-from ...calibration.speed_samples import sample_speeds, scaled, speed
+from ...calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
 from ...calibration.taking.memory import MemoryRecord
 from ...calibration.taking.new_session import default_setup
 from ...calibration.taking.simulated import RUN_M, RUN_S, SimulatedTreadmill, drawn_truth

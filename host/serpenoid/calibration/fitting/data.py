@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..kinds.station import Reading
 from ..session import Session
 from .rounding import DRAWS, Drift, drifting_rounding, shared_rounding
+from .shared import straightness_factors
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -38,7 +39,8 @@ class FitData:
     (draws, errors) of these, in sigmas. zero_sigma_rad: of what is left of the inclinometer's zero,
     common to all. zero_assumed: it is ours, since the set-up claimed 0. back: whether a reading's
     wheels rolled backwards, the snake facing up the belt. ratchet: there are readings of both ways,
-    or were before some were left out.
+    or were before some were left out. straightness_rad: mean and standard deviation of the mean
+    |angle| of straight links to the path. belt_sigma, mass_sigma: relative, of their scales.
     """
 
     lambda_rad: Floats
@@ -58,11 +60,17 @@ class FitData:
     zero_sigma_rad: float
     zero_assumed: bool
     ratchet: bool = False
+    straightness_rad: tuple[float, float] = (0.0, 0.0)
+    belt_sigma: float = 0.0
+    mass_sigma: float = 0.0
 
     @classmethod
     def of(cls, session: Session) -> FitData:
         """Take a session's kept readings."""
         kept, zero = session.kept, session.zero
+        belt, belt_sigma = session.belt_scale
+        off = session.setup.uncertainty.joint_sigma_rad
+        mean, scatter = straightness_factors(session.setup.robot.links)
         given = [session.uncertainty_of(r) for r in kept]
         lambda_rad = np.array([r.lambda_rad for r in kept], dtype=float)
         lambda_sigma_rad = np.array([g.lambda_sigma_rad for g in given], dtype=float)
@@ -78,7 +86,7 @@ class FitData:
             lambda_rad=lambda_rad,
             bent_share=np.array([session.bent_share(r) for r in kept], dtype=float),
             incline_rad=shown_rad - zeros_rad,
-            slip_m_s=np.array([r.slip_speed_m_s for r in kept], dtype=float),
+            slip_m_s=np.array([belt * r.belt_speed_m_s - r.drift_m_s for r in kept], dtype=float),
             incline_sigma_rad=np.where(rounding < 0, incline_sigma_rad, 0.0),
             speed_sigma_m_s=np.array([g.belt_speed_sigma_m_s for g in given], dtype=float),
             posture=posture,
@@ -92,6 +100,9 @@ class FitData:
             zero_sigma_rad=zero.sigma_rad or ZERO_SIGMA_RAD,
             zero_assumed=not zero.sigma_rad,
             ratchet=any(r.facing == "up" for r in kept),
+            straightness_rad=(off * mean, off * scatter),
+            belt_sigma=belt_sigma,
+            mass_sigma=session.mass_sigma,
         )
 
     def __len__(self) -> int:
@@ -117,17 +128,32 @@ class FitData:
         return np.where(self.back, values[4], values[0]), np.where(self.back, values[5], values[2])
 
     @property
+    def straights(self) -> int:
+        """Return how many unknowns there are for a robot that is not quite straight: 0 or 1."""
+        return int(self.straightness_rad[1] > 0.0)
+
+    @property
+    def first_posture(self) -> int:
+        """Return the index of the first bend's offset; frictions and straightness come before."""
+        return self.parameters + self.straights
+
+    @property
+    def first_rounding(self) -> int:
+        """Return the index of the first shared rounding error; the zero comes last."""
+        return self.first_posture + len(self.posture_sigma_rad)
+
+    @property
     def nuisances(self) -> int:
-        """Return how many unknowns there are besides the four parameters."""
-        return len(self.posture_sigma_rad) + len(self.rounding_sigma_rad) + 1
+        """Return how many unknowns there are besides the frictions."""
+        return self.first_rounding + len(self.rounding_sigma_rad) + 1 - self.parameters
 
     @cached_property
     def whitening(self) -> Floats:
         """Return W that makes nuisances x, in sigmas of their priors, independent: W x."""
-        bends = len(self.posture_sigma_rad)
+        first, last = self.straights, self.first_rounding - self.parameters
         correlation = np.eye(self.nuisances)
-        correlation[:bends, :bends] += TOGETHER * (1.0 - np.eye(bends))
-        correlation[bends:-1, bends:-1] = self.rounding_correlation
+        correlation[first:last, first:last] += TOGETHER * (1.0 - np.eye(last - first))
+        correlation[last:-1, last:-1] = self.rounding_correlation
         return np.asarray(np.linalg.inv(np.linalg.cholesky(correlation)), dtype=np.float64)
 
     @cached_property

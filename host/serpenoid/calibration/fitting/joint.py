@@ -2,8 +2,9 @@
 
 Unknown are the four parameters (and ct and ft0 backwards, where readings tell them), the true belt
 speed v_i of every reading, an offset d_p of lambda for every posture p, set independently of the
-others, and the inclinometer's zero z; the offsets and the zero have priors. A straight snake is
-taken to be straight. The fit minimises
+others, the inclinometer's zero z, and how far straight links stand off their path (`shared`, where
+the set-up states an error of its joints); all but the frictions and v_i have priors. The fit
+minimises
 
     sum ((v_i' - v_i) / sv)^2 + ((gamma_i' - z - gamma(v_i)) / sg)^2 + |W (d / sd)|^2 + (z / sz)^2,
 
@@ -15,8 +16,8 @@ solved for by hand; what is left of a reading is one residual, the distance to t
     r_i = (m g sin(gamma_i' - z) - A v_i' - B) / s_i,
     s_i^2 = (m g cos(gamma_i' - z) sg)^2 + (A sv)^2,
 
-and 5 + P unknowns. The full problem's covariance is kept: eliminating the v_i by hand is the Schur
-complement that a solver would form.
+and as many unknowns as there are frictions and nuisances. The full problem's covariance is kept:
+eliminating the v_i by hand is the Schur complement that a solver would form.
 """
 
 from __future__ import annotations
@@ -97,7 +98,7 @@ def whole_residuals(x: Floats, data: FitData) -> tuple[Floats, Floats]:
     The residual is over all that a reading may err by, alone and in common.
     """
     bare = x.copy()
-    bare[data.parameters + len(data.posture_sigma_rad) : -1] = 0.0
+    bare[data.first_rounding : -1] = 0.0
     residual, spread, *_, per_incline = balance(bare, data)
     share = spread / np.hypot(spread, per_incline * _roundings(x, data)[1])
     return residual * share, share**2
@@ -106,16 +107,26 @@ def whole_residuals(x: Floats, data: FitData) -> tuple[Floats, Floats]:
 def _offsets(x: Floats, data: FitData) -> tuple[Floats, Floats]:
     """Return each reading's offset of lambda and its prior's sigma, 0 where straight."""
     sigma = np.append(data.posture_sigma_rad, 0.0)  # -1, a straight reading's, picks the 0
-    first = data.parameters
-    unit = np.append(x[first : first + len(data.posture_sigma_rad)], 0.0)
+    unit = np.append(x[data.first_posture : data.first_rounding], 0.0)
     return sigma[data.posture] * unit[data.posture], sigma[data.posture]
 
 
 def _roundings(x: Floats, data: FitData) -> tuple[Floats, Floats]:
     """Return each reading's shared rounding error and its prior's sigma, 0 where it has none."""
     sigma = np.append(data.rounding_sigma_rad, 0.0)
-    unit = np.append(x[data.parameters + len(data.posture_sigma_rad) : -1], 0.0)
+    unit = np.append(x[data.first_rounding : -1], 0.0)
     return sigma[data.rounding] * unit[data.rounding], sigma[data.rounding]
+
+
+def _astray(x: Floats, data: FitData) -> tuple[Floats, Floats]:
+    """Return each reading's further share of fn0, by links off their path, and its sigma.
+
+    Only links that are meant to be straight have one (`shared`).
+    """
+    mean, sigma = data.straightness_rad
+    unit = x[data.parameters] if data.straights else 0.0
+    straight = 1.0 - data.bent_share
+    return straight * (mean + sigma * unit), straight * sigma
 
 
 def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:
@@ -123,6 +134,7 @@ def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:
     (ct, ft0), cn, fn0 = data.along(x[: data.parameters]), x[1], x[3]
     angle = data.lambda_rad + _offsets(x, data)[0]
     by_ct, by_cn, by_ft0, by_fn0 = projections(data.bent_share, angle)
+    by_fn0 = by_fn0 + _astray(x, data)[0]
     slope = ct * by_ct + cn * by_cn
     incline = data.incline_rad - data.zero_sigma_rad * x[-1] - _roundings(x, data)[0]
     excess_n = (
@@ -143,6 +155,8 @@ def jacobian(x: Floats, data: FitData) -> Floats:
     r, spread, angle, slope, incline, per_incline = balance(x, data)
     cos, sin = np.cos(angle), np.sin(angle)
     by_ct, by_cn, by_ft0, by_fn0 = projections(data.bent_share, angle)
+    astray, by_astray = _astray(x, data)
+    by_fn0 = by_fn0 + astray
     speed = data.slip_m_s + r * slope * data.speed_sigma_m_s**2 / spread
     turned = 2 * (cn - ct) * sin * cos * speed + fn0 * cos - ft0 * sin
     by_offset = _offsets(x, data)[1] * data.bent_share * turned
@@ -154,12 +168,13 @@ def jacobian(x: Floats, data: FitData) -> Floats:
         back = np.flatnonzero(data.back)
         for here, there in ((0, 4), (2, 5)):
             out[back, there], out[back, here] = out[back, here], 0.0
+    if data.straights:
+        out[: len(data), data.parameters] = fn0 * by_astray
     bent = np.flatnonzero(data.bent)
-    out[bent, data.parameters + data.posture[bent]] = by_offset[bent]
+    out[bent, data.first_posture + data.posture[bent]] = by_offset[bent]
     rounded = np.flatnonzero(data.rounding >= 0)
-    first = data.parameters + len(data.posture_sigma_rad)
     by_rounding = _roundings(x, data)[1] * by_incline
-    out[rounded, first + data.rounding[rounded]] = by_rounding[rounded]
+    out[rounded, data.first_rounding + data.rounding[rounded]] = by_rounding[rounded]
     out[: len(data), -1] = data.zero_sigma_rad * by_incline
     out[: len(data)] /= -spread[:, None]
     out[len(data) :, data.parameters :] = data.whitening

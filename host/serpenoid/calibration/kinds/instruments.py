@@ -16,19 +16,28 @@ class Uncertainty:
 
     incline_sigma_rad: of one reading of the inclinometer. incline_zero_sigma_rad: of its zero,
     common to the session. belt_speed_sigma_m_s: of one belt speed past the snake.
-    lambda_sigma_rad: of the bend, common to all bent readings. Raises BadInput.
+    lambda_sigma_rad: of the bend, common to all bent readings. Common to all readings, too:
+    belt_scale_sigma and mass_sigma, of the belt's true speed over the one shown and of the robot's
+    true mass over the one stated (0.02 is 2 %), and joint_sigma_rad, of each joint about straight.
+    0 takes them for exact. Raises BadInput.
     """
 
     incline_sigma_rad: float
     incline_zero_sigma_rad: float
     belt_speed_sigma_m_s: float
     lambda_sigma_rad: float
+    belt_scale_sigma: float = 0.0
+    mass_sigma: float = 0.0
+    joint_sigma_rad: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("incline_sigma_rad", "belt_speed_sigma_m_s"):
             check_number(name, getattr(self, name), 0.0, open_low=True)
         for name in ("incline_zero_sigma_rad", "lambda_sigma_rad"):
             check_number(name, getattr(self, name), 0.0)
+        for name in ("belt_scale_sigma", "mass_sigma"):
+            check_number(name, getattr(self, name), 0.0, 0.5)
+        check_number("joint_sigma_rad", self.joint_sigma_rad, 0.0, 0.2)
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,6 +55,9 @@ incline_sigma_deg = {incline_sigma_deg}
 incline_zero_sigma_deg = {incline_zero_sigma_deg}    # where it is not measured by reversal
 belt_speed_sigma_m_s = {belt_speed_sigma_m_s}
 lambda_sigma_deg = {lambda_sigma_deg}          # of one bend, protractor and joints
+belt_scale_sigma_percent = {belt_scale_sigma_percent}  # of the speed that the treadmill shows
+mass_sigma_percent = {mass_sigma_percent}        # of the robot's mass
+joint_sigma_deg = {joint_sigma_deg}           # of each joint about straight, once aligned
 incline_step_percent = {incline_step_percent}      # what the treadmill can be set to
 belt_speed_step_m_s = {belt_speed_step_m_s}
 belt_speed_least_m_s = {belt_speed_least_m_s}
@@ -109,7 +112,7 @@ def default_setup(name: str) -> Setup:
             gaits=tuple(Gait(deg(70), deg(75), rate) for rate in rates), gait_runs=3,
             bend="balanced",
         ),
-        uncertainty=Uncertainty(deg(0.03), deg(0.1), 0.01, deg(0.5)),
+        uncertainty=Uncertainty(deg(0.03), deg(0.1), 0.01, deg(0.5), 0.02, 0.005, deg(0.5)),
         surface="not said", place="not said", people="not said",
     )  # fmt: skip
 
@@ -181,6 +184,9 @@ def setup_text(setup: Setup) -> str:
         incline_zero_sigma_deg=_degrees(unsure.incline_zero_sigma_rad),
         belt_speed_sigma_m_s=_number(unsure.belt_speed_sigma_m_s),
         lambda_sigma_deg=_degrees(unsure.lambda_sigma_rad),
+        belt_scale_sigma_percent=_number(100 * unsure.belt_scale_sigma),
+        mass_sigma_percent=_number(100 * unsure.mass_sigma),
+        joint_sigma_deg=_degrees(unsure.joint_sigma_rad),
         incline_step_percent=_number(100 * steps.incline_step_rad),
         belt_speed_step_m_s=_number(steps.belt_step_m_s),
         belt_speed_least_m_s=_number(steps.belt_least_m_s),

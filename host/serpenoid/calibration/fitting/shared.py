@@ -1,0 +1,61 @@
+"""What all readings share: the scale of the belt's speed, the mass, and a robot not quite straight.
+
+Scales. The law m g sin(gamma) = A v + B stays the same when a mass k times as large makes every
+friction k times as large, and when a belt k times as fast makes ct and cn k times as small. So no
+station can tell either: their errors add in quadrature to what the readings leave.
+
+Straightness. A link that stands delta off its path slips across it, however slowly, so that dry
+friction across drags it back with fn0 / n |sin delta|: always in the same sense, and to first
+order. With joints off by independent errors of sigma, the links' angles are their sums; the robot
+is steered, so that its mean heading and its mean curvature are taken off. What is left has the
+covariance S, and the mean of |delta| over the links is a sigma on average and scatters by b sigma:
+
+    a = sqrt(2/pi) mean(s_i),   b^2 = (2/pi) / n^2 sum s_i s_j (sqrt(1 - rho^2) + rho asin rho - 1),
+
+s_i^2 = S_ii, rho = S_ij / (s_i s_j). Links that are bent by more than delta gain on one side what
+they lose on the other.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def straightness_factors(links: int) -> tuple[float, float]:
+    """Return a and b: mean and scatter of the links' mean |delta|, per sigma of a joint.
+
+    links: number of links, 2 or more; two links lie along any path that is steered: 0 and 0.
+    """
+    if links < 3:
+        return 0.0, 0.0
+    place = np.arange(links, dtype=float)
+    joints_before = np.minimum.outer(place, place)
+    steered = np.column_stack([np.ones(links), place])
+    off = np.eye(links) - steered @ np.linalg.pinv(steered)
+    covariance = off @ joints_before @ off.T
+    s = np.sqrt(np.diag(covariance))
+    rho = np.clip(covariance / np.outer(s, s), -1.0, 1.0)
+    shape = np.sqrt(1.0 - rho**2) + rho * np.arcsin(rho) - 1.0
+    scatter = math.sqrt(2 / math.pi * float(s @ shape @ s)) / links
+    return math.sqrt(2 / math.pi) * float(s.mean()), scatter
+
+
+def shared_covariance(values: Floats, belt_sigma: float, mass_sigma: float) -> Floats:
+    """Return what belt and mass add to the covariance of the frictions (P, P), whole snake.
+
+    values: (P,) in the order ct, cn, ft0, fn0 (, ct and ft0 backwards). belt_sigma, mass_sigma:
+    relative standard deviations.
+    """
+    viscous = np.array([1.0, 1.0, 0.0, 0.0, 1.0, 0.0])[: len(values)] * values
+    return mass_sigma**2 * np.outer(values, values) + belt_sigma**2 * np.outer(viscous, viscous)
+
+
+def widened(ends: Floats, values: Floats, sigma: Floats, quantile: float) -> Floats:
+    """Return intervals (P, 2) with errors of sigma (P,) added in quadrature; none below 0."""
+    sides = np.hypot(ends - values[:, None], quantile * sigma[:, None])
+    return np.maximum(values[:, None] + np.array([-1.0, 1.0]) * sides, 0.0)
