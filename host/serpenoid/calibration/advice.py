@@ -4,8 +4,11 @@ A reading that is yet to be taken is put beside the others at its expected value
 the treadmill can be set to: its row of the Jacobian adds to the information, a bend set anew brings
 its own offset with it, a set point read again its rounding error. Of speed, the
 sampled frictions give the share that goes with friction linearly (a regression of sampled speeds,
-not a tangent); the new covariance says what is left of it. A gait run tells of its own speed, but
-for the joints' amplitude, which it shares with the gaits that matter.
+not a tangent); the new covariance says what is left of it. That ranks the readings. What is told
+of the band, now and after the best reading, is sampled as `compare` samples it, since bands are
+skewed where wheels stick. A gait run tells of its own speed, but for the joints' amplitude, which
+it shares with the gaits that matter; friction fits leave gait runs out, and so does this unless
+asked.
 """
 
 from __future__ import annotations
@@ -25,22 +28,24 @@ from .fitting.joint import jacobian, starting_point
 from .fitting.rounding import nearest_shown
 from .fitting.shared import shared_covariance
 from .friction_fit import fit_friction
-from .friction_result import FrictionFit
+from .friction_result import FrictionFit, WholeSnake, band
 from .kinds.station import Reading, bent_share
 from .session import Session, Setup
-from .speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds
+from .speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds, speed
 from .taking.expected import Series
 
-LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0, 45.0)
+LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0)  # further, the end joints stand beyond 60 degrees
+MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
 SLIPS_M_S = (0.1, 0.3, 0.6, 1.0)
 _MOST_TIMES, _WORTH_ANOTHER = 5, 0.1
 _Z95 = 1.959964
+_SAME_RAD = math.radians(0.5)  # bends that are one
 _AS_GOOD = 4.0  # sigmas of a bend from the one that the robot lies in
 
 
 @dataclass(frozen=True, slots=True)
 class NextReading:
-    """A reading, and the relative half-width of the speeds' 95 % band once it is taken.
+    """A reading, and the relative half-width of the speeds' 95 % band (`SpeedBand`) after it.
 
     kind: station (lambda_rad, incline_rad, belt_speed_m_s expected) or gait (alpha_rad, beta_rad,
     frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for. facing:
@@ -84,11 +89,14 @@ class NextReading:
 class Advice:
     """What advise found: the band now, relative, and the readings, best first.
 
-    note: what must be known beside, "" if nothing.
+    band: half of the 95 % band over the speed, mean over the gaits, as `compare` shows it.
+    band_after_best: the same once the best reading is taken as often as it is worth, by samples
+    too. note: what must be known beside, "" if nothing.
     """
 
     gaits: tuple[Gait, ...]
     band: float
+    band_after_best: float
     readings: tuple[NextReading, ...]
     note: str = ""
 
@@ -102,6 +110,7 @@ class Advice:
         return {
             "gaits": [asdict(g) for g in self.gaits],
             "band": self.band,
+            "band_after_best": self.band_after_best,
             "note": self.note,
             "readings": [asdict(r) | {"in_words": r.in_words()} for r in self.readings],
         }
@@ -113,15 +122,16 @@ def advise(
     *,
     samples: int = 48,
     lambdas_deg: Sequence[float] = LAMBDAS_DEG,
-    runs: bool = True,
+    runs: bool = False,
     progress: Progress | None = None,
 ) -> Advice:
     """Rank the readings that could be taken next by the speed band they leave.
 
     gaits: those that matter; the session's planned ones unless given. lambdas_deg: bends to choose
-    from, in degrees. runs: whether to count gait runs, those taken and those to take. Raises
-    BadInput if there is no gait, and what fit_friction raises for readings that leave a parameter
-    open: then it names the reading that would close it.
+    from, in degrees. runs: whether to count gait runs, those taken and those to take. No place is
+    named where a reading was voided, none steeper than MOST_INCLINE_RAD or the steepest taken, none
+    faster than the plan's belt. Raises BadInput if there is no gait, and what fit_friction raises
+    for readings that leave a parameter open: then it names the reading that would close it.
     """
     check_kind("session", session, Session)
     wanted = tuple(gaits) or session.setup.procedure.gaits
@@ -137,10 +147,61 @@ def advise(
     ]
     covariance = _covariance(session, whole)
     readings += [_gait_run(session, covariance, slopes, ran, j) for j in range(len(wanted)) if runs]
-    most = session.setup.procedure.belt_speed_max_m_s
-    able = [r for r in readings if (r.belt_speed_m_s or 0.0) <= most]
-    ranked = sorted(able, key=lambda r: r.band)
-    return Advice(wanted, slopes.band(covariance, ran), tuple(ranked), _ratchet_note(session, fit))
+    if not readings:
+        raise BadInput(
+            f"{session.where}: no station that this treadmill can be set to tells more; take gait "
+            "runs, or raise belt_speed_max_m_s in the plan"
+        )
+    linear = slopes.band(covariance)
+    whole_band, friction = _sampled_bands(fit, wanted)
+    now = _total(whole_band, friction, slopes.band(covariance, ran) / linear)
+    total = [replace(
+        r, band=_total(whole_band, friction, r.band / linear),
+        band_after_times=_total(whole_band, friction, r.band_after_times / linear),
+    ) for r in sorted(readings, key=lambda r: r.band)]  # fmt: skip
+    then = _after(session, fit, total[0])
+    after = total[0].band_after_times if then is None else _sampled_bands(then, wanted)[0]
+    return Advice(wanted, now, after, tuple(total), _ratchet_note(session, fit))
+
+
+def _sampled_bands(fit: FrictionFit, gaits: Sequence[Gait]) -> tuple[float, float]:
+    """Return half the 95 % band over the speed, mean over gaits: in all, and of friction alone."""
+    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA)
+    halves = []
+    for speeds in (drawn.both_m_s, drawn.friction_m_s):
+        ends = [band(of_gait) for of_gait in speeds.T]
+        best = [max(speed(fit.robot, fit.ground, gait), 1e-9) for gait in gaits]
+        halves.append(np.mean([(b - a) / 2 / v for (a, b), v in zip(ends, best, strict=True)]))
+    return float(halves[0]), float(halves[1])
+
+
+def _total(now: float, friction: float, ratio: float) -> float:
+    """Return a band whose part of friction shrinks by a ratio; the joints' part stays."""
+    return math.sqrt(max(now**2 - friction**2, 0.0) + (ratio * friction) ** 2)
+
+
+def _after(session: Session, fit: FrictionFit, told: NextReading) -> FrictionFit | None:
+    """Return the fit as a station taken as told would leave it, at the same values."""
+    if told.kind != "station":
+        return None
+    first = max(r.number for r in session.readings) + 1
+    more = (
+        Reading(
+            first + k, told.lambda_rad or 0.0, told.incline_rad or 0.0, told.belt_speed_m_s or 0.0,
+            facing=told.facing, bend=told.bend or "zigzag",
+        )
+        for k in range(told.times)
+    )  # fmt: skip
+    values = np.array(list(fit.whole_snake.values()))
+    before = _covariance(session, values)
+    covariance = _covariance(replace(session, readings=(*session.readings, *more)), values)
+    shrink = np.sqrt(np.diag(covariance) / np.diag(before))
+    ends = {
+        name: tuple(max(v + s * (end - v), 0.0) for end in fit.intervals[name])
+        for name, v, s in zip(fit.names, values, shrink, strict=True)
+    }
+    scale = np.sqrt(np.diag(fit.covariance) / np.diag(before))
+    return replace(fit, covariance=covariance * np.outer(scale, scale), intervals=WholeSnake(ends))
 
 
 def _ratchet_note(session: Session, fit: FrictionFit) -> str:
@@ -214,6 +275,8 @@ def _places(
     shown = np.array([r.incline_rad for r in kept], dtype=float)
     bent = session.setup.procedure.bend
     now = kept[-1].lambda_rad if kept[-1].bend == bent else 0.0
+    fastest = session.setup.procedure.belt_speed_max_m_s
+    steepest = max(MOST_INCLINE_RAD, float(shown.max()))
     near, (zero,) = _AS_GOOD * given.lambda_sigma_rad, session.zeros_rad(kept[-1:])
     found: dict[tuple[Series, float], float] = {}
     angles = [now if now and abs(bend - now) < near else bend for bend in bends]
@@ -224,9 +287,21 @@ def _places(
             grade_step = session.setup.treadmill.incline_step_rad
             incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
             slip = station_slip_m_s(whole, session.setup, series, incline - zero)
-            if slip > given.belt_speed_sigma_m_s and incline > 0.0:
+            fits = given.belt_speed_sigma_m_s < slip <= fastest and 0.0 < incline <= steepest
+            if fits and not _failed(session, series, incline):
                 found[series, round(incline, 6)] = slip
     return [(series, incline, slip) for (series, incline), slip in found.items()]
+
+
+def _failed(session: Session, series: Series, incline_rad: float) -> bool:
+    """Tell whether a reading at this bend and incline was voided, and none kept."""
+    step = session.setup.treadmill.incline_step_rad
+    there = [
+        r.voided for r in session.readings
+        if abs(r.lambda_rad - series.lambda_rad) < _SAME_RAD and r.facing == series.facing
+        and abs(r.incline_rad - incline_rad) < step / 2
+    ]  # fmt: skip
+    return bool(there) and all(there)
 
 
 def _pull(whole: Floats, setup: Setup, series: Series) -> tuple[float, float]:

@@ -36,8 +36,9 @@ class SpeedPoint:
 
     explicit_m_s: periodic state of the exact model, explicit_error_m_s: its numerical error;
     sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval that friction fit and joints
-    leave it, by 64 samples (`speed_samples.SpeedBand`). implicit_m_s: periodic state of the implicit model with the paper's springs,
-    run until it repeats; implicit_error_m_s: what cycles and time steps leave open in it.
+    leave it, by 64 samples (`speed_samples.SpeedBand`). implicit_m_s: periodic state of the
+    implicit model with the paper's springs, run until it repeats; implicit_error_m_s: what
+    cycles and time steps leave open in it.
     """
 
     frequency_hz: float

@@ -16,9 +16,10 @@ from typing import Any
 
 from ..model.checks import check_choice
 from ..model.errors import BadInput
+from ..model.files import read_text
 from ..model.gait import Gait
 from ..model.robot import Robot
-from ..model.toml_table import Table, check_names, located, read_text
+from ..model.toml_table import Table, check_names, located
 from .kinds.instruments import MAX_SPEED_M_S, Stopwatch, TreadmillSteps, Uncertainty
 from .kinds.station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG, STATION, Reading
 from .session import MAX_GRAVITY_M_S2, PROVENANCE, Procedure, Session, Setup

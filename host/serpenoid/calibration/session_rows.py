@@ -17,7 +17,8 @@ from typing import Any
 
 from ..model.checks import check_choice
 from ..model.errors import BadInput
-from ..model.toml_table import Table, check_names, located, read_text
+from ..model.files import read_text
+from ..model.toml_table import Table, check_names, located
 from .kinds.declaration import Kind
 from .kinds.rows import READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
 from .kinds.table import KINDS

@@ -9,6 +9,10 @@ import click
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
+    from ..calibration.speed_samples import SpeedBand
+    from ..model.gait import Gait
+    from ..model.ground import Ground
+    from ..model.robot import Robot
 
 ALARMS = "serpenoid.alarms"  # of click's context: what show_json puts into every answer
 
@@ -40,6 +44,17 @@ def session_fit(folder: Path) -> FrictionFit:
         if kept.session_sha256 == session.sha256:
             return tell_alarms(kept)
     return tell_alarms(fit_friction(session))
+
+
+def predicted_band(
+    fit: FrictionFit | None, robot: Robot, ground: Ground, gait: Gait
+) -> SpeedBand | None:
+    """Return the one 95 % band of a gait's speed; None where robot and ground are not a fit's."""
+    if fit is None or (robot, ground) != (fit.robot, fit.ground):
+        return None
+    from ..calibration.speed_samples import speed_band
+
+    return speed_band(fit, gait)
 
 
 def tell_alarms(fit: FrictionFit, more: list[str] | None = None) -> FrictionFit:

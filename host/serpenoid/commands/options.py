@@ -271,7 +271,7 @@ def finite(values: Any) -> Any:
 
 
 def show_json(values: dict[str, Any]) -> None:
-    """Print strict JSON, with the alarms of the fit it rests on; what is not finite becomes null."""
+    """Print strict JSON, with the alarms of its fit; what is not finite becomes null."""
     context = click.get_current_context(silent=True)
     alarms = context.meta.get(ALARMS) if context else None
     told = values | {"fit_alarms": alarms} if alarms else values

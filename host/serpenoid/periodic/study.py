@@ -85,8 +85,8 @@ class Study:
             found = read_arrays(path, most + 8 * len(self.grid.omega_rad_s) + 10_000)
         except BadInput as error:
             raise BadInput(f"{error}; {cure}") from None
-        stamp = (found.pop("study_sha256", None), found.pop("first_and_last", None))
-        if not all(map(np.array_equal, stamp, (self._hash, chunk))):
+        whose, where = found.pop("study_sha256", ()), found.pop("first_and_last", ())
+        if not (np.array_equal(whose, self._hash) and np.array_equal(where, chunk)):
             raise BadInput(f"{path} is of another study, or another chunk of this one; {cure}")
         if any(len(found.get(name, ())) != rows for name in ("robot", *FIELDS)):
             raise BadInput(f"{path} is damaged (it has not {rows} shapes); {cure}")
@@ -203,7 +203,8 @@ def load_study(folder: str | os.PathLike[str]) -> Study:
         grid = Grid(
             several(Robot, [Robot(**_fields(robot)) for robot in head["robots"]]),
             several(Ground, [Ground(**_fields(ground)) for ground in head["grounds"]]),
-            *(axis(name, head[name]) for name in ("alpha_rad", "beta_rad", "omega_rad_s")),
+            axis("alpha_rad", head["alpha_rad"]), axis("beta_rad", head["beta_rad"]),
+            axis("omega_rad_s", head["omega_rad_s"]),
             head["rtol"], head["powers"],
         )  # fmt: skip
         return Study(Path(folder), grid, check_whole("shapes", head["shapes"], 1, grid.shapes))

@@ -40,7 +40,12 @@ def show_advice(found: Advice, most: int = 5) -> None:
         [r.in_words(), f"{r.band_after_times:.1%}" if r.times > 1 else f"{r.band:.1%}"]
         for r in found.readings[:most]
     ]
-    table(f"speed is known to {found.band:.1%} (95 %)", ["reading", "afterwards"], rows)
+    table(
+        f"speed is known to {found.band:.1%} (95 %, friction and joints)",
+        ["reading", "afterwards"],
+        rows,
+    )
     if found.note:
         console.print(found.note, highlight=False)
-    console.print(f"Take next: {found.best.in_words()}.", highlight=False)
+    after = f"then the speed is known to {found.band_after_best:.1%}"
+    console.print(f"Take next: {found.best.in_words()}; {after}.", highlight=False)

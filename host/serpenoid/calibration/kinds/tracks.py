@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import BadInput, RecordingFailed
-from ...model.toml_table import read_text
+from ...model.files import read_text
 
 FOLDER = "tracks"
 Samples = Sequence[Sequence[float]] | NDArray[np.float64]

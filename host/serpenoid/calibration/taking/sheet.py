@@ -12,7 +12,8 @@ import math
 from pathlib import Path
 
 from ...model.errors import BadInput
-from ...model.toml_table import located, read_text
+from ...model.files import read_text
+from ...model.toml_table import located
 from ..kinds.declaration import DERIVED, PLANNED, Field
 from ..kinds.rows import kind_of
 from ..kinds.table import KINDS

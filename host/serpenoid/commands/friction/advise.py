@@ -15,13 +15,13 @@ from ..options import AS_JSON, listed_gait, show_json
               metavar="ALPHA_DEG BETA_DEG HZ", help="A gait that matters.")  # fmt: skip
 @click.option("--samples", type=click.IntRange(16, 4096), default=48, show_default=True,
               help="Frictions drawn from the fit.")  # fmt: skip
-@click.option("--stations-only", is_flag=True, help="Leave gait runs out of account.")
+@click.option("--runs", is_flag=True, help="Count gait runs, too, which no friction fit uses.")
 @AS_JSON
 def advise(
     session: Path,
     gaits: tuple[tuple[float, float, float], ...],
     samples: int,
-    stations_only: bool,
+    runs: bool,
     as_json: bool,
 ) -> None:
     """Tell which reading to take next: the one that shrinks the predicted speeds' band most."""
@@ -33,5 +33,5 @@ def advise(
     wanted = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
     with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
-        found = ask(loaded, wanted, samples=samples, runs=not stations_only, progress=advance)
+        found = ask(loaded, wanted, samples=samples, runs=runs, progress=advance)
     show_json(found.to_dict()) if as_json else show_advice(found)

@@ -11,7 +11,7 @@ import click
 
 from ...model.checks import FORMULATIONS, check_number
 from ...model.errors import NotConverged
-from ..given import take_fit
+from ..given import predicted_band, take_fit
 from ..options import (
     AS_JSON,
     describe,
@@ -100,8 +100,13 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
             lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
         )
     told = report_as(found) | {"margins": margins.to_dict()}
+    fit = None if send else ask.fit  # what is sent is predicted when it is driven
+    band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, found.gait))
+    told |= {"band": band.to_dict()} if band else {}
     if not as_json:
         _print(found, margins)
+        if band is not None:
+            click.echo(f"predicted: {band.in_words()}")
     if send:
         from ...robot.robot_match import RobotMatch
         from ..board.drive import drive_gait

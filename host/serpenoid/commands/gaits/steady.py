@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...model.checks import FORMULATIONS
+from ..given import predicted_band, take_fit
 from ..options import (
     AS_JSON,
     IDEAL,
@@ -15,14 +16,15 @@ from ..options import (
     gait_options,
     interruptible,
     make_gait,
-    make_robot,
     robot_options,
+    robot_with_fit,
     servo_option,
     show_json,
     take_servo,
 )
 
 if TYPE_CHECKING:
+    from ...calibration.friction_result import FrictionFit
     from ...model.drives import ServoKind
     from ...model.gait import Gait
     from ...model.ground import Ground
@@ -70,7 +72,8 @@ def steady(
             "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
             "--formulation implicit too"
         )
-    robot, ground = make_robot(given)
+    fit = take_fit(given)
+    robot, ground = robot_with_fit(given, fit)
     gait = make_gait(given)
     if formulation == "implicit":
         if servo_name not in (None, IDEAL):
@@ -78,7 +81,7 @@ def steady(
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
     few = robot.links <= _FEW_LINKS
     servo = take_servo(servo_name, "hobby" if few else IDEAL)
-    return _pinned(robot, ground, gait, as_json, rtol, servo)
+    return _pinned(robot, ground, gait, as_json, rtol, servo, fit)
 
 
 def _on_springs(
@@ -102,8 +105,9 @@ def _on_springs(
 
 
 def _pinned(
-    robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float, servo: ServoKind | None
-) -> None:
+    robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float,
+    servo: ServoKind | None, fit: FrictionFit | None,
+) -> None:  # fmt: skip
     """Tell the periodic state of the exact model, servos' speed, and how near a cliff is."""
     from ...gaits.margins import gait_margins
     from ...periodic.steady import steady_gait
@@ -114,12 +118,16 @@ def _pinned(
         s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
         moved = _with_servo(s, servo)
         margins = interruptible(lambda: gait_margins(robot, ground, gait))
+        band = interruptible(lambda: predicted_band(fit, robot, ground, gait))
     if as_json:
         values = {"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()}
+        values |= {"band": band.to_dict()} if band else {}
         return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
     report.steady(s)
     if moved is not None:
         report.with_servo(moved)
+    if band is not None:
+        report.console.print(f"predicted, ideal joints: {band.in_words()}", highlight=False)
     return gait_report.margins(margins)
 
 
