@@ -60,7 +60,7 @@ def test_a_session_of_another_robot_is_refused_before_it_moves(
 def test_a_session_of_this_robot_is_taken(joints, joints_link, serpenoid, tmp_path, monkeypatch):
     folder = session_of(serpenoid, tmp_path, joints + 1)
     answers = tmp_path / "answers"
-    answers.write_text("0,1\n0.0\n\n2.0\n0.2\n\n\nquit\n")
+    answers.write_text("0,1\n0.0\n\n\n\n2.0\n0.2\n\n\nkeep\nquit\n")
     with answers.open() as typed:
         monkeypatch.setattr("sys.stdin", typed)
         status, said, errors = serpenoid("calibrate", folder, "--port", "any")
