@@ -182,12 +182,22 @@ def _apply(event: Event, found: _Found, path: Path) -> None:
     if event.reading not in found.rows:
         raise BadInput(f"{path}: {event.event} of reading {event.reading}, which is not there")
     if event.event == "restore":
-        found.voided.pop(event.reading, None)
+        if not _replaced_later(event, found):
+            found.voided.pop(event.reading, None)
         return
     found.voided[event.reading] = event.detail or "undone"
     replaced = found.rows[event.reading][0]["replaces"]
     if event.event == "undo" and replaced:
         found.voided.pop(int(replaced), None)
+
+
+def _replaced_later(restored: Event, found: _Found) -> bool:
+    """Tell whether a reading was taken anew after it was restored: then the new one counts."""
+    after = re.fullmatch(r"after reading (\d+)", restored.detail)
+    return after is not None and any(
+        row["replaces"] == str(restored.reading) and number > int(after[1])
+        for number, (row, _) in found.rows.items()
+    )
 
 
 def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:

@@ -223,15 +223,21 @@ def test_undo_redo_void_and_restore(folder):
     assert [r.number for r in session.kept] == [2]
     _, session = talk(folder, "void 2 slipped", "restore 3")
     assert [r.number for r in session.kept] == [3]
+    # Redone after it was restored, the new one alone counts, whatever the clock says.
+    _, session = talk(folder, "restore 2", "redo 2", "", "0.22", "", "")
+    assert [(r.number, r.belt_speed_m_s) for r in session.kept] == [(3, 0.5), (5, 0.22)]
+    _, session = talk(folder, "undo", "restore 2")
+    assert [r.number for r in session.kept] == [2, 3]
+    talk(folder, "void 2")
     heard, _ = talk(folder, "void seven", "redo 77", "void")
-    assert heard.count("is no reading's number; there are 1 to 4") == 3
+    assert heard.count("is no reading's number; there are 1 to 5") == 3
     assert "'seven'" in heard
 
 
 def test_skip_and_its_undoing(folder):
     heard, _ = talk(folder, "skip", "", "skip", "undo", "2.0", "0.2", "", "")
     assert "left out: zero before" in heard
-    assert "no longer left out: station 0 2.00" in heard
+    assert "no longer left out: station at 2.00 deg, straight" in heard
     assert [e.event for e in read_events(folder)] == ["skip", "skip", "unskip"]
 
 
@@ -249,7 +255,7 @@ def test_undoing_a_skip_heeds_no_clock(folder, monkeypatch):
     talk(folder, *ZERO, "", *STATION)
     monkeypatch.setattr(module, "utc_now", lambda: "2001-02-03T04:05:06.007Z")
     heard, session = talk(folder, "", "skip", "undo")
-    assert "no longer left out: station 0" in heard
+    assert "no longer left out: station at" in heard
     assert len(session.kept) == 1
 
 

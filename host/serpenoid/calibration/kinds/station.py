@@ -23,13 +23,13 @@ FIELDS = (
         sheet=("belt_speed_km_h", "km/h"),
     ),
     Field(
-        "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed",
-        -MAX_SPEED_M_S, MAX_SPEED_M_S, likely=(-0.06, 0.06), usual=0.0,
-    ),
-    Field(
         "turned_deg", "turned off the belt's direction, + to the left (Enter: not)", "angle",
         -180.0, 180.0, likely=(-5.0, 5.0), usual=0.0, optional=True,
         why="a robot that has turned by more is not held by this law: hold it again",
+    ),
+    Field(
+        "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed",
+        -MAX_SPEED_M_S, MAX_SPEED_M_S, likely=(-0.06, 0.06), usual=0.0,
     ),
     Field("offset_deg", "steering, on every joint", "angle", -45.0, 45.0, source=PLANNED,
           optional=True),

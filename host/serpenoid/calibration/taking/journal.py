@@ -139,6 +139,8 @@ class Journal:
         if event in ("void", "restore", "undo") and reading not in self.numbers:
             known = f"1 to {max(self.numbers)}" if self.numbers else "none yet"
             raise BadInput(f"there is no reading {reading}; there are {known}")
+        if event == "restore":
+            detail = f"after reading {max(self.numbers)}"
         if event == "amend":
             check_amendment(self.session.setup, detail, self.folder)
         row = {"time_utc": utc_now(), "event": event, "reading": str(reading or "")}

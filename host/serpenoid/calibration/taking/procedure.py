@@ -47,6 +47,16 @@ def skipped_keys(events: Iterable[Event]) -> frozenset[str]:
     return frozenset(keys)
 
 
+def step_in_words(key: str) -> str:
+    """Return a step's key in words, such as `station 7.5 2.60` of a station."""
+    what, *numbers = key.split()
+    if what != "station" or len(numbers) != 2:
+        return key
+    bend, incline = numbers
+    pose = {"0": "straight", "up": "straight, facing up"}.get(bend, f"bend {bend} deg")
+    return f"station at {incline} deg, {pose}"
+
+
 def next_step(
     session: Session,
     skipped: frozenset[str] = frozenset(),

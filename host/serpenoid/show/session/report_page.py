@@ -14,6 +14,7 @@ from ...calibration.comparison import Comparison
 from ...calibration.friction_result import FrictionFit
 from ...calibration.session import Session
 from ...calibration.session_rows import Event
+from ...calibration.taking.procedure import step_in_words
 from ..comparison_figure import draw_comparison
 from ..plot import draw_friction, figure
 
@@ -39,7 +40,7 @@ code{overflow-wrap:anywhere}
 @media screen and (prefers-color-scheme:dark){figure{background:none}
 figure svg{filter:invert(.9) hue-rotate(180deg)}}
 @media screen and (max-width:500px){body{padding:1rem .7rem}table{font-size:.85rem}
-th,td{padding:.25rem .4rem}}
+th,td{padding:.25rem .35rem;white-space:normal}}
 @media print{@page{size:A4;margin:14mm}body{font-size:9.5pt;max-width:none;padding:0}
 h2{break-after:avoid}figure,tr{break-inside:avoid}figure svg{min-width:0;max-height:110mm}
 .wide{overflow:visible}table{font-size:8.5pt}th,td{padding:.1rem .35rem}}
@@ -178,7 +179,7 @@ def _readings(session: Session, fit: FrictionFit) -> str:
     off = dict(zip((r.number for r in session.kept), fit.residuals, strict=True))
     rows = [
         [str(r.number), f"{math.degrees(r.lambda_rad):.4g}", f"{math.degrees(r.incline_rad):.4g}",
-         f"{r.belt_speed_m_s:.4g}", f"{r.drift_m_s:.3g}",
+         f"{r.belt_speed_m_s:.4g}", f"{r.drift_m_s + 0.0:.3g}",
          f"{off[r.number]:+.1f}" if r.number in off else "voided",
          "; ".join(filter(None, ["facing up" if r.facing == "up" else "", r.comment]))]
         for r in session.readings
@@ -212,7 +213,7 @@ def _told(events: Sequence[Event]) -> list[str]:
             e.time_utc[:16].replace("T", " "),
             names[e.event],
             str(e.reading or "") if e.event != "skip" else "",
-            e.detail,
+            step_in_words(e.detail) if e.event == "skip" else e.detail,
         ]
         for e in events
         if e.event in names

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from ....model.errors import BadInput, RecordingFailed, RobotError
 from ...kinds.declaration import Field
@@ -121,10 +122,11 @@ class Dialogue:
         """Have the offset found that runs straight, before the first station; it is kept."""
         if step.lambda_deg or any(r.offset_rad is not None for r in self.journal.session.kept):
             return
-        self.ask(
+        self.say(
             "  Let the belt run slowly. Left and right keys bend every joint a little: steer until "
-            "the robot runs straight by itself. Enter keeps it: ", step,
-        )  # fmt: skip
+            "the robot runs straight by itself."
+        )
+        self.ask("  Enter keeps it: ", step)
         self.say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
     def _start(self, step: Step) -> None:
@@ -178,10 +180,17 @@ class Dialogue:
             answer = self._word(question, step)
             if answer == "keep":
                 return round(waited_s, 1)
-            try:
-                return parse_number(answer, STATION["waited_s"]).value
-            except BadInput as error:
-                self.say(f"  ! {error}")
+            with self._telling():
+                if answer:
+                    return parse_number(answer, STATION["waited_s"]).value
+
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Say what is wrong with an answer, and go on."""
+        try:
+            yield
+        except BadInput as error:
+            self.say(f"  ! {error}")
 
     def _word(self, question: str, step: Step) -> str:
         """Return an answer to a doubt, "keep" for its short forms; `again` raises Again."""

@@ -12,7 +12,7 @@ from ...kinds.rows import cells_of, kind_of
 from ...session_rows import reading_rows
 from ..journal import Journal
 from ..parse_number import redone
-from ..procedure import progress, skipped_keys
+from ..procedure import progress, skipped_keys, step_in_words
 from ..steps import Step
 
 HELP = """\
@@ -93,7 +93,7 @@ class PromptCommands:
 
     def _skip(self, rest: str, step: Step) -> None:
         self._journal.event("skip", max(self._journal.numbers, default=0), step.key)
-        self._talk.say(f"  left out: {step.key}")
+        self._talk.say(f"  left out: {step_in_words(step.key)}")
         if step.kind == "zero":
             self._talk.say(
                 "  ! without a zero, 0.1 deg that nobody sees is 6 % of the 2005 robot's ft0; the "
@@ -130,7 +130,7 @@ class PromptCommands:
         skip = self._last_skip()
         if skip:
             self._journal.event("unskip", detail=skip)
-            self._talk.say(f"  no longer left out: {skip}")
+            self._talk.say(f"  no longer left out: {step_in_words(skip)}")
             raise Again
         number = self._last_kept()
         self._journal.event("undo", number)
