@@ -13,6 +13,7 @@ from ..model.checks import check_kind, check_number
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..simulation.steady_springs import steady_springs
+from .filmed_joints import joints_seen, seen_on_film
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit, band
 from .kinds.gait import GaitRun
@@ -108,9 +109,10 @@ def compare(
     drawn = sample_speeds(
         fit, wanted, amplitude_sigma=amplitude_sigma, count=samples, seed=seed, progress=progress
     )
+    drawn = joints_seen(drawn, session)
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
     curve = _curve(fit, wanted, seed, progress)
-    common = (session.setup.name, amplitude_sigma, points, curve, session.kept_gait_runs)
+    common = (session.setup.name, amplitude_sigma, points, curve, _all_runs(session))
     ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
     if not ran:
         return Comparison(*common, None, None, None, "not measured", NOT_MEASURED)
@@ -122,7 +124,13 @@ def compare(
     found = Judge(fit, of_gaits(drawn, ran), amplitude_sigma, seed)(measured)
     friction, amplitude = (c and c.p_value for c in (found.friction, found.amplitude))
     text = in_words(found, measured, fit, amplitude_sigma, session.setup.weight_n)
-    return Comparison(*common, found.p_value, friction, amplitude, found.word, text)
+    word, text = seen_on_film(session, fit, drawn, found.word, text)
+    return Comparison(*common, found.p_value, friction, amplitude, word, text)
+
+
+def _all_runs(session: Session) -> tuple[GaitRun, ...]:
+    """Return the gait runs and the films, as gait runs."""
+    return (*session.kept_gait_runs, *(film.gait_run for film in session.kept_films))
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
@@ -139,9 +147,11 @@ def gait_count(session: Session, more: Sequence[Gait] = ()) -> int:
 def _by_gait(session: Session) -> dict[Gait, list[GaitRun]]:
     """Return the runs of every gait; the board's clock moves the rates of repeats by some ppm."""
     found: dict[Gait, list[GaitRun]] = {}
-    for run in session.kept_gait_runs:
-        same = [gait for gait in found if _same(gait, run.gait)]
-        found.setdefault(same[0] if same else run.gait, []).append(run)
+    runs = [(run.gait, run) for run in session.kept_gait_runs]
+    runs += [(film.gait, film.gait_run) for film in session.kept_films]
+    for gait, run in runs:
+        same = [known for known in found if _same(known, gait)]
+        found.setdefault(same[0] if same else gait, []).append(run)
     return dict(sorted(found.items(), key=lambda item: item[0].omega_rad_s))
 
 

@@ -23,6 +23,7 @@ from .kinds.gait import GaitRun
 from .kinds.instruments import Stopwatch, TreadmillSteps, Uncertainty
 from .kinds.station import Reading, bent_share
 from .kinds.table import KINDS
+from .kinds.video import FilmReading
 from .kinds.zero import ZeroReading
 
 PROVENANCE = ("measured", "regenerated", "simulated")
@@ -118,6 +119,11 @@ class Session:
     def kept_gait_runs(self) -> tuple[GaitRun, ...]:
         """Return the gait runs that were not voided."""
         return tuple(r for r in self.gait_runs if not r.voided)
+
+    @property
+    def kept_films(self) -> tuple[FilmReading, ...]:
+        """Return the measured films that were not voided."""
+        return tuple(r for r in self.further if isinstance(r, FilmReading) and not r.voided)
 
     def of(self, kind: str) -> tuple[Any, ...]:
         """Return all readings of a kind, by its name, in the order they were taken."""

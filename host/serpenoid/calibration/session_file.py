@@ -55,7 +55,7 @@ def load_session(folder: str | Path) -> Session:
     unknown, in other units, out of range or of a newer format, and for no reading to use.
     """
     session = read_session(folder)
-    if not session.kept and not session.kept_gait_runs:
+    if not (session.kept or session.kept_gait_runs or session.kept_films):
         raise BadInput(
             f"{session.where}: no reading to use among {len(session.readings)}; take some"
         )

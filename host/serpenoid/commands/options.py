@@ -249,14 +249,14 @@ def interruptible(work: Callable[[], T]) -> T:
     return done[0]
 
 
-def describe(gait: Gait) -> dict[str, float]:
+def describe(gait: Gait) -> dict[str, Any]:
     """Return a gait as it is typed."""
     return {
         "alpha_deg": round(math.degrees(gait.alpha_rad), 10),  # 30, not 29.999999999999996
         "beta_deg": round(math.degrees(gait.beta_rad), 10),
         "omega_rad_s": gait.omega_rad_s,
         "offset_deg": round(math.degrees(gait.offset_rad), 10),
-    }
+    } | ({"joint_gain": list(gait.joint_gain)} if gait.joint_gain else {})
 
 
 def finite(values: Any) -> Any:

@@ -42,7 +42,7 @@ _ROBOT = (
     click.option(
         "--session",
         type=click.Path(file_okay=False, path_type=Path),
-        help="Session whose robot it is.",
+        help="Session whose robot it is; a film becomes a reading of it.",
     ),
     click.option("--links", type=int, help="Number of links, 2 to 13; 6 unless given."),
     click.option("--length-m", type=float, help="Length of a link, joint to joint."),
@@ -62,11 +62,11 @@ def _robot_options(command: Any) -> Any:
 
 def _robot(given: dict[str, Any]) -> tuple[Robot, float | None]:
     """Take the robot and the tag's side (m) from the options."""
-    from ..calibration.session_file import load_session
+    from ..calibration.session_file import load_setup
     from ..model.robot import Robot
 
     session, tag_mm = given.pop("session"), given.pop("tag_mm")
-    base = load_session(session).setup.robot if session else preset_robot("2005")[0]
+    base = load_setup(session).robot if session else preset_robot("2005")[0]
     links, length = given.pop("links"), given.pop("length_m")
     robot = Robot(links or base.links, base.link_mass_kg, length or base.link_length_m)
     return robot, None if tag_mm is None else tag_mm / 1e3
@@ -138,6 +138,7 @@ def film(
     from ..video.measure_film import measure_film
     from ..video.seeing.film import Film
 
+    session = given["session"]
     robot, side = _robot(given)
     gait = _commanded(given, recording, robot.links)
     length = max(1, math.ceil(Film.open(file).duration_s))
@@ -152,6 +153,8 @@ def film(
             progress=_whole_seconds(advance),
         )
     _write(found, track, picture, annotate)
+    if session is not None:
+        _record(found, session, str(file))
     if as_json:
         show_json(found.run.to_dict())
     else:
@@ -199,3 +202,26 @@ def _write(
         from ..video.annotate import annotate_film
 
         annotate_film(found, annotate)
+
+
+def _record(found: FilmMeasurement, session: Path, name: str) -> None:
+    """Write the film's numbers and its track into a session; a film that is there already is not.
+
+    A film that cannot be a reading is told, and its numbers are shown all the same.
+    """
+    from ..calibration.taking.journal import Journal
+    from ..model.errors import BadInput
+    from ..video.reading import film_cells
+
+    try:
+        cells, samples = film_cells(found)
+    except BadInput as error:
+        click.echo(f"serpenoid: warning: no reading: {error}", err=True)
+        return
+    with Journal(session) as journal:
+        same = [r for r in journal.session.of("video") if r.film_sha256 == cells["film_sha256"]]
+        if same:
+            click.echo(f"{session}: reading {same[0].number} is of this film already", err=True)
+            return
+        number = journal.add("video", cells, comment=Path(name).name, samples=samples)
+    click.echo(f"{session}: reading {number}", err=True)

@@ -32,7 +32,8 @@ class Uncertainty:
 
     friction: relative sigmas of ct, cn, ft0, fn0 (log-normal), unless `grounds` holds frictions
     sampled elsewhere, such as by a session's fit. The default is what a session with one bend of
-    7.5 deg leaves open; correlated: its correlations, too, or none. amplitude: relative, of each
+    7.5 deg leaves open; correlated: its correlations, too, or none. joint_gain,
+    joint_shift_rad: measured, one a joint, in place of 1 and 0. amplitude: relative, of each
     joint on its own; common_amplitude: of all joints together; lag_rad: of each joint's phase on
     its own, rad (a lag that all joints share changes nothing). Raises BadInput.
     """
@@ -43,6 +44,8 @@ class Uncertainty:
     common_amplitude: float = 0.03
     lag_rad: float = math.radians(1.0)
     correlated: bool = True
+    joint_gain: tuple[float, ...] = ()
+    joint_shift_rad: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.friction) != len(FRICTION):
@@ -71,9 +74,14 @@ class Uncertainty:
             mix = np.linalg.cholesky(_AFTER_A_SESSION) if self.correlated else np.eye(4)
             factors = np.exp(points[:, :4] @ mix.T * np.array(self.friction))
             grounds = [_scaled(ground, row) for row in factors]
-        gains = 1 + self.common_amplitude * points[:, 4:5]
+        seen = np.array(self.joint_gain or [1.0] * joints)
+        late = np.array(self.joint_shift_rad or [0.0] * joints)
+        for name, values in (("joint_gain", seen), ("joint_shift_rad", late)):
+            if len(values) != joints:
+                raise BadInput(f"{name} has {len(values)} values; the robot has {joints} joints")
+        gains = seen * (1 + self.common_amplitude * points[:, 4:5])
         gains = np.clip(gains + self.amplitude * points[:, 5 : 5 + joints], 0.0, 2.0)
-        shifts = self.lag_rad * points[:, 5 + joints :]
+        shifts = late + self.lag_rad * points[:, 5 + joints :]
         return [
             Sample(ground, tuple(gain), tuple(shift))
             for ground, gain, shift in zip(grounds, gains.tolist(), shifts.tolist(), strict=True)

@@ -97,7 +97,6 @@ def _of_camera(bundle: Bundle, track: Track, fitted: Fitted) -> Array:
             fitted.weight,
             fitted.path_weight,
             fitted.motion.omega_rad_s,
-            free_rate=False,
         )
         change = moved.motion.numbers() - here
         change[1:-2] = (change[1:-2] + np.pi) % (2 * np.pi) - np.pi

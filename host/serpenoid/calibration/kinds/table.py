@@ -7,7 +7,8 @@ from .bend import BEND, BendCheck
 from .declaration import Kind
 from .gait import GAIT, GaitRun
 from .station import STATION, Reading
+from .video import VIDEO, FilmReading
 from .zero import ZERO, ZeroReading
 
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (STATION, BEND, ZERO, BELT, GAIT)}
-AnyReading = Reading | BendCheck | ZeroReading | BeltCheck | GaitRun
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (STATION, BEND, ZERO, BELT, GAIT, VIDEO)}
+AnyReading = Reading | BendCheck | ZeroReading | BeltCheck | GaitRun | FilmReading

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ import click
 from ...model.checks import FORMULATIONS, check_number
 from ...model.errors import NotConverged
 from ..given import predicted_band, take_fit
+from ..joints import joints_option, latest_film
 from ..options import (
     AS_JSON,
     describe,
@@ -49,6 +51,7 @@ doubt_options = stacked([
     click.option("--amplitude-sigma", type=float, help="Of each joint, relative; 0.02."),
     click.option("--common-amplitude-sigma", type=float, help="Of all joints, relative; 0.03."),
     click.option("--lag-sigma-deg", type=float, help="Of each joint's phase; 1."),
+    joints_option,
 ])  # fmt: skip
 send_options = stacked([
     click.option("--send", is_flag=True, help="Drive the gait on the robot, as `drive` does."),
@@ -135,7 +138,7 @@ def _refuse_idle(given: dict[str, Any], send: bool, plot: bool) -> None:
     for name in ("port", "duration_s", "record"):
         if not send and given[name] is not None:
             raise click.UsageError(f"--{name.replace('_', '-')} is for --send, which is not there")
-    for name in ("amplitude_sigma", "common_amplitude_sigma", "lag_sigma_deg"):
+    for name in ("amplitude_sigma", "common_amplitude_sigma", "lag_sigma_deg", "joints"):
         if not (given["robust"] or plot) and given[name] is not None:
             raise click.UsageError(
                 f"--{name.replace('_', '-')} is for --robust or --plot; neither is there"
@@ -163,10 +166,11 @@ class _Asked:
         self.limits = _limits(given, send)
         fit = take_fit(given)
         self.fit = _as_measured(given, fit, self.robust)
-        self.uncertainty = _uncertainty(given, self.fit)
+        uncertainty, joints = _uncertainty(given, self.fit), given.pop("joints")
         self.robot: Robot
         self.ground: Ground
         self.robot, self.ground = robot_with_fit(given, fit)
+        self.uncertainty = _as_filmed(uncertainty, joints, self.robot)
 
     def find(self, speed: float) -> LeastPower | RobustGait:
         """Search for one speed."""
@@ -260,6 +264,14 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None) -> Uncertainty:
     if fit is not None:
         changes["grounds"] = fit.sample(_GROUNDS)
     return Uncertainty(**changes)
+
+
+def _as_filmed(uncertainty: Uncertainty, joints: Path | None, robot: Robot) -> Uncertainty:
+    """Return the doubt about servos round what a session's film shows of them."""
+    if joints is None:
+        return uncertainty
+    seen = latest_film(joints, robot.links).gait
+    return replace(uncertainty, joint_gain=seen.joint_gain, joint_shift_rad=seen.joint_shift_rad)
 
 
 def _plain_dict(found: Any) -> dict[str, Any]:

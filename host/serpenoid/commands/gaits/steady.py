@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ...model.checks import FORMULATIONS
 from ..given import predicted_band, take_fit
+from ..joints import joints_option, with_joints
 from ..options import (
     AS_JSON,
     IDEAL,
@@ -50,10 +52,12 @@ _FEW_LINKS = 20  # to ask servos about without being asked: the work grows as th
 @click.option("--stiffness-n-m", type=float, help="Implicit: k; 1000 unless given.")
 @click.option("--damping-n-s-m", type=float, help="Implicit: c; 1 unless given.")
 @servo_option
+@joints_option
 @AS_JSON
 def steady(
     as_json: bool,
     servo_name: str | None,
+    joints: Path | None,
     rtol: float,
     formulation: str,
     stiffness_n_m: float | None,
@@ -74,7 +78,9 @@ def steady(
         )
     fit = take_fit(given)
     robot, ground = robot_with_fit(given, fit)
-    gait = make_gait(given)
+    gait = with_joints(make_gait(given), joints, robot.links)
+    if joints is not None and servo_name is None:
+        servo_name = IDEAL  # the film shows what servos make of it
     if formulation == "implicit":
         if servo_name not in (None, IDEAL):
             raise click.UsageError("--servo has no effect on --formulation implicit; leave one out")

@@ -51,9 +51,9 @@ def _joints(found: FilmMeasurement) -> Table:
     """Return the joints' table, with what was commanded where that is known."""
     table = Table(box=None, pad_edge=False)
     gait = found.gait
-    commanded = ["of commanded", "phase error (°)"] if gait else []
+    commanded = ["gain", "late (°)"] if gait else []
     for name in ("joint", "amplitude (°)", "centre (°)", "phase (°)", *commanded, "seen"):
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="right", no_wrap=True)
     for joint in found.run.joints:
         row = [
             str(joint.joint),

@@ -1,0 +1,114 @@
+"""The kind `video`: a film of the crawling robot, measured: its speed, and what its joints did."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...model.errors import BadInput
+from ...model.gait import Gait
+from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
+from .gait import GaitRun
+from .instruments import MAX_SPEED_M_S
+from .tracks import Track
+
+FIELDS = (
+    Field("alpha_deg", "alpha", "angle", 0.0, 180.0, source=PLANNED),
+    Field("beta_deg", "beta", "angle", -360.0, 360.0, source=PLANNED),
+    Field("omega_rad_s", "omega", "rate", 0.0, 1000.0, open_low=True, source=DERIVED),
+    Field("speed_m_s", "the speed", "speed", 0.0, MAX_SPEED_M_S, source=DERIVED),
+    Field(
+        "speed_sigma_m_s", "its standard deviation", "speed", 0.0, MAX_SPEED_M_S, open_low=True,
+        source=DERIVED,
+    ),
+    Field("offset_deg", "the bend of every joint", "angle", -180.0, 180.0, source=DERIVED),
+    Field("gain_sigma", "standard deviation of a gain", "count", 0.0, 2.0, source=DERIVED),
+    Word("gains", source=DERIVED),
+    Word("shifts_deg", source=DERIVED),
+    Word("film_sha256", source=DERIVED),
+)  # fmt: skip
+TRACK = ("t_s", "x_m", "y_m", "heading_rad")
+
+
+@dataclass(frozen=True, slots=True)
+class FilmReading:
+    """What a film showed of a gait run on level ground of the session's surface.
+
+    alpha_rad, beta_rad: commanded, or where nobody told, the mean of what was seen. omega_rad_s,
+    offset_rad, speed_m_s: seen. gains, shifts_deg: of every joint beside the commanded sine, tail
+    first, between commas: amplitude as a factor, phase in degrees. film_sha256: of the film's file.
+    Raises BadInput.
+    """
+
+    number: int
+    alpha_rad: float
+    beta_rad: float
+    omega_rad_s: float
+    speed_m_s: float
+    speed_sigma_m_s: float
+    offset_rad: float
+    gain_sigma: float
+    gains: str
+    shifts_deg: str
+    film_sha256: str
+    track: Track | None = None
+    voided: bool = False
+    comment: str = ""
+    time_utc: str = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self, FIELDS)
+        if not self.gains or len(_numbers("gains", self.gains)) != len(
+            _numbers("shifts_deg", self.shifts_deg)
+        ):
+            raise BadInput(
+                f"gains is {self.gains!r} and shifts_deg {self.shifts_deg!r}; they must be one "
+                "number a joint each, between commas"
+            )
+
+    @property
+    def commanded(self) -> Gait:
+        """Return the gait that was commanded, at the rate that was seen."""
+        return Gait(self.alpha_rad, self.beta_rad, self.omega_rad_s)
+
+    @property
+    def gait(self) -> Gait:
+        """Return the gait that the joints made."""
+        gains = _numbers("gains", self.gains)
+        shifts = [math.radians(x) for x in _numbers("shifts_deg", self.shifts_deg)]
+        return Gait(
+            self.alpha_rad, self.beta_rad, self.omega_rad_s, self.offset_rad, tuple(gains),
+            tuple(shifts),
+        )  # fmt: skip
+
+    @property
+    def mean_gain(self) -> float:
+        """Return the joints' mean amplitude over the commanded one."""
+        gains = _numbers("gains", self.gains)
+        return sum(gains) / len(gains)
+
+    @property
+    def gait_run(self) -> GaitRun:
+        """Return the same as a gait run."""
+        return GaitRun(
+            self.number, self.alpha_rad, self.beta_rad, self.omega_rad_s, self.speed_m_s,
+            self.speed_sigma_m_s, self.voided, self.comment or "film", self.time_utc,
+        )  # fmt: skip
+
+
+def _numbers(name: str, text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise BadInput(f"{name} is {text!r}; it must be numbers between commas") from None
+
+
+def _in_words(r: FilmReading) -> tuple[str, str]:
+    alpha, beta = math.degrees(r.alpha_rad), math.degrees(r.beta_rad)
+    what = f"film {alpha:.3g}°/{beta:.3g}°, {r.omega_rad_s / (2 * math.pi):.3g} Hz"
+    return what, (
+        f"{r.speed_m_s:.5f} ± {r.speed_sigma_m_s:.5f} m/s, joints {100 * r.mean_gain:.1f} %"
+    )
+
+
+VIDEO = Kind("video", FilmReading, FIELDS, _in_words, track=TRACK)

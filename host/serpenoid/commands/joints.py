@@ -1,0 +1,42 @@
+"""The option --joints: what the joints really do, as a session's latest film showed it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from ..calibration.kinds.video import FilmReading
+    from ..model.gait import Gait
+
+joints_option = click.option(
+    "--joints", type=click.Path(file_okay=False, path_type=Path), metavar="SESSION",
+    help="Session with a film: its joints' gains and phases, in place of the commanded ones.",
+)  # fmt: skip
+
+
+def latest_film(session: Path, links: int) -> FilmReading:
+    """Return the latest film of a session. Raises BadInput: none, or of another robot."""
+    from ..calibration.session_file import read_session
+    from ..model.errors import BadInput
+
+    films = read_session(session).kept_films
+    if not films:
+        raise BadInput(
+            f"{session}: holds no film; measure one with `serpenoid video FILE --session {session}`"
+        )
+    joints = len(films[-1].gait.joint_gain)
+    if joints != links - 1:
+        raise BadInput(f"{session}: its film shows {joints} joints; the robot has {links - 1}")
+    return films[-1]
+
+
+def with_joints(gait: Gait, session: Path | None, links: int) -> Gait:
+    """Return the gait as a session's film says that the joints make it."""
+    if session is None:
+        return gait
+    seen = latest_film(session, links).gait
+    return replace(gait, joint_gain=seen.joint_gain, joint_shift_rad=seen.joint_shift_rad)

@@ -1,0 +1,44 @@
+"""A measured film as a reading of a session, and its joints as a gait."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.errors import BadInput
+from .measure_film import FilmMeasurement
+from .result import track_rows
+from .wiring import measured_gait
+
+PATH_COLUMNS = 4  # of a track: time, place, heading
+
+
+def film_cells(found: FilmMeasurement) -> tuple[dict[str, Any], NDArray[np.float64]]:
+    """Return the cells of a `video` reading, and the samples of its track.
+
+    Raises BadInput where a joint was not seen: a reading holds all of them.
+    """
+    run = found.run
+    if any(math.isnan(joint.amplitude_rad) for joint in run.joints):
+        raise BadInput(
+            f"{run.film['name']}: not every joint was seen; a session's reading needs them all"
+        )
+    gait = measured_gait(run, found.gait)
+    spread = [joint.amplitude_sigma_rad / gait.alpha_rad for joint in run.joints]
+    cells = {
+        "alpha_deg": math.degrees(gait.alpha_rad),
+        "beta_deg": math.degrees(gait.beta_rad),
+        "omega_rad_s": gait.omega_rad_s,
+        "offset_deg": math.degrees(gait.offset_rad),
+        "speed_m_s": run.speed_m_s,
+        "speed_sigma_m_s": run.speed_sigma_m_s,
+        "gain_sigma": float(np.mean(spread)),
+        "gains": ",".join(f"{gain:.5f}" for gain in gait.joint_gain),
+        "shifts_deg": ",".join(f"{math.degrees(s):.3f}" for s in gait.joint_shift_rad),
+        "film_sha256": run.film["sha256"],
+    }
+    _, rows = track_rows(found.measured)
+    return cells, rows[:, :PATH_COLUMNS]

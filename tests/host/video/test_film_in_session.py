@@ -1,0 +1,104 @@
+"""A film in a session: kept whole, out of the fit, and in the comparison with its joints."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from click.testing import CliRunner
+from serpenoid.calibration.comparison import compare
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.kinds.video import VIDEO, FilmReading
+from serpenoid.calibration.session_file import load_session, read_session
+from serpenoid.calibration.speed_samples import speed
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.commands.demo import session_folder
+from serpenoid.commands.main import cli
+
+CELLS = {
+    "alpha_deg": 50.0, "beta_deg": 80.0, "omega_rad_s": 3.0, "offset_deg": 0.2,
+    "speed_m_s": 0.05, "speed_sigma_m_s": 2e-5, "gain_sigma": 0.001,
+    "gains": "0.93,0.94,0.92,0.93,0.93", "shifts_deg": "0,1,-1,0.5,-0.5", "film_sha256": "ab" * 32,
+}  # fmt: skip
+PATH = [[0.0, 0, 0, 0], [0.1, 0.005, 0, 0.01], [0.2, 0.01, 0, 0.02]]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    made = create_session(tmp_path / "session", default_setup("made up"))
+    with Journal(made) as journal:
+        assert journal.add("video", CELLS, comment="a.mp4", samples=PATH) == 1
+    return made
+
+
+def test_a_film_is_kept_with_its_joints_hash_and_track(folder) -> None:
+    (film,) = read_session(folder).of("video")
+    assert film.gait.joint_gain == (0.93, 0.94, 0.92, 0.93, 0.93)
+    assert film.gait.joint_shift_rad[1] == pytest.approx(math.radians(1))
+    assert film.commanded.joint_gain == ()
+    assert film.mean_gain == pytest.approx(0.93)
+    assert film.film_sha256 == "ab" * 32
+    assert film.track.values == pytest.approx(np.array(PATH))
+
+
+@pytest.mark.parametrize("change", [{"gains": "0.9,x"}, {"gains": "1,1"}, {"speed_m_s": -1.0}])
+def test_what_is_no_film_is_refused(folder, change) -> None:
+    with Journal(folder) as journal, pytest.raises(sn.BadInput):
+        journal.add("video", CELLS | change, samples=PATH)
+
+
+def filmed(gain: float, speed_m_s: float) -> FilmReading:
+    return FilmReading(
+        99, math.radians(50), math.radians(80), 3.0, speed_m_s, 1e-5, 0.0, 0.001,
+        ",".join([str(gain)] * 5), "0,0,0,0,0", "cd" * 32,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def of_2005():
+    session = load_session(session_folder())
+    return session, fit_friction(session)
+
+
+def test_the_verdict_is_amplitude_because_it_was_seen(of_2005) -> None:
+    session, fit = of_2005
+    made = speed(fit.robot, fit.ground, filmed(0.8, 0.1).gait)
+    with_film = session.with_reading(VIDEO, filmed(0.8, made))
+    found = compare(with_film, fit, samples=16)
+    assert found.verdict == "amplitude"
+    assert "shows joints at 80.0 ± 0.1 % of the commanded amplitude" in found.verdict_text
+    assert found.gaits[0].residual_m_s == pytest.approx(0.0, abs=1e-4)
+    assert found.gaits[0].low_all_m_s == pytest.approx(found.gaits[0].low_m_s)
+
+
+def test_joints_that_do_as_told_are_no_cause(of_2005) -> None:
+    session, fit = of_2005
+    made = speed(fit.robot, fit.ground, filmed(1.0, 0.1).gait)
+    found = compare(session.with_reading(VIDEO, filmed(1.0, made)), fit, samples=16)
+    assert found.verdict == "agrees"
+
+
+def test_the_fit_keeps_films_out(of_2005) -> None:
+    session, fit = of_2005
+    again = fit_friction(session.with_reading(VIDEO, filmed(0.8, 0.01)))
+    assert again.whole_snake == pytest.approx(fit.whole_snake)
+    assert again.session_sha256 == fit.session_sha256
+
+
+def test_a_voided_film_counts_for_nothing(of_2005) -> None:
+    session, _ = of_2005
+    void = session.with_reading(VIDEO, replace(filmed(0.8, 0.1), voided=True))
+    assert void.kept_films == ()
+
+
+def test_steady_takes_the_joints_of_a_film(folder) -> None:
+    typed = ["steady", "--alpha-deg", "50", "--beta-deg", "80", "--omega-rad-s", "3", "--json"]
+    plain = CliRunner().invoke(cli, typed)
+    made = CliRunner().invoke(cli, [*typed, "--joints", str(folder)])
+    assert made.exit_code == 0, made.output
+    assert "0.93" in made.output
+    assert made.output != plain.output
