@@ -12,7 +12,9 @@ namespace {
 constexpr int kTableWork = 16;  // packs a link
 constexpr int kMostNodes = SpectralMesh::kCoarsest << (SpectralMesh::kLevels - 1);
 
-constexpr double kSlowest = 1e-3;    // most error of the multiplier's logarithm
+constexpr double kSlowest = 1e-3;  // most error of the multiplier's logarithm
+// Multipliers that are nearly 1 are nearly equal: powers of the matrix tell their size no better.
+constexpr double kLongMemory = 0.01, kPowers = 6e-7;
 constexpr double kRounding = 2e-15;  // of a speed, over half of body length times omega
 
 // Whether Hermite's rule shrinks what decays fast by more than `log_radius` in `steps` of z < 0: by
@@ -209,7 +211,8 @@ bool SpectralViscous::multipliers(int k, double omega, const Found& coarse, cons
         moved = std::max(moved, std::fabs(fine.transfer[i] - coarse.transfer[i]));
         large = std::max(large, std::fabs(fine.transfer[i]));
     }
-    const double error = std::fabs(change) / 15 + fine.left * std::fabs(fine.log_radius);
+    double error = std::fabs(change) / 15 + fine.left * std::fabs(fine.log_radius);
+    if (fine.log_radius > -kLongMemory) error += kPowers;
     to.slowest = fine.log_radius + change / 15;
     to.slowest_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
     const double decay = -SpectralMesh::level(k).step * level_[k].stiffest / omega;

@@ -138,28 +138,30 @@ double SteadyViscous::update_all(const Chain& chain, Vec3 d) {
     return size > 0 ? change / size : 0;
 }
 
-// Newton's method on all stages and the start, until the change is below `enough`: its square,
-// about, is the error left. False when a system is singular or the changes do not shrink.
-bool SteadyViscous::newton(double enough, SteadyState& result) {
+// Newton's method on all stages and the start, until the change is below `enough`. Returns the
+// error left, relative: the square of the last change, as often as the cycle's memory repeats it.
+// Infinite when a system is singular or the changes do not shrink.
+double SteadyViscous::newton(double enough, SteadyState& result) {
     constexpr int kMost = 40;
     const bool mirrored = shape_.mirrored;
     const Vec3 S = mirror_signs(mirrored);
     for (int i = 0; i < kMost; ++i) {
         Chain chain;
         ++result.iterations;
-        if (!linearise(chain)) return false;
+        if (!linearise(chain)) return HUGE_VAL;
         Vec3 miss, d;
         for (int k = 0; k < 3; ++k) miss[k] = chain.end[k] - S[k] * now_.start[k];
-        if (!close_cycle(chain.transfer, mirrored, miss, d)) return false;
+        if (!close_cycle(chain.transfer, mirrored, miss, d)) return HUGE_VAL;
         for (int k = 0; k < 3; ++k) now_.start[k] += d[k];
         const double change = update_all(chain, d);
-        if (!std::isfinite(change)) return false;
+        if (!std::isfinite(change)) return HUGE_VAL;
         if (change > enough) continue;
         const Mat3 image = mirror_rows(chain.transfer, mirrored);
         result.monodromy = mirrored ? multiply(image, image) : image;
-        return true;
+        const double decay = -std::expm1(log_spectral_radius(image));
+        return change * change / std::max(decay, 1e-16);
     }
-    return false;
+    return HUGE_VAL;
 }
 
 void SteadyViscous::set_means(SteadyState& out) const {
@@ -177,7 +179,8 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
     for (int elements = shape_.mirrored ? 2 : 4; elements <= options.max_elements; elements *= 2) {
         guess(shape_.mesh(elements), omega);
         result.elements = elements;
-        if (!newton(enough, result)) {
+        const double left = newton(enough, result);
+        if (!std::isfinite(left)) {
             now_.mesh = nullptr;
             continue;
         }
@@ -188,7 +191,8 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
             positive = finer;
         }
         const LevelChange change(result, coarse);
-        bound_errors(change, before, rule(change, before, meshes), options.rtol, result);
+        bound_errors(change, before, rule(change, before, meshes, left * result.speed),
+                     options.rtol, result);
         result.converged = meshes > 0 && accepted(result);
         if (result.converged) break;
         ++meshes, before = change, coarse = result;
@@ -199,21 +203,23 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
 
 // Gauss's rule has order 12, but meshes that are still coarse may show little of it: what a mesh
 // has gained on the one before is what the next may be trusted with.
-ErrorRule SteadyViscous::rule(const LevelChange& change, const LevelChange& before,
-                              int meshes) const {
+ErrorRule SteadyViscous::rule(const LevelChange& change, const LevelChange& before, int meshes,
+                              double left) const {
     constexpr double kMostGain = 16, kRounding = 2e-15;
     const double gain = meshes < 2 ? 1 : std::clamp(before.speed / change.speed, 1.0, kMostGain);
-    return {1 / gain, 0, 0, kRounding * now_.omega * shape_.robot.l * shape_.robot.n};
+    return {1 / gain, 0, 0, left + kRounding * now_.omega * shape_.robot.l * shape_.robot.n};
 }
 
 // The last mesh but one is mostly too coarse for an order to be told.
 void SteadyViscous::set_slowest(double rtol, const SteadyState& coarse, SteadyState& s) const {
     const Slowest found = slowest_multiplier(shape_, now_, s.monodromy);
     s.slowest = found.log_size, s.slowest_error = found.error;
+    const Mat3 collocated = s.monodromy;
+    s.monodromy = found.monodromy;
     if (found.error == 0) {
         const double before = coarse.elements > 0 ? log_spectral_radius(coarse.monodromy) : 0;
         s.slowest_error =
-            std::fabs(s.slowest - before) + change_of(s.monodromy, coarse.monodromy) / 4;
+            std::fabs(s.slowest - before) + change_of(collocated, coarse.monodromy) / 4;
     }
     s.slowest_error += 0.1 * rtol * std::fabs(s.slowest);
 }

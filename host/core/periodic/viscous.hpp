@@ -48,13 +48,14 @@ class SteadyViscous {
     };
 
     void guess(const ViscousMesh& mesh, double omega);
-    bool newton(double enough, SteadyState& result);
+    double newton(double enough, SteadyState& result);
     bool eliminate(int e, Vec3& y, Element& out) const;
     bool linearise(Chain& chain) const;
     std::pair<double, double> update(int e, const Element& element, const Vec3& d);
     double update_all(const Chain& chain, Vec3 d);
     void set_means(SteadyState& out) const;
-    ErrorRule rule(const LevelChange& change, const LevelChange& before, int meshes) const;
+    ErrorRule rule(const LevelChange& change, const LevelChange& before, int meshes,
+                   double left) const;
     void set_slowest(double rtol, const SteadyState& coarse, SteadyState& s) const;
 
     ViscousShape shape_;

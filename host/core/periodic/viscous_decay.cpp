@@ -30,8 +30,8 @@ double decay(const ViscousShape& shape, const ViscousMotion& motion, int node) {
 }
 
 // By products of exponentials over the mesh: whatever decays however fast, each factor is right to
-// second order in the change of the matrix over a piece.
-double by_exponentials(const ViscousShape& shape, const ViscousMotion& motion, int pieces) {
+// second order in the change of the matrix over a piece. What underflows is zero.
+Slowest by_exponentials(const ViscousShape& shape, const ViscousMotion& motion, int pieces) {
     const ViscousMesh& m = *motion.mesh;
     Mat3 P = identity3();
     double scale = 0;
@@ -43,7 +43,11 @@ double by_exponentials(const ViscousShape& shape, const ViscousMotion& motion, i
             for (double& a : A) a *= m.h / pieces;
             scale += multiply_exponential(A, P);
         }
-    return (scale + log_spectral_radius(mirror_rows(P, shape.mirrored))) * (shape.mirrored ? 2 : 1);
+    P = mirror_rows(P, shape.mirrored);
+    const int halves = shape.mirrored ? 2 : 1;
+    const double log_size = halves * (scale + log_spectral_radius(P));
+    for (double& v : P) v *= std::exp(scale);
+    return {log_size, 0, shape.mirrored ? multiply(P, P) : P};
 }
 
 }  // namespace
@@ -75,15 +79,14 @@ Slowest slowest_multiplier(const ViscousShape& shape, const ViscousMotion& motio
         spurious += halves * std::log(gauss_growth(z));
     }
     const bool none_spurious = stiffest > -kFair || spurious < log_radius - kFarBelow;
-    if (-log_radius < kFair * elements * halves && none_spurious) return {log_radius, 0};
-    Slowest found{};
-    double before = by_exponentials(shape, motion, 2);
+    if (-log_radius < kFair * elements * halves && none_spurious) return {log_radius, 0, monodromy};
+    Slowest found{}, before = by_exponentials(shape, motion, 2);
     for (int pieces = 4; pieces <= kMostPieces; pieces *= 2) {
-        const double next = by_exponentials(shape, motion, pieces);
-        const double error = std::fabs(next - before) / 3;
-        found = {next + (next - before) / 3, 4 * error};
+        const Slowest next = by_exponentials(shape, motion, pieces);
+        const double change = (next.log_size - before.log_size) / 3;
+        found = {next.log_size + change, 4 * std::fabs(change), next.monodromy};
         before = next;
-        if (error < kEnough * std::fabs(found.log_size)) break;
+        if (std::fabs(change) < kEnough * std::fabs(found.log_size)) break;
     }
     return found;
 }

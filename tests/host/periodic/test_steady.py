@@ -431,3 +431,32 @@ def test_the_state_at_phase_0_on_stiff_ground_and_a_rough_mesh() -> None:
     # 1e-3 is asked of means: the state itself is known to the mesh's stages, not to its ends
     assert np.abs(rough.body_velocity - fine.body_velocity)[:2].max() < 2e-3 * size
     assert rough.body_velocity[2] == pytest.approx(fine.body_velocity[2], rel=2e-3)
+
+
+def test_multipliers_and_settling_time_tell_the_same() -> None:
+    """On heavily damped ground multipliers underflow; once they came out as .055."""
+    mud = sn.steady_gait(OF_2005, sn.Ground(0.5, 5.0), sn.Gait(0.5236, 1.3963, 0.05))
+    assert abs(mud.floquet_multipliers).max() < 1e-300
+    for ct in (1e-3, 0.03, 0.3):
+        s = sn.steady_gait(OF_2005, sn.Ground(ct, 10 * ct), sn.Gait(0.5, 1.4, 1.0))
+        largest = math.exp(-s.gait.period_s / s.settling_time_s)
+        assert abs(s.floquet_multipliers[0]) == pytest.approx(largest, rel=1e-2, abs=1e-300)
+
+
+def test_errors_of_a_motion_with_a_long_memory_are_what_they_claim() -> None:
+    """Friction takes 20 000 cycles to forget: one cycle's error is repeated as often."""
+    robot = sn.Robot(34, 8.603133192418403, 0.01841195261926163)
+    ground = sn.Ground(0.00011684949643648431, 0.0007194612325834184)
+    gait = sn.Gait(1.1663787066988576, 0.26832900909664276, 5.495101313332529)
+    truth = sn.steady_gait(robot, ground, gait, rtol=1e-9)
+    for rtol in (1e-2, 1e-4, 1e-5):
+        s = sn.steady_gait(robot, ground, gait, rtol=rtol)
+        assert abs(s.speed_m_s / truth.speed_m_s - 1) < s.error_estimate
+        assert s.settling_time_s == pytest.approx(truth.settling_time_s, rel=s.settling_error)
+
+
+def test_a_slow_gait_that_grips_along_and_slips_across() -> None:
+    """Its speed, by an event-driven solver of other make, once came with a refusal."""
+    robot, ground = sn.Robot(3, 0.0216, 0.0455), sn.Ground(0.004, 0.01, 0.337, 0.0053)
+    s = sn.steady_gait(robot, ground, sn.Gait(0.7625, 2.5, 0.565), rtol=1e-4)
+    assert s.speed_m_s == pytest.approx(4.572238803e-6, abs=s.error_estimate * 7.8e-6)
