@@ -23,6 +23,9 @@ AIM_MOST_RAD = 0.2
 TRIES = 25  # of belt speeds, until somebody gives up
 LEAVE_M = 0.75 * HALF_LENGTH_M  # along: time to take the robot back to the middle
 CARRIED = 0.25  # of the belt's speed: its wheels hardly roll, the belt carries it off
+# Slower than this a robot goes by jerks: every touch of the steering shakes wheels loose that would
+# rest, and it creeps where it should stand. No reading is taken there.
+CREEP_M_S = 0.06
 Told = Callable[["Belt", str], None]
 
 
@@ -122,7 +125,8 @@ class Person:
             held, drift_m_s = self._try(shown, self._patience(settle_s))
             step = self.display.step_m_s
             if held is not None and abs(drift_m_s) <= 0.7 * step:
-                return None if drift_m_s > CARRIED * shown else held
+                rolls = drift_m_s <= CARRIED * shown and shown - drift_m_s >= CREEP_M_S
+                return held if rolls else None
             downhill = 1 if drift_m_s < 0 else -1  # robot runs ahead: the belt is too slow
             by = abs(drift_m_s)
             if held is None:  # it left the belt: nobody saw where it would settle

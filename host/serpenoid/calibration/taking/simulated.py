@@ -77,8 +77,13 @@ class Truth:
 
 def drawn_truth(setup: Setup, ground: Ground, rng: np.random.Generator) -> Truth:
     """Draw the errors that all readings of a session share, as the set-up says they may be."""
-    zero_rad = float(rng.normal()) * setup.uncertainty.incline_zero_sigma_rad
-    return Truth(ground, incline_zero_rad=zero_rad)
+    errs = setup.uncertainty
+    zero, scale, mass = (float(x) for x in rng.normal(size=3))
+    return Truth(
+        ground, incline_zero_rad=zero * errs.incline_zero_sigma_rad,
+        belt_scale=1.0 + scale * errs.belt_scale_sigma, mass_scale=1.0 + mass * errs.mass_sigma,
+        joint_sigma_rad=errs.joint_sigma_rad,
+    )  # fmt: skip
 
 
 class SimulatedTreadmill:
