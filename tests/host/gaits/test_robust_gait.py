@@ -172,6 +172,7 @@ def test_robust_2005_robot(speed: float, bend: float, most: float) -> None:
     assert best.premium < most
     assert best.low_speed_m_s > 0.899 * speed
     assert abs(best.checked_low_m_s - best.low_speed_m_s) < 3 * best.low_error_m_s
+    assert best.checked_low_m_s != best.low_speed_m_s  # other samples
     assert best.low_error_m_s < 0.012 * speed
     assert best.fragile_low_m_s < best.low_speed_m_s
     if bend != 7.5:

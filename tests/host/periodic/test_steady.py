@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -349,6 +350,18 @@ def test_the_path_of_a_turning_gait_hangs_on_no_phase() -> None:
     back = np.exp(-1j * left.turn_rad_per_cycle * np.arange(64) / 64)
     centre_to_place = (step / (turned[1] - 1)).mean(axis=0)
     assert abs((centre_to_place * back).mean()) == pytest.approx(left.radius_m, rel=1e-6)
+
+
+def test_the_radius_errs_by_its_speed_and_its_turn() -> None:
+    """radius = speed over rate of turn: relative errors add, to first order."""
+    robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2)
+    s = sn.steady_gait(robot, ground, sn.Gait(0.6, 1.2, 4.0, 0.2))
+    turn_rad = abs(s.turn_rad_per_cycle)
+    for speed_error, turn_error in ((1e-3, 0.0), (0.0, 1e-3), (1e-3, 2e-3)):
+        known = replace(s, error_estimate=speed_error, turn_error_rad=turn_error * turn_rad)
+        expected = s.radius_m * (speed_error + turn_error)
+        assert known.radius_error_m == pytest.approx(expected, rel=5e-3)
+    assert replace(s, turn_error_rad=2 * turn_rad).radius_error_m == math.inf
 
 
 def rows(name: str) -> list[dict[str, str]]:

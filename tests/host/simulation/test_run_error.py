@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import serpenoid as sn
 from serpenoid.simulation.error import Difference, RunError
-from serpenoid.simulation.judge import difference, estimate, warnings_of
+from serpenoid.simulation.judge import _believed_s, difference, estimate, warnings_of
 
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
@@ -190,3 +192,42 @@ def test_what_moves_a_robot_that_should_rest_is_named():
     said = warnings_of(going, RunError(off, off, ""))
     assert "the springs (k = 1000 N/m) move a robot that rests in the exact model" in said[0]
     assert said[1].startswith("the time steps move a robot that rests")
+
+
+def moved(run: sn.Run, way_m) -> sn.Run:
+    """Return a run with all links shifted along x by so much at each recorded time."""
+    return replace(run, x_m=run.x_m + np.asarray(way_m)[:, None])
+
+
+def test_a_run_is_believed_up_to_the_last_time_before_it_parts() -> None:
+    run = sn.simulate(SCENES["plain"])
+    body_m, jump = run.scene.robot.body_length_m, np.zeros(run.t_s.size)
+    jump[700:] = 0.02 * body_m
+    assert _believed_s(run, moved(run, jump)) == run.t_s[699]
+    assert _believed_s(run, moved(run, jump / 4)) == run.t_s[-1]
+
+
+def test_a_robot_rests_by_what_it_goes_in_a_period() -> None:
+    """2e-4 body lengths in five periods are rest; in one period they are not."""
+    still = sn.Gait(0.0, 1.4, 5.0)
+    for periods, share in ((5, math.nan), (1, -0.5)):
+        scene = replace(SCENES["plain"], gait=still, duration_s=periods * still.period_s)
+        run = sn.simulate(scene)
+        way_m = 2e-4 * run.scene.robot.body_length_m * run.t_s / run.t_s[-1]
+        found = difference(moved(run, way_m), moved(run, 2 * way_m)).mean_speed
+        assert found == pytest.approx(share, nan_ok=True)
+
+
+def test_errors_of_steps_and_of_springs_add_up() -> None:
+    steps, springs = Difference(0.02, 0.005, 0.0), Difference(0.01, 0.03, 0.0)
+    assert RunError(steps, springs, "").worst(body_m=2.0) == pytest.approx(0.01 + 0.03)
+    assert RunError(steps, None, "").worst(body_m=2.0) == pytest.approx(0.01)
+
+
+def test_the_stiffness_that_an_accuracy_asks_for_is_enough() -> None:
+    scene = replace(SCENES["plain"], formulation="implicit", duration_s=1.0)
+    with pytest.raises(sn.NotConverged, match="joint_stiffness_n_m") as refused:
+        sn.simulate(scene, accuracy=1e-3)
+    advised = float(re.search(r"joint_stiffness_n_m ([\d.e+]+)", str(refused.value))[1])
+    run = sn.simulate(replace(scene, joint_stiffness_n_m=advised), accuracy=1e-3)
+    assert run.error_estimate.worst(scene.robot.body_length_m) <= 1e-3

@@ -76,3 +76,10 @@ def test_random_robots_are_as_near_to_shooting_as_they_claim(rtol: float) -> Non
         assert abs(soft.abs_power_w - v["abs_power_w"]) <= soft.abs_power_error_w + watts
         off_w = abs(soft.positive_power_w - v["positive_power_w"])
         assert off_w <= soft.positive_power_error_w + watts
+
+
+def test_a_gait_that_does_not_travel_has_no_errors() -> None:
+    still = sn.steady_springs(SIX, VISCOUS, sn.Gait(0.0, 1.4, 5.0))
+    assert still.speed_m_s == pytest.approx(0.0, abs=1e-12)
+    assert still.error_estimate == pytest.approx(0.0, abs=1e-6)
+    assert still.modelling_error == pytest.approx(-1.0)

@@ -1,0 +1,55 @@
+"""Limits, uncertainty and errors that a gait states, from their definitions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.gaits.cliff import cliff_around
+from serpenoid.gaits.gait_table import GaitTable
+from serpenoid.gaits.uncertainty import Uncertainty
+
+PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
+
+
+def test_an_offset_takes_its_share_of_the_joint_angle() -> None:
+    limits = sn.GaitLimits(joint_angle_rad=1.0)
+    left = limits.margins(sn.Gait(0.6, 1.2, 3.0, -0.3))["joint_angle_rad"]
+    assert left == pytest.approx(math.log(1.0 / 0.9))
+
+
+def test_the_cliffs_sigma_averages_what_each_joint_errs_alone() -> None:
+    known = Uncertainty(amplitude=0.04, common_amplitude=0.03, friction=(0.06, 0.35, 0.06, 0.13))
+    cliff = cliff_around(PAPER, VISCOUS, sn.Gait(0.5, 1.4, 3.0), known, points=2)
+    assert cliff.sigma == pytest.approx((math.hypot(0.03, 0.04 / math.sqrt(5)), 0.35))
+
+
+def test_the_error_of_the_speed_is_part_of_the_powers() -> None:
+    best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=0.1, cost="positive_power", rtol=1e-3)
+    steady = best.steady
+    assert best.solved_error_w >= 2 * steady.error_estimate * best.power_w
+    assert best.solved_error_w >= steady.positive_power_error_w
+
+
+def test_an_amplitude_at_its_limit_is_in_the_table() -> None:
+    """exp(log(limit)) may be one rounding beyond it."""
+    limit = 0.7
+    beyond = np.nextafter(limit, 1.0)
+    limits = sn.GaitLimits(joint_angle_rad=limit)
+    table = GaitTable(
+        PAPER, VISCOUS, "power", limits, np.array([[0.5], [beyond], [0.8]]), np.array([1.2]), 1e-4
+    )
+    table.add_rates(np.array([3.0]))
+    assert np.isfinite(table.speed_m_s[:, 0, 0]).tolist() == [True, True, False]
+
+
+def test_a_ratchet_names_the_cheaper_of_both_waves_as_best_and_the_other_as_runner_up() -> None:
+    robot = sn.Robot(6, 0.0756, 0.076)
+    ground = sn.Ground((0.014, 0.05), 0.2, (0.01, 0.03), 0.045)
+    best = sn.least_power_gait(robot, ground, speed_m_s=0.05)
+    other = sn.least_power_gait(robot, ground.turned_round(), speed_m_s=0.05)
+    assert best.power_w <= best.runner_up_w < math.inf
+    assert best.power_w == pytest.approx(other.power_w, rel=1e-3)
+    assert best.runner_up_w == pytest.approx(other.runner_up_w, rel=0.02)
