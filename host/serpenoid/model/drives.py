@@ -113,7 +113,7 @@ class ServoKind:
     sigma: standard deviation of the logarithm of Servo's fields, by name (0.1 is 10 %); fields
     without one are exact. Stiffness and gear friction follow the stalled torque of a drawn servo,
     damping, gear damping and rotor its torque over its speed; their sigma is that of the ratio.
-    updates_hz: rates at which loops of this kind may look, each as likely; () for the typical
+    updates_hz: rates in Hz at which loops of this kind may look, each as likely; () for the typical
     one's. source: where the values come from. Raises BadInput.
     """
 

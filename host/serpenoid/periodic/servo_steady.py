@@ -32,13 +32,14 @@ class ServoSteady:
     """Hold the speed of a gait with ideal joints and with servos.
 
     ideal: the periodic state of joints that follow the gait exactly. With the (typical) servo:
-    speed_m_s is the mean over all phases between the board's frames and the gait, which have no
-    period in common; spread_m_s is half its range over them; error_estimate is the numerical error,
-    relative, from steps of twice the length, the phases, and what the settling leaves.
-    amplitude_ratio and lag_rad: first harmonic of the joints' angles against the gait's, mean over
-    the joints; ripple_rad_s: rms of what their rates have beside it; power_w: mean net power that
-    the gears give to the joints. samples_m_s: speeds of servos drawn from the kind, empty for a
-    servo that is exact; low_m_s and high_m_s: their 95 % interval, or the spread of an exact one.
+    speed_m_s, m/s, is the mean over all phases between the board's frames and the gait, which have
+    no period in common; spread_m_s is half its range over them; error_estimate is the numerical
+    error, relative, from steps of twice the length, the phases, and what the settling leaves.
+    amplitude_ratio (a factor) and lag_rad (rad): first harmonic of the joints' angles against the
+    gait's, mean over the joints; ripple_rad_s, rad/s: rms of what their rates have beside it;
+    power_w, W: mean net power that the gears give to the joints; turn_rad_per_cycle, rad: change of
+    heading in a period. samples_m_s, m/s: speeds of servos drawn from the kind, empty for a servo
+    that is exact; low_m_s and high_m_s: their 95 % interval, or the spread of an exact one.
     """
 
     ideal: Steady
