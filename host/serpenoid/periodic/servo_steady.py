@@ -148,9 +148,29 @@ def steady_gait(
 ) -> Steady | ServoSteady:  # fmt: skip
     """Solve for the periodic state of a gait: joints that follow it exactly, or moved by servos.
 
-    Without `servo` a Steady (periodic/steady.py says how it is found, and what rtol and powers
-    are); with one a ServoSteady, whose `ideal` is that Steady. Raises BadInput, and NotConverged
-    whose `best` is the best found.
+    Parameters
+    ----------
+    robot, ground, gait : Robot, Ground, Gait
+        What crawls, on what, and how.
+    rtol : float
+        Wanted relative accuracy of speed and powers of ideal joints, 0.1 to 1e-12 (dry ground: to
+        1e-7, powers to 10 rtol).
+    powers : bool
+        Whether to solve for abs_power_w and positive_power_w, too (W; 0 without).
+    servo : Servo or ServoKind, optional
+        What moves the joints; None for joints that follow the gait exactly.
+
+    Returns
+    -------
+    Steady or ServoSteady
+        Without servo the periodic state; with one its mean speed, whose `ideal` is that Steady.
+
+    Raises
+    ------
+    BadInput
+        A parameter is outside what the model allows.
+    NotConverged
+        No state was found to rtol; its `best` is the best one.
     """
     ideal = ideal_gait(robot, ground, gait, rtol=rtol, powers=powers)
     return ideal if servo is None else with_servo(ideal, servo)
