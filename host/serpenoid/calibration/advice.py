@@ -90,8 +90,8 @@ class Advice:
     """What advise found: the band now, relative, and the readings, best first.
 
     band: half of the 95 % band over the speed, mean over the gaits, as `compare` shows it.
-    band_after_best: the same share once the best reading is taken as often as it is worth, by samples
-    too. note: what must be known beside, "" if nothing.
+    band_after_best: the same share once the best reading is taken as often as it is worth, by
+    samples too. note: what must be known beside, "" if nothing.
     """
 
     gaits: tuple[Gait, ...]
