@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import film_pictures
 import serpenoid as sn
 import tomllib
 from click.testing import CliRunner
@@ -164,6 +165,7 @@ def api_page() -> str:
 def pictures(folder: Path) -> None:
     """Draw every figure of the documentation, and the pages to watch."""
     folder.mkdir(parents=True, exist_ok=True)
+    film_pictures.draw(folder)
     with tempfile.TemporaryDirectory() as scratch, chdir(scratch):
         invoke(["demo", "--out", "demo"])
         for name in ("speed", "path", "friction"):

@@ -17,7 +17,7 @@ from .motion import Fitted, basis, correlation_factor, fit_from, joint_slope, pa
 
 Array = NDArray[np.float64]
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
-FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 2e-4, np.radians(0.02), np.radians(0.005)
+FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 3e-4, np.radians(0.02), np.radians(0.005)
 
 
 def number_sigmas(bundle: Bundle, track: Track, fitted: Fitted) -> Array:

@@ -14,7 +14,8 @@ Array = NDArray[np.float64]
 ALONG = np.linspace(0.1, 0.9, 13)  # where an edge is read, as a share of it
 REACH_CELLS = 0.75  # how far across, in cells of the tag; border and rim are one cell wide
 CELLS = 6
-ACROSS = np.linspace(-1.0, 1.0, 17)
+MOST_REACH_PX = 8.0  # so that the profile is read in steps below a pixel
+ACROSS = np.linspace(-1.0, 1.0, 25)
 LEAST_POINTS = 5
 LEAST_CONTRAST = 12.0  # grey levels
 
@@ -34,6 +35,7 @@ def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
     x, y = quads[..., 0], quads[..., 1]
     area = 0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1))
     reach = REACH_CELLS / CELLS * area[:, None, None] / np.maximum(length, 1e-6)
+    reach = np.minimum(reach, MOST_REACH_PX)
     base = start[:, :, None] + ALONG[:, None] * along[:, :, None]
     where = base[..., None, :] + (reach[..., None] * ACROSS)[..., None] * outward[:, :, None, None]
     profile = _sample(picture, where)

@@ -1,0 +1,132 @@
+"""Five pictures for filming.md: how to film the robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, FancyArrow, Polygon, Rectangle
+
+GREEN, RED, GREY, BODY = "#009E73", "#D55E00", "#777777", "#b9c3cc"
+ANGLES = np.radians([8, 30, 12, -28, -20, 14])
+
+
+def draw(folder: Path) -> None:
+    """Draw all five into a folder."""
+    for name, picture in (
+        ("tags", _tags), ("robot", _on_the_robot), ("tripod", _tripod), ("frame", _frame),
+        ("light", _light),
+    ):  # fmt: skip
+        fig = Figure(figsize=(7.2, 3.0), dpi=110, constrained_layout=True)
+        ax = fig.subplots()
+        ax.set_aspect("equal")
+        ax.axis("off")
+        picture(ax)
+        fig.savefig(folder / f"film-{name}.png")
+
+
+def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0) -> None:
+    """Draw a tag with its rim and its arrow, about its middle."""
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
+
+    def put(shape: Any, colour: str, **more: Any) -> None:
+        corners = np.asarray(shape) @ turn.T + [x, y]
+        ax.add_patch(Polygon(corners, fc=colour, **more))
+
+    put(side * 8 / 6 * square, "white", ec=GREY, lw=0.8)
+    put(side * square, "black", lw=0)
+    for cell in ((-0.25, 0.08), (0.08, 0.25), (0.08, -0.08), (-0.08, -0.25)):
+        put(side * (square / 6 + cell), "white", lw=0)
+    tip = np.array([[0.54, 0.03], [0.6, 0.03], [0.6, 0.07], [0.65, 0], [0.6, -0.07], [0.6, -0.03],
+                    [0.54, -0.03]])  # fmt: skip
+    put(side * tip, GREY, lw=0)
+
+
+def _robot(ax: Axes, x: float, y: float, link: float, tags: bool = True) -> np.ndarray:
+    """Draw the robot from its tail; return the links' middles."""
+    middles, at = [], np.array([x, y])
+    for angle in ANGLES:
+        along = link * np.array([np.cos(angle), np.sin(angle)])
+        across = 0.22 * link * np.array([-np.sin(angle), np.cos(angle)])
+        ends = np.array([at + 0.06 * along, at + 0.94 * along])
+        ax.add_patch(Polygon([*(ends + across), *(ends[::-1] - across)], fc=BODY, lw=0))
+        middles.append(at + along / 2)
+        at = at + along
+    for middle, angle in zip(middles, ANGLES, strict=True):
+        if tags:
+            _label(ax, *middle, 0.45 * link, angle)
+    return np.array(middles)
+
+
+def _say(ax: Axes, x: float, y: float, words: str, colour: str = "black", **more: Any) -> None:
+    ax.text(x, y, words, color=colour, fontsize=9, ha="center", **more)
+
+
+def _tags(ax: Axes) -> None:
+    ax.set(xlim=(0, 12), ylim=(0, 5))
+    ax.add_patch(Rectangle((0.5, 0.3), 3.4, 4.4, fc="white", ec="black"))
+    for k in range(6):
+        _label(ax, 1.2 + 1.0 * (k % 3), 3.3 - 1.0 * (k // 3), 0.55)
+    ax.plot([0.9, 3.4], [0.8, 0.8], color="black")
+    for x in np.linspace(0.9, 3.4, 11):
+        ax.plot([x, x], [0.8, 0.95], color="black", lw=0.7)
+    _say(ax, 2.15, 0.4, "100 mm?")
+    _say(ax, 7.8, 3.3, "Print at 100 %. Hold a rule against the ruler.")
+    _label(ax, 6.5, 1.6, 1.1)
+    _say(ax, 6.5, 0.4, "cut outside the white rim", GREEN)
+    ax.add_patch(Rectangle((8.75, 1.05), 1.1, 1.1, fc="black"))
+    _say(ax, 9.3, 0.4, "rim cut off: not found", RED)
+
+
+def _on_the_robot(ax: Axes) -> None:
+    ax.set(xlim=(0, 12), ylim=(0, 5))
+    middles = _robot(ax, 0.8, 1.5, 1.75)
+    for k, (x, y) in enumerate(middles):
+        _say(ax, x, y + 0.85, str(k + 1))
+    _say(ax, middles[0][0], 0.6, "tail: number 1")
+    _say(ax, middles[-1][0], 0.6, "head: the last number")
+    _say(ax, 6.0, 4.5, "In the middle of each link, flat, all at one height; arrows to the head")
+
+
+def _tripod(ax: Axes) -> None:
+    ax.set(xlim=(0, 12), ylim=(0, 5))
+    ax.plot([0.3, 11.7], [0.5, 0.5], color="black")
+    camera = np.array([3.0, 4.2])
+    for foot in (2.2, 3.0, 3.8):
+        ax.plot([3.0, foot], [3.9, 0.5], color=GREY)
+    ax.add_patch(Rectangle(camera - [0.35, 0.25], 0.7, 0.5, fc="black"))
+    for x in (5.0, 10.0):
+        ax.plot([camera[0], x], [camera[1], 0.6], color=GREEN, lw=0.8, ls="--")
+    ax.add_patch(Rectangle((5.6, 0.5), 3.4, 0.3, fc=BODY))
+    ax.add_patch(FancyArrow(7.0, 1.2, 1.4, 0, width=0.03, head_width=0.18, color=GREY))
+    _say(ax, 8.4, 3.6, "On a tripod, the camera 0 to 45° from straight down.\nStabilisation off. "
+         "Start it with a timer; touch nothing.")  # fmt: skip
+
+
+def _frame(ax: Axes) -> None:
+    ax.set(xlim=(0, 12), ylim=(0, 5))
+    ax.add_patch(Rectangle((0.6, 0.3), 7.4, 4.2, fc="#eeeeee", ec="black", lw=1.5))
+    _robot(ax, 1.2, 1.4, 0.75)
+    ax.add_patch(FancyArrow(5.9, 2.0, 1.2, 0.1, width=0.03, head_width=0.2, color=GREY))
+    _say(ax, 4.3, 3.9, "1080p, 30 frames/s or more")
+    _say(ax, 10.0, 3.2, "The whole robot, all\nthe time; two periods\nor more; tags 33 px\n"
+         "wide or more; a floor\nwith some pattern", va="center")  # fmt: skip
+
+
+def _light(ax: Axes) -> None:
+    ax.set(xlim=(0, 12), ylim=(0, 5))
+    good = "light from the side, and much of it:\nshort exposure"
+    bad = "a lamp that the floor or a tag mirrors\ninto the camera"
+    for x, colour, words in ((3.0, GREEN, good), (9.0, RED, bad)):
+        ax.plot([x - 2.4, x + 2.4], [1.2, 1.2], color="black")
+        _label(ax, x, 1.75, 0.7)
+        ax.add_patch(Rectangle((x - 0.3, 3.7), 0.6, 0.45, fc="black"))
+        lamp = (x - 2.0, 2.6) if colour == GREEN else (x + 1.1, 3.9)
+        ax.add_patch(Circle(lamp, 0.3, fc="#F0E442", ec=GREY))
+        ax.plot([lamp[0], x], [lamp[1], 2.0], color=colour, lw=1, ls="--")
+        _say(ax, x, 0.2, words, colour)
+    ax.add_patch(Circle((9.0, 1.75), 0.45, fc="white", alpha=0.85))

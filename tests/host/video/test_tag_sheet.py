@@ -1,0 +1,39 @@
+"""The sheet of tags: true size, all tags found when its picture is looked at."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from serpenoid.model.errors import BadInput
+from serpenoid.show.video.tag_sheet import PAPERS_MM, tag_sheet
+from serpenoid.video.seeing.detect import TagFinder
+from serpenoid.video.seeing.tags import tag_cells, tag_side_m
+
+DOTS_PER_MM = 300 / 25.4
+
+
+@pytest.mark.parametrize(("links", "paper"), [(2, "a4"), (6, "letter")])
+def test_printed_tags_are_found_with_their_numbers_and_size(tmp_path, links, paper) -> None:
+    side = tag_side_m(0.076)
+    tag_sheet(tag_cells(links), side, 0.076, paper, tmp_path / "tags.png")
+    page = cv2.imread(str(tmp_path / "tags.png"), cv2.IMREAD_GRAYSCALE)
+    wide, high = PAPERS_MM[paper]
+    assert page.shape == pytest.approx((high * DOTS_PER_MM, wide * DOTS_PER_MM), abs=2)
+    found = TagFinder(links).find(page)
+    assert sorted(found) == list(range(links))
+    for corners, _ in found.values():
+        width = np.linalg.norm(corners[1] - corners[0]) / DOTS_PER_MM
+        assert width == pytest.approx(1e3 * side, abs=0.15)
+        assert corners[1, 0] > corners[0, 0]  # the arrow's way is the tag's own right
+
+
+def test_thirteen_tags_need_two_pages_and_a_pdf(tmp_path) -> None:
+    cells = tag_cells(13)
+    assert tag_sheet(cells, 0.034, 0.076, "a4", tmp_path / "tags.pdf") == 2
+    with pytest.raises(BadInput, match=r"2 pages; name a \.pdf"):
+        tag_sheet(cells, 0.034, 0.076, "a4", tmp_path / "tags.png")
+    with pytest.raises(BadInput, match="does not fit on a4"):
+        tag_sheet(cells, 0.3, 0.7, "a4", tmp_path / "tags.pdf")
+    with pytest.raises(BadInput, match="2 to 13"):
+        tag_cells(14)
