@@ -133,7 +133,7 @@ bool DryMotion::add_positive(const DryState& from, double tau, double H, double 
     return true;
 }
 
-void DryMotion::add_positive_of_kick(const DryState& to, double tau, double length) {
+void DryMotion::add_positive_of_event(const DryState& to, double tau, double length) {
     std::vector<double> power(robot_.n - 1);
     joint_power(to, tau, power.data(), 1);
     for (const double p : power) {
@@ -304,19 +304,19 @@ bool DryMotion::find_mode(DryState& state, double tau) {
 
 // A very short convex step: finds the mode that follows. Doubles when modes end at once, and when
 // the step is so short that rounding hides which signs its forces have.
-bool DryMotion::kick(DryState& state, double& tau, double tau_end) {
-    const double longest = std::min(10 * longest_kick_, tau_end - tau);
-    kick_ = std::min(std::max(4 * kick_, shortest_kick_), longest);
+bool DryMotion::event_step(DryState& state, double& tau, double tau_end) {
+    const double longest = std::min(10 * longest_event_step_, tau_end - tau);
+    event_step_length_ = std::min(std::max(4 * event_step_length_, shortest_event_step_), longest);
     const double start = rate(state.v[DryState::L], tau);
     for (int attempt = 0; attempt < 12; ++attempt) {
         double w = start;
-        if (euler(state, tau, kick_, false, state, w)) {
-            tau = kick_ == tau_end - tau ? tau_end : tau + kick_;
-            if (positive_) add_positive_of_kick(state, tau, kick_);
+        if (euler(state, tau, event_step_length_, false, state, w)) {
+            tau = event_step_length_ == tau_end - tau ? tau_end : tau + event_step_length_;
+            if (positive_) add_positive_of_event(state, tau, event_step_length_);
             return true;
         }
         convex_.forget();
-        if (attempt > 0) kick_ = std::min(2 * kick_, longest);
+        if (attempt > 0) event_step_length_ = std::min(2 * event_step_length_, longest);
     }
     return false;
 }
@@ -326,12 +326,14 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
     speed_eps_ = std::max(0.003 * tolerance, 1e-13) * speed_scale_;
     stick_eps_ = std::max(0.1 * tolerance, 1e-6);
     // long enough for dry friction to take a whole miss of the event back, at both bounds
-    longest_kick_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-7, 1e-4);  // it errs by its square
-    shortest_kick_ = std::clamp(20 * speed_eps_ * robot_.n * robot_.m * omega_ / least_dry(ground_),
-                                1e-7, longest_kick_);
+    longest_event_step_ =
+        std::clamp(0.03 * std::sqrt(tolerance), 1e-7, 1e-4);  // it errs by its square
+    shortest_event_step_ =
+        std::clamp(20 * speed_eps_ * robot_.n * robot_.m * omega_ / least_dry(ground_), 1e-7,
+                   longest_event_step_);
     convex_.forget();
-    kick_ = 0, step_ = std::max(step_, 1e-4);
-    if (!kick(state, tau, tau_end)) return false;
+    event_step_length_ = 0, step_ = std::max(step_, 1e-4);
+    if (!event_step(state, tau, tau_end)) return false;
     std::vector<double> start;
     Step step;
     for (long steps = 0; tau < tau_end; ++steps) {
@@ -341,12 +343,12 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
         double H = std::min(step_, tau_end - tau);
         if (tau_end - tau - H < 1e-12) H = tau_end - tau;
         if (!extrapolate(state, tau, H, tolerance, step)) {
-            if (!kick(state, tau, tau_end)) return false;
+            if (!event_step(state, tau, tau_end)) return false;
             continue;
         }
         const double at = event_before(start, step);
         if (at == 0) {
-            if (!kick(state, tau, tau_end)) return false;
+            if (!event_step(state, tau, tau_end)) return false;
             continue;
         }
         const bool accepted = step.error[step.rows] <= 1;
@@ -354,7 +356,7 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
         if (at < 1 && accepted) {
             step_ = H * std::max(at, 1e-3);
             if (step_ < 1e-12) {
-                if (!kick(state, tau, tau_end)) return false;
+                if (!event_step(state, tau, tau_end)) return false;
                 step_ = usual;
             }
             continue;
@@ -371,8 +373,8 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
         bool landed = false;
         for (std::size_t c = 0; c < step.margin.size(); ++c)
             landed = landed || (step.margin[c] <= 0 && step.margin[c] < start[c]);
-        if (H > 100 * kick_) kick_ = 0;
-        if (landed && tau < tau_end && !kick(state, tau, tau_end)) return false;
+        if (H > 100 * event_step_length_) event_step_length_ = 0;
+        if (landed && tau < tau_end && !event_step(state, tau, tau_end)) return false;
         if (landed) step_ = std::max(step_, 0.05);
     }
     return true;

@@ -85,7 +85,7 @@ class DryMotion {
     void wheel_forces(const DryState& state, std::vector<double>& force);
     void joint_power(const DryState& state, double tau, double* power, int stride);
     bool add_positive(const DryState& from, double tau, double H, double tolerance);
-    void add_positive_of_kick(const DryState& to, double tau, double length);
+    void add_positive_of_event(const DryState& to, double tau, double length);
     double dissipation(const Vec3& u) const;
     double grip(int kink) const { return across_.has_modes() && kink % 2 ? 1 : grip_; }
     double error_norm(const DryState& a, const DryState& b) const;
@@ -93,7 +93,7 @@ class DryMotion {
     void margins(const DryState& s, double tau, std::vector<double>& margin);
     double event_before(const std::vector<double>& start, const Step& step) const;
     void control(const Step& step, double H, bool accepted);
-    bool kick(DryState& state, double& tau, double tau_end);
+    bool event_step(DryState& state, double& tau, double tau_end);
 
     Robot robot_;
     Ground ground_;
@@ -113,8 +113,8 @@ class DryMotion {
     std::vector<double> wheel_force_;
     std::function<void()> let_through_;  // called at every step
     long systems_ = 0, most_systems_ = std::numeric_limits<long>::max();
-    double step_ = 0.1, kick_ = 0, shortest_kick_ = 0, longest_kick_ = 0, speed_eps_ = 0,
-           stick_eps_ = 0;
+    double step_ = 0.1, event_step_length_ = 0, shortest_event_step_ = 0, longest_event_step_ = 0,
+           speed_eps_ = 0, stick_eps_ = 0;
     int order_ = 4;
 };
 

@@ -1,4 +1,4 @@
-// Periodic states for packs of rates; the derivation stands in spectral.hpp.
+// Periodic states for SIMD batches of rates; the derivation stands in spectral.hpp.
 #include "periodic/spectral.hpp"
 
 #include <algorithm>
@@ -38,7 +38,7 @@ SpectralViscous::SpectralViscous(const Robot& robot, const Ground& ground, const
       alpha_(gait.alpha),
       set_(set),
       y_(memory_.take(3 * kMostNodes * set_.width)),
-      known_y_(memory_.take(kKnown * kCoarse)),
+      seed_y_(memory_.take(kSeeds * kCoarse)),
       g_(memory_.take(set_.width)),
       out_(memory_.take(kernels::kCycleOuts * set_.width)) {}
 
@@ -116,9 +116,10 @@ kernels::CycleTask SpectralViscous::task(int k) const {
             work_};
 }
 
-// Newton's steps until what is left of the last change is below `enough` in every gait: as much of
-// it as it was itself of the one before, on a coarser mesh if this is a mesh's first.
-bool SpectralViscous::iterate(int k, double enough, bool first, Pack& found) {
+// Newton's steps until the residual error is below `enough` in every gait. It is estimated as the
+// last change times the factor by which changes shrink; a mesh's first change is compared with the
+// last one of the coarser mesh.
+bool SpectralViscous::iterate(int k, double enough, bool first, Batch& found) {
     constexpr int kMost = 15;
     constexpr double kLeast = 0.01, kFirst = 0.1;
     kernels::CycleTask work = task(k);
@@ -132,16 +133,17 @@ bool SpectralViscous::iterate(int k, double enough, bool first, Pack& found) {
             const double change = size > 0 ? std::sqrt(change2 / size) : 0;
             ++found[j].iterations;
             const double shrinks = change / found[j].change;
-            found[j].left = change * std::clamp(shrinks, kLeast, first && i == 0 ? kFirst : 1.0);
+            found[j].residual_error =
+                change * std::clamp(shrinks, kLeast, first && i == 0 ? kFirst : 1.0);
             found[j].change = change;
-            if (found[j].left > enough) done = false;
+            if (found[j].residual_error > enough) done = false;
         }
         if (done) return true;
     }
     return false;
 }
 
-void SpectralViscous::evaluate(int k, bool powers, const double* omega, Pack& found) {
+void SpectralViscous::evaluate(int k, bool powers, const double* omega, Batch& found) {
     kernels::CycleTask work = task(k);
     const int W = set_.width;
     double* out = out_;
@@ -153,7 +155,7 @@ void SpectralViscous::evaluate(int k, bool powers, const double* omega, Pack& fo
     for (int j = 0; j < W; ++j) {
         const auto at = [&](int what) { return lane(out, what, W, j); };
         const double w = omega[j], size = at(kernels::kSize2);
-        Found& to = found[j];
+        Solution& to = found[j];
         to.speed = w * at(kernels::kAdvance);
         to.heading = at(kernels::kHeading);
         to.power = robot_.n * robot_.m * w * w * at(kernels::kDissipated);
@@ -168,7 +170,7 @@ void SpectralViscous::evaluate(int k, bool powers, const double* omega, Pack& fo
 
 // The state of one gait of a pack, with its errors.
 SteadyState SpectralViscous::state_of(int k, const SteadyOptions& options, double omega,
-                                      const Found& coarse, const Found& fine, int j) const {
+                                      const Solution& coarse, const Solution& fine, int j) const {
     const int W = set_.width;
     SteadyState to;
     to.speed = to.chord = std::fabs(fine.speed);
@@ -176,20 +178,20 @@ SteadyState SpectralViscous::state_of(int k, const SteadyOptions& options, doubl
     to.power = fine.power;
     to.elements = SpectralMesh::level(k).nodes, to.iterations = fine.iterations;
     to.start = {omega * y_[j], omega * y_[W + j], omega * y_[2 * W + j]};
-    // a change of the motion by `left` of itself changes power by no more than Cauchy and Schwarz
-    // allow, with the friction of the chain held still
+    // a change of the motion by `residual_error` of itself changes power by no more than Cauchy and
+    // Schwarz allow, with the friction of the chain held still
     const double shrinks = coarse.tail > 0 ? std::clamp(fine.tail / coarse.tail, 1e-3, 1.0) : 1e-3;
     const ErrorRule rule{shrinks, 0, 0,
-                         fine.left * to.speed + kRounding * omega * robot_.l * robot_.n,
-                         2 * fine.left * std::sqrt(fine.still_power * to.power)};
+                         fine.residual_error * to.speed + kRounding * omega * robot_.l * robot_.n,
+                         2 * fine.residual_error * std::sqrt(fine.still_power * to.power)};
     LevelChange change;
     change.speed = std::fabs(fine.speed - coarse.speed);
     change.power = std::fabs(fine.power - coarse.power);
     bound_errors(change, {}, rule, options.rtol, to);
     if (options.powers) {
         to.abs_power = fine.abs_power, to.positive_power = (fine.abs_power + fine.power) / 2;
-        const double error =
-            fine.abs_error + 2 * fine.left * fine.still_power + shrinks * change.power + rule.power;
+        const double error = fine.abs_error + 2 * fine.residual_error * fine.still_power +
+                             shrinks * change.power + rule.power;
         to.positive_power_error = least_bound(error / 2, options.rtol, to.positive_power);
     }
     return to;
@@ -197,7 +199,7 @@ SteadyState SpectralViscous::state_of(int k, const SteadyOptions& options, doubl
 
 // The monodromy matrix and its slowest multiplier. False where that is not known well: what decays
 // fast may hide it.
-bool SpectralViscous::multipliers(int k, double omega, const Found& coarse, const Found& fine,
+bool SpectralViscous::multipliers(int k, double omega, const Solution& coarse, const Solution& fine,
                                   SteadyState& to) const {
     const int N = SpectralMesh::level(k).nodes;
     const double J = level_[k].node[kernels::kArm2 * N] * robot_.n * robot_.m;
@@ -211,7 +213,7 @@ bool SpectralViscous::multipliers(int k, double omega, const Found& coarse, cons
         moved = std::max(moved, std::fabs(fine.transfer[i] - coarse.transfer[i]));
         large = std::max(large, std::fabs(fine.transfer[i]));
     }
-    double error = std::fabs(change) / 15 + fine.left * std::fabs(fine.log_radius);
+    double error = std::fabs(change) / 15 + fine.residual_error * std::fabs(fine.log_radius);
     if (fine.log_radius > -kLongMemory) error += kPowers;
     to.slowest = fine.log_radius + change / 15;
     to.slowest_error = 4 * error + (large > 0 ? moved / large / 4 : 0);
@@ -219,65 +221,65 @@ bool SpectralViscous::multipliers(int k, double omega, const Found& coarse, cons
     return decays_faster(decay, 2 * N, to.slowest) && error <= kSlowest * std::fabs(to.slowest);
 }
 
-// Evaluate the level's solution; where its iteration alone is not close enough, go on with it.
+// Evaluate the level's solution. Iterate further where only the residual error is too large.
 bool SpectralViscous::settle(int k, const double* omega, int count, const SteadyOptions& options,
-                             const Pack& coarse, Pack& found, SteadyState* to) {
+                             const Batch& coarse, Batch& found, SteadyState* to) {
     constexpr int kMore = 4;
     for (int more = 0;; ++more) {
         evaluate(k, options.powers && k > 0, omega, found);
         if (k == 0) return false;
-        bool all = true, left = false;
+        bool all = true, more_helps = false;
         for (int j = 0; j < count; ++j) {
             if (to[j].converged) continue;
-            const auto judge = [&](const Found& fine) {
+            const auto judge = [&](const Solution& fine) {
                 SteadyState state = state_of(k, options, omega[j], coarse[j], fine, j);
                 const bool known = multipliers(k, omega[j], coarse[j], fine, state);
                 state.converged = known && Acceptance(options, robot_, ground_, omega[j])(state);
                 return state;
             };
             to[j] = judge(found[j]);
-            Found exact = found[j];
-            exact.left = 0;
-            left = left || (!to[j].converged && judge(exact).converged);
+            Solution exact = found[j];
+            exact.residual_error = 0;
+            more_helps = more_helps || (!to[j].converged && judge(exact).converged);
             all = all && to[j].converged;
         }
-        if (all || !left || more == kMore) return all;
+        if (all || !more_helps || more == kMore) return all;
         if (!iterate(k, HUGE_VAL, false, found)) return false;
     }
 }
 
-// By Lagrange's polynomial in log omega through the solutions that are known; else from rest.
+// Start from Lagrange's polynomial in log omega through the seeds; without seeds, from rest.
 void SpectralViscous::guess(const double* omega) {
-    const int W = set_.width, count = known_count_;
+    const int W = set_.width, count = seed_count_;
     for (int j = 0; j < W && count > 0; ++j) {
         const double at = std::log(omega[j]);
         for (int i = 0; i < count; ++i) {
-            double weight = known_[i].weight;
+            double weight = seeds_[i].weight;
             for (int k = 0; k < count; ++k)
-                if (k != i) weight *= at - known_[k].log_omega;
+                if (k != i) weight *= at - seeds_[k].log_omega;
             work_[i * W + j] = weight;
         }
     }
-    set_.cycle.blend(count, kCoarse, work_, known_y_, y_);
+    set_.cycle.blend(count, kCoarse, work_, seed_y_, y_);
 }
 
-// Lagrange's weights are kept without what depends on the place.
+// Keep solutions as seeds, with the part of Lagrange's weights that all rates share.
 void SpectralViscous::remember(const double* omega, int count) {
-    constexpr double kApart = 0.01;  // what is next to another tells little new
-    for (int j = 0; j < count && known_count_ < kKnown; ++j) {
-        Known next{std::log(omega[j]), 1};
-        const auto end = known_.begin() + known_count_;
-        if (std::any_of(known_.begin(), end, [&](const Known& other) {
+    constexpr double kApart = 0.01;  // a seed next to another adds little
+    for (int j = 0; j < count && seed_count_ < kSeeds; ++j) {
+        Seed next{std::log(omega[j]), 1};
+        const auto end = seeds_.begin() + seed_count_;
+        if (std::any_of(seeds_.begin(), end, [&](const Seed& other) {
                 return std::fabs(other.log_omega - next.log_omega) < kApart;
             }))
             continue;
-        for (auto other = known_.begin(); other != end; ++other) {
+        for (auto other = seeds_.begin(); other != end; ++other) {
             other->weight /= other->log_omega - next.log_omega;
             next.weight /= next.log_omega - other->log_omega;
         }
-        double* to = known_y_ + kCoarse * known_count_;
+        double* to = seed_y_ + kCoarse * seed_count_;
         for (int i = 0; i < kCoarse; ++i) to[i] = y_[i * set_.width + j];
-        known_[known_count_++] = next;
+        seeds_[seed_count_++] = next;
     }
 }
 
@@ -290,8 +292,8 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
         g_[j] = 1 / rates[j];
         if (j < count) to[j] = {};
     }
-    Pack found{}, coarse;
-    for (Found& f : found) f.change = 1;
+    Batch found{}, coarse;
+    for (Solution& f : found) f.change = 1;
     for (int k = 0; k < SpectralMesh::kLevels; ++k) {
         if (k > 0) {
             const SpectralMesh& mesh = SpectralMesh::level(k - 1);

@@ -302,6 +302,7 @@ NB_MODULE(_core, m) {
         .def_prop_ro("monodromy", [](const SteadyState& s) { return in_tuple(s.monodromy); });
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.def("steady_by", &steady_by);
+    m.attr("SPEED_FLOOR") = kSpeedFloor;
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg().none());
     bind_servos(m);

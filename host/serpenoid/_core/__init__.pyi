@@ -82,6 +82,9 @@ class SteadyState:
 
 def steady(arg0: Model, arg1: float, arg2: bool, arg3: int, /) -> SteadyState: ...
 def steady_by(arg0: str, arg1: Model, arg2: float, /) -> SteadyState: ...
+
+SPEED_FLOOR: float
+
 def sweep(
     arg0: Sequence[Model],
     arg1: Sequence[float],

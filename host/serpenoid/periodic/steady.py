@@ -156,7 +156,7 @@ class Steady:
 
 def speed_floor_m_s(robot: Robot, omega_rad_s: float) -> float:
     """Return 1e-4 of body length x rate: below it a speed's error counts relative to this."""
-    return 1e-4 * omega_rad_s * robot.links * robot.link_length_m
+    return _core.SPEED_FLOOR * omega_rad_s * robot.links * robot.link_length_m
 
 
 def relative_error(error: float, speed: float, robot: Robot, gait: Gait) -> float:

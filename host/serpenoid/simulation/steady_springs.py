@@ -14,7 +14,7 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.steady import steady_gait
+from ..periodic.steady import speed_floor_m_s, steady_gait
 from .related_scenes import largest_stable_step_s
 from .run import Run
 from .scene import Scene
@@ -160,7 +160,7 @@ def steady_springs(
             method="rk4" if ground.smooth else "nonsmooth",
         )
     )  # fmt: skip
-    floor = 1e-4 * gait.omega_rad_s * robot.links * robot.link_length_m
+    floor = speed_floor_m_s(robot, gait.omega_rad_s)
     settled = _settle(scene, rtol, floor)
     once = replace(
         scene, start=settled.run.state(), duration_s=gait.period_s, record=("joints",),

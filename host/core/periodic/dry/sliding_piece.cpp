@@ -9,7 +9,7 @@ namespace serpenoid {
 namespace {
 
 constexpr int s = SlidingPiece::kStages;
-constexpr double kBetween = 0.73;  // of a piece: where its polynomial is farthest from a stage
+constexpr double kBetween = 0.73;  // fraction of a piece that is farthest from its stages
 
 // Rate of the polynomial at stage j, times h: sum_k of this times (Y_k - p0). Inverse of a.
 const std::array<double, s * s>& differentiation() {
@@ -80,8 +80,8 @@ void SlidingPiece::shape(int lanes, const Lanes& tau) {
         node_[j].J = sums_.J.at[j], node_[j].K = sums_.K.at[j], node_[j].iJ = 1 / sums_.J.at[j];
 }
 
-void SlidingPiece::sum(int lanes, const std::vector<double>& way) {
-    for (int c = 0; c < 2 * robot_.n; ++c) viscous_[c] = law(c).viscous(way[c]);
+void SlidingPiece::sum(int lanes, const std::vector<double>& direction) {
+    for (int c = 0; c < 2 * robot_.n; ++c) viscous_[c] = law(c).viscous(direction[c]);
     kernel_.sums(2 * robot_.n, lanes, wheel_.data(), viscous_.data(), dry_.data(), sums_);
     for (int j = 0; j < lanes; ++j) {
         Node& k = node_[j];
@@ -93,9 +93,9 @@ void SlidingPiece::sum(int lanes, const std::vector<double>& way) {
 
 void SlidingPiece::set_nodes(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
 
-void SlidingPiece::sum_nodes(const std::vector<double>& way) {
+void SlidingPiece::sum_nodes(const std::vector<double>& direction) {
     for (int c = 0; c < 2 * robot_.n; ++c) dry_[c] = -law(c).thrust;
-    sum(2, way);
+    sum(2, direction);
 }
 
 Vec3 SlidingPiece::direction(int wheel, int j) const {
@@ -254,8 +254,8 @@ void SlidingPiece::stuck_forces(const SlidingMode& mode) {
     }
 }
 
-// The least change of p (kinetic energy's measure) that would put stuck wheels at rest between the
-// stages: the rate at the start knows nothing of it, as their forces take up whatever it is.
+// The least change of p, measured by kinetic energy, that would put stuck wheels at rest between
+// the stages. The rate at the start does not show it, because the wheels' forces balance it.
 double SlidingPiece::drift(const Vec3& scale) const {
     if (mode_->count == 0) return 0;
     const Node& k = node_[s + 1];
@@ -282,8 +282,8 @@ double SlidingPiece::drift(const Vec3& scale) const {
     return most;
 }
 
-// What the polynomial's rate at the start is off by, but for what a stuck wheel's force takes up;
-// and how far that force is from the one that the stages tell.
+// The error of the polynomial's rate at the start, without the part that the force of a stuck wheel
+// balances; and the difference between that force and the one extrapolated from the stages.
 double SlidingPiece::error(const Vec3& scale) const {
     constexpr double kForce = 0.02;  // an end of sticking shifts the motion by the square of it,
                                      // times how much that force outweighs inertia

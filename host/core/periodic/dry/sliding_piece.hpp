@@ -9,10 +9,10 @@
 // g and e being a wheel's row. A ratchet has the D of the mode, the mean of both ways as mu and
 // half their difference as a constant thrust along its links. Radau collocation
 // (radau_collocation.hpp) on the piece: p is a polynomial that satisfies at every stage the
-// constraints, and of the first equation the part that no lambda enters, so that there are three
-// unknowns a stage however many wheels stick. The rest of it gives lambda. Newton's matrix gives
-// the derivative by the start as well, and the polynomial the state between the stages, where a
-// mode may end.
+// constraints, and the part of the first equation without lambda, so that there are three unknowns
+// a stage however many wheels stick. The rest of it gives lambda. Newton's matrix also gives the
+// derivative by the start, and the polynomial gives the state between the stages, where a mode may
+// end.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ class SlidingPiece {
     using Rule = RadauRule<kStages>;
     using Lanes = kernels::Lanes;  // of the start (0) and the stages
 
-    // What is known of one phase: sums over the wheels.
+    // One phase: moments of the shape, and sums over the wheels.
     struct Node {
         double J, K, iJ;
         double D[6], d[3], dd;  // of the viscous ones
@@ -79,7 +79,7 @@ class SlidingPiece {
                double close);
 
     double error(const Vec3& scale) const;      // of the polynomial, as a fraction of the scales
-    double drift(const Vec3& scale) const;      // what of it stuck wheels show between the stages
+    double drift(const Vec3& scale) const;      // of stuck wheels between the stages
     Vec3 at(double x) const;                    // p at a fraction of the piece
     Vec3 rate(double x) const;                  // and dp/dtau
     Mat3 tangent(double x) const;               // dp(x)/dp0
@@ -101,7 +101,7 @@ class SlidingPiece {
   private:
     static constexpr int s = kStages, N = 3 * s, kRow = 20, kRight = 16;
     void shape(int lanes, const Lanes& tau);
-    void sum(int lanes, const std::vector<double>& way);
+    void sum(int lanes, const std::vector<double>& direction);
     void velocities();
     Vec3 free_rate(const Node& node, const Vec3& p, const Vec3& u) const;
     Mat3 free_jacobian(const Node& node, const Vec3& p, const Vec3& u) const;
