@@ -144,7 +144,7 @@ def steady(out: Path, quick: bool) -> None:
               help="Simulated sessions of each kind.")  # fmt: skip
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
 def coverage(out: Path, sessions: int, seed: int) -> None:
-    """Tell how often 95 % intervals hold the truth, over sessions on a simulated treadmill."""
+    """Tell how often 95 % intervals hold the truth, over sessions taken in the virtual lab."""
     import dataclasses
     import json
 
@@ -156,7 +156,7 @@ def coverage(out: Path, sessions: int, seed: int) -> None:
     out.mkdir(parents=True, exist_ok=True)
     (out / "coverage.json").write_text(json.dumps(rows, indent=2) + "\n")
     coverage_figure(rows, out / "coverage.png")
-    names = ("ct", "cn", "ft0", "fn0", "speed")
+    names = ("ct", "cn", "ft0", "fn0", "speed", "driven")
     texts = [[row["case"], *(f"{row[name]:.1%}" for name in names)] for row in rows]
     table(f"of {sessions} sessions the interval holds the truth in; in {out}",
           ["case", *names], texts)  # fmt: skip

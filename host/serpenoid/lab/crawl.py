@@ -9,7 +9,7 @@ from .floor import Floor
 from .robot import LabRobot
 
 SETTLE_CYCLES, CYCLES, SETTLE_S = 3, 4, 6.0
-FRAMES = 250  # a cycle
+FRAMES = 1000  # a cycle: between them joints move in straight lines, as they would not
 
 
 def crawl_speed(robot: LabRobot, gait: Gait, *, slope_rad: float = 0.0) -> float:

@@ -37,11 +37,10 @@ def test_the_table_is_the_model(table):
 @pytest.mark.parametrize("case", [Case((7.5,), 0.005), Case((30.0,), None)])
 def test_intervals_cover_sessions_of_the_real_procedure(table, case):
     found = judged(case, [one(case, 1, k, table) for k in range(100)])
-    # 100 shares scatter by 2.2 %, five of them are looked at. Joints half a degree off make a
-    # straight robot slower than its law, which the fit does not know of: fn0 pays for it.
-    assert min(getattr(found, name) for name in NAMES) > 0.72
-    assert min(found.ct, found.cn) > 0.87
-    assert found.refused == 0
+    # 100 shares scatter by 2.2 %, five of them are looked at. Were joints that stand half a degree
+    # off unknown to the fit, fn0's interval would hold the truth in 82 % of the second case.
+    assert min(getattr(found, name) for name in (*NAMES, "speed", "driven")) > 0.86
+    assert found.refused <= 2
 
 
 @pytest.mark.slow
@@ -55,12 +54,12 @@ def test_intervals_cover_93_to_97_percent():
 
 
 def test_advice_needs_fewer_readings_than_the_plan(table):
-    count, band, _ = plan_of(("default", 1, table))
-    own, reached, _, first = advised(("default", 1, table, 0.2))
-    assert band < 0.35
-    assert reached <= 0.2
+    count, band, _ = plan_of(("default", 2, table))
+    own, reached, _, first = advised(("default", 2, table, 0.3))
+    assert band < 0.45
+    assert reached <= 0.3
     assert first < own <= 0.75 * count
-    assert len(planned("default", 1)[0].kept) == count
+    assert len(planned("default", 2)[0].kept) == count
 
 
 def test_ratios_count_what_comes_after_the_opening():

@@ -1,4 +1,4 @@
-"""How often 95 % intervals hold the truth, over sessions taken by the real procedure.
+"""How often 95 % intervals hold the truth, over sessions taken by the real procedure in the lab.
 
 The inclinometer shows steps of 0.1 degrees. The treadmill's steps are 0.5 % of grade, as on most,
 which is 2.86 of the inclinometer's, so that rounding errors repeat in a pattern; or drawn anew for
@@ -17,13 +17,16 @@ from numpy.typing import NDArray
 from ...calibration.friction_fit import fit_friction
 from ...calibration.friction_result import NAMES, band
 from ...calibration.session import Setup
+from ...calibration.speed_samples import AMPLITUDE_SIGMA, scaled
 from ...calibration.taking.memory import MemoryRecord
 from ...calibration.taking.new_session import default_setup
 from ...calibration.taking.simulated import SimulatedTreadmill, drawn_truth
 from ...calibration.taking.treadmill import take_all
+from ...lab.crawl import crawl_speed
 from ...model.errors import SerpenoidError
 from ...model.gait import Gait
 from ...model.ground import Ground
+from ...model.robot import Robot
 from ..child_process import all_cores
 from .speed_table import SpeedTable
 
@@ -58,8 +61,11 @@ CASES = tuple(
 class Coverage:
     """Shares of sessions whose interval holds the truth; sigma: how far a share of 95 % scatters.
 
-    speed: of GAIT, predicted. refused: sessions whose readings could not tell all four parameters.
-    readings: mean number. half_widths: of the intervals, relative, the median; speed's last.
+    speed: of GAIT, predicted from frictions alone, joints ideal. driven: of the lab's own robot in
+    GAIT, whose joints stand off and swing by an amplitude of their own, by the band of frictions
+    and joints that every command shows. refused: sessions whose readings could not tell all four
+    parameters. readings: mean number. half_widths: of the intervals, relative, the median; those
+    of the two speeds last.
     """
 
     case: str
@@ -71,6 +77,7 @@ class Coverage:
     ft0: float
     fn0: float
     speed: float
+    driven: float
     sigma: float
     half_widths: tuple[float, ...]
 
@@ -81,7 +88,24 @@ def shown_in_steps(setup: Setup, step_deg: float) -> Setup:
     return replace(setup, uncertainty=replace(setup.uncertainty, incline_sigma_rad=sigma_rad))
 
 
-def one(case: Case, seed: int, number: int, table: SpeedTable) -> list[float] | None:
+class DrivenTable:
+    """Speeds of GAIT over frictions and over the joints' amplitude, for the band of both."""
+
+    def __init__(self, robot: Robot, table: SpeedTable, points: int = 512):
+        self._amplitudes = np.array([1.0 - AMPLITUDE_SIGMA, 1.0, 1.0 + AMPLITUDE_SIGMA])
+        others = [SpeedTable(robot, scaled(GAIT, a), points) for a in self._amplitudes[[0, 2]]]
+        self._tables = (others[0], table, others[1])
+
+    def __call__(self, whole: NDArray[np.float64], amplitude: NDArray[np.float64]):
+        """Return the speeds of (count, 4) frictions, each with its own amplitude."""
+        low, mid, high = (table(whole) for table in self._tables)
+        x = (amplitude - 1.0) / AMPLITUDE_SIGMA
+        return mid + x * (high - low) / 2 + x * x * ((high + low) / 2 - mid)
+
+
+def one(
+    case: Case, seed: int, number: int, table: SpeedTable, driven: DrivenTable | None = None
+) -> list[float] | None:
     """Take and fit a session; return what held, half widths, readings; None where refused."""
     rng = np.random.default_rng([seed, *(round(10 * x) for x in case.lambdas_deg), number])
     base = shown_in_steps(default_setup("coverage"), INCLINE_STEP_DEG)
@@ -99,25 +123,28 @@ def one(case: Case, seed: int, number: int, table: SpeedTable) -> list[float] | 
         fit = fit_friction(taken)
     except SerpenoidError:
         return None
-    speeds = band(table(fit.sample_whole(_SPEED_SAMPLES)))
-    ends = np.vstack([[fit.intervals[name] for name in NAMES], speeds])
-    true = np.append(WHOLE, table(WHOLE[None, :]))
+    drawn = fit.sample_whole(_SPEED_SAMPLES)
+    amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES + 1)
+    both = table(drawn) if driven is None else driven(drawn, amplitudes[1:])
+    crawls = crawl_speed(treadmill.robot, scaled(GAIT, float(amplitudes[0])))
+    ends = np.vstack([[fit.intervals[name] for name in NAMES], band(table(drawn)), band(both)])
+    true = np.append(WHOLE, [float(table(WHOLE[None, :])[0]), crawls])
     held = (ends[:, 0] <= true) & (true <= ends[:, 1])
     return [*held, *(ends[:, 1] - ends[:, 0]) / true / 2, len(taken.kept)]
 
 
-def _portion(job: tuple[Case, int, range, SpeedTable]) -> list[list[float] | None]:
-    case, seed, numbers, table = job
-    return [one(case, seed, number, table) for number in numbers]
+def _portion(job: tuple[Case, int, range, SpeedTable, DrivenTable]) -> list[list[float] | None]:
+    case, seed, numbers, table, driven = job
+    return [one(case, seed, number, table, driven) for number in numbers]
 
 
 def judged(case: Case, found: list[list[float] | None]) -> Coverage:
     """Return the shares of a case's sessions."""
     told: NDArray[np.float64] = np.array([row for row in found if row is not None], dtype=float)
-    shares = told[:, :5].mean(axis=0).tolist()
-    widths = np.median(told[:, 5:10], axis=0).tolist()
+    shares = told[:, :6].mean(axis=0).tolist()
+    widths = np.median(told[:, 6:12], axis=0).tolist()
     return Coverage(
-        case.name, len(told), len(found) - len(told), float(told[:, 10].mean()), *shares,
+        case.name, len(told), len(found) - len(told), float(told[:, 12].mean()), *shares,
         sigma=math.sqrt(0.95 * 0.05 / len(told)), half_widths=tuple(widths),
     )  # fmt: skip
 
@@ -127,11 +154,14 @@ def run(
 ) -> Iterator[Coverage]:
     """Judge every case, on all cores."""
     tell("solving for the speeds that fits are judged by")
-    table = SpeedTable(default_setup("coverage").robot, GAIT)
+    robot = default_setup("coverage").robot
+    table = SpeedTable(robot, GAIT)
+    driven = DrivenTable(robot, table)
     starts = range(0, sessions, _PORTION)
     with all_cores() as pool:
         for case in cases:
-            jobs = [(case, seed, range(k, min(k + _PORTION, sessions)), table) for k in starts]
+            jobs = [(case, seed, range(k, min(k + _PORTION, sessions)), table, driven)
+                    for k in starts]  # fmt: skip
             found: list[list[float] | None] = []
             for portion in pool.map(_portion, jobs):
                 found += portion
