@@ -16,6 +16,7 @@ import click
 import film_pictures
 import serpenoid as sn
 import tomllib
+import wiring_diagram
 from click.testing import CliRunner
 from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.commands.main import cli
@@ -166,6 +167,7 @@ def pictures(folder: Path) -> None:
     """Draw every figure of the documentation, and the pages to watch."""
     folder.mkdir(parents=True, exist_ok=True)
     film_pictures.draw(folder)
+    wiring_diagram.draw(folder / "wiring.svg")
     with tempfile.TemporaryDirectory() as scratch, chdir(scratch):
         invoke(["demo", "--out", "demo"])
         for name in ("speed", "path", "friction"):
