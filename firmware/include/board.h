@@ -29,6 +29,9 @@ static_assert(firmware::kJoints <= 8, "a Uno or Nano has RAM for 8 joints at mos
 // Of joint 1, at the tail, and so on.
 inline uint8_t servo_pin(uint8_t joint) { return pgm_read_byte(&kPins[joint]); }
 
+// Enables the outputs of a PCA9685 while it is low.
+const uint8_t kEnablePin = 4;
+
 // How much longer than asked the servo library's pulses are: it allows for the 328P's digitalWrite.
 #if defined(__AVR_ATmega2560__)
 const uint8_t kPulseExcessUs = 2;

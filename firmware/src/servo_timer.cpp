@@ -1,10 +1,9 @@
 // Timer 1 on the ATmega328P, timer 5 on the ATmega2560; 16-bit registers need quiet interrupts.
 #include "servo_timer.h"
 
+#ifndef SERPENOID_PCA9685
 #include <Arduino.h>
 #include <util/atomic.h>
-
-#include "gait.h"
 
 #ifdef TCNT5
 #define COUNT TCNT5
@@ -18,11 +17,15 @@ namespace servo_timer {
 namespace {
 
 const uint16_t kLibraryRefreshTicks = 40000;
-// How much longer ours is.
-const uint16_t kStretchTicks = 2 * (firmware::kFrameUs - 20000);
+uint16_t stretch_ticks = 0;  // how much longer ours is
 bool stretched = false;
 
 }  // namespace
+
+void begin(uint16_t frame_us) {
+    const uint16_t library_us = kLibraryRefreshTicks / 2;
+    stretch_ticks = frame_us > library_us ? static_cast<uint16_t>(2 * (frame_us - library_us)) : 0;
+}
 
 uint16_t gap_ticks() {
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
@@ -39,17 +42,18 @@ void begin_in(uint16_t ticks) {
 }
 
 void stretch() {
-    if (kStretchTicks == 0 || stretched) return;
+    if (stretch_ticks == 0 || stretched) return;
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
         const uint16_t now = COUNT, end = COMPARE;
         // Not just before a pulse ends, nor in the gap.
-        const bool safe = end != kLibraryRefreshTicks && now > kStretchTicks && end > now + 40;
+        const bool safe = end != kLibraryRefreshTicks && now > stretch_ticks && end > now + 40;
         if (safe) {
-            COMPARE = end - kStretchTicks;
-            COUNT = COUNT - kStretchTicks + 1;  // the tick that these lines take
+            COMPARE = end - stretch_ticks;
+            COUNT = COUNT - stretch_ticks + 1;  // the tick that these lines take
             stretched = true;
         }
     }
 }
 
 }  // namespace servo_timer
+#endif

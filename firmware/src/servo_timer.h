@@ -12,6 +12,8 @@
 
 namespace servo_timer {
 
+// Once: how long a frame is.
+void begin(uint16_t frame_us);
 // Ticks until the next refresh begins, or 0 while pulses are being made.
 uint16_t gap_ticks();
 // In the gap: let the next refresh begin so many ticks from now.

@@ -79,6 +79,9 @@ class VirtualBoard : public Hardware {
     void pulses(const int16_t (&pulse_us)[kJoints], uint32_t) override {
         for (uint8_t i = 0; i < attached_; ++i) pulse_us_[i] = pulse_us[i];
     }
+    // As with the Servo library for many joints; for few, as short as a setting may be.
+    uint16_t least_frame_us() const override { return kJoints <= 7 ? 3000 : 2500 * (kJoints + 1); }
+    void begin_frames(uint16_t, uint16_t) override {}
     uint16_t unused_ram() override { return 0; }
 
     uint8_t read(uint16_t address) override { return eeprom_.at(address); }

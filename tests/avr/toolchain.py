@@ -16,6 +16,8 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
+from serpenoid.robot.tools.upload import build_flags
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 BUILD = ROOT / "build" / "avr"
@@ -190,15 +192,20 @@ def lend_doctest(libdeps: Path) -> None:
     mark_installed(folder, "library", "doctest", "doctest", DOCTEST_VERSION)
 
 
-def environment(joints: int = 5) -> dict[str, str]:
+def build_name(joints: int, output: str) -> str:
+    """Name the folder of a build under the workspace: the usual one is `build`."""
+    return "build" if (joints, output) == (5, "servo") else f"build-{joints}-joints-{output}"
+
+
+def environment(joints: int = 5, output: str = "servo") -> dict[str, str]:
     """Return the environment in which `pio` uses the stand-ins and a workspace of its own."""
     other = {
-        "PLATFORMIO_BUILD_FLAGS": f"-D SERPENOID_JOINTS={joints}",
-        "PLATFORMIO_BUILD_DIR": str(BUILD / "pio" / f"build-{joints}-joints"),
+        "PLATFORMIO_BUILD_FLAGS": build_flags(joints, output),
+        "PLATFORMIO_BUILD_DIR": str(BUILD / "pio" / build_name(joints, output)),
     }
     return {
         **os.environ,
-        **(other if joints != 5 else {}),
+        **(other if build_name(joints, output) != "build" else {}),
         "PLATFORMIO_CORE_DIR": str(BUILD / "core"),
         "PLATFORMIO_WORKSPACE_DIR": str(BUILD / "pio"),
         "PLATFORMIO_SETTING_ENABLE_TELEMETRY": "no",
@@ -206,7 +213,7 @@ def environment(joints: int = 5) -> dict[str, str]:
     }
 
 
-def pio(*arguments: str, joints: int = 5) -> str:
+def pio(*arguments: str, joints: int = 5, output: str = "servo") -> str:
     """Run PlatformIO on the project with the stand-ins and return what it printed."""
     require()
     with locked():
@@ -216,16 +223,15 @@ def pio(*arguments: str, joints: int = 5) -> str:
         for board in MCUS:
             fetch_servo(BUILD / "pio" / "libdeps" / board)
         lend_doctest(BUILD / "pio" / "libdeps" / "native")
-        return run([sys.executable, "-m", "platformio", *arguments], environment(joints))
+        return run([sys.executable, "-m", "platformio", *arguments], environment(joints, output))
 
 
-def build_firmware(board: str, joints: int = 5) -> Path:
-    """Build `pio run -e BOARD` for so many joints and return the path of the ELF."""
+def build_firmware(board: str, joints: int = 5, output: str = "servo") -> Path:
+    """Build `pio run -e BOARD` as `serpenoid flash` does and return the path of the ELF."""
     if board not in MCUS:
         raise ToolchainError(f"unknown board {board!r}: choose one of {', '.join(MCUS)}")
-    pio("run", "-e", board, joints=joints)
-    folder = "build" if joints == 5 else f"build-{joints}-joints"
-    return BUILD / "pio" / folder / board / "firmware.elf"
+    pio("run", "-e", board, joints=joints, output=output)
+    return BUILD / "pio" / build_name(joints, output) / board / "firmware.elf"
 
 
 def build_simulator() -> Path:

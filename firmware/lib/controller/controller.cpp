@@ -16,8 +16,9 @@ const char kFoundNames[][9] FLASH = {"ok", "new", "older", "damaged", "migrated"
 const char kWhySilence[] FLASH = "silence";
 const char kWhyArrived[] FLASH = "arrived";
 const char kWhyLimp[] FLASH = "limp";
+const char kWhyOutput[] FLASH = "output";
 
-const int16_t kCentreStepUs = 4;  // per frame, when a centre has been changed
+const uint16_t kCentreUsPerS = 200;  // how fast a new centre is approached
 
 }  // namespace
 
@@ -62,11 +63,23 @@ void Controller::begin(const Start& start) {
     store_.load(settings_);
     while (store_.busy()) store_.step();
     found_ = store_.found();
+    choose_frame();
     configure();
     frame_.number = start.first_frame - 1;
     frame_.state = state_name(state_);
-    due_us_ = hardware_.micros() + kFrameUs;
+    due_us_ = hardware_.micros() + frame_us();
     greet();
+}
+
+// The frame that the owner wants, as far as the board can keep it. It lasts until the next start.
+void Controller::choose_frame() {
+    int32_t& wanted_u = settings_.value_u[kFrame];
+    const int32_t least_u = hardware_.least_frame_us() * 1000L;
+    if (wanted_u < least_u) wanted_u = least_u;
+    const uint16_t frame_us = static_cast<uint16_t>(wanted_u / 1000);
+    motion_.limits().frame_us = frame_us;
+    const int32_t khz = settings_.value_u[kOscillator] / 1000;
+    hardware_.begin_frames(frame_us, static_cast<uint16_t>(khz));
 }
 
 void Controller::poll() {
@@ -93,11 +106,11 @@ bool Controller::quiet() const {
 
 void Controller::frame(uint32_t now_us, uint32_t late_us) {
     uint16_t frames = 1;
-    for (; late_us >= kFrameUs * static_cast<uint32_t>(frames) && frames < 1000; ++frames) {
+    for (; late_us >= frame_us() * static_cast<uint32_t>(frames) && frames < 1000; ++frames) {
     }
     if (late_us > counters_.late_us) counters_.late_us = late_us;
     count(counters_.overruns, static_cast<uint16_t>(frames - 1));
-    due_us_ += frames * static_cast<uint32_t>(kFrameUs);
+    due_us_ += frames * static_cast<uint32_t>(frame_us());
     frame_.number += frames;
     frame_.board_us = now_us;
     frame_.late_us = late_us;
@@ -132,23 +145,25 @@ void Controller::attach_next() {
         return;
     }
     const uint8_t joint = attached_++;
-    attach_wait_ = kAttachFrames - 1;
+    attach_wait_ = static_cast<uint8_t>(kAttachUs / frame_us() - 1);
     hardware_.attach(joint, pulse_us(trim_[joint], motion_.setpoints_q14()[joint]));
 }
 
 void Controller::send_pulses() {
+    const int16_t most_us = static_cast<int16_t>(frame_us() / (1000000 / kCentreUsPerS) + 1);
     frame_.phase = motion_.phase();
     for (uint8_t i = 0; i < kJoints; ++i) {
         const int16_t centre_us = static_cast<int16_t>(settings_.trim_u[i][kCentre] / 1000000);
         const int16_t gap_us = static_cast<int16_t>(centre_us - trim_[i].centre_us);
-        const int16_t step_us = gap_us > kCentreStepUs    ? kCentreStepUs
-                                : gap_us < -kCentreStepUs ? static_cast<int16_t>(-kCentreStepUs)
-                                                          : gap_us;
+        const int16_t step_us = gap_us > most_us    ? most_us
+                                : gap_us < -most_us ? static_cast<int16_t>(-most_us)
+                                                    : gap_us;
         trim_[i].centre_us = static_cast<int16_t>(trim_[i].centre_us + step_us);
         frame_.setpoint_q14[i] = motion_.setpoints_q14()[i];
         frame_.pulse_us[i] = i < attached_ ? pulse_us(trim_[i], frame_.setpoint_q14[i]) : 0;
     }
     hardware_.pulses(frame_.pulse_us, frame_.board_us - frame_.late_us);
+    if (!hardware_.output_answers()) go_idle(kWhyOutput);
 }
 
 bool Controller::moving() const {
@@ -157,7 +172,7 @@ bool Controller::moving() const {
 }
 
 void Controller::watch_silence(uint16_t frames) {
-    const uint32_t limit = static_cast<uint32_t>(settings_.value_u[kSilence]) / kFrameUs;
+    const uint32_t limit = static_cast<uint32_t>(settings_.value_u[kSilence]) / frame_us();
     if (silent_frames_ < 0xFFFF0000UL) silent_frames_ += frames;
     if (limit == 0 || silent_frames_ < limit) return;
     if (!moving() || state_ == State::Safing) return;
@@ -169,7 +184,7 @@ void Controller::watch_silence(uint16_t frames) {
 
 // A robot that stands still and whose host has gone goes limp after a while.
 void Controller::watch_limp() {
-    const uint32_t limit = static_cast<uint32_t>(settings_.value_u[kLimp]) / kFrameUs;
+    const uint32_t limit = static_cast<uint32_t>(settings_.value_u[kLimp]) / frame_us();
     if (limit == 0 || silent_frames_ < limit || state_ == State::Idle || moving()) return;
     go_idle(kWhyLimp);
 }

@@ -50,6 +50,7 @@ class Controller {
 
     // Time until the next frame.
     uint32_t spare_us();
+    uint16_t frame_us() const { return motion_.frame_us(); }
     // Nothing is to be answered or reported.
     bool quiet() const;
 
@@ -67,8 +68,10 @@ class Controller {
     // What is queued when a frame is due must leave room for the longest telemetry line.
     static const uint16_t kTelemetryRoom = 95 + 18 * kJoints;
     static const uint8_t kByteUs = 40;
-    // Servos are attached one after the other, so many frames apart: each starts with a jerk.
-    static const uint8_t kAttachFrames = 5;
+    // The wire's time for a telemetry line, and for some other line beside it.
+    static const uint16_t kTelemetryUs = kTelemetryRoom * kByteUs + 4000U;
+    // Servos are attached one after the other, so far apart: each starts with a jerk.
+    static const uint32_t kAttachUs = 100000;
 
     // Whom a verdict answers: a number, a typed line, the stop key, a damaged line.
     struct Tag {
@@ -78,6 +81,7 @@ class Controller {
     enum class Report : uint8_t { None, Status, Help, Set, Trim };
 
     // controller.cpp: time
+    void choose_frame();
     OWN_FRAME void frame(uint32_t now_us, uint32_t late_us);
     OWN_FRAME void move(uint16_t frames);
     void send_pulses();
@@ -91,6 +95,7 @@ class Controller {
 
     // obey.cpp: commands
     OWN_FRAME Refusal obey(const Command& command);
+    Error obstacle();
     OWN_FRAME Refusal start_gait(const Command& command);
     OWN_FRAME Refusal start_pose(const Command& command);
     Refusal change_setting(const Command& command);
@@ -103,6 +108,7 @@ class Controller {
     void go_idle(const char* why);
     void power_for(State state);
     OWN_FRAME void configure();
+    uint8_t least_every() const;
 
     // dialogue.cpp: lines
     OWN_FRAME void receive();

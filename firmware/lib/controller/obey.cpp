@@ -58,8 +58,15 @@ Refusal Controller::within_joint_limits(uint8_t joint, int32_t angle_udeg) const
     return Refusal(Error::Range, name, angle_udeg, low, high);
 }
 
+// Why nothing may move now, if so.
+Error Controller::obstacle() {
+    if (store_.busy()) return Error::Saving;
+    return hardware_.output_answers() ? Error::None : Error::Output;
+}
+
 Refusal Controller::start_gait(const Command& command) {
-    if (store_.busy()) return Refusal(Error::Saving);
+    const Refusal obstacle_now(obstacle());
+    if (!obstacle_now.none()) return obstacle_now;
     const int32_t* u = command.value_u;
     for (uint8_t i = 0; i < kJoints; ++i) {
         Refusal refusal = within_joint_limits(i, u[kOffset] + u[kAlpha]);
@@ -82,7 +89,8 @@ Refusal Controller::start_gait(const Command& command) {
 }
 
 Refusal Controller::start_pose(const Command& command) {
-    if (store_.busy()) return Refusal(Error::Saving);
+    const Refusal obstacle_now(obstacle());
+    if (!obstacle_now.none()) return obstacle_now;
     int32_t target_q30[kJoints];
     for (uint8_t i = 0; i < kJoints; ++i) {
         const Refusal refusal = within_joint_limits(i, command.value_u[i]);
@@ -124,7 +132,17 @@ Refusal Controller::change_setting(const Command& command) {
         return Refusal();
     }
     if (store_.busy()) return Refusal(Error::Saving);
-    settings_.value_u[command.field] = command.value_u[0];
+    int32_t value_u = command.value_u[0], low_u = value_u, high_u = 1000000000;
+    if (command.field == kFrame) {
+        low_u = hardware_.least_frame_us() * 1000L;
+        high_u = low_u > kFrameUs * 1000L ? low_u : kFrameUs * 1000L;
+    } else if (command.field == kEvery && value_u != 0) {
+        low_u = least_every() * 1000000L;
+    }
+    if (value_u < low_u || value_u > high_u) {
+        return Refusal(Error::Range, "value", value_u, low_u, high_u);
+    }
+    settings_.value_u[command.field] = value_u;
     if (command.field == kEvery) telemetry_wait_ = 0;
     configure();
     return Refusal();
@@ -151,7 +169,15 @@ Refusal Controller::change_trim(const Command& command) {
     return Refusal();
 }
 
+// Telemetry every so many frames at least, or its lines do not fit the wire.
+uint8_t Controller::least_every() const {
+    return static_cast<uint8_t>((kTelemetryUs + frame_us() - 1) / frame_us());
+}
+
 void Controller::configure() {
+    const int32_t least_u = least_every() * 1000000L;
+    int32_t& every_u = settings_.value_u[kEvery];
+    if (every_u != 0 && every_u < least_u) every_u = least_u;
     set_limits(motion_.limits(), settings_);
     motion_.limits_changed();
     if (state_ != State::Idle) return;

@@ -25,7 +25,7 @@ void Controller::greet() {
     line_.put_flash(FLASH_TEXT(" protocol=")).put_unsigned(kProtocol);
     line_.put_flash(FLASH_TEXT(" board=")).put(start_.board);
     line_.put_flash(FLASH_TEXT(" joints=")).put_unsigned(kJoints);
-    line_.put_flash(FLASH_TEXT(" frame_us=")).put_unsigned(kFrameUs);
+    line_.put_flash(FLASH_TEXT(" frame_us=")).put_unsigned(frame_us());
     line_.put_flash(FLASH_TEXT(" boot=")).put_unsigned(boot_id_);
     line_.put_flash(FLASH_TEXT(" reset=")).put_flash(reset_name(start_.reset));
     line_.put_flash(FLASH_TEXT(" settings=")).put_flash(found_name(found_));

@@ -31,9 +31,11 @@ uint32_t mdeg_from_phase(uint32_t phase) {
     return static_cast<uint32_t>((static_cast<uint64_t>(phase) * 360000UL) >> 32);
 }
 
-uint64_t phase_step(int32_t omega_urad_s) {
-    const uint64_t in_20_ms = 58717810066ULL;  // 2⁶⁴ · 1e-6 · 0.02 / 2π
-    return static_cast<uint64_t>(omega_urad_s) * (in_20_ms * kFrameUs / 20000);
+// 2⁶⁴ · 1e-10 / 2π is 293589050.328: what a frame of 0.1 ms is worth at 1e-6 rad/s.
+uint64_t phase_step(int32_t omega_urad_s, uint16_t frame_us) {
+    const uint16_t tenths_ms = frame_us / 100;
+    const uint64_t per_urad_s = static_cast<uint64_t>(293589050UL) * tenths_ms + tenths_ms / 3;
+    return static_cast<uint64_t>(omega_urad_s) * per_urad_s;
 }
 
 int16_t gait_angle(int16_t alpha_q14, int32_t beta_q31_turn, uint32_t phase, uint8_t joint) {

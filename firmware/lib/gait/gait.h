@@ -1,5 +1,5 @@
 // The gait formula in fixed point: phi_i = offset + alpha sin(phase + i beta), one value per frame
-// of 20 ms.
+// of 20 ms or as long as the board's owner sets.
 //
 // Units: joint angles in Q14 radians (16384 is 1 rad, ±2 rad), ramped quantities in Q30 radians,
 // the phase as a 64-bit fraction of a turn that wraps by itself, of which the upper 32 bits are
@@ -15,15 +15,16 @@ namespace firmware {
 #define SERPENOID_JOINTS 5
 #endif
 static_assert(SERPENOID_JOINTS >= 2 && SERPENOID_JOINTS <= 12,
-              "SERPENOID_JOINTS must be 2 to 12: one timer makes at most 12 pulses");
+              "SERPENOID_JOINTS must be 2 to 12, as the protocol has it");
 const uint8_t kJoints = SERPENOID_JOINTS;
 
-// The servos' pulses follow one another, 2.5 ms at the longest, and then comes a gap of 2.5 ms at
-// the least, in which the next ones are handed over: that fits into 20 ms for up to seven joints.
-const uint16_t kFrameUs = kJoints <= 7 ? 20000 : 2500 * (kJoints + 1);
+// From frame to frame, as long as nobody asks for another time and the board can keep it.
+const uint16_t kFrameUs = 20000;
 
 // A quantity per second, in millionths, as a quantity per frame.
-inline int32_t per_frame_u(int32_t value_u) { return value_u / 1000 * (kFrameUs / 100) / 10; }
+inline int32_t per_frame_u(int32_t value_u, uint16_t frame_us) {
+    return value_u / 10000 * (frame_us / 10) / 10;
+}
 
 // What a `gait` command asks for, in the wire's units.
 struct Gait {
@@ -46,9 +47,9 @@ int16_t cdeg_from_q14(int16_t angle_q14);
 // Thousandths of a degree, 0 to 359999, of a phase in 2⁻³² turns.
 uint32_t mdeg_from_phase(uint32_t phase);
 
-// Phase per frame in 2⁻⁶⁴ turns, for 0 <= rate <= 50 rad/s; relative error below 1e-11 of
-// 2⁶⁴ · frame / 2π.
-uint64_t phase_step(int32_t omega_urad_s);
+// Phase per frame in 2⁻⁶⁴ turns, for 0 <= rate <= 50 rad/s; relative error below 1e-10 of
+// 2⁶⁴ · frame / 2π, at 20 ms 1e-11.
+uint64_t phase_step(int32_t omega_urad_s, uint16_t frame_us = kFrameUs);
 
 inline int16_t q14_from_q30(int32_t angle_q30) {
     return static_cast<int16_t>((angle_q30 + 0x8000L) >> 16);

@@ -19,6 +19,7 @@ namespace firmware {
 // How fast things may change and how far joints may go.
 struct MotionLimits {
     ChangeLimits change;
+    uint16_t frame_us;       // from frame to frame; only at a start
     int16_t servo_step_q14;  // the furthest that any setpoint may move in a frame
     int16_t low_q14[kJoints];
     int16_t high_q14[kJoints];
@@ -50,6 +51,7 @@ class Motion {
     // One frame, or several at once if some were missed: the phase keeps to the clock.
     void advance(uint16_t frames);
 
+    uint16_t frame_us() const { return limits_.frame_us; }
     const int16_t* setpoints_q14() const { return setpoint_q14_; }
     uint32_t phase() const { return static_cast<uint32_t>(phase_ >> 32); }
     // Nothing will move any more without a new order.

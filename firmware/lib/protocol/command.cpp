@@ -58,22 +58,22 @@ Words split(const char* text, uint8_t length) {
 const uint8_t kMostPoseFields = kJoints > 3 ? kJoints : 3;
 
 // X(identifier, word, fewest fields, most fields, help behind the word)
-#define FIRMWARE_VERBS(X)                                                           \
-    X(Hello, "hello", 0, 0, " - greet; with number and CRC, open a session")        \
-    X(Bye, "bye", 0, 0, " - close the session")                                     \
-    X(Ping, "ping", 0, 0, " - the host is alive")                                   \
-    X(Help, "help", 0, 0, " - this list")                                           \
-    X(Status, "status", 0, 0, " - state, parameters, counters")                     \
-    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, deg, rad/s, deg")      \
-    X(Pose, "pose", 1, kMostPoseFields,                                             \
-      " straight [OFFSET] | pose bent|zigzag LINK [OFFSET] | pose J1 J2 ... - deg") \
-    X(Stop, "stop", 0, 0, " - freeze and hold; a ! anywhere does the same")         \
-    X(Idle, "idle", 0, 0, " - stop and let the servos go limp")                     \
-    X(Set, "set", 0, 2, " - list settings; set NAME VALUE - change one")            \
-    X(Trim, "trim", 0, 3, " - list servos; trim J FIELD VALUE - change one")        \
-    X(Save, "save", 0, 2, " [unattended] [replace] - settings and trims to EEPROM") \
-    X(Load, "load", 0, 0, " - settings and trims from EEPROM")                      \
-    X(Defaults, "defaults", 0, 0, " - settings and trims as built")
+#define FIRMWARE_VERBS(X)                                                 \
+    X(Hello, "hello", 0, 0, " - greet; with CRC, open a session")         \
+    X(Bye, "bye", 0, 0, " - close it")                                    \
+    X(Ping, "ping", 0, 0, " - the host is alive")                         \
+    X(Help, "help", 0, 0, "")                                             \
+    X(Status, "status", 0, 0, "")                                         \
+    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, rad/s")      \
+    X(Pose, "pose", 1, kMostPoseFields,                                   \
+      " straight [OFFSET] | bent|zigzag LINK [OFFSET] | J1 J2 ... - deg") \
+    X(Stop, "stop", 0, 0, " - freeze and hold; so does any !")            \
+    X(Idle, "idle", 0, 0, " - let the servos go limp")                    \
+    X(Set, "set", 0, 2, " [NAME VALUE]")                                  \
+    X(Trim, "trim", 0, 3, " [J FIELD VALUE]")                             \
+    X(Save, "save", 0, 2, " [unattended] [replace]")                      \
+    X(Load, "load", 0, 0, " - from EEPROM")                               \
+    X(Defaults, "defaults", 0, 0, "")
 
 #define FIRMWARE_VERB_TEXTS(id, word, fewest, most, help) const char kHelp##id[] FLASH = word help;
 FIRMWARE_VERBS(FIRMWARE_VERB_TEXTS)

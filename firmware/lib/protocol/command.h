@@ -44,7 +44,8 @@ enum class Verb : uint8_t {
 };
 const uint8_t kVerbs = 14;
 
-const uint8_t kMostValues = kJoints > kGaitFieldCount ? kJoints : kGaitFieldCount;
+const uint8_t kMostGaitFields = kGaitFieldCount;
+const uint8_t kMostValues = kJoints > kMostGaitFields ? kJoints : kMostGaitFields;
 
 struct Command {
     Verb verb;

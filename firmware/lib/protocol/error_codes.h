@@ -7,37 +7,37 @@
 
 #include <stdint.h>
 
-#define FIRMWARE_ERRORS(X)                                                                      \
-    X(Crc, 1, "crc", "the line was damaged on the way",                                         \
-      "send it again; if it persists, shorten the cable or check its ground")                   \
-    X(NoCrc, 2, "nocrc", "a session is open and the line has no CRC",                           \
-      "let the host finish, type bye, or press reset")                                          \
-    X(Garbled, 3, "garbled", "bytes that are not printable ASCII", "check the baud rate")       \
-    X(Overlong, 4, "overlong", "the line is too long", "send one command a line")               \
-    X(Sequence, 5, "sequence", "the number is missing, unreadable or older than the last",      \
-      "count up by one from hello")                                                             \
-    X(Command, 6, "command", "no such command", "type help")                                    \
-    X(Arguments, 7, "arguments", "too few or too many fields", "type help")                     \
-    X(Number, 8, "number", "a field is not a number this field can hold",                       \
-      "digits, a point and up to 6 decimals")                                                   \
-    X(Name, 9, "name", "no such setting, field or joint", "type set or trim for the list")      \
-    X(Range, 10, "range", "the value is outside its limits", "send one inside")                 \
-    X(Speed, 11, "speed", "amplitude times rate is faster than the servos may move",            \
-      "lower one, or raise servo_speed")                                                        \
-    X(Motion, 12, "motion", "not while the robot moves", "send stop first")                     \
-    X(Attached, 13, "attached", "not while the servos are powered", "send idle first")          \
-    X(Saving, 14, "saving", "settings are being saved or loaded", "wait for that verdict")      \
-    X(Eeprom, 15, "eeprom", "what was read back is not what was written",                       \
-      "save again; if it persists, the EEPROM is worn")                                         \
-    X(Empty, 16, "empty", "nothing whole is saved", "save first")                               \
-    X(Stopped, 17, "stopped", "a stop came after this line, before it was its turn",            \
-      "send it again if it is still wanted")                                                    \
-    X(Unattended, 18, "unattended", "silence is off, so that nothing stops a robot left alone", \
-      "set silence, or send save unattended to keep it so")                                     \
-    X(Unbalanced, 19, "unbalanced", "three links have no bend that balances itself",            \
-      "guide the robot and send pose zigzag")                                                   \
-    X(Newer, 20, "newer", "the EEPROM holds settings of a newer firmware",                      \
-      "flash that firmware, or send save replace to lose them")
+#define FIRMWARE_ERRORS(X)                                                                       \
+    X(Crc, 1, "crc", "the line was damaged on the way", "send it again; check cable and ground") \
+    X(NoCrc, 2, "nocrc", "a session is open and the line has no CRC",                            \
+      "let the host finish, type bye, or press reset")                                           \
+    X(Garbled, 3, "garbled", "bytes that are not printable ASCII", "check the baud rate")        \
+    X(Overlong, 4, "overlong", "the line is too long", "send one command a line")                \
+    X(Sequence, 5, "sequence", "the number is missing, unreadable or older than the last",       \
+      "count up by one from hello")                                                              \
+    X(Command, 6, "command", "no such command", "type help")                                     \
+    X(Arguments, 7, "arguments", "too few or too many fields", "type help")                      \
+    X(Number, 8, "number", "a field is not a number this field can hold",                        \
+      "digits, a point and up to 6 decimals")                                                    \
+    X(Name, 9, "name", "no such setting, field or joint", "type set or trim for the list")       \
+    X(Range, 10, "range", "the value is outside its limits", "send one inside")                  \
+    X(Speed, 11, "speed", "amplitude times rate is faster than the servos may move",             \
+      "lower one, or raise servo_speed")                                                         \
+    X(Motion, 12, "motion", "not while the robot moves", "send stop first")                      \
+    X(Attached, 13, "attached", "not while the servos are powered", "send idle first")           \
+    X(Saving, 14, "saving", "settings are being saved or loaded", "wait for that verdict")       \
+    X(Eeprom, 15, "eeprom", "what was read back is not what was written",                        \
+      "save again; the EEPROM may be worn")                                                      \
+    X(Empty, 16, "empty", "nothing whole is saved", "save first")                                \
+    X(Stopped, 17, "stopped", "a stop came after this line, before its turn",                    \
+      "send it again if still wanted")                                                           \
+    X(Unattended, 18, "unattended", "with silence off nothing stops a robot left alone",         \
+      "set silence, or send save unattended")                                                    \
+    X(Unbalanced, 19, "unbalanced", "three links have no bend that balances itself",             \
+      "guide the robot and send pose zigzag")                                                    \
+    X(Newer, 20, "newer", "a newer firmware's settings are saved",                               \
+      "flash that firmware, or send save replace to lose them")                                  \
+    X(Output, 21, "output", "the servo driver does not answer", "check its power and its two wires")
 
 namespace firmware {
 

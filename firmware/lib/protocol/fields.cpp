@@ -20,6 +20,8 @@ const Field kSettingFields[kSettingCount] FLASH = {
     {"silence", "s", u(0.1), u(600), u(2), false},
     {"every", "frames", u(0), u(1000), u(1), true},
     {"limp", "s", u(1), u(2000), u(0), false},
+    {"frame_ms", "ms", u(3), u(32.5), u(20), false},
+    {"oscillator", "MHz", u(22), u(28), u(25), false},
 };
 
 const Field kTrimFields[kTrimFieldCount] FLASH = {

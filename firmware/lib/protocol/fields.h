@@ -21,6 +21,8 @@ enum Setting : uint8_t {
     kSilence,
     kEvery,
     kLimp,
+    kFrame,
+    kOscillator,
     kSettingCount
 };
 enum TrimField : uint8_t { kCentre, kScale, kDir, kLow, kHigh, kTrimFieldCount };

@@ -35,7 +35,8 @@ void set_limits(MotionLimits& limits, const Settings& settings) {
     limits.change.rate_rad_s2 = static_cast<float>(u[kRateRamp]) * 1e-6F;
     limits.change.pose_rad_s = rad_of(u[kPoseSpeed]);
     limits.change.servo_rad_s = rad_of(u[kServoSpeed]);
-    limits.servo_step_q14 = q14_from_q30(q30_from_udeg(per_frame_u(u[kServoSpeed])));
+    limits.servo_step_q14 =
+        q14_from_q30(q30_from_udeg(per_frame_u(u[kServoSpeed], limits.frame_us)));
     for (uint8_t i = 0; i < kJoints; ++i) {
         limits.low_q14[i] = q14_from_q30(q30_from_udeg(settings.trim_u[i][kLow]));
         limits.high_q14[i] = q14_from_q30(q30_from_udeg(settings.trim_u[i][kHigh]));

@@ -22,7 +22,7 @@ void set_defaults(Settings& settings);
 // One servo's trim in the units of the per-frame code, from its fields on the wire.
 Trim trim_of(const int32_t (&trim_u)[kTrimFieldCount]);
 
-// All ramps and limits, in place.
+// All ramps and limits, in place; `frame_us` is given.
 void set_limits(MotionLimits& limits, const Settings& settings);
 
 // The pulse a joint's limit leads to, in µs.

@@ -169,11 +169,8 @@ class RobotBoard:
         + - 0 0 - +, joints at -2, 1, 0, -1 and 2 lambda. Three links have no such bend:
         CommandRefused.
 
-        Parameters
-        ----------
-        lambda_rad : the angle of each bent link to the belt, in rad.
-        offset_rad : is added to every joint, in rad. To steer, call again with another one:
-            the joints move there smoothly.
+        lambda_rad: the angle of each bent link to the belt, in rad. offset_rad: is added to every
+        joint, in rad; to steer, call again with another one: the joints move there smoothly.
         """
         self._obeyed(f"pose bent {degrees(lambda_rad)}{_steering(offset_rad)}")
 

@@ -348,6 +348,55 @@ TEST_CASE("missed frames are counted and the phase keeps to the clock") {
     CHECK(b.board.controller().motion().phase() == steady.board.controller().motion().phase());
 }
 
+TEST_CASE(
+    "another frame from the next start on: rate, ramps, telemetry, silence and stop keep time") {
+    for (const int frame_us : {3000, 5000, 10000, 15000}) {
+        CAPTURE(frame_us);
+        Bench b;
+        const std::string value = std::to_string(frame_us / 1000);
+        CHECK(b.type("set frame_ms " + value) == "ok: #-");
+        CHECK(b.type("save", 1) == "ok: #-");
+        b.board.boot(Reset::External);
+        b.lines.clear();
+        b.frames.clear();
+        b.run(0.1);
+        CHECK(b.lines[0].find(" frame_us=" + value + "000 ") != std::string::npos);
+        b.type("set silence 0.5");
+        b.type("gait 40 80 6", 0.01);
+        double fastest = 0, before = b.angle_deg(2);
+        for (int k = 0; k < 3000 * 1000 / frame_us; ++k) {
+            b.run(frame_us * 1e-6);
+            if (k % 20 == 0) b.board.put("ping\n");
+            fastest = std::max(fastest, std::fabs(b.angle_deg(2) - before) / (frame_us * 1e-6));
+            before = b.angle_deg(2);
+        }
+        CHECK(fastest == doctest::Approx(40 * 6).epsilon(0.03));  // alpha omega, in deg/s
+        const std::string &first = b.frames[b.frames.size() - 40], &last = b.frames.back();
+        const auto field = [](const std::string& line, const char* name) {
+            return std::stod(line.substr(line.find(name) + std::string(name).size()));
+        };
+        const double turned_deg = std::fmod(field(last, " ph=") - field(first, " ph=") + 720, 360);
+        const double frames = field(last, "t:") - field(first, "t:");
+        const double rate_deg = 6 * frames * frame_us * 1e-6 * 180 / 3.14159265358979;
+        CHECK(std::fabs(std::remainder(turned_deg - rate_deg, 360)) < 0.01);
+        CHECK(b.counters().dropped == 0);
+        CHECK(b.counters().overruns == 0);
+        CHECK(b.counters().clipped == 0);
+        b.type("!", frame_us * 1e-6 + 0.001);
+        CHECK(b.state() == State::Hold);
+        CHECK(b.starts(b.type("set frame_ms 2.9"), "err: #- range frame_ms=2.9 low=3 high=32.5"));
+        CHECK(b.starts(b.type("set frame_ms 21"), "err: #- range value=21 low=3 high=20"));
+    }
+    Bench b;  // more frames than the wire has room for their lines
+    b.type("set frame_ms 3");
+    b.type("save", 1);
+    b.board.boot(Reset::External);
+    b.run(0.1);
+    CHECK(b.starts(b.type("set every 3"), "err: #- range value=3 low=4 high=1000"));
+    CHECK(b.type("set every 4") == "ok: #-");
+    CHECK(b.type("set every 0") == "ok: #-");
+}
+
 TEST_CASE("telemetry is thinned") {
     Bench b;
     b.type("set every 10");

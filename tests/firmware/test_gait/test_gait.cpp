@@ -1,6 +1,7 @@
 // The fixed-point gait against double precision: formula, phase over a day, conversions, pulses.
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "doctest_main.h"
 #include "gait.h"
@@ -100,6 +101,10 @@ TEST_CASE("the rate is right to 1e-10 from the slowest to the fastest") {
         const long double truth =
             omega * 1e-6L * 0.02L / (2 * 3.141592653589793238462643L) * 18446744073709551616.0L;
         CHECK(std::fabs(static_cast<double>(phase_step(omega) / truth - 1)) < 1e-10);
+        for (const uint16_t frame_us : std::vector<uint16_t>{3000, 5000, 10000, 15000, 32500}) {
+            const auto step = static_cast<long double>(phase_step(omega, frame_us));
+            CHECK(std::fabs(static_cast<double>(step / truth * 20000 / frame_us - 1)) < 1e-10);
+        }
     }
 }
 

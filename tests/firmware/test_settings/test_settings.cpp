@@ -252,6 +252,7 @@ TEST_CASE("trims and limits in the units of the frame") {
     settings.trim_u[2][kDir] = -1000000;
     CHECK(pulse_at(settings.trim_u[2], kHigh) == 600);
     MotionLimits limits = {};
+    limits.frame_us = 20000;
     set_limits(limits, settings);
     const double degree = 3.14159265358979 / 180;
     CHECK(limits.change.swing_rad_s == doctest::Approx(60 * degree));

@@ -1,0 +1,116 @@
+// Servos at a PCA9685, 16 channels behind two wires; its outputs are enabled by a pin of the board.
+//
+// All channels are written in one burst and change together, at the end of the chip's own cycle,
+// which is as long as a frame but not locked to it. The pin that enables them (/OE, low) floats
+// while the board resets, and a resistor pulls it up: so a reset, or a bus that fell silent, ends
+// all pulses without a word to the chip.
+#ifdef SERPENOID_PCA9685
+#include <Arduino.h>
+
+#include "board.h"
+#include "servo_driver.h"
+#include "two_wire.h"
+
+namespace servo_driver {
+namespace {
+
+const uint8_t kDevice = 0x40;
+const uint8_t kMode1 = 0x00, kFirstChannel = 0x06, kAllOffHigh = 0xFD, kPrescale = 0xFE;
+const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with registers that count up by themselves
+const uint8_t kFullOff = 0x10;
+const uint8_t kMostPrescale = 255;
+const uint16_t kCounts = 4096;   // a cycle
+const uint16_t kLeastUs = 5000;  // computing and sending 12 joints, with a line to write
+
+uint16_t oscillator_khz;  // of this chip
+uint8_t prescale;
+uint8_t attached;  // joints from the tail
+bool good = false;
+
+uint16_t counts_of(int16_t pulse_us) {
+    const uint32_t clocks = static_cast<uint32_t>(pulse_us) * oscillator_khz;  // times 1000
+    const uint32_t unit = 1000UL * (prescale + 1U);
+    return static_cast<uint16_t>((clocks + unit / 2) / unit);
+}
+
+void enable(bool on) { digitalWrite(board::kEnablePin, on ? LOW : HIGH); }
+
+bool set_register(uint8_t first, uint8_t value) {
+    return two_wire::write(kDevice, first, &value, 1);
+}
+
+// All outputs off, then the rate, which can be set only while it sleeps.
+bool start() {
+    good = set_register(kMode1, kAsleep) && set_register(kAllOffHigh, kFullOff) &&
+           set_register(kPrescale, prescale) && set_register(kMode1, kAwake);
+    delayMicroseconds(500);  // until its oscillator runs
+    return good;
+}
+
+// Every channel, in one burst; each begins a sixteenth of a cycle after its neighbour, so that the
+// servos do not start together.
+bool write_channels(const int16_t* pulse_us) {
+    uint8_t bytes[4 * firmware::kJoints], *next = bytes;
+    for (uint8_t i = 0; i < firmware::kJoints; ++i) {
+        const uint16_t on = static_cast<uint16_t>(i * (kCounts / 16));
+        const bool off = i >= attached || pulse_us[i] == 0;
+        const uint16_t end = (on + (off ? 0 : counts_of(pulse_us[i]))) % kCounts;
+        *next++ = static_cast<uint8_t>(on);
+        *next++ = static_cast<uint8_t>(on >> 8);
+        *next++ = static_cast<uint8_t>(end);
+        *next++ = static_cast<uint8_t>(off ? kFullOff : end >> 8);
+    }
+    return two_wire::write(kDevice, kFirstChannel, bytes, sizeof bytes);
+}
+
+}  // namespace
+
+void begin() {
+    enable(false);
+    pinMode(board::kEnablePin, OUTPUT);
+    enable(false);
+    two_wire::begin();
+}
+
+uint16_t least_frame_us() { return kLeastUs; }
+
+void begin_frames(uint16_t frame_us, uint16_t khz) {
+    oscillator_khz = khz;
+    const uint32_t clocks = static_cast<uint32_t>(frame_us) * khz / 1000;
+    const uint32_t wanted = (clocks + kCounts / 2) / kCounts;
+    prescale = static_cast<uint8_t>(wanted > kMostPrescale ? kMostPrescale : wanted - 1);
+    start();
+}
+
+void service() {}
+
+bool quiet() { return true; }
+
+// A chip that lost its power for a moment sleeps, and runs at another rate: it is begun anew only
+// when nothing is attached.
+bool answers() {
+    if (good) good = two_wire::read(kDevice, kMode1) == kAwake;
+    if (!good && attached == 0) start();
+    if (!good) enable(false);
+    return good;
+}
+
+void attach(uint8_t joint, int16_t pulse_us) {
+    attached = static_cast<uint8_t>(joint + 1);
+    (void)pulse_us;  // the next frame's pulses are the same
+    enable(good);
+}
+
+void detach() {
+    attached = 0;
+    enable(false);
+    good = set_register(kAllOffHigh, kFullOff);
+}
+
+void pulses(const int16_t (&pulse_us)[firmware::kJoints], uint32_t) {
+    good = good && write_channels(pulse_us);
+    if (!good) enable(false);
+}
+
+}  // namespace servo_driver
+#endif

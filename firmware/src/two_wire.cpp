@@ -1,0 +1,67 @@
+// The AVR's own TWI unit; its status codes are those of the data sheet.
+#ifdef SERPENOID_PCA9685
+#include "two_wire.h"
+
+#include <avr/io.h>
+#include <util/twi.h>
+
+namespace two_wire {
+namespace {
+
+const uint32_t kBusHz = 400000;
+const uint16_t kMostPolls = 400;  // some 0.3 ms: a byte takes 23 µs
+
+// Do one step of the bus; true if it ended in this status.
+bool step(uint8_t control, uint8_t wanted) {
+    TWCR = static_cast<uint8_t>(_BV(TWINT) | _BV(TWEN) | control);
+    for (uint16_t polls = kMostPolls; !(TWCR & _BV(TWINT));) {
+        if (--polls == 0) return false;
+    }
+    return TW_STATUS == wanted;
+}
+
+bool send(uint8_t byte, uint8_t wanted) {
+    TWDR = byte;
+    return step(0, wanted);
+}
+
+bool address(uint8_t device, uint8_t first) {
+    return step(_BV(TWSTA), TW_START) && send(static_cast<uint8_t>(device << 1), TW_MT_SLA_ACK) &&
+           send(first, TW_MT_DATA_ACK);
+}
+
+// Free the bus; a unit that hangs is switched off and on.
+bool end(bool good) {
+    TWCR = _BV(TWINT) | _BV(TWEN) | _BV(TWSTO);
+    for (uint16_t polls = kMostPolls; TWCR & _BV(TWSTO);) {
+        if (--polls != 0) continue;
+        TWCR = 0;
+        return false;
+    }
+    if (!good) TWCR = 0;
+    return good;
+}
+
+}  // namespace
+
+void begin() {
+    TWSR = 0;
+    TWBR = static_cast<uint8_t>((F_CPU / kBusHz - 16) / 2);
+}
+
+bool write(uint8_t device, uint8_t first, const uint8_t* bytes, uint8_t count) {
+    bool good = address(device, first);
+    for (uint8_t i = 0; good && i < count; ++i) good = send(bytes[i], TW_MT_DATA_ACK);
+    return end(good);
+}
+
+int16_t read(uint8_t device, uint8_t first) {
+    const bool good = address(device, first) && step(_BV(TWSTA), TW_REP_START) &&
+                      send(static_cast<uint8_t>(device << 1 | 1), TW_MR_SLA_ACK) &&
+                      step(0, TW_MR_DATA_NACK);
+    const uint8_t byte = TWDR;
+    return end(good) ? byte : -1;
+}
+
+}  // namespace two_wire
+#endif
