@@ -50,7 +50,8 @@ quick-tests:
 	$(PART) -q -m "not slow" $(addprefix --ignore=,$(LONG))
 
 test-slow: $(VENV)/built $(VENV)/dev
-	@sh .ci/need chromium=chromium Xvfb=xvfb $$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
+	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs Xvfb=xvfb \
+		$$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
 	@$(MAKE) --no-print-directory --jobs=2 slow-host slow-board
 
 slow-host:
@@ -68,6 +69,7 @@ format: $(VENV)/dev
 	.ci/format
 
 docs: $(VENV)/built $(VENV)/docs
+	@sh .ci/need em++=emscripten || echo "the documentation is built without its playground"
 	.ci/docs
 
 figures: $(VENV)/built

@@ -12,6 +12,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+import build_playground
 import click
 import film_pictures
 import serpenoid as sn
@@ -189,10 +190,26 @@ def pictures(folder: Path) -> None:
         invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])
 
 
+PLAYGROUND = """<iframe class="view" src="playground/index.html" title="the playground"></iframe>
+
+Move a slider: the core solves the gait in your browser, with nothing to install.
+<a href="playground/index.html">The playground on a page of its own</a> keeps your setting in
+its address.
+"""
+NO_PLAYGROUND = """<iframe class="view" src="_static/virtual.html" title="a robot"></iframe>
+
+This build has no playground: it needs emscripten. The snake is the virtual robot of
+`serpenoid view virtual`.
+"""
+
+
 def main() -> None:
     """Write all of it anew."""
     shutil.rmtree(OUT, ignore_errors=True)
     pictures(OUT / "static")
+    there = build_playground.build(OUT / "pages" / "playground")
+    front = PLAYGROUND if there else NO_PLAYGROUND
+    (OUT / "front.md").write_text(front, encoding="utf-8")
     for name, text in (("commands", command_page()), ("json_keys", json_page()),
                        ("errors", error_page()), ("api", api_page())):  # fmt: skip
         (OUT / f"{name}.md").write_text(text, encoding="utf-8")

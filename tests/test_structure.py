@@ -40,6 +40,7 @@ CORE_ROOMS = [
     "servos",
     "run",
     "board",
+    "web",
     "python",
 ]
 # Rooms that see less than all that is below them: name -> the modules they may import.

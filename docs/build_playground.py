@@ -1,0 +1,81 @@
+"""Build the playground: the core as WebAssembly, embedded in one page that needs no network."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+CORE, FIRMWARE, PARTS = (
+    ROOT / "host" / "core",
+    ROOT / "firmware" / "lib",
+    ROOT / "docs" / "playground",
+)
+# Not in a browser: Python's glue, boards, other processors' kernels, what the page does not ask.
+LEFT_OUT = ("python", "board", "servos", "lab")
+FLAGS = ["-std=c++20", "-O2", "-DNDEBUG", "-fexceptions", "-ffp-contract=off", "-fno-math-errno",
+         f"-I{CORE}", f"-I{FIRMWARE / 'gait'}", f"-I{FIRMWARE / 'avr'}"]  # fmt: skip
+LINK = ["-sMODULARIZE=1", "-sEXPORT_NAME=serpenoidCore", "-sSINGLE_FILE=1",
+        "-sALLOW_MEMORY_GROWTH=1", "-sENVIRONMENT=web,worker,node", "-sFILESYSTEM=0",
+        "-O2", "-fexceptions",
+        "-sEXPORTED_FUNCTIONS=_serpenoid_steady,_serpenoid_motion,_malloc,_free",
+        "-sEXPORTED_RUNTIME_METHODS=HEAPF64"]  # fmt: skip
+
+
+def _run(command: list[str]) -> None:
+    # Debian's emscripten looks for acorn where Debian's node does not
+    environment = os.environ | {"NODE_PATH": "/usr/share/nodejs"}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(command[:3])} ... failed:\n{done.stderr[-3000:]}")
+
+
+def compile_core(build: Path) -> Path:
+    """Compile what is newer than its object, link it, and return the module's script."""
+    build.mkdir(parents=True, exist_ok=True)
+    every = sorted(CORE.rglob("*.cpp"))
+    sources = [p for p in every if p.relative_to(CORE).parts[0] not in LEFT_OUT]
+    sources = [p for p in sources if not p.stem.startswith("avx")]
+    sources += sorted(FIRMWARE.glob("gait/*.cpp"))
+    headers = [*CORE.rglob("*.hpp"), *FIRMWARE.glob("*/*.h"), Path(__file__)]
+    newest = max(p.stat().st_mtime for p in headers)
+    objects = {p: build / f"{p.parent.name}_{p.stem}.o" for p in sources}
+    old = [
+        p for p, o in objects.items()
+        if not o.exists() or o.stat().st_mtime < max(newest, p.stat().st_mtime)
+    ]  # fmt: skip
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(lambda p: _run(["em++", *FLAGS, "-c", str(p), "-o", str(objects[p])]), old))
+    module = build / "core.js"
+    _run(["em++", *map(str, objects.values()), *LINK, "-o", str(module)])
+    return module
+
+
+def page(module: Path) -> str:
+    """Return the page with its style, its scripts and the module inside."""
+    text = (PARTS / "page.html").read_text(encoding="utf-8")
+    names = ("playground.css", "model.js", "worker.js", "draw.js", "page.js")
+    scripts = {name: (PARTS / name).read_text(encoding="utf-8") for name in names}
+    scripts["core.js"] = module.read_text(encoding="utf-8")
+    for name, content in scripts.items():
+        text = text.replace(f"/*{name}*/", content.replace("</script", "<\\/script"))
+    return text
+
+
+def build(out: Path) -> bool:
+    """Write the page into a folder; False, and a line that says so, without emscripten."""
+    if not shutil.which("em++"):
+        print("no playground: emscripten is not here (Debian: apt-get install emscripten)")
+        return False
+    out.mkdir(parents=True, exist_ok=True)
+    text = page(compile_core(ROOT / "build" / "web"))
+    (out / "index.html").write_text(text, encoding="utf-8")
+    return True
+
+
+if __name__ == "__main__":
+    sys.exit(not build(Path(sys.argv[1])))

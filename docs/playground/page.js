@@ -1,0 +1,222 @@
+// The page: sliders to state, state to answer, picture, link and commands.
+"use strict";
+const $ = (id) => document.getElementById(id), text = (id) => $(id).textContent;
+const run = (source) => document.head.appendChild(Object.assign(document.createElement("script"), { textContent: source }));
+run(text("core-text")), run(text("model-text"));
+
+const SLIDERS = {
+  gait: [["alpha", "Amplitude α, °", 1], ["beta", "Phase lag β, °", 1], ["hz", "Frequency, Hz", 0.01], ["offset", "Bend of every joint (steers), °", 1]],
+  ground: [["ct", "Viscous along, N s/m", 0], ["cn", "Viscous across, N s/m", 0], ["ft0", "Dry along, N", 0], ["fn0", "Dry across, N", 0]],
+  body: [["links", "Links", 1], ["mass", "Mass of a link, kg", 0.0001], ["length", "Length of a link, m", 0.001]],
+};
+const SERVO = { torque: 0.3, rate: 500 }; // N m, °/s: a small hobby servo; the reader has his own
+const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+let state = fromHash(location.hash, PRESETS["2005"]), core = null, fit = null, motion = null;
+let answer = null, map = null, curve = null, job = 0, playing = !still, time = 0;
+
+// Friction spans decades: its slider moves by the square root.
+const rooted = (name) => FRICTIONS.includes(name);
+const top_ = (name) => LIMITS[name][1] / (state.whole || !rooted(name) ? 1 : state.links);
+const toSlider = (name, v) => (rooted(name) ? Math.sqrt(v / top_(name)) : v);
+const fromSlider = (name, v) => (rooted(name) ? +(v * v * top_(name)).toPrecision(3) : v);
+
+function addRow(parent, name, title, step, limits) {
+  const row = document.createElement("div");
+  row.className = "row";
+  row.innerHTML = `<label for="n-${name}">${title}</label><input type="number" id="n-${name}" step="any" min="${limits[0]}" max="${limits[1]}">`;
+  if (step !== null) {
+    const range = rooted(name) ? [0, 1, 0.001] : [...limits, step];
+    row.innerHTML += `<input type="range" id="r-${name}" aria-label="${title}" min="${range[0]}" max="${range[1]}" step="${range[2]}">`;
+    row.lastChild.addEventListener("input", () => change({ [name]: fromSlider(name, +$("r-" + name).value) }));
+  }
+  parent.append(row);
+  return $("n-" + name);
+}
+
+function build() {
+  for (const [key, p] of Object.entries(PRESETS)) $("preset").add(new Option(p.title, key));
+  $("preset").add(new Option("your own", "own"));
+  for (const [group, rows] of Object.entries(SLIDERS))
+    for (const [name, title, step] of rows)
+      addRow($(group), name, title, step, LIMITS[name]).addEventListener("change", (e) => typed(name, e.target));
+  for (const [name, title] of [["torque", "Stalled torque, N m"], ["rate", "Free speed, °/s"]]) {
+    const input = addRow($("limits"), name, title, null, [0.01, 5000]);
+    input.value = SERVO[name];
+    input.addEventListener("change", () => { if (+input.value > 0) SERVO[name] = +input.value; show(); });
+  }
+}
+
+function typed(name, input) {
+  const [low, high] = LIMITS[name], value = Number(input.value), good = input.value !== "" && value >= low && value <= high;
+  input.setAttribute("aria-invalid", String(!good));
+  if (good) return change({ [name]: name === "links" ? Math.round(value) : value });
+  complain(`${name} is ${input.value || "empty"}; it can be ${low} to ${high}.`);
+}
+
+function change(some, keepFit = false) {
+  if ("whole" in some && some.whole !== state.whole) // the same ground, said in the other way
+    for (const name of FRICTIONS) some[name] = +(state[name] * (some.whole ? state.links : 1 / state.links)).toPrecision(12);
+  if (!keepFit && FRICTIONS.some((name) => name in some && !("whole" in some))) fit = null, $("fit").textContent = "";
+  state = { ...state, ...some };
+  refresh();
+}
+
+let asked = 0;
+function refresh() {
+  solve();
+  history.replaceState(null, "", toHash(state));
+  clearTimeout(asked);
+  asked = setTimeout(order, 150);
+}
+
+function complain(words) { $("problem").textContent = words, $("problem").hidden = !words; }
+
+function solve() {
+  for (const name of FIELDS) {
+    if (name === "whole") $("whole").value = state.whole;
+    else $("n-" + name).value = +state[name].toPrecision(6), $("r-" + name).value = toSlider(name, state[name]), $("n-" + name).removeAttribute("aria-invalid");
+  }
+  const same = Object.keys(PRESETS).find((key) => toHash(PRESETS[key]) === toHash(state));
+  $("preset").value = same || "own";
+  $("command").textContent = commandLine(state), $("python").textContent = pythonCode(state);
+  if (!core) return;
+  const why = refusal(state);
+  complain(why);
+  answer = why ? null : core.steady(state);
+  motion = answer && answer.known ? core.motion(state) : null;
+  if (answer && !answer.known) complain("The core found no periodic motion here. Move one slider a little.");
+  else if (answer && !answer.converged) complain("The errors are larger than usual here: look at the numbers behind ±.");
+  show(), paint();
+}
+
+// A value to the last digit that its error leaves, and the error to one digit.
+function figure(value, error, unit) {
+  const place = Math.max(0, Math.min(9, error > 0 ? -Math.floor(Math.log10(error)) : 9));
+  const digits = Math.min(place, Math.max(0, 5 - Math.floor(Math.log10(Math.max(Math.abs(value), 1e-9)))));
+  const small = error < 0.5 * 10 ** -digits ? `${error.toExponential(0)}` : error.toFixed(digits);
+  return `${value.toFixed(digits)} ${unit} <span class="error">± ${small}</span>`;
+}
+
+function show() {
+  const a = answer;
+  if (!a || !a.known) { $("speed").innerHTML = `<span class="big">no answer</span>`; $("figures").innerHTML = ""; return; }
+  $("speed").innerHTML = `<span class="big">${figure(a.speed, a.speedError, "m/s")}</span>`;
+  const weight = state.links * state.mass * GRAVITY_M_S2, rows = [["Power", figure(a.power, a.powerError, "W")]];
+  rows.push(["Power of servos that do not recover", figure(a.positivePower, a.positiveError, "W")]);
+  if (a.speed > 10 * a.speedError) {
+    const cost = a.power / (weight * a.speed), error = cost * (a.powerError / Math.max(a.power, 1e-12) + a.speedError / a.speed);
+    rows.push(["Cost of transport P/(m g v)", figure(cost, error, "")]);
+  }
+  if (motion) {
+    const torque = peakTorque(motion);
+    rows.push(["Largest joint torque", limited(figure(torque.value, Math.max(torque.error, 1e-4 * torque.value), "N m"), torque.value, SERVO.torque)]);
+  }
+  const rate = state.alpha * 2 * Math.PI * state.hz;
+  rows.push(["Largest joint speed (exact)", limited(`${rate.toFixed(0)} °/s`, rate, SERVO.rate)]);
+  rows.push(["Body lengths a cycle", figure(a.speed / state.hz / (state.links * state.length), a.speedError / state.hz / (state.links * state.length), "")]);
+  if (Math.abs(a.turn) > 10 * a.turnError) rows.push(["Turn a cycle", figure(a.turn / RAD, a.turnError / RAD, "°")]);
+  if (curve && curve.band) rows.push(["Speed the fit allows (24 draws)", `${curve.band[0].toFixed(4)} to ${curve.band[1].toFixed(4)} m/s`]);
+  $("figures").innerHTML = rows.map(([name, value]) => `<div><dt>${name}</dt><dd>${value}</dd></div>`).join("");
+}
+
+function limited(shown, value, limit) {
+  const share = Math.round(100 * value / limit);
+  return share > 100 ? `<span class="over">${shown}: ${share} % of your limit</span>` : `${shown}, ${share} % of your limit`;
+}
+
+// ---- the worker: map and curve
+const worker = new Worker(URL.createObjectURL(new Blob(["core-text", "model-text", "worker-text"].map(text).map((t) => t + "\n"), { type: "text/javascript" })));
+worker.onmessage = ({ data }) => {
+  if (data.ready) return order();
+  if (data.id !== job) return;
+  if (data.curve) curve = data.curve, show();
+  else map = { values: data.values, mode: $("mode").value, done: data.done };
+  paint();
+};
+function order() {
+  curve = null;
+  document.body.dataset.map = "working";
+  if (!refusal(state)) worker.postMessage({ id: ++job, s: state, mode: $("mode").value, wanted: answer ? answer.speed : 0, fit });
+}
+
+function paint() {
+  if (map) {
+    const { best } = drawMap($("map"), map, state);
+    const what = map.mode === "power" ? "Least power" : "Fastest", unit = map.mode === "power" ? "W" : "m/s";
+    if (best) $("map-says").textContent = `★ ${what}: α ${best.alpha}°, β ${best.beta}°: ${best.v.toPrecision(3)} ${unit} (to .1 %, on this grid). `
+      + "○ is where you are. White edges: a cliff between neighbours. " + (map.done ? "Complete." : "Still filling …");
+    if (map.done) document.body.dataset.map = "done";
+  }
+  if (curve && answer) {
+    drawCurve($("curve"), curve, state, answer.speed);
+    $("curve-says").textContent = "○ is where you are." + (curve.band ? " The band holds all 24 draws of friction that your fit allows." : "");
+  }
+  if (!playing && motion) drawSnake($("snake"), motion, state, time);
+}
+
+function go(event) {
+  const box = $("map").getBoundingClientRect(), f = mapFrame(box.width, box.height);
+  const beta = (event.clientX - box.left - f.x0) / f.width * 180, alpha = (f.y0 - (event.clientY - box.top)) / f.height * 90;
+  const to = (v, [low, high]) => Math.round(Math.min(high, Math.max(low, v)) * 10) / 10;
+  change({ alpha: to(alpha, [1, 90]), beta: to(beta, LIMITS.beta) });
+}
+const ARROWS = { ArrowLeft: ["beta", -1], ArrowRight: ["beta", 1], ArrowUp: ["alpha", 1], ArrowDown: ["alpha", -1] };
+function arrow(event) {
+  const move = ARROWS[event.key];
+  if (!move) return;
+  event.preventDefault();
+  const [low, high] = LIMITS[move[0]];
+  change({ [move[0]]: Math.min(high, Math.max(low, state[move[0]] + move[1])) });
+}
+
+async function take(file) {
+  try {
+    const found = readFit(await file.text());
+    fit = found;
+    const [ct, cn, ft0, fn0] = found.values;
+    state = { ...state, whole: 1 };
+    change({ ct, cn, ft0, fn0, links: found.links, mass: found.mass, length: found.length }, true);
+    $("fit").textContent = `Friction and robot of ${found.name}.`;
+  } catch (error) {
+    $("fit").textContent = `${file.name}: ${error.message}`;
+  }
+}
+
+function listen() {
+  $("preset").onchange = () => PRESETS[$("preset").value] && (fit = null, $("fit").textContent = "", change({ ...PRESETS[$("preset").value] }, true));
+  $("whole").onchange = () => change({ whole: +$("whole").value }, true);
+  $("mode").onchange = () => { map = null; order(); };
+  $("map").addEventListener("click", go), $("map").addEventListener("keydown", arrow);
+  $("controls").onsubmit = (e) => e.preventDefault();
+  $("file").onchange = () => $("file").files[0] && take($("file").files[0]);
+  for (const kind of ["dragover", "dragleave", "drop"])
+    addEventListener(kind, (e) => { e.preventDefault(), $("drop").classList.toggle("over-it", kind === "dragover"); });
+  addEventListener("drop", (e) => e.dataTransfer.files[0] && take(e.dataTransfer.files[0]));
+  addEventListener("hashchange", () => { state = fromHash(location.hash, state); refresh(); });
+  addEventListener("resize", paint);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+  $("play").onclick = () => setPlaying(!playing);
+  document.querySelectorAll("[data-copy]").forEach((b) => b.addEventListener("click", () => copy(b.dataset.copy)));
+}
+
+function setPlaying(on) {
+  playing = on;
+  $("play").textContent = on ? "Pause" : "Play";
+  $("play").setAttribute("aria-pressed", String(on));
+  if (on) last = performance.now(), requestAnimationFrame(frame);
+}
+async function copy(what) {
+  const content = what === "link" ? location.href : text(what);
+  try { await navigator.clipboard.writeText(content); $("copied").textContent = "Copied."; }
+  catch { $("copied").textContent = what === "link" ? location.href : "Select the text above and copy it."; }
+}
+
+let last = 0;
+function frame(now) {
+  time += Math.min(0.1, (now - last) / 1000), last = now;
+  if (motion) drawSnake($("snake"), motion, state, time);
+  if (playing) requestAnimationFrame(frame);
+}
+
+build(), listen(), setPlaying(playing), solve();
+serpenoidCore().then((made) => { core = new Core(made), solve(), document.body.dataset.ready = "yes"; });
