@@ -208,7 +208,8 @@ def test_on_a_phone_from_a_server_with_a_link(page, dark: bool) -> None:
         ]
         assert phone.runs("return document.documentElement.scrollWidth") <= 390
         nameless = phone.runs("""const all = 'input, select, button, canvas';
-            return [...document.querySelectorAll(all)].filter((e) => !(e.labels && e.labels.length) && !e.ariaLabel
+            return [...document.querySelectorAll(all)].filter((e) =>
+            !(e.labels && e.labels.length) && !e.ariaLabel
             && !e.textContent.trim()
             && !e.getAttribute('aria-labelledby')).map((e) => e.id)""")
         assert nameless == []
