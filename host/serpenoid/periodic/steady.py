@@ -48,11 +48,6 @@ class Steady:
         Of the turn, rad.
     direction_rad
         Direction of travel, counted from the heading of link 1 at phase 0, rad.
-    body_velocity : (3,)
-        (Vx, Vy, theta_1') at phase 0, m/s, m/s, rad/s: of the centre of mass along and across
-        link 1, and of link 1's heading.
-    monodromy : (3, 3)
-        Derivative of (Vx, Vy, angular momentum; m/s, m/s, kg m^2/s) after a period by those before.
     settling_time_s, settling_error
         Time in which the slowest disturbance falls to 1/e, s, inf when none does; its error,
         relative.
