@@ -19,6 +19,7 @@ import serpenoid as sn
 import tomllib
 import wiring_diagram
 from click.testing import CliRunner
+from serpenoid.show.servo_figure import servo_figure
 from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.commands.main import cli
 from serpenoid.model import errors
@@ -184,6 +185,7 @@ def pictures(folder: Path) -> None:
             ("coverage", coverage_figure), ("advise", advised_figure), ("verdict", verdict_figure),
         ):  # fmt: skip
             draw(json.loads((STORED / f"{name}.json").read_text()), folder / f"{name}.png")
+        servo_figure(folder / "servos.png")
         for name in ("accuracy", "stability"):
             shutil.copy(STORED / f"{name}.png", folder)
         invoke(["view", "virtual", "--out", str(folder / "virtual.html")])

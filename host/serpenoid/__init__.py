@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .periodic.steady import Steady
     from .periodic.study import Study, load_study, sweep_study
     from .periodic.sweep import Sweep, sweep
-    from .servos.catalogue import SERVOS, servo
+    from .servos.catalogue import servo
     from .servos.servo_file import load_servo, save_servo
     from .simulation.run import Run
     from .simulation.scene import Scene
@@ -63,7 +63,7 @@ _HOMES = {
     "gaits.uncertainty": ("Uncertainty",),
     "periodic.servo_steady": ("ServoSteady", "steady_gait"),
     "periodic.steady": ("Steady",),
-    "servos.catalogue": ("SERVOS", "servo"),
+    "servos.catalogue": ("servo",),
     "servos.servo_file": ("load_servo", "save_servo"),
     "periodic.study": ("Study", "load_study", "sweep_study"),
     "periodic.sweep": ("Sweep", "sweep"),
@@ -76,7 +76,6 @@ _HOMES = {
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
-    "SERVOS",
     "Acceleration",
     "Advice",
     "AngleDrive",

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from serpenoid.model.drives import loop_radius
+from serpenoid.servos.catalogue import SERVOS
 
 
 def test_every_kind_is_a_servo_that_does_not_hunt() -> None:
-    for name, kind in sn.SERVOS.items():
+    for name, kind in SERVOS.items():
         assert kind.name == name
         assert kind.source
         assert not kind.exact
@@ -63,7 +64,7 @@ def test_the_loop_radius_is_that_of_a_simulated_swing() -> None:
 
 
 def test_a_kind_comes_back_from_its_file(tmp_path: Path) -> None:
-    for kind in sn.SERVOS.values():
+    for kind in SERVOS.values():
         path = tmp_path / f"{kind.name}.toml"
         sn.save_servo(kind, path)
         assert sn.load_servo(path) == kind == sn.servo(path)
@@ -89,7 +90,7 @@ def test_a_file_that_is_no_servo_is_refused(tmp_path: Path, text: str, says: str
 
 
 def test_an_unknown_name_is_told_the_known_ones() -> None:
-    assert sn.servo("sg90") is sn.servo("SG-90") is sn.SERVOS["SG90"]
+    assert sn.servo("sg90") is sn.servo("SG-90") is SERVOS["SG90"]
     with pytest.raises(sn.BadInput, match=r"known are hobby, SG90.*NAME\.toml"):
         sn.servo("SG91")
 
