@@ -19,11 +19,11 @@ import serpenoid as sn
 import tomllib
 import wiring_diagram
 from click.testing import CliRunner
-from serpenoid.show.servo_figure import servo_figure
 from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.commands.main import cli
 from serpenoid.model import errors
 from serpenoid.robot.wire.error_table import ERRORS
+from serpenoid.show.servo_figure import servo_figure
 
 HERE = Path(__file__).resolve().parent
 OUT = HERE / "generated"

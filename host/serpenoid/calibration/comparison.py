@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..model.checks import check_kind, check_number
+from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..simulation.steady_springs import steady_springs
@@ -31,8 +32,9 @@ class ComparedGait:
     """One gait: predicted by exact and implicit model, with its 95 % bands, and measured.
 
     low_m_s, high_m_s: of the frictions that the fit allows. low_all_m_s, high_all_m_s: with the
-    joints' amplitude besides. runs: numbers of the measured runs; measured_m_s, sigma_m_s: their
-    mean and its standard deviation; none if not measured. residual_m_s: measured less predicted.
+    joints' amplitude and the servos besides. runs: numbers of the measured runs; measured_m_s,
+    sigma_m_s: their mean and its standard deviation; none if not measured. residual_m_s: measured
+    less predicted.
     implicit_m_s: NaN where the paper's springs never settle.
     """
 
@@ -59,8 +61,9 @@ class Comparison:
     and phase lag, friction's band alone. p_value: the chance of residuals as large if model, fit
     and stated errors (amplitude_sigma of the joints' amplitude, relative) hold; p_friction,
     p_amplitude: that chance once friction, or the amplitude, may be another one than stated; None
-    where that need not be asked. verdict: agrees, friction, amplitude, friction or amplitude,
-    neither, not measured; verdict_text says it in words.
+    where that need not be asked; p_servos: the same for other servos than stated. servo: the kind
+    stated, None for joints that follow the gait. verdict: agrees, neither, not measured, or the
+    causes (friction, amplitude, servos) with `or` between them; verdict_text says it in words.
     """
 
     session: str
@@ -73,6 +76,8 @@ class Comparison:
     p_amplitude: float | None
     verdict: str
     verdict_text: str
+    servo: str | None = None
+    p_servos: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name."""
@@ -85,6 +90,7 @@ def compare(
     *,
     gaits: Sequence[Gait] = (),
     amplitude_sigma: float = AMPLITUDE_SIGMA,
+    servo: ServoKind | None = None,
     samples: int = 64,
     seed: int = 2005,
     progress: Progress | None = None,
@@ -92,7 +98,8 @@ def compare(
     """Compare a session's gait runs with the speeds its friction predicts.
 
     fit: the session's own joint fit unless given. gaits: further ones to predict. amplitude_sigma:
-    standard deviation of the joints' true over commanded amplitude, common to all gaits. Frictions
+    standard deviation of the joints' true over commanded amplitude, common to all gaits. servo: the
+    kind that moves the joints; None: they follow the gait, and servos are no cause. Frictions
     are sampled, since speed is skewed where wheels stick. progress is called with the gaits done,
     of `gait_count`. Raises BadInput where there is neither a run nor a gait.
     """
@@ -107,8 +114,9 @@ def compare(
             "`serpenoid calibrate`"
         )
     drawn = sample_speeds(
-        fit, wanted, amplitude_sigma=amplitude_sigma, count=samples, seed=seed, progress=progress
-    )
+        fit, wanted, amplitude_sigma=amplitude_sigma, servo=servo, count=samples, seed=seed,
+        progress=progress,
+    )  # fmt: skip
     drawn = joints_seen(drawn, session)
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
     curve = _curve(fit, wanted, seed, progress)
@@ -121,11 +129,13 @@ def compare(
         np.array([points[j].measured_m_s for j in ran], dtype=float),
         np.array([points[j].sigma_m_s for j in ran], dtype=float),
     )
-    found = Judge(fit, of_gaits(drawn, ran), amplitude_sigma, seed)(measured)
-    friction, amplitude = (c and c.p_value for c in (found.friction, found.amplitude))
-    text = in_words(found, measured, fit, amplitude_sigma, session.setup.weight_n)
+    found = Judge(fit, of_gaits(drawn, ran), amplitude_sigma, seed, servo)(measured)
+    causes = (found.friction, found.amplitude, found.servos)
+    friction, amplitude, servos = (c and c.p_value for c in causes)
+    text = in_words(found, measured, fit, amplitude_sigma, session.setup.weight_n, servo)
     word, text = seen_on_film(session, fit, drawn, found.word, text)
-    return Comparison(*common, found.p_value, friction, amplitude, word, text)
+    named = servo and servo.name
+    return Comparison(*common, found.p_value, friction, amplitude, word, text, named, servos)
 
 
 def _all_runs(session: Session) -> tuple[GaitRun, ...]:

@@ -6,13 +6,16 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..periodic.servo_steady import servo_speed
 from ..periodic.steady import steady_gait
 from .friction_result import FrictionFit, band
 
@@ -22,9 +25,10 @@ AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common t
 AMPLITUDE_STEP = 0.02  # of the joints, to find what a lost amplitude costs
 
 
-def speed(robot: Robot, ground: Ground, gait: Gait) -> float:
-    """Return the exact model's speed to 1e-3 of itself, m/s."""
-    return steady_gait(robot, ground, gait, rtol=1e-3, powers=False).speed_m_s
+def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) -> float:
+    """Return the exact model's speed to 1e-3 of itself, m/s; servo: what moves the joints."""
+    ideal = steady_gait(robot, ground, gait, rtol=1e-3, powers=False)
+    return ideal.speed_m_s if servo is None else servo_speed(ideal, servo)
 
 
 @dataclass(frozen=True)
@@ -32,8 +36,9 @@ class SpeedBand:
     """Hold what a fit predicts of one gait: the speed, and the 95 % interval about it.
 
     This is the one band of every predicted speed: draws of the frictions that the readings allow,
-    each with joints whose amplitude is off by AMPLITUDE_SIGMA, and the draws' quantiles by `band`.
-    low_friction_m_s, high_friction_m_s: the narrower one, of friction alone.
+    each with joints whose amplitude is off by AMPLITUDE_SIGMA and with a servo of its own, and the
+    draws' quantiles by `band`. low_friction_m_s, high_friction_m_s: the narrower one, of friction
+    alone and ideal joints. servo: the kind of servo; None: joints that follow the gait.
     """
 
     speed_m_s: float
@@ -41,24 +46,28 @@ class SpeedBand:
     high_m_s: float
     low_friction_m_s: float
     high_friction_m_s: float
+    servo: str | None = None
 
-    def to_dict(self) -> dict[str, float]:
+    def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
         return asdict(self)
 
     def in_words(self) -> str:
         """Return the speed with its band."""
         ends = f"{self.low_m_s:.4f} to {self.high_m_s:.4f}"
-        return f"{self.speed_m_s:.4f} m/s, {ends} (95 %, friction and joints)"
+        joints = "joints" if self.servo is None else f"joints, servos: {self.servo}"
+        return f"{self.speed_m_s:.4f} m/s, {ends} (95 %, friction and {joints})"
 
 
 def speed_band(
-    fit: FrictionFit, gait: Gait, count: int = 64, amplitude_sigma: float = AMPLITUDE_SIGMA
-) -> SpeedBand:
+    fit: FrictionFit, gait: Gait, count: int = 64, amplitude_sigma: float = AMPLITUDE_SIGMA,
+    servo: ServoKind | None = None,
+) -> SpeedBand:  # fmt: skip
     """Predict one gait's speed by the exact model, with the band that fit and joints leave it."""
-    drawn = sample_speeds(fit, [gait], amplitude_sigma=amplitude_sigma, count=count)
+    drawn = sample_speeds(fit, [gait], amplitude_sigma=amplitude_sigma, servo=servo, count=count)
     ends = (*band(drawn.both_m_s[:, 0]), *band(drawn.friction_m_s[:, 0]))
-    return SpeedBand(speed(fit.robot, fit.ground, gait), *ends)
+    best = speed(fit.robot, fit.ground, gait, servo and servo.servo)
+    return SpeedBand(best, *ends, servo and servo.name)
 
 
 def scaled(gait: Gait, amplitude: float) -> Gait:
@@ -71,7 +80,7 @@ class SpeedSamples:
     """Speeds of some gaits, (samples, gaits), the same draw in each row.
 
     friction_m_s: over the fit's frictions, joints as commanded. both_m_s: with each draw's own
-    amplitude besides. whole: (samples, 4), the frictions, whole snake.
+    amplitude and servo besides. whole: (samples, 4), the frictions, whole snake.
     """
 
     gaits: tuple[Gait, ...]
@@ -85,24 +94,28 @@ def sample_speeds(
     gaits: Sequence[Gait],
     *,
     amplitude_sigma: float = 0.0,
+    servo: ServoKind | None = None,
     count: int = 64,
     seed: int = 2005,
     progress: Progress | None = None,
 ) -> SpeedSamples:
     """Draw speeds; amplitude_sigma: of the joints' true over commanded amplitude, common to all.
 
+    servo: the kind that moves the joints, one drawn for each friction; None: they follow the gait.
+
     progress is called with the gaits done. As many threads as the machine has cores.
     """
     whole, grounds = fit.sample_whole(count, seed), fit.sample(count, seed)
     drawn = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
+    servos = [None] * count if servo is None else servo.draws(count, seed)
     amplitudes = 1.0 + amplitude_sigma * _normal_quantile(drawn)
 
     def of(gait: Gait) -> tuple[list[float], list[float]]:
         alone = [speed(fit.robot, g, gait) for g in grounds]
-        if not amplitude_sigma:
+        if not amplitude_sigma and servo is None:
             return alone, alone
-        pairs = zip(grounds, amplitudes.tolist(), strict=True)
-        return alone, [speed(fit.robot, g, scaled(gait, a)) for g, a in pairs]
+        draws = zip(grounds, amplitudes.tolist(), servos, strict=True)
+        return alone, [speed(fit.robot, g, scaled(gait, a), s) for g, a, s in draws]
 
     found = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -1,6 +1,6 @@
 """What measured speeds say: they agree, or friction, the joints' amplitude or neither is to blame.
 
-Whether they agree is told by draws of what the fit and the stated amplitude allow. If not, each
+Whether they agree is told by draws of what fit, amplitude and servos allow as stated. If not, each
 cause is let loose alone and solved for; a cause is able if its best speeds then fit, and two able
 ones are told apart by their evidence (Laplace's approximation: a cause that could have explained
 anything is worth less than one that had to).
@@ -18,9 +18,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from .friction_result import FrictionFit, ground_of
-from .speed_samples import SpeedSamples, scaled, speed
+from .speed_samples import SpeedSamples, sample_speeds, scaled, speed
 
 Array = NDArray[np.float64]
 DOUBTFUL = 0.05  # a verdict's p-value
@@ -29,6 +30,8 @@ DOUBTFUL = 0.05  # a verdict's p-value
 FREED_FRICTION, FREED_AMPLITUDE = 0.4, 5.0
 MODEL_SIGMA = 0.01  # of the predicted speed: what the model itself may be off by
 EITHER = "friction or amplitude"
+FREED_SERVOS = "hobby"  # what servos may be, where those stated do not explain the speeds
+_SERVO_DRAWS = 128
 TOLD_APART = math.log(10.0)  # of evidence
 _LEAST_PULL = 2e-3  # of the weight: a tenth of a degree
 _NOISE_DRAWS = 32
@@ -59,7 +62,7 @@ class Cause:
 
 @dataclass(frozen=True)
 class Verdict:
-    """word: agrees, friction, amplitude, friction or amplitude, or neither.
+    """word: agrees, neither, or the causes: friction, amplitude, servos, with `or` between them.
 
     p_value: as stated; friction, amplitude: that cause let loose, looked at only where the speeds
     do not agree.
@@ -69,6 +72,7 @@ class Verdict:
     p_value: float
     friction: Cause | None = None
     amplitude: Cause | None = None
+    servos: Cause | None = None
 
 
 def of_gaits(drawn: SpeedSamples, index: Sequence[int]) -> SpeedSamples:
@@ -83,15 +87,25 @@ def of_gaits(drawn: SpeedSamples, index: Sequence[int]) -> SpeedSamples:
 class Judge:
     """Judges measured speeds of some gaits; what that takes is solved for once, when it is needed.
 
-    drawn: of these very gaits, as fit and amplitude_sigma allow.
+    drawn: of these very gaits, as fit, amplitude_sigma and servo allow. servo: the kind of servo
+    that moves the joints; None: they follow the gait, and servos are no cause.
     """
 
-    def __init__(self, fit: FrictionFit, drawn: SpeedSamples, amplitude_sigma: float, seed: int):
-        self._drawn, self._seed = drawn, seed
+    def __init__(
+        self,
+        fit: FrictionFit,
+        drawn: SpeedSamples,
+        amplitude_sigma: float,
+        seed: int,
+        servo: ServoKind | None = None,
+    ):
+        self._drawn, self._seed, self._fit = drawn, seed, fit
         sigma, freed = max(amplitude_sigma, 1e-6), FREED_AMPLITUDE * max(amplitude_sigma, 1e-6)
-        self._as_stated = _Loose(fit, drawn.gaits, 0.0, sigma)
-        self._amplitude = _Loose(fit, drawn.gaits, 0.0, freed)
-        self._friction = _Loose(fit, drawn.gaits, FREED_FRICTION, sigma)
+        self._amplitude_sigma = sigma
+        self._as_stated = _Loose(fit, drawn.gaits, 0.0, sigma, servo)
+        self._amplitude = _Loose(fit, drawn.gaits, 0.0, freed, servo)
+        self._friction = _Loose(fit, drawn.gaits, FREED_FRICTION, sigma, servo)
+        self._servo = servo
 
     def __call__(self, measured: Measured) -> Verdict:
         """Return the verdict on speeds of the gaits drawn."""
@@ -99,13 +113,34 @@ class Judge:
         if stated >= DOUBTFUL:
             return Verdict("agrees", stated)
         friction, amplitude = self._friction.cause(measured), self._amplitude.cause(measured)
-        word = _word(friction, amplitude, self._as_stated.cause(measured))
-        return Verdict(word, stated, friction, amplitude)
+        servos = None if self._servo is None else self._freed_servos(measured)
+        word = _word(friction, amplitude, self._as_stated.cause(measured), servos)
+        return Verdict(word, stated, friction, amplitude, servos)
+
+    @cached_property
+    def _by_servos_m_s(self) -> Array:
+        from ..servos.catalogue import servo
+
+        return sample_speeds(
+            self._fit, self._drawn.gaits, amplitude_sigma=self._amplitude_sigma,
+            servo=servo(FREED_SERVOS), count=_SERVO_DRAWS, seed=self._seed + 1,
+        ).both_m_s  # fmt: skip
+
+    def _freed_servos(self, measured: Measured) -> Cause:
+        """Return what any servos can do: their best draw, and the mean likelihood of all."""
+        from scipy.special import chdtrc, logsumexp
+
+        speeds = self._by_servos_m_s
+        noise = np.hypot(measured.sigma_m_s, MODEL_SIGMA * speeds.mean(axis=0))
+        chi2 = np.sum(((speeds - measured.speed_m_s) / noise) ** 2, axis=1)
+        evidence = float(np.asarray(logsumexp(-0.5 * chi2))) - math.log(len(chi2))
+        return Cause(float(chdtrc(speeds.shape[1], chi2.min())), evidence, {}, 1.0)
 
 
-def _word(friction: Cause, amplitude: Cause, as_stated: Cause) -> str:
-    """Name the cause, both where neither is better than the other or than mere bad luck."""
+def _word(friction: Cause, amplitude: Cause, as_stated: Cause, servos: Cause | None = None) -> str:
+    """Name the cause, all those of which none is better than another or than mere bad luck."""
     able = {"friction": friction, "amplitude": amplitude}
+    able |= {"servos": servos} if servos else {}
     able = {name: cause for name, cause in able.items() if cause.p_value >= DOUBTFUL}
     if not able:
         return "neither"
@@ -136,9 +171,11 @@ class _Loose:
     """Speeds over whitened unknowns: the logarithms of all frictions, and the amplitude last."""
 
     def __init__(
-        self, fit: FrictionFit, gaits: tuple[Gait, ...], freed: float, amplitude_sigma: float
-    ):
+        self, fit: FrictionFit, gaits: tuple[Gait, ...], freed: float, amplitude_sigma: float,
+        servo: ServoKind | None = None,
+    ):  # fmt: skip
         self._fit, self._gaits, self._freed = fit, gaits, freed
+        self._servo = servo
         self._amplitude_sigma = amplitude_sigma
         self._whole = np.maximum(list(fit.whole_snake.values()), 1e-9)
         relative = fit.covariance / np.outer(self._whole, self._whole)
@@ -171,7 +208,8 @@ class _Loose:
         from scipy.optimize import least_squares
         from scipy.special import chdtrc
 
-        noise, count = np.hypot(measured.sigma_m_s, MODEL_SIGMA * self._best_m_s), len(self._gaits)
+        model = np.hypot(MODEL_SIGMA, self._left_by_servos[1]) * self._best_m_s
+        noise, count = np.hypot(measured.sigma_m_s, model), len(self._gaits)
 
         def left(x: Array) -> Array:
             return np.append((self._speeds(x) - measured.speed_m_s) / noise, x)
@@ -202,20 +240,41 @@ class _Loose:
         whole = (self._whole * np.exp(np.clip(self._root @ x[:-1], -3.0, 3.0))).tolist()
         robot, share = self._fit.robot, self._amplitude(x)
         ground = ground_of(robot.links, whole)
-        return np.array([speed(robot, ground, scaled(g, share)) for g in self._gaits])
+        ideal = np.array([speed(robot, ground, scaled(g, share)) for g in self._gaits])
+        return ideal * self._left_by_servos[0]
+
+    @cached_property
+    def _left_by_servos(self) -> tuple[Array, Array]:
+        """Return the share of each ideal speed that servos leave, and its relative sigma."""
+        count = len(self._gaits)
+        if self._servo is None:
+            return np.ones(count), np.zeros(count)
+        servos = [self._servo.servo, *self._servo.draws(_SERVO_DRAWS // 4)]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            found = np.array(list(pool.map(self._shares, servos)))
+        return found[0], found[1:].std(axis=0) / np.maximum(found[1:].mean(axis=0), 1e-3)
+
+    def _shares(self, servo: Servo) -> list[float]:
+        robot, ground = self._fit.robot, self._fit.ground
+        pairs = [(speed(robot, ground, g, servo), speed(robot, ground, g)) for g in self._gaits]
+        return [moved / max(ideal, 1e-9) for moved, ideal in pairs]
 
 
 def in_words(
-    verdict: Verdict, measured: Measured, fit: FrictionFit, amplitude_sigma: float, weight_n: float
-) -> str:
+    verdict: Verdict, measured: Measured, fit: FrictionFit, amplitude_sigma: float, weight_n: float,
+    servo: ServoKind | None = None,
+) -> str:  # fmt: skip
     """Return what was found and what to do about it."""
-    best = np.array([speed(fit.robot, fit.ground, g) for g in measured.gaits])
+    typical = None if servo is None else servo.servo
+    best = np.array([speed(fit.robot, fit.ground, g, typical) for g in measured.gaits])
     share = np.divide(measured.speed_m_s, best, out=np.full_like(best, np.inf), where=best > 0.0)
     worst = int(np.argmax(np.abs(share - 1.0)))
     hz = measured.gaits[worst].omega_rad_s / (2 * math.pi)
     seen = f"at most {share[worst] - 1.0:+.1%} of the predicted speed, at {hz:.3g} Hz"
     if verdict.word == "agrees":
-        return f"Agrees: the robot runs as its friction predicts ({seen}; {_p(verdict.p_value)})."
+        named = "" if servo is None else f" with servos ({servo.name})"
+        how = f"{seen}; {_p(verdict.p_value)}"
+        return f"Agrees: the robot runs as its friction{named} predicts ({how})."
     told = f"Differs: {seen} ({_p(verdict.p_value)}). " + _blame(verdict, amplitude_sigma)
     if verdict.word == "friction" and verdict.friction is not None:
         told += _slope(verdict.friction, fit.whole_snake["ft0"] / weight_n)
@@ -225,10 +284,13 @@ def in_words(
 def _blame(verdict: Verdict, amplitude_sigma: float) -> str:
     friction, amplitude = verdict.friction, verdict.amplitude
     if verdict.word == "neither" or friction is None or amplitude is None:
+        servos = ", nor the servos" if verdict.servos else ""
         return (
-            "Neither friction nor the joints' amplitude explains it: look at the surface, the "
-            "mass, the frequency, the gait itself."
+            f"Neither friction nor the joints' amplitude{servos} explains it: look at the surface, "
+            "the mass, the frequency, the gait itself."
         )
+    if "servos" in verdict.word:
+        return _blame_servos(verdict)
     reached = f"{amplitude.amplitude:.0%} of the commanded one"
     if verdict.word == "friction":
         return (
@@ -243,6 +305,19 @@ def _blame(verdict: Verdict, amplitude_sigma: float) -> str:
     return (
         f"Friction ({_friction(friction)}) or the joints' amplitude ({reached}) may be to blame; "
         "these runs cannot tell which. Measure the joints' amplitude, or run more, at other rates."
+    )
+
+
+def _blame_servos(verdict: Verdict) -> str:
+    if verdict.word == "servos":
+        return (
+            "The data say that it is the servos: others than those stated would run the gait so. "
+            "Measure one of them, or give `--servo hobby`."
+        )
+    others = verdict.word.removesuffix(" or servos")
+    return (
+        f"The servos or {others} may be to blame; these runs cannot tell which. Measure a servo "
+        "first: it is the quickest of the two."
     )
 
 

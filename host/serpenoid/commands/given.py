@@ -10,6 +10,7 @@ import click
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
     from ..calibration.speed_samples import SpeedBand
+    from ..model.drives import ServoKind
     from ..model.gait import Gait
     from ..model.ground import Ground
     from ..model.robot import Robot
@@ -47,14 +48,15 @@ def session_fit(folder: Path) -> FrictionFit:
 
 
 def predicted_band(
-    fit: FrictionFit | None, robot: Robot, ground: Ground, gait: Gait
-) -> SpeedBand | None:
+    fit: FrictionFit | None, robot: Robot, ground: Ground, gait: Gait,
+    servo: ServoKind | None = None,
+) -> SpeedBand | None:  # fmt: skip
     """Return the one 95 % band of a gait's speed; None where robot and ground are not a fit's."""
     if fit is None or (robot, ground) != (fit.robot, fit.ground):
         return None
     from ..calibration.speed_samples import speed_band
 
-    return speed_band(fit, gait)
+    return speed_band(fit, gait, servo=servo)
 
 
 def tell_alarms(fit: FrictionFit, more: list[str] | None = None) -> FrictionFit:

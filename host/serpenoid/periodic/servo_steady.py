@@ -92,10 +92,15 @@ def _solve(ideal: Steady, servo: Servo) -> Any:
     return _core.servo_gait(model, core_servo(servo), start, monodromy, step)
 
 
+def servo_speed(ideal: Steady, servo: Servo) -> float:
+    """Return the speed with a servo, m/s, of a gait whose ideal periodic state is known."""
+    return _solve(ideal, servo).speed
+
+
 def servo_speeds(pairs: Iterable[tuple[Steady, Servo]]) -> NDArray[np.float64]:
     """Return the speed, m/s, for each ideal periodic state and the servo that it is to have."""
     with ThreadPoolExecutor() as pool:
-        found = pool.map(lambda pair: _solve(*pair).speed, list(pairs))
+        found = pool.map(lambda pair: servo_speed(*pair), list(pairs))
         return np.fromiter(found, float)
 
 

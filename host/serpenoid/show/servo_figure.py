@@ -66,15 +66,13 @@ def _rates(ax: Axes) -> None:
 def _speeds(ax: Axes, ideal: Steady) -> None:
     """Draw speed by ripple, for hobby servos drawn at random on three lengths of frames."""
     for frame_s, colour in zip(_FRAMES_S, (ORANGE, GREEN, BLUE), strict=True):
-        found = [
-            with_servo(ideal, replace(one, frame_s=frame_s)) for one in servo().draws(_DRAWS)
-        ]
+        found = [with_servo(ideal, replace(one, frame_s=frame_s)) for one in servo().draws(_DRAWS)]
         share = [s.speed_m_s / ideal.speed_m_s for s in found]
         ripple = [s.ripple_rad_s for s in found]
         ax.plot(ripple, share, "o", ms=4, color=colour, label=f"frames of {1e3 * frame_s:g} ms")
     quick = with_servo(ideal, Servo())
     ax.plot(quick.ripple_rad_s, quick.speed_m_s / ideal.speed_m_s, "x", ms=8, mew=2, color=RED,
             label="servo without a rotor")  # fmt: skip
-    ax.set(title="Speed over that of ideal joints", xlabel="ripple of the joints' rates, rms (rad/s)",
-           ylabel="share", xscale="log", ylim=(0.5, 1.05))  # fmt: skip
+    ax.set(title="Speed over that of ideal joints", ylabel="share", xscale="log", ylim=(0.5, 1.05))
+    ax.set_xlabel("ripple of the joints' rates, rms (rad/s)")
     ax.legend(loc="lower left", fontsize=8)

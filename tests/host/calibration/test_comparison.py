@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
-from serpenoid.calibration import comparison
+from serpenoid.calibration import comparison, verdict
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import sample_speeds
 
@@ -121,3 +121,37 @@ def test_springs_that_never_settle_do_not_withhold_the_rest(fitted, monkeypatch)
     found = comparison.compare(*fitted, gaits=[gait(5.0)], samples=16)
     assert math.isnan(found.gaits[-1].implicit_m_s)
     assert found.gaits[-1].exact_m_s > 0.1
+
+
+def servo_runs(made, servo):
+    """Return the session with one run of each gait, as a robot with this servo runs it."""
+    runs = []
+    for k, rate in enumerate(RATES[:2]):
+        g = gait(rate)
+        v = sn.steady_gait(made.setup.robot, GROUND, g, rtol=1e-3, servo=servo).speed_m_s
+        runs.append(GaitRun(100 + k, g.alpha_rad, g.beta_rad, rate, v, 0.01 * v))
+    return replace(made, gait_runs=tuple(runs))
+
+
+def test_servos_that_nobody_told_are_in_the_band_or_named(fitted, monkeypatch):
+    """A robot at five sixths of its ideal speed: any hobby servo may do that, a smooth one not."""
+    monkeypatch.setattr(verdict, "_SERVO_DRAWS", 48)
+    monkeypatch.setattr(verdict, "_STARTS", 64)
+    made, fit = fitted
+    hidden = next(
+        s for s in sn.servo().draws(60, seed=5)
+        if sn.steady_gait(made.setup.robot, GROUND, gait(RATES[1]), rtol=1e-3, servo=s).speed_m_s
+        < 0.088
+    )  # fmt: skip
+    crawled = servo_runs(made, hidden)
+    known = comparison.compare(crawled, fit, samples=16, servo=sn.servo())
+    assert known.verdict == "agrees"
+    assert known.servo == "hobby"
+    assert "with servos (hobby)" in known.verdict_text
+    smooth = sn.ServoKind("smooth", replace(sn.servo("STS3215").servo, update_hz=0.0))
+    told = comparison.compare(crawled, fit, samples=16, servo=smooth)
+    assert "servos" in told.verdict
+    assert told.p_servos is not None
+    assert told.p_servos > 0.05
+    assert "servo" in told.verdict_text
+    json.dumps(told.to_dict(), allow_nan=False)

@@ -111,10 +111,13 @@ def test_drive_tells_the_speed_that_the_friction_predicts(folder):
     steady = json.loads(run("steady", *GAIT[:4], "--omega-rad-s", 3, "--session", folder, "--json",
                             ).stdout)  # fmt: skip
     predicted = told["predicted"]
-    assert predicted["speed_m_s"] == pytest.approx(steady["speed_m_s"], rel=2e-3)
+    assert predicted["servo"] == "hobby"
+    assert predicted["speed_m_s"] == pytest.approx(steady["servo"]["speed_m_s"], rel=5e-3)
     assert predicted["low_m_s"] < 0.9 * predicted["speed_m_s"] < predicted["high_m_s"]
+    plain = json.loads(run(*driven, "--session", folder, "--servo", "ideal", "--json").stdout)
+    assert plain["predicted"]["speed_m_s"] == pytest.approx(steady["speed_m_s"], rel=2e-3)
     shown = run(*driven, "--session", folder).stdout
-    assert shown.startswith("predicted: 0.09")
+    assert shown.startswith("predicted: 0.0")
     assert "predicted speed" in shown
     assert "predicted" not in run(*driven).stdout
     refused = run(*driven, "--session", folder, "--ground", folder, check=False)

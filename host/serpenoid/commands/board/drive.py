@@ -17,7 +17,9 @@ from ..options import (
     interruptible,
     make_gait,
     preset_robot,
+    servo_option,
     show_json,
+    take_servo,
 )
 from ..paths import OutFile
 from .port import PORT
@@ -25,6 +27,7 @@ from .port import PORT
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
     from ...calibration.speed_samples import SpeedBand
+    from ...model.drives import ServoKind
     from ...model.gait import Gait
     from ...robot.robot_match import RobotMatch
     from ...robot.tools.driven_run import DrivenRun
@@ -34,6 +37,7 @@ if TYPE_CHECKING:
 @click.command()
 @gait_options
 @fit_options
+@servo_option
 @click.option("--duration-s", type=click.FloatRange(0, min_open=True),
               help="How long; until Ctrl-C unless given.")  # fmt: skip
 @PORT
@@ -45,34 +49,36 @@ if TYPE_CHECKING:
 @AS_JSON
 def drive(
     duration_s: float | None, port: str | None, record: Path | None, page: bool, as_json: bool,
-    **given: Any,
+    servo_name: str | None, **given: Any,
 ) -> None:  # fmt: skip
     """Drive a gait and watch it; Ctrl-C stops the robot first. Lay it straight before.
 
-    With --session DIR or --ground FILE the speed that the fitted friction predicts stands beside.
+    With --session DIR or --ground FILE the speed that the fitted friction predicts stands beside,
+    with any hobby servo unless --servo says which.
 
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
     Ctrl-C, or Stop on the page.
     """
     fit = take_fit(given)
-    drive_gait(make_gait(given), duration_s, port, record, as_json, fit, page=page)
+    servo = take_servo(servo_name, "hobby")
+    drive_gait(make_gait(given), duration_s, port, record, as_json, fit, page=page, servo=servo)
 
 
 def drive_gait(
     gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool,
     fit: FrictionFit | None = None, *, match: RobotMatch | None = None, page: bool = False,
-    before: dict[str, Any] | None = None,
+    before: dict[str, Any] | None = None, servo: ServoKind | None = None,
 ) -> None:  # fmt: skip
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
-    fit: of this robot's friction, if there is one; match: the robot that the gait is for, that of
+    fit: of this robot's friction, if there is one; servo: what moves its joints; match: the robot that the gait is for, that of
     the fit unless given. A board of other joints is refused. before: what a command that drives
     afterwards has found; with as_json all is one document, the run under "drive".
     """
     from ...robot.tools.driven_run import DrivenRun
     from ...show.live import view
 
-    band = None if fit is None else _predicted(fit, gait, as_json)
+    band = None if fit is None else _predicted(fit, gait, as_json, servo)
     run = DrivenRun(gait, port, record, match or _match(fit))
     try:
         with ExitStack() as stack:
@@ -94,11 +100,11 @@ def _match(fit: FrictionFit | None) -> RobotMatch | None:
     return RobotMatch(fit.robot.links, "the friction", "give the session of this robot, or none")
 
 
-def _predicted(fit: FrictionFit, gait: Gait, quiet: bool) -> SpeedBand:
+def _predicted(fit: FrictionFit, gait: Gait, quiet: bool, servo: ServoKind | None) -> SpeedBand:
     """Return the speed to expect, told before anything moves."""
     from ...calibration.speed_samples import speed_band
 
-    band = interruptible(lambda: speed_band(fit, gait))
+    band = interruptible(lambda: speed_band(fit, gait, servo=servo))
     if not quiet:
         click.echo(f"predicted: {band.in_words()}")
     return band

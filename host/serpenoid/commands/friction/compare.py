@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..given import session_fit
-from ..options import AS_JSON, listed_gait, show_json
+from ..options import AS_JSON, listed_gait, servo_option, show_json, take_servo
 from ..paths import FIGURES, OutFile
 
 
@@ -17,6 +17,7 @@ from ..paths import FIGURES, OutFile
               metavar="ALPHA_DEG BETA_DEG HZ", help="One more gait to predict.")  # fmt: skip
 @click.option("--amplitude-sigma", type=float, default=0.03, show_default=True,
               help="Standard deviation of the joints' true over commanded amplitude.")  # fmt: skip
+@servo_option
 @click.option("--samples", type=click.IntRange(16, 4096), default=64, show_default=True,
               help="Frictions drawn from the fit.")  # fmt: skip
 @click.option("--plot", "figure", type=OutFile(*FIGURES), help="Draw it into this file.")
@@ -25,13 +26,15 @@ def compare(
     session: Path,
     gaits: tuple[tuple[float, float, float], ...],
     amplitude_sigma: float,
+    servo_name: str | None,
     samples: int,
     figure: Path | None,
     as_json: bool,
 ) -> None:
     """Compare a session's gait runs with the speeds that its friction predicts.
 
-    Exact and implicit model, with the 95 % band of sampled frictions; then a verdict in words.
+    Exact and implicit model, with the 95 % bands of sampled frictions, and of amplitude and servos
+    besides; then a verdict in words. Any hobby servo may move the joints unless --servo says which.
     """
     from ...calibration import comparison
     from ...calibration.session_file import load_session
@@ -44,7 +47,7 @@ def compare(
     with progress(comparison.gait_count(loaded, more), "gaits") as advance:
         found = comparison.compare(
             loaded, fit, gaits=more, amplitude_sigma=amplitude_sigma, samples=samples,
-            progress=advance,
+            servo=take_servo(servo_name, "hobby"), progress=advance,
         )  # fmt: skip
     if figure is not None:
         from ...show.comparison_figure import comparison_figure

@@ -16,14 +16,18 @@ from ..given import predicted_band, take_fit
 from ..joints import joints_option, latest_film
 from ..options import (
     AS_JSON,
+    IDEAL,
     describe,
     interruptible,
     robot_options,
     robot_with_fit,
+    servo_option,
     show_json,
     stacked,
+    take_servo,
 )
 from ..paths import FIGURES, OutFile
+from .steady import beside_servo
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
@@ -72,6 +76,7 @@ send_options = stacked([
               show_default=True, help="Exact model, or the paper's springs.")  # fmt: skip
 @limit_options
 @doubt_options
+@servo_option
 @click.option("--plot", type=OutFile(*FIGURES),
               help="Draw speed against amplitude and fn0 around the gait: the cliff.")  # fmt: skip
 @send_options
@@ -79,18 +84,22 @@ send_options = stacked([
 def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
     """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
 
+    Gaits are searched with ideal joints; --servo tells what servos leave of the speed found.
+
     With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
     """
     wanted = _speeds(speeds)
     _refuse_idle(given, send, plot is not None)
+    servo_name = given.pop("servo_name")
     run = {name: given.pop(name) for name in ("port", "duration_s", "record")}
-    if len(wanted) > 1 and (send or plot):
-        raise click.UsageError("--send and --plot take one speed")
+    if len(wanted) > 1 and (send or plot or servo_name):
+        raise click.UsageError("--send, --plot and --servo take one speed")
     if send:
         _check_board(run["port"], run["record"])
     ask = _Asked(given, send)
     if len(wanted) > 1:
         return _show_front(ask, wanted, as_json)
+    servo = take_servo(servo_name, IDEAL if ask.fit is None else "hobby")
     found = interruptible(lambda: ask.find(wanted[0]))
     report_as = _robust_dict if ask.robust else _plain_dict
     from ...gaits.margins import gait_margins
@@ -102,12 +111,18 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
         interruptible(
             lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
         )
+    from ...show import report
+
+    moved = beside_servo(found.steady, servo)
     told = report_as(found) | {"margins": margins.to_dict()}
+    told |= {"servo": moved.to_dict()} if moved else {}
     fit = None if send else ask.fit  # what is sent is predicted when it is driven
-    band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, found.gait))
+    band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, found.gait, servo))
     told |= {"band": band.to_dict()} if band else {}
     if not as_json:
         _print(found, margins)
+        if moved is not None:
+            report.with_servo(moved)
         if band is not None:
             click.echo(f"predicted: {band.in_words()}")
     if send:
@@ -116,7 +131,9 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
 
         cure = "give its --links, or the session of this robot"
         match = RobotMatch(ask.robot.links, "the gait", cure)
-        drive_gait(found.gait, as_json=as_json, fit=ask.fit, match=match, before=told, **run)
+        drive_gait(
+            found.gait, as_json=as_json, fit=ask.fit, match=match, before=told, servo=servo, **run
+        )
     elif as_json:
         show_json(told)
     return None

@@ -122,9 +122,9 @@ def _pinned(
 
     with report.busy("solving"):
         s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
-        moved = _with_servo(s, servo)
+        moved = beside_servo(s, servo)
         margins = interruptible(lambda: gait_margins(robot, ground, gait))
-        band = interruptible(lambda: predicted_band(fit, robot, ground, gait))
+        band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo))
     if as_json:
         values = {"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()}
         values |= {"band": band.to_dict()} if band else {}
@@ -137,7 +137,7 @@ def _pinned(
     return gait_report.margins(margins)
 
 
-def _with_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:
+def beside_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:
     """Return the speed with servos; what does not settle is told, and is no reason to stop."""
     from ...model.errors import NotConverged
     from ...periodic.servo_steady import with_servo
