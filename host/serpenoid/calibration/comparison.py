@@ -61,9 +61,9 @@ class Comparison:
     and phase lag, friction's band alone. p_value: the chance of residuals as large if model, fit
     and stated errors (amplitude_sigma of the joints' amplitude, relative) hold; p_friction,
     p_amplitude: that chance once friction, or the amplitude, may be another one than stated; None
-    where that need not be asked; p_servos: the same for other servos than stated. servo: the kind
-    stated, None for joints that follow the gait. verdict: agrees, neither, not measured, or the
-    causes (friction, amplitude, servos) with `or` between them; verdict_text says it in words.
+    where that need not be asked. p_servos: the chance with other servos than stated. servo: the
+    kind stated, None for joints that follow the gait. verdict: agrees, neither, not measured, or
+    the causes (friction, amplitude, servos) with `or` between them; verdict_text says it in words.
     """
 
     session: str

@@ -71,9 +71,10 @@ def drive_gait(
 ) -> None:  # fmt: skip
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
-    fit: of this robot's friction, if there is one; servo: what moves its joints; match: the robot that the gait is for, that of
-    the fit unless given. A board of other joints is refused. before: what a command that drives
-    afterwards has found; with as_json all is one document, the run under "drive".
+    fit: of this robot's friction, if there is one; servo: what moves its joints; match: the robot
+    that the gait is for, that of the fit unless given. A board of other joints is refused. before:
+    what a command that drives afterwards has found; with as_json all is one document, the run under
+    "drive".
     """
     from ...robot.tools.driven_run import DrivenRun
     from ...show.live import view
