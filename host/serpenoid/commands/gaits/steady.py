@@ -133,7 +133,7 @@ def _pinned(
     if moved is not None:
         report.with_servo(moved)
     if band is not None:
-        report.console.print(f"predicted, ideal joints: {band.in_words()}", highlight=False)
+        report.console.print(f"predicted: {band.in_words()}", highlight=False)
     return gait_report.margins(margins)
 
 
