@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kMany = 60;        // frames in a cycle: fewer, and a cut one shows in it
 constexpr double kMostSteps = 1e6;  // in a cycle
+constexpr double kLeast = 2e-3;     // of the speed: an error below it is not claimed
 constexpr double kFarthest = 30;    // times the residual: a step of the secant method
 
 class Settling {
@@ -150,7 +151,9 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
         coarse = fine, fine = at(longest /= 2), by_step = fine.speed() - coarse.speed();
     }
     fine.report(out);
-    out.error = std::hypot(by_step, out.spread / std::sqrt(3.0 * phases), settling.left);
+    // twice their sum of squares, and two thousandths: holds 95 % of 300 random cases
+    const double apart = std::hypot(by_step, out.spread / std::sqrt(3.0 * phases), settling.left);
+    out.error = 2 * apart + kLeast * out.speed;
     return out;
 }
 

@@ -117,7 +117,8 @@ def compare(
         fit, wanted, amplitude_sigma=amplitude_sigma, servo=servo, count=samples, seed=seed,
         progress=progress,
     )  # fmt: skip
-    drawn = joints_seen(drawn, session)
+    if servo is None:  # a film of 30 frames a second shows amplitudes, and no ripple of servos
+        drawn = joints_seen(drawn, session)
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
     curve = _curve(fit, wanted, seed, progress)
     common = (session.setup.name, amplitude_sigma, points, curve, _all_runs(session))

@@ -81,7 +81,7 @@ def test_the_speed_is_that_of_the_full_simulation(seed: int) -> None:
     found = sn.steady_gait(robot, ground, gait, rtol=1e-4, servo=servo)
     speeds, _ = full_speeds(found.ideal, servo, keep=4)
     assert found.speed_m_s == pytest.approx(speeds.mean(), rel=0.01)
-    assert found.error_estimate < 0.03
+    assert found.error_estimate < 0.05
 
 
 @pytest.mark.slow
@@ -99,7 +99,7 @@ def test_three_hundred_random_servos() -> None:
         if abs(drift) > 0.005 * speed:  # the simulation itself has not settled
             continue
         errors.append(abs(found.speed_m_s / speed - 1))
-        covered.append(errors[-1] < 2 * found.error_estimate + 0.002)
+        covered.append(errors[-1] < found.error_estimate)
         if len(errors) == 300:
             break
     assert len(errors) > 250
