@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from serpenoid.calibration import speed_samples
 from serpenoid.calibration.prediction import one_cycle, predict
 
 SESSION = Path(__file__).resolve().parents[3] / "calibration_data" / "nirakh-2005"
@@ -74,3 +75,20 @@ def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
     # 600 steps of RK4 a period, 120 of them recorded
     speeds = run.mean_speed_m_s(gait.period_s)[::120]
     assert speeds == pytest.approx([state.speed_m_s] * 3, rel=1e-6)
+
+
+def test_the_stated_error_is_a_speed(fit) -> None:
+    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    s = sn.steady_gait(fit.robot, fit.ground, gait, powers=False)
+    point = predict(fit.robot, fit, gait)
+    assert point.explicit_error_m_s == pytest.approx(s.error_estimate * s.speed_m_s, rel=1e-6)
+
+
+def test_drawn_amplitudes_have_the_sigma_that_was_given(fit, monkeypatch) -> None:
+    """With the amplitude in place of the speed, the samples are the amplitudes themselves."""
+    monkeypatch.setattr(speed_samples, "speed", lambda robot, ground, gait: gait.alpha_rad)
+    gait = sn.Gait(0.5, 1.2, 3.0)
+    drawn = speed_samples.sample_speeds(fit, [gait], amplitude_sigma=0.04, count=512)
+    ratio = drawn.both_m_s[:, 0] / gait.alpha_rad
+    assert (ratio.mean(), ratio.std()) == pytest.approx((1.0, 0.04), rel=0.02)
+    assert (drawn.friction_m_s == gait.alpha_rad).all()

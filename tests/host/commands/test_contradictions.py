@@ -10,8 +10,9 @@ import click
 import pytest
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
-from serpenoid.commands.options import as_typed
+from serpenoid.commands.options import as_typed, make_robot
 from serpenoid.model.errors import BadInput
+from serpenoid.model.robot import Robot
 
 SESSION = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 GAIT = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]
@@ -140,3 +141,11 @@ def test_a_comparison_without_runs_says_so_in_its_picture(tmp_path: Path) -> Non
     wish = ["compare", str(SESSION), "--gait", "70", "75", "1", "--samples", "16"]
     assert CliRunner().invoke(cli, [*wish, "--plot", str(picture)]).exit_code == 0
     assert "no gait run measured yet" in picture.read_text()
+
+
+def test_a_uniform_rod_of_another_length_stays_one() -> None:
+    given = dict.fromkeys(option.name for option in cli.commands["steady"].params)
+    robot, _ = make_robot(given | {"length_m": 0.2, "preset": "paper"})
+    assert robot == Robot(6, 1.0, 0.2)
+    robot, _ = make_robot(given | {"length_m": 0.2, "inertia_kg_m2": 0.01, "preset": "paper"})
+    assert robot == Robot(6, 1.0, 0.2, 0.01)
