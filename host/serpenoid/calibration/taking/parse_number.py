@@ -135,7 +135,7 @@ def read_cells(
     if old is not None:
         return redone(kind, old, found, setup)
     for field in declared.numbers:
-        if field.usual is not None:
+        if field.usual is not None and not field.optional:  # what was not said is not known
             found.setdefault(field.column, field.usual)
     return declared.derive(found, setup.stopwatch)
 

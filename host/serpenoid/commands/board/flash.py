@@ -18,7 +18,8 @@ from ..options import AS_JSON, show_json
 @click.option("--joints", type=int, default=5, show_default=True,
               help="How many joints the robot has: its links less one.")  # fmt: skip
 @click.option("--output", type=click.Choice(["servo", "pca9685"]), default="servo",
-              show_default=True, help="Servos at the board's pins or at a PCA9685.")  # fmt: skip
+              show_default=True, help="Where servos are wired. pca9685 has run against no chip "
+              "yet.")  # fmt: skip
 @AS_JSON
 def flash(
     board: str | None,
@@ -33,6 +34,12 @@ def flash(
 
     from ...robot.tools.upload import flash as build_and_upload
 
+    if output == "pca9685":
+        click.echo(
+            "serpenoid: warning: the driver of the PCA9685 is unfinished: it has run against no "
+            "chip, not even a simulated one. Keep the horns off the servos.",
+            err=True,
+        )
     hello = build_and_upload(
         board,
         port,
