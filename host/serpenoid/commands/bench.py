@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..show.screen import say
 from .group import Commands
 from .paths import OutFolder
 
@@ -21,7 +22,7 @@ def BENCH_GROUP() -> None:
 
 
 def _tell(text: str) -> None:
-    click.echo(text, err=True)
+    say(text, err=True)
 
 
 @BENCH_GROUP.command()
@@ -50,13 +51,13 @@ def accuracy(out: Path, quick: bool, page: Path | None) -> None:
     for row in failed:  # all stand in the files; here those that were tried
         if row.note.startswith(NOT_TRIED):
             continue
-        click.echo(f"failed: {row.scene}, {row.method}, {row.kind} {row.setting:g}: {row.note}")
-    click.echo(f"\n{table(rows)}\n")
+        say(f"failed: {row.scene}, {row.method}, {row.kind} {row.setting:g}: {row.note}")
+    say(f"\n{table(rows)}\n")
     for line in headline(rows):
         if "ratio" in line:
-            click.echo("{scene} at {error:g}: {ours} {ratio:.3g} times as fast as {peer}"
+            say("{scene} at {error:g}: {ours} {ratio:.3g} times as fast as {peer}"
                        .format(**line))  # fmt: skip
-    click.echo(f"{len(rows)} rows, {len(failed)} without a result; in {out}")
+    say(f"{len(rows)} rows, {len(failed)} without a result; in {out}")
 
 
 @BENCH_GROUP.command()
@@ -68,11 +69,11 @@ def stability(out: Path, quick: bool) -> None:
 
     found = measure_and_write(out, quick, _tell)
     for line in summary(*found):
-        click.echo(line)
+        say(line)
     wrong = defects(*found[:2])
     for line in wrong:
-        click.echo(f"DEFECT: {line}")
-    click.echo(f"\n{len(wrong)} defects; maps and tables in {out}")
+        say(f"DEFECT: {line}")
+    say(f"\n{len(wrong)} defects; maps and tables in {out}")
     if wrong:
         raise SystemExit(1)
 
@@ -84,11 +85,11 @@ def scenes(out: Path) -> None:
     from ..bench.cost.scenes import RUNGS, run
 
     rungs = run(out, _tell)
-    click.echo("instructions per RK4 step, six links (callgrind)")
+    say("instructions per RK4 step, six links (callgrind)")
     for r in rungs:
         title = RUNGS[r.rung]
-        click.echo(f"{r.formulation:10}{title:40}{r.instructions_per_step:10.0f}{r.ratio:8.2f}")
-    click.echo(f"written to {out / 'scenes.csv'}; the last column is relative to the first line")
+        say(f"{r.formulation:10}{title:40}{r.instructions_per_step:10.0f}{r.ratio:8.2f}")
+    say(f"written to {out / 'scenes.csv'}; the last column is relative to the first line")
 
 
 @BENCH_GROUP.command()
@@ -134,8 +135,8 @@ def steady(out: Path, quick: bool) -> None:
     rows = measure(quick, _tell)
     write(rows, out)
     for line in summary(rows):
-        click.echo(line)
-    click.echo(f"in {out}")
+        say(line)
+    say(f"in {out}")
 
 
 @BENCH_GROUP.command()
@@ -181,7 +182,7 @@ def advise(out: Path, sessions: int, seed: int) -> None:
     (out / "advise.json").write_text(json.dumps(rows, indent=2) + "\n")
     advised_figure(rows, out / "advise.png")
     for r in ratios(found):
-        click.echo(
+        say(
             f"{r.plan} plan: {r.plan_readings:.1f} readings leave a band of {r.target:.1%}; "
             f"advised, {r.advised_readings:.1f} do ({r.ratio:.0%}; after the opening "
             f"{r.after_opening:.0%}); {r.reached} of {r.sessions} sessions got there"
@@ -209,5 +210,5 @@ def verdict(out: Path, sessions: int, seed: int, page: Path | None) -> None:
     verdict_figure(rows, out / "verdict.png")
     if page is not None:
         renew_table(page, "verdicts", markdown(rows))
-    click.echo(markdown(rows))
-    click.echo(f"in {out}")
+    say(markdown(rows))
+    say(f"in {out}")

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from .. import _core
+from ..show.screen import say
 from .options import AS_JSON, show_json
 
 BROUGHT = Path(_core.__file__).parent
@@ -27,5 +28,5 @@ def examples(folder: Path, as_json: bool) -> None:
     if as_json:
         return show_json({"files": files})
     for name in files:
-        click.echo(name)
-    click.echo(f"try: serpenoid simulate --scene {folder}/limping_on_a_slope.toml --plot run.png")
+        say(name)
+    say(f"try: serpenoid simulate --scene {folder}/limping_on_a_slope.toml --plot run.png")

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..model.errors import BadInput
+from ..show.screen import say
+
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
     from ..calibration.speed_samples import SpeedBand
@@ -41,9 +44,12 @@ def session_fit(folder: Path) -> FrictionFit:
 
     session = load_session(folder)
     if (folder / NAME).exists():
-        kept = load_fit(folder)
-        if kept.session_sha256 == session.sha256:
-            return tell_alarms(kept)
+        try:
+            kept = load_fit(folder)
+            if kept.session_sha256 == session.sha256:
+                return tell_alarms(kept)
+        except BadInput as error:  # an older version's, or edited: the readings are there
+            say(f"serpenoid: warning: {error}; fitted anew", err=True)
     return tell_alarms(fit_friction(session))
 
 
@@ -63,7 +69,7 @@ def tell_alarms(fit: FrictionFit, more: list[str] | None = None) -> FrictionFit:
     """Warn of all that forbids to trust a fit, and leave it to show_json; return the fit."""
     told = [*fit.alarms, *(more or [])]
     for alarm in told:
-        click.echo(f"serpenoid: warning: {alarm}", err=True)
+        say(f"serpenoid: warning: {alarm}", err=True)
     context = click.get_current_context(silent=True)
     if context is not None and told:
         context.meta[ALARMS] = told

@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from ..model.errors import BadInput, SerpenoidError
+from ..show.screen import say
 from .bench import BENCH_GROUP
 from .board import COMMANDS as BOARD_COMMANDS
 from .examples import examples
@@ -93,7 +94,7 @@ for board_command in BOARD_COMMANDS:
 
 
 def _show_warning(message: Warning | str, *_where: object) -> None:
-    click.echo(f"serpenoid: warning: {message}", err=True)
+    say(f"serpenoid: warning: {message}", err=True)
 
 
 def main() -> None:
@@ -105,23 +106,23 @@ def main() -> None:
     try:
         status = cli.main(standalone_mode=False)
     except click.ClickException as error:
-        click.echo(f"serpenoid: {of_arguments(error)}", err=True)
+        say(f"serpenoid: {of_arguments(error)}", err=True)
         status = error.exit_code
     except (click.Abort, KeyboardInterrupt):
-        click.echo("stopped", err=True)
+        say("stopped", err=True)
         if threading.active_count() > 1:  # the core's loop cannot be ended, only left behind
             if sys.stdout:  # it may be closed
                 sys.stdout.flush()
             os._exit(130)
         status = 130
     except SerpenoidError as error:
-        click.echo(f"serpenoid: {error}", err=True)
+        say(f"serpenoid: {error}", err=True)
         status = 2 if isinstance(error, BadInput) else 1
     except OSError as error:
-        click.echo(f"serpenoid: {of_system(error)}", err=True)
+        say(f"serpenoid: {of_system(error)}", err=True)
         status = 1
     except MemoryError:
-        click.echo("serpenoid: out of memory; run shorter, or record less often", err=True)
+        say("serpenoid: out of memory; run shorter, or record less often", err=True)
         status = 1
     sys.exit(status if isinstance(status, int) else 0)
 

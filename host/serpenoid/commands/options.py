@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..model.checks import check_number
+from ..show.screen import say
 from .given import ALARMS, take_fit
 
 if TYPE_CHECKING:
@@ -275,7 +276,7 @@ def show_json(values: dict[str, Any]) -> None:
     context = click.get_current_context(silent=True)
     alarms = context.meta.get(ALARMS) if context else None
     told = values | {"fit_alarms": alarms} if alarms else values
-    click.echo(json.dumps(finite(told), indent=2, allow_nan=False))
+    say(json.dumps(finite(told), indent=2, allow_nan=False))
 
 
 _TYPED = {"link_mass_kg": "--mass-kg", "link_length_m": "--length-m",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..show.screen import say
 from .group import Commands
 from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
 from .paths import FIGURES, OutFile
@@ -98,7 +99,7 @@ def tags(paper: str, out: Path, **given: Any) -> None:
     robot, side = _robot(given)
     side = tag_side_m(robot.link_length_m) if side is None else side
     pages = tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, out)
-    click.echo(
+    say(
         f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm on {pages} page"
         f"{'s' if pages > 1 else ''}; print at 100 %"
     )
@@ -216,12 +217,12 @@ def _record(found: FilmMeasurement, session: Path, name: str) -> None:
     try:
         cells, samples = film_cells(found)
     except BadInput as error:
-        click.echo(f"serpenoid: warning: no reading: {error}", err=True)
+        say(f"serpenoid: warning: no reading: {error}", err=True)
         return
     with Journal(session) as journal:
         same = [r for r in journal.session.of("video") if r.film_sha256 == cells["film_sha256"]]
         if same:
-            click.echo(f"{session}: reading {same[0].number} is of this film already", err=True)
+            say(f"{session}: reading {same[0].number} is of this film already", err=True)
             return
         number = journal.add("video", cells, comment=Path(name).name, samples=samples)
-    click.echo(f"{session}: reading {number}", err=True)
+    say(f"{session}: reading {number}", err=True)

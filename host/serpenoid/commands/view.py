@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..model.errors import BadInput
+from ..show.screen import say
 from .options import (
     AS_JSON,
     describe,
@@ -58,7 +59,7 @@ def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> No
     if as_json:
         show_json({"page": str(out), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
     else:
-        click.echo(f"wrote {out}; open it in a browser")
+        say(f"wrote {out}; open it in a browser")
 
 
 def _gait_words(gait: Gait) -> str:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 MOST_BYTES = 16_000_000  # of a file that people or this program write as text
 MOST_VALUES = 2_000_000  # numbers, texts, lists and objects of a JSON file: some 150 MB in memory
 MOST_ARRAYS = 100  # of one .npz file
+# Control characters, which a terminal obeys: written out as \x1b, but for line ends and tabs.
+_WRITTEN = {k: f"\\x{k:02x}" for k in (*range(32), *range(127, 160)) if chr(k) not in "\n\t"}
 
 
 def check_file(path: Path, most_bytes: int = MOST_BYTES) -> int:
@@ -109,3 +111,8 @@ def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[np.generic]]:
         NotImplementedError, RuntimeError,
     ) as error:  # fmt: skip
         raise BadInput(f"{path} is damaged ({error})") from None
+
+
+def visible(text: str) -> str:
+    """Return a text from outside as a terminal may have it: control characters written out."""
+    return text.translate(_WRITTEN)

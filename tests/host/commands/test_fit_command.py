@@ -63,6 +63,12 @@ def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
     assert asked == pytest.approx(0.133205, rel=1e-4)
     run("fit", folder)
     file = folder / "fit.json"
+    kept = file.read_text()
+    file.write_text("{}")  # an older version's, or edited: the readings are there
+    anew = run("steady", *GAIT, "--session", folder, "--json")
+    assert json.loads(anew.stdout)["speed_m_s"] == pytest.approx(asked, rel=1e-9)
+    assert "fitted anew" in anew.stderr
+    file.write_text(kept)
     again = json.loads(run("steady", *GAIT, "--ground", file, "--json").stdout)["speed_m_s"]
     assert again == pytest.approx(asked, rel=1e-9)
     firm = run("steady", *GAIT, "--ground", file, "--fn0", "0.1", "--json").stdout

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from ...show.screen import say
 from ..options import AS_JSON, show_json
 from .port import PORT
 
@@ -26,9 +27,9 @@ def doctor(port: str | None, listen_s: float, as_json: bool) -> None:
     for finding in examine(port, listen_s):
         findings.append(finding)
         if not as_json:
-            click.echo(f"{MARKS[finding.mark]}  {finding.name}: {finding.found}")
+            say(f"{MARKS[finding.mark]}  {finding.name}: {finding.found}")
             if finding.fix:
-                click.echo(f"      -> {finding.fix}")
+                say(f"      -> {finding.fix}")
     well = all(finding.mark != "fix" for finding in findings)
     if as_json:
         show_json({"well": well, "findings": [finding.to_dict() for finding in findings]})

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ...show.screen import say
 from ..given import take_fit
 from ..options import (
     AS_JSON,
@@ -107,7 +108,7 @@ def _predicted(fit: FrictionFit, gait: Gait, quiet: bool, servo: ServoKind | Non
 
     band = interruptible(lambda: speed_band(fit, gait, servo=servo))
     if not quiet:
-        click.echo(f"predicted: {band.in_words()}")
+        say(f"predicted: {band.in_words()}")
     return band
 
 
@@ -137,7 +138,7 @@ def _page(stack: ExitStack, run: DrivenRun, fit: FrictionFit | None, quiet: bool
     cure = "give the session of this robot, or leave --page out"
     run.match = run.match or RobotMatch(robot.links, f"the page's twin, {whose},", cure)
     page = stack.enter_context(LivePage(run, robot, ground, whose))
-    click.echo(f"page: {page.url}", err=quiet)
+    say(f"page: {page.url}", err=quiet)
     return page.show
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ...show.screen import say
 from ..options import AS_JSON, show_json
 
 
@@ -35,7 +36,7 @@ def flash(
     from ...robot.tools.upload import flash as build_and_upload
 
     if output == "pca9685":
-        click.echo(
+        say(
             "serpenoid: warning: the driver of the PCA9685 is unfinished: it has run against no "
             "chip, not even a simulated one. Keep the horns off the servos.",
             err=True,
@@ -44,14 +45,14 @@ def flash(
         board,
         port,
         project,
-        lambda text: click.echo(text, nl=False, err=True),
+        lambda text: say(text.replace("\r", "\n"), nl=False, err=True),
         joints=joints,
         output=output,
     )
     if as_json:
         show_json(asdict(hello))
     else:
-        click.echo(
+        say(
             f"the {hello.board} runs firmware {hello.firmware}, protocol {hello.protocol}; "
             "next: `serpenoid doctor`, then `serpenoid trim`"
         )

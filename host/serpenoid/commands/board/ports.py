@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from ...show.screen import say
 from ..options import AS_JSON, show_json
 
 
@@ -22,6 +23,6 @@ def ports(as_json: bool) -> None:
         about = [port.device, port.usb, port.chip and f"likely a board ({port.chip})"]
         about += [port.description, *(f"open in {h.name} ({h.pid})" for h in port.held_by)]
         about += [] if port.allowed else ["this user may not open it: try `serpenoid doctor`"]
-        click.echo("  ".join(part for part in about if part))
+        say("  ".join(part for part in about if part))
     if not any(port.chip for port in found):
-        click.echo(f"no board found by its USB id. {why_no_port()}", err=True)
+        say(f"no board found by its USB id. {why_no_port()}", err=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from ...show.screen import say
 from ..options import AS_JSON, show_json
 from .port import PORT
 
@@ -22,7 +23,7 @@ def trim(port: str | None, as_json: bool) -> None:
     need_terminal()
     with RobotBoard(port, unattended_s=UNATTENDED_S) as robot:
         straighten(robot)
-        work = Trimming(robot, lambda text: click.echo(text, err=True))
+        work = Trimming(robot, lambda text: say(text, err=True))
         with keyboard() as keys:
             work.go(keys)
     if as_json:

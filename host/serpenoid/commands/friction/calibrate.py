@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...model.errors import BadInput
+from ...show.screen import say
 from ..group import Commands
 from ..options import AS_JSON, doubt_robot, show_json
 from ..paths import OutFile
@@ -86,11 +87,11 @@ def _dry_run(folder: Path) -> None:
     session = read_session(folder)
     skipped = skipped_keys(events_of(session))
     for name, state in progress(session, skipped):
-        click.echo(f"{name:14} {state}")
+        say(f"{name:14} {state}")
     step = next_step(session, skipped)
-    click.echo(f"next: {step.say}")
+    say(f"next: {step.say}")
     for field in step.fields:
-        click.echo(f"  asks: {field.words} ({field.unit})")
+        say(f"  asks: {field.words} ({field.unit})")
 
 
 def _scripted(folder: Path, script: Path) -> None:
@@ -102,9 +103,9 @@ def _scripted(folder: Path, script: Path) -> None:
     with Journal(folder) as journal:
         refuse_another(journal, wanted_setup(top, journal.session.setup))
         journal.event("start", detail=f"{program()}, script {script.name}")
-        done = run_script(journal, top, lambda step: click.echo(f"done: {step.key}", err=True))
+        done = run_script(journal, top, lambda step: say(f"done: {step.key}", err=True))
         journal.event("end")
-        click.echo(f"{done} step(s) done; {count(journal.session)}")
+        say(f"{done} step(s) done; {count(journal.session)}")
 
 
 @calibrate.command()
@@ -133,7 +134,7 @@ def add(
         assert kind is not None  # or there is a sheet
         values = read_cells(kind, cells, journal.session.setup)
         number = journal.add(kind, values, replaces=replaces, comment=comment)
-    click.echo(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
+    say(f"reading {number} is kept" + (f"; reading {replaces} is not" if replaces else ""))
     return None
 
 
@@ -142,8 +143,8 @@ def _add_sheet(journal: Journal, path: Path) -> None:
 
     added, told = add_sheet(journal, path)
     for line in told:
-        click.echo(line, err=True)
-    click.echo(f"{added} reading(s) added; {count(journal.session)}")
+        say(line, err=True)
+    say(f"{added} reading(s) added; {count(journal.session)}")
 
 
 @calibrate.command()
@@ -157,7 +158,7 @@ def sheet(folder: Path, out: Path) -> None:
 
     write_sheet(read_session(folder), out)
     typed = f"type the readings into it, then: serpenoid calibrate add {folder} --sheet {out}"
-    click.echo(f"wrote {out}; {typed if out.suffix == '.csv' else 'print it from a browser'}")
+    say(f"wrote {out}; {typed if out.suffix == '.csv' else 'print it from a browser'}")
 
 
 @calibrate.command()
@@ -171,7 +172,7 @@ def void(folder: Path, number: int, reason: str, restore: bool) -> None:
 
     with Journal(folder) as journal:
         journal.event("restore" if restore else "void", number, reason)
-    click.echo(f"reading {number} is {'used again' if restore else 'void'}")
+    say(f"reading {number} is {'used again' if restore else 'void'}")
 
 
 @calibrate.command()
@@ -192,7 +193,7 @@ def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> Non
         old = rows[number]
         values = read_cells(old["kind"], cells, journal.session.setup, old)
         new_number = journal.add(old["kind"], values, replaces=number, comment=comment)
-    click.echo(f"reading {new_number} is kept; reading {number} is not")
+    say(f"reading {new_number} is kept; reading {number} is not")
 
 
 @calibrate.command()
@@ -214,9 +215,9 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
     robot = read_session(folder).setup.robot
     doubt_robot({"mass_kg": robot.link_mass_kg, "length_m": robot.link_length_m}, "the {} now")
     if all(change.startswith(("robot.", "laboratory.")) for change in changes):
-        click.echo("corrected, for all of the session")
+        say("corrected, for all of the session")
     else:
-        click.echo("amended; readings from here on are under this, earlier ones under theirs")
+        say("amended; readings from here on are under this, earlier ones under theirs")
 
 
 @calibrate.command()
@@ -235,5 +236,5 @@ def status(folder: Path, as_json: bool) -> None:
     if as_json:
         return show_json(table.as_dict(session, parts, step.say))
     table.show(session, parts)
-    click.echo(f"next: {step.say}")
+    say(f"next: {step.say}")
     return None

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...model.errors import BadInput
+from ...show.screen import say
 
 if TYPE_CHECKING:
     from ...calibration.kinds.declaration import Field
@@ -110,14 +111,14 @@ def new(
     elif template is None and unweighed:
         given = dataclasses.replace(given, weighed=False)
     create_session(folder, given)
-    click.echo(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
+    say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
 
 
 def _asked(setup: Setup, answers: dict[str, Any]) -> dict[str, Any]:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
     from ...calibration.taking.new_session import NUMBERS, WORDS
 
-    click.echo("Enter takes what stands in brackets; numbers may be typed with their units.")
+    say("Enter takes what stands in brackets; numbers may be typed with their units.")
     found = dict(answers)
     for name, words in WORDS.items():
         if found.get(name) is None:

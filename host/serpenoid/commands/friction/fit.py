@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from ...show.screen import say
 from ..options import AS_JSON, show_json
 from ..paths import FIGURES, OutFile
 
@@ -49,7 +50,7 @@ def fit(
         try:
             save_fit(found, session)
         except OSError as error:
-            click.echo(f"serpenoid: the fit is not kept: {error}", err=True)
+            say(f"serpenoid: the fit is not kept: {error}", err=True)
     if as_json:
         return show_json(found.to_dict())
     report.fit(found)

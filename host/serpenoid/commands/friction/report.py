@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ...show.screen import say
 from ..given import session_fit
 from ..options import AS_JSON, show_json
 from ..paths import OutFile
@@ -37,4 +38,4 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
     with whole_file(out) as part:
         part.write_text(page, encoding="utf-8")
     verdict = None if compared is None else compared.verdict
-    show_json({"report": str(out), "verdict": verdict}) if as_json else click.echo(f"wrote {out}")
+    show_json({"report": str(out), "verdict": verdict}) if as_json else say(f"wrote {out}")

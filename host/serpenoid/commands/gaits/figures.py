@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ...show.screen import say
 from ..options import AS_JSON, finite, interruptible, show_json
 from ..paths import OutFolder
 
@@ -56,7 +57,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
         show_json(values | {"page": str(out / "index.html")})
     else:
         claim_table(found)
-        click.echo(f"wrote {out / 'index.html'} and {len(shown)} figures with their data")
+        say(f"wrote {out / 'index.html'} and {len(shown)} figures with their data")
 
 
 def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[list[Claim], Shown]:

@@ -12,6 +12,7 @@ import click
 
 from ...model.checks import FORMULATIONS, check_number
 from ...model.errors import NotConverged
+from ...show.screen import say
 from ..given import predicted_band, take_fit
 from ..joints import joints_option, latest_film
 from ..options import (
@@ -124,7 +125,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
         if moved is not None:
             report.with_servo(moved)
         if band is not None:
-            click.echo(f"predicted: {band.in_words()}")
+            say(f"predicted: {band.in_words()}")
     if send:
         from ...robot.robot_match import RobotMatch
         from ..board.drive import drive_gait

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ...show.screen import say
 from ..options import AS_JSON, make_robot, radians, robot_options, show_json
 from ..paths import OutFile, OutFolder
 
@@ -182,7 +183,7 @@ def _one(
     if out is not None:
         write_sweep(found, out)
         missed = int((~found.converged).sum())
-        click.echo(f"wrote {count} gaits to {out}; {missed} did not converge", err=True)
+        say(f"wrote {count} gaits to {out}; {missed} did not converge", err=True)
     if as_json:
         show_json(sweep_values(found))
 
@@ -199,6 +200,6 @@ def _study(out: Path, robot: Any, ground: Any, **options: Any) -> None:
     with progress(count, "gaits") as advance:
         study = sweep_study(robot, ground, out=out, progress=advance, **options)
     missed = sum(int((~chunk["converged"]).sum()) for chunk in study)
-    click.echo(
+    say(
         f"{count} gaits in {len(study.chunks)} chunks in {out}; {missed} did not converge", err=True
     )

@@ -18,6 +18,7 @@ from ...model.errors import (
     RobotUnattended,
     StateUnasked,
 )
+from ...model.files import visible
 from ..signals import SignalGuard
 from ..wire.dialogue import Dialogue
 from ..wire.greeting import greet
@@ -260,7 +261,7 @@ class _Screen:
         clear = self.CLEAR if self._live else ""
         with self._lock:
             below = self._below if self._live else ""
-            print(f"{clear}{line}\n{below}", end="", flush=True)
+            print(f"{clear}{visible(line)}\n{below}", end="", flush=True)
 
     def tell(self, typed: str) -> None:
         """Show, on a terminal only, what is being typed."""

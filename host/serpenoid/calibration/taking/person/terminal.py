@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
+from ....model.files import visible
 from ....robot.tools.keys import KeyReader, keyboard
 
 TICK_S = 0.5
@@ -52,12 +53,12 @@ class Console:
     def say(self, text: str) -> None:
         """Print, long lines wrapped at words."""
         width = max(shutil.get_terminal_size((100, 24)).columns - 1, 20)
-        for line in text.split("\n"):
+        for line in visible(text).split("\n"):
             print("\n".join(textwrap.wrap(line, width)) if len(line) > width else line, flush=True)
 
     def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
         """Print the prompt and wait for a line."""
-        print(prompt, end="", flush=True)
+        print(visible(prompt), end="", flush=True)
         if self.keys and sys.stdin.isatty():
             return self._ask_by_keys(prompt, patience_s, tick)
         end_s = time.monotonic() + patience_s
