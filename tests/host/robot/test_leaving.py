@@ -143,6 +143,21 @@ def test_a_reset_at_the_moment_of_the_stop_is_told(word):
             fake.to_board = reset
 
 
+def test_a_greeting_behind_half_a_line_is_one():
+    """A reset cuts the line that was being sent; what follows it on the wire is the greeting."""
+    with FakeBoard() as fake:
+
+        def cut(line: bytes) -> bytes:
+            return b"t:2" + line if line.startswith(b"hello: ") else line
+
+        with pytest.raises(RobotReset, match="brownout"), Robot(fake.port) as robot:
+            robot.gait(GAIT)
+            fake.to_host = cut
+            fake.reset("brownout")
+            for _ in robot.frames(duration_s=60.0):
+                pass
+
+
 def test_handlers_are_given_back():
     before = [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     with Robot("virtual:fast"):

@@ -112,6 +112,9 @@ class Inbox:
             message = parse(line)
         except DamagedLine:
             self._take_damaged(line)
+            start = line.rfind(b"hello: ")
+            if start > 0:  # a reset cut a line short, and the greeting followed in the same line
+                self.take(line[start:], host_s)
             return
         self.heard = True
         if isinstance(message, Telemetry):
