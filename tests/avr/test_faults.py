@@ -65,7 +65,8 @@ def old_number(rng: random.Random, line: bytes) -> int:
 
 def harmful(chunk: bytes) -> bool:
     """Whether the chunk holds a stop that the rules obey without a CRC: it would end the motion."""
-    return any(part in (b"!", b"stop") for part in chunk.replace(b"\r", b"\n").split(b"\n"))
+    lines = chunk.replace(b"\r", b"\n").split(b"\n")
+    return b"!" in chunk or any(line.endswith(b"stop") for line in lines)
 
 
 def bad_cable(rng: random.Random, first_number: int):
