@@ -151,7 +151,7 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
         fig.clear()
         top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
         top.fill_between(f, low, high, color=BLUE, alpha=0.16, lw=0,
-                         label="95 % of the frictions that the fit allows")  # fmt: skip
+                         label="95 %, by friction and joints")  # fmt: skip
         top.plot(f, exact, color=BLUE, label="exact model (explicit)")
         top.plot(f, implicit, "o", mfc="white", color=ORANGE, ms=6, mew=1.6,
                  label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m")  # fmt: skip
