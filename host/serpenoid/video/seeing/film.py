@@ -55,11 +55,12 @@ class Film:
     def frames(self, damage: list[str]) -> Iterator[tuple[float, Grey, Any]]:
         """Give time (s), grey picture and the frame itself, in the order of time.
 
-        A damaged end or middle is told in `damage`, and what can be read is given. Raises
-        BadInput where frames carry no time.
+        A damaged end or middle is told in `damage`, and what can be read is given: a picture
+        that is drawn on a broken one is left out, until the next that stands alone.
         """
         av = _library()
         last = -np.inf
+        broken = False
         with av.open(str(self.path)) as box:
             stream = _stream(box, self.path)
             stream.thread_type = "AUTO"
@@ -72,6 +73,7 @@ class Film:
                     return
                 except av.FFmpegError as error:
                     damage.append(f"{type(error).__name__} after {max(last, 0.0):.2f} s")
+                    broken = True
                     if len(damage) > 200 or isinstance(error, av.EOFError):
                         return
                     continue
@@ -84,6 +86,11 @@ class Film:
                         damage.append(f"time runs back at {time_s:.2f} s")
                         continue
                     last = time_s
+                    broken = frame.is_corrupt or (broken and not frame.key_frame)
+                    if frame.is_corrupt:
+                        damage.append(f"a broken picture at {time_s:.2f} s")
+                    if broken:
+                        continue
                     yield time_s, grey(frame), frame
 
 
