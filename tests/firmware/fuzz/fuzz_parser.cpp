@@ -17,9 +17,7 @@ void require(bool holds) {
 }
 
 // A bend and its offset are each in range; the controller holds their sum to the joint's limits.
-int32_t most_angle_udeg() {
-    return 2 * link_angle_field().high_u + gait_field(kOffset).high_u;
-}
+int32_t most_angle_udeg() { return 2 * link_angle_field().high_u + gait_field(kOffset).high_u; }
 
 void check_command(const Envelope& envelope) {
     Command command;
