@@ -62,7 +62,6 @@ class DryMotion {
     // Friction along and across every link at a state in the present mode, N, by pairs.
     void friction(const DryState& state, double tau, std::vector<double>& force);
 
-    double speed_scale() const { return speed_scale_; }
     double momentum(double w, double tau);  // L of a given turning rate
     double rate(double L, double tau);      // and back
     long systems() const { return systems_; }
@@ -71,7 +70,6 @@ class DryMotion {
 
   private:
     static constexpr int kMaxOrder = 8;
-    enum class Outcome { accepted, rejected, event, broken };
     struct Step {
         DryState to;
         std::vector<double> margin;  // of every kink at the end: below -2 its mode has ended

@@ -1,8 +1,7 @@
 // Vector kernels of the implicit model with imposed angles: what they advance, and who has which.
 //
-// A pack is as many doubles as one register holds. Two layouts share one kernel: in a chain the
-// lanes of a pack are neighbouring links of one robot, in a batch they are gaits, link by link.
-// Each instruction set is a translation unit of its own; which one runs is asked of the processor.
+// A pack is as many doubles as one register holds; its lanes are neighbouring links of one robot.
+// Each instruction set is a translation unit of its own; the processor decides which one runs.
 #pragma once
 
 #include <array>
@@ -16,7 +15,7 @@ namespace serpenoid::kernels {
 enum class Law { viscous, dry, smoothed, ratchet, smoothed_ratchet };
 constexpr int kLaws = 5;
 
-// What a row of packs holds: a chain has a row for `width` links, a batch one for every link.
+// What a row of packs holds; a row stands for `width` links.
 enum Row : int {
     kAngleSin,  // theta_i - theta_1 = kAngleSin sin(wt) + kAngleCos cos(wt) + kAngleOffset
     kAngleCos,
@@ -39,7 +38,7 @@ enum Row : int {
     kRow = kShape + 9
 };
 
-// Single packs, one value a trajectory.
+// Single packs: the same value in every lane.
 enum One : int {
     kTheta,  // of link 1
     kOmega,
@@ -61,22 +60,15 @@ struct Task {
     double shape_s;  // and its time; a NaN before the first step
 };
 
-// Steps `first`, ..., first + count - 1, the i-th from i dt to (i + 1) dt.
-using Advance = void (*)(Task&, double dt, long first, long count);
 // One step from t to `end`.
 using Step = void (*)(Task&, double t, double end);
 using Sincos = void (*)(const double* x, double* sine, double* cosine, long packs);
 
-struct Kernel {
-    Advance advance;
-    Step step;
-};
-
-// The kernels of one instruction set, by Law.
+// The kernels of one instruction set.
 struct Set {
     const char* name;
-    int width;  // doubles a pack
-    std::array<Kernel, kLaws> chain, batch;
+    int width;                     // doubles a pack
+    std::array<Step, kLaws> step;  // by Law
     Sincos sincos;
     CycleKernel cycle;
     StageKernel stage;

@@ -1,4 +1,4 @@
-// The implicit model with imposed angles under RK4, for packs of any width and both layouts.
+// The implicit model with imposed angles under RK4, for packs of any width.
 //
 // theta_i = theta_1 + s_i(t) with s_i known beforehand: cos and sin of s_i are needed at two times
 // a step only (the middle serves two stages, the end the next step's first), and a rotation by
@@ -15,31 +15,20 @@
 namespace serpenoid::kernels {
 namespace {
 
-// Lanes are links: the neighbour is a lane away, and what is summed over links is so over lanes.
-template <int W>
-struct PackedChain {
-    using V = Pack<W>;
-    static V before(V previous, V current) {
-        if constexpr (W == 4) return V{previous[3], current[0], current[1], current[2]};
-        if constexpr (W == 2) return V{previous[1], current[0]};
-        return previous;
-    }
-    static V after(V current, V next) {
-        if constexpr (W == 4) return V{current[1], current[2], current[3], next[0]};
-        if constexpr (W == 2) return V{current[1], next[0]};
-        return next;
-    }
-    static V sum(V x) { return total(x); }
-};
+// Lanes are links: the neighbour is a lane away.
+template <class V>
+V link_before(V previous, V current) {
+    if constexpr (sizeof(V) == 32) return V{previous[3], current[0], current[1], current[2]};
+    if constexpr (sizeof(V) == 16) return V{previous[1], current[0]};
+    return previous;
+}
 
-// Lanes are gaits: the neighbour is a row away.
-template <int W>
-struct Batch {
-    using V = Pack<W>;
-    static V before(V previous, V) { return previous; }
-    static V after(V, V next) { return next; }
-    static V sum(V x) { return x; }
-};
+template <class V>
+V link_after(V current, V next) {
+    if constexpr (sizeof(V) == 32) return V{current[1], current[2], current[3], next[0]};
+    if constexpr (sizeof(V) == 16) return V{current[1], next[0]};
+    return next;
+}
 
 template <class V>
 struct PackedViscous {
@@ -99,9 +88,9 @@ struct PackedSmoothedRatchet : PackedSmoothed<V> {
     V ct_half, ft0_half;
 };
 
-template <class L, template <class> class LawOf>
+template <int W, template <class> class LawOf>
 class Stepper {
-    using V = typename L::V;
+    using V = Pack<W>;
 
   public:
     explicit Stepper(Task& task)
@@ -111,11 +100,6 @@ class Stepper {
           per_mass(all<V>(1 / task.robot.m)),
           per_inertia(all<V>(1 / (task.robot.n * task.robot.I))),
           inertia(all<V>(task.robot.I)) {}
-
-    void advance(double dt, long first, long count) {
-        for (long i = first; i < first + count; ++i)
-            step(static_cast<double>(i) * dt, static_cast<double>(i + 1) * dt);
-    }
 
     void step(double t, double end) {
         const int from = q.shape, to = 2 - from;
@@ -162,10 +146,10 @@ class Stepper {
         const V turn = omega + shape[2], x = at[0], y = at[1], vx = at[2], vy = at[3];
         const V arm_x = l * c, arm_y = l * s, wx = turn * arm_y, wy = turn * arm_x;
         const Head now{x + arm_x, y + arm_y, vx - wx, vy + wy};
-        const V gap_x = x - arm_x - L::before(head.x, now.x);
-        const V gap_y = y - arm_y - L::before(head.y, now.y);
-        const V rate_x = vx + wx - L::before(head.vx, now.vx);
-        const V rate_y = vy - wy - L::before(head.vy, now.vy);
+        const V gap_x = x - arm_x - link_before(head.x, now.x);
+        const V gap_y = y - arm_y - link_before(head.y, now.y);
+        const V rate_x = vx + wx - link_before(head.vx, now.vx);
+        const V rate_y = vy - wy - link_before(head.vy, now.vy);
         head = now;
         const V ft = law.along(fused(c, vx, s * vy)), fn = law.across(fused_less(c, vy, s * vx));
         return {arm_x,
@@ -185,7 +169,7 @@ class Stepper {
         Head head{};
         Load load_before{};
         const auto finish = [&](V* k, const Load& on, V next_x, V next_y) {
-            const V qx = L::after(on.force_x, next_x), qy = L::after(on.force_y, next_y);
+            const V qx = link_after(on.force_x, next_x), qy = link_after(on.force_y, next_y);
             couple = couple + fused_less(on.arm_x, on.force_y + qy, on.arm_y * (on.force_x + qx));
             use(k, per_mass * (on.friction_x + (qx - on.force_x)),
                 per_mass * (on.friction_y + (qy - on.force_y)));
@@ -197,7 +181,7 @@ class Stepper {
             load_before = now;
         }
         finish(k - kRow, load_before, V{}, V{});
-        return per_inertia * (L::sum(couple) - inertia * one(kTurns + which));
+        return per_inertia * (total(couple) - inertia * one(kTurns + which));
     }
 
     // From the stage's velocities v_s and accelerations: the next stage's place and velocities.
@@ -239,19 +223,9 @@ class Stepper {
     V l, per_mass, per_inertia, inertia;
 };
 
-template <class L, template <class> class LawOf>
-constexpr Kernel kernel_of() {
-    return {[](Task& q, double dt, long first, long count) {
-                Stepper<L, LawOf>(q).advance(dt, first, count);
-            },
-            [](Task& q, double t, double end) { Stepper<L, LawOf>(q).step(t, end); }};
-}
-
-// In the order of Law.
-template <class L>
-constexpr std::array<Kernel, kLaws> kernels_of() {
-    return {kernel_of<L, PackedViscous>(), kernel_of<L, Dry>(), kernel_of<L, PackedSmoothed>(),
-            kernel_of<L, PackedRatchet>(), kernel_of<L, PackedSmoothedRatchet>()};
+template <int W, template <class> class LawOf>
+void rk4_step(Task& q, double t, double end) {
+    Stepper<W, LawOf>(q).step(t, end);
 }
 
 template <int W>
@@ -264,8 +238,13 @@ void sincos_packs(const double* x, double* sine, double* cosine, long packs) {
 
 template <int W>
 constexpr Set set_of(const char* name, CycleKernel cycle, StageKernel stage) {
-    return {name,  W,    kernels_of<PackedChain<W>>(), kernels_of<Batch<W>>(), sincos_packs<W>,
-            cycle, stage};
+    return {name,
+            W,
+            {rk4_step<W, PackedViscous>, rk4_step<W, Dry>, rk4_step<W, PackedSmoothed>,
+             rk4_step<W, PackedRatchet>, rk4_step<W, PackedSmoothedRatchet>},
+            sincos_packs<W>,
+            cycle,
+            stage};
 }
 
 }  // namespace

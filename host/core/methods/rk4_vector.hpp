@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "kernels/gait_batch.hpp"
+#include "kernels/packed_run.hpp"
 #include "methods/fixed_step.hpp"
 #include "scene/run_request.hpp"
 
@@ -20,27 +20,26 @@ class Rk4Vector final : public FixedStep {
 
     Rk4Vector(System& system, const RunRequest& q)
         : FixedStep(system, q.dt),
-          task_({q.robot, q.ground, q.spring, q.smoothing}, {q.gait}, false,
-                *instruction_sets().front()),
-          y_(task_.dim()) {}
+          run_(q.robot, q.ground, q.spring, q.smoothing, q.gait),
+          y_(run_.dim()) {}
 
     void restart(double t, const double* y) override {
         FixedStep::restart(t, y);
-        task_.set(0, y);
+        run_.set(y);
     }
     // The state stays with the kernel until somebody asks.
     const double* state() const override {
-        task_.get(0, y_.data());
+        run_.get(y_.data());
         return y_.data();
     }
-    void dense(double, double* y) const override { task_.get(0, y); }
+    void dense(double, double* y) const override { run_.get(y); }
 
   protected:
     // t + dt is the end of the step to the bit: t and it are less than a factor 2 apart, or t = 0.
-    void advance(double t, double dt, double*) override { task_.step(t, t + dt); }
+    void advance(double t, double dt, double*) override { run_.step(t, t + dt); }
 
   private:
-    PackedRuns task_;
+    PackedRun run_;
     mutable std::vector<double> y_;
 };
 

@@ -24,7 +24,7 @@
 #include <array>
 #include <vector>
 
-#include "kernels/gait_batch.hpp"
+#include "kernels/packed_run.hpp"
 #include "kernels/kernel_table.hpp"
 #include "model/gait.hpp"
 #include "model/params.hpp"

@@ -1,4 +1,4 @@
-// Exposes the vector kernels to Python: batches of gaits, and each instruction set to the tests.
+// Exposes each set of vector kernels to the tests.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "kernels/gait_batch.hpp"
+#include "kernels/packed_run.hpp"
+#include "scene/run_request.hpp"
 
 namespace nb = nanobind;
 using namespace serpenoid;
@@ -17,7 +18,6 @@ using namespace serpenoid;
 namespace {
 
 using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 std::vector<std::string> set_names() {
     std::vector<std::string> names;
@@ -39,21 +39,17 @@ auto to_numpy(const std::vector<double>& values, std::size_t rows) {
     return nb::ndarray<nb::numpy, double>(data, {rows, values.size() / rows}, free);
 }
 
-// gaits (G, 4): alpha, beta, omega, offset; starts (G, 4 n + 2). Ends, and the times reached.
-nb::tuple run(const BatchScene& scene, Rows gaits, Rows starts, double dt, double duration,
-              long steps, const std::string& set_name, bool batch) {
-    const kernels::Set& set = set_called(set_name);
-    const std::size_t count = gaits.shape(0);
-    std::vector<Gait> list(count);
-    for (std::size_t g = 0; g < count; ++g)
-        list[g] = {gaits(g, 0), gaits(g, 1), gaits(g, 2), gaits(g, 3)};
-    const std::vector<double> from(starts.data(), starts.data() + starts.size());
-    GaitEnds ends;
-    {
-        nb::gil_scoped_release release;
-        ends = run_gaits(scene, list, from, dt, duration, steps, set, batch);
-    }
-    return nb::make_tuple(to_numpy(ends.state, count), to_numpy(ends.reached, count));
+// The end (4 n + 2,) of a run from such a start, with steps of dt and a shorter last one.
+auto kernel_run(const std::string& set_name, const RunRequest& q, Vector start) {
+    PackedRun run(q.robot, q.ground, q.spring, q.smoothing, q.gait, set_called(set_name));
+    std::vector<double> y(start.data(), start.data() + start.size());
+    if (start.size() != static_cast<std::size_t>(run.dim())) throw nb::value_error("start");
+    run.set(y.data());
+    for (long i = 0; i < q.steps; ++i)
+        run.step(static_cast<double>(i) * q.dt,
+                 i + 1 < q.steps ? static_cast<double>(i + 1) * q.dt : q.duration);
+    run.get(y.data());
+    return to_numpy(y, 1);
 }
 
 // Rows: sine, cosine; as many values as a multiple of the packs' width.
@@ -76,16 +72,7 @@ auto kernel_sincos(const std::string& set_name, Vector x) {
 }  // namespace
 
 void bind_kernels(nb::module_& m) {
-    nb::class_<BatchScene>(m, "BatchScene")
-        .def("__init__", [](BatchScene* self, int n, double mass, double half_length,
-                            double inertia, double ct, double cn, double ft0, double fn0,
-                            double ct_back, double ft0_back, double k, double c, double smoothing) {
-            new (self) BatchScene{{n, mass, half_length, inertia},
-                                  {ct, cn, ft0, fn0, ct_back, ft0_back},
-                                  {k, c},
-                                  smoothing};
-        });
     m.def("instruction_sets", &set_names);
-    m.def("run_batch", &run);
+    m.def("kernel_run", &kernel_run);
     m.def("kernel_sincos", &kernel_sincos);
 }

@@ -289,42 +289,15 @@ def evaluate(
     /,
 ) -> dict: ...
 def method_table() -> list: ...
-
-class BatchScene:
-    def __init__(
-        self,
-        arg0: int,
-        arg1: float,
-        arg2: float,
-        arg3: float,
-        arg4: float,
-        arg5: float,
-        arg6: float,
-        arg7: float,
-        arg8: float,
-        arg9: float,
-        arg10: float,
-        arg11: float,
-        arg12: float,
-        /,
-    ) -> None: ...
-
 def instruction_sets() -> list[str]: ...
-def run_batch(
-    arg0: BatchScene,
-    arg1: Annotated[
-        NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)
-    ],
+def kernel_run(
+    arg0: str,
+    arg1: RunRequest,
     arg2: Annotated[
-        NDArray[numpy.float64], dict(shape=(None, None), order="C", device="cpu", writable=False)
+        NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)
     ],
-    arg3: float,
-    arg4: float,
-    arg5: int,
-    arg6: str,
-    arg7: bool,
     /,
-) -> tuple: ...
+) -> NDArray[numpy.float64]: ...
 def kernel_sincos(
     arg0: str,
     arg1: Annotated[

@@ -13,8 +13,8 @@ import pytest
 import serpenoid as sn
 from serpenoid import _core
 from serpenoid.bench.cost.scenes import OWN_FLAGS
-from serpenoid.model.core_model import friction_numbers
 from serpenoid.model.link_state import LinkState
+from serpenoid.simulation.core_run import core_request
 from serpenoid.simulation.stability import joint_modes
 from serpenoid.simulation.starts import start_state
 
@@ -34,33 +34,20 @@ GROUNDS = {
 
 def scene_of(links: int, ground: str = "viscous", **changes: object) -> sn.Scene:
     law, width = GROUNDS[ground]
-    fields = {"formulation": "implicit", "duration_s": 0.3, "smoothing_m_s": width,
+    fields = {"formulation": "implicit", "duration_s": 0.3, "smoothing_m_s": width, "gait": GAIT,
               "start": "link1_at_rest", "method": "rk4", **changes}  # fmt: skip
-    return sn.Scene(sn.Robot(links, 1.0, 0.12), law, GAIT, **fields)  # type: ignore[arg-type]
+    return sn.Scene(sn.Robot(links, 1.0, 0.12), law, **fields)  # type: ignore[arg-type]
 
 
-def batch_scene(scene: sn.Scene) -> _core.BatchScene:
-    """Return what all gaits of a batch share."""
-    robot = scene.robot
-    return _core.BatchScene(
-        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
-        *friction_numbers(scene.ground), scene.joint_stiffness_n_m, scene.joint_damping_n_s_m,
-        scene.smoothing_m_s,
-    )  # fmt: skip
-
-
-def batch_state(state: LinkState) -> np.ndarray:
+def kernel_state(state: LinkState) -> np.ndarray:
     """Return x, y, vx, vy of all links, then theta and omega of link 1, (4 n + 2,)."""
     tail = [state.theta_rad[0], state.omega_rad_s[0]]
     return np.concatenate([state.x_m, state.y_m, state.vx_m_s, state.vy_m_s, tail])
 
 
-def run_batch(scene, gaits, starts, kernels, batch, dt=None, duration=None):
-    """Run the core's kernels of one name on given starts (G, 4 n + 2); return the ends."""
-    dt, duration = dt or scene.dt_s, duration or scene.duration_s
-    steps = math.ceil(duration / dt - 1e-9)
-    rows = np.array([[g.alpha_rad, g.beta_rad, g.omega_rad_s, g.offset_rad] for g in gaits])
-    return _core.run_batch(batch_scene(scene), rows, starts, dt, duration, steps, kernels, batch)
+def run_kernel(kernels: str, scene: sn.Scene, start: np.ndarray) -> np.ndarray:
+    """Run the core's kernels of one name from a given start (4 n + 2,); return the end."""
+    return _core.kernel_run(kernels, core_request(scene), start)[0]
 
 
 def numpy_rate(scene: sn.Scene, gait: sn.Gait, t: float, y: np.ndarray) -> np.ndarray:
@@ -137,16 +124,14 @@ def test_sine_and_cosine_err_by_a_few_units(kernels: str, far: float, units: flo
 def test_kernels_agree_with_numpy(kernels: str, ground: str) -> None:
     """200 steps: a few hundred roundings of 1e-16, which the springs pass on but do not grow."""
     gaits = [GAIT, sn.Gait(math.radians(170), 0.3, 7.0, -0.4), sn.Gait(0.0, 0.0, 1.0)]
-    scene = scene_of(5, ground, duration_s=0.2)
-    starts = np.array([batch_state(start_state(replace(scene, gait=g))) for g in gaits])
-    starts[:, -2] += [0.3, -40.0, 2e6]  # a heading far from 0, and one beyond the fast sine
-    starts[:, 10:20] += 0.1
-    exact = [numpy_rk4(scene, g, y, scene.dt_s, 200) for g, y in zip(gaits, starts, strict=True)]
-    for batch in (False, True):
-        found, reached = run_batch(scene, gaits, starts, kernels, batch)
-        assert (reached == 0.2).all()
-        for one, truth in zip(found, exact, strict=True):
-            assert off(one, truth) < 3e-12
+    headings = [0.3, -40.0, 2e6]  # two far from 0, the last one beyond the fast sine
+    for gait, heading in zip(gaits, headings, strict=True):
+        scene = scene_of(5, ground, duration_s=0.2, gait=gait)
+        start = kernel_state(start_state(scene))
+        start[-2] += heading
+        start[10:20] += 0.1
+        exact = numpy_rk4(scene, gait, start, scene.dt_s, 200)
+        assert off(run_kernel(kernels, scene, start), exact) < 3e-12
 
 
 @pytest.mark.parametrize("links", [2, 3, 4, 5, 6, 7, 8, 9, 13, 16, 31, 50, 1000])
@@ -155,25 +140,22 @@ def test_every_number_of_links_fits(links: int) -> None:
     scene = scene_of(links, duration_s=0.2 if links < 100 else 0.02)
     start = start_state(scene_of(links, gap="zero"))
     rng = np.random.default_rng(links)
-    starts = batch_state(start)[None] + 1e-3 * rng.normal(size=(1, 4 * links + 2))
-    exact = run_batch(scene, [GAIT], starts, "scalar", False)[0][0]
+    packed = kernel_state(start) + 1e-3 * rng.normal(size=4 * links + 2)
+    exact = run_kernel("scalar", scene, packed)
     for kernels in SETS:
-        for batch in (False, True):
-            found = run_batch(scene, [GAIT], starts, kernels, batch)[0][0]
-            assert off(found, exact) < 1e-12
+        assert off(run_kernel(kernels, scene, packed), exact) < 1e-12
 
 
 @pytest.mark.parametrize("kernels", SETS)
 def test_rk4_of_the_kernels_has_order_four(kernels: str) -> None:
     scene = scene_of(7, duration_s=1.0)
-    starts = batch_state(start_state(scene))[None]
-    for batch in (False, True):
-        ends = [
-            run_batch(scene, [GAIT], starts, kernels, batch, dt=1 / steps)[0][0]
-            for steps in (1000, 2000, 4000, 32_000)
-        ]
-        errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
-        assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(4, abs=0.2)
+    start = kernel_state(start_state(scene))
+    ends = [
+        run_kernel(kernels, replace(scene, dt_s=1 / steps), start)
+        for steps in (1000, 2000, 4000, 32_000)
+    ]
+    errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(4, abs=0.2)
 
 
 def many_gaits(count: int) -> list[sn.Gait]:
@@ -244,23 +226,21 @@ def turned(y: np.ndarray, angle: float) -> np.ndarray:
     return np.concatenate([*parts, tail + np.array([angle, 0.0])])
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_the_ground_has_no_preferred_direction(batch: bool) -> None:
+def test_the_ground_has_no_preferred_direction() -> None:
     scene = scene_of(7)
-    start = batch_state(start_state(scene))
+    start = kernel_state(start_state(scene))
+    straight = run_kernel(SETS[0], scene, start)
     for angle in (1.0, math.pi / 2, 200.0):
-        starts = np.array([start, turned(start, angle)])
-        straight, askew = run_batch(scene, [GAIT] * 2, starts, SETS[0], batch)[0]
+        askew = run_kernel(SETS[0], scene, turned(start, angle))
         assert off(askew, turned(straight, angle)) < 1e-12
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_without_friction_springs_change_no_momentum(batch: bool) -> None:
+def test_without_friction_springs_change_no_momentum() -> None:
     """Whatever they do, their forces come in pairs: the sum of velocities keeps to round-off."""
-    scene = replace(scene_of(7), ground=sn.Ground(0.0, 0.0), gap="zero")
-    start = batch_state(start_state(scene))
+    scene = replace(scene_of(7), ground=sn.Ground(0.0, 0.0), gap="zero", duration_s=20.0)
+    start = kernel_state(start_state(scene))
     start[14:28] += np.random.default_rng(2).normal(size=14)
-    end = run_batch(scene, [GAIT], start[None], SETS[0], batch, duration=20.0)[0][0]
+    end = run_kernel(SETS[0], scene, start)
     for part in (slice(14, 21), slice(21, 28)):
         # 2e4 steps, each rounding seven velocities of some m/s: a walk of 2e-16 sqrt(1.4e5)
         assert abs(end[part].sum() - start[part].sum()) < 1e-12

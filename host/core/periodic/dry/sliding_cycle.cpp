@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "kernels/gait_batch.hpp"
+#include "kernels/packed_run.hpp"
 
 namespace serpenoid {
 
