@@ -3,11 +3,12 @@
 
 #include "body/body_shape.hpp"
 #include "model/params.hpp"
+#include "numerics/dense.hpp"
 
 namespace serpenoid {
 
 // In the body frame of body_shape.hpp the friction force and couple on the chain is -(D u + omega
-// d), and what it dissipates u.D u + 2 omega d.u + omega^2 dd.
+// d). It dissipates u.D u + 2 omega d.u + omega^2 dd.
 struct ViscousSums {
     double D[6] = {};  // xx xy xw yy yw ww
     double d[3] = {}, dd = 0;
@@ -22,6 +23,19 @@ struct ViscousSums {
         D[3] += c * g.y * g.y, D[4] += c * g.y * g.r, D[5] += c * g.r * g.r;
         d[0] += c * g.x * g.e, d[1] += c * g.y * g.e, d[2] += c * g.r * g.e;
         dd += c * g.e * g.e;
+    }
+
+    // D u + omega d.
+    Vec3 drag(const Vec3& u, double omega) const {
+        return {D[0] * u[0] + D[1] * u[1] + D[2] * u[2] + omega * d[0],
+                D[1] * u[0] + D[3] * u[1] + D[4] * u[2] + omega * d[1],
+                D[2] * u[0] + D[4] * u[1] + D[5] * u[2] + omega * d[2]};
+    }
+
+    double dissipation(const Vec3& u, double omega) const {
+        const Vec3 f = drag(u, omega);
+        return f[0] * u[0] + f[1] * u[1] + f[2] * u[2] +
+               omega * (d[0] * u[0] + d[1] * u[1] + d[2] * u[2] + omega * dd);
     }
 };
 

@@ -24,8 +24,8 @@
 #include <array>
 #include <vector>
 
-#include "kernels/packed_run.hpp"
 #include "kernels/kernel_table.hpp"
+#include "kernels/packed_run.hpp"
 #include "model/gait.hpp"
 #include "model/params.hpp"
 #include "numerics/spectral_mesh.hpp"

@@ -39,13 +39,6 @@ Path travel(const ViscousMotion& motion, double spin) {
     return path;
 }
 
-double dissipation(const ViscousNode& k, const Vec3& u, double omega) {
-    const double* D = k.D;
-    return u[0] * (D[0] * u[0] + 2 * D[1] * u[1] + 2 * D[2] * u[2]) +
-           u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
-           2 * omega * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) + omega * omega * k.dd;
-}
-
 }  // namespace
 
 void set_means(const ViscousShape& shape, const ViscousMotion& motion, SteadyState& out) {
@@ -57,7 +50,7 @@ void set_means(const ViscousShape& shape, const ViscousMotion& motion, SteadySta
         for (int j = 0; j < s; ++j) {
             const ViscousNode& k = m.nodes[e * s + j];
             const Vec3 u = ViscousShape::velocity(k, motion.stage[e * s + j], omega);
-            out.power += rule.b[j] / m.elements * dissipation(k, u, omega);
+            out.power += rule.b[j] / m.elements * k.dissipation(u, omega);
         }
     Path path = travel(motion, 0);
     out.turn = shape.mirrored ? 0 : path.turn;
@@ -80,7 +73,7 @@ std::vector<double> positive_powers(const ViscousShape& shape, const ViscousMoti
         for (int j = 0; j < s; ++j) {
             const ViscousNode& k = m.nodes[e * s + j];
             const Vec3 u = ViscousShape::velocity(k, motion.stage[e * s + j], omega),
-                       force = ViscousShape::friction(k, u, omega);
+                       drag = k.drag(u, omega), force = {-drag[0], -drag[1], -drag[2]};
             const auto friction = [&](int i) {
                 const LinkShape& link = k.shape.link[i];
                 return std::pair{along.force(link.t.speed(u.data(), omega), 0),

@@ -36,20 +36,13 @@ const ViscousMesh& ViscousShape::mesh(int elements) {
     return m;
 }
 
-Vec3 ViscousShape::friction(const ViscousNode& k, const Vec3& u, double omega) {
-    const double* D = k.D;
-    return {-(D[0] * u[0] + D[1] * u[1] + D[2] * u[2] + omega * k.d[0]),
-            -(D[1] * u[0] + D[3] * u[1] + D[4] * u[2] + omega * k.d[1]),
-            -(D[2] * u[0] + D[4] * u[1] + D[5] * u[2] + omega * k.d[2])};
-}
-
 Vec3 ViscousShape::derivative(const ViscousNode& k, const Vec3& y, double omega, Mat3& A) const {
-    const Vec3 u = velocity(k, y, omega), g = friction(k, u, omega);
+    const Vec3 u = velocity(k, y, omega), drag = k.drag(u, omega);
     const double w = u[2], iJ = 1 / k.J, io = 1 / omega, inm = io / (robot.n * robot.m);
     A = {-k.D[0] * inm,          -k.D[1] * inm + w * io, (-k.D[2] * inm + y[1] * io) * iJ,
          -k.D[1] * inm - w * io, -k.D[3] * inm,          (-k.D[4] * inm - y[0] * io) * iJ,
          -k.D[2] * io,           -k.D[4] * io,           -k.D[5] * io * iJ};
-    return {g[0] * inm + w * y[1] * io, g[1] * inm - w * y[0] * io, g[2] * io};
+    return {-drag[0] * inm + w * y[1] * io, -drag[1] * inm - w * y[0] * io, -drag[2] * io};
 }
 
 }  // namespace serpenoid

@@ -53,8 +53,6 @@ class ViscousShape {
     static Vec3 velocity(const ViscousNode& node, const Vec3& y, double omega) {
         return {y[0], y[1], (y[2] - omega * node.K) / node.J};
     }
-    // Friction force and couple on the chain: -(D u + omega d).
-    static Vec3 friction(const ViscousNode& node, const Vec3& u, double omega);
 
     const Robot robot;
     const Ground ground;

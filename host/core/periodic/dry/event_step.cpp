@@ -43,12 +43,7 @@ bool EventStep::solve(const Vec3& p, const Vec3& u0, double h) {
 
 // What friction takes at the end of the step, W.
 double EventStep::dissipation(const Vec3& u) const {
-    const SlidingPiece::Node& k = piece_.node(1);
-    const double* D = k.D;
-    double watts = u[0] * (D[0] * u[0] + 2 * D[1] * u[1] + 2 * D[2] * u[2]) +
-                   u[1] * (D[3] * u[1] + 2 * D[4] * u[2]) + D[5] * u[2] * u[2] +
-                   2 * omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2]) +
-                   omega_ * omega_ * k.dd;
+    double watts = piece_.node(1).dissipation(u, omega_);
     for (std::size_t c = 0; c < kinks_.size(); ++c) {
         const WheelLaw& law = piece_.law(wheel_of_kink_[c]);
         const double v = kinks_[c].at(u);

@@ -188,15 +188,11 @@ void SlidingCycle::saltate(const Vec3& after) {
 // What friction takes, W, and its derivative by u.
 std::pair<double, Vec3> SlidingCycle::dissipation(const SlidingPiece::Node& k,
                                                   const Vec3& u) const {
-    const double* D = k.D;
-    const Vec3 drag = {D[0] * u[0] + D[1] * u[1] + D[2] * u[2] + omega_ * k.d[0],
-                       D[1] * u[0] + D[3] * u[1] + D[4] * u[2] + omega_ * k.d[1],
-                       D[2] * u[0] + D[4] * u[1] + D[5] * u[2] + omega_ * k.d[2]};
+    const Vec3 drag = k.drag(u, omega_);
     Vec3 by;
-    double watts = omega_ * (k.d[0] * u[0] + k.d[1] * u[1] + k.d[2] * u[2] + omega_ * k.dd);
-    for (int i = 0; i < 3; ++i)
-        watts += (drag[i] + k.dry[i]) * u[i], by[i] = 2 * drag[i] + k.dry[i];
-    return {watts + omega_ * k.dry_e, by};
+    double watts = k.dissipation(u, omega_) + omega_ * k.dry_e;
+    for (int i = 0; i < 3; ++i) watts += k.dry[i] * u[i], by[i] = 2 * drag[i] + k.dry[i];
+    return {watts, by};
 }
 
 // Integrals over the first x of a piece of h, and the state there.

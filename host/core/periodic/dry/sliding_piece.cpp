@@ -105,10 +105,10 @@ Vec3 SlidingPiece::direction(int wheel, int j) const {
 
 // dp/dtau without the stuck wheels' forces.
 Vec3 SlidingPiece::free_rate(const Node& k, const Vec3& p, const Vec3& u) const {
-    const double io = 1 / omega_, w = u[2], *D = k.D;
-    return {io * (w * p[1] - k.dry[0] - D[0] * u[0] - D[1] * u[1] - D[2] * w) - k.d[0],
-            io * (-w * p[0] - k.dry[1] - D[1] * u[0] - D[3] * u[1] - D[4] * w) - k.d[1],
-            io * (-k.dry[2] - D[2] * u[0] - D[4] * u[1] - D[5] * w) - k.d[2]};
+    const double io = 1 / omega_, w = u[2];
+    const Vec3 drag = k.drag(u, omega_);
+    return {io * (w * p[1] - k.dry[0] - drag[0]), io * (-w * p[0] - k.dry[1] - drag[1]),
+            io * (-k.dry[2] - drag[2])};
 }
 
 Mat3 SlidingPiece::free_jacobian(const Node& k, const Vec3& p, const Vec3& u) const {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "body/body_shape.hpp"
+#include "body/viscous_drag.hpp"
 #include "kernels/kernel_table.hpp"
 #include "model/friction_law.hpp"
 #include "model/gait.hpp"
@@ -42,12 +43,11 @@ class SlidingPiece {
     using Rule = RadauRule<kStages>;
     using Lanes = kernels::Lanes;  // of the start (0) and the stages
 
-    // One phase: moments of the shape, and sums over the wheels.
-    struct Node {
+    // One phase: viscous friction, moments of the shape, and sums over the wheels.
+    struct Node : ViscousSums {
         double J, K, iJ;
-        double D[6], d[3], dd;  // of the viscous ones
-        Vec3 dry;               // sum of the others' forces times g
-        double dry_e;           // and times e
+        Vec3 dry;      // sum of the dry forces times g
+        double dry_e;  // and times e
     };
 
     SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait,
