@@ -39,8 +39,8 @@ def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> No
     """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
 
     WHAT is a scene file, a recording of `serpenoid drive --record`, or `virtual`: eight seconds of
-    the virtual robot. A recording is shown beside the model's prediction for the robot and ground
-    of the options.
+    the virtual robot. Of a recording it shows how the robot and ground of the options move while
+    the joints follow the recorded set-points.
     """
     from ..show.pages.view_page import write_page
 
@@ -94,8 +94,8 @@ def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[s
     stream = _virtual_stream() if what == "virtual" else load_stream(Path(what))
     gait, shown = interruptible(lambda: of_recording(stream, robot, ground))
     title = "the virtual robot" if what == "virtual" else Path(what).name
-    about = (f"{_gait_words(gait)}; the path is predicted for the {whose}, the "
-             "set-points are the firmware's own")  # fmt: skip
+    about = (f"{_gait_words(gait)}; the path is predicted for the {whose} "
+             "from the set-points that the firmware told")  # fmt: skip
     return gait, title, about, shown
 
 

@@ -23,7 +23,7 @@ def test_drive_and_view_take_the_boards_joints(joints, joints_link, serpenoid, t
     assert f"of a robot of {joints + 1}" in errors
     assert serpenoid("view", str(run), "--links", str(joints + 1), "--out", str(page))[0] == 0
     data = page.read_text().partition('type="application/json">')[2].partition("</script")[0]
-    assert len(json.loads(data)["set_joint_deg"][0]) == joints
+    assert len(json.loads(data)["joint_deg"][0]) == joints
 
 
 def test_the_page_beside_a_drive_has_a_twin_of_the_right_robot_or_none(

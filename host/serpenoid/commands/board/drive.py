@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 @click.option("--record", type=OutFile(),
               help="New file for every line of the run.")  # fmt: skip
 @click.option("--page", is_flag=True,
-              help="Show the robot live on a page of this machine's browser, with its twin: what "
-              "the model predicts, for the 2005 robot and ground without a fit.")  # fmt: skip
+              help="Show the robot live on a page of this machine's browser: where the model goes "
+              "with the joints as told, for the 2005 robot and ground without a fit.")  # fmt: skip
 @AS_JSON
 def drive(
     duration_s: float | None, port: str | None, record: Path | None, page: bool, as_json: bool,

@@ -1,24 +1,21 @@
-"""The predicted twin of a driven robot: its periodic state at any phase that the board tells."""
+"""The twin of a robot: a model chain on the ground, its joints led through told set-points."""
 
 from __future__ import annotations
 
-import cmath
-import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...lab.robot import LabRobot
+from ...model.errors import NotConverged
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ...simulation.scene import Scene
-from ...simulation.simulate import simulate
-from ..plot import along_travel
 
 Array = NDArray[np.float64]
-Places = NDArray[np.complex128]  # x + iy
+STEP_S = 0.002  # of the chain: 0.1 % of a gait's speed, far below what a page shows
+SHORTEST_S, LONGEST_S = 1e-3, 10.0  # between two set-points; beyond a longer gap nobody knows
 
 
 @dataclass(frozen=True)
@@ -36,44 +33,76 @@ class Motion:
         """Return the wheels' speed across their links."""
         return self.vy_m_s * np.cos(self.theta_rad) - self.vx_m_s * np.sin(self.theta_rad)
 
+    def at(self, kept: NDArray[np.int64]) -> Motion:
+        """Return some of the moments."""
+        return Motion(*(getattr(self, field.name)[kept] for field in fields(self)))
+
+    def along_x(self) -> Motion:
+        """Return the motion turned so that its centre's way from start to end lies along x."""
+        way = np.mean(self.x_m[-1] - self.x_m[0]) + 1j * np.mean(self.y_m[-1] - self.y_m[0])
+        turn = np.conj(way) / abs(way) if abs(way) > 0 else 1.0
+        place, velocity = turn * (self.x_m + 1j * self.y_m), turn * (self.vx_m_s + 1j * self.vy_m_s)
+        angle = self.theta_rad + np.angle(turn)
+        return Motion(place.real, place.imag, angle, velocity.real, velocity.imag)
+
 
 class Twin:
-    """A gait's periodic state: one cycle is simulated, later ones are that one, moved on.
+    """A robot with ideal joints, at rest at first: its mean heading along x, at the origin.
 
-    It travels along x from the origin on, in the mean of the first cycle.
+    It goes where friction lets it go while its joints move from set-point to set-point; so it
+    ramps, holds and changes its gait as the board does.
     """
 
-    def __init__(self, robot: Robot, ground: Ground, gait: Gait):
-        scene = Scene(
-            robot, ground, gait, start="steady", dt_s=gait.period_s / 400, record_every=2,
-            method="rk4" if ground.smooth else "nonsmooth", duration_s=gait.period_s,
-        )  # fmt: skip
-        self.scene = scene
-        run = along_travel(simulate(scene))
-        self._phase_rad = gait.omega_rad_s * run.t_s
-        self._place = run.x_m + 1j * run.y_m
-        self._velocity = run.vx_m_s + 1j * run.vy_m_s
-        self._theta_rad = run.theta_rad
-        self._turn_rad = float(run.theta_rad[-1, 0] - run.theta_rad[0, 0])
-        turned = cmath.exp(1j * self._turn_rad)
-        self._step = complex(np.mean(self._place[-1] - turned * self._place[0]))
+    def __init__(self, robot: Robot, ground: Ground, setpoint_rad: Array):
+        self._robot = robot
+        self._chain = LabRobot(robot, (ground,)).chain()
+        self._joints = np.array(setpoint_rad, dtype=np.float64)
+        self._chain.set_joints(self._joints.tolist())
+        heading = float(np.cumsum(self._joints).sum()) / robot.links
+        self._chain.place(0.0, 0.0, -heading, 0.0, 0.0, 0.0)
 
-    def at(self, phase_rad: Array) -> Motion:
-        """Return the motion at phases counted on over the cycles, (N,)."""
-        cycle, within = np.divmod(phase_rad, 2 * math.pi)
-        turned = np.exp(1j * self._turn_rad * cycle)[:, None]
-        moved = self._step * _geometric(cmath.exp(1j * self._turn_rad), cycle)[:, None]
-        place: Places = turned * self._table(within, self._place) + moved
-        velocity: Places = turned * self._table(within, self._velocity)
-        theta = self._table(within, self._theta_rad) + self._turn_rad * cycle[:, None]
-        return Motion(place.real, place.imag, theta, velocity.real, velocity.imag)
+    def now(self) -> Motion:
+        """Return where the links are; the joints' own rates are left out."""
+        state = np.array([self._chain.state[:6]])
+        return self._motion(state, self._joints[None], np.zeros((1, self._joints.size)))
 
-    def _table(self, phase_rad: Array, columns: NDArray[Any]) -> NDArray[Any]:
-        return np.stack([np.interp(phase_rad, self._phase_rad, c) for c in columns.T], axis=1)
+    def follow(self, setpoint_rad: Array, lasts_s: Array) -> Motion:
+        """Lead the joints to set-points (N, n-1), each within a time (N,); where it then is."""
+        rows = np.ascontiguousarray(setpoint_rad, dtype=np.float64)
+        lasts_s = np.clip(lasts_s, SHORTEST_S, LONGEST_S)
+        told = [
+            self._chain.follow(rows[k : k + 1], float(duration_s), STEP_S)
+            for k, duration_s in enumerate(lasts_s)
+        ]
+        states = np.concatenate(told)
+        if len(states) < len(rows):
+            raise NotConverged("the twin came to no answer; are robot and friction sensible?")
+        rate = np.diff(rows, axis=0, prepend=self._joints[None]) / lasts_s[:, None]
+        self._joints = rows[-1]
+        return self._motion(states, rows, rate)
+
+    def _motion(self, states: Array, joint_rad: Array, joint_rad_s: Array) -> Motion:
+        """Return all links from centre of mass and link 1, (N, 6), and the joints, (N, n-1)."""
+        x, y, theta, vx, vy, turning = (states[:, [k]] for k in range(6))
+        start = ((0, 0), (1, 0))
+        angle = theta + np.cumsum(np.pad(joint_rad, start), axis=1)
+        rate = turning + np.cumsum(np.pad(joint_rad_s, start), axis=1)
+        half = self._robot.link_length_m / 2
+        c, s = half * np.cos(angle), half * np.sin(angle)
+        placed = [
+            _about_mean(first, along)
+            for first, along in ((x, c), (y, s), (vx, -s * rate), (vy, c * rate))
+        ]
+        return Motion(placed[0], placed[1], angle, placed[2], placed[3])
 
 
-def _geometric(ratio: complex, count: Array) -> Places:
-    """Return 1 + ratio + ... to `count` terms, of a ratio of size 1."""
-    if abs(ratio - 1) < 1e-9:
-        return count.astype(complex)
-    return np.asarray((1 - ratio**count) / (1 - ratio), dtype=complex)
+def _about_mean(mean: Array, half: Array) -> Array:
+    """Return centres (N, n) in a row about their mean (N, 1), from half of each link (N, n)."""
+    steps = np.cumsum(np.pad(half[:, :-1] + half[:, 1:], ((0, 0), (1, 0))), axis=1)
+    return mean + steps - steps.mean(axis=1, keepdims=True)
+
+
+def gait_joints(gait: Gait, phase_rad: Array, joints: int) -> Array:
+    """Return the angles that a gait has at phases (N,), for each joint (N, joints), rad."""
+    at = phase_rad[:, None] + np.arange(joints) * gait.beta_rad
+    return gait.offset_rad + gait.alpha_rad * np.sin(at)

@@ -1,4 +1,4 @@
-"""A page of one file that shows a snake crawling: a run, or a recording beside its twin."""
+"""A page of one file that shows a snake crawling: a run, or the twin of a recorded robot."""
 
 from __future__ import annotations
 
@@ -16,12 +16,11 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ..whole_file import whole_file
-from .twin import Motion, Twin
+from .twin import Motion, Twin, gait_joints
 
 if TYPE_CHECKING:
     from ...robot.recording.stream import Stream
     from ...simulation.run import Run
-    from ...simulation.scene import Scene
 
 Array = NDArray[np.float64]
 FRAMES_A_SECOND, MOST_FRAMES = 50, 3000
@@ -49,14 +48,17 @@ def of_run(run: Run) -> dict[str, Any]:
     count = max(2, min(MOST_FRAMES, run.t_s.size, math.ceil(duration * FRAMES_A_SECOND) + 1))
     t_s = np.linspace(0.0, duration, count)
     tables = (run.x_m, run.y_m, run.theta_rad, run.vx_m_s, run.vy_m_s)
-    motion = Motion(*(_at(run, t_s, table) for table in tables))
-    return {"t_s": rounded(t_s)} | constants(run.scene, motion) | rows(run.scene, motion)
+    motion = Motion(*(_columns(t_s, run.t_s, table) for table in tables))
+    s = run.scene
+    slope = {"uphill_rad": s.incline_direction_rad} if s.incline_rad else {}
+    sizes = constants(s.robot, s.ground, s.gait, motion)
+    return {"t_s": rounded(t_s)} | sizes | slope | rows(s.ground, motion)
 
 
 def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, dict[str, Any]]:
-    """Return the recorded gait, and its set-points laid on what the model predicts of that gait.
+    """Return the recorded gait, and how a twin moves whose joints follow the recorded set-points.
 
-    The twin is in the gait's periodic state from the start, at the phase that the board told.
+    Where frames did not arrive the joints go straight to the next set-points.
     Raises BadInput for a recording without a gait, or of a robot of other links.
     """
     gait = recorded_gait(stream)
@@ -64,13 +66,19 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     if kept.size < 2:
         raise BadInput("the recording holds no frames of a gait; drive one with --record")
     check_links(robot, stream.setpoint_rad.shape[1] + 1)
-    kept = kept[:: math.ceil(kept.size / MOST_FRAMES)]
-    twin = Twin(robot, ground, gait)
-    motion = twin.at(np.unwrap(stream.phase_rad[kept]))
-    board_s = stream.board_s[kept]
-    shown = {"t_s": rounded(board_s - board_s[0])} | constants(twin.scene, motion)
-    shown |= rows(twin.scene, motion)
-    return gait, shown | set_points(robot, motion, stream.setpoint_rad[kept])
+    kept = np.arange(kept[0], kept[-1] + 1)
+    told, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
+    twin = Twin(robot, ground, told[0])
+    motion = twin.follow(told[1:], np.diff(board_s))
+    shown = np.arange(0, kept.size - 1, math.ceil(kept.size / MOST_FRAMES))
+    motion = motion.at(shown).along_x()
+    t_s, phase = board_s[1:][shown] - board_s[0], stream.phase_rad[kept][1:][shown]
+    asked = gait_joints(gait, phase, robot.links - 1)
+    return gait, (
+        {"t_s": rounded(t_s), "asked_deg": rounded(np.degrees(asked))}
+        | constants(robot, ground, gait, motion)
+        | rows(ground, motion)
+    )
 
 
 def check_links(robot: Robot, links: int) -> None:
@@ -90,20 +98,20 @@ def recorded_gait(stream: Stream) -> Gait:
     raise BadInput("no gait was sent in this recording; drive one with --record")
 
 
-def constants(scene: Scene, motion: Motion) -> dict[str, Any]:
+def constants(robot: Robot, ground: Ground, gait: Gait, motion: Motion) -> dict[str, Any]:
     """Return what the page needs once: sizes, and the fastest slip."""
     return {
         "most_slip_m_s": float(np.abs(motion.slip_m_s).max()),
-        "link_length_m": scene.robot.link_length_m,
-        "period_s": scene.gait.period_s,
-        "dry": bool(scene.ground.fn0 > 0),
-    } | ({"uphill_rad": scene.incline_direction_rad} if scene.incline_rad else {})
+        "link_length_m": robot.link_length_m,
+        "period_s": gait.period_s,
+        "dry": bool(ground.fn0 > 0),
+    }
 
 
-def rows(scene: Scene, motion: Motion) -> dict[str, Any]:
+def rows(ground: Ground, motion: Motion) -> dict[str, Any]:
     """Return what the page draws of the model at each moment."""
     slip = motion.slip_m_s
-    stuck = (scene.ground.fn0 > 0) & (np.abs(slip) < STUCK_M_S)
+    stuck = (ground.fn0 > 0) & (np.abs(slip) < STUCK_M_S)
     return {
         "x_m": rounded(motion.x_m),
         "y_m": rounded(motion.y_m),
@@ -114,26 +122,11 @@ def rows(scene: Scene, motion: Motion) -> dict[str, Any]:
     }
 
 
-def set_points(robot: Robot, motion: Motion, setpoint_rad: Array) -> dict[str, Any]:
-    """Lay a chain with these joint angles on the model's centre of mass and mean heading."""
-    theta = np.cumsum(np.pad(setpoint_rad, ((0, 0), (1, 0))), axis=1)
-    theta += (motion.theta_rad - theta).mean(axis=1, keepdims=True)
-    placed = {}
-    for name, along, centres in (
-        ("set_x_m", np.cos(theta), motion.x_m),
-        ("set_y_m", np.sin(theta), motion.y_m),
-    ):
-        ends = robot.link_length_m / 2 * (along[:, :-1] + along[:, 1:])
-        place = np.cumsum(np.pad(ends, ((0, 0), (1, 0))), axis=1)
-        placed[name] = rounded(place + (centres - place).mean(axis=1, keepdims=True))
-    degrees = rounded(np.degrees(setpoint_rad))
-    return placed | {"set_theta_rad": rounded(theta), "set_joint_deg": degrees}
-
-
 def rounded(values: Array) -> Any:
     """Return numbers as the page holds them, to 10 µm and 10 µrad."""
     return np.round(values, 5).tolist()
 
 
-def _at(run: Run, t_s: Array, values: Array) -> Array:
-    return np.stack([np.interp(t_s, run.t_s, column) for column in values.T], axis=1)
+def _columns(at: Array, x: Array, values: Array) -> Array:
+    """Interpolate each column (N, m), given at x (N,), at other places."""
+    return np.stack([np.interp(at, x, column) for column in values.T], axis=1)
