@@ -9,9 +9,12 @@ from __future__ import annotations
 import json
 import secrets
 import socket
+import socketserver
+import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
@@ -19,6 +22,7 @@ from ...model.errors import BadInput, SerpenoidError
 
 BEAT_S = 1.0  # a stream that is silent for three of these is lost, the page says
 MOST_STREAMS = 16
+MOST_SILENT = 32  # connections without a request that is allowed; one more ends the oldest
 LAST_WORD_S = 0.5
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'nonce-{nonce}'; connect-src 'self'"
@@ -52,19 +56,17 @@ class Page:
         self._state = "{}"
         self._version = 0
         self._closed = False
-        address = "0.0.0.0" if lan else "127.0.0.1"
         try:
-            self._server = _Server((address, port), _Request)
-        except OSError as error:
-            raise BadInput(f"port {port} cannot be served: {error.strerror}") from error
-        self._server.page = self
-        self._server.daemon_threads = True
+            self._server = _Server(self, lan, port)
+        except (OSError, OverflowError) as error:
+            why = getattr(error, "strerror", None) or error
+            raise BadInput(f"port {port} cannot be served: {why}") from error
         self.port: int = self._server.server_address[1]
         names = ["127.0.0.1", "localhost"]
         self.name = names[0]
         if lan:
-            self.name = lan_address()
-            names += [self.name, socket.gethostname()]
+            names += [*lan_addresses(), socket.gethostname()]
+            self.name = names[2]
         self.hosts = frozenset(f"{name}:{self.port}".lower() for name in names)
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
 
@@ -115,24 +117,88 @@ class Page:
             return self._version, None if self._version == seen else self._state
 
 
-def lan_address() -> str:
-    """Return this machine's address in the local net; nothing is sent to find it."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+def lan_addresses() -> list[str]:
+    """Return this machine's addresses in the local net, as a URL has them; nothing is sent.
+
+    At least one name comes back: of a machine without a net it is 127.0.0.1.
+    """
+    found = []
+    for family, far in (  # addresses of documentation, RFC 5737 and RFC 3849
+        (socket.AF_INET, "192.0.2.1"),
+        (socket.AF_INET6, "2001:db8::1"),
+    ):
         try:
-            probe.connect(("192.0.2.1", 9))  # an address of documentation, RFC 5737
-            return str(probe.getsockname()[0])
+            with socket.socket(family, socket.SOCK_DGRAM) as probe:
+                probe.connect((far, 9))
+                own = str(probe.getsockname()[0])
         except OSError:
-            return "127.0.0.1"
+            continue
+        found.append(f"[{own}]" if family == socket.AF_INET6 else own)
+    return found or ["127.0.0.1"]
 
 
 class _Server(ThreadingHTTPServer):
-    page: Page
+    """Listen; connections that never show the token cannot use up this program's files."""
+
+    daemon_threads = True
+    request_queue_size = 128
+
+    def __init__(self, page: Page, lan: bool, port: int):
+        self.page = page
+        self._silent: dict[socket.socket, None] = {}  # the oldest first
+        self._lock = threading.Lock()
+        both = lan and socket.has_dualstack_ipv6()
+        self.address_family = socket.AF_INET6 if both else socket.AF_INET
+        address = "::" if both else "0.0.0.0" if lan else "127.0.0.1"
+        super().__init__((address, port), _Request)
+
+    def server_bind(self) -> None:
+        """Bind, and ask no name server for this machine's name, as HTTPServer does."""
+        if self.address_family == socket.AF_INET6:
+            self.socket.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 0)
+        socketserver.TCPServer.server_bind(self)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Count a new connection as silent, and give it a thread."""
+        self.silent(request)
+        super().process_request(request, client_address)
+
+    def silent(self, connection: socket.socket) -> None:
+        """Count a connection as silent; of too many the oldest is ended."""
+        with self._lock:
+            self._silent[connection] = None
+            extra = list(self._silent)[:-MOST_SILENT]
+            for oldest in extra:
+                del self._silent[oldest]
+        for oldest in extra:
+            with suppress(OSError):  # it is closed already
+                oldest.shutdown(socket.SHUT_RDWR)  # its thread sees the end and closes it
+
+    def heard(self, connection: socket.socket) -> None:
+        """Count a connection as silent no longer: its request is allowed, or it ends."""
+        with self._lock:
+            self._silent.pop(connection, None)
+
+    def shutdown_request(self, request: Any) -> None:
+        """Forget a connection that ends."""
+        self.heard(request)
+        super().shutdown_request(request)
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Stay silent about a connection that broke: the terminal belongs to the dialogue."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
 
 
 class _Request(BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
     server: _Server  # pyright: ignore[reportIncompatibleVariableOverride]
     timeout = 30.0
+
+    def handle_one_request(self) -> None:
+        """Wait for a request, as a silent connection."""
+        self.server.silent(self.connection)
+        super().handle_one_request()
 
     def do_GET(self) -> None:
         """Answer for the page or its stream."""
@@ -176,7 +242,10 @@ class _Request(BaseHTTPRequestHandler):
         page = self.server.page
         token = self.path.split("/")[1] if "/" in self.path else ""
         told = secrets.compare_digest(token.encode(), page.token.encode())
-        return told and self.headers.get("Host", "").lower() in page.hosts
+        allowed = told and self.headers.get("Host", "").lower() in page.hosts
+        if allowed:
+            self.server.heard(self.connection)
+        return allowed
 
     def _refuse(self) -> None:
         self.close_connection = True
