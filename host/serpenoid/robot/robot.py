@@ -78,19 +78,19 @@ class RobotBoard:
         self._unattended_s = check_number("unattended_s", unattended_s, 0.0, open_low=True)
         self._talk: Dialogue | None = None
         self._recorder: Recorder | None = None
-        self._signals = SignalGuard(self._halt)
+        self._signals = SignalGuard(self._halt, (RobotBoard.__exit__, RobotBoard._leave))
         self._process = os.getpid()
 
     def __enter__(self) -> RobotBoard:
         if self._talk is not None:
             raise RobotClosed("this Robot has been used already; make a new one")
-        self._signals.install()
         try:
+            self._signals.install()
             self._open()
+            return self
         except BaseException as error:
             self._leave(error)
             raise
-        return self
 
     def __exit__(
         self,

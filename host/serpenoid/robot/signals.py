@@ -6,7 +6,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable
-from types import FrameType
+from types import FrameType, FunctionType
 
 _WATCHED = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
@@ -17,13 +17,15 @@ class SignalGuard:
     """Call `stop` at once on a signal, then let it do what it did before.
 
     SIGTERM and SIGHUP, which would kill, raise SystemExit instead, so that `with` blocks are
-    left in order. A signal that is ignored stays ignored. While `held` is set, signals are kept
-    for restore(), so that an impatient second Ctrl-C cannot cut the stopping short. Outside the
-    main thread Python allows no handlers, and this does nothing.
+    left in order. A signal that is ignored stays ignored. While `held` is set, and at the start of
+    the functions `leaving`, which set it, signals are kept for restore(): an impatient second
+    Ctrl-C cannot cut the stopping short. Outside the main thread Python allows no handlers, and
+    this does nothing.
     """
 
-    def __init__(self, stop: Callable[[], None]):
+    def __init__(self, stop: Callable[[], None], leaving: tuple[FunctionType, ...] = ()):
         self._stop = stop
+        self._leaving = {function.__code__ for function in leaving}
         self._before: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
         self._kept: int | None = None
         self.held = False
@@ -41,16 +43,21 @@ class SignalGuard:
 
     def restore(self, *, forget: bool = False) -> None:
         """Give the signals back, and send the one that was kept unless it is to be forgotten."""
-        for number, before in self._before.items():
-            signal.signal(number, before)
-        self._before.clear()
+        try:
+            while self._before:
+                number = next(reversed(self._before))  # SIGINT last: until then it is kept
+                signal.signal(number, self._before[number])
+                del self._before[number]
+        except BaseException:  # another signal came, whose own handler raised
+            self.restore(forget=True)
+            raise
         kept, self._kept = self._kept, None
         if kept is not None and not forget:
             os.kill(os.getpid(), kept)
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
         self._stop()
-        if self.held:
+        if self.held or (frame is not None and frame.f_code in self._leaving):
             self._kept = number
             return
         before = self._before.get(number)

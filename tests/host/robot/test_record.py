@@ -206,8 +206,9 @@ def test_what_a_full_queue_cannot_take_is_counted_where_it_is_missing(stalled, m
     for k in range(100):
         record.line(0.01 * k, "<", b"x" * 200)
     text = reads(reader)
-    while not record._wait(0.05):
+    while record._queue.qsize():
         text += reads(reader)
+        time.sleep(0.01)
     record.line(2.0, "<", b"y")
     with pytest.raises(RecordingFailed, match="rows could not be written"):
         record.close()

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
+import atexit
 import os
 import queue
 import threading
+from contextlib import suppress
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -16,7 +17,14 @@ COLUMNS = "# seconds since the start, < from or > to the board, the line with it
 MOST_WAITING = 60_000  # rows: some fifteen minutes of a run, 10 MB
 KEEP_UP_S = 0.01  # a disk that takes longer for a row is stalled: nobody waits for it then
 OPEN_S = CLOSE_S = 2.0
-Row = tuple[float, str, bytes] | str
+
+
+class Row:
+    """A row on its way to the disk: a remark, or direction, line and host time in s."""
+
+    def __init__(self, text: str, line: bytes | None = None, host_s: float = 0.0):
+        self.text, self.line, self.host_s = text, line, host_s
+        self.written = False
 
 
 class Recorder:
@@ -33,19 +41,27 @@ class Recorder:
         self.path = path
         self._start_s = start_s
         self._queue: queue.SimpleQueue[Row | None] = queue.SimpleQueue()
-        self._numbers = itertools.count(1)
-        self._last = self._written = 0
         self._gap = self._lost = 0
         self._stalled = self._closed = False
         self._failure: RecordingFailed | None = None
         self._progress = threading.Condition()
+        self._process = os.getpid()
         self._fd = _open(path)
         self._thread = threading.Thread(target=self._write_on, name="serpenoid disk", daemon=True)
+        try:
+            self._begin()
+        except BaseException:
+            self._queue.put(None)
+            self.discard()
+            raise
+
+    def _begin(self) -> None:
+        atexit.register(self._at_exit)
         self._thread.start()
         begun = datetime.now(timezone.utc).isoformat(timespec="milliseconds")
-        self._put(f"{TITLE}, begun {begun}\n{COLUMNS}")
-        if not self._wait(OPEN_S) or self._failure:
-            self._queue.put(None)
+        head = Row(f"{TITLE}, begun {begun}\n{COLUMNS}")
+        self._queue.put(head)
+        if not self._wait(head, OPEN_S) or self._failure:
             raise self._failure or self._failed(f"it took nothing for {OPEN_S:g} s")
 
     def line(self, host_s: float, direction: str, line: bytes, *, wait: bool = True) -> None:
@@ -59,9 +75,10 @@ class Recorder:
                 self._gap += 1
             return
         self._tell_gap()
-        self._put((host_s, direction, line))
+        row = Row(direction, line, host_s)
+        self._queue.put(row)
         if wait:
-            self._stalled = not self._wait(0.0 if self._stalled else KEEP_UP_S)
+            self._stalled = not self._wait(row, 0.0 if self._stalled else KEEP_UP_S)
         if self._failure:
             raise self._failure
 
@@ -73,50 +90,55 @@ class Recorder:
         if self._closed:
             return
         self._closed = True
+        atexit.unregister(self._at_exit)
         self._tell_gap()
-        self._put(f"# end: {how}")
+        end = Row(f"# end: {how}")
+        self._queue.put(end)
         self._queue.put(None)
-        if self._wait(CLOSE_S):
+        if self._wait(end, CLOSE_S):
             self._thread.join(CLOSE_S)
         if self._failure:
             raise self._failure
-        if lost := self._lost + self._last - self._written:
+        if lost := self._lost + (0 if end.written else self._queue.qsize()):
             raise self._failed(f"the disk stalled, and {lost} rows could not be written")
 
     def discard(self) -> None:
         """Remove the recording of a run that never began, so that its name is free again."""
+        self._closed = True
+        atexit.unregister(self._at_exit)
         if self.path.is_file():
             self.path.unlink()
+
+    def _at_exit(self) -> None:
+        """End the recording of a program that did not; its fork has no part in it."""
+        if os.getpid() == self._process:
+            with suppress(RecordingFailed):
+                self.close("the program ended without leaving the robot")
 
     def _tell_gap(self) -> None:
         with self._progress:
             gap, self._gap = self._gap, 0
         if gap:
             self._lost += gap
-            self._put(f"# lost: {gap} lines")
+            self._queue.put(Row(f"# lost: {gap} lines"))
 
-    def _put(self, row: Row) -> None:
-        self._last = next(self._numbers)
-        self._queue.put(row)
-
-    def _wait(self, most_s: float) -> bool:
-        """Wait until all that was put so far is written; return whether it is."""
-        number = self._last
+    def _wait(self, row: Row, most_s: float) -> bool:
+        """Wait until a row, and all before it, is written; return whether it is."""
         with self._progress:
-            return self._progress.wait_for(lambda: self._written >= number, most_s)
+            return self._progress.wait_for(lambda: row.written, most_s)
 
     def _write_on(self) -> None:
         last_s = 0.0
         while (row := self._queue.get()) is not None:
-            if isinstance(row, str):
-                text = f"{row}\n".encode("utf-8", "backslashreplace")
+            if row.line is None:
+                text = f"{row.text}\n".encode("utf-8", "backslashreplace")
             else:
-                last_s = max(last_s, row[0] - self._start_s)  # threads may enter out of turn
-                text = _formatted(last_s, *row[1:])
+                last_s = max(last_s, row.host_s - self._start_s)  # threads may enter out of turn
+                text = _formatted(last_s, row.text, row.line)
             if not self._failure:
                 self._write(text)
             with self._progress:
-                self._written += 1
+                row.written = True
                 self._progress.notify_all()
         os.close(self._fd)
 

@@ -222,21 +222,23 @@ def _converse(talk: Monitor, screen: _Screen) -> None:
         with suppress(RobotError):
             talk.halt()
 
-    guard = SignalGuard(stop)
-    guard.install()
+    def leave() -> None:
+        guard.held = True
+        talk.leave()
+
+    guard = SignalGuard(stop, (leave,))
     try:
+        guard.install()
         with suppress(KeyboardInterrupt):
             screen.greet()
             talk.open()
             talk.go()
     except BaseException:
-        guard.held = True
         with suppress(RobotError, OSError):  # the first is the one to tell
-            talk.leave()
+            leave()
         raise
     else:
-        guard.held = True
-        talk.leave()
+        leave()
     finally:
         guard.restore()
 
