@@ -179,7 +179,7 @@ def pictures(folder: Path) -> None:
         )
         invoke(["figures", "--out", str(OUT / "pages" / "study-of-2005")])
         study = OUT / "pages" / "study-of-2005" / "index.html"
-        back = '<p><a href="../index.html">serpenoid</a></p>\n<h1>'
+        back = '<p><a href="../index.html">← the documentation</a></p>\n<h1>'
         study.write_text(study.read_text(encoding="utf-8").replace("<h1>", back), encoding="utf-8")
         for name, draw in (
             ("coverage", coverage_figure), ("advise", advised_figure), ("verdict", verdict_figure),

@@ -25,10 +25,14 @@ def draw_run(run: Run, path: Path) -> None:
     The path is turned so that the way from start to end lies along x.
     """
     ledger = run.energy_j.size > 0
-    with figure(9.0, 9.0 if ledger else 6.6) as (fig, _unused):
+    turned = along_travel(run)
+    heights = [_height_in(turned), 2.0, 2.4][: 2 + ledger]
+    with figure(9.0, sum(heights) + 0.8 * len(heights) + 0.9) as (fig, _unused):
         fig.clear()
-        axes = fig.subplots(3 if ledger else 2, 1, height_ratios=[1.6, 1, 1.2][: 2 + ledger])
-        _path(axes[0], run)
+        axes = fig.subplots(len(heights), 1, height_ratios=heights)
+        _path(axes[0], turned)
+        if run.scene.incline_rad:
+            _uphill(axes[0], run)
         _speed(axes[1], run)
         if ledger:
             _energy(axes[2], run)
@@ -56,34 +60,40 @@ def scene_words(scene: Scene) -> str:
     return "; ".join(parts) + "\n" + "; ".join(how)
 
 
-def _path(ax: Axes, run: Run) -> None:
-    turned = along_travel(run)
+def _height_in(turned: Run) -> float:
+    """Return how high the picture of the path is, inches, so that x as y fill its width."""
+    wide, high = (
+        np.ptp(v) + 1.2 * turned.scene.robot.link_length_m for v in (turned.x_m, turned.y_m)
+    )
+    return float(np.clip(8.0 * high / wide, 1.5, 4.5))
+
+
+def _path(ax: Axes, turned: Run) -> None:
     for name, x, y, colour, width in (
         ("tail", turned.x_m[:, 0], turned.y_m[:, 0], ORANGE, 1.0),
         ("head", turned.x_m[:, -1], turned.y_m[:, -1], BLUE, 1.0),
         ("centre of mass", *turned.centre_m.T, "black", 2.0),
     ):
         ax.plot(x, y, color=colour, lw=width, label=name)
-    for index in np.unique(np.linspace(0, run.t_s.size - 1, _POSES).astype(int)):
+    for index in np.unique(np.linspace(0, turned.t_s.size - 1, _POSES).astype(int)):
         draw_links(ax, turned, int(index), 0.0, "#a0a0a0")
-    ax.set_title(f"path over the ground, {run.t_s[-1]:g} s; grey: the snake, a dot on its head")
+    title = f"path over the ground, {turned.t_s[-1]:g} s; grey: the snake, a dot on its head"
+    ax.set_title(title, pad=22)
     ax.set(xlabel="along the way from start to end (m)", ylabel="across it (m)")
     ax.set_aspect("equal", adjustable="datalim")
     ax.plot(0, 0, "o", mfc="white", mec="black", ms=7, zorder=5, label="start")
-    if run.scene.incline_rad:
-        _uphill(ax, run)
-    ax.legend(loc="best", ncols=2)
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.985), ncols=4, fontsize=9)
 
 
 def _uphill(ax: Axes, run: Run) -> None:
-    """Draw an arrow in a corner that points up the slope, turned as the path is."""
+    """Draw an arrow above a corner that points up the slope, turned as the path is."""
     way = run.centre_m[-1] - run.centre_m[0]
     angle = run.scene.incline_direction_rad - math.atan2(way[1], way[0])
-    dx, dy = 34 * math.cos(angle), 34 * math.sin(angle)
-    corner = {"xy": (0.92, 0.86), "xycoords": "axes fraction", "textcoords": "offset points"}
+    dx, dy = 26 * math.cos(angle), 26 * math.sin(angle)
+    corner = {"xy": (0.96, 1.08), "xycoords": "axes fraction", "textcoords": "offset points"}
     arrow = {"arrowstyle": "->", "color": GREY, "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
     ax.annotate("", xytext=(-dx, -dy), arrowprops=arrow, **corner)
-    ax.annotate("uphill", xytext=(0, 8), color=GREY, ha="center", fontsize=9, **corner)
+    ax.annotate("uphill", xytext=(-34, -4), color=GREY, ha="right", fontsize=9, **corner)
 
 
 def _speed(ax: Axes, run: Run) -> None:

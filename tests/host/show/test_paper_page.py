@@ -26,6 +26,19 @@ def test_the_page_counts_escapes_and_links(tmp_path):
     assert 'name="viewport"' in page
 
 
+def test_a_claim_leads_to_the_figure_that_shows_it(tmp_path):
+    claims = [Claim(w, "a", "b", "agrees", "demo") for w in ("Fig. 7", "Fig. 17", "the search")]
+    shown = [("fig6-7.png", "Figs. 6 and 7: errors"), ("fig17.png", "Fig. 17: speed")]
+    reading = as_dict(claims, Reading("abs", "absolute", "x"))["reading"]
+    write_page(tmp_path / "index.html", claims, shown, reading)
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    for stem, words in (("fig6-7", "Fig. 7"), ("fig17", "Fig. 17")):
+        assert f'<td><a href="#{stem}">{words}</a></td>' in page
+        assert f'<figure id="{stem}">' in page
+    assert "<td>the search</td>" in page
+    assert '<a href="#fig6-7">Figs. 6 and 7</a>' in page  # the contents
+
+
 def test_it_says_what_becomes_of_the_papers_bent_posture():
     """By the lab: 11 degrees in a second for a zigzag, as two other codes found; balanced, none."""
     assert abs(turned_deg([(-1) ** k for k in range(6)], 1.0)) == pytest.approx(11.4, abs=0.5)

@@ -51,34 +51,42 @@ def advised_figure(rows: Sequence[Row], path: Path) -> None:
             for counts, colour, name in zip(both, (GREY, BLUE), (plan, "advised"), strict=True):
                 shown = f"{name}: {np.mean(counts):.1f} on average"
                 ax.hist(counts, bins, color=colour, alpha=0.65, label=shown)
-            ax.set_ylim(0, 1.25 * ax.get_ylim()[1])  # room for the legend
-            ax.axvline(of[0]["opening"], color=GREY, lw=1.0, ls=":")
-            ax.text(of[0]["opening"], 0.02, " opening", rotation=90, color=GREY,
-                    transform=ax.get_xaxis_transform(), ha="right", va="bottom")  # fmt: skip
-            ax.xaxis.get_major_locator().set_params(integer=True)
-            ax.set_xlabel("readings to the target")
-            ax.set_title(f"speed's 95 % band of {of[0]['target']:.0%}, in full")
-            ax.legend()
-        np.atleast_1d(axes)[0].set_ylabel("sessions")
+            ax.set_ylim(0, 1.4 * ax.get_ylim()[1])  # room for the legend
+            ax.axvline(of[0]["opening"], color="black", lw=1.2, ls=":", ymax=0.7,
+                       label=f"the {of[0]['opening']} readings that both begin with")  # fmt: skip
+            for axis in (ax.xaxis, ax.yaxis):
+                axis.get_major_locator().set_params(integer=True)
+            ax.set_xlim(0.0, bins[-1] + 0.5)
+            ax.set_xlabel("readings until the speed is known well enough")
+            ax.set_title(f"known: a 95 % band {100 * of[0]['target']:.0f} % wide", fontsize=10)
+            ax.legend(fontsize=8, loc="upper left" if bins[-1] < 16 else "upper center")
+        np.atleast_1d(axes)[0].set_ylabel("simulated sessions")
         fig.savefig(path)
 
 
 def verdict_figure(rows: Sequence[Row], path: Path) -> None:
     """Draw the shares of each verdict, one bar a fault; the right one is framed."""
+    from matplotlib.patches import Patch
+
     colours = dict(zip(rows[0]["counts"], (GREY, BLUE, ORANGE, GREEN, RED), strict=True))
     with figure(8.0, 1.6 + 0.27 * len(rows)) as (fig, ax):
         for k, row in enumerate(rows):
             left = 0.0
             for word, count in row["counts"].items():
                 share = 100 * count / row["sessions"]
-                label = {"label": word} if k == 0 else {}
                 frame = "black" if word == row["right"] else "none"
-                ax.barh(k, share, 0.7, left, color=colours[word], edgecolor=frame, lw=1.2, **label)
+                ax.barh(k, share, 0.7, left, color=colours[word], edgecolor=frame, lw=1.8)
                 left += share
-        ax.set_yticks(range(len(rows)), [row["fault"] for row in rows])
+        faults = [row["fault"].replace(" -", " −").replace("%", " %") for row in rows]
+        ax.set_yticks(range(len(rows)), faults)
         ax.set_ylim(len(rows) - 0.4, -0.6)
         ax.set_xlim(0.0, 100.0)
         ax.grid(axis="y", visible=False)
-        ax.set_xlabel(f"share of {rows[0]['sessions']} simulated sessions (%); framed: right")
-        ax.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0), ncols=5, fontsize="small")
+        ax.set_xlabel(f"share of {rows[0]['sessions']} simulated sessions (%)")
+        ax.set_ylabel("what was wrong with the robot or the measurement")
+        shown = [Patch(color=c, label=word) for word, c in colours.items()]
+        shown.append(Patch(fc="none", ec="black", lw=1.8, label="the right answer"))
+        ax.legend(handles=shown, title="what `compare` names as the cause", alignment="left",
+                  loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=6, fontsize=8,
+                  columnspacing=1.2, handlelength=1.4)  # fmt: skip
         fig.savefig(path)

@@ -212,8 +212,8 @@ def _words(found: Crawl, seconds: float) -> str:
     return (
         f'<text x="8" y="18" font-size="14">{found.title}</text>\n'
         f'<text x="8" y="36" fill="{GREY}">{robot_words(found.robot, found.ground)}</text>\n'
-        f'<text x="8" y="{_HIGH - 8}" fill="{GREY}">dark: head; wheels filled: they stick sideways,'
-        f" open: they slip; thin: force of the ground; {pace_words}</text>\n"
+        f'<text x="8" y="{_HIGH - 8}" fill="{GREY}">shaded: head; wheels filled: they stick'
+        f" sideways, open: they slip; thin: force of the ground; {pace_words}</text>\n"
     )
 
 
@@ -255,7 +255,7 @@ def _frame(ax: Any, found: Crawl, canvas: _Canvas, k: int) -> None:
     ax.set_aspect("equal")
     ax.set_title(found.title, fontsize=10)
     ax.set_xlabel(
-        "dark: head; thin: force of the ground; filled wheels stick sideways, open ones slip",
+        "shaded: head; thin: force of the ground; filled wheels stick sideways, open ones slip",
         fontsize=8,
     )
     ax.grid(visible=False)

@@ -76,7 +76,7 @@ def cliff_axes(fig: Any, ax: Axes, cliff: Cliff, title: str) -> None:
         ax.add_patch(Ellipse((0, 0), width, height, fill=False, ec="black", ls=style, lw=1.5))
     ax.plot(0, 0, "o", color="black", mec="white", ms=7)
     ax.text(
-        0.98, 0.02, "dot: the gait; ellipses: 1σ and 2σ\nwhite: a tenth of the speed is lost",
+        0.98, 0.02, "dot: the gait; ellipses: 1σ and 2σ\nthick line: a tenth of the speed is lost",
         transform=ax.transAxes, ha="right", va="bottom", fontsize=8, color="white",
     )  # fmt: skip
     ax.set(xlabel="amplitude of the joints, off by (%)", ylabel=f"{cliff.grip}, off by (%)")
@@ -97,42 +97,60 @@ def optimum_figure(
     """
     speed = [b.speed_m_s * part for b, part in zip(best, along, strict=True)]
     parts = (
-        ("ω (rad/s), Fig. 9", [b.gait.omega_rad_s for b in best], None),
-        ("β (deg), Fig. 10", [math.degrees(b.gait.beta_rad) for b in best], papers.get("beta_deg")),
-        ("α (deg), Fig. 11", list(amplitudes_deg), papers.get("alpha_deg")),
+        ("rate (Fig. 9)", "ω (rad/s)", [b.gait.omega_rad_s for b in best], None),
+        ("phase lag (Fig. 10)", "β (°)", [math.degrees(b.gait.beta_rad) for b in best],
+         papers.get("beta_deg")),
+        ("amplitude (Fig. 11)", "α (°)", list(amplitudes_deg), papers.get("alpha_deg")),
     )  # fmt: skip
-    with figure(10.5, 3.6, 3) as (fig, axes):
-        for ax, (name, values, stated) in zip(axes, parts, strict=True):
-            ax.plot(speed, values, "o-", color=BLUE, ms=4)
+    with figure(10.5, 3.8, 3) as (fig, axes):
+        for ax, (name, unit, values, stated) in zip(axes, parts, strict=True):
+            ax.plot(speed, values, "o-", color=BLUE, ms=4, label="least power")
             if stated is not None:
-                ax.axhline(stated, color=ORANGE, ls="--")
-                ax.annotate(f"paper: {stated:g}", (speed[-1], stated), ha="right", fontsize=8,
-                            xytext=(0, 4), textcoords="offset points")  # fmt: skip
-            ax.set(xlabel="speed (m/s)", title=name)
-            ax.set_ylim(0, 1.15 * max(*values, stated or 0))
-        fig.suptitle(title, fontsize=9, color=GREY)
+                ax.axhline(
+                    stated, color=ORANGE, ls="--", label=f"the paper: {stated:g}° at every speed"
+                )
+                # as far about the claim as any optimum lies, and half of that more
+                reach = max(10.0, 1.5 * max(abs(v - stated) for v in values))
+                ax.set_ylim(stated - reach, stated + reach)
+            else:
+                slope = float(np.dot(speed, values) / np.dot(speed, speed))
+                ax.plot([0, speed[-1]], [0, slope * speed[-1]], "--", color=ORANGE,
+                        label="the paper: nearly linear")  # fmt: skip
+                ax.set_ylim(0, 1.25 * max(values))
+            ax.set(xlabel="speed (m/s)", ylabel=unit, title=name)
+            ax.set_xlim(left=0)
+            ax.yaxis.get_major_locator().set_params(steps=[1, 2, 5, 10])
+            ax.legend(loc="upper left", fontsize=8)
+        fig.suptitle(title, fontsize=9, color=GREY, x=0.01, ha="left")
         save(fig, path)
-    rows = [list(row) for row in zip(speed, *[values for _, values, _ in parts], strict=True)]
+    rows = [list(row) for row in zip(speed, *[values for _, _, values, _ in parts], strict=True)]
     write_csv(beside(path), ["speed_m_s", "omega_rad_s", "beta_deg", "alpha_deg"], rows)
 
 
 def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
     """Draw heat maps of speed and of power per speed over (alpha, beta) at one rate of a sweep."""
+    from matplotlib.colors import LogNorm
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
     speed, power = found.speed_m_s[:, :, at], found.power_w[:, :, at]
     with np.errstate(divide="ignore", invalid="ignore"):
         cost = np.where(speed > 0.02 * speed.max(), power / speed, np.nan)
     alpha, beta = np.degrees(found.alpha_rad), np.degrees(found.beta_rad)
     parts = (("speed (m/s)", speed), ("net power over speed (N)", cost))
     least = float(np.nanmin(cost))
-    scales = (np.linspace(0, speed.max() * 1.0001, 17), least * np.geomspace(1, 16, 17))
+    scales = (
+        (MaxNLocator(14).tick_values(0, float(speed.max())), None, MaxNLocator(5)),
+        (least * np.geomspace(1, 16, 17), LogNorm(), LogLocator(subs=(1, 2, 5))),
+    )
     with figure(9.6, 4.0, 2) as (fig, axes):
-        for ax, (name, values), levels in zip(axes, parts, scales, strict=True):
+        for ax, (name, values), (levels, norm, ticks) in zip(axes, parts, scales, strict=True):
             past = np.nanmax(values) > levels[-1]
             shade = ax.contourf(
-                alpha, beta, values.T, levels, cmap="cividis", extend="max" if past else "neither"
-            )
-            fig.colorbar(shade, ax=ax, ticks=levels[::4], format="%.3g")
-            ax.set(xlabel="α (deg)", ylabel="β (deg)", title=name)
+                alpha, beta, values.T, levels, cmap="cividis", norm=norm,
+                extend="max" if past else "neither",
+            )  # fmt: skip
+            fig.colorbar(shade, ax=ax, ticks=ticks, format="%g").minorticks_off()
+            ax.set(xlabel="amplitude α (°)", ylabel="phase lag β (°)", title=name)
             ax.grid(visible=False)
         fig.suptitle(title, fontsize=9, color=GREY)
         save(fig, path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -22,15 +23,22 @@ if TYPE_CHECKING:
     from ...gaits.paper_study import Claim
 
 _STYLE = """
-:root { color-scheme: light dark }
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
+:root { color-scheme: light dark; --ink: #1b1f24; --paper: #fff; --link: #0a58ca; --line: #d0d7de }
+@media (prefers-color-scheme: dark) {
+:root { --ink: #e6edf3; --paper: #14181d; --link: #79b8ff; --line: #3a434d }
+img { filter: invert(.92) hue-rotate(180deg) } }
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
+color: var(--ink); background: var(--paper) }
+a { color: var(--link) } nav ul { display: flex; flex-wrap: wrap; gap: .2rem 1.2rem; padding: 0;
+list-style: none }
 .wide, figure { overflow-x: auto } table { border-collapse: collapse; font-size: 0.9rem }
-td, th { border-bottom: 1px solid #8888; padding: 0.4rem 0.6rem; text-align: left;
+td, th { border-bottom: 1px solid var(--line); padding: 0.4rem 0.6rem; text-align: left;
 vertical-align: top; min-width: 5rem } figure { margin: 2rem 0 } code { font-size: 0.85rem }
 p code { white-space: nowrap }
 img { display: block; max-width: 100%; min-width: min(36rem, 100%); background: #fff }
 .differs { font-weight: 600 }
-@media (max-width: 40rem) { img { max-width: none; width: 40rem } table { min-width: 48rem } }
+@media (max-width: 40rem) { img { max-width: none; width: 40rem } table { min-width: 48rem }
+figcaption { position: sticky; left: 0; width: calc(100vw - 2rem) } }
 """
 _READ = {
     "power": {"net": "the net mean of P", "abs": "the mean of |P|", "positive": "the mean of P+"},
@@ -63,11 +71,11 @@ def write_page(
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>The study of 2005, remade</title><style>{_STYLE}</style></head><body>\n"
-        "<h1>The study of 2005, remade</h1>\n<p>Nirakh, Brennan and Gandhi, <em>An Implicit Model "
-        "for Snake Robot Locomotion and Gait Optimization</em> (IMECE2005-82742): its figures "
-        f"computed anew, and its claims one by one. {_summary(claims)}</p>\n"
-        f"<p>{_how_read(reading)}</p>\n{_claim_rows(claims)}<p>{_let_go()}</p>\n"
-        f"{figures}</body></html>\n",
+        "<main><h1>The study of 2005, remade</h1>\n<p>Nirakh, Brennan and Gandhi, <em>An "
+        "Implicit Model for Snake Robot Locomotion and Gait Optimization</em> (IMECE2005-82742): "
+        f"its figures computed anew, and its claims one by one. {_summary(claims)}</p>\n"
+        f"{_contents(shown)}<p>{_how_read(reading)}</p>\n{_claim_rows(claims, shown)}"
+        f"<p>{_let_go()}</p>\n{figures}</main></body></html>\n",
         encoding="utf-8",
     )
 
@@ -121,16 +129,37 @@ def _how_read(reading: Mapping[str, str]) -> str:
     )
 
 
-def _claim_rows(claims: Sequence[Claim]) -> str:
+def _contents(shown: Sequence[tuple[str, str]]) -> str:
+    """Return links to the claims and to each figure, by the first words of its caption."""
+    parts = [("claims", "The claims"), *((Path(n).stem, c.split(":")[0]) for n, c in shown)]
+    links = "".join(f'<li><a href="#{at}">{escape(words)}</a></li>' for at, words in parts)
+    return f'<nav aria-label="On this page"><ul>{links}</ul></nav>\n'
+
+
+def _where(claim: Claim, shown: Sequence[tuple[str, str]]) -> str:
+    """Return where a claim stands in the paper, linked to the figure here that shows it."""
+    number = re.search(r"\d+", claim.where)
+    for name, _ in shown:
+        of = re.fullmatch(r"fig(\d+)(?:-(\d+))?", Path(name).stem)
+        if number and of and int(of[1]) <= int(number[0]) <= int(of[2] or of[1]):
+            return f'<a href="#{of[0]}">{escape(claim.where)}</a>'
+    return escape(claim.where)
+
+
+def _claim_rows(claims: Sequence[Claim], shown: Sequence[tuple[str, str]]) -> str:
     rows = "".join(
-        f"<tr><td>{escape(c.where)}</td><td>{escape(c.paper)}</td><td>{escape(c.here)}</td>"
+        f"<tr><td>{_where(c, shown)}</td><td>{escape(c.paper)}</td><td>{escape(c.here)}</td>"
         f'<td class="{c.verdict.split()[0]}">{escape(c.verdict)}</td>'
         f"<td><code>serpenoid {escape(c.command)}</code></td></tr>\n"
         for c in claims
     )
+    head = "".join(
+        f'<th scope="col">{name}</th>'
+        for name in ("where", "the paper", "here", "verdict", "see it by")
+    )
     return (
-        "<div class=wide><table><tr><th>where</th><th>the paper</th><th>here</th><th>verdict</th>"
-        f"<th>see it by</th></tr>\n{rows}</table></div>\n"
+        '<h2 id="claims">The claims</h2>\n<div class=wide role="region" tabindex="0" '
+        f'aria-labelledby="claims"><table><tr>{head}</tr>\n{rows}</table></div>\n'
     )
 
 
@@ -139,6 +168,6 @@ def _figure(folder: Path, name: str, caption: str) -> str:
     data = Path(name).with_suffix(".csv").name
     link = f' (<a href="{data}">data</a>)' if (folder / data).exists() else ""
     return (
-        f'<figure><img src="{name}" alt="{escape(caption)}"><figcaption>{escape(caption)}{link}'
-        "</figcaption></figure>\n"
+        f'<figure id="{Path(name).stem}"><img src="{name}" alt="{escape(caption)}">'
+        f"<figcaption>{escape(caption)}{link}</figcaption></figure>\n"
     )
