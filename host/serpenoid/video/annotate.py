@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .fitting.camera import Camera
 from .fitting.chain import link_centres
 from .measure_film import FilmMeasurement
+from .seeing.film import Damage
 
 Array = NDArray[np.float64]
 LONGEST_S = 20.0
@@ -38,7 +39,7 @@ def annotate_film(found: FilmMeasurement, path: Path) -> None:
         stream.width, stream.height = size
         stream.pix_fmt = "yuv420p"
         stream.time_base = stream.codec_context.time_base = TICKS_S
-        for time_s, grey, _ in film.frames([]):
+        for time_s, grey, _ in film.frames(Damage()):
             if time_s > begun + LONGEST_S:
                 break
             picture = cv2.cvtColor(np.ascontiguousarray(grey), cv2.COLOR_GRAY2BGR)

@@ -38,7 +38,8 @@ def refuse_unseen(watched: Watched, name: str) -> None:
     good = s.seen.sum(axis=1) >= 2
     if good.sum() < LEAST_FRAMES:
         raise BadInput(
-            f"{name}: only {int(good.sum())} of {frames} frames show two tags or more; go nearer, "
+            f"{name}: only {int(good.sum())} of {frames + watched.damage.left_out} frames show two "
+            "tags or more; go nearer, "
             "add light, and keep the whole robot in the picture"
         )
 
@@ -176,14 +177,7 @@ def remarks_of(watched: Watched, measured: Measured, side_m: float, name: str) -
         _strangers_told(watched),
     ]
     if watched.damage:
-        first = watched.damage[0]
-        told.append(
-            Remark(
-                "damaged",
-                f"parts of the file cannot be read ({first}; "
-                f"{len(watched.damage)} in all): measured from what is left",
-            )
-        )
+        told.append(Remark("damaged", f"{watched.damage}: measured from what is left"))
     return [remark for remark in told if remark is not None]
 
 

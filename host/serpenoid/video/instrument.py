@@ -11,6 +11,7 @@ from ..model.errors import BadInput
 from . import errors, motion, unseen
 from .fitting import bundle as bundles
 from .fitting import frames, start
+from .fitting.camera import Camera
 from .fitting.chain import joint_angles
 from .seeing.sightings import Sightings
 
@@ -41,11 +42,13 @@ class Measured:
     assumed: bool = False
 
 
-def calibrate(sightings: Sightings, link_m: float, side_m: float) -> tuple[bundles.Bundle, Array]:
+def calibrate(
+    sightings: Sightings, side_m: float, starts: list[Camera]
+) -> tuple[bundles.Bundle, Array]:
     """Fit camera and mountings to well-spread frames; return them and the quarter turns."""
     few = sightings.picked(_spread(sightings, ROUGH_FRAMES))
     rough = []
-    for plane in start.first_cameras(few, link_m, side_m):
+    for plane in starts:
         turns = start.quarter_turns(*start.tag_poses(plane, few))
         camera = plane.with_turns(turns)
         states = start.first_states(camera, few, turns)
@@ -65,9 +68,9 @@ def _spread(sightings: Sightings, most: int) -> NDArray[np.int64]:
     return good[order.astype(int)]
 
 
-def measure(sightings: Sightings, link_m: float, side_m: float) -> Measured:
-    """Measure what the robot did in a film."""
-    fit, turns = calibrate(sightings, link_m, side_m)
+def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measured:
+    """Measure what the robot did in a film. starts: those of `start.first_cameras`."""
+    fit, turns = calibrate(sightings, side_m, starts)
     seen = sightings.picked(np.asarray(sightings.seen.any(axis=1)))
     expected = start.first_states(fit.camera, seen, turns)
     loose = np.full(len(expected), EXPECTED_SIGMA_RAD)

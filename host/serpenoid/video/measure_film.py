@@ -12,6 +12,7 @@ from ..model.checks import check_number
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from .faults import camera_moved, refuse_mixed_tags, refuse_unseen, remarks_of
+from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
 from .result import FilmedRun, filmed_run
@@ -53,27 +54,38 @@ def measure_film(
     check_number("link_m", link_m, 0.005, 3.0)
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path), links, progress)
-    name = str(path)
+    try:
+        return _measurement(watched, str(path), link_m, side, gait, board_rate)
+    except BadInput as error:
+        if not watched.damage:
+            raise
+        raise BadInput(f"{error}. The file is damaged: {watched.damage}") from error
+
+
+def _measurement(
+    watched: Watched, name: str, link_m: float, side: float, gait: Gait | None, board_rate: bool
+) -> FilmMeasurement:
+    """Refuse, measure and tell."""
     refuse_unseen(watched, name)
     camera_moved(watched)
     sightings = watched.sightings
-    camera = first_cameras(sightings, link_m, side)[0]
-    refuse_mixed_tags(tag_poses(camera, sightings), name)
-    measured = _measured(sightings, link_m, side, name)
+    starts = first_cameras(sightings, link_m, side)
+    refuse_mixed_tags(tag_poses(starts[0], sightings), name)
+    measured = _measured(sightings, side, starts, name)
     scale = 1.0
     if board_rate and gait is not None:
         scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
-        measured = _measured(_rescaled(sightings, scale), link_m, side, name)
+        measured = _measured(_rescaled(sightings, scale), side, starts, name)
     remarks = remarks_of(watched, measured, side, name)
-    run = filmed_run(watched, measured, sha256_of(path), scale, remarks)
+    run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)
 
 
-def _measured(sightings: Sightings, link_m: float, side_m: float, name: str) -> Measured:
+def _measured(sightings: Sightings, side_m: float, starts: list[Camera], name: str) -> Measured:
     """Measure; what cannot be solved is told with the film's name."""
     try:
-        return measure(sightings, link_m, side_m)
+        return measure(sightings, side_m, starts)
     except (np.linalg.LinAlgError, FloatingPointError) as error:
         raise BadInput(
             f"{name}: the tags fit no camera ({error}); are they flat, matt and well lit, and is "

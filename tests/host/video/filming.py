@@ -24,8 +24,8 @@ class Lens:
 
     eye_m: tuple[float, float, float] = (0.0, -0.35, 0.75)
     target_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    width: int = 960
-    height: int = 540
+    width: int = 640
+    height: int = 360
     focal_px: float = 800.0
     k1: float = 0.0
     k2: float = 0.0
@@ -230,14 +230,14 @@ def write(
     times_s: np.ndarray,
     codec: str = "libx264",
     crf: int = 20,
-    rotation: int = 0,
+    gop: int = 250,
 ) -> Path:
-    """Encode frames at their times as a phone would."""
+    """Encode frames at their times as a phone would; gop: frames to the next that stands alone."""
     with av.open(str(path), "w") as box:
         stream = box.add_stream(codec, rate=30)
         stream.height, stream.width = frames[0].shape
         stream.pix_fmt = "yuv420p"
-        stream.options = {"crf": str(crf), "preset": "veryfast"}
+        stream.options = {"crf": str(crf), "preset": "veryfast", "g": str(gop)}
         stream.time_base = Fraction(1, 90000)
         stream.codec_context.time_base = Fraction(1, 90000)
         stream.codec_context.thread_count = 1

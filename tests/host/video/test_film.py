@@ -13,7 +13,7 @@ from serpenoid.commands.main import cli
 from serpenoid.video.measure_film import measure_film
 from serpenoid.video.motion import Motion
 from video.filming import Body, Lens
-from video.worlds import GAIT, LINK_M, SIDE_M, World, crawling, shoot, simulated
+from video.worlds import LINK_M, SIDE_M, World, crawling, shoot
 
 
 def wrapped(angle):
@@ -40,14 +40,14 @@ def misses(found, world: World) -> dict[str, float]:
 def plain(tmp_path_factory):
     """A film of 2.3 periods whose truth is known: tags mounted askew, a real lens, slow rows."""
     rng = np.random.default_rng(5)
-    world = crawling()
+    world = crawling(omega_rad_s=8.0, speed_m_s=0.08, start_m=-0.07)
     body = Body(
         6, mount_m=rng.normal(size=(6, 3)) * [0.002, 0.002, 0.001],
         turn_rad=np.radians(1.5) * rng.normal(size=6), slope=0.02 * rng.normal(size=(6, 2)),
     )  # fmt: skip
     lens = Lens(k1=0.06, k2=-0.02, middle_px=(5.0, -3.0), rolling_s=0.015)
     path = tmp_path_factory.mktemp("film") / "plain.mp4"
-    return shoot(world, path, lens, body), world, body, lens
+    return shoot(world, path, lens, body, seconds=1.8), world, body, lens
 
 
 @pytest.fixture(scope="session")
@@ -94,17 +94,6 @@ def test_camera_and_mountings_are_those_of_the_renderer(measured, plain) -> None
     assert camera.mounting[inner, 2] == pytest.approx(body.turn_rad[inner], abs=math.radians(0.3))
 
 
-def test_a_simulated_robot_is_measured_as_the_simulator_says(tmp_path) -> None:
-    world = simulated()
-    found = measure_film(
-        shoot(world, tmp_path / "robot.mp4", seconds=2.2 * GAIT.period_s), 6, LINK_M, gait=GAIT
-    )
-    off = misses(found, world)
-    assert abs(off["speed"]) < 0.005
-    assert max(off["amplitude"], off["phase"]) < 0.25
-    assert not [r for r in found.run.remarks if r.name in ("plugs", "sense", "phases", "rate")]
-
-
 def test_the_command_tells_it_and_writes_what_was_asked_for(plain, tmp_path) -> None:
     path, world, *_ = plain
     names = {"--track": "track.csv", "--plot": "film.png", "--annotate": "drawn.mp4"}
@@ -119,9 +108,6 @@ def test_the_command_tells_it_and_writes_what_was_asked_for(plain, tmp_path) -> 
     assert len(rows) == told["film"]["frames"]
     assert np.ptp(rows["joint3_rad"]) > 1.2
     assert all((tmp_path / name).stat().st_size > 5000 for name in names.values())
-    words = CliRunner().invoke(cli, ["video", str(path)]).output
-    assert "mm/s" in words
-    assert "joint" in words
 
 
 def test_numbers_do_not_depend_on_which_way_the_camera_looks() -> None:

@@ -1,16 +1,13 @@
-"""Robots that crawl before the camera: by the simulator, or along known curves."""
+"""Robots that crawl before the camera along known curves."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
-import serpenoid as sn
 from video.filming import Body, Film, Lens, Pose, write
 
 LINK_M, SIDE_M = 0.076, 0.034
-GAIT = sn.Gait(math.radians(45), math.radians(80), 4.0)
 
 
 @dataclass(frozen=True)
@@ -55,41 +52,6 @@ def crawling(
         return np.column_stack([centre.real, centre.imag]), angle
 
     return World(pose, links, omega_rad_s, amplitude, phase, offset, speed_m_s, turn)
-
-
-def simulated(gait: sn.Gait = GAIT) -> World:
-    """Return the 2005 robot on its ground, by the simulator; speed and turn over whole periods."""
-    robot = sn.Robot(6, 0.0756, LINK_M)
-    ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
-    settled_s, step_s = 4 * gait.period_s, gait.period_s / 400
-    run = sn.simulate(
-        sn.Scene(robot, ground, gait, dt_s=step_s, duration_s=8 * gait.period_s, record_every=4)
-    )
-    first = int(np.searchsorted(run.t_s, settled_s))
-    t = run.t_s[first:] - settled_s
-    middle = run.x_m[first].mean() + 1j * run.y_m[first].mean()
-    ahead = (run.x_m[-1] + 1j * run.y_m[-1]).mean() - middle
-    z = ((run.x_m[first:] + 1j * run.y_m[first:]) - middle) / ahead * abs(ahead) - 0.1
-    theta = run.theta_rad[first:] - np.angle(ahead)
-
-    def pose(at_s: float) -> tuple[np.ndarray, np.ndarray]:
-        now = [np.interp(at_s, t, column) for column in (*z.real.T, *z.imag.T, *theta.T)]
-        return np.array(now[:12]).reshape(2, 6).T, np.array(now[12:])
-
-    cycles = 3
-    end = cycles * gait.period_s
-    moved = pose(end)[0].mean(axis=0) - pose(0.0)[0].mean(axis=0)
-    joints = np.ones(5)
-    return World(
-        pose,
-        6,
-        gait.omega_rad_s,
-        gait.alpha_rad * joints,
-        gait.beta_rad * np.arange(5),
-        0 * joints,
-        float(np.hypot(*moved)) / end,
-        float((pose(end)[1] - pose(0.0)[1]).mean()) / end,
-    )
 
 
 def shoot(

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 FOCALS = (0.6, 0.75, 0.95, 1.3, 2.0)  # of the image's longer side: wide angle to telephoto
 TILTS_RAD = np.radians([0, 8, 16, 24, 32, 40, 48, 56, 64, 72])
 DIRECTIONS = 16
-SAMPLE = 400  # tags that are looked at
+SAMPLE = 200  # tags that are looked at
 
 
 def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Camera]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,26 @@ from ...model.errors import BadInput
 from .extra import need_extra
 
 Grey = NDArray[np.uint8]
+B_PICTURE = 3  # libavutil's AV_PICTURE_TYPE_B
+ENDS_EARLY = 0.9  # of the length that a file tells: then it was cut off
+MOST_DAMAGE = 200  # after so many faults a file is read no further
+
+
+@dataclass
+class Damage:
+    """What of a file could not be read, in words, and how many pictures were left out for it."""
+
+    words: list[str] = field(default_factory=list)
+    left_out: int = 0
+
+    def __bool__(self) -> bool:
+        return bool(self.words)
+
+    def __str__(self) -> str:
+        return (
+            f"parts of the file cannot be read ({self.words[0]}; {len(self.words)} in all), "
+            f"and {self.left_out} pictures were left out as damaged"
+        )
 
 
 @dataclass(frozen=True)
@@ -52,46 +72,95 @@ class Film:
             )
         return film
 
-    def frames(self, damage: list[str]) -> Iterator[tuple[float, Grey, Any]]:
+    def frames(self, damage: Damage, threads: int = 0) -> Iterator[tuple[float, Grey, Any]]:
         """Give time (s), grey picture and the frame itself, in the order of time.
 
         A damaged end or middle is told in `damage`, and what can be read is given: a picture
-        that is drawn on a broken one is left out, until the next that stands alone.
+        that is drawn on a broken one is left out, until the next that stands alone. threads: of
+        the decoder; 0 for one per core. What is drawn after damage depends on their number.
         """
         av = _library()
-        last = -np.inf
-        broken = False
+        sound = _Sound(damage)
         with av.open(str(self.path)) as box:
             stream = _stream(box, self.path)
             stream.thread_type = "AUTO"
+            stream.codec_context.thread_count = threads
             packets = box.demux(stream)
-            while True:
+            while len(damage.words) < MOST_DAMAGE:
+                packet, decoded, ended = None, [], False
                 try:
                     packet = next(packets)
                     decoded = packet.decode()
-                except StopIteration:
-                    return
+                except (StopIteration, av.EOFError) as error:
+                    ended = True
+                    if not isinstance(error, StopIteration):
+                        sound.lose(packet, error)
                 except av.FFmpegError as error:
-                    damage.append(f"{type(error).__name__} after {max(last, 0.0):.2f} s")
-                    broken = True
-                    if len(damage) > 200 or isinstance(error, av.EOFError):
-                        return
-                    continue
+                    sound.lose(packet, error)
                 for frame in decoded:
-                    if frame.pts is None or frame.time_base is None:
-                        damage.append(f"a frame without time after {max(last, 0.0):.2f} s")
-                        continue
-                    time_s = float(frame.pts * frame.time_base)
-                    if time_s <= last:
-                        damage.append(f"time runs back at {time_s:.2f} s")
-                        continue
-                    last = time_s
-                    broken = frame.is_corrupt or (broken and not frame.key_frame)
-                    if frame.is_corrupt:
-                        damage.append(f"a broken picture at {time_s:.2f} s")
-                    if broken:
-                        continue
+                    sound.take(frame)
+                for time_s, frame in sound.ready(ended):
                     yield time_s, grey(frame), frame
+                if ended:
+                    sound.end(self.duration_s)
+                    return
+
+
+class _Sound:
+    """Keep the pictures that no damage reaches.
+
+    A picture may be drawn on the one before it, and one between two (a B picture) on both: such
+    pictures wait for the next that is not. After damage all are left out until one stands alone.
+    """
+
+    def __init__(self, damage: Damage) -> None:
+        self.damage = damage
+        self.first_s = self.last_s = -np.inf
+        self.broken_from_s = np.inf  # inf: not broken
+        self.waiting: list[tuple[float, Any]] = []
+        self.passed: list[tuple[float, Any]] = []
+
+    def lose(self, packet: Any, error: Exception) -> None:
+        """Tell that a part of the file cannot be read."""
+        self._tell(type(error).__name__, _time_s(packet, self.last_s))
+
+    def _tell(self, words: str, from_s: float) -> None:
+        self.damage.words.append(f"{words} after {max(self.last_s, 0.0):.2f} s")
+        self.broken_from_s = min(self.broken_from_s, from_s)
+        self.damage.left_out += len(self.waiting)
+        self.waiting = []
+
+    def take(self, frame: Any) -> None:
+        """Take the next picture, in the order of time."""
+        time_s = _time_s(frame, np.nan)
+        if not time_s > self.last_s:
+            self.damage.words.append(f"no later time after {max(self.last_s, 0.0):.2f} s")
+            return
+        if frame.is_corrupt:
+            self._tell("a broken picture", time_s)
+        elif frame.key_frame and time_s >= self.broken_from_s:
+            self.broken_from_s = np.inf
+        self.first_s = time_s if self.first_s < 0 else self.first_s
+        self.last_s = time_s
+        if self.broken_from_s < np.inf:
+            self.damage.left_out += 1
+            return
+        self.waiting.append((time_s, frame))
+        if frame.pict_type != B_PICTURE:
+            self.passed += self.waiting
+            self.waiting = []
+
+    def end(self, told_s: float) -> None:
+        """Take note where the file ends long before its time."""
+        length_s = self.last_s - self.first_s
+        if 0 < length_s < ENDS_EARLY * told_s - 0.5:
+            self.damage.words.append(f"it ends after {length_s:.2f} of {told_s:.2f} s")
+
+    def ready(self, ended: bool) -> list[tuple[float, Any]]:
+        """Return the pictures that nothing later can spoil; at the end all that wait."""
+        found = self.passed + (self.waiting if ended else [])
+        self.passed = []
+        return found
 
 
 def grey(frame: Any) -> Grey:
@@ -103,10 +172,23 @@ def grey(frame: Any) -> Grey:
     return frame.to_ndarray(format="gray")
 
 
+def _time_s(part: Any, unknown: float) -> float:
+    """Return the time of a packet or a frame, s; `unknown` if it has none."""
+    if part is None or part.pts is None or part.time_base is None:
+        return unknown
+    return float(part.pts * part.time_base)
+
+
 def _stream(box: Any, path: Path) -> Any:
     if not box.streams.video:
         raise BadInput(f"{path}: holds no pictures (sound only?); name the film itself")
-    return box.streams.video[0]
+    stream = box.streams.video[0]
+    if stream.codec_context is None:
+        raise BadInput(
+            f"{path}: the pictures' coding is unknown or damaged; film as H.264 or HEVC, and copy "
+            "it from the phone again"
+        )
+    return stream
 
 
 def _library() -> Any:

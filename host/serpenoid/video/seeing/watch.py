@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...model.errors import BadInput
 from .background import Background
 from .detect import TagFinder
-from .film import Film
+from .film import Damage, Film
 from .sightings import Sightings
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ class Watched:
     """What one look at a film brought up.
 
     film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; damage: what
-    could not be read, in words; strangers: tags of numbers that are on no link, with the number of
+    could not be read; strangers: tags of numbers that are on no link, with the number of
     frames; shifts: of the floor, (time, x px, y px); plain_floor: nothing on it can be followed;
     picture: the first frame with a tag, grey; mirrored: tags are seen in a mirror only.
     """
@@ -36,7 +36,7 @@ class Watched:
     film: Film
     sightings: Sightings
     edge_px: Array
-    damage: tuple[str, ...]
+    damage: Damage
     strangers: dict[int, int]
     shifts: tuple[tuple[float, float, float], ...]
     plain_floor: bool
@@ -44,15 +44,21 @@ class Watched:
     mirrored: bool
 
 
-def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: None) -> Watched:
-    """Read a film. progress: is told the time that was reached, s. Raises BadInput."""
+def watch(
+    film: Film, links: int, progress: Callable[[float], None] = lambda _: None, threads: int = 0
+) -> Watched:
+    """Read a film. progress: is told the time that was reached, s. Raises BadInput.
+
+    threads: of the decoder, 0 for one per core. A damaged film is read again with one, so that
+    every machine sees the same pictures.
+    """
     finder = TagFinder(links)
     times, numbers, edges = array("d"), array("f"), array("f")
-    damage: list[str] = []
+    damage = Damage()
     ground: Background | None = None
     picture: NDArray[np.uint8] | None = None
     mirrored = 0
-    for time_s, grey, _ in film.frames(damage):
+    for time_s, grey, _ in film.frames(damage, threads):
         found = finder.find(grey)
         times.append(time_s)
         corners = np.full((links, 4, 2), np.nan, np.float32)
@@ -75,9 +81,11 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
                 f"{film.path}: has more than {MOST_FRAMES} frames; cut out a few "
                 "minutes in which the robot crawls"
             )
+    if damage and threads != 1:
+        return watch(film, links, progress, threads=1)
     if picture is None:
         raise BadInput(
-            f"{film.path}: not one frame can be read ({'; '.join(damage[:2]) or 'empty'})"
+            f"{film.path}: not one frame can be read ({'; '.join(damage.words[:2]) or 'empty'})"
             "; copy it from the phone again"
         )
     shape = (len(times), links, 4, 2)
@@ -89,7 +97,7 @@ def watch(film: Film, links: int, progress: Callable[[float], None] = lambda _: 
         film,
         sightings,
         edge_px,
-        tuple(damage),
+        damage,
         finder.strangers,
         tuple(ground.shifts if ground else ()),
         ground is None or ground.plain,

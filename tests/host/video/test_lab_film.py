@@ -1,0 +1,73 @@
+"""One world from firmware to pixels: a lab robot, filmed, measured beside the lab's own truth."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from click.testing import CliRunner
+from serpenoid.calibration.session_file import read_session
+from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.commands.main import cli
+from serpenoid.lab.robot import LabRobot
+from serpenoid.model.ground import Ground
+from serpenoid.model.robot import Robot
+from video.filming import Lens
+from video.lab_world import Servos, crawled, set_points
+from video.worlds import shoot
+
+GAIT = sn.Gait(math.radians(45), math.radians(80), math.tau / 1.2)
+FRICTION = Ground(0.084, 1.2, 0.14, 0.27)
+ROBOT = LabRobot.whole(Robot(6, 0.0756, 0.076), FRICTION).drawn(
+    np.random.default_rng(3), math.radians(1.5), 0.1
+)
+LAG_S = np.array([0.02, 0.03, 0.025, 0.02, 0.03])
+GAIN = np.array([0.95, 0.93, 0.96, 0.94, 0.92])
+LENS = Lens((0.08, -0.35, 0.75), (-0.1, 0, 0.045), 720, 480, 680, k1=0.05, rolling_s=0.015)
+
+
+def wrapped(angle):
+    return (np.asarray(angle) + math.pi) % math.tau - math.pi
+
+
+@pytest.fixture
+def filmed(tmp_path):
+    """Run the firmware, film the robot, and measure the film with the recording, in a session."""
+
+    def measure(servos: Servos):
+        wire, film = tmp_path / "run.wire", tmp_path / "film.mp4"
+        world = crawled(ROBOT, servos, GAIT, set_points(GAIT, 8.0, wire))
+        shoot(world, film, LENS, seconds=2.2 * GAIT.period_s)
+        folder = create_session(tmp_path / "session", default_setup("filmed"))
+        typed = ["video", film, "--recording", wire, "--session", folder, "--json"]
+        done = CliRunner().invoke(cli, [str(part) for part in typed])
+        assert done.exit_code == 0, done.output
+        return json.loads(done.stdout), world, folder
+
+    return measure
+
+
+def test_a_film_of_the_labs_robot_says_what_the_lab_knows(filmed) -> None:
+    run, world, folder = filmed(Servos(LAG_S, GAIN))
+    told = {name: np.array([j[name] for j in run["joints"]]) for name in run["joints"][0]}
+    assert run["speed_m_s"] == pytest.approx(world.speed_m_s, rel=0.005)
+    assert abs(run["speed_m_s"] - world.speed_m_s) < 4 * run["speed_sigma_m_s"]
+    off = np.degrees(told["amplitude_rad"] - world.amplitude_rad)
+    lag = np.degrees(wrapped(told["phase_rad"] - world.phase_rad + world.phase_rad[0]))
+    assert max(np.abs(off).max(), np.abs(lag).max()) < 0.25
+    assert (np.abs(told["offset_rad"] - world.offset_rad) < 4 * told["offset_sigma_rad"]).all()
+    assert math.degrees(run["turn_rad_s"] - world.turn_rad_s) == pytest.approx(0, abs=0.1)
+    (reading,) = read_session(folder).of("video")
+    made = world.amplitude_rad / GAIT.alpha_rad
+    assert reading.gait.joint_gain == pytest.approx(made, abs=0.006)
+    assert reading.commanded.alpha_rad == pytest.approx(GAIT.alpha_rad, abs=math.radians(0.1))
+
+
+@pytest.mark.slow
+def test_swapped_plugs_are_found_from_firmware_to_pixels(filmed) -> None:
+    run, *_ = filmed(Servos(LAG_S, GAIN, plug=(0, 2, 1, 3, 4)))
+    words = [r["text"] for r in run["remarks"] if r["name"] == "plugs"]
+    assert words == ["joints 2 and 3 move as if their plugs were swapped: swap them back"]
