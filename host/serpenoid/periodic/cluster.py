@@ -52,6 +52,8 @@ def connected(scheduler: str) -> Iterator[Any]:
             f"--scheduler is {scheduler!r}; it must be an address with a port, such as "
             "tcp://10.0.0.1:8786, which `dask scheduler` prints when it starts"
         )
+    if scheduler.startswith(("tls", "wss")):
+        _check_certificates(scheduler)
     try:
         client = distributed.Client(scheduler, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError, ImportError) as error:
@@ -65,6 +67,23 @@ def connected(scheduler: str) -> Iterator[Any]:
         yield client
     finally:
         client.close()
+
+
+def _check_certificates(scheduler: str) -> None:
+    """Raise BadInput unless Dask's configuration has the certificates of an encrypted cluster."""
+    from distributed.security import Security
+
+    why = "its configuration here names none"
+    try:
+        if Security().get_connection_args("client").get("ssl_context") is not None:
+            return
+    except OSError as error:  # a file that is not there, or no certificate
+        why = f"those of its configuration cannot be read: {error}"
+    raise BadInput(
+        f"--scheduler is {scheduler!r}: Dask needs certificates for this, and {why}; set "
+        "distributed.comm.tls.ca-file, client.cert and client.key, as Dask's documentation says "
+        "under TLS"
+    )
 
 
 def _check_workers(client: Any, scheduler: str) -> None:
@@ -102,7 +121,8 @@ def _no_scheduler(scheduler: str, error: Exception) -> ClusterFailed:
 def _no_worker(scheduler: str) -> ClusterFailed:
     return ClusterFailed(
         f"the cluster at {scheduler} has had no worker for {NO_WORKER_S:g} s; start some with "
-        f"`dask worker {scheduler}`"
+        f"`dask worker {scheduler}`; if one ended by itself, its log says why: often it has another "
+        "version of Dask"
     )
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.model.errors import ClusterFailed
+from serpenoid.model.errors import BadInput, ClusterFailed
 from serpenoid.periodic import cluster as cluster_module
 from serpenoid.periodic.grid import FIELDS
 
@@ -218,3 +218,12 @@ def test_a_worker_of_another_version_that_joins_late_is_refused(monkeypatch) -> 
         with pytest.raises(ClusterFailed, match=f"has {there}, here is serpenoid 9.9") as refused:
             sn.sweep(PAPER, VISCOUS, **AXES, scheduler=made.scheduler_address, progress=join)
         assert not any(address in str(refused.value) for address in before)
+
+
+@pytest.mark.parametrize("scheme", ["tls", "wss"])
+@pytest.mark.parametrize("certificate", [None, "/no/such/file.pem", __file__])
+def test_an_encrypted_cluster_without_certificates_is_refused_in_words(scheme, certificate) -> None:
+    keys = ("ca-file", "client.cert", "client.key")
+    with dask.config.set({f"distributed.comm.tls.{key}": certificate for key in keys}):
+        with pytest.raises(BadInput, match=r"distributed\.comm\.tls"):
+            sn.sweep(OF_2005, VISCOUS, **AXES, scheduler=f"{scheme}://127.0.0.1:9")
