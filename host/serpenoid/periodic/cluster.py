@@ -121,8 +121,8 @@ def _no_scheduler(scheduler: str, error: Exception) -> ClusterFailed:
 def _no_worker(scheduler: str) -> ClusterFailed:
     return ClusterFailed(
         f"the cluster at {scheduler} has had no worker for {NO_WORKER_S:g} s; start some with "
-        f"`dask worker {scheduler}`; if one ended by itself, its log says why: often it has another "
-        "version of Dask"
+        f"`dask worker {scheduler}`; if one ended by itself, its log says why, "
+        "often another version of Dask"
     )
 
 

@@ -224,6 +224,8 @@ def test_a_worker_of_another_version_that_joins_late_is_refused(monkeypatch) -> 
 @pytest.mark.parametrize("certificate", [None, "/no/such/file.pem", __file__])
 def test_an_encrypted_cluster_without_certificates_is_refused_in_words(scheme, certificate) -> None:
     keys = ("ca-file", "client.cert", "client.key")
-    with dask.config.set({f"distributed.comm.tls.{key}": certificate for key in keys}):
-        with pytest.raises(BadInput, match=r"distributed\.comm\.tls"):
-            sn.sweep(OF_2005, VISCOUS, **AXES, scheduler=f"{scheme}://127.0.0.1:9")
+    with (
+        dask.config.set({f"distributed.comm.tls.{key}": certificate for key in keys}),
+        pytest.raises(BadInput, match=r"distributed\.comm\.tls"),
+    ):
+        sn.sweep(OF_2005, VISCOUS, **AXES, scheduler=f"{scheme}://127.0.0.1:9")
