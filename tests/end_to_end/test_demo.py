@@ -17,7 +17,7 @@ def test_demo(tmp_path) -> None:
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    for name in ("friction.png", "speed.png", "path.png", "comparison.png"):
+    for name in ("friction.png", "speed.png", "path.png", "comparison.png", "film.png"):
         assert (out / name).read_bytes()[:4] == b"\x89PNG"
     found = json.loads((out / "demo.json").read_text())
     values = {n.removesuffix("_whole"): p["value"] for n, p in found["fit"]["parameters"].items()}
@@ -47,6 +47,8 @@ def test_demo(tmp_path) -> None:
     assert wanted["speed_m_s"] == pytest.approx(0.1, rel=0.01)
     assert "</html>" in (out / "report.html").read_text()
     assert len(load_session(out / "session").kept) > 12
+    film = found["film"]
+    assert abs(film["speed_m_s"] - film["truth"]["speed_m_s"]) < 4 * film["speed_sigma_m_s"]
     assert found["path_gait"]["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
 
 

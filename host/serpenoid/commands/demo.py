@@ -18,6 +18,7 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..show import plot, report
 from ..show.progress import progress
+from .demo_film import measure_demo_film
 from .demo_loop import run_loop, say
 from .options import finite
 
@@ -41,7 +42,9 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     """
     out.mkdir(parents=True, exist_ok=True)
     run_loop(out, own)
-    say("[6/6] the session of 2005, as far as the paper gives it")
+    say("[6/7] a film of a robot of the virtual lab: speed and joints from pixels")
+    film = measure_demo_film(out)
+    say("[7/7] the session of 2005, as far as the paper gives it")
     session = load_session(session_folder())
     fit = fit_friction(session)
     robot = session.setup.robot
@@ -57,7 +60,8 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
         points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}° (Fig. 17)", files[1]
     )
     plot.path_and_poses(run, "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s", files[2])
-    text = json.dumps(finite(as_json(fit, points, state)), indent=2, allow_nan=False)
+    found = as_json(fit, points, state) | ({} if film is None else {"film": film})
+    text = json.dumps(finite(found), indent=2, allow_nan=False)
     files[3].write_text(text + "\n")
     _summary(fit, points, files)
 

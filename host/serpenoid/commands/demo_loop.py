@@ -57,21 +57,21 @@ def run_loop(out: Path, own: FrictionFit | None = None) -> dict[str, Any]:
         "No robot, no treadmill: both are simulated, with the firmware's own controller, so that "
         "the truth is known. It is the afternoon that `serpenoid calibrate` leads through.\n"
     )
-    say("[1/6] a session on the simulated treadmill, by the procedure that a person follows")
+    say("[1/7] a session on the simulated treadmill, by the procedure that a person follows")
     session = take_session(out / "session", truth, own and own.robot)
     say(f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs; the "
         f"inclinometer's zero found at {math.degrees(session.zero.value_rad):+.2f} deg (true: "
         f"{math.degrees(truth.incline_zero_rad):+.2f})")  # fmt: skip
-    say("[2/6] friction fitted, beside the truth that no fit knows")
+    say("[2/7] friction fitted, beside the truth that no fit knows")
     session, fit = _without_outlier(session, fit_friction(session))
     found = {"fit": fit.to_dict(), "truth": _truth_table(fit, truth.ground)}
-    say("[3/6] speeds predicted from it, and the gait runs over them")
+    say("[3/7] speeds predicted from it, and the gait runs over them")
     compared = _compare(session, fit, out / "comparison.png")
-    say("[4/6] the reading to take next")
+    say("[4/7] the reading to take next")
     advised = _advise(session)
     found |= {"comparison": compared.to_dict(), "advice": advised.to_dict()}
     wanted_m_s = float(f"{compared.gaits[1].exact_m_s:.1g}")
-    say(f"[5/6] the cheapest gait for {wanted_m_s:g} m/s on this ground, sent to the virtual robot")
+    say(f"[5/7] the cheapest gait for {wanted_m_s:g} m/s on this ground, sent to the virtual robot")
     found["wanted"] = _drive_wanted(session, fit, wanted_m_s)
     page = session_page(session, fit, compared, advised, events_of(session))
     (out / "report.html").write_text(page, encoding="utf-8")

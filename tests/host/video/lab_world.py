@@ -71,8 +71,7 @@ def crawled(robot: LabRobot, servos: Servos, gait: sn.Gait, set_rad: np.ndarray)
     wave = np.exp(-1j * gait.omega_rad_s * t[: cycles * cycle])
     first = 2j * np.mean(phi[: cycles * cycle] * wave[:, None], axis=0)  # a sine: A e^(i phase)
     ends = np.arange(cycles + 1) * cycle
-    chord, turned = abs(middle[cycle] - middle[0]), heading[ends[-1]] - heading[0]
-    turn = turned / t[ends[-1]]
+    turn = (heading[ends[-1]] - heading[0]) / t[ends[-1]]
     arc = np.sinc(turn * t[cycle] / math.tau)  # chord over arc of a cycle
     chord = np.abs(np.diff(middle[ends])).mean()
 

@@ -19,14 +19,14 @@ from video.filming import Lens
 from video.lab_world import Servos, crawled, set_points
 from video.worlds import shoot
 
-GAIT = sn.Gait(math.radians(45), math.radians(80), math.tau / 1.2)
+GAIT = sn.Gait(math.radians(60), math.radians(75), math.tau / 1.2)
 FRICTION = Ground(0.084, 1.2, 0.14, 0.27)
 ROBOT = LabRobot.whole(Robot(6, 0.0756, 0.076), FRICTION).drawn(
     np.random.default_rng(3), math.radians(1.5), 0.1
 )
 LAG_S = np.array([0.02, 0.03, 0.025, 0.02, 0.03])
 GAIN = np.array([0.95, 0.93, 0.96, 0.94, 0.92])
-LENS = Lens((0.08, -0.35, 0.75), (-0.1, 0, 0.045), 720, 480, 680, k1=0.05, rolling_s=0.015)
+LENS = Lens((0.38, -0.35, 0.75), (0.315, 0, 0.045), 720, 400, 700, k1=0.05, rolling_s=0.015)
 
 
 def wrapped(angle):

@@ -64,6 +64,7 @@ def shoot(
     seed: int = 1,
     codec: str = "libx264",
     times_s: np.ndarray | None = None,
+    crf: int = 20,
     **film,
 ):
     """Render a film of a world into a file, at a phone's varying times; return the path."""
@@ -72,4 +73,4 @@ def shoot(
         times_s = np.arange(0, seconds, 1 / rate_hz)
         times_s = times_s + 0.03 / rate_hz * rng.normal(size=len(times_s))
     camera = Film(lens or Lens(), body or Body(world.links), world.pose, seed=seed, **film)
-    return write(path, [camera.frame(t) for t in times_s], times_s - times_s[0], codec)
+    return write(path, [camera.frame(t) for t in times_s], times_s - times_s[0], codec, crf)
