@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -9,6 +10,15 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import numpy as np
+from scipy.special import ndtri
+from scipy.stats import qmc
+from serpenoid._core import SERVO_FIELDS
+from serpenoid.calibration.prediction import SAMPLES
+from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA
+from serpenoid.servos.catalogue import SERVOS
+
+SEED, REFILLS = 2005, 4  # as a fit's sample_whole; batches beside those that fall below 0
 ROOT = Path(__file__).resolve().parents[1]
 CORE, FIRMWARE, PARTS = (
     ROOT / "host" / "core",
@@ -16,13 +26,13 @@ CORE, FIRMWARE, PARTS = (
     ROOT / "docs" / "playground",
 )
 # Not in a browser: Python's glue, boards, other processors' kernels, what the page does not ask.
-LEFT_OUT = ("python", "board", "servos", "lab")
+LEFT_OUT = ("python", "board", "lab")
 FLAGS = ["-std=c++20", "-O2", "-DNDEBUG", "-fexceptions", "-ffp-contract=off", "-fno-math-errno",
          f"-I{CORE}", f"-I{FIRMWARE / 'gait'}", f"-I{FIRMWARE / 'avr'}"]  # fmt: skip
 LINK = ["-sMODULARIZE=1", "-sEXPORT_NAME=serpenoidCore", "-sSINGLE_FILE=1",
         "-sALLOW_MEMORY_GROWTH=1", "-sENVIRONMENT=web,worker,node", "-sFILESYSTEM=0",
         "-O2", "-fexceptions",
-        "-sEXPORTED_FUNCTIONS=_serpenoid_steady,_serpenoid_motion,_malloc,_free",
+        "-sEXPORTED_FUNCTIONS=_serpenoid_steady,_serpenoid_servo,_serpenoid_motion,_malloc,_free",
         "-sEXPORTED_RUNTIME_METHODS=HEAPF64"]  # fmt: skip
 
 
@@ -55,12 +65,31 @@ def compile_core(build: Path) -> Path:
     return module
 
 
+def tables() -> str:
+    """Return what the page takes from the package: draws for a fit's band, and the servos."""
+    sobol = qmc.Sobol(4, seed=SEED)  # pyright: ignore[reportCallIssue] (older SciPy)
+    normal = np.vstack([ndtri(sobol.random(SAMPLES)) for _ in range(REFILLS)])
+    shares = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    amplitude = 1 + AMPLITUDE_SIGMA * ndtri(np.random.default_rng(SEED).permutation(shares))
+    kinds = [kind for name, kind in SERVOS.items() if name == kind.name]
+    told = {
+        "samples": SAMPLES,
+        "normal": normal.round(7).tolist(),
+        "amplitude": amplitude.round(12).tolist(),
+        "servos": {k.name: [getattr(k.servo, field) for field in SERVO_FIELDS] for k in kinds},
+        "servoFields": list(SERVO_FIELDS),
+    }
+    return f"const TABLES = {json.dumps(told, separators=(',', ':'))};\n"
+
+
 def page(module: Path) -> str:
     """Return the page with its style, its scripts and the module inside."""
     text = (PARTS / "page.html").read_text(encoding="utf-8")
     names = ("playground.css", "model.js", "worker.js", "draw.js", "page.js")
     scripts = {name: (PARTS / name).read_text(encoding="utf-8") for name in names}
     scripts["core.js"] = module.read_text(encoding="utf-8")
+    scripts["tables.js"] = tables()
+    module.with_name("tables.js").write_text(scripts["tables.js"], encoding="utf-8")
     for name, content in scripts.items():
         text = text.replace(f"/*{name}*/", content.replace("</script", "<\\/script"))
     return text

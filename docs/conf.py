@@ -45,6 +45,24 @@ def plain(_app, _what, _name, _obj, _options, lines: list[str]) -> None:
     lines[:] = re.sub(r"`([^`\n]+)`", r"``\1``", text).split("\n")
 
 
+NAMES = {  # what theme and Sphinx leave without a name or a level for a screen reader
+    '<aside class="sidebar-drawer">': '<aside class="sidebar-drawer" aria-label="Contents">',
+    '<aside class="toc-drawer': '<aside aria-label="On this page" class="toc-drawer',
+    '<p class="caption" role="heading">': '<p class="caption" role="heading" aria-level="2">',
+    '<div class="formula"': '<div tabindex="0" class="formula"',
+}
+
+
+def name_parts(app, error) -> None:
+    """Name the parts of each page that was written."""
+    for path in Path(app.outdir).glob("*.html") if error is None else ():
+        text = path.read_text(encoding="utf-8")
+        for old, new in NAMES.items():
+            text = text.replace(old, new)
+        path.write_text(text, encoding="utf-8")
+
+
 def setup(app) -> None:
     """Register what is above with Sphinx."""
     app.connect("autodoc-process-docstring", plain, priority=100)  # before napoleon
+    app.connect("build-finished", name_parts)

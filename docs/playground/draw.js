@@ -20,8 +20,20 @@ function ticks(most, count = 4) {
   return Array.from({ length: Math.floor(most / step + 1e-9) + 1 }, (_, k) => +(k * step).toPrecision(6));
 }
 
-// Link 1 starts a period at the origin along x: where it ends is the turn and shift of each period.
+// Turned so that the first period's way lies along x. Link 1 starts a period at the origin along x:
+// where it ends is the turn and shift of each period.
 function moved(motion, cycle, k, link) {
+  const p = unturned(motion, cycle, k, link), way = motion.way;
+  return { ...p, x: way.c * p.x + way.s * p.y, y: way.c * p.y - way.s * p.x, theta: p.theta - way.angle };
+}
+
+function setWay(motion) {
+  motion.way = { c: 1, s: 0, angle: 0 };
+  const a = centre(motion, 0, 0), b = centre(motion, 0, motion.frames), angle = Math.atan2(b.y - a.y, b.x - a.x);
+  motion.way = { c: Math.cos(angle), s: Math.sin(angle), angle };
+}
+
+function unturned(motion, cycle, k, link) {
   const at = k * motion.row + 5 * link, d = motion.data, end = motion.frames * motion.row;
   let x = d[at], y = d[at + 1], theta = d[at + 2];
   const shift = [d[end], d[end + 1], d[end + 2]];
@@ -46,7 +58,9 @@ function drawSnake(canvas, motion, s, time) {
   const { g, w, h } = sharp(canvas);
   const cycles = 6, beat = (time / motion.period) % cycles, cycle = Math.floor(beat);
   const k = Math.min(motion.frames, Math.round((beat - cycle) * motion.frames));
-  const body = s.links * s.length, scale = Math.min(w / (1.9 * body), h / (0.95 * body));
+  if (!motion.way) setWay(motion);
+  const turns = Math.abs(motion.data[motion.frames * motion.row + 2]) > 0.02;
+  const body = s.links * s.length, scale = Math.min(w / (1.4 * body), h / ((turns ? 1 : 0.62) * body));
   const c = centre(motion, cycle, k);
   const X = (x) => w / 2 + (x - c.x) * scale, Y = (y) => h / 2 - (y - c.y) * scale;
   grid(g, w, h, c, scale, s.length);
@@ -168,12 +182,12 @@ function axes(g, f, xs, ys, X, Y, xTitle, yTitle) {
 
 function drawCurve(canvas, curve, s, speed) {
   const { g, w, h } = sharp(canvas), f = mapFrame(w, h);
-  const all = [...curve.speed, ...curve.high, speed].filter(Number.isFinite), most = 1.08 * Math.max(...all, 1e-6);
+  const all = [...curve.speed, ...(curve.high || []), speed].filter(Number.isFinite), most = 1.08 * Math.max(...all, 1e-6);
   const X = (hz) => f.x0 + hz / 3 * f.width, Y = (v) => f.y0 - v / most * f.height;
-  if (curve.band) {
+  if (curve.bandHz) {
     g.fillStyle = colour("band"), g.beginPath();
-    curve.hz.forEach((hz, k) => g.lineTo(X(hz), Y(curve.low[k])));
-    for (let k = curve.hz.length - 1; k >= 0; k--) g.lineTo(X(curve.hz[k]), Y(curve.high[k]));
+    curve.bandHz.forEach((hz, k) => g.lineTo(X(hz), Y(curve.low[k])));
+    for (let k = curve.bandHz.length - 1; k >= 0; k--) g.lineTo(X(curve.bandHz[k]), Y(curve.high[k]));
     g.fill();
   }
   g.strokeStyle = colour("stuck"), g.lineWidth = 2.5, g.beginPath();

@@ -2,17 +2,17 @@
 "use strict";
 const $ = (id) => document.getElementById(id), text = (id) => $(id).textContent;
 const run = (source) => document.head.appendChild(Object.assign(document.createElement("script"), { textContent: source }));
-run(text("core-text")), run(text("model-text"));
+run(text("core-text")), run(text("tables-text")), run(text("model-text"));
 
 const SLIDERS = {
-  gait: [["alpha", "Amplitude α, °", 1], ["beta", "Phase lag β, °", 1], ["hz", "Frequency, Hz", 0.01], ["offset", "Bend of every joint (steers), °", 1]],
+  gait: [["alpha", "Amplitude α, °", 1], ["beta", "Phase lag β, °", 1], ["hz", "Frequency, Hz", 0.01], ["offset", "Bend (steers), °", 1]],
   ground: [["ct", "Viscous along, N s/m", 0], ["cn", "Viscous across, N s/m", 0], ["ft0", "Dry along, N", 0], ["fn0", "Dry across, N", 0]],
   body: [["links", "Links", 1], ["mass", "Mass of a link, kg", 0.0001], ["length", "Length of a link, m", 0.001]],
 };
-const SERVO = { torque: 0.3, rate: 500 }; // N m, °/s: a small hobby servo; the reader has his own
+const SERVO = { torque: 0.392, rate: 400 }; // N m, °/s: any hobby servo; the reader has his own
 const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
 let state = fromHash(location.hash, PRESETS["2005"]), core = null, fit = null, motion = null;
-let answer = null, map = null, curve = null, job = 0, playing = !still, time = 0;
+let answer = null, servo = null, map = null, curve = null, job = 0, open = 0, playing = !still, time = 0;
 
 // Friction spans decades: its slider moves by the square root.
 const rooted = (name) => FRICTIONS.includes(name);
@@ -39,6 +39,8 @@ function build() {
   for (const [group, rows] of Object.entries(SLIDERS))
     for (const [name, title, step] of rows)
       addRow($(group), name, title, step, LIMITS[name]).addEventListener("change", (e) => typed(name, e.target));
+  $("servo").add(new Option("ideal joints", ""));
+  for (const name of Object.keys(TABLES.servos)) $("servo").add(new Option(name === "hobby" ? "any hobby servo" : name, name));
   for (const [name, title] of [["torque", "Stalled torque, N m"], ["rate", "Free speed, °/s"]]) {
     const input = addRow($("limits"), name, title, null, [0.01, 5000]);
     input.value = SERVO[name];
@@ -53,16 +55,19 @@ function typed(name, input) {
   complain(`${name} is ${input.value || "empty"}; it can be ${low} to ${high}.`);
 }
 
+const OF_FIT = [...FRICTIONS, "links", "mass", "length"];
 function change(some, keepFit = false) {
   if ("whole" in some && some.whole !== state.whole) // the same ground, said in the other way
     for (const name of FRICTIONS) some[name] = +(state[name] * (some.whole ? state.links : 1 / state.links)).toPrecision(12);
-  if (!keepFit && FRICTIONS.some((name) => name in some && !("whole" in some))) fit = null, $("fit").textContent = "";
+  if (!keepFit && OF_FIT.some((name) => name in some && !("whole" in some))) fit = null, $("fit").textContent = "";
+  if (!keepFit && ("mass" in some || "length" in some)) some.inertia = 0; // of a uniform rod
   state = { ...state, ...some };
   refresh();
 }
 
 let asked = 0;
 function refresh() {
+  curve = servo = null;
   solve();
   history.replaceState(null, "", toHash(state));
   clearTimeout(asked);
@@ -77,7 +82,7 @@ function solve() {
     else $("n-" + name).value = +state[name].toPrecision(6), $("r-" + name).value = toSlider(name, state[name]), $("n-" + name).removeAttribute("aria-invalid");
   }
   const same = Object.keys(PRESETS).find((key) => toHash(PRESETS[key]) === toHash(state));
-  $("preset").value = same || "own";
+  $("preset").value = same || "own", $("servo").value = state.servo;
   $("command").textContent = commandLine(state), $("python").textContent = pythonCode(state);
   if (!core) return;
   const why = refusal(state);
@@ -99,6 +104,7 @@ function figure(value, error, unit) {
 
 function show() {
   const a = answer;
+  showServo();
   if (!a || !a.known) { $("speed").innerHTML = `<span class="big">no answer</span>`; $("figures").innerHTML = ""; return; }
   $("speed").innerHTML = `<span class="big">${figure(a.speed, a.speedError, "m/s")}</span>`;
   const weight = state.links * state.mass * GRAVITY_M_S2, rows = [["Power", figure(a.power, a.powerError, "W")]];
@@ -115,8 +121,18 @@ function show() {
   rows.push(["Largest joint speed (exact)", limited(`${rate.toFixed(0)} °/s`, rate, SERVO.rate)]);
   rows.push(["Body lengths a cycle", figure(a.speed / state.hz / (state.links * state.length), a.speedError / state.hz / (state.links * state.length), "")]);
   if (Math.abs(a.turn) > 10 * a.turnError) rows.push(["Turn a cycle", figure(a.turn / RAD, a.turnError / RAD, "°")]);
-  if (curve && curve.band) rows.push(["Speed the fit allows (24 draws)", `${curve.band[0].toFixed(4)} to ${curve.band[1].toFixed(4)} m/s`]);
+  if (curve && curve.band) rows.push(["Speed that your fit allows, 95 %", `${curve.band[0].toFixed(4)} to ${curve.band[1].toFixed(4)} m/s`]);
   $("figures").innerHTML = rows.map(([name, value]) => `<div><dt>${name}</dt><dd>${value}</dd></div>`).join("");
+}
+
+function showServo() {
+  const box = $("servo-speed"), name = state.servo === "hobby" ? "typical hobby servos" : `${state.servo} servos`;
+  box.hidden = !state.servo;
+  if (!state.servo) return;
+  if (!servo) box.textContent = `With ${name}: …`;
+  else if (!servo.known || !servo.converged) box.textContent = `With ${name} the motion does not settle.`;
+  else box.innerHTML = `With ${name}: <strong>${figure(servo.speed, servo.error, "m/s")}</strong>; `
+    + `joints reach ${Math.round(100 * servo.amplitude)} % of the amplitude.`;
 }
 
 function limited(shown, value, limit) {
@@ -124,22 +140,38 @@ function limited(shown, value, limit) {
   return share > 100 ? `<span class="over">${shown}: ${share} % of your limit</span>` : `${shown}, ${share} % of your limit`;
 }
 
-// ---- the worker: map and curve
-const worker = new Worker(URL.createObjectURL(new Blob(["core-text", "model-text", "worker-text"].map(text).map((t) => t + "\n"), { type: "text/javascript" })));
-worker.onmessage = ({ data }) => {
-  if (data.ready) return order();
+// ---- the workers: one draws the curve, the others share the map; they start after the first answer
+const HELPERS = Math.min(4, Math.max(2, navigator.hardwareConcurrency || 2));
+const workers = [];
+function startWorkers() {
+  const source = ["core-text", "tables-text", "model-text", "worker-text"].map((id) => text(id) + "\n");
+  const url = URL.createObjectURL(new Blob(source, { type: "text/javascript" }));
+  for (let k = 0; k <= HELPERS; k++) {
+    const worker = new Worker(url);
+    worker.onmessage = ({ data }) => (data.ready ? (workers.push(worker), workers.length > HELPERS && order()) : hear(data));
+  }
+}
+function hear(data) {
   if (data.id !== job) return;
-  if (data.curve) curve = data.curve, show();
-  else map = { values: data.values, mode: $("mode").value, done: data.done };
-  paint();
-};
+  if (data.curve) curve = data.curve, servo = data.servo, show();
+  else {
+    if (!map || map.id !== job) map = { id: job, values: new Float64Array((CELLS + 1) ** 2).fill(NaN), mode: $("mode").value };
+    data.at.forEach((at, k) => { map.values[at] = data.values[k]; });
+    if (data.done && --open === 0) map.done = true;
+  }
+  painting = painting || requestAnimationFrame(paint);
+}
+let painting = 0;
 function order() {
-  curve = null;
   document.body.dataset.map = "working";
-  if (!refusal(state)) worker.postMessage({ id: ++job, s: state, mode: $("mode").value, wanted: answer ? answer.speed : 0, fit });
+  if (refusal(state) || workers.length <= HELPERS) return;
+  const ask = { id: ++job, s: state, mode: $("mode").value, wanted: answer ? answer.speed : 0 };
+  open = HELPERS;
+  workers.forEach((worker, k) => worker.postMessage(k ? { ...ask, share: { part: k - 1, of: HELPERS } } : { ...ask, fit }));
 }
 
 function paint() {
+  painting = 0;
   if (map) {
     const { best } = drawMap($("map"), map, state);
     const what = map.mode === "power" ? "Least power" : "Fastest", unit = map.mode === "power" ? "W" : "m/s";
@@ -149,7 +181,7 @@ function paint() {
   }
   if (curve && answer) {
     drawCurve($("curve"), curve, state, answer.speed);
-    $("curve-says").textContent = "○ is where you are." + (curve.band ? " The band holds all 24 draws of friction that your fit allows." : "");
+    $("curve-says").textContent = "○ is where you are." + (curve.band ? " Band: 95 %, of the frictions that your fit allows and of joints 3 % off." : "");
   }
   if (!playing && motion) drawSnake($("snake"), motion, state, time);
 }
@@ -169,16 +201,38 @@ function arrow(event) {
   change({ [move[0]]: Math.min(high, Math.max(low, state[move[0]] + move[1])) });
 }
 
-async function take(file) {
+async function take(coming) {
+  let what = "Not taken";
   try {
-    const found = readFit(await file.text());
-    fit = found;
-    const [ct, cn, ft0, fn0] = found.values;
-    state = { ...state, whole: 1 };
-    change({ ct, cn, ft0, fn0, links: found.links, mass: found.mass, length: found.length }, true);
-    $("fit").textContent = `Friction and robot of ${found.name}.`;
+    const files = await coming;
+    what = files.length === 1 ? files[0].name : `${files.length} files`;
+    if (!files.length) throw new Error("Nothing that can be read was dropped.");
+    const { text, note } = await findFit(files), found = readFit(text), [ct, cn, ft0, fn0] = found.values;
+    state = { ...state, whole: 1 }, fit = found;
+    change({ ct, cn, ft0, fn0, ...found.robot }, true);
+    $("fit").textContent = `Friction and robot of ${found.name}.${note}`;
   } catch (error) {
-    $("fit").textContent = `${file.name}: ${error.message}`;
+    $("fit").textContent = `${what}: ${error.message}`;
+  }
+}
+
+const topFiles = (list) => [...list].filter((f) => (f.webkitRelativePath || "").split("/").length <= 2);
+
+// The files of what was dropped; of a folder those directly in it.
+async function dropped(items) {
+  const entries = [...items].filter((i) => i.kind === "file").map((i) => [i.webkitGetAsEntry && i.webkitGetAsEntry(), i.getAsFile()]);
+  const found = [];
+  for (const [entry, file] of entries) {
+    if (!entry || entry.isFile) { if (file) found.push(file); continue; }
+    try { await readFolder(entry.createReader(), found); }
+    catch { throw new Error("the browser does not open a dropped folder here. Press \u201cChoose a folder\u201d, or drop its fit.json."); }
+  }
+  return found;
+}
+async function readFolder(reader, found) {
+  for (let some = [0]; some.length && found.length < 1000;) {
+    some = await new Promise((good, bad) => reader.readEntries(good, bad));
+    for (const one of some.filter((e) => e.isFile)) found.push(await new Promise((good, bad) => one.file(good, bad)));
   }
 }
 
@@ -188,10 +242,11 @@ function listen() {
   $("mode").onchange = () => { map = null; order(); };
   $("map").addEventListener("click", go), $("map").addEventListener("keydown", arrow);
   $("controls").onsubmit = (e) => e.preventDefault();
-  $("file").onchange = () => $("file").files[0] && take($("file").files[0]);
+  $("servo").onchange = () => change({ servo: $("servo").value });
+  for (const name of ["file", "folder"]) $(name).onchange = () => { if ($(name).files.length) take(topFiles($(name).files)); $(name).value = ""; };
   for (const kind of ["dragover", "dragleave", "drop"])
     addEventListener(kind, (e) => { e.preventDefault(), $("drop").classList.toggle("over-it", kind === "dragover"); });
-  addEventListener("drop", (e) => e.dataTransfer.files[0] && take(e.dataTransfer.files[0]));
+  addEventListener("drop", (e) => take(dropped(e.dataTransfer.items)));
   addEventListener("hashchange", () => { state = fromHash(location.hash, state); refresh(); });
   addEventListener("resize", paint);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
@@ -218,5 +273,10 @@ function frame(now) {
   if (playing) requestAnimationFrame(frame);
 }
 
+if (parent !== self) document.body.classList.add("embedded");
 build(), listen(), setPlaying(playing), solve();
-serpenoidCore().then((made) => { core = new Core(made), solve(), document.body.dataset.ready = "yes"; });
+serpenoidCore().then((made) => {
+  core = new Core(made), solve(), document.body.dataset.ready = "yes";
+  document.body.dataset.firstMs = Math.round(performance.now());
+  setTimeout(startWorkers);
+});

@@ -1,7 +1,8 @@
-// The long work, beside the page: the map from coarse to fine, and speed against frequency.
+// The long work, beside the page: one share of the map from coarse to fine; speed against frequency.
 "use strict";
 let core = null, job = 0;
-const STEP = { alpha: 90 / 40, beta: 180 / 40 }, COUNT = 40, STRIDES = [8, 4, 2, 1];
+const STEP = { alpha: 90 / 40, beta: 180 / 40 }, COUNT = 40, STRIDES = [8, 4, 2, 1], EVERY_MS = 60;
+const CURVE_POINTS = 24, BAND_POINTS = 8, TOP_HZ = 3, LEAST_HZ = 0.05;
 
 serpenoidCore().then((made) => { core = new Core(made); postMessage({ ready: true }); });
 
@@ -17,59 +18,57 @@ function powerFor(s, wanted) {
   return NaN;
 }
 
-function cell(s, mode, wanted) {
-  if (mode === "power") return powerFor({ ...s }, wanted);
-  const a = core.steady(s, 1e-3, false);
-  return a.known ? a.speed : NaN;
-}
+const speed = (s) => { const a = core.steady(s, 1e-3, false); return a.known ? a.speed : NaN; };
 
-function curve(s, fit) {
-  const hz = [], speed = [], low = [], high = [];
-  const grounds = fit ? draws(fit, 24) : [];
-  for (let k = 0; k < 24; k++) {
-    const here = { ...s, hz: 0.05 * 60 ** (k / 23) };
-    const a = core.steady(here, 1e-4, false);
-    hz.push(here.hz), speed.push(a.known ? a.speed : NaN);
-    const all = grounds.map((g) => core.steady({ ...here, ...named(g) }, 1e-3, false).speed).sort((x, y) => x - y);
-    low.push(all.length ? all[0] : NaN), high.push(all.length ? all[all.length - 1] : NaN);
-  }
-  return { hz, speed, low, high, band: band(s, grounds) };
-}
-
-function named(values) { return { whole: 1, ct: values[0], cn: values[1], ft0: values[2], fn0: values[3] }; }
-
-function band(s, grounds) {
-  const all = grounds.map((g) => core.steady({ ...s, ...named(g) }, 1e-4, false).speed).sort((x, y) => x - y);
-  return all.length ? [all[0], all[all.length - 1]] : null;
-}
-
-async function run({ id, s, mode, wanted, fit }) {
-  const values = new Float64Array((COUNT + 1) ** 2).fill(NaN);
-  const done = new Uint8Array(values.length), pause = () => new Promise((go) => setTimeout(go));
-  let drawn = performance.now();
-  for (const stride of STRIDES) {
-    for (let i = 0; i <= COUNT; i += stride) {
+// The cells of a map in the order of their work: coarse ones first, each once; {at, i, j, stride}.
+function* cells() {
+  const seen = new Uint8Array((COUNT + 1) ** 2);
+  for (const stride of STRIDES)
+    for (let i = 0; i <= COUNT; i += stride)
       for (let j = 0; j <= COUNT; j += stride) {
         const at = i * (COUNT + 1) + j;
-        if (done[at]) continue;
-        done[at] = 1;
-        values[at] = cell({ ...s, alpha: Math.max(1, i * STEP.alpha), beta: Math.max(1, j * STEP.beta) }, mode, wanted);
+        if (!seen[at]) seen[at] = 1, yield { at, i, j, stride };
       }
-      if (performance.now() - drawn > 60) {
-        postMessage({ id, values, stride, done: false });
-        await pause();
-        if (id !== job) return;
-        drawn = performance.now();
-      }
+}
+
+// Each worker takes every `share.of`-th cell, and tells what it has now and then.
+async function fillMap({ id, s, mode, wanted, share }) {
+  let at = [], values = [], told = performance.now(), count = 0, stride = 0;
+  const tell = (done) => (postMessage({ id, at, values, done }), at = [], values = [], told = performance.now());
+  for (const cell of cells()) {
+    if (count++ % share.of !== share.part) continue;
+    if (performance.now() - told > EVERY_MS || (stride && cell.stride !== stride)) {
+      tell(false);
+      await new Promise((go) => setTimeout(go));
+      if (id !== job) return;
     }
-    postMessage({ id, values, stride, done: stride === 1 });
-    await pause();
-    if (id !== job) return;
-    if (stride === STRIDES[0]) postMessage({ id, curve: curve(s, fit) });
+    stride = cell.stride;
+    const here = { ...s, alpha: Math.max(1, cell.i * STEP.alpha), beta: Math.max(1, cell.j * STEP.beta) };
+    at.push(cell.at), values.push(mode === "power" ? powerFor(here, wanted) : speed(here));
+  }
+  tell(true);
+}
+
+// Speed with servos, speed against frequency, and what a fit leaves of both.
+async function drawCurve({ id, s, fit }) {
+  const told = async (part) => { postMessage({ id, ...part }); await new Promise((go) => setTimeout(go)); return id === job; };
+  const servo = s.servo ? core.withServo(s, s.servo) : null;
+  const rates = (count) => Array.from({ length: count }, (_, k) => LEAST_HZ * (TOP_HZ / LEAST_HZ) ** (k / (count - 1)));
+  const grounds = fit ? draws(fit) : [], among = (hz) => band(grounds.map((g) => speed({ ...s, ...g, hz, alpha: s.alpha * g.amplitude })));
+  const curve = { hz: rates(CURVE_POINTS) };
+  curve.speed = curve.hz.map((hz) => speed({ ...s, hz }));
+  if (!await told({ servo, curve }) || !fit) return;
+  curve.band = among(s.hz), curve.bandHz = [], curve.low = [], curve.high = [];
+  if (!await told({ servo, curve })) return;
+  for (const hz of [...rates(BAND_POINTS), s.hz].sort((a, b) => a - b)) {
+    const [low, high] = among(hz);
+    curve.bandHz.push(hz), curve.low.push(low), curve.high.push(high);
+    if (!await told({ servo, curve })) return;
   }
 }
 
-onmessage = (event) => {
-  job = event.data.id;
-  if (core) run(event.data);
+onmessage = ({ data }) => {
+  job = data.id;
+  if (core && data.share) fillMap(data);
+  else if (core && data.s) drawCurve(data);
 };

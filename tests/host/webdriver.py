@@ -12,6 +12,7 @@ import time
 import urllib.error
 import urllib.request
 from contextlib import suppress
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -34,14 +35,15 @@ class Browser:
     """One window; `with Browser() as browser:`."""
 
     def __init__(
-        self, width: int = 1100, height: int = 900, dark: bool = False, paper: bool = False
-    ):
+        self, width: int = 1100, height: int = 900, dark: bool = False, paper: bool = False,
+        still: bool = False,
+    ):  # fmt: skip
         self._chromium, driver = programs()
         self._process = subprocess.Popen(
             [driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
         )
         self._size = width, height
-        self._dark, self._paper = dark, paper
+        self._dark, self._paper, self._still = dark, paper, still
 
     def __enter__(self) -> Browser:
         port = 0
@@ -61,6 +63,8 @@ class Browser:
                    "mobile": self._size[0] < 500 or self._paper}  # fmt: skip
         self._devtools("Emulation.setDeviceMetricsOverride", metrics)
         features = [{"name": "prefers-color-scheme", "value": "dark" if self._dark else "light"}]
+        if self._still:
+            features.append({"name": "prefers-reduced-motion", "value": "reduce"})
         media = {"media": "print" if self._paper else "screen", "features": features}
         self._devtools("Emulation.setEmulatedMedia", media)
         return self
@@ -105,6 +109,30 @@ class Browser:
     def clicks(self, selector: str) -> None:
         found = self._ask("/element", {"using": "css selector", "value": selector})
         self._ask(f"/element/{found[ELEMENT]}/click", {})
+
+    def presses(self, key: str, code: int) -> None:
+        """Press and release one key, by its name and its virtual key code."""
+        text = {"text": " "} if key == " " else {}
+        for kind in ("keyDown" if text else "rawKeyDown", "keyUp"):
+            event = {"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code}
+            self._devtools("Input.dispatchKeyEvent", event | (text if kind == "keyDown" else {}))
+
+    def drops(self, path: Path) -> None:
+        """Drag a file or a folder of this machine onto the page."""
+        data = {"items": [], "files": [str(path)], "dragOperationsMask": 1}
+        for kind in ("dragEnter", "dragOver", "drop"):
+            event = {"type": kind, "x": 200, "y": 200, "data": data}
+            self._devtools("Input.dispatchDragEvent", event)
+
+    def barriers(self) -> list[str]:
+        """Return what axe-core holds against the page, and where."""
+        axe = files("axe_core_python").joinpath("axe.min.js").read_text(encoding="utf-8")
+        self.runs(f"{axe}\nwindow.axed = null; axe.run().then((found) => {{ axed = found; }});")
+        self.waits_for("window.axed")
+        assert self.runs("return axed.passes.length") > 5  # it has looked
+        return self.runs(
+            "return axed.violations.flatMap((v) => v.nodes.map((n) => `${v.id}: ${n.target}`))"
+        )
 
     def picture(self, path: Path) -> None:
         path.write_bytes(base64.b64decode(self._ask("/screenshot")))

@@ -12,12 +12,13 @@
 #include "model/gait.hpp"
 #include "periodic/sweep.hpp"
 #include "run/simulation.hpp"
+#include "servos/servo_gait.hpp"
 
 namespace serpenoid {
 namespace {
 
 constexpr int kMaxElements = 1024;
-constexpr double kMotionRtol = 1e-5, kMotionTolerance = 1e-6;
+constexpr double kMotionRtol = 1e-5, kMotionTolerance = 1e-6, kServoRtol = 1e-6;
 
 SweepShape shape_of(const double* a) {
     return {{static_cast<int>(a[0]), a[1], a[2] / 2, a[3]},
@@ -88,6 +89,28 @@ int serpenoid_steady(const double* ask, double rtol, int powers, double* to) {
                                  s.turn_error};
         std::copy(std::begin(values), std::end(values), to);
         return s.converged ? 1 : 0;
+    } catch (const std::exception&) {
+        return -1;
+    }
+}
+
+// The same gait with a servo on every joint: mean speed, half its range over the phases of the
+// board's frames, its error, amplitude over the gait's, lag. `servo`: the fields in the order of
+// each_servo_field; steps of at most `longest` s. Returns as serpenoid_steady does.
+int serpenoid_servo(const double* ask, const double* servo, double longest, double* to) {
+    try {
+        const SweepShape s = shape_of(ask);
+        const SteadyState ideal = steady_state(s, {kServoRtol, false, kMaxElements});
+        Servo of;
+        each_servo_field([&](const char*, double Servo::* field) { of.*field = *servo++; });
+        ServoGaitOptions options;
+        options.longest = longest;
+        const ServoGaitState found =
+            servo_gait(s.robot, s.ground, s.gait, of, ideal.start, ideal.monodromy, options);
+        const double values[] = {found.speed, found.spread, found.error, found.amplitude,
+                                 found.lag};
+        std::copy(std::begin(values), std::end(values), to);
+        return found.converged ? 1 : 0;
     } catch (const std::exception&) {
         return -1;
     }

@@ -168,6 +168,6 @@ def _figure(folder: Path, name: str, caption: str) -> str:
     data = Path(name).with_suffix(".csv").name
     link = f' (<a href="{data}">data</a>)' if (folder / data).exists() else ""
     return (
-        f'<figure id="{Path(name).stem}"><img src="{name}" alt="{escape(caption)}">'
+        f'<figure id="{Path(name).stem}" tabindex="0"><img src="{name}" alt="{escape(caption)}">'
         f"<figcaption>{escape(caption)}{link}</figcaption></figure>\n"
     )

@@ -58,11 +58,15 @@ def session_page(
     setup = session.setup
     parts = [
         f"<h1>{escape(setup.name)}</h1>", _story(session), _summary(fit, compared),
-        "<h2>Friction</h2>", _svg(9.0, 4.2, 2, lambda f, a: draw_friction(f, a, session, fit)),
+        "<h2>Friction</h2>",
+        _svg("friction against speed, readings and lines", 9.0, 4.2, 2,
+             lambda f, a: draw_friction(f, a, session, fit)),
         _friction_table(fit), *_notes(fit, session),
     ]  # fmt: skip
     if compared is not None:
-        drawn = _svg(7.2, 6.0, 1, lambda f, _a: draw_comparison(f, compared))
+        drawn = _svg(
+            "speeds predicted and measured", 7.2, 6.0, 1, lambda f, _a: draw_comparison(f, compared)
+        )
         parts += ["<h2>Speed</h2>", drawn, _speed_table(compared)]
     if advice is not None:
         parts += ["<h2>The next reading</h2>", _advice(advice)]
@@ -74,10 +78,12 @@ def session_page(
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(setup.name)}: friction and speed</title><style>{_STYLE}</style></head>"
     )
-    return head + "<body>\n" + "\n".join(parts) + "\n</body></html>\n"
+    return head + "<body>\n<main>\n" + "\n".join(parts) + "\n</main>\n</body></html>\n"
 
 
-def _svg(width: float, height: float, columns: int, draw: Callable[[Any, Any], None]) -> str:
+def _svg(
+    what: str, width: float, height: float, columns: int, draw: Callable[[Any, Any], None]
+) -> str:
     """Return a drawing as inline SVG; ids are salted, so that the same drawing gives the same."""
     import matplotlib as mpl
 
@@ -94,7 +100,9 @@ def _svg(width: float, height: float, columns: int, draw: Callable[[Any, Any], N
     salt = f"w{width:g}".replace(".", "_")
     drawn = re.sub(r'id="([^"]+)"', rf'id="{salt}-\1"', drawn)
     drawn = re.sub(r'href="#([^"]+)"', rf'href="#{salt}-\1"', drawn)
-    return f"<figure>{re.sub(r'url[(]#', f'url(#{salt}-', drawn)}</figure>"
+    drawn = re.sub(r"url[(]#", f"url(#{salt}-", drawn)
+    drawn = drawn.replace("<svg", f'<svg role="img" aria-label="{escape(what)}"', 1)
+    return f'<figure tabindex="0">{drawn}</figure>'
 
 
 def _table(
@@ -104,14 +112,14 @@ def _table(
     told: bool = False,
 ) -> str:
     """Return a table of numbers; classes: of its rows; told: the last column is in words."""
-    top = "".join(f"<th>{escape(h)}</th>" for h in head)
+    top = "".join(f'<th scope="col">{escape(h)}</th>' for h in head)
     marks = list(classes) or [""] * len(rows)
     body = "".join(
         f'<tr class="{mark}">' + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>"
         for row, mark in zip(rows, marks, strict=True)
     )
     kind = ' class="told"' if told else ""
-    return f'<div class="wide"><table{kind}><tr>{top}</tr>{body}</table></div>'
+    return f'<div class="wide" tabindex="0"><table{kind}><tr>{top}</tr>{body}</table></div>'
 
 
 def _story(session: Session) -> str:
