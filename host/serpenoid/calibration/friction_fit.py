@@ -29,9 +29,10 @@ from .fitting.influence import BOTH_WAYS, Influence, influences
 from .fitting.joint import minimise, starting_point, whole_residuals
 from .fitting.joint import residuals as residuals_at
 from .fitting.paper_fit import points, two_lines
-from .fitting.profile import intervals, quantiles
+from .fitting.profile import StationTerms, intervals, quantiles
 from .fitting.robust import FitMode, robust_minimum
 from .fitting.shared import shared_covariance, widened
+from .floor.result import fit_floor
 from .friction_result import (
     LEVEL,
     UNITS,
@@ -47,7 +48,7 @@ METHODS = ("joint", "robust", "naive")
 
 
 def fit_friction(session: Session, *, method: str = "joint") -> FrictionFit:
-    """Fit ct, cn, ft0 and fn0 to a session's kept readings.
+    """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations, pushes and slides together.
 
     Readings taken facing up the belt tell ct and ft0 backwards: the ground is then a ratchet.
 
@@ -61,6 +62,8 @@ def fit_friction(session: Session, *, method: str = "joint") -> FrictionFit:
     """
     check_kind("session", session, Session)
     check_choice("method", method, METHODS)
+    if session.on_floor:
+        return _on_floor(session, method)
     data = FitData.of(session)
     check_readings(session, data, 3 if method == "naive" else 2)
     if method == "naive":
@@ -69,6 +72,15 @@ def fit_friction(session: Session, *, method: str = "joint") -> FrictionFit:
         return _joint(session, data, method)
     except NotConverged as error:
         raise NotConverged(f"{session.where}: {error}") from error
+
+
+def _on_floor(session: Session, method: str) -> FrictionFit:
+    if method != "joint":
+        raise BadInput(
+            f"{session.where}: pushes and slides are fitted by method 'joint' alone, not {method!r}"
+            "; its table of influence names a push that does not fit the others"
+        )
+    return fit_floor(session)
 
 
 def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
@@ -151,7 +163,7 @@ def _raw(session: Session, data: FitData, found: FitMode) -> _Raw:
     whole, share = whole_residuals(x, data)
     quantile = float(ndtri(0.5 + LEVEL / 2))
     if found.good.min() == 1.0:
-        ends = intervals(data, found.minimum, quantiles(data, found.minimum, LEVEL))
+        ends = intervals(StationTerms(data), found.minimum, quantiles(data, found.minimum, LEVEL))
     else:
         ends = _about(x[: data.parameters], quantile * sigmas[: data.parameters])
     counted = found.good > 0.5

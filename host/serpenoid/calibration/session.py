@@ -18,14 +18,17 @@ import numpy as np
 from ..model.gait import Gait
 from ..model.robot import Robot
 from .kinds.bend import BendCheck
+from .kinds.coast import Coast
 from .kinds.declaration import Kind
 from .kinds.gait import GaitRun
-from .kinds.instruments import Stopwatch, TreadmillSteps, Uncertainty
+from .kinds.instruments import FloorTools, Stopwatch, TreadmillSteps, Uncertainty
+from .kinds.slide import Slide
 from .kinds.station import Reading, bent_share
 from .kinds.table import KINDS
 from .kinds.video import FilmReading
 from .kinds.zero import ZeroReading
 
+PLACES = ("treadmill", "floor")  # where a plan is carried out
 PROVENANCE = ("measured", "regenerated", "simulated")
 FOLLOWED = 1.5  # errors of the zero's difference, beyond which it is taken to have drifted
 MAX_GRAVITY_M_S2 = 30.0
@@ -47,7 +50,8 @@ class Procedure:
 
     gaits: to be run on level ground afterwards, each gait_runs times. ratchet: wheels roll harder
     backwards, so that straight stations are held a second time, facing up the belt. bend:
-    "balanced", or "zigzag" for a robot that is guided.
+    "balanced", or "zigzag" for a robot that is guided. on: "treadmill", or "floor": the robot is
+    pushed along a floor instead, `pushes` times in each bend of push_lambda_rad.
     """
 
     lambda_rad: tuple[float, ...]
@@ -59,6 +63,9 @@ class Procedure:
     gait_runs: int = 3
     ratchet: bool = False
     bend: str = "zigzag"
+    on: str = "treadmill"
+    push_lambda_rad: tuple[float, ...] = tuple(map(math.radians, (0.0, 20.0, 45.0)))
+    pushes: int = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +75,7 @@ class Setup:
     kind: measured, regenerated (from published fits) or simulated. source, note: where the
     readings come from, in words. surface, place, people: of the laboratory, in words. treadmill:
     what it can be set to. stopwatch: how gait runs are timed. weighed: the mass is no assumption.
+    floor: what pushes are measured with.
     """
 
     name: str
@@ -83,6 +91,7 @@ class Setup:
     treadmill: TreadmillSteps = field(default_factory=TreadmillSteps)
     stopwatch: Stopwatch = field(default_factory=Stopwatch)
     weighed: bool = True
+    floor: FloorTools = field(default_factory=FloorTools)
 
     @property
     def weight_n(self) -> float:
@@ -124,6 +133,21 @@ class Session:
     def kept_films(self) -> tuple[FilmReading, ...]:
         """Return the measured films that were not voided."""
         return tuple(r for r in self.further if isinstance(r, FilmReading) and not r.voided)
+
+    @property
+    def kept_pushes(self) -> tuple[Coast, ...]:
+        """Return the pushes along a floor that were not voided."""
+        return tuple(r for r in self.further if isinstance(r, Coast) and not r.voided)
+
+    @property
+    def kept_slides(self) -> tuple[Slide, ...]:
+        """Return the slides down a board that were not voided."""
+        return tuple(r for r in self.further if isinstance(r, Slide) and not r.voided)
+
+    @property
+    def on_floor(self) -> bool:
+        """Tell whether there are readings for the fit that were not taken on a treadmill."""
+        return bool(self.kept_pushes or self.kept_slides)
 
     def of(self, kind: str) -> tuple[Any, ...]:
         """Return all readings of a kind, by its name, in the order they were taken."""
@@ -234,7 +258,7 @@ class Session:
         read = [self.uncertainty_of(z).incline_sigma_rad / math.sqrt(2) for z in self._kept_zeros]
         return math.sqrt(sum(s * s for s in read) / len(read))
 
-    def bent_share(self, reading: Reading) -> float:
+    def bent_share(self, reading: Reading | Coast | Slide) -> float:
         """Return which share of the links stands at lambda in a reading; 0 where straight."""
         if not reading.lambda_rad:
             return 0.0
@@ -254,6 +278,7 @@ class Session:
             *(repr(r) for kind, r in self.numbered
               if kind.fitted and not kind.part and not r.voided),
             *([self.zeros_rad(self.kept)] if self.zero_drifts else []),
+            *([repr(setup.floor)] if self.on_floor else []),
         ]  # fmt: skip
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
 

@@ -14,15 +14,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..model.checks import check_choice
+from ..model.checks import check_choice, check_whole
 from ..model.errors import BadInput
 from ..model.files import read_text
 from ..model.gait import Gait
 from ..model.robot import Robot
 from ..model.toml_table import Table, check_names, located
-from .kinds.instruments import MAX_SPEED_M_S, Stopwatch, TreadmillSteps, Uncertainty
+from .kinds.instruments import MAX_SPEED_M_S, FloorTools, Stopwatch, TreadmillSteps, Uncertainty
 from .kinds.station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG, STATION, Reading
-from .session import MAX_GRAVITY_M_S2, PROVENANCE, Procedure, Session, Setup
+from .session import MAX_GRAVITY_M_S2, PLACES, PROVENANCE, Procedure, Session, Setup
 from .session_rows import change_of, read_format_2, time_of
 
 FORMAT = 2
@@ -43,8 +43,13 @@ _STEPS = (
     "incline_step_percent", "belt_speed_step_m_s", "belt_speed_least_m_s", "distance_sigma_m",
     "time_sigma_s",
 )  # fmt: skip
+_FLOOR = {  # optional, of pushes and slides: key -> field of FloorTools, its unit in SI
+    "film_scale_sigma_percent": ("film_scale_sigma", 0.01),
+    "push_time_sigma_s": ("push_time_sigma_s", 1.0),
+    "floor_slope_sigma_deg": ("slope_sigma_rad", math.radians(1.0)),
+}
 _WORDS = ("surface", "place", "people")
-_PLAN_TOO = ("gaits", "gait_runs", "ratchet", "bend")
+_PLAN_TOO = ("gaits", "gait_runs", "ratchet", "bend", "on", "pushes", "push_lambda_deg")
 _PLAN = ("lambda_deg", "incline_start_deg", "incline_step_deg", "belt_speed_max_m_s")
 
 
@@ -55,7 +60,7 @@ def load_session(folder: str | Path) -> Session:
     unknown, in other units, out of range or of a newer format, and for no reading to use.
     """
     session = read_session(folder)
-    if not (session.kept or session.kept_gait_runs or session.kept_films):
+    if not (session.kept or session.on_floor or session.kept_gait_runs or session.kept_films):
         raise BadInput(
             f"{session.where}: no reading to use among {len(session.readings)}; take some"
         )
@@ -93,7 +98,7 @@ def amended(setup: Setup, change: Table) -> Setup:
         setup = replace(setup, **{name: table.string(name) for name in table.values})
     if "instruments" in change.values:
         table = change.table("instruments")
-        table.only(optional=(*_SIGMAS, *_STEPS, *_SHARED))
+        table.only(optional=(*_SIGMAS, *_STEPS, *_SHARED, *_FLOOR))
         setup = replace(setup, **_instruments(table, setup))
     if "plan" in change.values:
         table = change.table("plan")
@@ -103,8 +108,11 @@ def amended(setup: Setup, change: Table) -> Setup:
 
 
 def _corrected(table: Table, setup: Setup) -> Setup:
-    """Return a set-up with the robot's mass or length of links corrected."""
-    table.only(optional=("mass_kg", "link_length_m"))
+    """Return a set-up with the robot's mass, wheels or length of links corrected."""
+    table.only(optional=("mass_kg", "link_length_m", "wheels_kg"))
+    if "wheels_kg" in table.values:
+        wheels_kg = table.number("wheels_kg", 0.0)
+        setup = replace(setup, floor=replace(setup.floor, wheels_kg=wheels_kg))
     robot = setup.robot
     mass_kg, length_m = robot.links * robot.link_mass_kg, robot.link_length_m
     if "mass_kg" in table.values:
@@ -152,6 +160,8 @@ def _setup(top: Table) -> Setup:
         "robot": _robot(top.table("robot")),
         "weighed": _flag(top.table("robot"), "weighed", usual=True),
     }
+    if "wheels_kg" in top.table("robot").values:
+        words["floor"] = FloorTools(wheels_kg=top.table("robot").number("wheels_kg", 0.0))
     return _setup_1(top, words) if old else _setup_2(top, words)
 
 
@@ -168,7 +178,7 @@ def _setup_2(top: Table, words: dict[str, Any]) -> Setup:
     instruments = top.table("instruments")
     laboratory.only("surface", "place", "people", "gravity_m_s2")
     plan.only(*_PLAN, optional=_PLAN_TOO)
-    instruments.only(*_SIGMAS, optional=(*_STEPS, *_SHARED))
+    instruments.only(*_SIGMAS, optional=(*_STEPS, *_SHARED, *_FLOOR))
     procedure = _plan(plan, replace(_NO_PLAN, gravity_m_s2=_gravity(laboratory)))
     setup = Setup(
         procedure=procedure,
@@ -187,7 +197,7 @@ _NO_PLAN = Procedure((), 0.0, 0.0, 0.0, 0.0)
 
 
 def _robot(table: Table) -> Robot:
-    table.only("links", "link_mass_kg", "link_length_m", optional=("weighed",))
+    table.only("links", "link_mass_kg", "link_length_m", optional=("weighed", "wheels_kg"))
     links = table.whole("links")
     mass_kg = table.number("link_mass_kg", 0.0, open_low=True)
     length_m = table.number("link_length_m", 0.0, open_low=True)
@@ -224,6 +234,15 @@ def _plan(table: Table, before: Procedure) -> Procedure:
             found["bend"] = check_choice("bend", table.values["bend"], BENDS)
     if "gaits" in table.values:
         found["gaits"] = _gaits(table)
+    if "on" in table.values:
+        with located(table.where("on")):
+            found["on"] = check_choice("on", table.values["on"], PLACES)
+    if "pushes" in table.values:
+        with located(table.where("pushes")):
+            found["pushes"] = check_whole("pushes", table.values["pushes"], 0, 100)
+    if "push_lambda_deg" in table.values:
+        bends_deg = table.numbers("push_lambda_deg", 0.0, MAX_LAMBDA_DEG)
+        found["push_lambda_rad"] = tuple(map(math.radians, bends_deg))
     return replace(before, **found)
 
 
@@ -279,6 +298,10 @@ def _instruments(table: Table, setup: Setup) -> dict[str, Any]:
                 given.get("distance_sigma_m", watch.distance_sigma_m),
                 given.get("time_sigma_s", watch.time_sigma_s),
             ),
+            "floor": replace(setup.floor, **{
+                field: unit * table.number(name, 0.0)
+                for name, (field, unit) in _FLOOR.items() if name in table.values
+            }),
         }
 
 

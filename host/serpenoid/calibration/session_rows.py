@@ -232,6 +232,8 @@ def _track(row: Row, kind: Kind, folder: Path) -> dict[str, Track]:
         return {}
     said = words_of(row)
     name, sha256 = (said.get(word, "") for word in TRACK_WORDS)
+    if not name and kind.track_may_miss:
+        return {}
     if not re.fullmatch(rf"{FOLDER}/\w+\.csv", name):
         raise BadInput(f"track is {name!r}; it must be a file such as {FOLDER}/0001.csv")
     return {"track": read_track(folder / name, kind.track, sha256)}

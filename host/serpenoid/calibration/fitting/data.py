@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kinds.coast import Coast
+from ..kinds.slide import Slide
 from ..kinds.station import Reading
 from ..session import Session
 from .rounding import DRAWS, Drift, drifting_rounding, shared_rounding
@@ -74,7 +77,7 @@ class FitData:
         given = [session.uncertainty_of(r) for r in kept]
         lambda_rad = np.array([r.lambda_rad for r in kept], dtype=float)
         lambda_sigma_rad = np.array([g.lambda_sigma_rad for g in given], dtype=float)
-        posture, angles, sigmas = postures(lambda_rad, lambda_sigma_rad, settings(session))
+        posture, angles, sigmas = postures(lambda_rad, lambda_sigma_rad, settings(session, kept))
         shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
         incline_sigma_rad = np.array([g.incline_sigma_rad for g in given], dtype=float)
         zeros_rad = np.array(session.zeros_rad(kept))
@@ -199,18 +202,18 @@ def projections(
     return 1.0 - q * sin**2, q * sin**2, 1.0 - q + q * cos, q * sin
 
 
-def settings(session: Session) -> Whole:
-    """Return per kept reading which protractor check its bend was set by; -1 where none tells."""
+def settings(session: Session, readings: Sequence[Reading | Coast | Slide]) -> Whole:
+    """Return per reading which protractor check its bend was set by; -1 where none tells."""
     checks = [b for b in session.bends if not b.voided]
 
-    def of(reading: Reading) -> int:
+    def of(reading: Reading | Coast | Slide) -> int:
         earlier = [
             k for k, b in enumerate(checks)
             if b.number < reading.number and abs(b.found_rad - reading.lambda_rad) < _SAME_RAD
         ]  # fmt: skip
         return earlier[-1] if earlier else -1
 
-    return np.array([of(r) for r in session.kept], dtype=np.intp)
+    return np.array([of(r) for r in readings], dtype=np.intp)
 
 
 def postures(

@@ -12,6 +12,9 @@ and this is repeated from there until it stays: a few small solves, no fit withi
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Protocol
+
 import numpy as np
 
 from .data import FitData, Floats
@@ -48,7 +51,44 @@ def quantiles(data: FitData, found: Minimum, level: float) -> Floats:
     return ((low + high) / 2).ravel()
 
 
-def intervals(data: FitData, found: Minimum, quantile: Floats) -> Floats:
+class Terms(Protocol):
+    """A sum of squares: the residuals, their Jacobian, and how many unknowns are frictions."""
+
+    @property
+    def parameters(self) -> int:
+        """Return how many of the unknowns are frictions, which come first."""
+        ...
+
+    def residuals(self, x: Floats) -> Floats:
+        """Return the residuals."""
+        ...
+
+    def jacobian(self, x: Floats) -> Floats:
+        """Return d residuals / d x."""
+        ...
+
+
+@dataclass(frozen=True)
+class StationTerms:
+    """The terms of stations alone (`joint`)."""
+
+    data: FitData
+
+    @property
+    def parameters(self) -> int:
+        """Return how many frictions there are."""
+        return self.data.parameters
+
+    def residuals(self, x: Floats) -> Floats:
+        """Return those of the readings, then of the priors."""
+        return residuals(x, self.data)
+
+    def jacobian(self, x: Floats) -> Floats:
+        """Return d residuals / d x."""
+        return jacobian(x, self.data)
+
+
+def intervals(data: Terms, found: Minimum, quantile: Floats) -> Floats:
     """Return (P, 2): lowest and highest of each friction with chi2 at most quantile^2 above least.
 
     None below 0. Where the search does not settle, the covariance's own interval stands.
@@ -63,10 +103,10 @@ def intervals(data: FitData, found: Minimum, quantile: Floats) -> Floats:
     return out
 
 
-def _extreme(data: FitData, found: Minimum, k: int, sign: float, level: float) -> float | None:
+def _extreme(data: Terms, found: Minimum, k: int, sign: float, level: float) -> float | None:
     x = found.x
     for _ in range(_ROUNDS):
-        r, slopes = residuals(x, data), jacobian(x, data)
+        r, slopes = data.residuals(x), data.jacobian(x)
         try:
             covariance = np.linalg.inv(slopes.T @ slopes)
         except np.linalg.LinAlgError:

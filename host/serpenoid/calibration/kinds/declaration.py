@@ -137,7 +137,7 @@ class Kind:
     returns what a reading is and its values, in words. derive: puts in what follows from other
     cells (a speed from distance and time); raises BadInput. fitted: the friction fit rests on it,
     so that the session's hash covers it. track: columns of its file of samples (`tracks`), which
-    the attribute `track` holds; none if it has no file.
+    the attribute `track` holds; none if it has no file. track_may_miss: some readings have none.
     """
 
     name: str
@@ -148,6 +148,7 @@ class Kind:
     derive: Callable[[dict[str, Any], Stopwatch], dict[str, Any]] = _as_it_is
     fitted: bool = False
     track: tuple[str, ...] = ()
+    track_may_miss: bool = False
 
     @property
     def numbers(self) -> tuple[Field, ...]:

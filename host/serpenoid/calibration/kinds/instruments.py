@@ -70,3 +70,25 @@ class Stopwatch:
         speed_m_s = distance_m / time_s
         off_m = math.hypot(self.distance_sigma_m, speed_m_s * self.time_sigma_s)
         return speed_m_s, off_m / time_s
+
+
+@dataclass(frozen=True, slots=True)
+class FloorTools:
+    """What a push or a slide is measured with, as standard deviations, and what its wheels weigh.
+
+    wheels_kg: mass of all wheels together, whose turning takes part of a push; None: not told.
+    film_scale_sigma: of all lengths in films, relative. push_time_sigma_s: of a time taken by hand.
+    slope_sigma_rad: of the slope of a floor, before both ways tell it. Raises BadInput.
+    """
+
+    wheels_kg: float | None = None
+    film_scale_sigma: float = 0.005
+    push_time_sigma_s: float = 0.12
+    slope_sigma_rad: float = math.radians(0.3)
+
+    def __post_init__(self) -> None:
+        if self.wheels_kg is not None:
+            check_number("wheels_kg", self.wheels_kg, 0.0, 100.0)
+        check_number("film_scale_sigma", self.film_scale_sigma, 0.0, 0.2)
+        check_number("push_time_sigma_s", self.push_time_sigma_s, 0.0, 10.0, open_low=True)
+        check_number("slope_sigma_rad", self.slope_sigma_rad, 0.0, 0.2, open_low=True)

@@ -43,7 +43,7 @@ links = {links}
 link_mass_kg = {link_mass_kg}       # the whole robot's mass, cables and all, over the links
 link_length_m = {link_length_m}      # joint to joint
 weighed = {weighed}          # false: the mass is an assumption, asked for when readings are taken
-
+{wheels}
 [laboratory]
 surface = {surface}    # what the wheels roll on; friction holds for it alone
 place = {place}
@@ -63,8 +63,14 @@ belt_speed_step_m_s = {belt_speed_step_m_s}
 belt_speed_least_m_s = {belt_speed_least_m_s}
 distance_sigma_m = {distance_sigma_m}        # of a gait run: tape and marks; stopwatch
 time_sigma_s = {time_sigma_s}
+film_scale_sigma_percent = {film_scale_sigma_percent}  # of lengths in a film of pushes
+push_time_sigma_s = {push_time_sigma_s}         # of a push or a slide timed by hand
+floor_slope_sigma_deg = {floor_slope_sigma_deg}     # of the floor, before both ways tell it
 
 [plan]
+on = {on}              # treadmill; or floor: pushes instead of stations
+push_lambda_deg = {push_lambda_deg}
+pushes = {pushes}                  # in each of these bends, half of them either way
 lambda_deg = {lambda_deg}    # 7.5 as in 2005; 15 and 30 tell cn three to ten times better
 incline_start_deg = {incline_start_deg}
 incline_step_deg = {incline_step_deg}
@@ -198,6 +204,13 @@ def setup_text(setup: Setup) -> str:
         belt_speed_max_m_s=_number(plan.belt_speed_max_m_s),
         gait_runs=plan.gait_runs,
         bend=quoted(plan.bend),
+        wheels="" if setup.floor.wheels_kg is None
+        else f"wheels_kg = {_number(setup.floor.wheels_kg)}          # all wheels together\n",
+        film_scale_sigma_percent=_number(100 * setup.floor.film_scale_sigma),
+        push_time_sigma_s=_number(setup.floor.push_time_sigma_s),
+        floor_slope_sigma_deg=_degrees(setup.floor.slope_sigma_rad),
+        on=quoted(plan.on), pushes=plan.pushes,
+        push_lambda_deg=[float(_degrees(x)) for x in plan.push_lambda_rad],
         ratchet=str(plan.ratchet).lower(),
         gaits="".join(f"\n  {gait}," for gait in gaits) + ("\n" if gaits else ""),
     )

@@ -163,7 +163,7 @@ def amendment(change: str) -> str:
     name, equals, value = (part.strip() for part in change.partition("="))
     if not equals or "." not in name or not value:
         raise BadInput(f"{change!r} is not TABLE.ENTRY=VALUE, such as robot.mass_kg=480g")
-    if name.startswith("laboratory.") or name == "plan.bend":
+    if name.startswith("laboratory.") or name in ("plan.bend", "plan.on"):
         return f"{name} = {quoted(value.strip(chr(34)))}"
     quantity = next((q for end, q in _QUANTITIES.items() if name.endswith(end)), "")
     if not quantity or value.startswith(("[", '"', "'")):

@@ -1,0 +1,107 @@
+"""A body that rolls out: v' = -(c v + f) while it moves; once it rests it stays.
+
+c is the viscous friction over the mass that is to be stopped, f all dry forces over it. From speed
+v0 the way after t is, with z = c t,
+
+    x(t) = v0 t p(z) - f t^2 q(z),    p = (1 - e^-z) / z,    q = (z - 1 + e^-z) / z^2,
+
+until it stops at t_s = (v0 / f) log(1 + w) / w, w = c v0 / f; afterwards x stays x(t_s). Written so,
+nothing cancels for c near 0. With f below 0 it never stops: a slope too steep, or a slide.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+_SMALL = 0.05  # below it the series are exact to 1e-10
+
+
+def stop_s(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
+    """Return when a body stops, s, and that time's derivatives (3, K) by v0, c and f.
+
+    Infinite, with derivatives 0, where f is not above 0.
+    """
+    stops = f > 0.0
+    safe = np.where(stops, f, 1.0)
+    w = np.where(stops, c * v0 / safe, 0.0)
+    log, by_w = _log_over(w)
+    time = v0 / safe * log
+    slopes = np.stack([
+        1.0 / (safe * (1.0 + w)), (v0 / safe) ** 2 * by_w, -v0 / (safe**2 * (1.0 + w)),
+    ])  # fmt: skip
+    return np.where(stops, time, np.inf), np.where(stops, slopes, 0.0)
+
+
+def way_m(t: Floats, v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the way after t, m, its derivatives (3, K) by v0, c and f, and the speed then, m/s.
+
+    All arguments (K,). Before t = 0 it is taken to have rolled at v0.
+    """
+    end = np.minimum(t, stop_s(v0, c, f)[0])
+    rolled = np.maximum(end, 0.0)
+    z = c * rolled
+    p, q, by_p, by_q = _shapes(z)
+    way = v0 * rolled * p - f * rolled**2 * q + v0 * np.minimum(t, 0.0)
+    slopes = np.stack([
+        rolled * p + np.minimum(t, 0.0),
+        v0 * rolled**2 * by_p - f * rolled**3 * by_q,
+        -(rolled**2) * q,
+    ])  # fmt: skip
+    speed = np.where(t > end, 0.0, v0 * np.exp(-z) - f * rolled * p)
+    return way, slopes, speed
+
+
+def slide_s(length_m: Floats, c: Floats, pull: Floats) -> Floats:
+    """Return the time of a slide from rest over a length, s; infinite where it does not begin.
+
+    pull: the acceleration at rest, m/s^2, which is -f.
+    """
+    slides = pull > 0.0
+    safe = np.where(slides, pull, 1.0)
+    t = np.sqrt(2 * length_m / safe)
+    for _ in range(60):  # Newton's steps from below the answer: way is convex in t
+        way, _, speed = way_m(t, np.zeros_like(t), c, -safe)
+        step = (length_m - way) / speed
+        t = t + step
+        if np.max(np.abs(step) / t, initial=0.0) < 1e-13:
+            break
+    return np.where(slides, t, np.inf)
+
+
+def _shapes(z: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return p, q and their derivatives by z."""
+    small = np.abs(z) < _SMALL
+    far = np.where(small, 1.0, z)
+    e = np.exp(-far)
+    p, q = (1.0 - e) / far, (far - 1.0 + e) / far**2
+    by_p, by_q = (e * (1.0 + far) - 1.0) / far**2, (2.0 - far - (far + 2.0) * e) / far**3
+    near = [_series(z, terms) for terms in _TERMS]
+    told = zip((p, q, by_p, by_q), near, strict=True)
+    p, q, by_p, by_q = (np.where(small, close, wide) for wide, close in told)
+    return p, q, by_p, by_q
+
+
+_TERMS = (
+    (1.0, -1 / 2, 1 / 6, -1 / 24, 1 / 120, -1 / 720, 1 / 5040),
+    (1 / 2, -1 / 6, 1 / 24, -1 / 120, 1 / 720, -1 / 5040, 1 / 40320),
+    (-1 / 2, 1 / 3, -1 / 8, 1 / 30, -1 / 144, 1 / 840, -1 / 5760),
+    (-1 / 6, 1 / 12, -1 / 40, 1 / 180, -1 / 1008, 1 / 6720, -1 / 51840),
+)
+
+
+def _series(z: Floats, terms: tuple[float, ...]) -> Floats:
+    return np.polynomial.polynomial.polyval(z, np.array(terms))
+
+
+def _log_over(w: Floats) -> tuple[Floats, Floats]:
+    """Return log(1 + w) / w and its derivative."""
+    small = np.abs(w) < 1e-3
+    far = np.where(small, 1.0, w)
+    log = np.log1p(far) / far
+    by_w = (far / (1.0 + far) - np.log1p(far)) / far**2
+    near = _series(w, (1.0, -1 / 2, 1 / 3, -1 / 4, 1 / 5))
+    return np.where(small, near, log), np.where(
+        small, _series(w, (-1 / 2, 2 / 3, -3 / 4, 4 / 5)), by_w
+    )

@@ -1,0 +1,247 @@
+"""A track of a push looked at at once: where the hand let go, where it rests, what is wrong.
+
+Nothing is differentiated for the fit: slopes over short pieces serve only to find the pieces.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.errors import BadInput
+from .arc import along, turn_rad
+from .law import way_m
+
+Floats = NDArray[np.float64]
+PIECE_S = 0.13  # over which a speed is taken
+AFTER_S = 0.07  # from the fastest moment: the fingers are gone
+RESTED_S = 0.4  # of rest that counts: it tells where the robot stopped
+SLOW = 0.03  # of the greatest speed: it rests
+MOVES_M_S = 0.05  # a push is faster than this
+LEAST_M, LEAST_S = 0.2, 0.4  # of a push worth fitting
+FEWEST = 8
+MOST_TURN_RAD = math.radians(10.0)
+ROUGH = 2.5  # scatters about the law, over those between neighbours: something happened
+FEWEST_M_S = 0.35  # at the start; less tells no viscous part
+LONGEST_GAP_S = 0.25
+LAST = 0.6  # of the way: if the hand is there until then, little is left
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a track of one push shows.
+
+    start_s, end_s: the part that counts. speed_m_s: at its start. way_m, time_s: until it rests.
+    turned_rad: + to the left. sigma_m: scatter of a place, grown by what neighbours share. doubts:
+    what is wrong, in words; empty if all is well.
+    """
+
+    start_s: float
+    end_s: float
+    speed_m_s: float
+    way_m: float
+    time_s: float
+    turned_rad: float
+    sigma_m: float
+    doubts: tuple[str, ...]
+
+    def cells(self) -> dict[str, float]:
+        """Return a reading's cells."""
+        return {
+            "start_s": self.start_s, "end_s": self.end_s, "distance_sigma_m": self.sigma_m,
+            "turned_deg": math.degrees(self.turned_rad),
+        }  # fmt: skip
+
+
+def pushes_in(t_s: Floats, x_m: Floats, y_m: Floats) -> list[slice]:
+    """Return the pieces of a track that hold a push each, with the rest about them.
+
+    A push is a stretch faster than MOVES_M_S; those with no rest between are one. Carrying the
+    robot back is one, too, and is left out by what `look_at` says of it, or by hand.
+    """
+    t, x, y = (np.asarray(v, dtype=float) for v in (t_s, x_m, y_m))
+    speed = _speeds(t, x, y)
+    moves = speed > MOVES_M_S
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], moves.astype(int), [0]])))
+    runs = edges.reshape(-1, 2).tolist()
+    joined: list[list[int]] = []
+    for first, last in runs:
+        if joined and t[first] - t[joined[-1][1] - 1] < RESTED_S / 2:
+            joined[-1][1] = last
+        else:
+            joined.append([first, last])
+    long = [run for run in joined if t[run[1] - 1] - t[run[0]] > LEAST_S / 2]
+    pieces = []
+    for k, (first, last) in enumerate(long):
+        before = (t[long[k - 1][1] - 1] + t[first]) / 2 if k else -math.inf
+        after = (t[last - 1] + t[long[k + 1][0]]) / 2 if k + 1 < len(long) else math.inf
+        low = np.searchsorted(t, max(before, t[first] - 1.0))
+        high = np.searchsorted(t, min(after, t[last - 1] + 1.5), side="right")
+        pieces.append(slice(int(low), int(high)))
+    return pieces
+
+
+def look_at(t_s: Floats, x_m: Floats, y_m: Floats) -> Look:
+    """Look at the track of one push; raises BadInput where there is none."""
+    t, x, y = (np.asarray(v, dtype=float) for v in (t_s, x_m, y_m))
+    _check(t, x, y)
+    speed = _speeds(t, x, y)
+    peak = int(np.argmax(speed))
+    if speed[peak] < MOVES_M_S:
+        raise BadInput(f"nothing moves in this track: {speed[peak]:.2g} m/s at most; is it in m?")
+    start = _start(t, speed, peak)
+    rest, touched = _rest(t, x, y, speed, peak)
+    end = int(np.searchsorted(t, t[min(rest, len(t) - 1)] + RESTED_S, side="right")) - 1
+    end = min(end, touched - 1)
+    part = slice(start, end + 1)
+    moving = slice(start, rest + 1)
+    if end - start + 1 < FEWEST:
+        raise BadInput(
+            f"only {max(end - start + 1, 0)} places between the hand and the end of the track; "
+            f"{FEWEST} at least: film until the robot rests, and push harder"
+        )
+    noise = _noise(t[part], x[part], y[part])
+    way = along(x[part], y[part], noise)
+    way = way - way[0]
+    fitted, sigma, speed_m_s = _own_path(t[part] - t[start], way)
+    turned = turn_rad(x[moving], y[moving]) if rest - start > 3 else 0.0
+    doubts = _doubts(
+        t, (start, rest, end), float(way[-1]), speed_m_s, turned, sigma / max(noise, 1e-4),
+    )  # fmt: skip
+    return Look(
+        float(t[start]), float(t[end]), speed_m_s, float(way[-1]), float(t[rest] - t[start]),
+        turned, sigma * _shared(way - fitted), tuple(doubts),
+    )  # fmt: skip
+
+
+def _check(t: Floats, x: Floats, y: Floats) -> None:
+    if len(t) < FEWEST or not (len(t) == len(x) == len(y)):
+        raise BadInput(f"a track has {len(t)} places; {FEWEST} at least")
+    if not all(np.isfinite(v).all() for v in (t, x, y)):
+        raise BadInput("a track has a place that is no finite number; leave it out")
+    back = np.flatnonzero(np.diff(t) <= 0.0)
+    if len(back):
+        raise BadInput(
+            f"times must rise: {t[back[0] + 1]:.6g} s comes after {t[back[0]]:.6g} s; is the first "
+            "column the time?"
+        )
+
+
+def _speeds(t: Floats, x: Floats, y: Floats) -> Floats:
+    """Return speeds, each the slope of a line through the piece of PIECE_S about it."""
+    low = np.searchsorted(t, t - PIECE_S / 2 - 1e-9)
+    high = np.searchsorted(t, t + PIECE_S / 2 + 1e-9, side="right")
+    few = high - low < 3
+    low, high = (
+        np.where(few, np.maximum(low - 1, 0), low),
+        np.where(few, np.minimum(high + 1, len(t)), high),
+    )
+    count = high - low
+
+    def sums(values: Floats) -> Floats:
+        total = np.concatenate([[0.0], np.cumsum(values)])
+        return total[high] - total[low]
+
+    at = t - t.mean()
+    mean = sums(at) / count
+    spread = np.maximum(sums(at * at) - count * mean**2, 1e-12)
+    rates = [(sums(at * v) - mean * sums(v)) / spread for v in (x - x.mean(), y - y.mean())]
+    return np.hypot(*rates)
+
+
+def _start(t: Floats, speed: Floats, peak: int) -> int:
+    """Return the first place that counts: some time after the fastest, the hand being gone."""
+    if peak == 0:
+        return 0
+    return int(np.searchsorted(t, t[peak] + AFTER_S))
+
+
+def _rest(t: Floats, x: Floats, y: Floats, speed: Floats, peak: int) -> tuple[int, int]:
+    """Return the first place at rest after the fastest, and the first where it was touched again.
+
+    Both the track's end where there is none.
+    """
+    slow = np.flatnonzero(speed[peak:] < max(SLOW * speed[peak], 0.01))
+    if not len(slow):
+        return len(t) - 1, len(t)
+    rest = peak + int(slow[0])
+    calm = (t >= t[rest]) & (t <= t[rest] + RESTED_S)
+    at = [float(np.median(v[calm])) for v in (x, y)]
+    off = np.hypot(x - at[0], y - at[1])
+    far = max(0.01, 6 * float(np.median(off[calm])))
+    moved = np.flatnonzero((np.arange(len(t)) > rest) & (off > far))
+    if not len(moved):
+        return rest, len(t)
+    return rest, max(int(np.searchsorted(t, t[moved[0]] - PIECE_S)), rest + 1)
+
+
+def _noise(t: Floats, x: Floats, y: Floats) -> float:
+    """Return the scatter of a place, from how far it is off its two neighbours' line."""
+    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    scale = np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    found = []
+    for v in (x, y):
+        off = (v[1:-1] - (1.0 - share) * v[:-2] - share * v[2:]) / scale
+        found.append(1.4826 * float(np.median(np.abs(off - np.median(off)))))
+    return max(found)
+
+
+def _own_path(t: Floats, way: Floats) -> tuple[Floats, float, float]:
+    """Return the path of the law with a c and f of its own, the scatter about it, and v0."""
+    from scipy.optimize import least_squares
+
+    v0 = max(float(np.polyfit(t[: len(t) // 3 + 3], way[: len(t) // 3 + 3], 1)[0]), 0.05)
+    one = np.ones_like(t)
+
+    def path(p: Floats) -> Floats:
+        return p[0] + way_m(t, p[1] * one, p[2] * one, p[3] * one)[0]
+
+    starts = [np.array([0.0, 1.2 * v0, c, v0 / max(t[-1], 0.1)]) for c in (0.1, 1.0)]
+    low = [-np.inf, 0.0, 0.0, 1e-4]
+    best = min(
+        (least_squares(lambda p: path(p) - way, p, bounds=(low, np.inf), x_scale=[0.01, 0.1, 0.1, 0.1])
+         for p in starts), key=lambda found: found.cost,
+    )  # fmt: skip
+    scatter = math.sqrt(2 * best.cost / max(len(t) - 4, 1))
+    return path(best.x), max(scatter, 1e-5), float(best.x[1])
+
+
+def _shared(off: Floats) -> float:
+    """Return by how much neighbours that err alike make a place's error larger for the fit."""
+    rho = float(off[1:] @ off[:-1] / max(float(off @ off), 1e-30))
+    rho = min(max(rho - 2 / math.sqrt(len(off)), 0.0), 0.8)  # chance alone gives as much
+    return math.sqrt((1.0 + rho) / (1.0 - rho))
+
+
+def _doubts(
+    t: Floats, at: tuple[int, int, int], way: float, speed: float, turned: float, rough: float
+) -> list[str]:
+    start, rest, end = at
+    found = []
+    if rest >= len(t) - 1:
+        found.append("the track ends before the robot rests: film on until it does")
+    if way < LEAST_M or t[rest] - t[start] < LEAST_S:
+        found.append(
+            f"it rolled {way:.2f} m in {t[rest] - t[start]:.2f} s only: push harder, {LEAST_M} m "
+            "at least"
+        )
+    elif speed < FEWEST_M_S:
+        found.append(f"{speed:.2f} m/s is a slow push: it tells no viscous friction; push harder")
+    if abs(turned) > MOST_TURN_RAD:
+        found.append(
+            f"it turned by {math.degrees(turned):+.0f} degrees while it rolled: it slipped "
+            "sideways; push straighter, or align the links"
+        )
+    if start > 0 and t[start] - t[0] > LAST * (t[end] - t[0]) and t[rest] - t[start] < LEAST_S:
+        found.append("the hand was still on it for most of the track: let go sooner")
+    gap = float(np.max(np.diff(t[start : rest + 1]), initial=0.0))
+    if gap > LONGEST_GAP_S:
+        found.append(f"it was not seen for {gap:.2f} s on its way")
+    if rough > ROUGH:
+        found.append(
+            "it did not roll out evenly: did it hit something, was it touched, or do wheels wobble?"
+        )
+    return found

@@ -1,0 +1,116 @@
+"""The kind `coast`: a push along a floor, after which the robot rolls out and comes to rest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...model.errors import BadInput
+from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
+from .station import BENDS, MAX_LAMBDA_DEG
+from .tracks import Track
+
+WAYS = ("there", "back")
+SOURCES = ("rest", "marks", "film")  # what a push is known by: tape and watch, marks passed, a film
+FIELDS = (
+    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    Field(
+        "distance_m", "way from where the hand let go to where it rests", "length", 0.0, 100.0,
+        (0.2, 5.0), "push harder: a short way tells little", open_low=True, optional=True,
+    ),
+    Field(
+        "duration_s", "time from the hand to rest", "time", 0.0, 1e3, (0.4, 20.0), open_low=True,
+        optional=True,
+    ),
+    Field(
+        "turned_deg", "turned while it rolled, + to the left (Enter: not)", "angle", -180.0, 180.0,
+        likely=(-10.0, 10.0), usual=0.0, optional=True,
+        why="a robot that turns by more slips sideways: push it again",
+    ),
+    Field("start_s", "the track counts from here, the hand gone", "time", -1e6, 1e6,
+          source=DERIVED, optional=True),
+    Field("end_s", "the track counts to here", "time", -1e6, 1e6, source=DERIVED, optional=True),
+    Field("distance_sigma_m", "standard deviation of a place", "length", 0.0, 1.0, open_low=True,
+          source=DERIVED, optional=True),
+    Field("time_sigma_s", "standard deviation of a time", "time", 0.0, 10.0, source=DERIVED,
+          optional=True),
+    Word("way", WAYS),
+    Word("by", SOURCES, source=DERIVED),
+    Word("bend", BENDS, of_plan=True),
+    Word("place"),
+    Word("file_sha256", source=DERIVED),
+)  # fmt: skip
+TRACK = ("t_s", "x_m", "y_m")
+
+
+@dataclass(frozen=True, slots=True)
+class Coast:
+    """One push: the robot let go at speed on a level floor, and followed until it rests.
+
+    number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
+    along one line of the floor, so that its slope cancels. place: of the line, where there are more
+    than one. by: "film" (track: where the robot was in every picture), "marks" (track: times at
+    which it passed marks; y is 0) or "rest" (distance_m and duration_s alone). start_s, end_s: what
+    part of the track counts. distance_sigma_m, time_sigma_s: of one place and one time; None: those
+    of the set-up. file_sha256: of the file that the track came from. Raises BadInput.
+    """
+
+    number: int
+    lambda_rad: float
+    distance_m: float | None = None
+    duration_s: float | None = None
+    turned_rad: float | None = None
+    start_s: float | None = None
+    end_s: float | None = None
+    distance_sigma_m: float | None = None
+    time_sigma_s: float | None = None
+    way: str = "there"
+    by: str = "rest"
+    bend: str = "zigzag"
+    place: str = ""
+    file_sha256: str = ""
+    track: Track | None = None
+    voided: bool = False
+    comment: str = ""
+    time_utc: str = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self, FIELDS)
+        if self.track is None and (self.by != "rest" or None in (self.distance_m, self.duration_s)):
+            raise BadInput(
+                f"push {self.number} has neither a track nor distance_m and duration_s; give a "
+                "film, the times at marks, or the way and the time to rest"
+            )
+        if self.track is not None and self.by == "rest":
+            raise BadInput(f"push {self.number} has a track; say by=film or by=marks")
+        if self.track is not None and len(self.counted[0]) < 3:
+            raise BadInput(
+                f"push {self.number} has {len(self.counted[0])} sample(s) between start_s and "
+                "end_s; three at least"
+            )
+
+    @property
+    def counted(self) -> tuple[list[float], list[float], list[float]]:
+        """Return t_s, x_m and y_m of the samples that count, one list each."""
+        if self.track is None:
+            return [], [], []
+        low = -math.inf if self.start_s is None else self.start_s - 1e-9
+        high = math.inf if self.end_s is None else self.end_s + 1e-9
+        rows = [row for row in self.track.values.tolist() if low <= row[0] <= high]
+        t, x, y = (list(column) for column in zip(*rows, strict=True)) if rows else ([], [], [])
+        return t, x, y
+
+
+def _in_words(c: Coast) -> tuple[str, str]:
+    bend = f", bend {math.degrees(c.lambda_rad):.4g}°" if c.lambda_rad else ", straight"
+    where = f" at {c.place}" if c.place else ""
+    what = f"push {c.way}{where}{bend}"
+    if c.track is None:
+        return what, f"{c.distance_m:.3f} m in {c.duration_s:.2f} s to rest"
+    t, x, y = c.counted
+    way = math.hypot(x[-1] - x[0], y[-1] - y[0])
+    turned = f", turned {math.degrees(c.turned_rad):+.2g}°" if c.turned_rad else ""
+    return what, f"{c.by}: {len(t)} places, {way:.3f} m in {t[-1] - t[0]:.2f} s{turned}"
+
+
+COAST = Kind("coast", Coast, FIELDS, _in_words, fitted=True, track=TRACK, track_may_miss=True)
