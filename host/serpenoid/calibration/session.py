@@ -67,6 +67,11 @@ class Procedure:
     push_lambda_rad: tuple[float, ...] = tuple(map(math.radians, (0.0, 20.0, 45.0)))
     pushes: int = 4
 
+    @property
+    def bends_rad(self) -> tuple[float, ...]:
+        """Return the bends that the robot is to lie in where the plan is carried out."""
+        return self.push_lambda_rad if self.on == "floor" else self.lambda_rad
+
 
 @dataclass(frozen=True, slots=True)
 class Setup:

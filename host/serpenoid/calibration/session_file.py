@@ -298,10 +298,14 @@ def _instruments(table: Table, setup: Setup) -> dict[str, Any]:
                 given.get("distance_sigma_m", watch.distance_sigma_m),
                 given.get("time_sigma_s", watch.time_sigma_s),
             ),
-            "floor": replace(setup.floor, **{
-                field: unit * table.number(name, 0.0)
-                for name, (field, unit) in _FLOOR.items() if name in table.values
-            }),
+            "floor": replace(
+                setup.floor,
+                **{
+                    field: unit * table.number(name, 0.0)
+                    for name, (field, unit) in _FLOOR.items()
+                    if name in table.values
+                },
+            ),
         }
 
 

@@ -24,7 +24,7 @@ TAPE_M = 0.005  # of a way measured from where a hand let go
 
 @dataclass(frozen=True)
 class Poses:
-    """How the robot lay in each of K readings: bend, share of bent links, which posture (-1: none)."""
+    """How the robot lay in each of K readings: bend, share of bent links, posture (-1: none)."""
 
     lambda_rad: Floats
     bent_share: Floats

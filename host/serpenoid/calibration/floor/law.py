@@ -5,8 +5,8 @@ v0 the way after t is, with z = c t,
 
     x(t) = v0 t p(z) - f t^2 q(z),    p = (1 - e^-z) / z,    q = (z - 1 + e^-z) / z^2,
 
-until it stops at t_s = (v0 / f) log(1 + w) / w, w = c v0 / f; afterwards x stays x(t_s). Written so,
-nothing cancels for c near 0. With f below 0 it never stops: a slope too steep, or a slide.
+until it stops at t_s = (v0 / f) log(1 + w) / w, w = c v0 / f; afterwards x stays x(t_s). Written
+so, nothing cancels for c near 0. With f below 0 it never stops: a slope too steep, or a slide.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ _TERMS = (
 
 
 def _series(z: Floats, terms: tuple[float, ...]) -> Floats:
-    return np.polynomial.polynomial.polyval(z, np.array(terms))
+    return np.asarray(np.polynomial.polynomial.polyval(z, np.array(terms)), dtype=np.float64)
 
 
 def _log_over(w: Floats) -> tuple[Floats, Floats]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...model.errors import BadInput, NotConverged
+from ...model.errors import BadInput
 from ..fitting.data import FitData, Floats, projections
 from ..fitting.joint import Minimum
 from .data import FloorData
@@ -13,20 +13,20 @@ from .problem import Problem
 # How much of a push's force is viscous, in the starts: all but the true one are far off.
 SHARES = (0.3, 0.05, 0.8)
 ROUNDS = 4  # of frozen spreads; a film's do not change at all
-STEPS = 200
+STEPS = 100
 OPEN = 0.5  # of the whole force, in error: a friction is then not told
 
 
-def least(floor: FloorData, stations: FitData | None) -> tuple[Problem, Minimum]:
-    """Return the best minimum of some starts, and its problem with spreads frozen there.
+def least(floor: FloorData, stations: FitData | None) -> tuple[Problem, Minimum, bool]:
+    """Return the best minimum of some starts, its problem with spreads frozen there.
 
-    Raises NotConverged where no start comes to an end.
+    And whether it came to rest: in a valley that the readings leave open it does not.
     """
     blank = Problem(floor, stations, np.empty(0))
-    found: list[tuple[float, Problem, Floats]] = []
+    found: list[tuple[bool, float, Problem, Floats]] = []
     for share in SHARES:
         x = start(blank, share)
-        problem = blank.with_spreads(x)
+        problem, settled = blank.with_spreads(x), False
         for _ in range(ROUNDS):
             x, settled = _descend(problem, x)
             again = problem.with_spreads(x)
@@ -34,14 +34,12 @@ def least(floor: FloorData, stations: FitData | None) -> tuple[Problem, Minimum]
             problem = again
             if same:
                 break
-        if settled:
-            r = problem.residuals(x)
-            # frozen spreads must not be traded for chi2: their logarithms belong to it
-            found.append((float(r @ r + 2 * np.log(problem.spreads).sum()), problem, x))
-    if not found:
-        raise NotConverged("the fit of pushes came to no end; look for a push that was misread")
-    _, problem, x = min(found, key=lambda one: one[0])
-    return problem, minimum_at(problem, x)
+        r = problem.residuals(x)
+        # frozen spreads must not be traded for chi2: their logarithms belong to it
+        whole = float(r @ r + 2 * np.log(problem.spreads).sum())
+        found.append((not settled, whole, problem, x))
+    unsettled, _, problem, x = min(found, key=lambda one: one[:2])
+    return problem, minimum_at(problem, x), not unsettled
 
 
 def minimum_at(problem: Problem, x: Floats) -> Minimum:
@@ -126,7 +124,7 @@ def first_speeds(floor: FloorData) -> tuple[Floats, Floats]:
 
 def covariance_of(problem: Problem, found: Minimum, where: str) -> Floats:
     """Return all unknowns' covariance; raises BadInput where a friction is left open."""
-    scale = np.sqrt(np.maximum(np.diag(found.information), 1e-300))
+    scale = np.sqrt(np.maximum(np.diag(found.information), 1e-9))
     scaled = found.information / np.outer(scale, scale)
     values, vectors = np.linalg.eigh(scaled)
     covariance = (vectors / np.maximum(values, 1e-14)) @ vectors.T / np.outer(scale, scale)

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -132,7 +133,7 @@ class Problem:
         counts = (len(self.floor.tracks.push), len(self.floor.rests.push),
                   len(self.floor.rests.push), len(self.floor.slides.time_s))  # fmt: skip
         ends = np.cumsum((0, *counts)).tolist()
-        a, b, c, d = (slice(*pair) for pair in zip(ends[:-1], ends[1:], strict=True))
+        a, b, c, d = (slice(*pair) for pair in pairwise(ends))
         return a, b, c, d
 
     def motion(self, x: Any) -> tuple[Any, Any, Any, Any]:

@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ...model.errors import NotConverged
 from ..fitting.data import FitData, Floats
 from ..fitting.influence import BOTH_WAYS, Influence
 from ..fitting.joint import Minimum
@@ -37,8 +38,13 @@ def fit_floor(session: Session) -> FrictionFit:
     """
     floor = FloorData.of(session)
     stations = FitData.of(session) if session.kept else None
-    problem, found = least(floor, stations)
+    problem, found, settled = least(floor, stations)
     covariance = covariance_of(problem, found, session.where)
+    if not settled:
+        raise NotConverged(
+            f"{session.where}: the fit of pushes came to no end at chi2 = {found.chi2:.3g}; look "
+            "for a push or a slide that was misread"
+        )
     figures = figures_of(problem, found, covariance)
     fit = _result(session, problem, found, covariance, figures)
     return _with_alarms(fit, figures)

@@ -59,12 +59,9 @@ def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], s
 
 
 def _delimiter(lines: list[str]) -> str:
-    """Return what parts the cells: the one that is most frequent; spaces if there is no other."""
+    """Return what parts the cells: tabs before semicolons before commas, which may be decimals."""
     sample = "\n".join(lines[:40])
-    found = max("\t;,", key=sample.count)
-    if found == "," and ";" in sample:
-        found = ";"  # the commas are decimals
-    return found if sample.count(found) > 2 else " "
+    return next((cut for cut in "\t;," if sample.count(cut) > 2), " ")
 
 
 def _cells(line: str, cut: str) -> list[str]:

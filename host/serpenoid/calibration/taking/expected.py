@@ -81,8 +81,18 @@ def series_of(plan: Procedure) -> list[Series]:
 
 def planned_bend(session: Session, lambda_rad: float) -> float:
     """Return the plan's bend that is nearest to one that the protractor showed, rad."""
-    plan = session.setup.procedure.lambda_rad
+    plan = session.setup.procedure.bends_rad
     return min(plan, key=lambda planned: abs(planned - lambda_rad))
+
+
+def shown_bend(session: Session, lambda_rad: float) -> float | None:
+    """Return the bend that the last protractor check showed, None if it was of another bend."""
+    if lambda_rad == 0.0:
+        return 0.0
+    checks = [b for b in session.bends if not b.voided]
+    if not checks or planned_bend(session, checks[-1].found_rad) != lambda_rad:
+        return None
+    return checks[-1].found_rad if checks[-1].bend == session.setup.procedure.bend else None
 
 
 def series_it_is_of(session: Session, reading: Reading) -> Series:

@@ -204,12 +204,14 @@ def setup_text(setup: Setup) -> str:
         belt_speed_max_m_s=_number(plan.belt_speed_max_m_s),
         gait_runs=plan.gait_runs,
         bend=quoted(plan.bend),
-        wheels="" if setup.floor.wheels_kg is None
+        wheels=""
+        if setup.floor.wheels_kg is None
         else f"wheels_kg = {_number(setup.floor.wheels_kg)}          # all wheels together\n",
         film_scale_sigma_percent=_number(100 * setup.floor.film_scale_sigma),
         push_time_sigma_s=_number(setup.floor.push_time_sigma_s),
         floor_slope_sigma_deg=_degrees(setup.floor.slope_sigma_rad),
-        on=quoted(plan.on), pushes=plan.pushes,
+        on=quoted(plan.on),
+        pushes=plan.pushes,
         push_lambda_deg=[float(_degrees(x)) for x in plan.push_lambda_rad],
         ratchet=str(plan.ratchet).lower(),
         gaits="".join(f"\n  {gait}," for gait in gaits) + ("\n" if gaits else ""),

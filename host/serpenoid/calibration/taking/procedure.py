@@ -20,7 +20,8 @@ from ..kinds.station import STATION
 from ..kinds.zero import ZERO
 from ..session import Session, Setup
 from ..session_rows import Event
-from .expected import Series, expected_speed, line_of, of_bend, planned_bend, series_of
+from .expected import Series, expected_speed, line_of, of_bend, series_of, shown_bend
+from .floor.procedure import next_push, push_progress
 from .steps import Step
 
 ZERO_BEFORE, ZERO_AFTER, BELT_CHECK = "zero before", "zero after", "belt check"
@@ -31,6 +32,7 @@ _BELT_SAY = (
 MOST_DEG = 12.0  # of incline: the snake starts to tumble, or the wheels to slide
 MOST_ZERO_DEG = 0.5  # beyond it an inclinometer's sign was forgotten, or it is not one to use
 SETTLE_TIMES = 3.0  # of m / C_t, after which 5 % of a disturbance is left
+_DONE = Step("done", "done", "all of the plan is done")
 SERIES = 6  # stations of a bend from rest to the top speed
 FEWEST = 3  # stations of a bend before the top speed may end it
 REASON = "7.5 deg tells cn to 35 %, 15 deg to 10 %, 30 deg to 4 %"
@@ -68,6 +70,17 @@ def next_step(
     posed_deg, facing: how the robot lies now, the plan's bend in degrees and which way it faces;
     None when that is not known, as at the start.
     """
+    if session.setup.procedure.on == "floor":
+        step = next_push(session, skipped, posed_deg)
+    else:
+        step = _treadmill_step(session, skipped, posed_deg, facing)
+    return step or _gait_step(session, skipped) or _DONE
+
+
+def _treadmill_step(
+    session: Session, skipped: frozenset[str], posed_deg: float | None, facing: str
+) -> Step | None:
+    """Return the next step but gait runs, None where there is none."""
     if not (_zero_read(session, True) or session.kept or ZERO_BEFORE in skipped):
         return _zero(ZERO_BEFORE)
     for series in series_of(session.setup.procedure):
@@ -76,7 +89,7 @@ def next_step(
         bend_deg = round(math.degrees(series.lambda_rad), 3)
         incline_deg = next_incline_deg(session, series.lambda_rad, skipped, series.facing)
         if incline_deg is not None:
-            shown_rad = _shown_bend(session, series.lambda_rad)
+            shown_rad = shown_bend(session, series.lambda_rad)
             lies = posed_deg is not None and abs(posed_deg - bend_deg) <= 1e-6
             if not lies or facing != series.facing or shown_rad is None:
                 return _pose(series, session.setup)
@@ -85,11 +98,15 @@ def next_step(
         return _zero(ZERO_AFTER)
     if session.kept and not (_belt_read(session) or BELT_CHECK in skipped):
         return Step(BELT_CHECK, "belt", _BELT_SAY, BELT.numbers)
-    return _gait_step(session, skipped) or Step("done", "done", "all of the plan is done")
+    return None
 
 
 def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tuple[str, str]]:
     """Return the parts of the plan and how far each is, in words."""
+    wanted = len(session.setup.procedure.gaits) * session.setup.procedure.gait_runs
+    runs = ("gait runs", f"{len(session.kept_gait_runs)} of {wanted}")
+    if session.setup.procedure.on == "floor":
+        return [*push_progress(session, skipped), runs]
     rows = [("zero before", _done(_zero_read(session, True)))]
     for series in series_of(session.setup.procedure):
         count = len(of_bend(session, series.lambda_rad, series.facing))
@@ -99,8 +116,7 @@ def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tu
         rows.append((name, f"{count} stations{', more to come' if open_ else ', done'}"))
     rows.append(("zero after", _done(_zero_read(session, False))))
     rows.append((BELT_CHECK, _done(_belt_read(session))))
-    wanted = len(session.setup.procedure.gaits) * session.setup.procedure.gait_runs
-    rows.append(("gait runs", f"{len(session.kept_gait_runs)} of {wanted}"))
+    rows.append(runs)
     return rows
 
 
@@ -260,18 +276,6 @@ def bend_in_words(bend: str, bend_deg: float, links: int) -> str:
     there = {1: f"{180 - bend_deg:g} at a joint of {bend_deg:g}", 0: "180 at a joint of 0"}
     rest = "".join(f", {there[m]}" for m in inner)
     return f"balanced: joints from the tail at {joints} deg. {at_ends} deg{rest}."
-
-
-def _shown_bend(session: Session, lambda_rad: float) -> float | None:
-    """Return the bend that the last protractor check showed, None if it was of another bend."""
-    if lambda_rad == 0.0:
-        return 0.0
-    checks = [b for b in session.bends if not b.voided]
-    if not checks or planned_bend(session, checks[-1].found_rad) != lambda_rad:
-        return None
-    if checks[-1].bend != session.setup.procedure.bend:
-        return None
-    return checks[-1].found_rad
 
 
 def _station(session: Session, series: Series, incline_deg: float, shown_rad: float) -> Step:

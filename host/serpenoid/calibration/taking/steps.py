@@ -5,7 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ...model.gait import Gait
-from ..kinds.declaration import Field
+from ..kinds.declaration import Cells, Field
+from ..kinds.tracks import Samples
+
+
+class Tracked(dict[str, "float | str"]):
+    """Cells of a reading with the samples of its track."""
+
+    def __init__(self, cells: Cells, samples: Samples):
+        super().__init__(cells)
+        self.samples = samples
 
 
 @dataclass(frozen=True)
@@ -14,7 +23,7 @@ class Step:
 
     kind: that of the reading it ends in; else straight or done. lambda_deg: the bend it belongs to.
     facing: of the snake, down or up the belt. bend: of a bent robot, balanced or zigzag. settle_s:
-    how long to wait before reading. gait: to be run.
+    how long to wait before reading. gait: to be run. cells: what the plan tells of the reading.
     """
 
     key: str

@@ -12,7 +12,7 @@ from ..kinds.tracks import Samples
 from ..session import Session
 from ..session_rows import Event
 from .procedure import doubts, next_step, skipped_keys
-from .steps import Step
+from .steps import Step, Tracked
 
 MOST_STEPS = 1000
 
@@ -26,7 +26,8 @@ class Treadmill(Protocol):
     of a robot bent as `step.bend` says), station (incline_deg, belt_speed_m_s, drift_m_s, and as
     far as they are known turned_deg, offset_deg and waited_s), belt (belt_speed_m_s, distance_m,
     duration_s of a mark on the belt), gait (distance_m, duration_s,
-    omega_rad_s); straight has none. A person who types takes the same steps (`person.dialogue`):
+    omega_rad_s), coast (distance_m, duration_s, or a `Tracked` with the track of a push); straight
+    has none. A person who types takes the same steps (`person.dialogue`):
     a lab that is practised with moves its belt and robot beside it, by SessionRobot's calls and by
     what is set at the treadmill.
     """
@@ -106,7 +107,8 @@ def record_step(record: Record, step: Step, cells: Cells, replaces: int = 0) -> 
         return 0
     watch = record.session.setup.stopwatch
     values = KINDS[step.kind].derive(dict(step.cells) | dict(cells), watch)
-    return record.add(step.kind, values, replaces=replaces)
+    samples = cells.samples if isinstance(cells, Tracked) else None
+    return record.add(step.kind, values, replaces=replaces, samples=samples)
 
 
 def take_all(record: Record, treadmill: Treadmill) -> Session:

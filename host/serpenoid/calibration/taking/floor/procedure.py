@@ -1,0 +1,131 @@
+"""The procedure on a floor: from a session's readings to the next push. Pure, as the treadmill's.
+
+Straight first, then every bend with its protractor check; half of the pushes one way, half the
+other, turning the robot round each time. Gait runs close the loop.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from ....model.bends import balanced_signs, joint_multiples
+from ...kinds.bend import BEND
+from ...kinds.coast import COAST, Coast
+from ...session import Session, Setup
+from ..expected import planned_bend, shown_bend
+from ..steps import Step
+
+SPEED_M_S = 0.9  # to be pushed at: slower ones tell little of viscous friction
+REACH_M = 0.15  # of a hand that pushes
+USUAL = (0.084, 1.2, 0.14, 0.27)  # the 2005 robot's, to say how far one rolls before any has
+USUAL_KG = 0.4536
+SPARE = 1.6  # of the way that is expected: room to leave for it
+_SAME_RAD = math.radians(0.02)
+
+
+def next_push(session: Session, skipped: frozenset[str], posed_deg: float | None) -> Step | None:
+    """Return the next step of pushes, None when all are done. Parameters as of `next_step`."""
+    plan = session.setup.procedure
+    for bend_rad in plan.push_lambda_rad:
+        name = bend_name(bend_rad)
+        done = of_push_bend(session, bend_rad)
+        key = f"push {name} {len(done) + 1}"
+        if len(done) >= plan.pushes or key in skipped or f"pushes {name}" in skipped:
+            continue
+        bend_deg = round(math.degrees(bend_rad), 3)
+        shown_rad = shown_bend(session, bend_rad)
+        lies = posed_deg is not None and abs(posed_deg - bend_deg) <= 1e-6
+        if not lies or shown_rad is None:
+            return _pose(session.setup, bend_deg)
+        return _push(session, bend_rad, shown_rad, key, done)
+    return None
+
+
+def bend_name(bend_rad: float) -> str:
+    """Return what events call a bend."""
+    return f"{math.degrees(bend_rad):.5g}" if bend_rad else "straight"
+
+
+def of_push_bend(session: Session, bend_rad: float) -> list[Coast]:
+    """Return the kept pushes of one of the plan's bends."""
+    bend = session.setup.procedure.bend
+    own = [p for p in session.kept_pushes if p.bend == bend or not p.lambda_rad]
+    return [p for p in own if planned_bend(session, p.lambda_rad) == bend_rad]
+
+
+def push_progress(session: Session, skipped: frozenset[str]) -> list[tuple[str, str]]:
+    """Return the parts of the plan and how far each is, in words."""
+    plan = session.setup.procedure
+    rows = []
+    for bend_rad in plan.push_lambda_rad:
+        name = bend_name(bend_rad)
+        count = len(of_push_bend(session, bend_rad))
+        left_out = f"pushes {name}" in skipped or f"push {name} {count + 1}" in skipped
+        state = f"{count} of {plan.pushes}{', the rest left out' if left_out else ''}"
+        rows.append((f"pushes, {f'bend {name} deg' if bend_rad else name}", state))
+    return rows
+
+
+def _pose(setup: Setup, bend_deg: float) -> Step:
+    room = SPARE * expected_way_m(setup, math.radians(bend_deg), SPEED_M_S) + 0.5
+    if not bend_deg:
+        return Step(
+            "straight", "straight",
+            f"On the floor, robot straight: align its links along a straightedge. Room: {room:.1f} "
+            "m of level, even floor. Film from a tripod, square to the way or from above, all of "
+            "the way in the picture; or lay a tape along it.",
+        )  # fmt: skip
+    between = 180.0 - 2 * bend_deg
+    shows = BEND["between_links_deg"]
+    cells: dict[str, float | str] = {"lambda_deg": bend_deg, "bend": setup.procedure.bend}
+    return Step(
+        f"bend {bend_deg:g}", "bend",
+        f"Bend {bend_deg:g} deg for pushes: {_in_words(setup, bend_deg)} It rolls less far: "
+        f"{room:.1f} m of room will do.",
+        (replace(shows, likely=(between - 5.0, between + 5.0)),), bend_deg,
+        bend=setup.procedure.bend, cells=cells,
+    )  # fmt: skip
+
+
+def _in_words(setup: Setup, bend_deg: float) -> str:
+    multiples = joint_multiples(balanced_signs(setup.robot.links))
+    joints = ", ".join(f"{m * bend_deg:+g}" if m else "0" for m in multiples)
+    return (
+        f"joints from the tail at {joints} deg; a protractor between the last two links at either "
+        f"end shows {180 - 2 * bend_deg:g} deg."
+    )
+
+
+def _push(session: Session, bend_rad: float, shown_rad: float, key: str, done: list[Coast]) -> Step:
+    plan = session.setup.procedure
+    there = sum(p.way == "there" for p in done)
+    way = "there" if there <= len(done) - there else "back"
+    turn = "Turn the robot round. " if done else ""
+    far_m = expected_way_m(session.setup, bend_rad, SPEED_M_S)
+    bend = f", bend {math.degrees(bend_rad):g} deg" if bend_rad else ", straight"
+    say = (
+        f"Push {len(done) + 1} of {plan.pushes}{bend}, {way.upper()}. {turn}Push it along its own "
+        f"axis, head first, at a brisk walk ({SPEED_M_S:g} m/s; it then rolls some {far_m:.1f} m), "
+        "let go within a hand's breadth, and leave it until it rests."
+    )
+    cells: dict[str, float | str] = {
+        "lambda_deg": round(math.degrees(shown_rad), 4), "way": way,
+        **({"bend": plan.bend} if bend_rad else {}),
+    }  # fmt: skip
+    fields = COAST["distance_m"], COAST["duration_s"], COAST["turned_deg"]
+    return Step(
+        key, "coast", say, fields, round(math.degrees(bend_rad), 3), bend=plan.bend, cells=cells
+    )
+
+
+def expected_way_m(setup: Setup, bend_rad: float, speed_m_s: float) -> float:
+    """Return how far a robot as that of 2005 would roll, its friction scaled by the weight."""
+    ct, cn, ft0, fn0 = USUAL
+    share = sum(map(abs, balanced_signs(setup.robot.links))) / setup.robot.links
+    c, s = math.cos(bend_rad), math.sin(bend_rad)
+    drag = (1 - share * s * s) * ct + share * s * s * cn
+    dry = (1 - share + share * c) * ft0 + share * s * fn0
+    c, f = drag / USUAL_KG, dry / USUAL_KG
+    stop = math.log(1 + c * speed_m_s / f) / c
+    return (speed_m_s - f * stop) / c

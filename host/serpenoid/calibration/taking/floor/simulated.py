@@ -1,0 +1,170 @@
+"""A person on a floor in the virtual lab, with a truth that is known and seeded.
+
+The robot obeys the lab's equations of motion, wheels that turn and joints that stand off with it.
+Who pushes it lets go a little crooked; a film, or tape and watch, then tells where it was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ....lab.crawl import crawl_speed
+from ....lab.floor import Floor, Push
+from ....lab.recording import Camera, film, to_rest
+from ....lab.robot import LabRobot, pose_of
+from ....model.bends import balanced_signs
+from ....model.errors import BadInput
+from ....model.ground import Ground
+from ...floor.look import look_at
+from ...kinds.declaration import Cells, Field
+from ...session import Session, Setup
+from ..steps import Step, Tracked
+
+PHONE = Camera()
+SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
+CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
+TRIES = 6  # of a push, until somebody gives up
+RUN_M, RUN_S = 1.0, 40.0
+# What a person takes, s: to turn the robot round, push it and take the film in; to bend it and lay
+# the protractor on; to start a gait and lay the tape.
+PUSH_S, BEND_S, GAIT_S = 40.0, 90.0, 60.0
+
+
+@dataclass(frozen=True)
+class FloorTruth:
+    """What a person on the floor does not know.
+
+    ground: of the whole snake. slope_rad: of the floor, towards "there". film_scale: lengths seen
+    over true. mass_scale: true mass over the one weighed. rolling_kg: J / r^2 of all wheels.
+    joint_sigma_rad, link_spread, breakaway: as of `Truth`. camera: what films; None: tape and
+    watch. amplitude: of the joints in a gait, true over commanded.
+    """
+
+    ground: Ground
+    slope_rad: float = 0.0
+    film_scale: float = 1.0
+    mass_scale: float = 1.0
+    rolling_kg: float = 0.0
+    joint_sigma_rad: float = math.radians(0.5)
+    link_spread: float = 0.0
+    breakaway: float = 1.0
+    camera: Camera | None = PHONE
+    amplitude: float = 1.0
+
+
+def drawn_floor(setup: Setup, ground: Ground, rng: np.random.Generator) -> FloorTruth:
+    """Draw the errors that all readings of a session share, as the set-up says they may be."""
+    slope, scale, mass, shape = (float(v) for v in rng.normal(size=4))
+    wheels_kg = setup.floor.wheels_kg
+    mass_kg = setup.robot.links * setup.robot.link_mass_kg
+    rolling = (0.045 + 0.03 * shape) * mass_kg if wheels_kg is None else (
+        (0.75 + 0.15 * shape) * wheels_kg
+    )  # fmt: skip
+    return FloorTruth(
+        ground, slope_rad=setup.floor.slope_sigma_rad * slope,
+        film_scale=1.0 + setup.floor.film_scale_sigma * scale,
+        mass_scale=1.0 + setup.uncertainty.mass_sigma * mass, rolling_kg=max(rolling, 0.0),
+        joint_sigma_rad=setup.uncertainty.joint_sigma_rad,
+    )  # fmt: skip
+
+
+class SimulatedFloor:
+    """Do each step of the procedure against a known truth; the same seed does the same.
+
+    t_s: the lab's clock, with what a person takes.
+    """
+
+    def __init__(self, setup: Setup, truth: FloorTruth, seed: int = 0):
+        self.truth, self.t_s = truth, 0.0
+        self._setup, self._rng = setup, np.random.default_rng(seed)
+        body = setup.robot
+        heavy = replace(
+            body, link_mass_kg=body.link_mass_kg * truth.mass_scale,
+            link_inertia_kg_m2=body.inertia_kg_m2 * truth.mass_scale,
+        )  # fmt: skip
+        whole = LabRobot.whole(
+            heavy, truth.ground, rolling_kg=truth.rolling_kg, breakaway=truth.breakaway
+        )
+        self.robot = whole.drawn(self._rng, truth.joint_sigma_rad, truth.link_spread)
+        self.floor = Floor(self.robot, truth.slope_rad, 0.0)
+        self._pose = [0.0] * (body.links - 1)
+
+    def answer(self, step: Step, session: Session) -> Cells | None:
+        """Do a step as a person would."""
+        if step.kind == "straight":
+            self.t_s += BEND_S
+            self._pose = [0.0] * (self._setup.robot.links - 1)
+            return {}
+        if step.kind == "bend":
+            return self._bend(step)
+        if step.kind == "gait":
+            return self._gait(step)
+        if step.kind != "coast":
+            raise BadInput(f"nobody on a floor can do a step of kind {step.kind}")
+        return self.push(step)
+
+    def look_again(
+        self, step: Step, doubtful: Sequence[tuple[Field, tuple[float, float]]], cells: Cells
+    ) -> Cells:
+        """Leave what was measured as it is: a push is over."""
+        return cells
+
+    def _normal(self, sigma: float) -> float:
+        return float(self._rng.normal()) * sigma
+
+    def _bend(self, step: Step) -> Cells:
+        self.t_s += BEND_S
+        signs = balanced_signs(self._setup.robot.links)
+        self._pose = pose_of(signs, math.radians(step.lambda_deg))
+        scatter = math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad
+        ends = [
+            abs(told + self.robot.joint_error_rad[k]) + self._normal(scatter)
+            for k, told in ((0, self._pose[0]), (-1, self._pose[-1]))
+        ]
+        return {"between_links_deg": round(180.0 - math.degrees(sum(ends) / 2), 1)}
+
+    def push(self, step: Step, speed_m_s: float = SPEED) -> Cells | None:
+        """Push until a push is as it should be; return its track, or way and time to rest."""
+        for _ in range(TRIES):
+            cells = self._once(step, speed_m_s * max(1.0 + self._normal(SPEED_SIGMA), 0.3))
+            if cells is not None:
+                return cells
+        return None
+
+    def _once(self, step: Step, speed_m_s: float) -> Cells | None:
+        self.t_s += PUSH_S
+        direction = 0.0 if step.cells["way"] == "there" else math.pi
+        track = self.floor.push(
+            self._pose,
+            Push(speed_m_s, direction, self._normal(CROOKED_RAD), self._normal(SPIN_RAD_S)),
+        )
+        if self.truth.camera is None:
+            way_m, time_s = to_rest(track, self._rng)
+            return {
+                "distance_m": way_m, "duration_s": time_s,
+                "turned_deg": round(math.degrees(track.turned_rad)),
+            }  # fmt: skip
+        seen = film(track, replace(self.truth.camera, scale=self.truth.film_scale), self._rng)
+        samples = np.stack([seen.t_s, seen.x_m, seen.y_m], axis=1)
+        look = look_at(*samples.T)
+        if look.doubts:
+            return None
+        return Tracked({**look.cells(), "by": "film"}, samples)
+
+    def _gait(self, step: Step) -> Cells:
+        gait = step.gait
+        assert gait is not None  # a gait's step has one
+        self.t_s += GAIT_S
+        true = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
+        speed, watch = crawl_speed(self.robot, true), self._setup.stopwatch
+        distance = min(RUN_M, speed * RUN_S)
+        duration = (distance / speed if speed > 0.0 else RUN_S) + self._normal(watch.time_sigma_s)
+        self.t_s += duration
+        return {
+            "distance_m": round(max(distance + self._normal(watch.distance_sigma_m), 0.0), 3),
+            "duration_s": round(max(duration, 0.1), 2),
+        }

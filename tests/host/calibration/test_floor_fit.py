@@ -1,0 +1,275 @@
+"""Pushes and slides fitted, against an integration in small steps and a brute likelihood."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import (
+    CN,
+    CT,
+    FN0,
+    FT0,
+    MASS,
+    TRUTH,
+    G,
+    floor_session,
+    floor_setup,
+    forces,
+    rolled_out,
+)
+from calibration.synthetic_session import WHOLE_BODY_2005
+from calibration.synthetic_session import session as stations_session
+from calibration.synthetic_session import setup as stations_setup
+from scipy.optimize import least_squares, minimize
+from serpenoid import BadInput
+from serpenoid.calibration.fitting.data import FitData
+from serpenoid.calibration.floor.arc import along, turn_rad
+from serpenoid.calibration.floor.data import FloorData
+from serpenoid.calibration.floor.law import slide_s, stop_s, way_m
+from serpenoid.calibration.floor.minimum import least
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.taking.memory import MemoryRecord
+
+
+def one(*values):
+    return [np.array([float(v)]) for v in values]
+
+
+@pytest.mark.parametrize(("c", "f"), [(0.185, 0.31), (1e-9, 0.31), (3.0, 0.02), (0.0, 0.5)])
+def test_the_law_is_the_integration(c, f):
+    whole = (c * MASS, 0.0, f * MASS, 0.0)
+    t, ways = rolled_out(0.8, whole)
+    stop = float(stop_s(*one(0.8, c, f))[0][0])
+    assert stop == pytest.approx(t[len(ways) - 4001], abs=2e-4)
+    at = np.linspace(0.0, stop + 0.3, 40)
+    found, _, speed = way_m(at, np.full(40, 0.8), np.full(40, c), np.full(40, f))
+    np.testing.assert_allclose(found, np.interp(at, t, ways), atol=2e-6)
+    assert (speed[at > stop] == 0.0).all()
+
+
+def test_a_slope_beyond_friction_never_stops_it():
+    stop, slopes = stop_s(*one(0.5, 0.2, -0.1))
+    assert np.isinf(stop).all()
+    assert (slopes == 0.0).all()
+    assert way_m(*one(50.0, 0.5, 0.2, -0.1))[0][0] > 20.0
+
+
+def test_a_slide_takes_the_time_of_the_integration():
+    c, pull = 0.4, 0.35
+    t, v, x = 0.0, 0.0, 0.0
+    while x < 1.0:
+        half = v + 5e-5 * (pull - c * v)
+        v, x, t = v + 1e-4 * (pull - c * half), x + 1e-4 * half, t + 1e-4
+    assert slide_s(*one(1.0, c, pull))[0] == pytest.approx(t, abs=2e-4)
+    assert np.isinf(slide_s(*one(1.0, c, -0.1))).all()
+
+
+def mixed_session():
+    """Pushes on film, to rest and past marks; slides; stations: every term there is."""
+    filmed = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    setup = replace(
+        floor_setup(), uncertainty=replace(floor_setup().uncertainty, belt_scale_sigma=0.02)
+    )
+    stations = stations_session(stations_setup(7.5, 30.0), WHOLE_BODY_2005)
+    numbered = tuple(replace(r, number=100 + r.number) for r in stations.readings)
+    record = MemoryRecord(
+        setup, replace(stations, setup=setup, readings=numbered, further=filmed.further)
+    )
+    for way in ("there", "back"):
+        t, x = rolled_out(0.8, TRUTH)
+        cells = {"lambda_deg": 0.0, "way": way}
+        record.add("coast", cells | {"distance_m": x[-1], "duration_s": t[-4001]})
+        marks = [[float(np.interp(m, x, t)), m, 0.0] for m in (0.0, 0.2, 0.4, 0.6)]
+        record.add("coast", cells | {"by": "marks", "place": "hall"}, samples=marks)
+    a, b, inert = forces(TRUTH, math.radians(30), 0.0595)
+    net = G * math.sin(math.radians(8)) * MASS / inert - b / inert
+    time = float(slide_s(*one(1.0, a / inert, net))[0])
+    record.add("slide", {"lambda_deg": 30.0, "bend": "balanced", "incline_deg": 8.0,
+                         "distance_m": 1.0, "duration_s": time})  # fmt: skip
+    return record.session
+
+
+def test_the_jacobian_is_the_residuals_slope_in_every_term():
+    session = mixed_session()
+    problem, found, _ = least(FloorData.of(session), FitData.of(session))
+    rng = np.random.default_rng(3)
+    x = found.x + 1e-3 * np.abs(rng.normal(size=len(found.x)))
+    numeric = []
+    for k in range(len(x)):
+        step = np.zeros(len(x))
+        step[k] = 1e-6 * max(1.0, abs(x[k]))
+        numeric.append((problem.residuals(x + step) - problem.residuals(x - step)) / (2 * step[k]))
+    found_slopes = problem.jacobian(x)
+    scale = np.abs(found_slopes).max(axis=0) + 1.0
+    assert np.abs((found_slopes - np.array(numeric).T) / scale).max() < 1e-5
+
+
+def brute_chi2(session, whole, slope_rad):
+    """Chi2 of pushes at given frictions: every push integrated, its v0 and x0 searched for."""
+    total = 0.0
+    for push in session.kept_pushes:
+        t, x, y = (np.array(v) for v in push.counted)
+        way = along(x, y, 0.001)
+        sign = 1.0 if push.way == "there" else -1.0
+        a, b, inert = forces(whole, push.lambda_rad, 0.0)
+        pull = b - sign * MASS * G * math.sin(slope_rad)
+
+        def off(p, t=t, way=way, a=a, pull=pull, inert=inert):
+            v, z, out, last = p[0], p[1], [], t[0]
+            for now in t:
+                steps = max(int((now - last) / 2e-3), 1) if now > last else 0
+                for _ in range(steps):
+                    h = (now - last) / steps
+                    half = v - h / 2 * (a * v + pull) / inert
+                    after = v - h * (a * half + pull) / inert
+                    z += (
+                        h * half if after > 0.0 else max(v, 0.0) ** 2 * inert / (2 * (a * v + pull))
+                    )
+                    v = max(after, 0.0)
+                last = now
+                out.append(z)
+            return (np.array(out) - way) / 0.001
+
+        total += 2 * least_squares(off, [0.8, 0.0], diff_step=1e-5, xtol=1e-6, ftol=1e-6).cost
+    return total
+
+
+def test_the_fit_is_where_brute_force_finds_it():
+    """Two straight pushes by a likelihood that integrates and searches, no closed form."""
+    session = floor_session(
+        seed=5, bends_deg=(0.0,), speeds=(0.5, 1.0), setup=floor_setup(wheels_kg=0.0), rolling=0.0
+    )
+    problem, found, _ = least(FloorData.of(session), None)
+    slope = float(np.radians(0.3) * found.x[problem.layout.slopes][0])
+
+    def chi2(p):
+        return brute_chi2(session, (p[0], CN, p[1], FN0), slope)
+
+    at = np.array([found.x[0], found.x[2]])
+    best = minimize(chi2, at * [1.02, 0.99], method="Nelder-Mead",
+                    options={"xatol": 1e-5, "fatol": 1e-3, "maxfev": 60})  # fmt: skip
+    np.testing.assert_allclose(best.x, at, rtol=2e-3)
+    assert chi2(at) == pytest.approx(best.fun, abs=0.05)
+
+
+def test_pushes_tell_all_four_and_the_floor():
+    fit = fit_friction(floor_session())
+    for (name, value), true in zip(fit.whole_snake.items(), TRUTH, strict=True):
+        low, high = fit.intervals[name]
+        assert low < true < high
+        assert value == pytest.approx(true, rel=0.06)
+    slope = fit.nuisances["floor_slope_rad"]
+    assert slope.value == pytest.approx(0.003, abs=4 * slope.sigma)
+    assert fit.p_value > 0.01
+    assert len(fit.residuals) == len(fit.influence) == 12
+    relative = [s / v for v, s in fit.parameters.values()]
+    assert max(relative) < 0.04
+
+
+def test_intervals_scatter_as_they_say():
+    """12 sets of pushes: deviations over their sigmas have the size of one."""
+    off = []
+    for seed in range(12):
+        rng = np.random.default_rng([seed, 7])
+        rolling = (0.75 + 0.15 * rng.normal()) * 0.036 / MASS
+        slope = math.radians(0.3) * rng.normal()
+        fit = fit_friction(floor_session(seed, rolling=rolling, slope_rad=slope, speeds=(0.7, 1.0)))
+        off.append([(fit.whole_snake[n] - t) / fit.parameters[n].sigma
+                    for n, t in zip(fit.names, TRUTH, strict=True)])  # fmt: skip
+    rms = np.sqrt(np.mean(np.square(off), axis=0))
+    assert (rms < 1.6).all(), rms
+    assert rms.max() > 0.5, rms
+
+
+def test_wheels_that_turn_are_not_friction():
+    told = fit_friction(floor_session())
+    ignored = fit_friction(floor_session(setup=floor_setup(wheels_kg=0.0)))
+    assert ignored.whole_snake["ft0"] / told.whole_snake["ft0"] == pytest.approx(
+        1 / 1.0595, rel=0.01
+    )
+    untold = fit_friction(floor_session(setup=floor_setup(wheels_kg=None)))
+    assert any("wheels weigh" in note for note in untold.notes)
+    assert untold.parameters["ft0"].sigma > 1.5 * told.parameters["ft0"].sigma
+
+
+def test_one_way_only_is_as_sure_as_the_floor_is_level():
+    both, single = (fit_friction(floor_session(ways=w)) for w in (("there", "back"), ("there",)))
+    assert single.parameters["ft0"].sigma > 5 * both.parameters["ft0"].sigma
+    assert any("one way" in note for note in single.notes)
+    low, high = single.intervals["ft0"]
+    assert low < FT0 < high
+
+
+def test_slides_tell_what_rests_alone_leave_open():
+    """Tape and watch: ways and times to rest tell the sum of frictions; slides part them."""
+    rng = np.random.default_rng(4)
+    setup = floor_setup()
+    record = MemoryRecord(setup)
+    for bend in (0.0, 30.0):
+        for k in range(4):
+            t, x = rolled_out(0.8, TRUTH, bend_rad=math.radians(bend), rolling=0.0595)
+            record.add("coast", {
+                "lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2],
+                "distance_m": x[-1] + 0.005 * rng.normal(),
+                "duration_s": t[-4001] + 0.12 * rng.normal(),
+            })  # fmt: skip
+    with pytest.raises(BadInput, match=r"ct and ft0 cannot be told from 8 push"):
+        fit_friction(record.session)
+    for bend in (0.0, 30.0):
+        a, b, inert = forces(TRUTH, math.radians(bend), 0.0595)
+        for times in (1.4, 2.0, 3.0):
+            angle = math.asin(times * b / (MASS * G))
+            net = (MASS * G * math.sin(angle) - b) / inert
+            for _ in range(2):
+                took = float(slide_s(*one(1.0, a / inert, net))[0]) + 0.12 * rng.normal()
+                record.add("slide", {"lambda_deg": bend, "bend": "balanced", "distance_m": 1.0,
+                                     "incline_deg": math.degrees(angle),
+                                     "duration_s": took})  # fmt: skip
+    fit = fit_friction(record.session)
+    for name, true in zip(fit.names, TRUTH, strict=True):
+        assert abs(fit.whole_snake[name] - true) < 3.5 * fit.parameters[name].sigma
+    assert fit.parameters["ft0"].sigma < 0.1 * FT0
+
+
+def test_stations_and_pushes_are_one_fit():
+    session = mixed_session()
+    together = fit_friction(session)
+    alone = fit_friction(replace(session, further=()))
+    for name in together.names:
+        assert together.parameters[name].sigma < 1.001 * alone.parameters[name].sigma
+    assert together.parameters["ct"].sigma < 0.8 * alone.parameters["ct"].sigma
+
+
+def test_a_push_that_hit_something_is_named():
+    session = floor_session(seed=2)
+    pushes = list(session.further)
+    slow = fit_friction(session).influence
+    t, x = rolled_out(0.9, (2.2 * CT, CN, 1.2 * FT0, FN0), rolling=0.0595)
+    at = np.arange(0.0, t[-1], 1 / 30)
+    track = np.stack([at, np.interp(at, t, x), 0 * at], axis=1)
+    record = MemoryRecord(session.setup, session)
+    cells = {"lambda_deg": 0.0, "way": "there", "by": "film", "distance_sigma_m": 0.001}
+    record.add("coast", cells, samples=track)
+    fit = fit_friction(record.session)
+    assert fit.alarms
+    assert f"reading {len(pushes) + 1} chi2" in fit.alarms[0]
+    assert max(abs(i.studentised) for i in slow) < 3.5 < abs(fit.influence[-1].studentised)
+
+
+def test_what_is_left_open_is_said_with_the_push_that_closes_it():
+    with pytest.raises(BadInput, match=r"cn and fn0 cannot be told.*bend of 45 degrees, both ways"):
+        fit_friction(floor_session(bends_deg=(0.0,)))
+    with pytest.raises(BadInput, match="by method 'joint' alone"):
+        fit_friction(floor_session(), method="naive")
+
+
+def test_the_way_follows_a_curve():
+    radius, turn = 4.0, math.radians(8.0)
+    angle = np.linspace(0.0, turn, 60)
+    x, y = radius * np.sin(angle), radius * (1 - np.cos(angle))
+    rng = np.random.default_rng(0)
+    way = along(x + 0.001 * rng.normal(size=60), y + 0.001 * rng.normal(size=60), 0.001)
+    assert way[-1] - way[0] == pytest.approx(radius * turn, abs=0.004)
+    assert turn_rad(x, y) == pytest.approx(turn, rel=0.02)
+    assert turn_rad(x, -y) == pytest.approx(-turn, rel=0.02)

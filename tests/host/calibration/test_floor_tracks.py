@@ -1,0 +1,204 @@
+"""Tracks of pushes: where the hand lets go, what is wrong, several in one, files of programs."""
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import TRUTH, floor_setup, push_track, rolled_out
+from serpenoid import BadInput
+from serpenoid.calibration.floor.look import look_at, pushes_in
+from serpenoid.calibration.floor.track_files import read_track_file
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.session_file import load_session
+from serpenoid.calibration.taking.floor.pushes import keep_pushes
+from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import create_session
+from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.lab.floor import Floor, Push
+from serpenoid.lab.recording import Camera, film
+from serpenoid.lab.robot import LabRobot
+from serpenoid.model.ground import Ground
+
+WHOLE = Ground(*TRUTH)
+STRAIGHT = [0.0] * 5
+
+
+def filmed(seed, speed=0.9, camera=None, **push):
+    """A push in the lab, hand and all, as a film shows it; and when the hand let go."""
+    rng = np.random.default_rng(seed)
+    robot = LabRobot.whole(floor_setup().robot, WHOLE).drawn(rng, math.radians(0.5))
+    track = Floor(robot).push(STRAIGHT, Push(speed, **push))
+    seen = film(track, camera or Camera(), rng)
+    return np.stack([seen.t_s, seen.x_m, seen.y_m], axis=1), track.released_s
+
+
+def test_the_part_that_counts_begins_soon_after_the_hand_let_go():
+    off = []
+    for seed in range(8):
+        rows, released = filmed(seed, 0.6 + 0.06 * seed)
+        look = look_at(*rows.T)
+        off.append(look.start_s - released)
+        assert look.doubts == ()
+        assert 0.0006 < look.sigma_m < 0.0016
+    assert min(off) > 0.0
+    assert max(off) < 0.25
+
+
+@pytest.mark.parametrize(
+    ("speed", "push", "doubt"),
+    [
+        (0.3, {}, r"it rolled 0\.1\d m .* only: push harder"),
+        (0.95, {"rate_rad_s": 2.5}, r"it turned by \+\d+ degrees"),
+    ],
+)
+def test_a_push_that_is_none_is_told(speed, push, doubt):
+    rows, _ = filmed(1, speed, **push)
+    assert any(re.search(doubt, d) for d in look_at(*rows.T).doubts)
+
+
+def test_what_happens_to_a_push_is_seen():
+    rows, _ = filmed(2)
+    t = rows[:, 0]
+    cut = rows[t < 1.4]
+    assert any("ends before the robot rests" in d for d in look_at(*cut.T).doubts)
+    hit = rows.copy()
+    hit[t > 1.2, 1] = np.interp(1.2, t, rows[:, 1])  # a wall
+    assert any("hit something" in d for d in look_at(*hit.T).doubts)
+    gap = rows[(t < 0.9) | (t > 1.3)]
+    assert any("not seen for 0.4" in d for d in look_at(*gap.T).doubts)
+    still = rows.copy()
+    still[:, 1:] = 0.001 * np.random.default_rng(0).normal(size=(len(t), 2))
+    with pytest.raises(BadInput, match="nothing moves"):
+        look_at(*still.T)
+    with pytest.raises(BadInput, match="times must rise"):
+        look_at(*rows[::-1].T)
+    with pytest.raises(BadInput, match="no finite number"):
+        look_at(*np.where(np.arange(len(t))[:, None] == 3, np.nan, rows).T)
+
+
+def test_a_robot_that_is_picked_up_is_left_out_from_there():
+    rows, _ = filmed(3)
+    whole = look_at(*rows.T)
+    more = np.outer(np.arange(1, 30), [1 / 30, 0.02, 0.0])
+    lifted = np.concatenate([rows, rows[-1] + more])
+    look = look_at(*lifted.T)
+    assert look.way_m == pytest.approx(whole.way_m, abs=0.004)
+    assert look.end_s < rows[-1, 0] + 0.1
+
+
+def several(count=4):
+    """One film of pushes there and back, the robot resting 1.5 s and turned by hand between."""
+    rows, begins, at = [], 0.0, 0.0
+    for k in range(count):
+        one, _ = filmed(10 + k, 0.9)
+        sign = 1 - 2 * (k % 2)
+        t = one[:, 0] - one[0, 0]
+        place = np.stack([begins + t, at + sign * (one[:, 1] - one[0, 1]), one[:, 2]], axis=1)
+        rows.append(place)
+        at, begins = place[-1, 1], place[-1, 0] + 1.5
+        still = np.arange(place[-1, 0] + 1 / 30, begins, 1 / 30)
+        rows.append(np.stack([still, np.full_like(still, at), np.zeros_like(still)], axis=1))
+    return np.concatenate(rows)
+
+
+def test_one_film_of_several_pushes_is_cut_by_itself(tmp_path):
+    rows = several()
+    pieces = pushes_in(*rows.T)
+    assert len(pieces) == 4
+    folder = create_session(tmp_path / "s", floor_setup())
+    with Journal(folder) as journal:
+        kept = keep_pushes(journal, rows, {"lambda_deg": 0.0}, file_sha256="ab" * 32)
+        assert [k.way for k in kept] == ["there", "back", "there", "back"]
+        assert "m in" in kept[0].in_words()
+    session = load_session(folder)
+    assert [p.way for p in session.kept_pushes] == ["there", "back", "there", "back"]
+    assert session.kept_pushes[0].track is not None
+    assert session.kept_pushes[0].file_sha256 == "ab" * 8
+    assert (folder / "tracks" / "0004.csv").exists()
+    assert session.sha256 == load_session(folder).sha256
+
+
+def test_a_doubtful_push_is_kept_and_void(tmp_path):
+    short = filmed(4, 0.3)[0]
+    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
+        (kept,) = keep_pushes(journal, short, {"lambda_deg": 0.0})
+        (push,) = journal.session.of("coast")
+        assert push.voided
+        assert "push harder" in push.comment
+        assert "VOID" in kept.in_words()
+        journal.event("restore", kept.number)
+        assert len(journal.session.kept_pushes) == 1
+
+
+TRACKER = "\tmass_A\t\nt\tx\ty\n{rows}"
+COMMAS = "t,x,y,v\n{rows}"
+KINOVEA_TEXT = "#Kinovea Trajectory data export\n#T X Y\n\n{rows}\n\n0:00:00:00 9.0 9.0\n"
+KINOVEA_CSV = '"Time (ms)";"Trajectory 1 X (cm)";"Trajectory 1 Y (cm)"\n{rows}'
+
+
+def clock(t):
+    return f"0:00:{int(t):02}:{round(100 * (t - int(t))):02}"
+
+
+@pytest.mark.parametrize(
+    ("text", "row", "unit"),
+    [
+        (TRACKER, lambda t, x, y: f"{t:.4E}\t{x:.6E}\t{y:.6E}", "m"),
+        (TRACKER, lambda t, x, y: f"{t:.4f}\t{100 * x:.4f}\t{100 * y:.4f}".replace(".", ","), "cm"),
+        (COMMAS, lambda t, x, y: f"{t:.4f},{x:.6f},{y:.6f},", "m"),
+        (KINOVEA_TEXT, lambda t, x, y: f"{clock(t)} {1000 * x:.2f} {1000 * y:.2f} ", "mm"),
+        (KINOVEA_CSV, lambda t, x, y: f"{1000 * t:.1f};{100 * x:.4f};{100 * y:.4f}", "m"),
+    ],
+)
+def test_files_of_tracker_and_kinovea_are_read(tmp_path, text, row, unit):
+    rows = push_track(0.8, TRUTH, np.random.default_rng(1))
+    rows[:, 0] = np.round(rows[:, 0], 2)
+    path = tmp_path / "track.txt"
+    path.write_text(text.format(rows="\n".join(row(*r) for r in rows)))
+    found, digest = read_track_file(path, unit)
+    np.testing.assert_allclose(found, rows, atol=2e-5)
+    assert len(digest) == 64
+
+
+def test_files_that_are_no_track_are_told(tmp_path):
+    path = tmp_path / "t.csv"
+    for text, told in (
+        ("a,b\n1,2\n", "no line names its columns"),
+        ("t,x,y\n0,1,2\n0.1,one,2\n0.2,1,2\n", r"t.csv:3: .*one.* are not numbers"),
+        ("t,x,y\n0,1,2\n", r"1 place\(s\) in it"),
+        ("", "no line names"),
+    ):
+        path.write_text(text)
+        with pytest.raises(BadInput, match=told):
+            read_track_file(path)
+
+
+def test_a_session_by_the_whole_procedure_tells_all_four():
+    setup = floor_setup()
+    person = SimulatedFloor(setup, drawn_floor(setup, WHOLE, np.random.default_rng(3)), 3)
+    taken = take_all(MemoryRecord(setup), person)
+    assert [p.way for p in taken.kept_pushes] == ["there", "back"] * 6
+    assert len(taken.bends) == 2
+    assert person.t_s < 30 * 60
+    fit = fit_friction(taken)
+    for name, true in zip(fit.names, TRUTH, strict=True):
+        assert abs(fit.whole_snake[name] - true) < 3.5 * fit.parameters[name].sigma
+
+
+def test_by_tape_and_watch_nothing_is_made_up():
+    setup = replace(floor_setup(), name="hand")
+    truth = replace(drawn_floor(setup, WHOLE, np.random.default_rng(5)), camera=None)
+    taken = take_all(MemoryRecord(setup), SimulatedFloor(setup, truth, 5))
+    assert all(p.track is None for p in taken.kept_pushes)
+    with pytest.raises(BadInput, match="cannot be told"):
+        fit_friction(taken)
+
+
+def test_ways_to_rest_of_the_reference_are_those_of_the_law():
+    t, way = rolled_out(0.9, TRUTH)
+    assert way[-1] == pytest.approx(0.978, abs=0.02)
+    assert t[-4001] == pytest.approx(2.37, abs=0.05)
