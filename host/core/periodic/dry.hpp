@@ -18,6 +18,10 @@ class SteadyDry {
   public:
     SteadyDry(const Robot& robot, const Ground& ground, const Gait& gait)
         : robot_(robot), ground_(ground), gait_(gait) {}
+    // Starts from the last state of a neighbour.
+    SteadyDry(const Robot& robot, const Ground& ground, const Gait& gait,
+              const SteadyDry& neighbour)
+        : robot_(robot), ground_(ground), gait_(gait), solutions_(neighbour.solutions_) {}
 
     SteadyState solve(double omega, const SteadyOptions& options);
 

@@ -84,22 +84,9 @@ std::vector<std::size_t> spread(const std::vector<double>& omegas) {
     return order;
 }
 
-}  // namespace
-
-SteadyState steady_state(const SweepShape& k, const SteadyOptions& options) {
-    const double omega = k.gait.omega;
-    if (!k.ground.smooth()) return SteadyDry(k.robot, k.ground, k.gait).solve(omega, options);
-    if (k.gait.offset == 0) {
-        SteadyState found;
-        SpectralViscous(k.robot, k.ground, k.gait).solve(&omega, 1, options, &found);
-        if (found.converged) return found;
-    }
-    return SteadyViscous(k.robot, k.ground, k.gait).solve(omega, options);
-}
-
-void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<double>& omegas,
-                  const SteadyOptions& options, int threads, const std::function<bool(long)>& go_on,
-                  double* to) {
+// Share `count` tasks out to threads; a task returns the number of gaits it solved.
+void share_out(std::size_t count, int threads, const std::function<bool(long)>& go_on,
+               const std::function<long(std::size_t)>& task) {
     using namespace std::chrono_literals;
     std::atomic<std::size_t> next = 0;
     std::atomic<long> done = 0;
@@ -107,17 +94,8 @@ void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<doubl
     std::mutex lock;
     std::condition_variable ended;
     int running = threads;
-    const std::vector<std::size_t> order = spread(omegas);
     const auto work = [&] {
-        for (std::size_t k; !stop && (k = next++) < shapes.size();) {
-            double* own = to + k * omegas.size() * kSweepColumns;
-            const auto& [robot, ground, gait] = shapes[k];
-            if (ground.smooth())
-                solve_viscous(shapes[k], omegas, order, options, own);
-            else
-                solve_rates(SteadyDry(robot, ground, gait), omegas, options, own);
-            done += static_cast<long>(omegas.size());
-        }
+        for (std::size_t k; !stop && (k = next++) < count;) done += task(k);
         const std::lock_guard<std::mutex> hold(lock);
         --running;
         ended.notify_one();
@@ -134,6 +112,50 @@ void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<doubl
     }
     for (std::thread& t : pool) t.join();
     if (!stop) go_on(done.exchange(0));
+}
+
+}  // namespace
+
+SteadyState steady_state(const SweepShape& k, const SteadyOptions& options) {
+    const double omega = k.gait.omega;
+    if (!k.ground.smooth()) return SteadyDry(k.robot, k.ground, k.gait).solve(omega, options);
+    if (k.gait.offset == 0) {
+        SteadyState found;
+        SpectralViscous(k.robot, k.ground, k.gait).solve(&omega, 1, options, &found);
+        if (found.converged) return found;
+    }
+    return SteadyViscous(k.robot, k.ground, k.gait).solve(omega, options);
+}
+
+void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<double>& omegas,
+                  const SteadyOptions& options, int threads, const std::function<bool(long)>& go_on,
+                  double* to) {
+    const std::vector<std::size_t> order = spread(omegas);
+    share_out(shapes.size(), threads, go_on, [&](std::size_t k) {
+        double* own = to + k * omegas.size() * kSweepColumns;
+        const auto& [robot, ground, gait] = shapes[k];
+        if (ground.smooth())
+            solve_viscous(shapes[k], omegas, order, options, own);
+        else
+            solve_rates(SteadyDry(robot, ground, gait), omegas, options, own);
+        return static_cast<long>(omegas.size());
+    });
+}
+
+std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<SweepShape>& shapes,
+                                    const SteadyOptions& options, int threads,
+                                    const std::function<bool(long)>& go_on) {
+    SteadyDry begin(middle.robot, middle.ground, middle.gait);
+    if (!middle.ground.smooth()) begin.solve(middle.gait.omega, {options.rtol, false, 0});
+    std::vector<SteadyState> found(shapes.size());
+    share_out(shapes.size(), threads, go_on, [&](std::size_t k) {
+        const auto& [robot, ground, gait] = shapes[k];
+        found[k] = ground.smooth()
+                       ? steady_state(shapes[k], options)
+                       : SteadyDry(robot, ground, gait, begin).solve(gait.omega, options);
+        return 1L;
+    });
+    return found;
 }
 
 }  // namespace serpenoid

@@ -44,4 +44,10 @@ void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<doubl
                   const SteadyOptions& options, int threads, const std::function<bool(long)>& go_on,
                   double* to);
 
+// The periodic states of shapes that are all alike, each at its own gait's rate. On dry ground they
+// begin at the state of `middle`.
+std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<SweepShape>& shapes,
+                                    const SteadyOptions& options, int threads,
+                                    const std::function<bool(long)>& go_on);
+
 }  // namespace serpenoid

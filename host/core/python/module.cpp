@@ -58,13 +58,9 @@ SteadyState steady_by(const std::string& set_name, const Model& m, double rtol) 
     return found;
 }
 
-// Periodic states of all models at all rates, (models, rates, kSweepColumns). Ctrl-C and progress
-// come through between shapes.
-Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double rtol, bool powers,
-            int max_elements, int threads, nb::object progress) {
-    std::vector<SweepShape> shapes;
-    for (const Model& m : models) shapes.push_back({m.robot, m.ground, m.gait});
-    std::vector<double> out(shapes.size() * omegas.size() * kSweepColumns);
+// Solve with Ctrl-C and progress coming through; solve(go_on) fills the table.
+template <class Solve>
+void with_progress(const nb::object& progress, Solve&& solve) {
     bool stopped = false;  // with the Python error set
     const auto go_on = [&](long gaits) {
         nb::gil_scoped_acquire acquire;
@@ -80,10 +76,38 @@ Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double
     };
     {
         nb::gil_scoped_release release;
-        sweep_shapes(shapes, omegas, {rtol, powers, max_elements}, threads, go_on, out.data());
+        solve(go_on);
     }
     if (stopped) throw nb::python_error();
+}
+
+std::vector<SweepShape> shapes_of(const std::vector<Model>& models) {
+    std::vector<SweepShape> shapes;
+    for (const Model& m : models) shapes.push_back({m.robot, m.ground, m.gait});
+    return shapes;
+}
+
+// Periodic states of all models at all rates, (models, rates, kSweepColumns).
+Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double rtol, bool powers,
+            int max_elements, int threads, nb::object progress) {
+    const std::vector<SweepShape> shapes = shapes_of(models);
+    std::vector<double> out(shapes.size() * omegas.size() * kSweepColumns);
+    with_progress(progress, [&](const auto& go_on) {
+        sweep_shapes(shapes, omegas, {rtol, powers, max_elements}, threads, go_on, out.data());
+    });
     return to_numpy(std::move(out), {shapes.size(), omegas.size(), kSweepColumns});
+}
+
+// Periodic states of models that are all like `middle`.
+std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector<Model>& models,
+                                          double rtol, bool powers, int max_elements,
+                                          int threads) {
+    std::vector<SteadyState> found;
+    with_progress(nb::none(), [&](const auto& go_on) {
+        found = neighbours({middle.robot, middle.ground, middle.gait}, shapes_of(models),
+                           {rtol, powers, max_elements}, threads, go_on);
+    });
+    return found;
 }
 
 // A request that would read or write beyond its arrays, or never end, is refused here; what makes
@@ -303,6 +327,7 @@ NB_MODULE(_core, m) {
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.def("steady_by", &steady_by);
     m.attr("SPEED_FLOOR") = kSpeedFloor;
+    m.def("neighbours", &solve_neighbours);
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg().none());
     bind_servos(m);

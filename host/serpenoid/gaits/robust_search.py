@@ -35,8 +35,8 @@ def sampled_speeds(robot: Robot, gait: Gait, samples: Sequence[Sample]) -> Array
     """Return the speed of each sampled robot under one command, m/s; 0 where none was found."""
     models = [core_model(robot, sample.ground, sample.gait(gait)) for sample in samples]
     threads = min(threads_to_use(None), len(models))
-    table = _core.sweep(models, [gait.omega_rad_s], _RTOL, False, MAX_ELEMENTS, threads, None)
-    return np.nan_to_num(np.asarray(table)[:, 0, 0])
+    states = _core.neighbours(models[0], models, _RTOL, False, MAX_ELEMENTS, threads)
+    return np.nan_to_num([s.speed for s in states])
 
 
 def low_speed(speeds: Array, count: int) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, overload
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from .sensitivities import differentiate
 from .steady import Steady, relative_error
 from .steady import steady_gait as ideal_gait
 
@@ -140,16 +141,16 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
 @overload
 def steady_gait(
     robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
-    servo: None = None,
+    servo: None = None, sensitivities: bool = ...,
 ) -> Steady: ...  # fmt: skip
 @overload
 def steady_gait(
     robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
-    servo: Servo | ServoKind,
+    servo: Servo | ServoKind, sensitivities: bool = ...,
 ) -> ServoSteady: ...  # fmt: skip
 def steady_gait(
     robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-6, powers: bool = True,
-    servo: Servo | ServoKind | None = None,
+    servo: Servo | ServoKind | None = None, sensitivities: bool = False,
 ) -> Steady | ServoSteady:  # fmt: skip
     """Solve for the periodic state of a gait: joints that follow it exactly, or moved by servos.
 
@@ -164,6 +165,8 @@ def steady_gait(
         Whether to solve for abs_power_w and positive_power_w, too (W; 0 without).
     servo : Servo or ServoKind, optional
         What moves the joints; None for joints that follow the gait exactly.
+    sensitivities : bool
+        Whether to add the derivatives of the ideal joints' state by gait, friction and robot.
 
     Returns
     -------
@@ -178,4 +181,6 @@ def steady_gait(
         No state was found to rtol; its `best` is the best one.
     """
     ideal = ideal_gait(robot, ground, gait, rtol=rtol, powers=powers)
+    if sensitivities:
+        ideal = replace(ideal, sensitivities=differentiate(robot, ground, gait))
     return ideal if servo is None else with_servo(ideal, servo)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+
+if TYPE_CHECKING:
+    from .sensitivities import Sensitivities
 
 MAX_ELEMENTS = 1024
 
@@ -51,6 +54,8 @@ class Steady:
     settling_time_s, settling_error
         Time in which the slowest disturbance falls to 1/e, s, inf when none does; its error,
         relative.
+    sensitivities
+        Derivatives by gait, friction and robot, where they were asked for.
 
     Notes
     -----
@@ -85,6 +90,7 @@ class Steady:
     settling_error: float
     _body_velocity: tuple[float, ...] = field(repr=False)
     _monodromy: tuple[float, ...] = field(repr=False)
+    sensitivities: Sensitivities | None = field(default=None, repr=False, compare=False)
 
     @property
     def body_velocity(self) -> NDArray[np.float64]:
@@ -144,9 +150,12 @@ class Steady:
             "positive_power_error_w", "turn_error_rad", "radius_error_m", "settling_time_s",
             "settling_error",
         )  # fmt: skip
-        return {name: getattr(self, name) for name in names} | {
+        found = {name: getattr(self, name) for name in names} | {
             "floquet_multipliers": [[m.real, m.imag] for m in multipliers.tolist()]
         }
+        if self.sensitivities is not None:
+            found["sensitivities"] = self.sensitivities.to_dict()
+        return found
 
 
 def speed_floor_m_s(robot: Robot, omega_rad_s: float) -> float:

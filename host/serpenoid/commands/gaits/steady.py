@@ -53,9 +53,16 @@ _FEW_LINKS = 20  # to ask servos about without being asked: the work grows as th
 @click.option("--damping-n-s-m", type=float, help="Implicit: c; 1 unless given.")
 @servo_option
 @joints_option
+@click.option(
+    "--sensitivities",
+    "differentiated",
+    is_flag=True,
+    help="What 1 % of each parameter changes (ideal joints).",
+)
 @AS_JSON
 def steady(
     as_json: bool,
+    differentiated: bool,
     servo_name: str | None,
     joints: Path | None,
     rtol: float,
@@ -84,10 +91,14 @@ def steady(
     if formulation == "implicit":
         if servo_name not in (None, IDEAL):
             raise click.UsageError("--servo has no effect on --formulation implicit; leave one out")
+        if differentiated:
+            raise click.UsageError(
+                "--sensitivities are those of the exact model; leave --formulation implicit out"
+            )
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
     few = robot.links <= _FEW_LINKS
     servo = take_servo(servo_name, "hobby" if few else IDEAL)
-    return _pinned(robot, ground, gait, as_json, rtol, servo, fit)
+    return _pinned(robot, ground, gait, as_json, rtol, servo, fit, differentiated)
 
 
 def _on_springs(
@@ -112,16 +123,18 @@ def _on_springs(
 
 def _pinned(
     robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float,
-    servo: ServoKind | None, fit: FrictionFit | None,
+    servo: ServoKind | None, fit: FrictionFit | None, differentiated: bool,
 ) -> None:  # fmt: skip
     """Tell the periodic state of the exact model, servos' speed, and how near a cliff is."""
     from ...gaits.margins import gait_margins
-    from ...periodic.steady import steady_gait
+    from ...periodic.servo_steady import steady_gait
     from ...show import report
     from ...show.gaits import gait_report
 
     with report.busy("solving"):
-        s = interruptible(lambda: steady_gait(robot, ground, gait, rtol=rtol))
+        s = interruptible(
+            lambda: steady_gait(robot, ground, gait, rtol=rtol, sensitivities=differentiated)
+        )
         moved = beside_servo(s, servo)
         margins = interruptible(lambda: gait_margins(robot, ground, gait))
         band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo))
@@ -132,6 +145,8 @@ def _pinned(
     report.steady(s)
     if moved is not None:
         report.with_servo(moved)
+    if s.sensitivities is not None:
+        gait_report.sensitivities(s.sensitivities)
     if band is not None:
         report.console.print(f"predicted: {band.in_words()}", highlight=False)
     return gait_report.margins(margins)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ...gaits.margins import Margins
     from ...gaits.robust import RobustGait
     from ...model.gait import Gait
+    from ...periodic.sensitivities import Sensitivities
 
 
 def _percent(fraction: float) -> str:
@@ -52,6 +53,23 @@ def no_servo(gait: Gait) -> None:
             f"serpenoid: warning: the joints would turn at up to {math.degrees(rate):.3g} deg/s, "
             "which no hobby servo does; --servo-speed-deg-s keeps to what yours do"
         )
+
+
+def sensitivities(found: Sensitivities) -> None:
+    """Print what 1 % more of each parameter changes; of an angle, what 1 deg more changes."""
+    rows = []
+    for k, name in enumerate(found.names):
+        angle = name.endswith("_rad") or "_rad[" in name
+        step = math.radians(1) if angle else 0.01 * found.values[k]
+        size = [*(100 * step / found.at[:3]), math.degrees(step)]
+        by = [found.derivatives[k, q] * size[q] for q in range(4)]
+        known = [found.errors[k, q] * size[q] for q in range(4)]
+        changes = [f"{v:+.2g}" if abs(v) > e else "0" for v, e in zip(by, known, strict=True)]
+        rows.append([name + (" (kink)" if found.kinks[k] else ""), "1 deg" if angle else "1 %"])
+        rows[-1] += changes
+    columns = ["parameter", "more by", "speed, %", "power, %", "power+, %", "turn, deg"]
+    table("what a little more of each changes; ideal joints, others kept", columns, rows)
+    console.print("power+: without regeneration; turn: in a cycle", highlight=False)
 
 
 def robust(found: RobustGait) -> None:

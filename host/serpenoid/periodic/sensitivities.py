@@ -1,0 +1,231 @@
+"""How a periodic state changes with gait, friction and robot: derivatives with their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..model.core_model import core_model
+from ..model.errors import BadInput, NotConverged
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+
+Array = NDArray[np.float64]
+Parts = tuple[Robot, Ground, Gait]
+QUANTITIES = ("speed_m_s", "power_w", "positive_power_w", "turn_rad_per_cycle")
+
+_STEP = 1e-3  # of the parameter, or rad
+_HALVINGS = 6
+_RTOL = 1e-7
+MAX_ELEMENTS = 1024
+_SMOOTH = 1e-2  # both sides agree to this part of the derivative: it is smooth
+_UNSEEN = 0.1  # of a jump: what the mean of both sides may be off by
+_SAME_JUMP = 0.75  # a smooth function's jump halves with the step
+
+
+@dataclass(frozen=True, slots=True)
+class Sensitivities:
+    """Hold the derivatives of a periodic state by the parameters that make it.
+
+    Attributes
+    ----------
+    names, values
+        Of the P parameters, as Robot, Ground and Gait name them, SI units and rad;
+        `joint_gain[2]` is the third joint from the tail. A parameter at the end of its range (a
+        friction of 0) is left out.
+    derivatives
+        (P, Q): of speed_m_s, power_w, positive_power_w and turn_rad_per_cycle, by the parameter.
+    errors
+        (P, Q): estimated errors of derivatives. Where a wheel's mode changes at the point, half of
+        the jump.
+    sides
+        (P, Q, 2): the derivatives towards less and towards more of the parameter.
+    kinks
+        (P,): whether the two sides differ: a wheel starts or stops to stick at the point.
+    at
+        (Q,): the quantities themselves.
+
+    Notes
+    -----
+    Mass, inertia and length are separate parameters: the others keep their values.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    derivatives: Array
+    errors: Array
+    sides: Array
+    kinks: NDArray[np.bool_]
+    at: Array
+
+    def elasticities(self, quantity: str = "speed_m_s") -> Array:
+        """Return the change of a quantity, in per cent, for 1 % of each parameter, (P,)."""
+        column = QUANTITIES.index(quantity)
+        return self.derivatives[:, column] * self.values / self.at[column]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures as plain numbers, for JSON, by parameter."""
+        return {
+            name: {"value": self.values[k].item(), "kink": bool(self.kinks[k])}
+            | {
+                quantity: {
+                    "derivative": self.derivatives[k, q].item(),
+                    "error": self.errors[k, q].item(),
+                    "sides": self.sides[k, q].tolist(),
+                }
+                for q, quantity in enumerate(QUANTITIES)
+            }
+            for k, name in enumerate(self.names)
+        }
+
+
+@dataclass(frozen=True)
+class _Parameter:
+    """A number of robot, ground or gait: its value, its step, and the parts with another value."""
+
+    name: str
+    value: float
+    step: float
+    moved: Callable[[float], Parts]
+
+    @property
+    def inside(self) -> bool:
+        """Tell whether the value has room on both sides."""
+        try:
+            for sign in (-1, 1):
+                self.moved(self.value + sign * self.step)
+        except BadInput:
+            return False
+        return True
+
+
+def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
+    """Differentiate the periodic state of a gait by each of its parameters.
+
+    Each parameter is moved to both sides. The state there is solved for from the state here, which
+    is so near that Newton's method needs one cycle or two. Where the two sides differ by more than
+    a smooth function would, the step is halved until they agree; where they never do there is a
+    kink. Raises BadInput: a gait that does not move; NotConverged.
+    """
+    if gait.alpha_rad == 0:
+        raise BadInput("alpha_rad is 0: a robot that does not move has no sensitivities")
+    parameters = [p for p in _parameters(robot, ground, gait) if p.inside]
+    steps = np.array([p.step for p in parameters])
+    sides, errors, at = _differences((robot, ground, gait), parameters, steps)
+    jumps = _jumps(sides)
+    changes = _UNSEEN * jumps
+    kinked = np.zeros(jumps.shape, bool)
+    for _ in range(_HALVINGS):
+        rough = np.flatnonzero((jumps > _allowed(sides, errors)).any(axis=1))
+        if not rough.size:
+            break
+        steps[rough] /= 2
+        near, near_errors, _ = _differences(
+            (robot, ground, gait), [parameters[k] for k in rough], steps[rough]
+        )
+        now = _jumps(near)
+        kinked[rough] = now > _SAME_JUMP * jumps[rough]
+        changes[rough] = abs(near.mean(axis=2) - sides[rough].mean(axis=2)) + _UNSEEN * now
+        sides[rough], errors[rough], jumps[rough] = near, near_errors, now
+    kinked &= jumps > _allowed(sides, errors)
+    return Sensitivities(
+        tuple(p.name for p in parameters), np.array([p.value for p in parameters]),
+        sides.mean(axis=2), errors + np.where(kinked, jumps / 2, changes), sides,
+        kinked.any(axis=1), at,
+    )  # fmt: skip
+
+
+def _jumps(sides: Array) -> Array:
+    return abs(sides[..., 1] - sides[..., 0])
+
+
+def _allowed(sides: Array, errors: Array) -> Array:
+    """Return how much the sides may differ where nothing is wrong."""
+    return _SMOOTH * abs(sides).max(axis=2) + 2 * errors
+
+
+def _differences(here: Parts, parameters: list[_Parameter], steps: Array) -> tuple[Array, ...]:
+    """Return differences to both sides, (P, Q, 2), their errors, (P, Q), and the state here, (Q,).
+
+    Raises NotConverged where a state beside this one has no solution.
+    """
+    parts = [here] + [
+        p.moved(p.value + sign * step)
+        for p, step in zip(parameters, steps, strict=True) for sign in (-1, 1)
+    ]  # fmt: skip
+    models = [core_model(*each) for each in parts]
+    states = _core.neighbours(models[0], models, _RTOL, True, MAX_ELEMENTS, 1)
+    for each, state in zip(parts, states, strict=True):
+        if not state.converged:
+            raise NotConverged(f"no periodic state beside this gait, for {each}")
+    values = np.array([[s.speed, s.power, s.positive_power, s.turn] for s in states])
+    claims = np.array(
+        [[s.speed_error, s.power_error, s.positive_power_error, s.turn_error] for s in states]
+    )
+    moved, claimed = (v[1:].reshape(-1, 2, len(QUANTITIES)) for v in (values, claims))
+    sides = (moved - values[0]) * np.array([-1, 1])[:, None] / steps[:, None, None]
+    return (
+        sides.transpose(0, 2, 1), claimed.sum(axis=1) / (2 * steps[:, None]), values[0],
+    )  # fmt: skip
+
+
+def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[_Parameter]:
+    joints = robot.links - 1
+    factors = gait.joint_factors(joints)
+    full = replace(robot, link_inertia_kg_m2=robot.inertia_kg_m2)
+    for name in ("alpha_rad", "beta_rad", "omega_rad_s", "offset_rad"):
+        angle = 0.0 if name == "omega_rad_s" else 1.0
+        yield _one(name, gait, lambda g: (full, ground, g), angle)
+    for name, values, angle in zip(
+        ("joint_gain", "joint_shift_rad"), factors, (0.0, 1.0), strict=True
+    ):
+        for k, value in enumerate(values.tolist()):
+            yield _Parameter(
+                f"{name}[{k}]", value, _STEP * max(abs(value), angle),
+                partial(_with_joint, full, ground, gait, name, values, k),
+            )  # fmt: skip
+    for name in ("ct", "cn", "ft0", "fn0"):
+        yield from _frictions(full, ground, gait, name)
+    for name in ("link_mass_kg", "link_inertia_kg_m2", "link_length_m"):
+        yield _one(name, full, lambda r: (r, ground, gait), 0.0)
+
+
+def _one(name: str, part: Any, parts: Callable[[Any], Parts], least: float) -> _Parameter:
+    """Return the parameter that is an attribute of a part."""
+    value = float(getattr(part, name))
+    return _Parameter(
+        name, value, _STEP * max(abs(value), least), lambda v: parts(replace(part, **{name: v}))
+    )
+
+
+def _with_joint(
+    robot: Robot, ground: Ground, gait: Gait, name: str, values: Array, k: int, value: float
+) -> Parts:
+    changed = values.copy()
+    changed[k] = value
+    return robot, ground, replace(gait, **{name: tuple(changed.tolist())})
+
+
+def _frictions(robot: Robot, ground: Ground, gait: Gait, name: str) -> Iterator[_Parameter]:
+    """Give a friction, or both ways of a ratchet's, where it is not 0."""
+    value = getattr(ground, name)
+    if not isinstance(value, tuple):
+        yield _one(name, ground, lambda g: (robot, g, gait), 1e-6)
+        return
+    for way, word in enumerate(("forward", "backward")):
+        if value[way] > 0:
+            yield _Parameter(
+                f"{name}_{word}", value[way], _STEP * value[way],
+                lambda v, way=way: (
+                    robot,
+                    replace(ground, **{name: tuple(v if k == way else value[k] for k in (0, 1))}),
+                    gait,
+                ),
+            )  # fmt: skip
