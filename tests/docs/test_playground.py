@@ -22,7 +22,7 @@ from webdriver import Browser
 pytestmark = pytest.mark.slow  # emscripten compiles the core in minutes
 ROOT = Path(__file__).resolve().parents[2]
 PARTS = ROOT / "docs" / "playground"
-FIT = ROOT / "calibration_data" / "nirakh-2005" / "fit.json"
+SESSION = ROOT / "calibration_data" / "nirakh-2005"
 MOST_BYTES = 450_000  # over the wire, compressed
 READY = "document.body.dataset.ready === 'yes'"
 MAPPED = "document.body.dataset.map === 'done'"
@@ -165,8 +165,9 @@ m.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowUp'}));""")
     assert "Fastest" in browser.text("#map-says")
 
 
-def test_a_fit_dropped_brings_its_friction_and_its_band(browser) -> None:
-    browser.runs(DROP % json.dumps(FIT.read_text()))
+def test_a_fit_dropped_brings_its_friction_and_its_band(browser, tmp_path) -> None:
+    fit = sn.save_fit(sn.fit_friction(sn.load_session(SESSION)), tmp_path / "fit.json")
+    browser.runs(DROP % json.dumps(fit.read_text()))
     browser.sees("#fit", "Friction and robot of nirakh-2005")
     browser.sees("#figures", "Speed the fit allows")
     low, high = browser.runs("return curve.band")
