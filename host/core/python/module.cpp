@@ -100,8 +100,7 @@ Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double
 
 // Periodic states of models that are all like `middle`.
 std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector<Model>& models,
-                                          double rtol, bool powers, int max_elements,
-                                          int threads) {
+                                          double rtol, bool powers, int max_elements, int threads) {
     std::vector<SteadyState> found;
     with_progress(nb::none(), [&](const auto& go_on) {
         found = neighbours({middle.robot, middle.ground, middle.gait}, shapes_of(models),
