@@ -85,6 +85,9 @@ def steady_by(arg0: str, arg1: Model, arg2: float, /) -> SteadyState: ...
 
 SPEED_FLOOR: float
 
+def neighbours(
+    arg0: Model, arg1: Sequence[Model], arg2: float, arg3: bool, arg4: int, arg5: int, /
+) -> list[SteadyState]: ...
 def sweep(
     arg0: Sequence[Model],
     arg1: Sequence[float],

@@ -138,7 +138,7 @@ def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
     return Sensitivities(
         tuple(p.name for p in parameters), np.array([p.value for p in parameters]),
         sides.mean(axis=2), errors + np.where(kinked, jumps / 2, changes), sides,
-        kinked.any(axis=1), at,
+        np.asarray(kinked.any(axis=1)), at,
     )  # fmt: skip
 
 
