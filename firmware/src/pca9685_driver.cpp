@@ -20,7 +20,8 @@ const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with registers that coun
 const uint8_t kFullOff = 0x10;
 const uint8_t kMostPrescale = 255;
 const uint16_t kCounts = 4096;   // a cycle
-const uint16_t kLeastUs = 5000;  // computing and sending 12 joints, with a line to write
+// Computing and sending all joints, with a line to write.
+const uint16_t kLeastUs = 2000 + 600 * firmware::kJoints;
 
 uint16_t oscillator_khz;  // of this chip
 uint8_t prescale;

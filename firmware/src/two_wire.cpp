@@ -2,20 +2,23 @@
 #ifdef SERPENOID_PCA9685
 #include "two_wire.h"
 
-#include <avr/io.h>
+#include <Arduino.h>
 #include <util/twi.h>
+
+#include "serial_port.h"
 
 namespace two_wire {
 namespace {
 
 const uint32_t kBusHz = 400000;
-const uint16_t kMostPolls = 400;  // some 0.3 ms: a byte takes 23 µs
+const uint8_t kMostPolls = 200;  // some 0.3 ms: a byte takes 23 µs
 
-// Do one step of the bus; true if it ended in this status.
+// Do one step of the bus; true if it ended in this status. Bytes for the host go out meanwhile.
 bool step(uint8_t control, uint8_t wanted) {
     TWCR = static_cast<uint8_t>(_BV(TWINT) | _BV(TWEN) | control);
-    for (uint16_t polls = kMostPolls; !(TWCR & _BV(TWINT));) {
+    for (uint8_t polls = kMostPolls; !(TWCR & _BV(TWINT));) {
         if (--polls == 0) return false;
+        serial_port::poll();
     }
     return TW_STATUS == wanted;
 }
@@ -30,15 +33,27 @@ bool address(uint8_t device, uint8_t first) {
            send(first, TW_MT_DATA_ACK);
 }
 
-// Free the bus; a unit that hangs is switched off and on.
+// A chip that a reset cut off in the middle of a byte holds the data line until it has had its nine
+// clocks; the unit waits for ever to start on such a bus.
+void release() {
+    TWCR = 0;
+    for (uint8_t clocks = 9; clocks != 0 && digitalRead(SDA) == LOW; --clocks) {
+        pinMode(SCL, OUTPUT);  // low, as it was never set
+        delayMicroseconds(5);
+        pinMode(SCL, INPUT);
+        delayMicroseconds(5);
+    }
+}
+
+// Free the bus; a unit that hangs is switched off.
 bool end(bool good) {
     TWCR = _BV(TWINT) | _BV(TWEN) | _BV(TWSTO);
-    for (uint16_t polls = kMostPolls; TWCR & _BV(TWSTO);) {
+    for (uint8_t polls = kMostPolls; TWCR & _BV(TWSTO);) {
         if (--polls != 0) continue;
-        TWCR = 0;
-        return false;
+        good = false;
+        break;
     }
-    if (!good) TWCR = 0;
+    if (!good) release();
     return good;
 }
 
@@ -47,6 +62,7 @@ bool end(bool good) {
 void begin() {
     TWSR = 0;
     TWBR = static_cast<uint8_t>((F_CPU / kBusHz - 16) / 2);
+    release();
 }
 
 bool write(uint8_t device, uint8_t first, const uint8_t* bytes, uint8_t count) {

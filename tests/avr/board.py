@@ -22,6 +22,9 @@ SERVO_PINS = {
     "nano_old": _UNO_PINS,
     "mega": "E3H3H4H5H6B4B5B6F0F1F2F3",
 }
+ENABLE_PIN = {**dict.fromkeys(("uno", "nano", "nano_old"), "D4"), "mega": "G5"}
+TWO_WIRES = {**dict.fromkeys(("uno", "nano", "nano_old"), ("C", 5, 4)), "mega": ("D", 0, 1)}
+FAULTS = ("well", "silent", "data low", "clock low")
 STATES = ("running", "power cut", "crashed")
 CAUSES = ("power-on", "external", "brown-out")
 TORN = ("old", "erased", "new")
@@ -40,6 +43,7 @@ class Counts(ctypes.Structure):
             "overrun_bytes",
             "eeprom_writes",
             "eeprom_ignored",
+            "twi_misused",
         )
     ]
 
@@ -85,6 +89,9 @@ def _library() -> ctypes.CDLL:
         ("board_read_eeprom", None, board, u8),
         ("board_write_eeprom", None, board, u8),
         ("board_cut_power", None, board, u32, ctypes.c_int),
+        ("board_add_pca9685", None, board, ctypes.c_char, ctypes.c_int, ctypes.c_int),
+        ("board_fault_pca9685", None, board, ctypes.c_int, u32),
+        ("board_read_pca9685", u32, board, u8),
     ):
         function = getattr(lib, name)
         function.restype, function.argtypes = result, arguments
@@ -250,6 +257,29 @@ class Board:
     def cut_power(self, nth_write: int, torn: str = "erased") -> None:
         """Stop at the n-th EEPROM byte write from now, leaving that byte old, erased or new."""
         self._lib.board_cut_power(self._board, nth_write, TORN.index(torn))
+
+    def add_pca9685(self, port: str, clock_bit: int, data_bit: int) -> None:
+        """Connect a servo driver to the two wires, which are bits of one port."""
+        self._lib.board_add_pca9685(self._board, port.encode(), clock_bit, data_bit)
+
+    def fault_pca9685(self, fault: str, after_bytes: int = 0) -> None:
+        """Make the servo driver well, silent (no power), or hold a wire low; see FAULTS.
+
+        after_bytes: silent only when it has taken so many more bytes, in the middle of a burst.
+        """
+        self._lib.board_fault_pca9685(self._board, FAULTS.index(fault), after_bytes)
+
+    @property
+    def pca9685(self) -> bytes:
+        """The servo driver's 256 registers, those of its outputs as they are in effect."""
+        out = ctypes.create_string_buffer(256)
+        self._lib.board_read_pca9685(self._board, out)
+        return out.raw
+
+    @property
+    def pca9685_bursts(self) -> int:
+        """How often the servo driver's outputs have changed, all in one."""
+        return self._lib.board_read_pca9685(self._board, ctypes.create_string_buffer(256))
 
     @property
     def edges(self) -> np.ndarray:

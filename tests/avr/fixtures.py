@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from avr.board import SERVO_PINS, Board
+from avr.board import ENABLE_PIN, SERVO_PINS, TWO_WIRES, Board
 from avr.live import LiveBoard
 from avr.toolchain import ToolchainError, build_firmware, require
 
@@ -37,12 +37,22 @@ def simulated_board(firmware_elf: Callable[..., Path]) -> Iterator[LiveBoard]:
 
 @pytest.fixture
 def start(firmware_elf: Callable[..., Path]) -> Iterator[Callable[..., Board]]:
-    """Return a function that powers a simulated board: start("uno", eeprom=None, joints=5)."""
+    """Return a function that powers a simulated board: start("uno", eeprom=None, joints=5).
+
+    output="pca9685": with that driver at its two wires, and the pin that enables it watched.
+    """
     boards: list[Board] = []
 
-    def power_on(board: str = "uno", eeprom: bytes | None = None, joints: int = 5) -> Board:
-        elf = firmware_elf(board) if joints == 5 else firmware_elf(board, joints)
-        boards.append(Board(elf, board, SERVO_PINS[board][: 2 * joints]))
+    def power_on(
+        board: str = "uno", eeprom: bytes | None = None, joints: int = 5, output: str = "servo"
+    ) -> Board:
+        usual = (joints, output) == (5, "servo")
+        elf = firmware_elf(board) if usual else firmware_elf(board, joints, output)
+        if output == "servo":
+            boards.append(Board(elf, board, SERVO_PINS[board][: 2 * joints]))
+        else:
+            boards.append(Board(elf, board, ENABLE_PIN[board]))
+            boards[-1].add_pca9685(*TWO_WIRES[board])
         if eeprom is not None:
             boards[-1].eeprom = eeprom
         return boards[-1]

@@ -22,6 +22,8 @@ static void obey(uint8_t letter) {
     }
     if (letter == 'e')
         for (uint8_t i = 0; i < 8; i++) eeprom_write_byte((uint8_t*)(uintptr_t)i, i);
+    if (letter == 'b')
+        for (uint8_t i = 0; i < 8; i++) say((uint8_t)('0' + i));
     if (letter == 'w') wdt_enable(WDTO_60MS);
     say(letter);
 }

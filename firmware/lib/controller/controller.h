@@ -39,7 +39,40 @@ inline void count(uint16_t& counter, uint16_t more = 1) {
     counter = counter > 65535U - more ? 65535 : static_cast<uint16_t>(counter + more);
 }
 
-class Controller {
+// What a controller remembers. All of it is zero at first: one loop on an AVR instead of fifty
+// stores.
+struct Memory {
+    // Whom a verdict answers: a number, a typed line, the stop key, a damaged line.
+    struct Tag {
+        char kind;  // '#', '-', '!', '?'
+        uint16_t number;
+    };
+    enum class Report : uint8_t { None, Status, Help, Set, Trim };
+
+    Settings settings_;
+    Trim trim_[kJoints];
+    Gait gait_;
+    Frame frame_;
+    Counters counters_;
+    Start start_;
+    uint32_t due_us_;
+    uint32_t silent_frames_;  // since the last good line
+    uint16_t telemetry_wait_;
+    uint16_t boot_id_, last_number_;
+    State state_;
+    Found found_;
+    Tag tag_, store_tag_;  // of the last line; of the line that asked to save or load
+    Error last_error_;     // verdict on last_number_
+    LineReader::Event waiting_;
+    Report report_;
+    uint8_t report_row_;
+    uint8_t passed_;                  // telemetry lines sent since a line waits for its answer
+    uint8_t keys_due_, words_due_;    // stops obeyed and not answered yet: `!`, `stop`
+    uint8_t attached_, attach_wait_;  // servos from the tail; frames until the next one
+    bool session_;
+};
+
+class Controller : private Memory {
   public:
     explicit Controller(Hardware& hardware);
 
@@ -68,17 +101,12 @@ class Controller {
     // What is queued when a frame is due must leave room for the longest telemetry line.
     static const uint16_t kTelemetryRoom = 95 + 18 * kJoints;
     static const uint8_t kByteUs = 40;
-    // The wire's time for a telemetry line, and for some other line beside it.
+    // The wire's time for a telemetry line, and for some other line beside it; and how long each
+    // frame keeps the wire waiting.
     static const uint16_t kTelemetryUs = kTelemetryRoom * kByteUs + 4000U;
+    static const uint16_t kBusyUs = 150 * kJoints;
     // Servos are attached one after the other, so far apart: each starts with a jerk.
     static const uint32_t kAttachUs = 100000;
-
-    // Whom a verdict answers: a number, a typed line, the stop key, a damaged line.
-    struct Tag {
-        char kind;  // '#', '-', '!', '?'
-        uint16_t number;
-    };
-    enum class Report : uint8_t { None, Status, Help, Set, Trim };
 
     // controller.cpp: time
     void choose_frame();
@@ -137,30 +165,10 @@ class Controller {
 
     Hardware& hardware_;
     Store store_;
-    Settings settings_;
-    Motion motion_;
-    Trim trim_[kJoints];
-    Gait gait_;
-    Frame frame_;
-    Counters counters_;
-    Start start_;
     Input& in_;
     Output& line_;
+    Motion motion_;
     LineReader reader_;
-    uint32_t due_us_;
-    uint32_t silent_frames_;  // since the last good line
-    uint16_t telemetry_wait_;
-    uint16_t boot_id_, last_number_;
-    State state_;
-    Found found_;
-    Tag tag_, store_tag_;  // of the last line; of the line that asked to save or load
-    Error last_error_;     // verdict on last_number_
-    LineReader::Event waiting_;
-    Report report_;
-    uint8_t report_row_;
-    uint8_t keys_due_, words_due_;    // stops obeyed and not answered yet: `!`, `stop`
-    uint8_t attached_, attach_wait_;  // servos from the tail; frames until the next one
-    bool session_;
 };
 
 // Names as on the wire, in flash.

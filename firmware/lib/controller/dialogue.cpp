@@ -58,7 +58,7 @@ bool Controller::may_speak() {
 }
 
 void Controller::answer_stops() {
-    if (!may_speak()) return;
+    if ((keys_due_ | words_due_) == 0 || !may_speak()) return;
     if (keys_due_ != 0) {
         --keys_due_;
         verdict(Tag{'!', 0}, Refusal());
@@ -178,6 +178,7 @@ void Controller::verdict(const Tag& tag, const Refusal& refusal, bool again) {
 // Output never waits: what does not fit is dropped, and counted.
 void Controller::send() {
     if (!line_.finish()) count(counters_.dropped);
+    passed_ = 0;
 }
 
 }  // namespace firmware

@@ -171,7 +171,8 @@ Refusal Controller::change_trim(const Command& command) {
 
 // Telemetry every so many frames at least, or its lines do not fit the wire.
 uint8_t Controller::least_every() const {
-    return static_cast<uint8_t>((kTelemetryUs + frame_us() - 1) / frame_us());
+    const uint16_t usable_us = static_cast<uint16_t>(frame_us() - kBusyUs);
+    return static_cast<uint8_t>((kTelemetryUs + usable_us - 1) / usable_us);
 }
 
 void Controller::configure() {

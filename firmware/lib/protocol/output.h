@@ -15,7 +15,7 @@ class Output {
     // The longest telemetry line has 96 bytes and 18 a joint.
     static const uint16_t kSize = kJoints <= 8 ? 256 : 512;
 
-    Output() : head_(0), tail_(0), draft_(0), crc_(0), fits_(true), queue_() {}
+    constexpr Output() : head_(0), tail_(0), draft_(0), crc_(0), fits_(false), queue_() {}
 
     // How long a line may be now.
     uint16_t room() const { return (tail_ - head_ - 1U) % kSize; }

@@ -34,6 +34,7 @@ struct wire {
     struct growing queue;  // of wire_byte, oldest at `next`
     size_t next;
     uint64_t free_cycle;  // when the last queued byte ends
+    uint64_t sent_cycle;  // when the shift register has sent all that it was given
 };
 
 struct eeprom {
@@ -44,8 +45,30 @@ struct eeprom {
     uint8_t* before;  // its content before the last write
 };
 
+enum twi_step { TWI_NOTHING, TWI_STARTS, TWI_SENDS, TWI_RECEIVES, TWI_STOPS };
+
+struct twi {
+    enum twi_step doing;
+    uint64_t begun_cycle, bit_cycles;  // of what it does
+    uint8_t status, byte;
+    int owned, addressing, reading;  // the bus is ours; an address comes next; the chip sends
+};
+
+struct pca9685 {
+    uint8_t registers[256], outputs[64];  // as written; as the outputs follow them
+    uint8_t addressed, pointed, next;     // it was called; it has a register; which
+    uint8_t changed, bits_left;           // since the stop; of a byte that was cut off
+    enum pca9685_fault fault;
+    uint32_t bursts, bytes_left;  // changes of outputs; until it falls silent, 0 = never
+    uint32_t clock_mask, data_mask;
+    int clock_high;
+    uint8_t* pins;  // what the board reads of the port that has both wires
+};
+
 struct board {
     avr_t* avr;
+    struct twi twi;
+    struct pca9685 pca9685;
     void (*core_reset)(avr_t*);
     struct board_counts counts;
     struct pin pins[MAX_PINS];
@@ -66,3 +89,15 @@ avr_io_t* find_module(avr_t* avr, const char* kind, char name);
 void wire_attach(struct board* b);
 void wire_after_reset(struct board* b);
 void eeprom_attach(struct board* b);
+void twi_attach(struct board* b);
+void twi_after_reset(struct board* b);
+
+// The chip's end of the wires: a start, a byte from the master (returns whether it acknowledges), a
+// byte for the master, a stop.
+void pca9685_begin(struct pca9685* p);
+int pca9685_take(struct pca9685* p, uint8_t byte, int is_address);
+uint8_t pca9685_give(struct pca9685* p);
+void pca9685_end(struct pca9685* p);
+int pca9685_holds_data(const struct pca9685* p);
+// The master is gone in the middle of a byte that the chip sends: it waits for so many clocks.
+void pca9685_cut_short(struct pca9685* p, uint8_t bits_left);

@@ -14,6 +14,8 @@ enum board_state { BOARD_RUNNING, BOARD_POWER_CUT, BOARD_CRASHED };
 enum reset_cause { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT };
 // What a byte of EEPROM holds when the power went while it was being written.
 enum torn_byte { TORN_OLD, TORN_ERASED, TORN_NEW };
+// What ails a PCA9685: no power (it comes back as at power-up); it holds a wire low.
+enum pca9685_fault { PCA9685_WELL, PCA9685_SILENT, PCA9685_DATA_LOW, PCA9685_CLOCK_LOW };
 
 struct edge {
     uint64_t cycle;
@@ -33,7 +35,8 @@ struct board_counts {
     uint32_t overrun_bytes;  // lost because three were waiting unread
     uint32_t eeprom_writes;  // bytes whose writing began
     uint32_t
-        eeprom_ignored;  // writes begun while the last one was still going on: silicon drops them
+        eeprom_ignored;    // writes begun while the last one was still going on: silicon drops them
+    uint32_t twi_misused;  // steps of the two-wire unit begun before the last one had ended
 };
 
 struct board* board_open(const char* elf, const char* mcu, uint32_t frequency_hz);
@@ -55,6 +58,13 @@ size_t board_take_sent(struct board* b, struct sent_byte* out, size_t room);
 // free.
 void board_wire(struct board* b, uint64_t at_cycle, uint32_t baud, const uint8_t* bytes, size_t n);
 double board_baud(const struct board* b);  // as the program has set its UART
+
+// A PCA9685 at the two wires, bits of one port.
+void board_add_pca9685(struct board* b, char port, int clock_bit, int data_bit);
+// Now, or in the middle of a burst after so many bytes: only its silence can come so.
+void board_fault_pca9685(struct board* b, enum pca9685_fault fault, uint32_t after_bytes);
+// Its 256 registers, the outputs' as they are in effect; returns how often the outputs changed.
+uint32_t board_read_pca9685(const struct board* b, uint8_t* out);
 
 void board_read_ram(const struct board* b, uint16_t address, uint8_t* out, size_t n);
 void board_write_ram(struct board* b, uint16_t address, const uint8_t* bytes, size_t n);

@@ -1,4 +1,5 @@
-// The serial wire: bytes reach the receiver at the host's pace and overrun it as on silicon.
+// The serial wire: bytes reach the receiver at the host's pace and overrun it as on silicon; the
+// sender has a byte in the shift register and one behind it, where simavr has one in all.
 #include "inside.h"
 
 DEFINE_FIFO(uint16_t, uart_fifo);
@@ -18,12 +19,25 @@ double board_baud(const struct board* b) {
     return (double)b->avr->frequency / (avr_regbit_get(b->avr, u->u2x) ? 8 : 16) / (ubrr + 1);
 }
 
-static void on_sent(avr_irq_t* irq, uint32_t value, void* param) {
-    (void)irq;
+static avr_cycle_count_t ready_to_send(avr_t* avr, avr_cycle_count_t when, void* param) {
+    (void)when;
+    avr_raise_interrupt(avr, &((struct board*)param)->wire.uart->udrc);
+    return 0;
+}
+
+static void write_data(avr_t* avr, avr_io_addr_t addr, uint8_t value, void* param) {
+    (void)addr;
     struct board* b = param;
-    struct sent_byte s = {b->avr->cycle, value & 0xff, 0};
+    struct wire* w = &b->wire;
+    if (!avr_regbit_get(avr, w->uart->txen)) return;
+    struct sent_byte s = {avr->cycle, value, 0};
     growing_push(&b->sent, &s);
     true_pace(b);
+    avr_clear_interrupt(avr, &w->uart->udrc);
+    avr_regbit_clear(avr, w->uart->udrc.raised);
+    const uint64_t start = w->sent_cycle > avr->cycle ? w->sent_cycle : avr->cycle + 1;
+    w->sent_cycle = start + w->uart->cycles_per_byte;
+    avr_cycle_timer_register(avr, start - avr->cycle, ready_to_send, b);
 }
 
 static avr_cycle_count_t wire_tick(avr_t* avr, avr_cycle_count_t when, void* param) {
@@ -67,6 +81,7 @@ void board_wire(struct board* b, uint64_t at, uint32_t baud, const uint8_t* byte
 }
 
 void wire_after_reset(struct board* b) {
+    b->wire.sent_cycle = 0;
     start_ticking(b);  // the host goes on sending; the reset cancelled every cycle timer
 }
 
@@ -78,6 +93,7 @@ void wire_attach(struct board* b) {
     b->wire.input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
     uint32_t flags = 0;  // neither echo on stdout nor sleeping while the program polls
     avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
-    avr_irq_t* output = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT);
-    avr_irq_register_notify(output, on_sent, b);
+    const avr_io_addr_t data = AVR_DATA_TO_IO(b->wire.uart->r_udr);
+    avr->io[data].w.c = write_data;
+    avr->io[data].w.param = b;
 }

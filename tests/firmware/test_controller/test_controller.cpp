@@ -392,8 +392,8 @@ TEST_CASE(
     b.type("save", 1);
     b.board.boot(Reset::External);
     b.run(0.1);
-    CHECK(b.starts(b.type("set every 3"), "err: #- range value=3 low=4 high=1000"));
-    CHECK(b.type("set every 4") == "ok: #-");
+    CHECK(b.starts(b.type("set every 5"), "err: #- range value=5 low=6 high=1000"));
+    CHECK(b.type("set every 6") == "ok: #-");
     CHECK(b.type("set every 0") == "ok: #-");
 }
 

@@ -19,8 +19,8 @@ from ..options import AS_JSON, show_json
 @click.option("--joints", type=int, default=5, show_default=True,
               help="How many joints the robot has: its links less one.")  # fmt: skip
 @click.option("--output", type=click.Choice(["servo", "pca9685"]), default="servo",
-              show_default=True, help="Where servos are wired. pca9685 has run against no chip "
-              "yet.")  # fmt: skip
+              show_default=True, help="Where servos are wired. pca9685 has run on a simulated "
+              "chip only.")  # fmt: skip
 @AS_JSON
 def flash(
     board: str | None,
@@ -37,8 +37,8 @@ def flash(
 
     if output == "pca9685":
         say(
-            "serpenoid: warning: the driver of the PCA9685 is unfinished: it has run against no "
-            "chip, not even a simulated one. Keep the horns off the servos.",
+            "serpenoid: warning: the driver of the PCA9685 has run on a simulated chip only, never "
+            "on a real one. Keep the horns off until the first power-on (docs/wiring.md) is done.",
             err=True,
         )
     hello = build_and_upload(
