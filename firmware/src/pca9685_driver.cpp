@@ -19,7 +19,7 @@ const uint8_t kMode1 = 0x00, kFirstChannel = 0x06, kAllOffHigh = 0xFD, kPrescale
 const uint8_t kAwake = 0x20, kAsleep = 0x30;  // MODE1, with registers that count up by themselves
 const uint8_t kFullOff = 0x10;
 const uint8_t kMostPrescale = 255;
-const uint16_t kCounts = 4096;   // a cycle
+const uint16_t kCounts = 4096;  // a cycle
 // Computing and sending all joints, with a line to write.
 const uint16_t kLeastUs = 2000 + 600 * firmware::kJoints;
 
