@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "lab/driven_chain.hpp"
 #include "lab/free_chain.hpp"
 
 namespace nb = nanobind;
@@ -18,7 +19,7 @@ namespace {
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 constexpr std::size_t kColumns = 8;  // ct cn ft0 fn0, ct and ft0 backwards, rolling, breakaway
 
-FreeChain make(double mass, double length, double inertia, Rows links) {
+std::vector<LabLink> listed(Rows links) {
     if (links.shape(0) < 2 || links.shape(1) != kColumns)
         throw nb::value_error("links must be (n, 8), two or more of them");
     std::vector<LabLink> list;
@@ -26,7 +27,11 @@ FreeChain make(double mass, double length, double inertia, Rows links) {
         const double* v = links.data() + kColumns * i;
         list.push_back({{v[0], v[1], v[2], v[3], v[4], v[5]}, v[6], v[7]});
     }
-    return {{static_cast<int>(list.size()), mass, length / 2, inertia}, list};
+    return list;
+}
+
+Robot body(double mass, double length, double inertia, Rows links) {
+    return {static_cast<int>(links.shape(0)), mass, length / 2, inertia};
 }
 
 void check_joints(const FreeChain& chain, const std::vector<double>& angle) {
@@ -62,13 +67,56 @@ nb::ndarray<nb::numpy, double> follow(FreeChain& c, Rows rows, double frame, dou
     return {data, {done, 6}, free};
 }
 
+// Hold each row of setpoints (K, n - 1) for a frame of `steps` steps. States (K, n + 2) at the
+// frames' ends: x, y of the centre, angles of all links; fewer rows where a step failed.
+nb::ndarray<nb::numpy, double> drive(DrivenChain& c, Rows rows, int steps) {
+    const std::size_t joints = rows.shape(1), count = rows.shape(0), width = joints + 3;
+    if (joints != static_cast<std::size_t>(c.joints())) throw nb::value_error("one angle a joint");
+    if (steps < 1) throw nb::value_error("steps must be 1 or more");
+    auto out = std::make_unique<double[]>(width * count + 1);
+    std::size_t done = 0;
+    {
+        nb::gil_scoped_release release;
+        std::vector<double> to(joints);
+        for (; done < count; ++done) {
+            std::copy_n(rows.data() + done * joints, joints, to.begin());
+            if (!c.frame(to, steps)) break;
+            c.state(&out[width * done]);
+        }
+    }
+    double* data = out.release();
+    nb::capsule free(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+    return {data, {done, width}, free};
+}
+
+void bind_driven(nb::module_& m) {
+    nb::class_<DrivenChain>(m, "DrivenChain")
+        .def("__init__",
+             [](DrivenChain* self, double mass, double length, double inertia, Rows links,
+                const Servo& servo) {
+                 auto list = listed(links);
+                 new (self) DrivenChain(body(mass, length, inertia, links), list, servo);
+             })
+        .def("place",
+             [](DrivenChain& c, double theta, const std::vector<double>& joints) {
+                 if (joints.size() != static_cast<std::size_t>(c.joints()))
+                     throw nb::value_error("one angle a joint");
+                 c.place(theta, joints);
+             })
+        .def("set_slope", &DrivenChain::set_slope)
+        .def("drive", &drive)
+        .def_prop_ro("kinetic_j", &DrivenChain::kinetic)
+        .def_prop_ro("work_j", &DrivenChain::work);
+}
+
 }  // namespace
 
 void bind_lab(nb::module_& m) {
+    bind_driven(m);
     nb::class_<FreeChain>(m, "FreeChain")
         .def("__init__",
              [](FreeChain* self, double mass, double length, double inertia, Rows links) {
-                 new (self) FreeChain(make(mass, length, inertia, links));
+                 new (self) FreeChain(body(mass, length, inertia, links), listed(links));
              })
         .def("place", &FreeChain::place)
         .def("set_joints",

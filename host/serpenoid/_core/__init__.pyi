@@ -145,6 +145,10 @@ class Servo:
     def frame_s(self) -> float: ...
     @frame_s.setter
     def frame_s(self, arg: float, /) -> None: ...
+    @property
+    def backlash_rad(self) -> float: ...
+    @backlash_rad.setter
+    def backlash_rad(self, arg: float, /) -> None: ...
 
 SERVO_FIELDS: tuple
 
@@ -308,6 +312,35 @@ def kernel_sincos(
     ],
     /,
 ) -> NDArray[numpy.float64]: ...
+
+class DrivenChain:
+    def __init__(
+        self,
+        arg0: float,
+        arg1: float,
+        arg2: float,
+        arg3: Annotated[
+            NDArray[numpy.float64],
+            dict(shape=(None, None), order="C", device="cpu", writable=False),
+        ],
+        arg4: Servo,
+        /,
+    ) -> None: ...
+    def place(self, arg0: float, arg1: Sequence[float], /) -> None: ...
+    def set_slope(self, arg0: float, arg1: float, /) -> None: ...
+    def drive(
+        self,
+        arg0: Annotated[
+            NDArray[numpy.float64],
+            dict(shape=(None, None), order="C", device="cpu", writable=False),
+        ],
+        arg1: int,
+        /,
+    ) -> NDArray[numpy.float64]: ...
+    @property
+    def kinetic_j(self) -> float: ...
+    @property
+    def work_j(self) -> float: ...
 
 class FreeChain:
     def __init__(

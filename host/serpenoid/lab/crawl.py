@@ -22,6 +22,7 @@ def crawl_speed(robot: LabRobot, gait: Gait, *, slope_rad: float = 0.0) -> float
     track = Floor(robot, slope_rad, np.pi).crawl(
         gait, (before + CYCLES) * period_s, period_s / FRAMES
     )
-    at = FRAMES * (before + np.arange(CYCLES + 1)) - 1
-    ways = np.hypot(np.diff(track.x_m[at]), np.diff(track.y_m[at]))
-    return float(ways.mean()) / period_s
+    # of servos' frames there is no whole number in a cycle
+    at = period_s * (before + np.arange(CYCLES + 1))
+    x, y = (np.interp(at, track.t_s, way) for way in (track.x_m, track.y_m))
+    return float(np.hypot(np.diff(x), np.diff(y)).mean()) / period_s

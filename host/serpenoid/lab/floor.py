@@ -17,6 +17,7 @@ STEP_S = 0.001
 FRAME_S = 0.01  # between the rows of a track
 REST_M_S, REST_RAD_S = 1e-6, 1e-5
 LONGEST_S = 60.0
+SERVO_STEP_S = 5e-4  # the speed is then some 0.2 % off, 3 % with a servo without rotor
 Array = NDArray[np.float64]
 
 
@@ -94,12 +95,38 @@ class Floor:
         return float(np.interp(length_m, way, rolled.t_s)) if way[-1] >= length_m else None
 
     def crawl(self, gait: Gait, duration_s: float, frame_s: float = 0.002) -> Track:
-        """Drive the robot's joints through a gait from rest; they follow, but for their errors."""
+        """Drive the robot's joints through a gait from rest.
+
+        Without a servo they follow but for their errors, and the track has a row each frame_s. A
+        servo gets a setpoint each of its own frames; so often the track has a row, then.
+        """
+        if self.robot.servo is not None:
+            return self.run_servos(self._told(gait, duration_s, self.robot.servo.frame_s))[0]
+        return self.follow(self._told(gait, duration_s, frame_s), frame_s)
+
+    def _told(self, gait: Gait, duration_s: float, frame_s: float) -> Array:
+        """Return the joints' setpoints, (K, n-1), rad, each with its joint's error."""
         joints = self.robot.body.links - 1
         phase = gait.omega_rad_s * frame_s * np.arange(round(duration_s / frame_s) + 1)[:, None]
         swing = gait.alpha_rad * np.sin(phase + np.arange(joints) * gait.beta_rad)
-        angles = swing + gait.offset_rad + np.array(self.robot.joint_error_rad)
-        return self.follow(angles, frame_s)
+        return swing + gait.offset_rad + np.array(self.robot.joint_error_rad)
+
+    def run_servos(self, setpoints_rad: Array) -> tuple[Track, Array]:
+        """Give the robot's servos a row of setpoints (K, n-1) each frame; it begins at the first.
+
+        Returns the track, a row at the end of each frame, and the joints' true angles there.
+        """
+        chain, told = self.robot.driven_chain(), np.ascontiguousarray(setpoints_rad)
+        assert self.robot.servo is not None  # driven_chain has asked
+        frame_s = self.robot.servo.frame_s
+        chain.set_slope(*self._pull)
+        chain.place(-_mean_bend(list(told[0])), told[0].tolist())
+        rows = chain.drive(told, max(1, math.ceil(frame_s / min(SERVO_STEP_S, self._step_s))))
+        if len(rows) < len(told) or not np.isfinite(rows).all():
+            raise NotConverged("the lab's robot came to no answer; are its numbers sensible?")
+        t = np.arange(1, len(rows) + 1, dtype=np.float64) * frame_s
+        angles = rows[:, 2:]
+        return Track(t, rows[:, 0], rows[:, 1], angles.mean(axis=1)), np.diff(angles, axis=1)
 
     def follow(self, angles_rad: Array, frame_s: float) -> Track:
         """Lead the joints through rows of true angles (K, n-1), one each frame, from rest."""

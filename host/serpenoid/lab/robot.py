@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core
 from ..model.bends import joint_multiples
 from ..model.checks import check_number
 from ..model.core_model import friction_numbers
+from ..model.drives import Servo, core_servo
 from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
@@ -26,7 +29,8 @@ class LabRobot:
     body: masses, lengths and inertias. grounds: friction of each link, from the tail; one for all
     links stands for each. joint_error_rad: what each joint stands off its set-point, the same in
     every pose. rolling_kg: J / r^2 of all wheels together, which their turning adds to the mass
-    along the links. breakaway: dry force at rest over the one in motion, 1 or more.
+    along the links. breakaway: dry force at rest over the one in motion, 1 or more. servo: what
+    moves the joints in a gait; None: they follow it.
     """
 
     body: Robot
@@ -34,6 +38,7 @@ class LabRobot:
     joint_error_rad: tuple[float, ...] = ()
     rolling_kg: float = 0.0
     breakaway: float = 1.0
+    servo: Servo | None = None
     _links: tuple[Ground, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -51,7 +56,7 @@ class LabRobot:
 
     @classmethod
     def whole(
-        cls, body: Robot, ground: Ground, joint_error_rad: Sequence[float] = (), **more: float
+        cls, body: Robot, ground: Ground, joint_error_rad: Sequence[float] = (), **more: Any
     ) -> LabRobot:
         """Return a robot whose links share the whole snake's friction alike."""
         each = Ground.whole_body(body.links, ground.ct, ground.cn, ground.ft0, ground.fn0)
@@ -72,13 +77,20 @@ class LabRobot:
 
     def chain(self) -> _core.FreeChain:
         """Return the robot as a body that can be moved, straight but for its joints' errors."""
-        body, share = self.body, self.rolling_kg / self.body.links
-        rows = [[*friction_numbers(g), share, self.breakaway] for g in self._links]
-        made = _core.FreeChain(
-            body.link_mass_kg, body.link_length_m, body.inertia_kg_m2, np.array(rows)
-        )
+        made = _core.FreeChain(*self._numbers())
         made.set_joints(list(self.joint_error_rad))
         return made
+
+    def driven_chain(self) -> _core.DrivenChain:
+        """Return the robot as a body whose joints its servo moves. Raises BadInput without one."""
+        if self.servo is None:
+            raise BadInput("the lab's robot has no servo; give LabRobot(servo=...)")
+        return _core.DrivenChain(*self._numbers(), core_servo(self.servo))
+
+    def _numbers(self) -> tuple[float, float, float, NDArray[np.float64]]:
+        body, share = self.body, self.rolling_kg / self.body.links
+        rows = [[*friction_numbers(g), share, self.breakaway] for g in self._links]
+        return body.link_mass_kg, body.link_length_m, body.inertia_kg_m2, np.array(rows)
 
     def true_joints(self, set_rad: Sequence[float]) -> list[float]:
         """Return where the joints stand when they are told to stand there."""

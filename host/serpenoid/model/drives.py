@@ -64,6 +64,8 @@ class Servo:
 
     The gear adds the rotor's inertia armature_kg_m2 (times the gear ratio squared, as MuJoCo's
     armature), dry friction gear_friction_nm and viscous friction gear_damping_nms_rad.
+    backlash_rad is its play: so far the output turns while the rotor is held. The loop sees the
+    output.
 
     Setpoints are those of the firmware's fixed-point code, one each frame_s, s. Units: N m,
     N m/rad, N m s/rad, rad, rad/s, s, Hz, kg m^2. Raises BadInput.
@@ -83,13 +85,21 @@ class Servo:
     update_hz: float = 0.0
     supply_sag: float = 0.0
     frame_s: float = 0.02
+    backlash_rad: float = 0.0
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
             open_low = name in ("torque_limit_nm", "speed_limit_rad_s", "frame_s")
-            most = {"supply_sag": 1.0, "frame_s": 0.1, "update_hz": 1e4}.get(name, math.inf)
+            most = {"supply_sag": 1.0, "frame_s": 0.1, "update_hz": 1e4, "backlash_rad": 0.5}.get(
+                name, math.inf
+            )
             value = check_number(name, getattr(self, name), 0.0, most, open_low=open_low)
             object.__setattr__(self, name, value)
+        if self.backlash_rad > 0 and self.armature_kg_m2 == 0:
+            raise BadInput(
+                f"backlash_rad is {self.backlash_rad:g} and armature_kg_m2 is 0; a gear with play "
+                "needs a rotor behind it: give armature_kg_m2 above 0"
+            )
 
     @property
     def simple(self) -> bool:

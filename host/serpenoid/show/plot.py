@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#555555"
+PURPLE = "#CC79A7"
 STYLE: dict[str, Any] = {
     "figure.dpi": 110,
     "savefig.dpi": 160,

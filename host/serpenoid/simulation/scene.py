@@ -184,6 +184,11 @@ class Scene:
             finite_vector("torque", self.torque, joints)
         if self.drive == "servo":
             self._check_firmware()
+            if self.servo is not None and self.servo.backlash_rad > 0:
+                raise BadInput(
+                    "simulate has no play in gears; set backlash_rad to 0, or take "
+                    "steady_gait(..., servo=...), which has it"
+                )
 
     def _check_firmware(self) -> None:
         joints = self.robot.links - 1

@@ -5,7 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 from serpenoid.bench.calibration.advised import Saved, advised, plan_of, planned, ratios
-from serpenoid.bench.calibration.coverage import CASES, GAIT, WHOLE, Case, judged, one, run
+from serpenoid.bench.calibration.coverage import (
+    CASES,
+    GAIT,
+    WHOLE,
+    Case,
+    DrivenTable,
+    judged,
+    one,
+    run,
+)
 from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.calibration.speed_table import SpeedTable
 from serpenoid.bench.calibration.verdicts import (
@@ -29,14 +38,19 @@ def table():
     return SpeedTable(ROBOT, GAIT, points=256)
 
 
+@pytest.fixture(scope="module")
+def driven(table):
+    return DrivenTable(ROBOT, table, points=64)
+
+
 def test_the_table_is_the_model(table):
     exact = speed(ROBOT, Ground.whole_body(6, *WHOLE), GAIT)
     assert table(WHOLE[None])[0] == pytest.approx(exact, rel=0.03)
 
 
 @pytest.mark.parametrize("case", [Case((7.5,), 0.005), Case((30.0,), None)])
-def test_intervals_cover_sessions_of_the_real_procedure(table, case):
-    found = judged(case, [one(case, 1, k, table) for k in range(100)])
+def test_intervals_cover_sessions_of_the_real_procedure(table, driven, case):
+    found = judged(case, [one(case, 1, k, table, driven) for k in range(100)])
     # 100 shares scatter by 2.2 %, five of them are looked at. Were joints that stand half a degree
     # off unknown to the fit, fn0's interval would hold the truth in 82 % of the second case.
     assert min(getattr(found, name) for name in (*NAMES, "speed", "driven")) > 0.86
@@ -69,9 +83,9 @@ def test_ratios_count_what_comes_after_the_opening():
     assert (found.ratio, found.after_opening) == (pytest.approx(0.7), pytest.approx(0.5))
 
 
-def test_the_figures_are_drawn(tmp_path, table):
+def test_the_figures_are_drawn(tmp_path, table, driven):
     case = Case((30.0,), 0.005)
-    rows = [dataclasses.asdict(judged(case, [one(case, 1, k, table) for k in range(3)]))]
+    rows = [dataclasses.asdict(judged(case, [one(case, 1, k, table, driven) for k in range(3)]))]
     coverage_figure(rows, tmp_path / "coverage.png")
     saved = [Saved("p", k, 0.1, 4, 10, 6 + k, 0.1, 0.09, 0.0, 0.0, True) for k in (0, 2)]
     advised_figure([dataclasses.asdict(r) for r in saved], tmp_path / "advise.png")
@@ -84,7 +98,7 @@ def verdicts():
     names = ("nothing", "ft0 +40%", "amplitude -30%", "tape -20%")
     faults = tuple(f for f in FAULTS if f.name in names)
     setup = default_setup("test")
-    true = TrueSpeeds(setup.robot, setup.procedure.gaits, faults)
+    true = TrueSpeeds(setup.robot, setup.procedure.gaits, faults, servos=1)
     found = [words((faults, seed, true)) for seed in range(3)]
     return [dataclasses.asdict(counted(f, found)) for f in faults]
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import NAMES, band
+from ...calibration.friction_result import NAMES, band, ground_of
 from ...calibration.session import Setup
 from ...calibration.speed_samples import AMPLITUDE_SIGMA, scaled
 from ...calibration.taking.memory import MemoryRecord
@@ -27,6 +27,9 @@ from ...model.errors import SerpenoidError
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ...periodic.servo_steady import servo_speeds
+from ...periodic.steady import steady_gait
+from ...servos.catalogue import servo
 from ..child_process import all_cores
 from .speed_table import SpeedTable
 
@@ -34,7 +37,8 @@ WHOLE_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 WHOLE = np.array([getattr(WHOLE_2005, name) for name in NAMES])
 GAIT = Gait(math.radians(70.0), math.radians(75.0), math.pi)
 INCLINE_STEP_DEG, DRAWN, STEP_SIGMA = 0.1, (0.003, 0.007), 0.01
-_SPEED_SAMPLES, _PORTION = 256, 50
+SERVOS = servo("hobby")
+_SPEED_SAMPLES, _PORTION, _SERVO_DRAWS = 256, 50, 128
 
 
 @dataclass(frozen=True)
@@ -62,10 +66,10 @@ class Coverage:
     """Shares of sessions whose interval holds the truth; sigma: how far a share of 95 % scatters.
 
     speed: of GAIT, predicted from frictions alone, joints ideal. driven: of the lab's own robot in
-    GAIT, whose joints stand off and swing by an amplitude of their own, by the band of frictions
-    and joints that every command shows. refused: sessions whose readings could not tell all four
-    parameters. readings: mean number. half_widths: of the intervals, relative, the median; those
-    of the two speeds last.
+    GAIT, whose joints stand off, swing by an amplitude of their own, and have a hobby servo drawn
+    at random, by the band of frictions, joints and servos that every command shows. refused:
+    sessions whose readings could not tell all four parameters. readings: mean number. half_widths:
+    of the intervals, relative, the median; those of the two speeds last.
     """
 
     case: str
@@ -89,22 +93,29 @@ def shown_in_steps(setup: Setup, step_deg: float) -> Setup:
 
 
 class DrivenTable:
-    """Speeds of GAIT over frictions and over the joints' amplitude, for the band of both."""
+    """Speeds of GAIT over frictions and over the joints' amplitude, for the band of both.
+
+    shares: what each of some servos leaves of the speed on the ground of WHOLE_2005.
+    """
 
     def __init__(self, robot: Robot, table: SpeedTable, points: int = 512):
         self._amplitudes = np.array([1.0 - AMPLITUDE_SIGMA, 1.0, 1.0 + AMPLITUDE_SIGMA])
         others = [SpeedTable(robot, scaled(GAIT, a), points) for a in self._amplitudes[[0, 2]]]
         self._tables = (others[0], table, others[1])
+        ideal = steady_gait(robot, ground_of(robot.links, WHOLE.tolist()), GAIT, rtol=1e-4)
+        speeds = servo_speeds((ideal, drawn) for drawn in SERVOS.draws(_SERVO_DRAWS))
+        self.shares = speeds / ideal.speed_m_s
 
     def __call__(self, whole: NDArray[np.float64], amplitude: NDArray[np.float64]):
-        """Return the speeds of (count, 4) frictions, each with its own amplitude."""
+        """Return the speeds of (count, 4) frictions, each with an amplitude and a servo."""
         low, mid, high = (table(whole) for table in self._tables)
         x = (amplitude - 1.0) / AMPLITUDE_SIGMA
-        return mid + x * (high - low) / 2 + x * x * ((high + low) / 2 - mid)
+        share = np.resize(self.shares, len(amplitude))
+        return share * (mid + x * (high - low) / 2 + x * x * ((high + low) / 2 - mid))
 
 
 def one(
-    case: Case, seed: int, number: int, table: SpeedTable, driven: DrivenTable | None = None
+    case: Case, seed: int, number: int, table: SpeedTable, driven: DrivenTable
 ) -> list[float] | None:
     """Take and fit a session; return what held, half widths, readings; None where refused."""
     rng = np.random.default_rng([seed, *(round(10 * x) for x in case.lambdas_deg), number])
@@ -115,7 +126,7 @@ def one(
         base, kind="simulated", treadmill=replace(base.treadmill, incline_step_rad=step),
         procedure=replace(base.procedure, lambda_rad=bends, gaits=()),
     )  # fmt: skip
-    truth = drawn_truth(setup, WHOLE_2005, rng)
+    truth = drawn_truth(setup, WHOLE_2005, rng, SERVOS)
     truth = replace(truth, incline_scale=1.0 + STEP_SIGMA * float(rng.normal()))
     treadmill = SimulatedTreadmill(setup, truth, seed=int(rng.integers(2**31)))
     taken = take_all(MemoryRecord(setup), treadmill)
@@ -125,7 +136,7 @@ def one(
         return None
     drawn = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES + 1)
-    both = table(drawn) if driven is None else driven(drawn, amplitudes[1:])
+    both = driven(drawn, amplitudes[1:])
     crawls = crawl_speed(treadmill.robot, scaled(GAIT, float(amplitudes[0])))
     ends = np.vstack([[fit.intervals[name] for name in NAMES], band(table(drawn)), band(both)])
     true = np.append(WHOLE, [float(table(WHOLE[None, :])[0]), crawls])

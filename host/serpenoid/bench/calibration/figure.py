@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...show.plot import BLUE, GREEN, GREY, ORANGE, RED, figure
+from ...show.plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure
 
 Row = Mapping[str, Any]
 WANTED = (0.93, 0.97)
@@ -68,7 +68,7 @@ def verdict_figure(rows: Sequence[Row], path: Path) -> None:
     """Draw the shares of each verdict, one bar a fault; the right one is framed."""
     from matplotlib.patches import Patch
 
-    colours = dict(zip(rows[0]["counts"], (GREY, BLUE, ORANGE, GREEN, RED), strict=True))
+    colours = dict(zip(rows[0]["counts"], (GREY, BLUE, ORANGE, PURPLE, GREEN, RED), strict=True))
     with figure(8.0, 1.6 + 0.27 * len(rows)) as (fig, ax):
         for k, row in enumerate(rows):
             left = 0.0
@@ -87,6 +87,6 @@ def verdict_figure(rows: Sequence[Row], path: Path) -> None:
         shown = [Patch(color=c, label=word) for word, c in colours.items()]
         shown.append(Patch(fc="none", ec="black", lw=1.8, label="the right answer"))
         ax.legend(handles=shown, title="what `compare` names as the cause", alignment="left",
-                  loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=6, fontsize=8,
+                  loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=8,
                   columnspacing=1.2, handlelength=1.4)  # fmt: skip
         fig.savefig(path)

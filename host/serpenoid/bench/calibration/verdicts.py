@@ -1,8 +1,9 @@
 """How often `compare`'s verdict is right: sessions by the real procedure, runs with a known fault.
 
-A session is taken on the simulated treadmill and fitted. Then the robot crawls, with a fault that
-is known; the speeds are measured with tape and stopwatch as in a session. The joints' amplitude is
-each time another, as far off as the comparison is told that it may be.
+A session is taken on the simulated treadmill and fitted. Then the lab's robot crawls with a servo
+drawn at random, and with a fault that is known; the speeds are measured with tape and stopwatch as
+in a session. The joints' amplitude is each time another, as far off as the comparison is told that
+it may be.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ import math
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from multiprocessing import get_context
 from typing import Any
 
@@ -20,23 +22,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import ground_of
+from ...calibration.friction_result import ground_of, whole_ground
 from ...calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
 from ...calibration.taking.memory import MemoryRecord
 from ...calibration.taking.new_session import default_setup
 from ...calibration.taking.simulated import RUN_M, RUN_S, SimulatedTreadmill, drawn_truth
 from ...calibration.taking.treadmill import take_all
 from ...calibration.verdict import Judge, Measured
+from ...lab.crawl import crawl_speed
+from ...lab.robot import LabRobot
+from ...model.drives import Servo
 from ...model.gait import Gait
-from ...model.ground import Ground
 from ...model.robot import Robot
-from ...simulation.scene import Scene
-from ...simulation.simulate import simulate
+from ...servos.catalogue import servo
 from .coverage import INCLINE_STEP_DEG, WHOLE, WHOLE_2005, shown_in_steps
 
 Array = NDArray[np.float64]
-WORDS = ("agrees", "friction", "amplitude", "friction or amplitude", "neither")
-_CYCLES, _POINTS, _MOST_SIGMAS = 4, 9, 3.0
+MORE = "two of them or more"
+WORDS = ("agrees", "friction", "amplitude", "servos", MORE, "neither")
+HOBBY, KNOWN = "hobby", "XL-330"  # kinds of servo that the comparison is told
+_SERVOS = 4  # of each kind, that sessions share
+_POINTS, _MOST_SIGMAS, _DRAWN = 9, 3.0, 11
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,8 @@ class Fault:
 
     frictions: shares of ct, cn, ft0, fn0 at the treadmill. amplitude: share of the joints'.
     uphill_deg: of the ground. ruler: true length of a metre that the tape shows. beta: share of
-    the phase lag.
+    the phase lag. stated: the kind of servo that the comparison is told; servo: what really moves
+    the joints, where it is none of this kind.
     """
 
     name: str
@@ -55,15 +62,45 @@ class Fault:
     uphill_deg: float = 0.0
     ruler: float = 1.0
     beta: float = 1.0
+    stated: str = HOBBY
+    servo: Servo | None = None
 
-    def speeds(self, robot: Robot, gaits: Sequence[Gait], amplitude: float) -> list[float]:
-        """Return the speeds measured without error, m/s."""
+    def ideal(self, robot: Robot, gaits: Sequence[Gait], amplitude: float) -> list[float]:
+        """Return the speeds on the level of joints that follow the gait, m/s."""
         ground = ground_of(robot.links, (np.array(self.frictions) * WHOLE).tolist())
+        return [speed(robot, ground, g) for g in self._made(gaits, amplitude)]
+
+    def driven(self, robot: Robot, gaits: Sequence[Gait], servo: Servo) -> list[float]:
+        """Return the speeds of the lab's robot as a tape shows them, m/s."""
+        ground = whole_ground((np.array(self.frictions) * WHOLE).tolist())
+        moved = LabRobot.whole(robot, ground, servo=self.servo or servo)
+        slope = math.radians(self.uphill_deg)
+        made = self._made(gaits, 1.0)
+        return [crawl_speed(moved, g, slope_rad=slope) / self.ruler for g in made]
+
+    def _made(self, gaits: Sequence[Gait], amplitude: float) -> list[Gait]:
         made = [scaled(g, amplitude * self.amplitude) for g in gaits]
-        made = [replace(g, beta_rad=g.beta_rad * self.beta) for g in made]
-        if self.uphill_deg:
-            return [uphill_speed(robot, ground, g, math.radians(self.uphill_deg)) for g in made]
-        return [speed(robot, ground, g) / self.ruler for g in made]
+        return [replace(g, beta_rad=g.beta_rad * self.beta) for g in made]
+
+
+def _jerky() -> Servo:
+    """Return a hobby servo that makes much ripple: a light rotor, a stiff loop, a dry gear."""
+    typical = servo(HOBBY).servo
+    return replace(
+        typical, armature_kg_m2=0.4 * typical.armature_kg_m2,
+        stiffness_nm_rad=1.5 * typical.stiffness_nm_rad,
+        gear_friction_nm=3 * typical.gear_friction_nm,
+    )  # fmt: skip
+
+
+def _slow() -> Servo:
+    """Return a hobby servo on a tired battery."""
+    typical = servo(HOBBY).servo
+    share = 0.6
+    return replace(
+        typical, torque_limit_nm=share * typical.torque_limit_nm,
+        speed_limit_rad_s=share * typical.speed_limit_rad_s,
+    )  # fmt: skip
 
 
 FAULTS = (
@@ -77,6 +114,13 @@ FAULTS = (
     *(Fault(f"tape {ruler - 1:+.0%}", "neither", ruler=ruler) for ruler in (0.8, 0.9, 1.1, 1.25)),
     Fault("phase lag -15%", "neither", beta=0.85),
     *(Fault(f"{slope:g} deg uphill", "friction", uphill_deg=slope) for slope in (0.25, 0.5, 1.0)),
+    Fault("servos without a rotor", "servos", servo=Servo()),
+    Fault(f"nothing; {KNOWN} is known", "agrees", stated=KNOWN),
+    Fault(f"ft0 +20%; {KNOWN} is known", "friction", (1.0, 1.0, 1.2, 1.0), stated=KNOWN),
+    Fault(f"fn0 -20%; {KNOWN} is known", "friction", (1.0, 1.0, 1.0, 0.8), stated=KNOWN),
+    Fault(f"amplitude -20%; {KNOWN} is known", "amplitude", amplitude=0.8, stated=KNOWN),
+    Fault(f"jerky servos for {KNOWN}", "servos", stated=KNOWN, servo=_jerky()),
+    Fault(f"slow servos for {KNOWN}", "servos", stated=KNOWN, servo=_slow()),
 )  # fmt: skip
 
 
@@ -96,38 +140,32 @@ class Verdicts:
     named: float | None
 
 
-def uphill_speed(robot: Robot, ground: Ground, gait: Gait, slope_rad: float) -> float:
-    """Return the speed of a robot that sets out straight up a slope, m/s, at least 0."""
-    level = _way(robot, ground, gait, 0.0, 0.0)
-    heading = math.atan2(level[1], level[0])
-    up = _way(robot, ground, gait, slope_rad, heading)
-    forward = float(up @ [math.cos(heading), math.sin(heading)])
-    return max(forward, 0.0) / (_CYCLES * gait.period_s)
-
-
-def _way(robot: Robot, ground: Ground, gait: Gait, slope_rad: float, heading: float) -> Array:
-    per_cycle = 4
-    run = simulate(Scene(
-        robot, ground, gait, method="nonsmooth", dt_s=gait.period_s / 400,
-        duration_s=2 * _CYCLES * gait.period_s, record_every=400 // per_cycle,
-        incline_rad=slope_rad, incline_direction_rad=heading,
-    ))  # fmt: skip
-    centre = np.asarray(run.centre_m)
-    return centre[-1] - centre[-1 - _CYCLES * per_cycle]
-
-
 class TrueSpeeds:
-    """Speeds of every fault over the amplitude that the joints happen to have, interpolated."""
+    """Speeds of every fault, by the servo and the amplitude that the joints happen to have.
 
-    def __init__(self, robot: Robot, gaits: Sequence[Gait], faults: Sequence[Fault]):
+    The lab's robot runs each gait with each of some servos; what another amplitude makes of it is
+    taken from joints that follow the gait.
+    """
+
+    def __init__(
+        self, robot: Robot, gaits: Sequence[Gait], faults: Sequence[Fault], servos: int = _SERVOS
+    ):
         most = _MOST_SIGMAS * AMPLITUDE_SIGMA
+        self.servos = servos
         self._at = np.linspace(1.0 - most, 1.0 + most, _POINTS)
-        self._of = {f.name: np.array([f.speeds(robot, gaits, a) for a in self._at.tolist()])
-                    for f in faults}  # fmt: skip
+        self._ideal, self._driven = {}, {}
+        drawn = {name: servo(name).draws(servos, _DRAWN) for name in {f.stated for f in faults}}
+        for f in faults:
+            ideal = np.array([f.ideal(robot, gaits, a) for a in self._at.tolist()])
+            self._ideal[f.name] = ideal / np.maximum(ideal[_POINTS // 2], 1e-9)
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                found = pool.map(partial(f.driven, robot, gaits), drawn[f.stated])
+                self._driven[f.name] = np.array(list(found))
 
-    def __call__(self, fault: Fault, amplitude: float) -> Array:
-        """Return the speeds of the gaits, m/s."""
-        return np.array([np.interp(amplitude, self._at, v) for v in self._of[fault.name].T])
+    def __call__(self, fault: Fault, amplitude: float, number: int) -> Array:
+        """Return the speeds of the gaits, m/s, with one of the servos."""
+        shares = [np.interp(amplitude, self._at, v) for v in self._ideal[fault.name].T]
+        return self._driven[fault.name][number % self.servos] * np.array(shares)
 
 
 def words(job: tuple[tuple[Fault, ...], int, TrueSpeeds]) -> dict[str, str]:
@@ -139,8 +177,11 @@ def words(job: tuple[tuple[Fault, ...], int, TrueSpeeds]) -> dict[str, str]:
     stations = replace(setup, procedure=replace(setup.procedure, gaits=()))
     treadmill = SimulatedTreadmill(stations, truth, seed=int(rng.integers(2**31)))
     fit = fit_friction(take_all(MemoryRecord(stations), treadmill))
-    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA)
-    judge = Judge(fit, drawn, AMPLITUDE_SIGMA, seed)
+    judges = {}
+    for name in {f.stated for f in faults}:
+        kind = servo(name)
+        drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=kind)
+        judges[name] = Judge(fit, drawn, AMPLITUDE_SIGMA, seed, kind)
 
     def measured(speeds: Array) -> Measured:
         watch, times = setup.stopwatch, setup.procedure.gait_runs
@@ -159,8 +200,8 @@ def words(job: tuple[tuple[Fault, ...], int, TrueSpeeds]) -> dict[str, str]:
     found = {}
     for fault in faults:
         amplitude = 1.0 + AMPLITUDE_SIGMA * float(np.clip(rng.normal(), -3.0, 3.0))
-        seen = measured(true(fault, amplitude))
-        found[fault.name] = judge(seen).word
+        seen = measured(true(fault, amplitude, int(rng.integers(true.servos))))
+        found[fault.name] = judges[fault.stated](seen).word
     return found
 
 
@@ -169,8 +210,10 @@ def counted(fault: Fault, found: Sequence[dict[str, str]]) -> Verdicts:
     of = Counter(row[fault.name] for row in found)
     seen = len(found) - of["agrees"]
     named = sum(n for word, n in of.items() if fault.right in word.split(" or "))
+    counts = {word: of[word] for word in WORDS}
+    counts[MORE] = sum(n for word, n in of.items() if " or " in word)
     return Verdicts(
-        fault.name, fault.right, len(found), {word: of[word] for word in WORDS},
+        fault.name, fault.right, len(found), counts,
         seen / len(found), named / seen if seen and fault.right != "agrees" else None,
     )  # fmt: skip
 

@@ -20,6 +20,7 @@ from ...lab.instruments import Instrument
 from ...lab.person import Display, Habits, Person
 from ...lab.robot import LabRobot, pose_of
 from ...model.bends import balanced_signs
+from ...model.drives import Servo, ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
@@ -44,7 +45,8 @@ class Truth:
     rolling_kg, breakaway: of the wheels (`lab.robot`). disturbance_m_s: of the robot when it is let
     go. misreads: share of readings that are typed wrong. hasty: share that are read too early.
     steered: a person steers it while it holds. guided: between rails, which keep it straight.
-    amplitude: of the joints in a gait, true over commanded.
+    amplitude: of the joints in a gait, true over commanded. servo: what moves them in a gait; None:
+    they follow it.
     """
 
     ground: Ground
@@ -62,6 +64,7 @@ class Truth:
     steered: bool = True
     guided: bool = False
     amplitude: float = 1.0
+    servo: Servo | None = None
 
     def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
         """Return the robot as it truly is, its joint errors drawn."""
@@ -70,19 +73,26 @@ class Truth:
             link_inertia_kg_m2=body.inertia_kg_m2 * self.mass_scale,
         )  # fmt: skip
         whole = LabRobot.whole(
-            heavy, self.ground, rolling_kg=self.rolling_kg, breakaway=self.breakaway
-        )
+            heavy, self.ground, rolling_kg=self.rolling_kg, breakaway=self.breakaway,
+            servo=self.servo,
+        )  # fmt: skip
         return whole.drawn(rng, self.joint_sigma_rad, self.link_spread)
 
 
-def drawn_truth(setup: Setup, ground: Ground, rng: np.random.Generator) -> Truth:
-    """Draw the errors that all readings of a session share, as the set-up says they may be."""
+def drawn_truth(
+    setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
+) -> Truth:
+    """Draw the errors that all readings of a session share, as the set-up says they may be.
+
+    servo: the kind of which the robot has one drawn; None: its joints follow the gait.
+    """
     errs = setup.uncertainty
     zero, scale, mass = (float(x) for x in rng.normal(size=3))
     return Truth(
         ground, incline_zero_rad=zero * errs.incline_zero_sigma_rad,
         belt_scale=1.0 + scale * errs.belt_scale_sigma, mass_scale=1.0 + mass * errs.mass_sigma,
         joint_sigma_rad=errs.joint_sigma_rad,
+        servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
     )  # fmt: skip
 
 

@@ -1,0 +1,148 @@
+"""The lab's servo-driven robot: conserved quantities, the event-driven simulation, play."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid import _core
+from serpenoid.lab.crawl import crawl_speed
+from serpenoid.lab.floor import Floor
+from serpenoid.lab.robot import LabRobot
+from serpenoid.model.drives import Servo, core_servo
+
+BODY, WHOLE = sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27)
+GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+SERVO = Servo(2.3, 0.06, 0.39, 7.0, 0.004, armature_kg_m2=2e-3, gear_friction_nm=0.014,
+              gear_damping_nms_rad=0.005, update_hz=50.0, supply_sag=0.04)  # fmt: skip
+STILL = [0.3, -0.2, 0.1, 0.4, -0.3]
+
+
+def chain(servo: Servo, friction: tuple[float, ...] = (0.0,) * 6) -> _core.DrivenChain:
+    rows = np.array([[*friction, 0.0, 1.0]] * 6)
+    made = _core.DrivenChain(0.0756, 0.076, BODY.inertia_kg_m2, rows, core_servo(servo))
+    made.place(0.0, STILL)
+    return made
+
+
+def swing(frames: int) -> np.ndarray:
+    """Setpoints that swing from where the chain stands."""
+    t = 0.02 * np.arange(frames)[:, None]
+    return np.array(STILL) + 0.8 * np.sin(6 * t + np.arange(5)) - 0.8 * np.sin(np.arange(5))
+
+
+def full_speed(servo: Servo, cycles: int, keep: int) -> float:
+    """Return the mean speed of the last cycles by the event-driven simulation."""
+    ground = sn.Ground.whole_body(6, WHOLE.ct, WHOLE.cn, WHOLE.ft0, WHOLE.fn0)
+    run = sn.simulate(sn.Scene(
+        BODY, ground, GAIT, drive="servo", servo=servo, method="nonsmooth", start="zero_momentum",
+        dt_s=GAIT.period_s / 100, duration_s=cycles * GAIT.period_s, record_every=100,
+        tolerance=1e-6,
+    ))  # fmt: skip
+    x, y = run.x_m.mean(1)[-1 - keep :], run.y_m.mean(1)[-1 - keep :]
+    return float(np.hypot(np.diff(x), np.diff(y)).mean()) / GAIT.period_s
+
+
+def test_without_friction_momentum_stays_and_servos_work_becomes_motion() -> None:
+    """Each halving of the step halves what is missing of the energy."""
+    frictionless = replace(SERVO, gear_friction_nm=0.0)
+    missing = []
+    for steps in (20, 40, 80):
+        robot = chain(frictionless)
+        rows = robot.drive(swing(37), steps)
+        assert np.abs(rows[:, :2]).max() < 2e-3 / steps  # the centre of mass stays
+        missing.append(abs(robot.work_j - robot.kinetic_j) / robot.kinetic_j)
+    assert missing[0] < 0.1
+    assert missing[2] < 0.35 * missing[0]
+
+
+def test_turning_inertia_is_conserved() -> None:
+    """No friction, no outer force: the angular momentum of links alone stays what it was, 0."""
+    found = []
+    for steps in (40, 80, 160):
+        rows = chain(SERVO).drive(swing(200), steps)
+        angles = rows[:, 2:]
+        half = BODY.link_length_m / 2
+        c, s = np.cos(angles), np.sin(angles)
+        x = half * (2 * np.cumsum(c, axis=1) - c)
+        y = half * (2 * np.cumsum(s, axis=1) - s)
+        x, y = x - x.mean(axis=1, keepdims=True), y - y.mean(axis=1, keepdims=True)
+        mid = [(v[1:] + v[:-1]) / 2 for v in (x, y)]
+        spin = BODY.link_mass_kg * (mid[0] * np.diff(y, axis=0) - mid[1] * np.diff(x, axis=0))
+        total = (spin + BODY.inertia_kg_m2 * np.diff(angles, axis=0)).sum(axis=1) / 0.02
+        alone = np.abs(spin).sum(axis=1).max() / 0.02
+        found.append(np.abs(total).mean() / alone)
+    assert found[-1] < 0.02
+
+
+@pytest.mark.parametrize(
+    ("servo", "within"),
+    [
+        (SERVO, 0.006),
+        (replace(SERVO, update_hz=0.0, supply_sag=0.2, gear_friction_nm=0.0), 0.006),
+        (Servo(), 0.035),  # no rotor: joints go and stop in 5 ms
+    ],
+    ids=["held", "sagging", "no rotor"],
+)
+def test_it_crawls_as_fast_as_the_event_driven_simulation(servo: Servo, within: float) -> None:
+    """Both share the servo's law alone: other unknowns, other steps, other contacts."""
+    lab = crawl_speed(LabRobot.whole(BODY, WHOLE, servo=servo), GAIT)
+    assert lab == pytest.approx(full_speed(servo, 8, 4), rel=within)
+
+
+def test_a_stiff_servo_on_quick_frames_is_a_robot_whose_joints_follow() -> None:
+    stiff = Servo(30.0, 0.6, 1e3, 1e3, 0.0, frame_s=2e-3, armature_kg_m2=1e-3)
+    ideal = crawl_speed(LabRobot.whole(BODY, WHOLE), GAIT)
+    driven = crawl_speed(LabRobot.whole(BODY, WHOLE, servo=stiff), GAIT)
+    assert driven == pytest.approx(ideal, rel=0.01)
+
+
+def test_a_held_rotor_lets_its_joint_swing_by_the_play_and_no_further() -> None:
+    """On a slope of 30 degrees the chain's links fall from tooth to tooth; the rotor stays."""
+    play = 0.04
+    loose = replace(SERVO, backlash_rad=play, gear_friction_nm=0.3, dead_band_rad=0.2)
+    robot = chain(loose)
+    robot.set_slope(0.0, 5.0)
+    pinned = np.array([[100.0, 100.0, 0.0, 0.0, 100.0, 0.0, 0.0, 1.0]] + [[0.0] * 7 + [1.0]] * 5)
+    robot = _core.DrivenChain(0.0756, 0.076, BODY.inertia_kg_m2, pinned, core_servo(loose))
+    robot.place(0.0, STILL)
+    robot.set_slope(0.0, 5.0)
+    rows = robot.drive(np.tile(STILL, (100, 1)), 40)
+    swung = np.diff(rows[-1, 2:]) - STILL
+    assert np.abs(swung) == pytest.approx(play / 2, rel=0.02)
+
+
+def test_a_lot_of_play_costs_amplitude_and_none_changes_nothing() -> None:
+    robot = LabRobot.whole(BODY, WHOLE, servo=SERVO)
+    tight = crawl_speed(robot, GAIT)
+    hair = crawl_speed(replace(robot, servo=replace(SERVO, backlash_rad=1e-6)), GAIT)
+    assert hair == pytest.approx(tight, rel=2e-3)
+    loose = crawl_speed(replace(robot, servo=replace(SERVO, backlash_rad=0.2)), GAIT)
+    assert loose < 0.97 * tight
+
+
+def test_wheels_that_hold_at_rest_are_no_slower_and_the_floor_may_slope() -> None:
+    robot = LabRobot.whole(BODY, WHOLE, servo=SERVO)
+    level = crawl_speed(robot, GAIT)
+    assert crawl_speed(replace(robot, breakaway=1.3), GAIT) > 0.98 * level
+    up = crawl_speed(robot, GAIT, slope_rad=math.radians(0.5))
+    assert up < 0.97 * level
+
+
+def test_a_robot_without_servo_is_not_driven_and_the_joints_are_seen() -> None:
+    with pytest.raises(sn.BadInput, match="no servo"):
+        LabRobot.whole(BODY, WHOLE).driven_chain()
+    told = Floor(LabRobot.whole(BODY, WHOLE, servo=SERVO))
+    track, joints = told.run_servos(np.tile(STILL, (5, 1)))
+    assert joints == pytest.approx(np.tile(STILL, (5, 1)), abs=1e-3)
+    assert track.t_s == pytest.approx(0.02 * np.arange(1, 6))
+
+
+def test_play_without_a_rotor_is_refused() -> None:
+    with pytest.raises(sn.BadInput, match="needs a rotor"):
+        Servo(backlash_rad=0.01)
+    with pytest.raises(sn.BadInput, match="simulate has no play"):
+        sn.Scene(BODY, WHOLE, GAIT, drive="servo", servo=replace(SERVO, backlash_rad=0.01))
