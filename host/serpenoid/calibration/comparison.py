@@ -20,7 +20,8 @@ from .friction_result import FrictionFit, band
 from .kinds.gait import GaitRun
 from .session import Session
 from .speed_samples import AMPLITUDE_SIGMA, Progress, SpeedSamples, sample_speeds, speed
-from .verdict import Judge, Measured, in_words, of_gaits
+from .verdict import Judge, Measured, of_gaits
+from .verdict_words import in_words
 
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 SAME_RATE = 1e-3  # rates closer than this, relative, are repeats of one gait

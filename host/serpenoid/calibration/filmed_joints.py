@@ -18,7 +18,8 @@ def joints_seen(drawn: SpeedSamples, session: Session) -> SpeedSamples:
     """Return the samples; the amplitude of gaits that a film showed is no longer in doubt."""
     filmed = {film.gait for film in session.kept_films}
     seen = np.array([gait in filmed for gait in drawn.gaits])
-    return replace(drawn, both_m_s=np.where(seen, drawn.friction_m_s, drawn.both_m_s))
+    joints = np.where(seen, drawn.friction_m_s, drawn.joints_m_s)
+    return replace(drawn, joints_m_s=joints, both_m_s=joints * drawn.shares)
 
 
 def seen_on_film(

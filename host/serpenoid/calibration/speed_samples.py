@@ -79,14 +79,21 @@ def scaled(gait: Gait, amplitude: float) -> Gait:
 class SpeedSamples:
     """Speeds of some gaits, (samples, gaits), the same draw in each row.
 
-    friction_m_s: over the fit's frictions, joints as commanded. both_m_s: with each draw's own
-    amplitude and servo besides. whole: (samples, 4), the frictions, whole snake.
+    friction_m_s: over the fit's frictions, joints as commanded. joints_m_s: with each draw's own
+    amplitude besides. both_m_s: with its own servo, too. whole: (samples, 4), the frictions, whole
+    snake.
     """
 
     gaits: tuple[Gait, ...]
     whole: Array
     friction_m_s: Array
+    joints_m_s: Array
     both_m_s: Array
+
+    @property
+    def shares(self) -> Array:
+        """Return what each draw's servo leaves of its speeds, (samples, gaits)."""
+        return self.both_m_s / np.maximum(self.joints_m_s, 1e-9)
 
 
 def sample_speeds(
@@ -107,24 +114,29 @@ def sample_speeds(
     """
     whole, grounds = fit.sample_whole(count, seed), fit.sample(count, seed)
     drawn = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
-    servos = [None] * count if servo is None else servo.draws(count, seed)
+    servos = [] if servo is None else servo.draws(count, seed)
     amplitudes = 1.0 + amplitude_sigma * _normal_quantile(drawn)
 
-    def of(gait: Gait) -> tuple[list[float], list[float]]:
+    def of(gait: Gait) -> tuple[list[float], list[float], list[float]]:
         alone = [speed(fit.robot, g, gait) for g in grounds]
         if not amplitude_sigma and servo is None:
-            return alone, alone
-        draws = zip(grounds, amplitudes.tolist(), servos, strict=True)
-        return alone, [speed(fit.robot, g, scaled(gait, a), s) for g, a, s in draws]
+            return alone, alone, alone
+        pairs = [(g, scaled(gait, a)) for g, a in zip(grounds, amplitudes.tolist(), strict=True)]
+        if servo is None:
+            joints = [speed(fit.robot, g, made) for g, made in pairs]
+            return alone, joints, joints
+        ideal = [steady_gait(fit.robot, g, m, rtol=1e-3, powers=False) for g, m in pairs]
+        moved = [servo_speed(*pair) for pair in zip(ideal, servos, strict=True)]
+        return alone, [state.speed_m_s for state in ideal], moved
 
     found = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for pair in pool.map(of, gaits):
-            found.append(pair)
+        for speeds in pool.map(of, gaits):
+            found.append(speeds)
             if progress is not None:
                 progress(1)
-    alone, both = (np.array(part, dtype=float).T for part in zip(*found, strict=True))
-    return SpeedSamples(tuple(gaits), whole, alone, both)
+    parts = (np.array(part, dtype=float).T for part in zip(*found, strict=True))
+    return SpeedSamples(tuple(gaits), whole, *parts)
 
 
 def _normal_quantile(share: Array) -> Array:
