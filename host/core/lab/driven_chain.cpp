@@ -8,7 +8,7 @@ namespace serpenoid {
 
 namespace {
 
-constexpr double kHeld = 1e-5;  // m/s: a wheel that held has less
+constexpr double kHeld = 1e-5;      // m/s: a wheel that held has less
 constexpr double kLeftOver = 1e-9;  // of an impulse times its speed, square root of J
 constexpr int kMostSweeps = 3000;
 constexpr double kEndless = 1e30;
@@ -121,7 +121,8 @@ bool DrivenChain::frame(const std::vector<double>& setpoints, int steps) {
     goal_ = setpoints;
     const double h = servo_.frame / steps;
     for (int k = 0; k < steps; ++k) {
-        if (servo_.update_hz == 0 || since_update_ * servo_.update_hz >= 1 - 0.5 * h * servo_.update_hz) {
+        if (servo_.update_hz == 0 ||
+            since_update_ * servo_.update_hz >= 1 - 0.5 * h * servo_.update_hz) {
             control();
             since_update_ = since_update_ < kEndless && servo_.update_hz > 0
                                 ? since_update_ - 1 / servo_.update_hz

@@ -67,9 +67,9 @@ class DrivenChain {
     Slope slope_;
     double x_ = 0, y_ = 0;  // of link 1's centre
     std::vector<double> theta_, gap_, u_;
-    std::vector<double> along_x_, along_y_;         // rows of every link's velocity, n x size
-    std::vector<double> vx_, vy_;                   // of every link, one step ago
-    std::vector<double> goal_, duty_, torque_;      // of the joints; torque_ without the gear's
+    std::vector<double> along_x_, along_y_;     // rows of every link's velocity, n x size
+    std::vector<double> vx_, vy_;               // of every link, one step ago
+    std::vector<double> goal_, duty_, torque_;  // of the joints; torque_ without the gear's
     std::vector<double> mass_, right_, reach_, gram_, speed_;
     std::vector<Contact> contact_;
     double since_update_ = 0, work_ = 0;
