@@ -37,6 +37,7 @@ _APART = 0.1  # e-folds of shape: two ends closer than this are one valley
 _CLOSER = 4.0  # refinement factor for the best valley on dry ground
 _WIDTHS = (0.25, 0.08, 0.025, 0.008)  # e-folds either way, of its tables of shapes
 _SMALL_VALLEYS = 3  # followed of each table
+_ROUNDING = 1e-9  # body lengths x rate: a slower gait travels by rounding errors alone
 _DRY_GAP = 2e-3  # e-folds: small dry valleys were found so far apart, so no optimum is known better
 
 
@@ -175,7 +176,7 @@ class Finder:
         v, alpha, beta, rate = self.cloud.fastest()
         within = f"within the limits ({self.limits.in_words()})"
         gait = f"alpha {math.degrees(alpha):.3g} deg, beta {math.degrees(beta):.3g} deg"
-        if not v > 0:
+        if not v > _ROUNDING * self.robot.body_length_m * rate:
             return NotConverged(
                 f"no gait travels at all {within}: ask for wider limits; three links and friction "
                 "that is greater across them than along them are needed, too"

@@ -224,7 +224,10 @@ def test_options_that_would_do_nothing_or_make_no_sense(words: list[str], told: 
 
 def test_a_speed_that_no_servo_makes_is_warned_of() -> None:
     viscous = ["--ft0", "0", "--fn0", "0"]
-    assert "no hobby servo does" in run("optimize", "--speed", "10", *viscous).stderr
+    lifted = [*viscous, "--servo-speed-deg-s", "inf"]
+    assert "no hobby servo does" in run("optimize", "--speed", "10", *lifted).stderr
+    words = run("optimize", "--speed", "10", *viscous, code=1)  # a board refuses such a gait
+    assert "servo speed 500 deg/s" in str(words.exception)
     assert "no hobby servo" not in run("optimize", "--speed", "0.1", *viscous).stderr
 
 

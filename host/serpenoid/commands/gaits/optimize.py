@@ -45,7 +45,8 @@ _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
 limit_options = stacked([
     click.option("--joint-angle-deg", type=float, help="Most a joint may bend; 110 unless given."),
-    click.option("--servo-speed-deg-s", type=float, help="Most a servo turns."),
+    click.option("--servo-speed-deg-s", type=float,
+                 help="Most a servo turns; 500, a new board's limit, unless given; inf: no limit."),
     click.option("--servo-torque-nm", type=float, help="Most a servo holds."),
     click.option("--omega-low-rad-s", type=float, help="Lowest rate of the gait."),
     click.option("--omega-high-rad-s", type=float, help="Highest rate of the gait."),
@@ -228,13 +229,15 @@ class _Asked:
 
 
 def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
-    """Take the limits; a gait that is sent keeps to those of a new board unless told."""
+    """Take the limits, a new board's speed unless told, and if the gait is sent its angle."""
     from ...gaits.limits import GaitLimits
 
-    if send:
-        for name, most in (("joint_angle_deg", _BOARD_ANGLE_DEG),
-                           ("servo_speed_deg_s", _BOARD_SPEED_DEG_S)):  # fmt: skip
-            given[name] = most if given[name] is None else given[name]
+    if given["servo_speed_deg_s"] is None:
+        given["servo_speed_deg_s"] = _BOARD_SPEED_DEG_S
+    elif given["servo_speed_deg_s"] == math.inf:
+        given["servo_speed_deg_s"] = None
+    if send and given["joint_angle_deg"] is None:
+        given["joint_angle_deg"] = _BOARD_ANGLE_DEG
     taken = {
         "joint_angle_rad": given.pop("joint_angle_deg"),
         "servo_speed_rad_s": given.pop("servo_speed_deg_s"),
