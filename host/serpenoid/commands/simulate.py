@@ -140,6 +140,7 @@ def simulate(
     _check_that_all_apply(typed, scene, accuracy)
     if saved_path is not None:
         save_scene(scene, saved_path)
+        report.wrote(saved_path)
     run = _watched(scene, accuracy, keep)
     if out is not None:
         run_report.write_run(run, out)
@@ -147,6 +148,7 @@ def simulate(
         from ..show.run_figure import draw_run
 
         draw_run(run, figure)
+        report.wrote(figure)
     with report.busy("estimating the error"):
         summary = interruptible(lambda: run_report.run_summary(run, not no_error))
     if as_json:

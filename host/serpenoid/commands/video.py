@@ -191,18 +191,23 @@ def _commanded(given: dict[str, Any], recording: Path | None, links: int) -> Gai
 def _write(
     found: FilmMeasurement, track: Path | None, picture: Path | None, annotate: Path | None
 ) -> None:
+    from ..show.report import wrote
+
     if track is not None:
         from ..video.result import write_track
 
         write_track(found.measured, track)
+        wrote(track)
     if picture is not None:
         from ..show.video.film_figure import film_figure
 
         film_figure(found, picture)
+        wrote(picture)
     if annotate is not None:
         from ..video.annotate import annotate_film
 
         annotate_film(found, annotate)
+        wrote(annotate)
 
 
 def _record(found: FilmMeasurement, session: Path, name: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import webbrowser
 from pathlib import Path
@@ -31,11 +32,14 @@ _VIRTUAL_S = 8.0
 @click.command()
 @click.argument("what", metavar="SCENE|RECORDING|virtual")
 @robot_options
-@click.option("--out", type=OutFile(".html"), default=Path("view.html"), show_default=True,
-              help="Page to write; it needs no other file.")  # fmt: skip
+@click.option(
+    "--out",
+    type=OutFile(".html"),
+    help="Page to write; it needs no other file. view.html, or a free view-N.html.",
+)
 @click.option("--open", "open_it", is_flag=True, help="Open the page in the browser.")
 @AS_JSON
-def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> None:
+def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any) -> None:
     """Write a page in which the snake crawls: play, scrub, slow down; slip and sticking of wheels.
 
     WHAT is a scene file, a recording of `serpenoid drive --record`, or `virtual`: eight seconds of
@@ -49,6 +53,7 @@ def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> No
             f"{what!r} is no file; name a scene (.toml), a recording of `serpenoid drive "
             "--record`, or virtual"
         )
+    out = out or _free_name()
     if what.endswith(".toml"):
         gait, title, about, shown = _scene(Path(what), given)
     else:
@@ -60,6 +65,12 @@ def view(what: str, out: Path, open_it: bool, as_json: bool, **given: Any) -> No
         show_json({"page": str(out), "duration_s": shown["t_s"][-1], "gait": describe(gait)})
     else:
         say(f"wrote {out}; open it in a browser")
+
+
+def _free_name() -> Path:
+    """Return a name in this folder that no page has yet."""
+    names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))
+    return OutFile(".html").convert(next(n for n in names if not Path(n).exists()), None, None)
 
 
 def _gait_words(gait: Gait) -> str:

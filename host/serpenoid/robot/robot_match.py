@@ -19,8 +19,12 @@ class RobotMatch:
     def check(self, robot: RobotBoard) -> None:
         """Raise BadInput, before anything moves, if the board moves other links."""
         moved = robot.hello.joints + 1
-        if moved != self.links:
-            raise BadInput(
-                f"{self.what} is of a robot of {self.links} links, but this board moves {moved} "
-                f"links; {self.cure}"
-            )
+        if moved == self.links:
+            return
+        cure = self.cure
+        if robot.hello.board == "virtual":
+            cure += f"; or the virtual robot of that size: --port virtual:joints={self.links - 1}"
+        raise BadInput(
+            f"{self.what} is of a robot of {self.links} links, but this board moves {moved} "
+            f"links; {cure}"
+        )

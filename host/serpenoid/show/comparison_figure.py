@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..calibration.comparison import ComparedGait, Comparison
+from .figure_data import write_comparison
 from .plot import BLUE, GREY, HUGS, ORANGE, RED, figure, save
 
 if TYPE_CHECKING:
@@ -16,10 +17,11 @@ if TYPE_CHECKING:
 
 
 def comparison_figure(found: Comparison, path: Path) -> None:
-    """Draw a comparison into a file."""
+    """Draw a comparison into a file, its data beside."""
     with figure(7.2, 6.0) as (fig, _unused):
         draw_comparison(fig, found)
         save(fig, path)
+    write_comparison(found, path)
 
 
 def draw_comparison(fig: Figure, found: Comparison) -> None:

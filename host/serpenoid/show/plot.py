@@ -17,6 +17,7 @@ from ..calibration.session import Session
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..simulation.run import Run
+from .figure_data import line, write_friction
 from .whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -67,14 +68,9 @@ def save(fig: Figure, path: Path) -> None:
         fig.savefig(part)
 
 
-def _line(ax: Axes, fit: FrictionFit, slope: str, rest: str, most: float, colour: str) -> None:
+def _line(ax: Axes, fit: FrictionFit, slope: str, rest: str, speeds_m_s: Any, colour: str) -> None:
     """Draw F = slope v + rest and its 95 % band."""
-    order = list(fit.whole_snake)
-    picked = [order.index(slope), order.index(rest)]
-    cov = fit.covariance[np.ix_(picked, picked)]
-    v = np.linspace(0, most, 60)
-    force = fit.parameters[slope].value * v + fit.parameters[rest].value
-    sigma = np.sqrt(cov[0, 0] * v**2 + 2 * cov[0, 1] * v + cov[1, 1])
+    v, force, _, sigma = line(fit, slope, rest, speeds_m_s).T
     ax.fill_between(v, force - 1.96 * sigma, force + 1.96 * sigma, color=colour, alpha=0.16, lw=0)
     ax.plot(v, force, color=colour)
 
@@ -84,7 +80,7 @@ def _backwards(
 ) -> None:
     """Draw what was read facing up the belt, and its line."""
     (v, force), (dv, df) = points, errors
-    _line(ax, fit, "ct_back", "ft0_back", 1.08 * float(v.max()), ORANGE)
+    _line(ax, fit, "ct_back", "ft0_back", v, ORANGE)
     ax.errorbar(v, force, df, dv, fmt="s", color="black", mfc="white", ms=4, lw=0, elinewidth=1,
                 label="facing up: wheels roll backwards")  # fmt: skip
     law = (
@@ -95,10 +91,11 @@ def _backwards(
 
 
 def friction_lines(session: Session, fit: FrictionFit, path: Path, note: str = "") -> None:
-    """Draw the readings and the fitted lines of friction along and across the links into a file."""
+    """Draw readings and fitted lines of friction along and across the links, their data beside."""
     with figure(9.0, 4.2, 2) as (fig, axes):
         draw_friction(fig, axes, session, fit, note)
         save(fig, path)
+    write_friction(session, fit, path)
 
 
 def draw_friction(
@@ -113,7 +110,7 @@ def draw_friction(
     errors = point_errors(session)
     for ax, (part, title, axis, slope, rest, colour) in zip(axes, parts, strict=True):
         (v, force), (dv, df) = kept[part], errors[part]
-        _line(ax, fit, slope, rest, 1.08 * float(v.max()), colour)
+        _line(ax, fit, slope, rest, v, colour)
         ax.errorbar(v, force, df, dv, fmt="o", color="black", ms=4, lw=0, elinewidth=1,
                     label=f"readings, {session.setup.kind}, ± 1 sigma")  # fmt: skip
         if len(voided[part][0]):

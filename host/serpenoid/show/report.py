@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.progress import (
     BarColumn,
@@ -19,7 +18,6 @@ from rich.progress import (
 from rich.table import Table
 
 from .screen import screen
-from .whole_file import whole_file
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
@@ -57,11 +55,16 @@ def busy(what: str) -> Iterator[None]:
         yield
 
 
-def table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """Print a table; the first column is text, the others numbers."""
+def wrote(*paths: Path) -> None:
+    """Say on standard error which files were written."""
+    notices.print("wrote " + " and ".join(map(str, paths)))
+
+
+def table(title: str, columns: list[str], rows: list[list[str]], text_columns: int = 1) -> None:
+    """Print a table; the first columns are text, the others numbers. Nothing is cut off."""
     made = Table(title=title, title_justify="left", title_style="bold", header_style="")
     for i, column in enumerate(columns):
-        made.add_column(column, justify="left" if i == 0 else "right")
+        made.add_column(column, justify="left" if i < text_columns else "right", overflow="fold")
     for row in rows:
         made.add_row(*row)
     console.print(made)
@@ -155,11 +158,3 @@ def influence(found: FrictionFit) -> None:
     ]
     columns = ["reading", "off by", "leverage", "chi2 without", "ct", "cn", "ft0", "fn0"]
     table("without each reading, parameters would move by (in their sigmas)", columns, rows)
-
-
-def write_csv(path: Path, header: list[str], rows: list[list[Any]]) -> None:
-    """Write a heading and rows, numbers by their shortest exact digits."""
-    with whole_file(path) as part, part.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows(rows)

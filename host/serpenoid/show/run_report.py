@@ -10,7 +10,7 @@ import numpy as np
 
 from ..simulation.run import ENERGY_COLUMNS
 from ..simulation.scene_file import scene_values
-from .report import console, notices, table
+from .report import console, notices, table, wrote
 from .whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -118,4 +118,4 @@ def write_run(run: Run, path: Path) -> None:
     """Write a run as CSV and say so."""
     with whole_file(path) as part:
         run.to_csv(part)
-    notices.print(f"wrote {path}")
+    wrote(path)

@@ -136,6 +136,7 @@ def test_friction_of_a_robot_with_other_links_drives_nothing(folder):
     driven = run("drive", *GAIT, "--port", "virtual:fast", "--session", folder, check=False)
     assert driven.returncode == 2
     assert "a robot of 9 links, but this board moves 6 links" in driven.stderr
+    assert "--port virtual:joints=8" in driven.stderr
 
 
 def test_robust_takes_the_fits_friction_or_none(folder):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
-from serpenoid.show.report import write_csv
+from serpenoid.show.figure_data import write_csv
 from serpenoid.show.whole_file import whole_file
 
 WISH = ["sweep", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"]

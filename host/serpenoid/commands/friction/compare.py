@@ -51,6 +51,9 @@ def compare(
         )  # fmt: skip
     if figure is not None:
         from ...show.comparison_figure import comparison_figure
+        from ...show.figure_data import beside
+        from ...show.report import wrote
 
         comparison_figure(found, figure)
+        wrote(figure, beside(figure))
     show_json(found.to_dict()) if as_json else show_comparison(found)

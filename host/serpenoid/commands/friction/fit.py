@@ -43,9 +43,12 @@ def fit(
     with working(f"fitting {count} readings") if count > MANY else nullcontext():
         found = fit_friction(loaded, method=method)
     if figure is not None:
+        from ...show.figure_data import beside
         from ...show.plot import friction_lines
+        from ...show.report import wrote
 
         friction_lines(loaded, found, figure)
+        wrote(figure, beside(figure))
     if save and method != "naive":
         try:
             save_fit(found, session)

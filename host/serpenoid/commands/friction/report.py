@@ -15,8 +15,9 @@ from ..paths import OutFile
 @click.command()
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--out", type=OutFile(".html"), help="Where to; report.html in the session's folder.")
+@click.option("--bibtex", type=OutFile(".bib"), help="Write what to cite into this file, too.")
 @AS_JSON
-def report(session: Path, out: Path | None, as_json: bool) -> None:
+def report(session: Path, out: Path | None, bibtex: Path | None, as_json: bool) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again."""
     from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
@@ -37,5 +38,12 @@ def report(session: Path, out: Path | None, as_json: bool) -> None:
     page = session_page(loaded, fit, compared, advised, events_of(loaded))
     with whole_file(out) as part:
         part.write_text(page, encoding="utf-8")
+    if bibtex is not None:
+        from ...show.citation import entries
+        from ...show.report import wrote
+
+        with whole_file(bibtex) as part:
+            part.write_text(entries(), encoding="utf-8")
+        wrote(bibtex)
     verdict = None if compared is None else compared.verdict
     show_json({"report": str(out), "verdict": verdict}) if as_json else say(f"wrote {out}")

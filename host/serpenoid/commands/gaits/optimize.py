@@ -105,6 +105,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     found = interruptible(lambda: ask.find(wanted[0]))
     report_as = _robust_dict if ask.robust else _plain_dict
     from ...gaits.margins import gait_margins
+    from ...show import report
 
     margins = interruptible(lambda: gait_margins(ask.robot, ask.ground, found.gait))
     if plot is not None:
@@ -113,8 +114,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
         interruptible(
             lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
         )
-    from ...show import report
-
+        report.wrote(plot, plot.with_suffix(".csv"))
     moved = beside_servo(found.steady, servo)
     told = report_as(found) | {"margins": margins.to_dict()}
     told |= {"servo": moved.to_dict()} if moved else {}

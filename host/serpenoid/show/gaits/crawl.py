@@ -20,9 +20,9 @@ from ...model.robot import Robot
 from ...simulation.run import Run
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
+from ..figure_data import beside, write_csv
 from ..plot import BLUE, GREY, RED, along_travel, figure, robot_words
-from ..report import write_csv
-from .gait_figures import beside, gait_words
+from .gait_figures import gait_words
 
 Array = NDArray[np.float64]
 FRAMES = 48

@@ -17,18 +17,13 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...periodic.sweep import Sweep
+from ..figure_data import beside, write_csv
 from ..plot import BLUE, GREY, ORANGE, figure, robot_words, save
-from ..report import write_csv
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
-
-
-def beside(path: Path) -> Path:
-    """Return the name of the data file beside a picture."""
-    return path.with_suffix(".csv")
 
 
 def gait_words(gait: Gait) -> str:

@@ -11,9 +11,8 @@ import numpy as np
 
 from ...calibration.friction_fit import friction_points, point_errors
 from ...periodic.sweep import Sweep
+from ..figure_data import beside, write_csv
 from ..plot import BLUE, GREY, RED, along_travel, figure, save
-from ..report import write_csv
-from .gait_figures import beside
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit

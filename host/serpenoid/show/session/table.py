@@ -21,8 +21,11 @@ def rows(session: Session) -> list[list[str]]:
 
 def show(session: Session, parts: list[tuple[str, str]]) -> None:
     """Print what was read, then how far each part of the plan is."""
-    columns = ["reading", "what", "values", "", "comment"]
-    report.table(session.setup.name, columns, rows(session))
+    columns = ["reading", "what", "values", "state", "comment"]
+    told = rows(session)
+    shown = [k for k, name in enumerate(columns) if name != "state" or any(row[k] for row in told)]
+    cells = [[row[k] for k in shown] for row in told]
+    report.table(session.setup.name, [columns[k] for k in shown], cells, len(shown))
     for name, state in parts:
         report.console.print(f"{name:14} {state}", highlight=False)
     for note in session.notes:

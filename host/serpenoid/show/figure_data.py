@@ -1,0 +1,79 @@
+"""The numbers of a figure as CSV beside it, so that anybody can draw it anew."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..calibration.friction_fit import friction_points, point_errors, voided_points
+from .whole_file import whole_file
+
+if TYPE_CHECKING:
+    from ..calibration.comparison import Comparison
+    from ..calibration.friction_result import FrictionFit
+    from ..calibration.session import Session
+
+
+def beside(path: Path) -> Path:
+    """Return the name of the data file beside a picture."""
+    return path.with_suffix(".csv")
+
+
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Write a heading and rows, numbers by their shortest exact digits."""
+    with whole_file(path) as part, part.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def write_friction(session: Session, fit: FrictionFit, path: Path) -> None:
+    """Write what `friction_lines` draws: readings with their sigmas, voided ones, and the lines.
+
+    speed_m_s and force_n are the whole snake's, along the links (straight, back) or across (bent).
+    """
+    kept, sigmas = friction_points(session, fit), point_errors(session)
+    rows: list[list[Any]] = []
+    for part, (v, force) in kept.items():
+        columns = np.column_stack([v, force, *sigmas[part]])
+        rows += [[part, "reading", *row] for row in columns.tolist()]
+    for part, points in voided_points(session, fit).items():
+        rows += [[part, "voided", *row, "", ""] for row in np.column_stack(points).tolist()]
+    for part, slope, rest in (
+        ("straight", "ct", "ft0"), ("back", "ct_back", "ft0_back"), ("bent", "cn", "fn0"),
+    ):  # fmt: skip
+        if len(kept[part][0]):
+            rows += [[part, "line", *row] for row in line(fit, slope, rest, kept[part][0]).tolist()]
+    header = ["part", "kind", "speed_m_s", "force_n", "sigma_speed_m_s", "sigma_force_n"]
+    write_csv(beside(path), header, rows)
+
+
+def line(fit: FrictionFit, slope: str, rest: str, speeds_m_s: np.ndarray) -> np.ndarray:
+    """Return F = slope v + rest from rest to beyond the speeds: rows of v, F, 0, sigma of F."""
+    order = list(fit.whole_snake)
+    picked = [order.index(slope), order.index(rest)]
+    cov = fit.covariance[np.ix_(picked, picked)]
+    v = np.linspace(0, 1.08 * float(speeds_m_s.max()), 60)
+    force = fit.parameters[slope].value * v + fit.parameters[rest].value
+    sigma = np.sqrt(cov[0, 0] * v**2 + 2 * cov[0, 1] * v + cov[1, 1])
+    return np.column_stack([v, force, np.zeros_like(v), sigma])
+
+
+def write_comparison(found: Comparison, path: Path) -> None:
+    """Write what `comparison_figure` draws: the curve, and the gaits with what was measured."""
+    rows = [
+        {"kind": kind} | asdict(point)
+        for kind, points in (("curve", found.curve), ("gait", found.gaits))
+        for point in points
+    ]
+    cells = [[_cell(value) for value in row.values()] for row in rows]
+    write_csv(beside(path), list(rows[0]), cells)
+
+
+def _cell(value: Any) -> Any:
+    return " ".join(map(str, value)) if isinstance(value, tuple) else value

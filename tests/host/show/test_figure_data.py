@@ -1,0 +1,87 @@
+"""Data beside a figure, tables that lose nothing, names that destroy nothing, and what to cite."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import pytest
+import serpenoid as sn
+from click.testing import CliRunner
+from serpenoid.commands.main import cli
+from serpenoid.show import citation, report
+from serpenoid.show.screen import screen
+
+ROOT = Path(__file__).parents[3]
+FOLDER_2005 = ROOT / "calibration_data" / "nirakh-2005"
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_fits_picture_has_its_points_and_lines_beside(tmp_path: Path) -> None:
+    picture = tmp_path / "fit.pdf"
+    done = CliRunner().invoke(cli, ["fit", str(FOLDER_2005), "--plot", str(picture), "--no-save"])
+    assert done.exit_code == 0
+    assert f"wrote {picture} and {tmp_path / 'fit.csv'}" in " ".join(done.stderr.split())
+    assert picture.read_bytes().startswith(b"%PDF")
+    rows = rows_of(tmp_path / "fit.csv")
+    readings = [row for row in rows if row["kind"] == "reading"]
+    assert [row["part"] for row in readings] == 5 * ["straight"] + 6 * ["bent"]
+    fit = sn.fit_friction(sn.load_session(FOLDER_2005))
+    for row in rows:  # the readings of 2005 are made from the lines themselves
+        axis = "t" if row["part"] == "straight" else "n"
+        law = fit.parameters[f"c{axis}"].value * float(row["speed_m_s"])
+        law += fit.parameters[f"f{axis}0"].value
+        assert float(row["force_n"]) == pytest.approx(law, rel=1e-3)
+
+
+def test_a_comparisons_picture_has_its_numbers_beside(tmp_path: Path) -> None:
+    picture = tmp_path / "speeds.svg"
+    asked = ["compare", str(FOLDER_2005), "--gait", "40", "75", "2", "--samples", "20",
+             "--plot", str(picture)]  # fmt: skip
+    done = CliRunner().invoke(cli, asked)
+    assert done.exit_code == 0, done.output
+    rows = rows_of(tmp_path / "speeds.csv")
+    assert {row["kind"] for row in rows} == {"curve", "gait"}
+    assert all(float(r["low_m_s"]) <= float(r["exact_m_s"]) * (1 + 1e-9) for r in rows)
+
+
+@pytest.mark.parametrize("width", [30, 40, 80])
+def test_a_narrow_table_keeps_every_letter(width, monkeypatch) -> None:
+    shown = io.StringIO()
+    monkeypatch.setattr(report, "console", screen(width=width, file=shown))
+    cell = "Donaudampfschifffahrtsgesellschaft"
+    report.table("title", ["reading", "comment"], [["1", cell], ["2", "1234567890.123456789"]])
+    letters = "".join(c for c in shown.getvalue() if c.isalnum() or c == ".")
+    for column in (cell, "1234567890.123456789"):
+        assert column in letters
+    assert "…" not in shown.getvalue()
+
+
+def test_a_page_that_is_there_stays_unless_it_is_named(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("view.html").write_text("mine")
+    for name in ("view-2.html", "view-3.html"):
+        done = CliRunner().invoke(cli, ["view", "virtual"])
+        assert f"wrote {name}" in done.output
+    assert Path("view.html").read_text() == "mine"
+
+
+def test_what_to_cite_is_that_of_the_citation_file(tmp_path: Path) -> None:
+    words = (ROOT / "CITATION.cff").read_text()
+    entries = citation.entries()
+    assert f"name: {citation.AUTHORS.strip('{}')}\n" in words
+    assert f'title: "{citation.TITLE}"' in words
+    for text in ("An Implicit Model for Snake Robot Locomotion and Gait Optimization",
+                 "IMECE2005-82742", "Nirakh", "Brennan", "Gandhi", "2005"):  # fmt: skip
+        assert text in words
+        assert text in entries
+    assert entries.count("{") == entries.count("}")
+    file = tmp_path / "cite.bib"
+    asked = ["report", str(FOLDER_2005), "--out", str(tmp_path / "r.html"), "--bibtex", str(file)]
+    assert CliRunner().invoke(cli, asked).exit_code == 0
+    assert file.read_text() == entries
