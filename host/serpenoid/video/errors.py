@@ -20,10 +20,16 @@ Array = NDArray[np.float64]
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 3e-4, np.radians(0.02), np.radians(0.005)
 
 
-def number_sigmas(bundle: Bundle, track: Track, fitted: Fitted) -> Array:
-    """Return the standard deviations of `Motion.numbers`, in their order."""
-    pixels = _of_pixels(track.t_s, fitted)
-    camera = _of_camera(bundle, track, fitted)
+def number_sigmas(
+    bundle: Bundle, t_s: Array, fitted: Fitted, some: Track, picked: NDArray[np.int64]
+) -> Array:
+    """Return the standard deviations of `Motion.numbers`, in their order.
+
+    t_s: times of all frames. some: the track in the frames `picked`, with how it follows the
+    camera's unknowns.
+    """
+    pixels = _of_pixels(t_s, fitted)
+    camera = _of_camera(bundle, some, fitted, picked)
     floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
     floor[0], floor[-1] = 0.0, FLOOR_TURN_RAD_S
     floor[-2] = FLOOR_SPEED * fitted.motion.speed_m_s
@@ -81,24 +87,21 @@ def _of_path(t: Array, fitted: Fitted) -> tuple[float, float, float]:
     return float(sigmas[0]), float(sigmas[1]), float(turn)
 
 
-def _of_camera(bundle: Bundle, track: Track, fitted: Fitted) -> Array:
+def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: NDArray[np.int64]) -> Array:
     """Return what the camera's covariance leaves open."""
     assert track.by_shared is not None
     sigma = np.sqrt(np.diag(bundle.covariance))
     t = track.t_s - track.t_s.mean()
-    here = fitted.motion.numbers()
+
+    def numbers(states: Array) -> Array:
+        phi = np.unwrap(joint_angles(states), axis=0)
+        weights = fitted.weight[picked], fitted.path_weight[picked]
+        return fit_from(t, states, phi, *weights, fitted.motion.omega_rad_s).motion.numbers()
+
+    here = numbers(track.states)
     by = np.zeros((len(here), len(sigma)))
     for k, size in enumerate(sigma):
-        states = track.states + 0.3 * size * track.by_shared[..., k]
-        moved = fit_from(
-            t,
-            states,
-            np.unwrap(joint_angles(states), axis=0),
-            fitted.weight,
-            fitted.path_weight,
-            fitted.motion.omega_rad_s,
-        )
-        change = moved.motion.numbers() - here
+        change = numbers(track.states + 0.3 * size * track.by_shared[..., k]) - here
         change[1:-2] = (change[1:-2] + np.pi) % (2 * np.pi) - np.pi
         by[:, k] = change / (0.3 * size)
     return np.sqrt(np.einsum("ik,kl,il->i", by, bundle.covariance, by))

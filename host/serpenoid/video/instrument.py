@@ -16,6 +16,7 @@ from .fitting.chain import joint_angles
 from .seeing.sightings import Sightings
 
 Array = NDArray[np.float64]
+Frames = NDArray[np.int64]
 CALIBRATION_FRAMES = 120
 ROUGH_FRAMES, ROUGH_STEPS = 30, 15  # for the choice between starts
 EXPECTED_SIGMA_RAD = np.radians(15.0)  # of a link that no tag holds, from its neighbours in time
@@ -85,8 +86,9 @@ def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measur
         loose = np.full(len(expected), unseen.KNOWN_RAD)
         track = frames.fit_states(fit.camera, seen, expected, loose, fit.noise_px)
         fitted = _motion_of(track, assumed)
-    some = _sensitive(fit, seen, track, loose)
-    sigmas = errors.number_sigmas(fit, some, _motion_of(some, assumed))
+    some = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
+    sensitive = _sensitive(fit, seen, track, loose, some)
+    sigmas = errors.number_sigmas(fit, track.t_s, fitted, sensitive, some)
     return Measured(fit, track, fitted, sigmas, _weights(track)[0] > 0, assumed)
 
 
@@ -124,9 +126,9 @@ def _by_the_gait(
 
 
 def _sensitive(
-    fit: bundles.Bundle, seen: Sightings, track: frames.Track, loose: Array
+    fit: bundles.Bundle, seen: Sightings, track: frames.Track, loose: Array, some: Frames
 ) -> frames.Track:
-    some = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
+    """Return the track of some frames, with how it follows the camera's unknowns."""
     return frames.fit_states(
         fit.camera, seen.picked(some), track.states[some], loose[some], fit.noise_px, sensitive=True
     )

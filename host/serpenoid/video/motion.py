@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 HARMONICS = 3
 LEAST_PERIODS = 1.5
+SEARCHED_FRAMES = 600  # a longer film has many periods, and a clear peak in its spectrum
 # Weight (of one frame: 1) that holds overtones at 0 where part of a cycle is never seen.
 OVERTONES_HELD = 2.5e-3
 
@@ -78,16 +79,33 @@ def basis(t_s: Array, omega: float, harmonics: int = HARMONICS) -> Array:
 
 
 def first_rate(t_s: Array, phi: Array, weight: Array) -> float:
-    """Return the rate at which one sine explains most of the joints, rad/s; 0 for none."""
-    span = t_s[-1] - t_s[0]
+    """Return the rate at which one sine explains most of the joints, rad/s; 0 for none.
+
+    A short film is tried at all rates, a long one only near the peak of its spectrum.
+    """
     step = float(np.median(np.diff(t_s)))
-    rates = np.arange(0.6, 0.45 * span / step, 0.1) * 2 * np.pi / span
-    best, best_rate = -1.0, 0.0
-    for rate in rates:
-        explained = _explained(t_s, phi, weight, rate)
-        if explained > best:
-            best, best_rate = explained, float(rate)
-    return best_rate
+    unit = 2 * np.pi / (t_s[-1] - t_s[0])
+    low, high = 0.6 * unit, 0.9 * np.pi / step
+    if len(t_s) > SEARCHED_FRAMES:
+        peak = _spectrum_peak(t_s, phi, weight, step)
+        low, high = max(low, peak - 1.5 * unit), min(high, peak + 1.5 * unit)
+    rates = np.arange(low, high, 0.1 * unit)
+    explained = [_explained(t_s, phi, weight, rate) for rate in rates]
+    return float(rates[int(np.argmax(explained))]) if len(rates) else 0.0
+
+
+def _spectrum_peak(t_s: Array, phi: Array, weight: Array, step_s: float) -> float:
+    """Return the rate, rad/s, of the joints' largest sum of powers; gaps count for nothing."""
+    even = np.arange(t_s[0], t_s[-1], step_s)
+    power = np.zeros(len(even) // 2 + 1)
+    for i in range(phi.shape[1]):
+        there = weight[:, i] > 0
+        if there.sum() < 2:
+            continue
+        seen = np.interp(even, t_s, there.astype(float)) > 0.5
+        values = np.interp(even, t_s[there], phi[there, i])
+        power += np.abs(np.fft.rfft(np.where(seen, values - values[seen].mean(), 0.0))) ** 2
+    return 2 * np.pi * float(power.argmax()) / (len(even) * step_s)
 
 
 def _explained(t_s: Array, phi: Array, weight: Array, rate: float) -> float:

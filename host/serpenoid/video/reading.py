@@ -13,8 +13,6 @@ from .measure_film import FilmMeasurement
 from .result import track_rows
 from .wiring import measured_gait
 
-PATH_COLUMNS = 4  # of a track: time, place, heading
-
 
 def film_cells(found: FilmMeasurement) -> tuple[dict[str, Any], NDArray[np.float64]]:
     """Return the cells of a `video` reading, and the samples of its track.
@@ -41,4 +39,4 @@ def film_cells(found: FilmMeasurement) -> tuple[dict[str, Any], NDArray[np.float
         "film_sha256": run.film["sha256"],
     }
     _, rows = track_rows(found.measured)
-    return cells, rows[:, :PATH_COLUMNS]
+    return cells, rows

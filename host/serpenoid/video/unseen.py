@@ -23,9 +23,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 KNOWN_RAD = np.radians(2.0)  # how well a gait says where a link points
 AMPLITUDES = np.radians([20.0, 40.0, 60.0])  # from which the fit starts
 LAGS = np.radians(np.arange(-150, 180, 30))
-STARTS = [
-    (a, b) for a in np.radians([20.0, 40.0, 60.0]) for b in np.radians(np.arange(-150, 180, 30))
-]
+FITTED_FRAMES = 600  # at most, spread over the film
 
 
 def expected_headings(states: Array, seen: NDArray[np.bool_], phi: Array) -> Array:
@@ -81,7 +79,8 @@ def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array
     gone = centres[both, last] - centres[both, first]
     gone = (gone[:, 0] + 1j * gone[:, 1]) * np.exp(-1j * theta[both, first]) / camera.link_m
     omega = first_rate(t[both], apart[:, None], np.ones((len(apart), 1)))
-    found = _fit(t[both], apart, gone, omega, last - first, least_squares)
+    few = slice(None, None, 1 + len(apart) // FITTED_FRAMES)
+    found = _fit(t[both][few], apart[few], gone[few], omega, last - first, least_squares)
     joints = np.arange(sightings.links - 1) - first
     a, lag, phase, offset, omega = found
     return offset + a * np.sin(omega * t[:, None] + phase + lag * joints)

@@ -24,7 +24,11 @@ CELLS = {
     "speed_m_s": 0.05, "speed_sigma_m_s": 2e-5, "gain_sigma": 0.001,
     "gains": "0.93,0.94,0.92,0.93,0.93", "shifts_deg": "0,1,-1,0.5,-0.5", "film_sha256": "ab" * 32,
 }  # fmt: skip
-PATH = [[0.0, 0, 0, 0], [0.1, 0.005, 0, 0.01], [0.2, 0.01, 0, 0.02]]
+PATH = [
+    [0.0, 0, 0, 0, 0.1, 0.2],
+    [0.1, 0.005, 0, 0.01, math.nan, 0.3],
+    [0.2, 0.01, 0, 0.02, 0.2, 0.3],
+]
 
 
 @pytest.fixture
@@ -42,7 +46,14 @@ def test_a_film_is_kept_with_its_joints_hash_and_track(folder) -> None:
     assert film.commanded.joint_gain == ()
     assert film.mean_gain == pytest.approx(0.93)
     assert film.film_sha256 == "ab" * 32
-    assert film.track.values == pytest.approx(np.array(PATH))
+    assert film.track.values == pytest.approx(np.array(PATH), nan_ok=True)
+    assert film.track.columns[3:] == ("heading_rad", "joint1_rad", "joint2_rad")
+
+
+@pytest.mark.parametrize("bad", [[math.nan, 0, 0, 0, 1], [0, 0, 0, 0, math.inf], [0, 0, 0]])
+def test_a_track_with_a_time_or_place_that_is_no_number_is_refused(folder, bad) -> None:
+    with Journal(folder) as journal, pytest.raises(sn.BadInput, match="a track"):
+        journal.add("video", CELLS, samples=[bad, bad])
 
 
 @pytest.mark.parametrize("change", [{"gains": "0.9,x"}, {"gains": "1,1"}, {"speed_m_s": -1.0}])

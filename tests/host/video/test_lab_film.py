@@ -63,6 +63,7 @@ def test_a_film_of_the_labs_robot_says_what_the_lab_knows(filmed) -> None:
     (reading,) = read_session(folder).of("video")
     made = world.amplitude_rad / GAIT.alpha_rad
     assert reading.gait.joint_gain == pytest.approx(made, abs=0.006)
+    assert reading.track.columns[-1] == "joint5_rad"
     assert reading.commanded.alpha_rad == pytest.approx(GAIT.alpha_rad, abs=math.radians(0.1))
 
 

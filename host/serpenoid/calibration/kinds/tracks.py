@@ -17,6 +17,7 @@ from ...model.errors import BadInput, RecordingFailed
 from ...model.files import read_text
 
 FOLDER = "tracks"
+STAR = "*"  # in the last column's name: any number of such columns
 Samples = Sequence[Sequence[float]] | NDArray[np.float64]
 
 
@@ -34,18 +35,23 @@ class Track:
 
     @classmethod
     def of(cls, columns: tuple[str, ...], values: Samples) -> Track:
-        """Return a track of these samples; raises BadInput unless they are finite numbers."""
+        """Return a track of these samples; raises BadInput unless they are finite numbers.
+
+        A last column with a star stands for any number of them; there NaN says "not seen".
+        """
         found = np.array(values, dtype=np.float64)
-        if found.ndim != 2 or found.shape[1] != len(columns) or len(found) < 2:
+        names = _named(columns, found.shape[-1] if found.ndim else 0)
+        if found.ndim != 2 or found.shape[1] != len(names) or len(found) < 2:
             raise BadInput(
                 f"a track of {found.shape} is none; it must be (samples, {len(columns)}) for "
                 f"{', '.join(columns)}, with two samples at least"
             )
-        if not np.isfinite(found).all():
+        whole = len(columns) - columns[-1].count(STAR)
+        if np.isinf(found).any() or np.isnan(found[:, :whole]).any():
             raise BadInput("a track has a sample that is no finite number; leave that sample out")
-        text = _text(columns, found)
+        text = _text(names, found)
         found.flags.writeable = False
-        return cls(columns, found, hashlib.sha256(text.encode()).hexdigest())
+        return cls(names, found, hashlib.sha256(text.encode()).hexdigest())
 
     def write(self, folder: Path, number: int) -> str:
         """Put the file of a reading's track onto the disk; return its name in the folder."""
@@ -80,9 +86,17 @@ def read_track(path: Path, columns: tuple[str, ...], sha256: str) -> Track:
             f"{path}: the track was changed since it was taken; restore the file from a backup"
         )
     rows = list(csv.reader(io.StringIO(text, newline="")))
-    if tuple(rows[0]) != columns:
+    if tuple(rows[0]) != _named(columns, len(rows[0])):
         raise BadInput(f"{path}:1: the columns are {', '.join(rows[0])}, not {', '.join(columns)}")
     return Track.of(columns, [[float(cell) for cell in row] for row in rows[1:]])
+
+
+def _named(columns: tuple[str, ...], count: int) -> tuple[str, ...]:
+    """Return the names of so many columns: 1, 2, ... for the star in the last one."""
+    if STAR not in columns[-1]:
+        return columns
+    numbers = range(1, count - len(columns) + 2)
+    return (*columns[:-1], *(columns[-1].replace(STAR, str(k)) for k in numbers))
 
 
 def _text(columns: tuple[str, ...], values: NDArray[np.float64]) -> str:

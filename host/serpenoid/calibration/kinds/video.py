@@ -27,7 +27,7 @@ FIELDS = (
     Word("shifts_deg", source=DERIVED),
     Word("film_sha256", source=DERIVED),
 )  # fmt: skip
-TRACK = ("t_s", "x_m", "y_m", "heading_rad")
+TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 
 
 @dataclass(frozen=True, slots=True)

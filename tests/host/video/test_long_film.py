@@ -1,0 +1,68 @@
+"""A film of many minutes: the same numbers, better known, and memory that stays small."""
+
+from __future__ import annotations
+
+import math
+import tracemalloc
+
+import numpy as np
+import pytest
+from serpenoid.video.fitting.start import first_cameras
+from serpenoid.video.instrument import Measured, measure
+from serpenoid.video.seeing.sightings import Sightings
+from video.filming import Lens
+from video.worlds import LINK_M, SIDE_M, World, crawling
+
+SQUARE = 0.5 * SIDE_M * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
+NOISE_PX = 0.15
+
+
+def sighted(world: World, t_s: np.ndarray, lens: Lens) -> Sightings:
+    """Return where a pinhole sees the tags' corners, with noise."""
+    eye, rays = np.array(lens.eye_m), lens.rays()[1]
+    middle = rays[lens.height // 2, lens.width // 2]
+    right = rays[0, -1] - rays[0, 0]
+    right, ahead = right / np.linalg.norm(right), middle / np.linalg.norm(middle)
+    ahead -= right * (ahead @ right)
+    ahead /= np.linalg.norm(ahead)
+    down = np.cross(ahead, right)
+    poses = [world.pose(t) for t in t_s]
+    centre, theta = np.array([p[0] for p in poses]), np.array([p[1] for p in poses])
+    cos, sin = np.cos(theta)[..., None], np.sin(theta)[..., None]
+    x = centre[..., :1] + cos * SQUARE[:, 0] - sin * SQUARE[:, 1]
+    y = centre[..., 1:] + sin * SQUARE[:, 0] + cos * SQUARE[:, 1]
+    point = np.stack([x, y, np.full_like(x, 0.045)], axis=-1) - eye
+    seen = np.stack([point @ right, point @ down], axis=-1) / (point @ ahead)[..., None]
+    pixels = lens.focal_px * seen + 0.5 * np.array([lens.width - 1, lens.height - 1])
+    noise = np.random.default_rng(1).normal(size=pixels.shape)
+    return Sightings.of(t_s, pixels + NOISE_PX * noise, (lens.width, lens.height))
+
+
+def filmed(seconds: float) -> tuple[Measured, World]:
+    world = crawling(omega_rad_s=4.0, speed_m_s=0.2 / seconds, start_m=-0.1)
+    s = sighted(world, np.arange(0, seconds, 1 / 30), Lens())
+    return measure(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)), world
+
+
+@pytest.mark.parametrize("seconds", [25, pytest.param(1200, marks=pytest.mark.slow)])
+def test_a_long_film_is_measured_as_a_short_one(seconds) -> None:
+    found, world = filmed(seconds)
+    m, joints = found.fitted.motion, world.links - 1
+    assert m.omega_rad_s == pytest.approx(world.omega_rad_s, abs=5 * found.sigmas[0])
+    assert found.sigmas[0] < 1e-3 * world.omega_rad_s / seconds
+    assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=math.radians(0.1))
+    assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)
+    assert found.sigmas[1 : 1 + joints].max() < math.radians(0.1)
+
+
+@pytest.mark.slow
+def test_an_hours_frames_need_little_memory() -> None:
+    """What fits the numbers holds less than 4 kB a frame: half a gigabyte for an hour."""
+    world = crawling(speed_m_s=1e-3)
+    s = sighted(world, np.arange(0, 200, 1 / 30), Lens())
+    starts = first_cameras(s, LINK_M, SIDE_M)
+    tracemalloc.start()
+    measure(s, SIDE_M, starts)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 200e6 + 4000 * len(s.t_s)
