@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..calibration.advice import Advice, advise
 from ..calibration.comparison import Comparison, compare, gait_count
 from ..calibration.friction_fit import fit_friction
@@ -21,11 +23,13 @@ from ..calibration.taking.new_session import create_session, default_setup
 from ..calibration.taking.simulated import SimulatedTreadmill, Truth
 from ..calibration.taking.treadmill import take_all
 from ..gaits.least_power import least_power_gait
+from ..lab.crawl import crawl_speed
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot as Body
 from ..robot.robot import RobotBoard
+from ..servos.catalogue import servo
 from ..show import report
 from ..show.comparison_figure import comparison_figure
 from ..show.friction_report import show_advice, show_comparison
@@ -38,8 +42,11 @@ if TYPE_CHECKING:
     from ..calibration.session import Session
 
 NAME = "demo, simulated"
-TRUTH = Truth(Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27), math.radians(0.12), misreads=0.05)
-SEED = 2005
+SEED, SERVOS = 2005, servo("hobby")
+TRUTH = Truth(
+    Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27), math.radians(0.12), misreads=0.05,
+    servo=SERVOS.draws(1, SEED)[0],
+)  # fmt: skip
 
 
 def run_loop(out: Path, own: FrictionFit | None = None) -> dict[str, Any]:
@@ -72,7 +79,7 @@ def run_loop(out: Path, own: FrictionFit | None = None) -> dict[str, Any]:
     found |= {"comparison": compared.to_dict(), "advice": advised.to_dict()}
     wanted_m_s = float(f"{compared.gaits[1].exact_m_s:.1g}")
     say(f"[5/7] the cheapest gait for {wanted_m_s:g} m/s on this ground, sent to the virtual robot")
-    found["wanted"] = _drive_wanted(session, fit, wanted_m_s)
+    found["wanted"] = _drive_wanted(session, fit, wanted_m_s, truth)
     page = session_page(session, fit, compared, advised, events_of(session))
     (out / "report.html").write_text(page, encoding="utf-8")
     say(f"      all of it in one page: {out / 'report.html'}")
@@ -138,7 +145,7 @@ def _truth_table(fit: FrictionFit, ground: Ground) -> dict[str, float]:
 
 def _compare(session: Session, fit: FrictionFit, out: Path) -> Comparison:
     with progress(gait_count(session), "gaits") as advance:
-        found = compare(session, fit, progress=advance)
+        found = compare(session, fit, servo=SERVOS, progress=advance)
     show_comparison(found)
     comparison_figure(found, out)
     return found
@@ -151,17 +158,25 @@ def _advise(session: Session) -> Advice:
     return found
 
 
-def _drive_wanted(session: Session, fit: FrictionFit, speed_m_s: float) -> dict[str, float]:
+def _drive_wanted(
+    session: Session, fit: FrictionFit, speed_m_s: float, truth: Truth
+) -> dict[str, float]:
     with report.busy("searching"):
         best = least_power_gait(session.setup.robot, fit.ground, speed_m_s=speed_m_s)
     gait = best.gait
     with RobotBoard("virtual:fast") as robot:
         made = board_gait(robot, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
-    band = speed_band(fit, made)
+    band = speed_band(fit, made, servo=SERVOS)
     alpha, beta = math.degrees(made.alpha_rad), math.degrees(made.beta_rad)
     frequency_hz = made.omega_rad_s / (2 * math.pi)
     say(f"      alpha {alpha:.2f} deg, beta {beta:.2f} deg, {frequency_hz:.4f} Hz, "
         f"{1000 * best.power_w:.1f} mW; so the board's own set-points have it")  # fmt: skip
     say(f"      predicted: {band.in_words()}")
+    with report.busy("the lab's robot crawls"):
+        crawls = crawl_speed(truth.robot(session.setup.robot, np.random.default_rng(SEED)), made)
+    inside = "inside" if band.low_m_s <= crawls <= band.high_m_s else "outside"
+    say(
+        f"      the lab's robot, whose servos nobody was told, crawls at {crawls:.4f} m/s: {inside}"
+    )
     return {"alpha_deg": alpha, "beta_deg": beta, "frequency_hz": frequency_hz,
-            "power_w": best.power_w} | band.to_dict()  # fmt: skip
+            "power_w": best.power_w, "crawls_m_s": crawls} | band.to_dict()  # fmt: skip
