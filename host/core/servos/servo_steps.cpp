@@ -10,6 +10,7 @@ namespace serpenoid {
 namespace {
 
 constexpr int kAllAtOnce = 6, kMostRevisions = 60;
+constexpr double kHard = 1e3;     // times the stalled torque: what teeth can bear
 constexpr double kSpread = 1e-9;  // of the load, among more contacts than are needed to hold
 
 // In place, lower triangle, reciprocals on the diagonal.
@@ -54,7 +55,8 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
       servo_(servo),
       longest_(longest),
       n_(robot.n),
-      size_(robot.n + 2),
+      play_(servo.backlash > 0),
+      size_(robot.n + 2 + (play_ ? robot.n - 1 : 0)),
       lever_(n_ * n_),
       inertia_(n_ * n_),
       theta_(n_),
@@ -69,6 +71,7 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
       duty_(n_ - 1),
       still_(n_ - 1),
       slope_(n_ - 1),
+      gap_(n_ - 1),
       tick_(servo.update_hz > 0 ? 1 / servo.update_hz : 0),
       wave_(2 * (n_ - 1)) {
     // centres from that of link 1 in half lengths of links, then from their mean
@@ -88,6 +91,7 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
     };
     for (int i = 0; i < n_; ++i) add(ground.ft0, ground.ft0_back), add(ground.fn0, ground.fn0);
     for (int i = 0; i + 1 < n_; ++i) add(servo.gear_friction, servo.gear_friction);
+    for (int i = 0; i + 1 < n_ && play_; ++i) add(0, 0), contact_.back().teeth = true;
 }
 
 void ServoSteps::start(double vx, double vy, double rate) {
@@ -98,6 +102,7 @@ void ServoSteps::start(double vx, double vy, double rate) {
         theta_[i + 1] = theta_[i] + j.angle;
         u_[i + 3] = u_[i + 2] + gait_.omega * j.slope;
     }
+    for (int i = 0; i + 1 < n_ && play_; ++i) u_[n_ + 2 + i] = joint(u_, i);
     u_[0] = vx, u_[1] = vy;
     before_ = u_;
     shift_frames(0.5);
@@ -138,7 +143,7 @@ void ServoSteps::setpoints(double t) {
 // The loop's duties from angles and rates as they stand.
 void ServoSteps::control(const std::vector<double>& u) {
     for (int i = 0; i + 1 < n_; ++i)
-        duty_[i] = servo_.duty(goal_[i] - (theta_[i + 1] - theta_[i]), u[i + 3] - u[i + 2]);
+        duty_[i] = servo_.duty(goal_[i] - (theta_[i + 1] - theta_[i]), joint(u, i));
 }
 
 void ServoSteps::shift_frames(double shift) { frame_ = update_ = (shift - 1) * servo_.frame; }
@@ -183,10 +188,17 @@ void ServoSteps::step(double h) {
     masses(h);
     drive(h);
     wheels(h);
+    if (play_) teeth(h);
     cholesky(mass_, size_);
     forward(mass_, size_, right_.data());
     slide(h);
     for (int i = 0; i < n_; ++i) theta_[i] += 0.5 * h * u_[i + 2];
+    for (int i = 0; i + 1 < n_ && play_; ++i) {
+        const Contact& c = contact_[3 * n_ - 1 + i];
+        const double half = 0.5 * servo_.backlash, by = rotor(u_, i) - joint(u_, i);
+        gap_[i] = c.dry() && c.mode == 0 ? std::copysign(half, c.ahead - c.back)
+                                         : std::clamp(gap_[i] + h * by, -half, half);
+    }
     tally(h);
 }
 
@@ -206,12 +218,13 @@ void ServoSteps::masses(double h) {
         }
         to[i * size_ + i] += robot_.I;
     }
-    for (int i = 0; i + 1 < n_; ++i) joint_term(i, servo_.armature);
+    for (int i = 0; i + 1 < n_; ++i) rotor_term(i, servo_.armature);
     for (int i = 0; i < size_; ++i) right_[i] += dot(&mass_[i * size_], u_.data(), size_);
 }
 
-// Add f (phi_i')^2 / 2 to the quadratic form of the matrix.
-void ServoSteps::joint_term(int i, double f) {
+// Add f r^2 / 2 to the quadratic form of the matrix, r the rate of a rotor.
+void ServoSteps::rotor_term(int i, double f) {
+    if (play_) return void(mass_[(n_ + 2 + i) * (size_ + 1)] += f);
     double* to = &mass_[(i + 2) * size_ + i + 2];
     to[0] += f, to[size_ + 1] += f, to[1] -= f, to[size_] -= f;
 }
@@ -220,18 +233,22 @@ void ServoSteps::joint_term(int i, double f) {
 void ServoSteps::drive(double h) {
     if (servo_.update_hz == 0) control(ahead_);
     Supply load;
-    for (int i = 0; i + 1 < n_; ++i) load.add(servo_, duty_[i], ahead_[i + 3] - ahead_[i + 2]);
+    for (int i = 0; i + 1 < n_; ++i) load.add(servo_, duty_[i], rotor(ahead_, i));
     const double V = load.voltage(servo_.supply_sag);
     const double line = servo_.torque_limit / servo_.speed_limit;
     for (int i = 0; i + 1 < n_; ++i) {
         double still = servo_.torque_limit * V * duty_[i], slope = line + servo_.gear_damping;
-        if (servo_.update_hz == 0 && std::fabs(duty_[i]) < 1) {
+        // the loop's damping at the end of the step, too; with play it is not the rotor's own
+        if (servo_.update_hz == 0 && std::fabs(duty_[i]) < 1 && !play_) {
             const double more = V * (servo_.damping - line);
-            still += more * (ahead_[i + 3] - ahead_[i + 2]), slope += more;
+            still += more * joint(ahead_, i), slope += more;
         }
-        const double rate = u_[i + 3] - u_[i + 2], impulse = h * (still - 0.5 * slope * rate);
-        right_[i + 3] += impulse, right_[i + 2] -= impulse;
-        joint_term(i, 0.5 * h * slope);
+        const double impulse = h * (still - 0.5 * slope * rotor(u_, i));
+        if (play_)
+            right_[n_ + 2 + i] += impulse;
+        else
+            right_[i + 3] += impulse, right_[i + 2] -= impulse;
+        rotor_term(i, 0.5 * h * slope);
         still_[i] = still, slope_[i] = slope;
     }
 }
@@ -249,7 +266,10 @@ void ServoSteps::wheels(double h) {
     }
     for (int i = 0; i + 1 < n_; ++i) {
         double* g = contact_[2 * n_ + i].row.data();
-        g[i + 2] = -1, g[i + 3] = 1;
+        if (play_)
+            g[n_ + 2 + i] = 1;
+        else
+            g[i + 2] = -1, g[i + 3] = 1;
     }
     const WheelLaw along = WheelLaw::along(ground_), across = WheelLaw::across(ground_);
     for (int k = 0; k < static_cast<int>(contact_.size()); ++k) {
@@ -263,6 +283,22 @@ void ServoSteps::wheels(double h) {
             right_[i] -= 0.5 * h * c * contact.before * g[i];
             for (int j = 0; j <= i; ++j) mass_[i * size_ + j] += 0.5 * h * c * g[i] * g[j];
         }
+    }
+}
+
+// Teeth that touch, or will within the step, push rotor and joint apart.
+void ServoSteps::teeth(double h) {
+    const double half = 0.5 * servo_.backlash, hard = kHard * servo_.torque_limit;
+    for (int i = 0; i + 1 < n_; ++i) {
+        Contact& c = contact_[3 * n_ - 1 + i];
+        c.row[n_ + 2 + i] = 1, c.row[i + 3] = -1, c.row[i + 2] = 1;
+        c.before = dot(c.row.data(), u_.data(), size_);
+        const double there = gap_[i] + h * dot(c.row.data(), ahead_.data(), size_);
+        const bool up = gap_[i] >= half || there > half, down = gap_[i] <= -half || there < -half;
+        const double ahead = up && !(down && gap_[i] < 0) ? hard : 0;
+        const double back = down && ahead == 0 ? hard : 0;
+        if (ahead != c.ahead || back != c.back) c.mode = 0;
+        c.ahead = ahead, c.back = back;
     }
 }
 
@@ -359,7 +395,7 @@ bool ServoSteps::revise(double h, bool all) {
 bool ServoSteps::turn_round(double h) {
     bool any = false;
     for (Contact& c : contact_) {
-        if (!c.dry() || c.mode * c.before >= 0) continue;
+        if (!c.dry() || c.teeth || c.mode * c.before >= 0) continue;
         const double after = std::fabs(dot(c.row.data(), u_.data(), size_));
         const double before = std::fabs(c.before), part = before / (before + after);
         c.impulse = part * bound(c, -c.mode, h) + (1 - part) * bound(c, c.mode, h);
@@ -373,12 +409,13 @@ void ServoSteps::tally(double h) {
     samples_.push_back({middle, h, 0.5 * (before_[0] + u_[0]), 0.5 * (before_[1] + u_[1])});
     const double s = h * std::sin(phase), c = h * std::cos(phase);
     for (int i = 0; i + 1 < n_; ++i) {
-        const double rate = 0.5 * (before_[i + 3] - before_[i + 2] + u_[i + 3] - u_[i + 2]);
+        const double rate = 0.5 * (joint(before_, i) + joint(u_, i));
         wave_[2 * i] += c * rate, wave_[2 * i + 1] += s * rate;
         squares_ += h * rate * rate;
-        work_ += h * (still_[i] - slope_[i] * rate) * rate;
+        const double turns = 0.5 * (rotor(before_, i) + rotor(u_, i));
+        work_ += h * (still_[i] - slope_[i] * turns) * turns;
         const Contact& gear = contact_[2 * n_ + i];
-        if (gear.dry()) work_ += gear.impulse * rate;
+        if (gear.dry()) work_ += gear.impulse * turns;
     }
     t_ += h;
 }

@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from serpenoid.lab.crawl import crawl_speed
+from serpenoid.lab.robot import LabRobot
 from serpenoid.simulation.starts import start_state
 
 ROBOT = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
@@ -147,3 +149,17 @@ def test_an_uncertain_kind_leaves_a_band_around_its_typical_speed() -> None:
 def test_what_is_no_servo_is_refused() -> None:
     with pytest.raises(sn.BadInput, match=r"servo is a str; it must be a serpenoid\.Servo or"):
         sn.steady_gait(ROBOT, GROUND, GAIT, servo="SG90")  # type: ignore[call-overload]
+
+
+@pytest.mark.parametrize("play_deg", [0.0, 0.5, 3.0])
+def test_play_in_gears_is_that_of_the_lab(play_deg: float) -> None:
+    """The lab has other unknowns, steps and contacts; 3 degrees halve the speed."""
+    typical = replace(sn.servo("MG996R").servo, update_hz=0.0, dead_band_rad=0.0)
+    loose = replace(typical, backlash_rad=math.radians(play_deg))
+    found = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=loose)
+    whole = sn.Ground(0.084, 1.2, 0.14, 0.27)
+    lab = crawl_speed(LabRobot.whole(ROBOT, whole, servo=loose), GAIT)
+    assert found.speed_m_s == pytest.approx(lab, rel=0.02)
+    if play_deg == 3.0:
+        assert found.speed_m_s < 0.6 * found.ideal.speed_m_s
+        assert found.ripple_rad_s > 0.8
