@@ -28,4 +28,4 @@ def test_no_warning_from_our_files() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("clang++"), reason="needs clang++ with libFuzzer")
 def test_a_bounded_run_of_both_fuzzers_finds_nothing(tmp_path: Path) -> None:
-    run("tests/firmware/fuzz/run", "5", str(tmp_path))
+    run("tests/firmware/fuzz/run", "runs=1000", str(tmp_path))

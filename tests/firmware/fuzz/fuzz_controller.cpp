@@ -16,7 +16,9 @@ using namespace firmware;
 
 namespace {
 
-const uint32_t kStoppedMs = 105;  // 2000 bytes on the wire and a frame
+const uint32_t kStoppedMs = 120;  // 2000 bytes on the wire and two frames
+// 1000 deg/s, the fastest setting, for a frame of 20 ms, and what roundings may add.
+const int32_t kFarthestStepQ14 = 5720 + 3;
 
 void require(bool holds) {
     if (!holds) std::abort();
@@ -43,11 +45,13 @@ struct Watch {
     void check_joint(uint8_t i, State before) {
         const Settings& settings = board.controller().settings();
         const int16_t q14 = board.controller().motion().setpoints_q14()[i];
+        const int32_t step = std::abs(static_cast<int32_t>(q14) - before_q14[i]);
+        before_q14[i] = q14;
+        // While idle, settings may be half loaded, and setpoints take up what they say at its end.
+        if (before == State::Idle || board.controller().state() == State::Idle) return;
         const Trim trim = trim_of(settings.trim_u[i]);
         require(q14 >= trim.low_q14 && q14 <= trim.high_q14);
-        const int32_t step = std::abs(static_cast<int32_t>(q14) - before_q14[i]);
-        if (before != State::Idle) require(step <= 5720);  // 1000 deg/s, the fastest setting
-        before_q14[i] = q14;
+        require(step <= kFarthestStepQ14);
         if (i < board.attached()) {
             require(board.servo_us(i) >= kLeastPulseUs && board.servo_us(i) <= kMostPulseUs);
         }

@@ -77,3 +77,12 @@ def test_wraps_and_gaps_longer_than_a_wrap_are_undone():
     for frame in [0, 1, 2, 3, 4, 400_000, 400_001, 2_000_000]:  # two hours, then nine
         board_us = frame * 20_000 + 8
         assert clock.unwrap(frame, (start_us + board_us) % 2**32) == start_us + board_us
+
+
+@pytest.mark.parametrize("hop_us", [3_600_000_000, -3_600_000_000, -120_000_000])
+def test_a_clock_that_hops_against_its_frames_is_said_and_a_gap_is_none(hop_us):
+    clock = BoardClock()
+    clock.unwrap(1, 20_000)
+    clock.unwrap(10_000, 200_000_000)
+    with pytest.raises(ClockWrong, match="hops by"):
+        clock.unwrap(10_001, (200_020_000 + hop_us) % 2**32)

@@ -318,6 +318,15 @@ def test_monitor_from_a_pipe(any_live_port):
     assert "\x1b" not in run.stdout
 
 
+@pytest.mark.parametrize("typed", ["ping\n!", "!ping\n", "ping\n!ping\n", "!"])
+def test_a_stop_typed_before_the_greeting_leaves_nothing_to_wait_for(any_live_port, typed):
+    run = subprocess.run(
+        [sys.executable, "-m", "serpenoid", "monitor", "--port", any_live_port],
+        input=typed, capture_output=True, text=True, timeout=LONG_S, check=True,
+    )  # fmt: skip
+    assert "ok: #!" in run.stdout
+
+
 def test_the_stop_key_goes_out_before_the_board_has_greeted():
     """A board that does not reset when its port is opened may be moving."""
 

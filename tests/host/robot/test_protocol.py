@@ -10,6 +10,7 @@ from hypothesis import given, seed
 from hypothesis import strategies as st
 from serpenoid.model.errors import BadInput, DamagedLine
 from serpenoid.robot.wire import protocol
+from serpenoid.robot.wire.encoding import digits
 from serpenoid.robot.wire.error_table import ERRORS
 
 ROOT = Path(__file__).parents[3]
@@ -108,6 +109,7 @@ def test_well_sealed_nonsense_never_raises_anything_else(text):
         ("j2:-3.25", f"j2:{'9' * 400}.00"),
         (",1575", ",157500"),
         ("ph=123.456", "ph=1234.567"),
+        *(("frame_us=20000", f"frame_us={us}") for us in (0, 2999, 32501, 99999)),
     ],
 )
 def test_values_that_no_board_can_have_are_damage_though_the_crc_is_right(field, wrong):
@@ -134,3 +136,17 @@ def test_a_board_may_have_other_numbers_of_joints(joints):
 def test_bad_commands_never_reach_the_wire(command, number):
     with pytest.raises(BadInput):
         protocol.seal(command, number)
+
+
+def test_thousands_of_digits_are_not_echoed():
+    for line in (b"9" * 5000, sealed("hello: " + "9" * 5000), sealed(FRAME + "9" * 5000)):
+        with pytest.raises(DamagedLine) as damaged:
+            protocol.parse(line)
+        assert len(str(damaged.value)) < 200
+    for value in (10**5000, -1e300, math.nan):
+        with pytest.raises(BadInput, match="finite") as refused:
+            digits(value)
+        assert len(str(refused.value)) < 200
+    with pytest.raises(BadInput) as refused:
+        protocol.seal("9" * 5000, 1)
+    assert len(str(refused.value)) < 200

@@ -52,9 +52,8 @@ class Monitor:
         self._link, self._show, self._every = link, show, every
         self._keys, self._redraw = keys, redraw
         self._talk = self._new_dialogue()
-        self._queue: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # None: no more
+        self._queue: queue.Queue[str | None] = queue.Queue()  # None: no more
         self._sender: threading.Thread | None = None
-        self._busy = threading.Event()  # a command waits for its verdict
         self._failure: BaseException | None = None
         self._frames = 0
         self.typed = ""
@@ -73,7 +72,7 @@ class Monitor:
             self.step()
         if self.typed:
             self._show(f"not sent, for want of a line end: {self.typed}")
-        while not self._queue.empty() or self._busy.is_set():
+        while self._queue.unfinished_tasks:  # one may still wait for its verdict
             self.step()
 
     def press(self, key: str) -> bool:
@@ -83,7 +82,6 @@ class Monitor:
         elif key == "enter":
             if self.typed.strip():
                 self._talk.release()
-                self._busy.set()
                 self._queue.put(self.typed.strip())
             self.typed = ""
         elif key == "backspace":
@@ -96,7 +94,7 @@ class Monitor:
         """Let a moment pass; raise what ended the conversation, but a reset: then begin anew."""
         try:
             if self._link.lockstep and not self._queue.empty() and (text := self._queue.get()):
-                self._send(text)
+                self._sent(text)
             if self._failure:
                 raise self._failure
             self._talk.pass_time(HEAR_S)
@@ -113,9 +111,8 @@ class Monitor:
         with suppress(queue.Empty):
             while True:
                 text = self._queue.get_nowait()
+                self._queue.task_done()
                 self._show(f"not sent, for the stop came before it: {text}")
-        if self._link.lockstep:
-            self._busy.clear()
 
     def leave(self) -> None:
         """Stop the robot, close the session and the port; raise if the stop is not sure."""
@@ -161,13 +158,16 @@ class Monitor:
 
     def _send_on(self) -> None:
         while text := self._queue.get():
-            self._busy.set()
             try:
-                self._send(text)
+                self._sent(text)
             except RobotError as error:
                 self._failure = error
-            if self._queue.empty():
-                self._busy.clear()
+
+    def _sent(self, text: str) -> None:
+        try:
+            self._send(text)
+        finally:
+            self._queue.task_done()
 
     def _send(self, text: str) -> None:
         """Send one command; show, rather than raise, what does not end the conversation."""
@@ -179,8 +179,6 @@ class Monitor:
             except (RobotUnattended, StateUnasked) as error:
                 self._show(str(error))
                 continue
-            if self._link.lockstep:
-                self._busy.clear()
             return
 
     def _heard(self, line: bytes) -> None:

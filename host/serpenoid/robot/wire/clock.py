@@ -16,6 +16,7 @@ BLOCK_S = 0.25
 MOST_BLOCKS = 64
 FEWEST_BLOCKS = 6
 STEP_US = 4.0  # of the board's micros()
+MOST_HOP_US = 60_000_000  # beyond what the frames tell: no board is so late
 
 
 @dataclass(frozen=True)
@@ -87,13 +88,19 @@ class BoardClock:
         """Return the board's time in us since 0, however often its 32 bits wrapped.
 
         frame counts 20 ms (or what the greeting says) each on the same clock, so any gap is
-        bridged; a frame's lateness is far below half the 71.6 minutes of a wrap.
+        bridged; a frame's lateness is far below half the 71.6 minutes of a wrap. Raises ClockWrong
+        if the time hops against the frames.
         """
         if self._board_us is None:
             self._board_us = board_us
         else:
             expected = (frame - self._frame) * self._frame_us
             rest = (board_us - self._us - expected + 2**31) % 2**32 - 2**31
+            if abs(rest) > MOST_HOP_US:
+                raise ClockWrong(
+                    f"the board's clock hops by {rest / 1e6:.0f} s from frame {self._frame} to "
+                    f"{frame}; is the firmware built for this board?"
+                )
             self._board_us += expected + rest
         self._frame, self._us = frame, board_us
         return self._board_us

@@ -9,14 +9,18 @@ from ...model.errors import BadInput, DamagedLine
 
 NUMBER = re.compile(r"-?\d{1,10}(\.\d{1,6})?", re.ASCII)
 CAN_BE_OFF = ("silence", "limp")
+MOST_SENT = 1e9  # the board's own limits are lower, and told by it
 FARTHEST_DEG = 180.0  # beyond any joint's limits
 PULSES_US = range(500, 2501)
 
 
 def digits(value: float) -> str:
     """Write a number as the wire takes it: at most 6 decimals, no exponent."""
-    if not math.isfinite(value):
-        raise BadInput(f"{value} cannot be sent; every number must be finite")
+    if not -MOST_SENT <= value <= MOST_SENT:  # NaN and integers beyond any float, too
+        shown = f"{value:g}" if isinstance(value, float) else "an integer"
+        raise BadInput(
+            f"{shown} cannot be sent; every number must be finite, at most {MOST_SENT:g} in size"
+        )
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 

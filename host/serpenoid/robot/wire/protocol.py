@@ -13,6 +13,8 @@ from .encoding import check_frame
 
 PROTOCOL: int = firmware.PROTOCOL
 FEWEST_JOINTS, MOST_JOINTS = 2, 12
+FRAMES_US = range(3_000, 32_501)  # from frame to frame
+LONGEST_LINE = 400  # bytes, from a board of twelve joints and some to spare
 STATES = ("idle", "pose", "gait", "hold", "safing", "safe")
 _COUNT = r"(\d{1,10})"
 _TELEMETRY = re.compile(
@@ -110,19 +112,23 @@ def seal(command: str, number: int, joints: int = 5) -> bytes:
     if not 0 <= number <= 0xFFFF:
         raise BadInput(f"sequence number is {number}; it must be from 0 to 65535")
     if not command or not all(" " <= c <= "~" for c in command):
-        raise BadInput(f"command is {command!r}; it must be printable ASCII and not empty")
+        raise BadInput(f"command is {command[:60]!r}; it must be printable ASCII and not empty")
     if "!" in command:
-        raise BadInput(f"command is {command!r}; a ! stops the board wherever it stands: call stop")
+        raise BadInput(
+            f"command is {command[:60]!r}; a ! stops the board wherever it stands: call stop"
+        )
     body = f"#{number} {command}"
     line = f"{body} *{crc(body):04X}"
     if len(line) > (most := line_limit(joints)):
-        raise BadInput(f"the line has {len(line)} bytes; at most {most}: shorten {command!r}")
+        raise BadInput(f"the line has {len(line)} bytes; at most {most}: shorten {command[:60]!r}")
     return line.encode("ascii") + b"\n"
 
 
 def unseal(line: bytes) -> str:
     """Return the body of a line from the board; raise DamagedLine unless its CRC is right."""
     text = line.rstrip(b"\r\n")
+    if len(text) > LONGEST_LINE:
+        raise DamagedLine(f"{text[:40]!r}... has {len(text)} bytes; at most {LONGEST_LINE}")
     if not all(0x20 <= b <= 0x7E for b in text):
         raise DamagedLine(f"{line!r} has bytes that are not printable ASCII; check the baud rate")
     body, mark, digits = text.decode("ascii").rpartition(" *")
@@ -193,6 +199,8 @@ def _hello(body: str) -> Hello:
     )
     if not FEWEST_JOINTS <= int(joints) <= MOST_JOINTS:
         raise DamagedLine(f"joints is {joints}; a board has {FEWEST_JOINTS} to {MOST_JOINTS}")
+    if int(frame_us) not in FRAMES_US:
+        raise DamagedLine(f"frame_us is {frame_us}; a board has {FRAMES_US[0]} to {FRAMES_US[-1]}")
     silence_s = 0.0 if silence == "off" else float(silence)
     return Hello(
         version, int(protocol), board, int(joints), int(frame_us), int(boot), reset, settings,
