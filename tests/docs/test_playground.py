@@ -11,12 +11,14 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import numpy as np
 import pytest
 import serpenoid as sn
+from serpenoid.calibration.speed_samples import speed_band
 from webdriver import Browser
 
 pytestmark = pytest.mark.slow  # emscripten compiles the core in minutes
@@ -33,15 +35,20 @@ NODE = """const fs = require('fs'), vm = require('vm');
 const load = (path) => vm.runInThisContext(fs.readFileSync(path, 'utf8'));
 globalThis.require = require, globalThis.process = process;
 globalThis.__dirname = '.', globalThis.__filename = 'x';
-load(process.argv[2]);
-const { Core, peakTorque, draws, readFit, fromHash, PRESETS } = require(process.argv[3]);
+const [core_js, tables_js, model_js] = process.argv.slice(2);
+load(core_js), load(tables_js);
+globalThis.model = require(model_js);
 serpenoidCore().then((made) => {
-  const core = new Core(made), states = JSON.parse(fs.readFileSync(0, 'utf8'));
-  const torque = (s) => peakTorque(core.motion(s, 480)).value;
-  const all = states.map((s) => ({ ...core.steady(s), torque: torque(s) }));
-  console.log(JSON.stringify(all)), process.exit(0);
+  const core = new model.Core(made), given = JSON.parse(fs.readFileSync(0, 'utf8'));
+  const answers = ((core, given) => { %s })(core, given);
+  console.log(JSON.stringify(answers)), process.exit(0);
 });
 """
+STEADY = "return given.map((s) => core.steady(s));"
+TORQUE = "return given.map((s) => model.peakTorque(core.motion(s, 480)).value);"
+SERVO = "return given.map((s) => core.withServo(s, s.servo));"
+DRAWS = "return model.draws(model.readFit(given));"
+LINK = "return given.map((hash) => model.fromHash(hash, model.PRESETS['2005']));"
 
 
 @pytest.fixture(scope="module")
@@ -55,11 +62,34 @@ def page(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
+def fitted(tmp_path_factory) -> Path:
+    """A fitted session's folder; the repository holds no fits."""
+    folder = tmp_path_factory.mktemp("sessions") / SESSION.name
+    folder.mkdir()
+    for name in ("session.toml", "readings.csv"):
+        shutil.copy(SESSION / name, folder)
+    sn.save_fit(sn.fit_friction(sn.load_session(folder)), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
 def browser(page) -> Iterator[Browser]:
     with Browser(1280, 1100) as opened:
         opened.opens(page.as_uri())
         opened.waits_for(READY)
         yield opened
+
+
+def asked(script: str, given, folder: Path):
+    """Return what a script says of the module and of what is given to it, in Node."""
+    program, built = folder / "ask.js", ROOT / "build" / "web"
+    program.write_text(NODE % script)
+    called = ["node", program, built / "core.js", built / "tables.js", PARTS / "model.js"]
+    done = subprocess.run(
+        called, input=json.dumps(given), capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return json.loads(done.stdout)
 
 
 def states(count: int) -> list[dict[str, float]]:
@@ -87,13 +117,8 @@ def parts(s: dict[str, float]) -> tuple[sn.Robot, sn.Ground, sn.Gait]:
 
 
 def test_thirty_gaits_equal_the_package(page, tmp_path) -> None:
-    script, drawn = tmp_path / "ask.js", states(30)
-    script.write_text(NODE)
-    core = ROOT / "build" / "web" / "core.js"
-    done = subprocess.run(["node", script, core, PARTS / "model.js"], input=json.dumps(drawn),
-                          capture_output=True, text=True, check=False)  # fmt: skip
-    assert done.returncode == 0, done.stderr[-2000:]
-    for s, found in zip(drawn, json.loads(done.stdout), strict=True):
+    drawn = states(30)
+    for s, found in zip(drawn, asked(STEADY, drawn, tmp_path), strict=True):
         robot, ground, gait = parts(s)
         wanted = sn.steady_gait(robot, ground, gait)
         assert found["speed"] == pytest.approx(wanted.speed_m_s, rel=1e-9), s
@@ -102,18 +127,41 @@ def test_thirty_gaits_equal_the_package(page, tmp_path) -> None:
 
 
 def test_the_torque_is_that_of_a_run(page, tmp_path) -> None:
-    script, drawn = tmp_path / "ask.js", states(6)
-    script.write_text(NODE)
-    core = ROOT / "build" / "web" / "core.js"
-    done = subprocess.run(["node", script, core, PARTS / "model.js"], input=json.dumps(drawn),
-                          capture_output=True, text=True, check=True)  # fmt: skip
-    for s, found in zip(drawn, json.loads(done.stdout), strict=True):
+    drawn = states(6)
+    for s, found in zip(drawn, asked(TORQUE, drawn, tmp_path), strict=True):
         robot, ground, gait = parts(s)
         scene = sn.Scene(robot, ground, gait, method="nonsmooth" if ground.dry else "dop853",
                          start="steady", dt_s=gait.period_s / 480, duration_s=gait.period_s,
                          record=("joints",), record_every=1)  # fmt: skip
         wanted = np.abs(sn.simulate(scene).joint_torque_nm).max()
-        assert found["torque"] == pytest.approx(wanted, rel=1e-3), s
+        assert found == pytest.approx(wanted, rel=1e-3), s
+
+
+def test_servos_equal_the_package(page, tmp_path) -> None:
+    """As far as settling goes: both stop at the same 2e-3 of the speed, by a secant method."""
+    drawn = [s | {"servo": name} for s, name in zip(states(6), ("hobby", "SG90") * 3, strict=True)]
+    for s, found in zip(drawn, asked(SERVO, drawn, tmp_path), strict=True):
+        robot, ground, gait = parts(s)
+        wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo(s["servo"]))
+        assert found["speed"] == pytest.approx(wanted.speed_m_s, rel=5e-3), s
+        assert found["amplitude"] == pytest.approx(wanted.amplitude_ratio, rel=5e-3), s
+
+
+def test_a_fit_is_drawn_from_as_the_package_does(page, fitted, tmp_path) -> None:
+    fit = sn.load_fit(fitted)
+    drawn = asked(DRAWS, (fitted / "fit.json").read_text(), tmp_path)
+    found = np.array([[d[name] for name in ("ct", "cn", "ft0", "fn0")] for d in drawn])
+    assert found == pytest.approx(fit.sample_whole(), rel=1e-5)
+
+
+@pytest.mark.parametrize("hash_text", [
+    "", "#", "#&&==&%", "#alpha=1e999&beta=NaN&hz=-1&ct=", "#links=99&mass=0&inertia=-3",
+    "#servo=%3Cscript%3E&alpha=", "#servo=constructor&alpha=0x10x",
+])  # fmt: skip
+def test_a_link_of_nonsense_leaves_what_was(page, tmp_path, hash_text: str) -> None:
+    (found,) = asked(LINK, [hash_text], tmp_path)
+    (wanted,) = asked(LINK, ["#alpha=70"], tmp_path)
+    assert found == wanted
 
 
 def test_the_page_is_small_and_asks_no_network(page) -> None:
@@ -165,20 +213,66 @@ m.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowUp'}));""")
     assert "Fastest" in browser.text("#map-says")
 
 
-def test_a_fit_dropped_brings_its_friction_and_its_band(browser, tmp_path) -> None:
-    fit = sn.save_fit(sn.fit_friction(sn.load_session(SESSION)), tmp_path / "fit.json")
-    browser.runs(DROP % json.dumps(fit.read_text()))
+def test_the_map_is_complete_and_holds_the_packages_speeds(browser) -> None:
+    browser.waits_for(MAPPED)
+    values = browser.runs("return [...map.values].map((v) => Number.isFinite(v) ? v : -1)")
+    assert min(values) >= 0
+    s = browser.runs("return state")
+    for i, j in ((30, 12), (20, 20), (36, 30), (13, 31)):
+        robot, ground, gait = parts(s | {"alpha": 2.25 * i, "beta": 4.5 * j})
+        wanted = sn.steady_gait(robot, ground, gait, rtol=1e-3, powers=False).speed_m_s
+        assert values[41 * i + j] == pytest.approx(wanted, rel=1e-9)
+
+
+def test_a_fit_dropped_brings_its_friction_and_the_packages_band(browser, fitted) -> None:
+    browser.runs("change({alpha: 70, beta: 75, hz: 0.5})")
+    browser.runs(DROP % json.dumps((fitted / "fit.json").read_text()))
     browser.sees("#fit", "Friction and robot of nirakh-2005")
-    browser.sees("#figures", "Speed the fit allows")
-    low, high = browser.runs("return curve.band")
-    assert low < browser.runs("return answer.speed") < high
+    browser.sees("#figures", "Speed that your fit allows")
+    gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
+    wanted = speed_band(sn.load_fit(fitted), gait)
+    assert browser.runs("return curve.band") == pytest.approx(
+        [wanted.low_m_s, wanted.high_m_s], rel=1e-5
+    )
+    browser.runs("change({ct: 0.1})")
+    assert browser.text("#fit") == ""  # it is another friction now
+    browser.waits_for("curve && !curve.band")
 
 
-@pytest.mark.parametrize("text", ["no json", "{}", "[1]", "null", '{"parameters": {}}'])
+def test_a_kind_of_servo_gives_a_second_speed(browser) -> None:
+    browser.runs("$('servo').value = 'hobby'; $('servo').onchange();")
+    browser.waits_for("servo && servo.known")
+    assert "--servo hobby" in browser.text("#command")
+    robot, ground, gait = parts(browser.runs("return state"))
+    wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo()).speed_m_s
+    assert browser.runs("return servo.speed") == pytest.approx(wanted, rel=5e-3)
+    assert "typical hobby servos" in browser.text("#servo-speed")
+    browser.runs("$('servo').value = ''; $('servo').onchange();")
+    assert browser.runs("return $('servo-speed').hidden")
+
+
+@pytest.mark.parametrize("text", ["no json", "{}", "[1]", "null", '{"parameters": {}}', "9"])
 def test_a_wrong_file_is_refused_in_words_and_changes_nothing(browser, text: str) -> None:
     before = browser.runs("return toHash(state)")
     browser.runs(DROP % json.dumps(text))
     browser.sees("#fit", "serpenoid fit")
+    assert browser.runs("return toHash(state)") == before
+
+
+BIG = {"links": 40, "link_mass_kg": 0.1, "link_length_m": 0.1, "link_inertia_kg_m2": 1e-4}
+
+
+@pytest.mark.parametrize(("changed", "said"), [
+    ({"robot": None}, "no fit"),
+    ({"robot": BIG}, "links 40; the page takes 2 to 12"),
+    ({"covariance": {"order": [], "values": []}}, "covariance is not complete"),
+    ({"covariance": {"order": 3, "values": None}}, "no fit"),
+])  # fmt: skip
+def test_a_damaged_fit_is_refused(browser, fitted, changed: dict, said: str) -> None:
+    before = browser.runs("return toHash(state)")
+    damaged = json.dumps(json.loads((fitted / "fit.json").read_text()) | changed)
+    browser.runs(DROP % json.dumps(damaged))
+    browser.sees("#fit", said)
     assert browser.runs("return toHash(state)") == before
 
 
@@ -191,27 +285,98 @@ def test_no_friction_at_all_is_said(browser) -> None:
     browser.waits_for("document.getElementById('problem').hidden")
 
 
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """Serve a folder on this machine; gives its address."""
+    handler = functools.partial(SimpleHTTPRequestHandler, directory=str(folder))
+    handler.log_message = lambda *_: None
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+def test_folders_of_sessions_are_taken_or_refused_in_words(page, fitted, tmp_path) -> None:
+    for name in ("session.toml", "readings.csv"):
+        (tmp_path / "new").mkdir(exist_ok=True)
+        shutil.copy(fitted / name, tmp_path / "new")
+    (tmp_path / "empty").mkdir()
+    with served(page.parents[1]) as address, Browser(1280, 1000) as visitor:
+        visitor.opens(f"{address}/playground/index.html")
+        visitor.waits_for(READY)
+        for folder, said in (
+            (tmp_path / "new", "This session has no fit yet. Run `serpenoid fit`"),
+            (tmp_path / "empty", "Nothing that can be read"),
+            (fitted / "readings.csv", "This session has no fit yet"),
+            (PARTS / "page.html", "There is no fit.json in it"),
+            (fitted, "Friction and robot of nirakh-2005"),
+        ):
+            visitor.drops(folder)
+            visitor.sees("#fit", said)
+        assert visitor.runs("return state.cn") == pytest.approx(1.2, rel=1e-5)
+
+
+def test_a_folder_dropped_on_a_page_from_a_file_is_answered(page, fitted) -> None:
+    with Browser(1280, 1000) as visitor:
+        visitor.opens(page.as_uri())
+        visitor.waits_for(READY)
+        visitor.drops(fitted)  # Chromium opens no dropped folder for file://
+        visitor.waits_for("$('fit').textContent !== ''")
+        found = visitor.text("#fit")
+        assert "Friction and robot" in found or "drop its fit.json" in found
+
+
+def test_the_keyboard_reaches_everything_and_moves_it(page) -> None:
+    with Browser(1280, 1000) as visitor:
+        visitor.opens(page.as_uri())
+        visitor.waits_for(READY)
+        reached = []
+        for _ in range(60):
+            visitor.presses("Tab", 9)
+            reached.append(
+                visitor.runs("const e = document.activeElement; return e.id || e.tagName")
+            )
+            assert visitor.runs("""const e = document.activeElement;
+                return e === document.body || e.matches(':focus-visible')"""), reached
+            if reached[-1] == "r-alpha":
+                visitor.presses("ArrowRight", 39)
+                assert visitor.runs("return state.alpha") == 71
+            if reached[-1] == "map":
+                visitor.presses("ArrowUp", 38)
+                assert visitor.runs("return state.alpha") == 72
+            if reached[-1] == "play":
+                visitor.presses(" ", 32)
+                assert visitor.text("#play") == "Play"
+            if reached[-1] == "BODY":
+                break
+    order = [reached.index(name) for name in (
+        "home", "play", "preset", "n-alpha", "r-alpha", "n-ct", "servo", "file", "folder", "mode",
+        "map", "command", "python",
+    )]  # fmt: skip
+    assert order == sorted(order)  # as the page is read
+
+
+def test_a_reader_who_wants_no_motion_gets_none_until_asked(page) -> None:
+    with Browser(1280, 1000, still=True) as visitor:
+        visitor.opens(page.as_uri())
+        visitor.waits_for(READY)
+        assert visitor.text("#play") == "Play"
+        visitor.runs(
+            "requestAnimationFrame(() => requestAnimationFrame(() => { window.later = time; }))"
+        )
+        visitor.waits_for("window.later !== undefined")
+        assert visitor.runs("return time") == 0
+        visitor.clicks("#play")
+        visitor.waits_for("time > 0")
+
+
 @pytest.mark.parametrize("dark", [False, True])
 def test_on_a_phone_from_a_server_with_a_link(page, dark: bool) -> None:
-    handler = functools.partial(SimpleHTTPRequestHandler, directory=str(page.parents[1]))
-    handler.log_message = lambda *_: None
-    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server, Browser(390, 844, dark) as phone:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        phone.opens(
-            f"http://127.0.0.1:{server.server_port}/playground/index.html#alpha=33&beta=88&links=5&ct=bad&hz=99"
-        )
+    link = "playground/index.html#alpha=33&beta=88&links=5&ct=bad&hz=99"
+    with served(page.parents[1]) as address, Browser(390, 844, dark) as phone:
+        phone.opens(f"{address}/{link}")
         phone.waits_for(READY)
-        assert phone.runs("return [state.alpha, state.beta, state.links, state.hz]") == [
-            33,
-            88,
-            5,
-            0.5,
-        ]
+        found = phone.runs("return [state.alpha, state.beta, state.links, state.hz]")
+        assert found == [33, 88, 5, 0.5]
         assert phone.runs("return document.documentElement.scrollWidth") <= 390
-        nameless = phone.runs("""const all = 'input, select, button, canvas';
-            return [...document.querySelectorAll(all)].filter((e) =>
-            !(e.labels && e.labels.length) && !e.ariaLabel
-            && !e.textContent.trim()
-            && !e.getAttribute('aria-labelledby')).map((e) => e.id)""")
-        assert nameless == []
-        server.shutdown()
+        assert phone.barriers() == []

@@ -38,20 +38,13 @@ class Browser:
         self, width: int = 1100, height: int = 900, dark: bool = False, paper: bool = False,
         still: bool = False,
     ):  # fmt: skip
-        self._chromium, driver = programs()
-        self._process = subprocess.Popen(
-            [driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-        )
+        self._chromium, self._driver = programs()
         self._size = width, height
         self._dark, self._paper, self._still = dark, paper, still
 
     def __enter__(self) -> Browser:
-        port = 0
-        while not port:
-            line = self._process.stdout.readline()
-            assert line, "chromedriver ended"
-            found = re.search(r"started successfully on port (\d+)", line)
-            port = int(found[1]) if found else 0
+        port = next(filter(None, (self._start() for _ in range(5))), None)
+        assert port, "chromedriver does not start"
         self._base = f"http://127.0.0.1:{port}/session"
         flags = [*FLAGS, "--window-size={},{}".format(*self._size)]
         if self._dark:
@@ -68,6 +61,18 @@ class Browser:
         media = {"media": "print" if self._paper else "screen", "features": features}
         self._devtools("Emulation.setEmulatedMedia", media)
         return self
+
+    def _start(self) -> int | None:
+        """Start chromedriver; return its port, None where it ended: another took its port."""
+        self._process = subprocess.Popen(
+            [self._driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+        for line in self._process.stdout:
+            if found := re.search(r"started successfully on port (\d+)", line):
+                return int(found[1])
+        self._process.wait(LONG_S)
+        self._process.stdout.close()
+        return None
 
     def __exit__(self, *_: object) -> None:
         try:
