@@ -21,22 +21,24 @@ from typing import Any
 import numpy as np
 
 from ..model.checks import check_kind
+from ..model.drives import ServoKind
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from .fitting.data import FitData, Floats, projections
+from .fitting.identifiability import SAFE_BEND
 from .fitting.joint import jacobian, starting_point
 from .fitting.rounding import nearest_shown
 from .fitting.shared import shared_covariance
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit, WholeSnake, band
-from .kinds.station import Reading, bent_share
+from .kinds.station import LEAST_SLIP_M_S, Reading, bent_share
 from .session import Session, Setup
 from .speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds, speed
 from .taking.expected import Series
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0)  # further, the end joints stand beyond 60 degrees
 MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
-SLIPS_M_S = (0.1, 0.3, 0.6, 1.0)
+SLIPS_M_S = (0.15, 0.3, 0.6, 1.0)
 _MOST_TIMES, _WORTH_ANOTHER = 5, 0.1
 _Z95 = 1.959964
 _SAME_RAD = math.radians(0.5)  # bends that are one
@@ -91,7 +93,8 @@ class Advice:
 
     band: half of the 95 % band over the speed, mean over the gaits, as `compare` shows it.
     band_after_best: the same share once the best reading is taken as often as it is worth, by
-    samples too. note: what must be known beside, "" if nothing.
+    samples too. note: what must be known beside, "" if nothing. servo: the kind that moves the
+    joints, None for ideal ones.
     """
 
     gaits: tuple[Gait, ...]
@@ -99,6 +102,7 @@ class Advice:
     band_after_best: float
     readings: tuple[NextReading, ...]
     note: str = ""
+    servo: str | None = None
 
     @property
     def best(self) -> NextReading:
@@ -112,6 +116,7 @@ class Advice:
             "band": self.band,
             "band_after_best": self.band_after_best,
             "note": self.note,
+            "servo": self.servo,
             "readings": [asdict(r) | {"in_words": r.in_words()} for r in self.readings],
         }
 
@@ -123,12 +128,14 @@ def advise(
     samples: int = 48,
     lambdas_deg: Sequence[float] = LAMBDAS_DEG,
     runs: bool = False,
+    servo: ServoKind | None = None,
     progress: Progress | None = None,
 ) -> Advice:
     """Rank the readings that could be taken next by the speed band they leave.
 
     gaits: those that matter; the session's planned ones unless given. lambdas_deg: bends to choose
-    from, in degrees. runs: whether to count gait runs, those taken and those to take. No place is
+    from, in degrees. runs: whether to count gait runs, those taken and those to take. servo: the
+    kind that moves the joints, as for `compare`. No place is
     named where a reading was voided, none steeper than MOST_INCLINE_RAD or the steepest taken, none
     faster than the plan's belt. Raises BadInput if there is no gait, and what fit_friction raises
     for readings that leave a parameter open: then it names the reading that would close it.
@@ -153,20 +160,24 @@ def advise(
             "runs, or raise belt_speed_max_m_s in the plan"
         )
     linear = slopes.band(covariance)
-    whole_band, friction = _sampled_bands(fit, wanted)
+    whole_band, friction = _sampled_bands(fit, wanted, servo)
     now = _total(whole_band, friction, slopes.band(covariance, ran) / linear)
     total = [replace(
         r, band=_total(whole_band, friction, r.band / linear),
         band_after_times=_total(whole_band, friction, r.band_after_times / linear),
     ) for r in sorted(readings, key=lambda r: r.band)]  # fmt: skip
     then = _after(session, fit, total[0])
-    after = total[0].band_after_times if then is None else _sampled_bands(then, wanted)[0]
-    return Advice(wanted, now, after, tuple(total), _ratchet_note(session, fit))
+    last = total[0].band_after_times
+    after = last if then is None else _sampled_bands(then, wanted, servo)[0]
+    note, named = _ratchet_note(session, fit), servo and servo.name
+    return Advice(wanted, now, after, tuple(total), note, named)
 
 
-def _sampled_bands(fit: FrictionFit, gaits: Sequence[Gait]) -> tuple[float, float]:
+def _sampled_bands(
+    fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None
+) -> tuple[float, float]:
     """Return half the 95 % band over the speed, mean over gaits: in all, and of friction alone."""
-    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA)
+    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=servo)
     halves = []
     for speeds in (drawn.both_m_s, drawn.friction_m_s):
         ends = [band(of_gait) for of_gait in speeds.T]
@@ -280,14 +291,17 @@ def _places(
     near, (zero,) = _AS_GOOD * given.lambda_sigma_rad, session.zeros_rad(kept[-1:])
     found: dict[tuple[Series, float], float] = {}
     angles = [now if now and abs(bend - now) < near else bend for bend in bends]
-    every = [Series(angle, bend=bent) for angle in angles]
+    every = [
+        Series(angle, bend=bent) for angle in angles
+        if not angle or angle > SAFE_BEND * given.lambda_sigma_rad  # lesser ones bias cn
+    ]  # fmt: skip
     for series in [*every, *([Series(0.0, "up", bent)] if len(whole) > 4 else [])]:
         for wanted_m_s in SLIPS_M_S:
             aim = station_incline_rad(whole, session.setup, series, wanted_m_s) + zero
             grade_step = session.setup.treadmill.incline_step_rad
             incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
             slip = station_slip_m_s(whole, session.setup, series, incline - zero)
-            fits = given.belt_speed_sigma_m_s < slip <= fastest and 0.0 < incline <= steepest
+            fits = LEAST_SLIP_M_S < slip <= fastest and 0.0 < incline <= steepest
             if fits and not _failed(session, series, incline):
                 found[series, round(incline, 6)] = slip
     return [(series, incline, slip) for (series, incline), slip in found.items()]

@@ -25,7 +25,8 @@ from .verdict_words import in_words
 
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 SAME_RATE = 1e-3  # rates closer than this, relative, are repeats of one gait
-_CURVE_SAMPLES, _CURVE_POINTS = 32, 9
+_CURVE_SAMPLES = 32
+_CURVE_POINTS, _SPRINGS_EVERY = 49, 6  # chords between them are 0.1 % off; springs take longer
 
 
 @dataclass(frozen=True)
@@ -36,14 +37,14 @@ class ComparedGait:
     joints' amplitude and the servos besides. runs: numbers of the measured runs; measured_m_s,
     sigma_m_s: their mean and its standard deviation; none if not measured. residual_m_s: measured
     less predicted.
-    implicit_m_s: NaN where the paper's springs never settle.
+    implicit_m_s: None where the paper's springs never settle, or were not asked.
     """
 
     alpha_rad: float
     beta_rad: float
     frequency_hz: float
     exact_m_s: float
-    implicit_m_s: float
+    implicit_m_s: float | None
     low_m_s: float
     high_m_s: float
     low_all_m_s: float
@@ -59,12 +60,13 @@ class Comparison:
     """What compare found.
 
     gaits: those run, else those planned. curve: speed over frequency of the first one's amplitude
-    and phase lag, friction's band alone. p_value: the chance of residuals as large if model, fit
-    and stated errors (amplitude_sigma of the joints' amplitude, relative) hold; p_friction,
-    p_amplitude: that chance once friction, or the amplitude, may be another one than stated; None
-    where that need not be asked. p_servos: the chance with other servos than stated. servo: the
-    kind stated, None for joints that follow the gait. verdict: agrees, neither, not measured, or
-    the causes (friction, amplitude, servos) with `or` between them; verdict_text says it in words.
+    and phase lag, friction's band alone, the implicit model at each sixth point. p_value: the
+    chance of residuals as large if model, fit and stated errors (amplitude_sigma of the joints'
+    amplitude, relative) hold; p_friction, p_amplitude: that chance once friction, or the amplitude,
+    may be another one than stated; None where that need not be asked. p_servos: the chance with
+    other servos than stated. servo: the kind stated, None for joints that follow the gait. verdict:
+    agrees, neither, not measured, or the causes (friction, amplitude, servos) with `or` between
+    them; verdict_text says it in words.
     """
 
     session: str
@@ -121,11 +123,11 @@ def compare(
     if servo is None:  # a film of 30 frames a second shows amplitudes, and no ripple of servos
         drawn = joints_seen(drawn, session)
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
-    curve = _curve(fit, wanted, seed, progress)
+    curve, named = _curve(fit, wanted, seed, progress), servo and servo.name
     common = (session.setup.name, amplitude_sigma, points, curve, _all_runs(session))
     ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
     if not ran:
-        return Comparison(*common, None, None, None, "not measured", NOT_MEASURED)
+        return Comparison(*common, None, None, None, "not measured", NOT_MEASURED, named)
     measured = Measured(
         tuple(drawn.gaits[j] for j in ran),
         np.array([points[j].measured_m_s for j in ran], dtype=float),
@@ -136,7 +138,6 @@ def compare(
     friction, amplitude, servos = (c and c.p_value for c in causes)
     text = in_words(found, measured, fit, amplitude_sigma, session.setup.weight_n, servo)
     word, text = seen_on_film(session, fit, drawn, found.word, text)
-    named = servo and servo.name
     return Comparison(*common, found.p_value, friction, amplitude, word, text, named, servos)
 
 
@@ -172,15 +173,17 @@ def _same(one: Gait, other: Gait) -> bool:
     return replace(other, omega_rad_s=one.omega_rad_s) == one and apart < SAME_RATE
 
 
-def _by_springs(fit: FrictionFit, gait: Gait) -> float:
-    """Return the implicit model's speed, m/s; NaN where its springs never come to rest."""
+def _by_springs(fit: FrictionFit, gait: Gait) -> float | None:
+    """Return the implicit model's speed, m/s; None where its springs never come to rest."""
     try:
         return steady_springs(fit.robot, fit.ground, gait, rtol=1e-3).speed_m_s
     except NotConverged:  # heavy links on the paper's springs: no reason to withhold the rest
-        return math.nan
+        return None
 
 
-def _point(fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun]) -> ComparedGait:
+def _point(
+    fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun], springs: bool = True
+) -> ComparedGait:
     gait = drawn.gaits[j]
     exact = speed(fit.robot, fit.ground, gait)
     low, high = band(drawn.friction_m_s[:, j])
@@ -192,7 +195,7 @@ def _point(fit: FrictionFit, drawn: SpeedSamples, j: int, runs: list[GaitRun]) -
         sigma = float(weights.sum() ** -0.5)
     return ComparedGait(
         gait.alpha_rad, gait.beta_rad, gait.omega_rad_s / (2 * math.pi), exact,
-        _by_springs(fit, gait),
+        _by_springs(fit, gait) if springs else None,
         low, high, low_all, high_all, tuple(r.number for r in runs), measured, sigma,
         None if measured is None else measured - exact,
     )  # fmt: skip
@@ -206,4 +209,4 @@ def _curve(
     grid = np.geomspace(0.5 * min(rates), 1.3 * max(rates), _CURVE_POINTS).tolist()
     gaits = [Gait(first.alpha_rad, first.beta_rad, rate) for rate in grid]
     drawn = sample_speeds(fit, gaits, count=_CURVE_SAMPLES, seed=seed, progress=progress)
-    return tuple(_point(fit, drawn, j, []) for j in range(len(gaits)))
+    return tuple(_point(fit, drawn, j, [], j % _SPRINGS_EVERY == 0) for j in range(len(gaits)))

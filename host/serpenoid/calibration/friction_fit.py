@@ -169,16 +169,29 @@ def _raw(session: Session, data: FitData, found: FitMode) -> _Raw:
     counted = found.good > 0.5
     values = x[: data.parameters]
     shared = shared_covariance(values, data.belt_sigma, data.mass_sigma)
+    ends = widened(ends, values, np.sqrt(np.diag(shared)), quantile)
+    own = covariance[: data.parameters, : data.parameters] + shared
     return _Raw(
         values=values,
-        covariance=covariance[: data.parameters, : data.parameters] + shared,
-        intervals=widened(ends, values, np.sqrt(np.diag(shared)), quantile),
+        covariance=_beside_limits(own, values, ends, quantile),
+        intervals=ends,
         residuals=whole,
         chi2=float(np.sum(residuals[counted] ** 2) + np.sum(found.minimum.residuals[count:] ** 2)),
         good=found.good,
         nuisances=_nuisances(data, x, sigmas),
         influence=influences(found.minimum, [r.number for r in session.kept], share),
     )
+
+
+def _beside_limits(covariance: Floats, values: Floats, ends: Floats, quantile: float) -> Floats:
+    """Return a covariance that agrees with intervals which end at the limit of 0.
+
+    The curvature there is that of a friction which could be negative; the interval knows better.
+    """
+    sigma = np.sqrt(np.diag(covariance))
+    above = (ends[:, 1] - values) / quantile
+    share = np.where(ends[:, 0] > 0.0, 1.0, np.minimum(above / sigma, 1.0))
+    return covariance * np.outer(share, share)
 
 
 def _about(values: Floats, widths: Floats) -> Floats:

@@ -90,10 +90,15 @@ class TableRow(NamedTuple):
     low: float
     high: float
 
+    @property
+    def interval(self) -> str:
+        """Return the interval in words; one that begins at 0 has only an upper end."""
+        return f"{self.low:.3g} to {self.high:.3g}" if self.low else f"below {self.high:.3g}"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class FrictionFit:
-    """Hold the friction fitted to one session.
+    """Hold the friction fitted to one session; print() gives a report of it.
 
     parameters: name -> (value, sigma) for ct_whole, cn_whole (N s/m), ft0_whole, fn0_whole (N), of
     the whole snake, and ct_back_whole, ft0_back_whole where readings were taken facing up the belt:
@@ -142,8 +147,9 @@ class FrictionFit:
         """Draw (count, P) frictions of the whole snake that the readings allow, never below 0.
 
         Each parameter alone is normal on either side of its value, as much wider on one side as its
-        interval is, cut where friction cannot be; sigmas and correlations are the fit's. Scrambled
-        Sobol points: as even as count numbers can be, the same for the same seed.
+        interval is (alike where that ends at 0), cut where friction cannot be; sigmas and
+        correlations are the fit's. Scrambled Sobol points: as even as count numbers can be, the
+        same for the same seed.
         """
         from scipy.special import ndtri
         from scipy.stats import qmc
@@ -154,6 +160,8 @@ class FrictionFit:
         sigma = np.sqrt(np.diag(self.covariance))
         sides = np.abs(ends - centre[:, None])
         below, above = 2.0 * sigma * sides.T / sides.sum(axis=1)
+        at_limit = ends[:, 0] == 0.0
+        below, above = (np.where(at_limit, sigma, side) for side in (below, above))
         root = np.linalg.cholesky(self.covariance / np.outer(sigma, sigma))
         sobol = qmc.Sobol(len(self.names), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
         drawn = np.empty((0, len(self.names)))
@@ -161,7 +169,7 @@ class FrictionFit:
             size = 1 << (count - 1).bit_length()
             units = ndtri(sobol.random(size)) @ root.T
             more = centre + units * np.where(units < 0.0, below, above)
-            drawn = np.vstack([drawn, more[(more > 0.0).all(axis=1)]])
+            drawn = np.vstack([drawn, more[(more >= 0.0).all(axis=1)]])
         return drawn[:count]
 
     def sample(self, count: int = 64, seed: int = 2005) -> tuple[Ground, ...]:
@@ -172,6 +180,24 @@ class FrictionFit:
         """
         draws = self.sample_whole(count, seed).tolist()
         return tuple(ground_of(self.robot.links, draw) for draw in draws)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{r.name} {r.value:.4g} ± {r.sigma:.2g} {r.unit}" for r in self.rows())
+        return f"<FrictionFit {self.session_name!r}, {self.method}: {values}>"
+
+    def __str__(self) -> str:
+        rows = [
+            f"  {r.name:14} {r.value:8.4g} ± {r.sigma:<7.2g} {r.unit:6} {r.interval} ({LEVEL:.0%})"
+            for r in self.rows()
+        ]
+        head = f"friction of {self.session_name!r}, {self.method} fit, {self.robot.links} links"
+        return "\n".join([head, *rows, self.chi2_in_words, *(f"note: {n}" for n in self.notes)])
+
+    @property
+    def chi2_in_words(self) -> str:
+        """Return chi2, its degrees of freedom and its chance."""
+        chance = "" if self.p_value is None else f" (p = {self.p_value:.2g})"
+        return f"chi2 = {self.chi2:.3g} for {self.dof} degrees of freedom{chance}"
 
     @property
     def p_value(self) -> float | None:
@@ -270,12 +296,16 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
 
 
 def _weak(fit: FrictionFit) -> list[str]:
-    notes = []
+    notes, weak = [], []
     for name in fit.names:
         value, sigma = fit.parameters[name]
-        if value < 1e-3 * sigma:
-            notes.append(f"{name} ends at its limit of 0; its interval is rough.")
+        if value == 0.0:
+            notes.append(f"{name} ends at its limit of 0: only an upper end is known.")
         elif sigma > 0.25 * value:
-            cure = "bend further" if name in ("cn", "fn0") else "take more readings"
-            notes.append(f"{name} is known to {sigma / value:.0%} only; {cure} to know it better.")
+            weak.append(f"{name} to {sigma / value:.0%}")
+    if weak:
+        notes.append(
+            f"Known only roughly: {', '.join(weak)}. `serpenoid advise DIR` names the reading that "
+            "makes speeds surer."
+        )
     return notes

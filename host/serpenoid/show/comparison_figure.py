@@ -57,8 +57,9 @@ def _predicted(ax: Axes, found: Comparison) -> None:
     ax.plot(f, exact, color=BLUE, label="exact model")
     ax.plot(f, implicit, ".", color=ORANGE, ms=6, label="implicit model, k = 1000 N/m")
     f, low, high = _columns(found.gaits, "frequency_hz", "low_all_m_s", "high_all_m_s")
+    servos = "" if found.servo is None else f", servos: {found.servo}"
     ax.vlines(f, low, high, color=GREY, lw=6, alpha=0.35,
-              label=f"with the joints' amplitude, {found.amplitude_sigma:.0%}")  # fmt: skip
+              label=f"with the joints' amplitude, {found.amplitude_sigma:.0%}{servos}")  # fmt: skip
 
 
 def _measured(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:

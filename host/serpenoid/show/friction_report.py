@@ -8,30 +8,46 @@ from ..calibration.advice import Advice
 from ..calibration.comparison import ComparedGait, Comparison
 from .report import console, table
 
+MEASURED = ["gait", "measured", "95 % predicted", "off exact by"]
+
 
 def show_comparison(found: Comparison) -> None:
     """Print predicted and measured speeds, and the verdict."""
-    columns = ["gait", "exact", "95 % friction", "with joints", "implicit", "measured", "off by"]
-    title = f"{found.session}: predicted and measured speed, m/s"
-    table(title, columns, list(map(_row, found.gaits)))
+    title = f"{found.session}: predicted speed, m/s"
+    table(title, predicted_columns(found), list(map(predicted_row, found.gaits)))
+    ran = [measured_row(p) for p in found.gaits if p.measured_m_s is not None]
+    if ran:
+        table("measured speed, m/s", MEASURED, ran)
     console.print(found.verdict_text, highlight=False)
 
 
-def _row(p: ComparedGait) -> list[str]:
+def predicted_columns(found: Comparison, unit: str = "") -> list[str]:
+    """Return the heads of a table of predicted speeds."""
+    joints = "friction, joints" + ("" if found.servo is None else f", servos: {found.servo}")
+    return ["gait", f"exact{unit}", "implicit", "95 % friction", f"95 % {joints}"]
+
+
+def _gait(p: ComparedGait) -> str:
     alpha, beta = math.degrees(p.alpha_rad), math.degrees(p.beta_rad)
-    measured = off = ""
-    if p.measured_m_s is not None and p.sigma_m_s is not None:
-        measured = f"{p.measured_m_s:.4f} ± {p.sigma_m_s:.4f}"
-        off = f"{100 * (p.measured_m_s / p.exact_m_s - 1):+.1f} %" if p.exact_m_s else ""
+    return f"{alpha:.3g}°/{beta:.3g}°, {p.frequency_hz:.3g} Hz"
+
+
+def predicted_row(p: ComparedGait) -> list[str]:
+    """Return the predicted speeds of a gait."""
     return [
-        f"{alpha:.3g}°/{beta:.3g}°, {p.frequency_hz:.3g} Hz",
+        _gait(p),
         f"{p.exact_m_s:.4f}",
-        f"{p.low_m_s:.4f}–{p.high_m_s:.4f}",
-        f"{p.low_all_m_s:.4f}–{p.high_all_m_s:.4f}",
-        "–" if math.isnan(p.implicit_m_s) else f"{p.implicit_m_s:.4f}",
-        measured,
-        off,
+        "–" if p.implicit_m_s is None else f"{p.implicit_m_s:.4f}",
+        f"{p.low_m_s:.4f} to {p.high_m_s:.4f}",
+        f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}",
     ]
+
+
+def measured_row(p: ComparedGait) -> list[str]:
+    """Return the measured speed of a gait beside its band."""
+    off = f"{100 * ((p.measured_m_s or 0.0) / p.exact_m_s - 1):+.1f} %" if p.exact_m_s else ""
+    measured = f"{p.measured_m_s:.4f} ± {p.sigma_m_s:.4f}"
+    return [_gait(p), measured, f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}", off]
 
 
 def show_advice(found: Advice, most: int = 5) -> None:
@@ -40,8 +56,9 @@ def show_advice(found: Advice, most: int = 5) -> None:
         [r.in_words(), f"{r.band_after_times:.1%}" if r.times > 1 else f"{r.band:.1%}"]
         for r in found.readings[:most]
     ]
+    servos = "" if found.servo is None else f", servos: {found.servo}"
     table(
-        f"speed is known to {found.band:.1%} (95 %, friction and joints)",
+        f"speed is known to {found.band:.1%} (95 %, friction and joints{servos})",
         ["reading", "afterwards"],
         rows,
     )

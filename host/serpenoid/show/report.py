@@ -136,15 +136,12 @@ def fit(found: FrictionFit) -> None:
     """Print fitted friction with its intervals, of the whole snake and of one link."""
     links = found.robot.links
     rows = [
-        [r.name, r.unit, f"{r.value:.4g}", f"{r.sigma:.2g}", f"{r.low:.3g} to {r.high:.3g}",
-         f"{r.value / links:.4g}"]
+        [r.name, r.unit, f"{r.value:.4g}", f"{r.sigma:.2g}", r.interval, f"{r.value / links:.4g}"]
         for r in found.rows()
     ]  # fmt: skip
     columns = ["whole snake", "unit", "value", "sigma", "95 % interval", f"per link (of {links})"]
     table(f"friction, {found.method} fit", columns, rows)
-    p_value = found.p_value
-    chance = "" if p_value is None else f" (p = {p_value:.2g})"
-    console.print(f"chi2 = {found.chi2:.3g} for {found.dof} degrees of freedom{chance}")
+    console.print(found.chi2_in_words)
     for note in found.notes:
         console.print(f"note: {note}", highlight=False)
 

@@ -6,10 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from serpenoid.calibration.advice import SpeedSlopes, advise
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
+from serpenoid.calibration.speed_samples import speed_band
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
 
@@ -67,6 +69,28 @@ def test_advise_promises_what_compare_then_shows(weak):
     assert told.band_after_best == pytest.approx(
         shown(replace(weak, readings=(*whole, *more))), rel=0.25
     )
+
+
+def test_advise_and_compare_have_the_same_servos_in_their_band(weak):
+    kind = sn.servo("hobby")
+    told = advise(weak, [GAIT], samples=16, servo=kind)
+    p = sn.compare(weak, gaits=[GAIT], servo=kind).gaits[-1]
+    best = told.servo, p.high_all_m_s - p.low_all_m_s
+    ideal = advise(weak, [GAIT], samples=16)
+    assert (best[0], ideal.servo) == ("hobby", None)
+    typical = speed_band(sn.fit_friction(weak), GAIT, servo=kind)
+    assert told.band == pytest.approx(best[1] / 2 / p.exact_m_s, rel=1e-6)
+    assert (typical.low_m_s, typical.high_m_s) == (p.low_all_m_s, p.high_all_m_s)
+
+
+def test_no_bend_is_named_that_would_bias_and_no_speed_at_which_the_law_fails(weak):
+    coarse = plain_session(World(bends_deg=(15.0,)), np.random.default_rng(1))  # 0.5 % of grade
+    found = advise(coarse, [GAIT], samples=16)
+    assert min(r.belt_speed_m_s for r in found.readings) > 0.12
+    unsure = replace(weak.setup.uncertainty, lambda_sigma_rad=math.radians(1.2))
+    rough = replace(weak, setup=replace(weak.setup, uncertainty=unsure))
+    bends = {r.lambda_rad for r in advise(rough, [GAIT], samples=16).readings} - {0.0}
+    assert min(bends) > math.radians(12)
 
 
 def test_no_place_is_named_that_failed_or_that_is_beyond_the_treadmill(weak):

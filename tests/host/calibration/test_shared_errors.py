@@ -28,18 +28,30 @@ def stating(made, **sigmas):
     return replace(made, setup=replace(made.setup, uncertainty=unsure))
 
 
-@pytest.mark.parametrize("links", [3, 4, 6, 12])
-def test_how_far_links_stand_off_by_drawing_joints(links):
-    """Joints drawn, a straight line through the links' angles taken off, the rest averaged."""
+@pytest.mark.parametrize(("links", "bent"), [(3, 0), (4, 0), (6, 0), (12, 0), (7, 4), (11, 8)])
+def test_how_far_links_stand_off_by_drawing_joints(links, bent):
+    """Joints drawn, a line through the straight links' angles taken off, the rest averaged.
+
+    Where links are bent it is the others alone that the robot follows.
+    """
     rng = np.random.default_rng(3)
     angles = np.cumsum(np.c_[np.zeros(20000), rng.normal(size=(20000, links - 1))], axis=1)
-    off = np.array([
-        angles[:, k] - (at[:, 0] * k + at[:, 1])
-        for at in [np.polyfit(np.arange(links), angles.T, 1).T] for k in range(links)
-    ])  # fmt: skip
-    mean = np.abs(off).mean(axis=0)
-    assert straightness_factors(links) == pytest.approx((mean.mean(), mean.std()), rel=0.03)
-    assert straightness_factors(2) == (0.0, 0.0)
+    straight = np.arange(bent // 2, links - bent // 2)
+    at = np.polyfit(straight, angles[:, straight].T, 1).T
+    off = angles[:, straight] - (at[:, :1] * straight + at[:, 1:])
+    mean = np.abs(off).mean(axis=1)
+    assert straightness_factors(links, bent) == pytest.approx((mean.mean(), mean.std()), rel=0.03)
+    assert straightness_factors(2) == straightness_factors(6, 4) == (0.0, 0.0)
+
+
+def test_a_bend_with_two_straight_links_knows_no_straightness():
+    made = stating(session(setup(15.0, 30.0), WHOLE_BODY_2005), joint_sigma_rad=0.01)
+    balanced = replace(made, readings=tuple(replace(r, bend="balanced") for r in made.readings))
+    data = FitData.of(balanced)
+    assert not data.astray_rad[data.bent].any()
+    mean, sigma = straightness_factors(6)
+    assert data.astray_rad[~data.bent] == pytest.approx(0.01 * mean)
+    assert data.astray_sigma_rad[~data.bent] == pytest.approx(0.01 * sigma)
 
 
 def test_scales_add_in_quadrature_and_a_mark_on_the_belt_tells():

@@ -56,7 +56,7 @@ def test_the_page_says_what_it_must(made):
     assert "ct_whole" in page
     assert "per link" in page
     assert "Agrees: as it should." in page
-    row = re.search(r'<tr class="void">.*?</tr>', page)
+    row = re.search(r'<tr class="void">.*?</tr><tr class="said">.*?</tr>', page)
     assert row
     assert "slipped &amp; fell" in row.group()
     assert "prefers-color-scheme:dark" in page
@@ -81,6 +81,7 @@ def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
     ]
     page = session_page(more, sn.fit_friction(made), None, None, events)
     assert '<tr class="void"><td>40</td>' in page
+    assert '<td colspan="3">voided: hit the wall</td>' in page
     assert "voided: hit the wall" in page
     assert "zero +0.029°" in page
     assert "<td>149° between links: λ = 15.52°</td>" in page
@@ -95,6 +96,7 @@ SHOWN = """
 const wide = [...document.querySelectorAll('.wide, figure')];
 return {page: document.documentElement.scrollWidth, window: innerWidth,
   clipped: wide.filter(e => e.scrollWidth > e.clientWidth + 1).length, parts: wide.length,
+  cut: wide.filter(e => e.className && e.scrollWidth > e.clientWidth).length,
   back: getComputedStyle(document.body).backgroundColor,
   drawing: getComputedStyle(document.querySelector('figure svg')).filter,
   struck: getComputedStyle(document.querySelector('.void td')).textDecorationLine}
@@ -108,13 +110,21 @@ return {page: document.documentElement.scrollWidth, window: innerWidth,
 def test_it_is_right_in_a_browser(made, tmp_path, width, dark, paper):
     """On a screen, in the dark, on a phone, and on A4 (688 px between its margins)."""
     file = tmp_path / "report.html"
-    file.write_text(session_page(made, sn.fit_friction(made), compared(), None), encoding="utf-8")
+    long = replace(made.readings[2], comment="the hand was on the belt, it was taken once more")
+    more = replace(
+        made, readings=(*made.readings[:2], long, *made.readings[3:]),
+        bends=(BendCheck(42, 0.26, 2.6, voided=True, comment="a remark of many words on this"),),
+    )  # fmt: skip
+    events = [Event("2026-01-02T03:04:05.678Z", "amend", 0, "instruments.belt_scale_sigma_percent")]
+    page = session_page(more, sn.fit_friction(made), compared(), None, events)
+    file.write_text(page, encoding="utf-8")
     with Browser(width, 900, dark, paper) as browser:
         browser.opens(file.as_uri())
         seen = browser.runs(SHOWN)
     assert seen["window"] == width
     assert seen["page"] <= width  # what is wider scrolls in its own box ...
     assert seen["parts"] >= 5
+    assert seen["cut"] == 0  # no table, on a phone neither
     assert width == 390 or seen["clipped"] == 0  # ... and on paper nothing is out of sight
     assert (seen["back"] == "rgb(23, 25, 28)") is dark
     assert ("invert" in seen["drawing"]) is dark

@@ -42,8 +42,9 @@ class FitData:
     (draws, errors) of these, in sigmas. zero_sigma_rad: of what is left of the inclinometer's zero,
     common to all. zero_assumed: it is ours, since the set-up claimed 0. back: whether a reading's
     wheels rolled backwards, the snake facing up the belt. ratchet: there are readings of both ways,
-    or were before some were left out. straightness_rad: mean and standard deviation of the mean
-    |angle| of straight links to the path. belt_sigma, mass_sigma: relative, of their scales.
+    or were before some were left out. astray_rad, astray_sigma_rad: per reading, mean and standard
+    deviation of the straight links' mean |angle| to the path, times their share.
+    belt_sigma, mass_sigma: relative, of their scales.
     """
 
     lambda_rad: Floats
@@ -62,8 +63,9 @@ class FitData:
     weight_n: float
     zero_sigma_rad: float
     zero_assumed: bool
+    astray_rad: Floats
+    astray_sigma_rad: Floats
     ratchet: bool = False
-    straightness_rad: tuple[float, float] = (0.0, 0.0)
     belt_sigma: float = 0.0
     mass_sigma: float = 0.0
 
@@ -72,8 +74,6 @@ class FitData:
         """Take a session's kept readings."""
         kept, zero = session.kept, session.zero
         belt, belt_sigma = session.belt_scale
-        off = session.setup.uncertainty.joint_sigma_rad
-        mean, scatter = straightness_factors(session.setup.robot.links)
         given = [session.uncertainty_of(r) for r in kept]
         lambda_rad = np.array([r.lambda_rad for r in kept], dtype=float)
         lambda_sigma_rad = np.array([g.lambda_sigma_rad for g in given], dtype=float)
@@ -81,13 +81,15 @@ class FitData:
         shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
         incline_sigma_rad = np.array([g.incline_sigma_rad for g in given], dtype=float)
         zeros_rad = np.array(session.zeros_rad(kept))
+        share = np.array([session.bent_share(r) for r in kept], dtype=float)
+        astray_rad, astray_sigma_rad = _astray(session, share)
         drift = Drift(zeros_rad, session.zero_drift_sigma_rad) if session.zero_drifts else None
         rounding, sigma_rad, draws = roundings(
             shown_rad, incline_sigma_rad, session.setup.treadmill.incline_step_rad, drift
         )
         return cls(
             lambda_rad=lambda_rad,
-            bent_share=np.array([session.bent_share(r) for r in kept], dtype=float),
+            bent_share=share,
             incline_rad=shown_rad - zeros_rad,
             slip_m_s=np.array([belt * r.belt_speed_m_s - r.drift_m_s for r in kept], dtype=float),
             incline_sigma_rad=np.where(rounding < 0, incline_sigma_rad, 0.0),
@@ -103,7 +105,8 @@ class FitData:
             zero_sigma_rad=zero.sigma_rad or ZERO_SIGMA_RAD,
             zero_assumed=not zero.sigma_rad,
             ratchet=any(r.facing == "up" for r in kept),
-            straightness_rad=(off * mean, off * scatter),
+            astray_rad=astray_rad,
+            astray_sigma_rad=astray_sigma_rad,
             belt_sigma=belt_sigma,
             mass_sigma=session.mass_sigma,
         )
@@ -133,7 +136,7 @@ class FitData:
     @property
     def straights(self) -> int:
         """Return how many unknowns there are for a robot that is not quite straight: 0 or 1."""
-        return int(self.straightness_rad[1] > 0.0)
+        return int(self.astray_sigma_rad.max(initial=0.0) > 0.0)
 
     @property
     def first_posture(self) -> int:
@@ -182,12 +185,23 @@ class FitData:
     def picked(self, index: Whole | NDArray[np.bool_]) -> FitData:
         """Return some of the readings, with the postures as they are."""
         names = ("lambda_rad", "bent_share", "incline_rad", "slip_m_s", "incline_sigma_rad",
-                 "speed_sigma_m_s", "posture", "rounding", "back")  # fmt: skip
+                 "speed_sigma_m_s", "posture", "rounding", "back", "astray_rad",
+                 "astray_sigma_rad")  # fmt: skip
         return replace(self, **{name: getattr(self, name)[index] for name in names})
 
     def without(self, index: int) -> FitData:
         """Return all readings but one."""
         return self.picked(np.delete(np.arange(len(self)), index))
+
+
+def _astray(session: Session, bent_share: Floats) -> tuple[Floats, Floats]:
+    """Return each reading's mean and sigma of how far straight links are off, times their share."""
+    links, off = session.setup.robot.links, session.setup.uncertainty.joint_sigma_rad
+    bent = np.round(bent_share * links).astype(int)
+    factors = {n: straightness_factors(links, n) for n in set(bent.tolist())}
+    found = np.array([factors[n] for n in bent.tolist()]).reshape(-1, 2)
+    found *= off * (1.0 - bent_share)[:, None]
+    return found[:, 0], found[:, 1]
 
 
 def projections(

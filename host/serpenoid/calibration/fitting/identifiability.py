@@ -51,7 +51,7 @@ def bend_note(data: FitData) -> list[str]:
         return []
     return [
         f"The bend is only {ratio:.1f} of its standard deviations: cn comes out too large by about "
-        f"{3 / ratio**2:.0%} on average; bend further, to lambda = {ADVISED_LAMBDA_DEG:g} degrees."
+        f"{3 / ratio**2:.0%} on average, until a bend of {_bend_advised(data):g} degrees is held."
     ]
 
 

@@ -29,6 +29,8 @@ import numpy as np
 from ...model.errors import NotConverged
 from .data import FitData, Floats, projections
 
+_NOTHING = 1e-6  # of a friction's standard deviation
+
 
 @dataclass(frozen=True)
 class Minimum:
@@ -75,11 +77,21 @@ def minimise(data: FitData, start: Floats, weights: Floats | None = None) -> Min
             f"the joint fit stopped with {found.message!r} at chi2 = {2 * found.cost:.3g}; look "
             "for a misread value, or compare with method='naive'"
         )
-    slopes = jacobian(found.x, data)
+    x = _at_limit(found.x, data)
+    slopes = jacobian(x, data)
     return Minimum(
-        found.x, residuals(found.x, data), slopes, 2 * float(found.cost),
+        x, residuals(x, data), slopes, 2 * float(found.cost),
         slopes.T @ (root[:, None] ** 2 * slopes), data.parameters,
     )  # fmt: skip
+
+
+def _at_limit(x: Floats, data: FitData) -> Floats:
+    """Return the unknowns with frictions put to 0 that the solver left just inside their limit."""
+    of = data.parameters
+    scale = np.linalg.norm(jacobian(x, data)[:, :of], axis=0)  # over 1: a friction's own sigma
+    x = x.copy()
+    x[:of][x[:of] * scale < _NOTHING] = 0.0
+    return x
 
 
 def starting_point(values: Floats, data: FitData) -> Floats:
@@ -123,10 +135,8 @@ def _astray(x: Floats, data: FitData) -> tuple[Floats, Floats]:
 
     Only links that are meant to be straight have one (`shared`).
     """
-    mean, sigma = data.straightness_rad
     unit = x[data.parameters] if data.straights else 0.0
-    straight = 1.0 - data.bent_share
-    return straight * (mean + sigma * unit), straight * sigma
+    return data.astray_rad + data.astray_sigma_rad * unit, data.astray_sigma_rad
 
 
 def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:

@@ -21,6 +21,7 @@ from .data import FitData, Floats
 from .joint import Minimum, jacobian, residuals
 
 _ROUNDS, _SETTLED, _HALVINGS = 60, 1e-6, 16
+_NOTHING = 1e-4  # of a friction, or of its standard deviation: an interval's low end is then 0
 
 
 def quantiles(data: FitData, found: Minimum, level: float) -> Floats:
@@ -129,6 +130,8 @@ def _extreme(data: Terms, found: Minimum, k: int, sign: float, level: float) -> 
         x = following
         if not np.isfinite(x).all():
             return None
-        if moved.max() < _SETTLED or (sign < 0.0 and x[k] < 1e-6 * found.x[k]):
+        if sign < 0.0 and x[k] <= _NOTHING * max(found.x[k], np.sqrt(covariance[k, k])):
+            return 0.0
+        if moved.max() < _SETTLED:
             return float(x[k])
     return None

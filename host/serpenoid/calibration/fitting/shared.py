@@ -13,7 +13,9 @@ covariance S, and the mean of |delta| over the links is a sigma on average and s
     a = sqrt(2/pi) mean(s_i),   b^2 = (2/pi) / n^2 sum s_i s_j (sqrt(1 - rho^2) + rho asin rho - 1),
 
 s_i^2 = S_ii, rho = S_ij / (s_i s_j). Links that are bent by more than delta gain on one side what
-they lose on the other.
+they lose on the other: to first order their dry friction does not tell where the robot heads. So in
+a bend it is the straight links alone that heading and curvature follow; two of them lie along the
+path exactly, and only where there are three is something left.
 """
 
 from __future__ import annotations
@@ -26,22 +28,24 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-def straightness_factors(links: int) -> tuple[float, float]:
-    """Return a and b: mean and scatter of the links' mean |delta|, per sigma of a joint.
+def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
+    """Return a and b: mean and scatter of the straight links' mean |delta|, per sigma of a joint.
 
-    links: number of links, 2 or more; two links lie along any path that is steered: 0 and 0.
+    links: number of links. bent: how many of them are bent, evenly many at either end. Two straight
+    links lie along any path that is steered: 0 and 0.
     """
-    if links < 3:
+    straight = links - bent
+    if straight < 3:
         return 0.0, 0.0
-    place = np.arange(links, dtype=float)
+    place = bent / 2 + np.arange(straight, dtype=float)
     joints_before = np.minimum.outer(place, place)
-    steered = np.column_stack([np.ones(links), place])
-    off = np.eye(links) - steered @ np.linalg.pinv(steered)
+    steered = np.column_stack([np.ones(straight), place])
+    off = np.eye(straight) - steered @ np.linalg.pinv(steered)
     covariance = off @ joints_before @ off.T
     s = np.sqrt(np.diag(covariance))
     rho = np.clip(covariance / np.outer(s, s), -1.0, 1.0)
     shape = np.sqrt(1.0 - rho**2) + rho * np.arcsin(rho) - 1.0
-    scatter = math.sqrt(2 / math.pi * float(s @ shape @ s)) / links
+    scatter = math.sqrt(2 / math.pi * float(s @ shape @ s)) / straight
     return math.sqrt(2 / math.pi) * float(s.mean()), scatter
 
 

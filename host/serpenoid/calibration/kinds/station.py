@@ -15,6 +15,9 @@ BENDS = ("zigzag", "balanced")  # zigzag first: sessions of before there were ot
 # Beyond these a number is a slip of units, not a reading: the joints end before 60 degrees, and
 # the snake tumbles before 45.
 MAX_LAMBDA_DEG, MAX_INCLINE_DEG = 60.0, 45.0
+# Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
+# loose that would rest, so that dry friction across is less than that of wheels which slide.
+LEAST_SLIP_M_S = 0.12
 FIELDS = (
     Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
     Field("incline_deg", "the inclinometer shows", "incline", 0.0, MAX_INCLINE_DEG, open_low=True),

@@ -181,7 +181,8 @@ class SimulatedTreadmill:
     def _bend(self, step: Step) -> Cells:
         """Bend as planned; lay the protractor on the joints at both ends."""
         self._pose(math.radians(step.lambda_deg), step.facing)
-        scatter = math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad
+        # of each end, so that half the mean of both errs by what is stated of the bend
+        scatter = 2 * math.sqrt(2) * self._setup.uncertainty.lambda_sigma_rad
         ends = [
             abs(2 * self._bent_rad + way * error) + self._normal(scatter)
             for way, error in self._ends()

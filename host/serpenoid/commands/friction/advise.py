@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..options import AS_JSON, listed_gait, show_json
+from ..options import AS_JSON, listed_gait, servo_option, show_json, take_servo
 
 
 @click.command()
@@ -16,15 +16,20 @@ from ..options import AS_JSON, listed_gait, show_json
 @click.option("--samples", type=click.IntRange(16, 4096), default=48, show_default=True,
               help="Frictions drawn from the fit.")  # fmt: skip
 @click.option("--runs", is_flag=True, help="Count gait runs, too, which no friction fit uses.")
+@servo_option
 @AS_JSON
 def advise(
     session: Path,
     gaits: tuple[tuple[float, float, float], ...],
     samples: int,
     runs: bool,
+    servo_name: str | None,
     as_json: bool,
 ) -> None:
-    """Tell which reading to take next: the one that shrinks the predicted speeds' band most."""
+    """Tell which reading to take next: the one that shrinks the predicted speeds' band most.
+
+    The band is that of `compare`: any hobby servo may move the joints unless --servo says which.
+    """
     from ...calibration.advice import advise as ask
     from ...calibration.session_file import load_session
     from ...show.friction_report import show_advice
@@ -33,5 +38,8 @@ def advise(
     wanted = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
     with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
-        found = ask(loaded, wanted, samples=samples, runs=runs, progress=advance)
+        found = ask(
+            loaded, wanted, samples=samples, runs=runs, servo=take_servo(servo_name, "hobby"),
+            progress=advance,
+        )  # fmt: skip
     show_json(found.to_dict()) if as_json else show_advice(found)

@@ -8,7 +8,7 @@ import click
 
 from ...show.screen import say
 from ..given import session_fit
-from ..options import AS_JSON, show_json
+from ..options import AS_JSON, servo_option, show_json, take_servo
 from ..paths import OutFile
 
 
@@ -16,9 +16,15 @@ from ..paths import OutFile
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--out", type=OutFile(".html"), help="Where to; report.html in the session's folder.")
 @click.option("--bibtex", type=OutFile(".bib"), help="Write what to cite into this file, too.")
+@servo_option
 @AS_JSON
-def report(session: Path, out: Path | None, bibtex: Path | None, as_json: bool) -> None:
-    """Write a session's report: one self-contained HTML file, the same bytes when made again."""
+def report(
+    session: Path, out: Path | None, bibtex: Path | None, servo_name: str | None, as_json: bool
+) -> None:
+    """Write a session's report: one self-contained HTML file, the same bytes when made again.
+
+    Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
+    """
     from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
     from ...calibration.session_rows import events_of
@@ -28,13 +34,14 @@ def report(session: Path, out: Path | None, bibtex: Path | None, as_json: bool) 
 
     out = out or session / "report.html"
     compared = advised = None
+    servo = take_servo(servo_name, "hobby")
     loaded = load_session(session)
     fit = session_fit(session)
     if comparison.compared_gaits(loaded):
         with progress(comparison.gait_count(loaded), "gaits") as advance:
-            compared = comparison.compare(loaded, fit, progress=advance)
+            compared = comparison.compare(loaded, fit, servo=servo, progress=advance)
     if loaded.setup.procedure.gaits:
-        advised = advice.advise(loaded)
+        advised = advice.advise(loaded, servo=servo)
     page = session_page(loaded, fit, compared, advised, events_of(loaded))
     with whole_file(out) as part:
         part.write_text(page, encoding="utf-8")

@@ -16,6 +16,7 @@ from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ...calibration.taking.procedure import step_in_words
 from ..comparison_figure import draw_comparison
+from ..friction_report import MEASURED, measured_row, predicted_columns, predicted_row
 from ..plot import draw_friction, figure
 
 _STYLE = """
@@ -34,13 +35,13 @@ th:first-child,td:first-child{text-align:left}
 figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
 figure svg{display:block;width:100%;min-width:34rem;height:auto}
 .void{color:var(--soft)}.void td{text-decoration:line-through}
-.told th:last-child,.told td:last-child{text-align:left;white-space:normal;min-width:9rem;
-text-decoration:none}
+.words th,.words td{text-align:left;white-space:normal;overflow-wrap:anywhere}
+.said td{color:var(--soft);white-space:normal}tr:has(+.said) td{border:0}
 code{overflow-wrap:anywhere}
 @media screen and (prefers-color-scheme:dark){figure{background:none}
 figure svg{filter:invert(.9) hue-rotate(180deg)}}
 @media screen and (max-width:500px){body{padding:1rem .7rem}table{font-size:.85rem}
-th,td{padding:.25rem .35rem;white-space:normal}}
+th,td{padding:.25rem .3rem;white-space:normal}}
 @media print{@page{size:A4;margin:14mm}body{font-size:9.5pt;max-width:none;padding:0}
 h2{break-after:avoid}figure,tr{break-inside:avoid}figure svg{min-width:0;max-height:110mm}
 .wide{overflow:visible}table{font-size:8.5pt}th,td{padding:.1rem .35rem}}
@@ -109,16 +110,21 @@ def _table(
     head: Sequence[str],
     rows: Sequence[Sequence[str]],
     classes: Sequence[str] = (),
-    told: bool = False,
+    words: bool = False,
+    said: Sequence[str] = (),
 ) -> str:
-    """Return a table of numbers; classes: of its rows; told: the last column is in words."""
+    """Return a table; classes: of its rows; words: it has text, not numbers; said: below each row.
+
+    So a table has no more columns than a phone is wide.
+    """
     top = "".join(f'<th scope="col">{escape(h)}</th>' for h in head)
-    marks = list(classes) or [""] * len(rows)
-    body = "".join(
-        f'<tr class="{mark}">' + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>"
-        for row, mark in zip(rows, marks, strict=True)
-    )
-    kind = ' class="told"' if told else ""
+    body = ""
+    for k, row in enumerate(rows):
+        mark = f' class="{classes[k]}"' if classes and classes[k] else ""
+        body += f"<tr{mark}>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>"
+        if said and said[k]:
+            body += f'<tr class="said"><td colspan="{len(head)}">{escape(said[k])}</td></tr>'
+    kind = ' class="words"' if words else ""
     return f'<div class="wide" tabindex="0"><table{kind}><tr>{top}</tr>{body}</table></div>'
 
 
@@ -148,11 +154,11 @@ def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
 
 def _friction_table(fit: FrictionFit) -> str:
     rows = [
-        [r.name, f"{r.value:.4g}", f"{r.sigma:.2g}", f"{r.low:.3g} to {r.high:.3g}", r.unit,
+        [f"{r.name}, {r.unit}", f"{r.value:.4g}", f"{r.sigma:.2g}", r.interval,
          f"{r.value / fit.robot.links:.4g}"]
         for r in fit.rows()
     ]  # fmt: skip
-    head = ["whole snake", "value", "sigma", "95 % interval", "unit", "per link"]
+    head = ["whole snake", "value", "sigma", "95 % interval", "per link"]
     return _table(head, rows)
 
 
@@ -162,25 +168,19 @@ def _notes(fit: FrictionFit, session: Session) -> list[str]:
 
 
 def _speed_table(compared: Comparison) -> str:
-    rows = []
-    for p in compared.gaits:
-        seen = "" if p.measured_m_s is None else f"{p.measured_m_s:.4f} ± {p.sigma_m_s:.4f}"
-        springs = "–" if math.isnan(p.implicit_m_s) else f"{p.implicit_m_s:.4f}"
-        rows.append([
-            f"{math.degrees(p.alpha_rad):.3g}°/{math.degrees(p.beta_rad):.3g}°, "
-            f"{p.frequency_hz:.3g} Hz", f"{p.exact_m_s:.4f}",
-            f"{p.low_m_s:.4f} to {p.high_m_s:.4f}",
-            f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}", springs, seen,
-        ])  # fmt: skip
-    head = ["gait", "exact (m/s)", "95 % friction", "95 % with joints", "implicit", "measured"]
-    return _table(head, rows)
+    predicted = _table(
+        predicted_columns(compared, " (m/s)"), list(map(predicted_row, compared.gaits))
+    )
+    ran = [p for p in compared.gaits if p.measured_m_s is not None]
+    return predicted + (_table(MEASURED, list(map(measured_row, ran))) if ran else "")
 
 
 def _advice(advice: Advice) -> str:
-    rows = [[r.in_words(), f"{r.band:.1%}"] for r in advice.readings[:4]]
-    now = f"<p>The speeds are known to {advice.band:.1%} (95 %).</p>"
+    rows = [[r.in_words(), f"{r.band_after_times:.1%}"] for r in advice.readings[:4]]
+    servos = "" if advice.servo is None else f", servos: {advice.servo}"
+    now = f"<p>The speeds are known to {advice.band:.1%} (95 %, friction and joints{servos}).</p>"
     note = f"<p>{escape(advice.note)}</p>" if advice.note else ""
-    return now + _table(["reading", "afterwards"], rows) + note
+    return now + _table(["reading", "afterwards"], rows, words=True) + note
 
 
 def _readings(session: Session, fit: FrictionFit) -> str:
@@ -188,13 +188,15 @@ def _readings(session: Session, fit: FrictionFit) -> str:
     rows = [
         [str(r.number), f"{math.degrees(r.lambda_rad):.4g}", f"{math.degrees(r.incline_rad):.4g}",
          f"{r.belt_speed_m_s:.4g}", f"{r.drift_m_s + 0.0:.3g}",
-         f"{off[r.number]:+.1f}" if r.number in off else "voided",
-         "; ".join(filter(None, ["facing up" if r.facing == "up" else "", r.comment]))]
+         f"{off[r.number]:+.1f}" if r.number in off else "voided"]
         for r in session.readings
     ]  # fmt: skip
-    head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)",
-            "comment"]  # fmt: skip
-    return _table(head, rows, ["void" if r.voided else "" for r in session.readings], told=True)
+    said = [
+        "; ".join(filter(None, ["facing up" if r.facing == "up" else "", r.comment]))
+        for r in session.readings
+    ]
+    head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)"]
+    return _table(head, rows, ["void" if r.voided else "" for r in session.readings], said=said)
 
 
 def _other_readings(session: Session) -> list[str]:
@@ -202,13 +204,10 @@ def _other_readings(session: Session) -> list[str]:
     others = [(kind, r) for kind, r in session.numbered if kind.name != "station"]
     if not others:
         return []
-    rows = [
-        [str(r.number), *kind.describe(r),
-         ": ".join(filter(None, ["voided" if r.voided else "", r.comment]))]
-        for kind, r in others
-    ]  # fmt: skip
+    rows = [[str(r.number), *kind.describe(r)] for kind, r in others]
+    said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for _, r in others]
     marks = ["void" if r.voided else "" for _, r in others]
-    table = _table(["number", "what", "shown", "comment"], rows, marks, told=True)
+    table = _table(["number", "what", "shown"], rows, marks, words=True, said=said)
     return ["<h3>Other readings</h3>", table]
 
 
@@ -227,7 +226,7 @@ def _told(events: Sequence[Event]) -> list[str]:
         if e.event in names
     ]
     head = ["time (UTC)", "what", "reading", "why"]
-    return ["<h2>What happened</h2>", _table(head, rows, told=True)] if rows else []
+    return ["<h2>What happened</h2>", _table(head, rows, words=True)] if rows else []
 
 
 def _provenance(session: Session, fit: FrictionFit, events: Sequence[Event]) -> str:

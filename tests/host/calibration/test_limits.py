@@ -1,0 +1,99 @@
+"""Frictions of 0: a robot on ball bearings is a truth, and an answer."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from calibration.synthetic_session import session, setup
+from serpenoid import Ground
+from serpenoid.calibration.kinds.station import Reading
+from serpenoid.calibration.session import Session
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.show import report
+
+SETUP = setup(15.0)
+
+
+def held(ct, seed, cn=1.2):
+    """Return stations at given speeds, whose inclines the law gives, by plain formulas."""
+    rng, rows = np.random.default_rng(seed), []
+    for bend in (0.0, math.radians(15.0)):
+        c, s = math.cos(bend), math.sin(bend)
+        for v in (0.2, 0.4, 0.6, 0.8):
+            pull = (ct * c * c + cn * s * s) * v + 0.14 * c + 0.27 * s
+            incline = math.asin(pull / SETUP.weight_n) + math.radians(rng.uniform(-0.05, 0.05))
+            rows.append(Reading(len(rows) + 1, bend, incline, v + 0.02 * rng.normal()))
+    return Session(SETUP, tuple(rows))
+
+
+@pytest.fixture(scope="module")
+def fits():
+    return [sn.fit_friction(held(0.0, seed)) for seed in range(12)]
+
+
+def test_ball_bearings_are_an_answer(fits):
+    held = [fit.intervals["ct"] for fit in fits]
+    assert all(low == 0.0 and high > 0.0 for low, high in held)  # 0 itself, no 1e-9
+    values = [fit.parameters["ct"].value for fit in fits]
+    assert any(v == 0.0 for v in values)
+    assert any(v > 0.0 for v in values)
+    at_limit = fits[values.index(0.0)]
+    assert any("ct ends at its limit of 0" in note for note in at_limit.notes)
+
+
+def test_sigma_interval_and_draws_tell_the_same_beside_the_limit(fits):
+    for fit in fits:
+        (value, sigma), (_, high) = fit.parameters["ct"], fit.intervals["ct"]
+        assert value + 1.96 * sigma == pytest.approx(high, rel=0.15)
+        drawn = fit.sample_whole(512)[:, 0]
+        assert drawn.min() >= 0.0
+        # a normal distribution that is cut at 0 has a little more above
+        assert 0.02 < np.mean(drawn > high) < 0.08
+
+
+def test_friction_across_of_0_states_no_sigma_wider_than_its_interval():
+    made = [sn.fit_friction(held(0.084, seed, cn=0.0)) for seed in range(6)]
+    cut = [fit for fit in made if fit.intervals["cn"][0] == 0.0]
+    assert len(cut) >= 3
+    for fit in cut:
+        (value, sigma), (_, high) = fit.parameters["cn"], fit.intervals["cn"]
+        assert sigma <= 1.001 * (high - value) / 1.96
+
+
+def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
+    fit = next(f for f in fits if f.parameters["ct"].value == 0.0)
+    gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
+    assert sn.steady_gait(fit.robot, fit.ground, gait).speed_m_s > 0.05
+    text = str(fit)
+    assert text.startswith("friction of 'made up', joint fit, 6 links")
+    assert "below 0.0" in text
+    assert fit.chi2_in_words in text
+    assert "Influence" not in text + repr(fit)
+    assert len(repr(fit)) < 250
+    report.fit(fit)
+    assert "below 0.0" in capsys.readouterr().out
+
+
+def test_the_lab_has_robots_on_ball_bearings():
+    """The treadmill's steps change a straight robot's speed by all that the belt has: it skips."""
+    base = default_setup("bearings")
+    base = replace(base, procedure=replace(base.procedure, gaits=()))
+    truth = Truth(Ground(0.0, 1.2, 0.14, 0.27))
+    taken = take_all(MemoryRecord(base), SimulatedTreadmill(base, truth, seed=3))
+    assert sum(r.lambda_rad > 0 for r in taken.kept) > 5
+
+
+def test_a_fit_of_even_readings_has_the_covariance_that_it_had():
+    """Away from the limit nothing is changed."""
+    made = session(SETUP, Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27))
+    fit = sn.fit_friction(made)
+    for name in ("ct", "cn", "ft0", "fn0"):
+        (value, sigma), (low, high) = fit.parameters[name], fit.intervals[name]
+        assert low > 0.0
+        assert (high - low) / 2 / 1.96 == pytest.approx(sigma, rel=0.05)
+        assert low < value < high
