@@ -11,12 +11,14 @@ MOST_WORDS, LONGEST_SENTENCE = 900, 30
 PAGES = [
     "README.md",
     "CONTRIBUTING.md",
+    "docs/paper/paper.md",
     *sorted(f"docs/{p.name}" for p in (ROOT / "docs").glob("*.md")),
 ]
 
 
 def prose(text: str) -> str:
     """Return a page without code, tables, formulas and addresses."""
+    text = re.sub(r"\A---\n.*?\n---\n", "", text, flags=re.S)
     text = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
     text = re.sub(r"\$\$.*?\$\$", "", text, flags=re.S)
     text = re.sub(r"^( {4,}|\|).*$", "", text, flags=re.M)
@@ -47,3 +49,12 @@ def test_a_long_sentence_is_found() -> None:
     assert too_long("word " * 31 + ".") != []
     assert too_long("word " * 30 + "\n\n" + "word " * 30) == []
     assert too_long("- " + "word " * 29 + "\n- word. " + "word " * 29 + "`code`.") == []
+
+
+def test_the_paper_cites_what_its_list_has_and_the_list_has_no_more() -> None:
+    folder = ROOT / "docs" / "paper"
+    _, head, text = (folder / "paper.md").read_text().split("---\n", 2)
+    assert "bibliography: paper.bib" in head
+    listed = re.findall(r"^@\w+\{(\w+),", (folder / "paper.bib").read_text(), re.M)
+    assert sorted(set(re.findall(r"@([a-z]+\d*)", text))) == sorted(listed)
+    assert len(set(listed)) == len(listed)
