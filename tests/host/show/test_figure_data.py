@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from click.testing import CliRunner
 from serpenoid.commands.main import cli
 from serpenoid.show import citation, report
 from serpenoid.show.screen import screen
+from serpenoid.show.session import table
 
 ROOT = Path(__file__).parents[3]
 FOLDER_2005 = ROOT / "calibration_data" / "nirakh-2005"
@@ -60,6 +62,15 @@ def test_a_narrow_table_keeps_every_letter(width, monkeypatch) -> None:
     for column in (cell, "1234567890.123456789"):
         assert column in letters
     assert "…" not in shown.getvalue()
+
+
+def test_a_long_sessions_newest_readings_are_shown(monkeypatch) -> None:
+    shown = io.StringIO()
+    monkeypatch.setattr(report, "console", screen(width=100, file=shown))
+    monkeypatch.setattr(table, "MOST_ROWS", 4)
+    table.show(sn.load_session(FOLDER_2005), [])
+    assert "7 earlier readings are not shown; --json has them" in shown.getvalue()
+    assert re.findall(r"^│ (\d+)", shown.getvalue(), re.M) == ["8", "9", "10", "11"]
 
 
 def test_a_page_that_is_there_stays_unless_it_is_named(tmp_path: Path, monkeypatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 MOST_BYTES = 1 << 31  # a fortnight of telemetry
 LONGEST_ROW = 4096  # bytes; the longest that a recorder writes is a tenth of it
+_COUNTS = ("frame", "board_us", "exec_us", "late_us", "clipped")  # whole numbers of a frame
 BACKWARDS_S = 0.01  # between lines that threads wrote a moment apart, as versions before 0.2 did
 
 
@@ -86,7 +88,10 @@ class _Reading:
     def __init__(self, path: Path):
         self._path = path
         self._last_s = 0.0
-        self._frames: list[tuple[float, Telemetry]] = []
+        self._host_s, self._phase_rad, self._setpoint_rad = array("d"), array("d"), array("d")
+        self._counts = {name: array("q") for name in _COUNTS}
+        self._pulse_us, self._state, self._joints = array("q"), array("i"), 0
+        self._states: dict[str, int] = {}
         self._sent: list[tuple[float, str]] = []
         self._said: list[tuple[float, str]] = []
         self._damaged = self._lost = 0
@@ -107,22 +112,23 @@ class _Reading:
         """Return all that was taken."""
         import numpy as np
 
-        f = [frame for _, frame in self._frames]
-        joints = max((len(x.setpoint_rad) for x in f), default=0)
+        count, joints = len(self._host_s), self._joints
         clock = BoardClock(self._frame_us or frame_us(joints))
-        board_us = [clock.unwrap(x.frame, x.board_us) for x in f]
+        told = zip(self._counts["frame"], self._counts["board_us"], strict=True)
+        board_us = np.fromiter((clock.unwrap(*one) for one in told), float, count)
+        names = np.array(list(self._states), dtype=str)
         return Stream(
             begun=begun,
-            host_s=np.array([host_s for host_s, _ in self._frames]),
-            frame=np.array([x.frame for x in f], dtype=np.int64),
-            board_s=np.array(board_us) * 1e-6,
-            phase_rad=np.array([x.phase_rad for x in f]),
-            setpoint_rad=np.array([x.setpoint_rad for x in f], dtype=float).reshape(len(f), joints),
-            pulse_us=np.array([x.pulse_us for x in f], dtype=np.int64).reshape(len(f), joints),
-            exec_us=np.array([x.exec_us for x in f], dtype=np.int64),
-            late_us=np.array([x.late_us for x in f], dtype=np.int64),
-            clipped=np.array([x.clipped for x in f], dtype=np.int64),
-            state=np.array([x.state for x in f], dtype=str),
+            host_s=np.array(self._host_s),
+            frame=np.array(self._counts["frame"]),
+            board_s=board_us * 1e-6,
+            phase_rad=np.array(self._phase_rad),
+            setpoint_rad=np.array(self._setpoint_rad).reshape(count, joints),
+            pulse_us=np.array(self._pulse_us).reshape(count, joints),
+            exec_us=np.array(self._counts["exec_us"]),
+            late_us=np.array(self._counts["late_us"]),
+            clipped=np.array(self._counts["clipped"]),
+            state=names[np.array(self._state)] if count else names,
             sent=tuple(self._sent),
             said=tuple(self._said),
             damaged=self._damaged,
@@ -162,7 +168,18 @@ class _Reading:
             self._said.append((host_s, text.decode("ascii")))
             if isinstance(message, Hello):
                 self._frame_us = message.frame_us
-        elif self._frames and len(message.setpoint_rad) != len(self._frames[0][1].setpoint_rad):
+        elif self._host_s and len(message.setpoint_rad) != self._joints:
             raise ValueError("this frame has another number of joints than the first one")
         else:
-            self._frames.append((host_s, message))
+            self._keep(host_s, message)
+
+    def _keep(self, host_s: float, frame: Telemetry) -> None:
+        """Add a frame to the arrays: a run of days has millions."""
+        self._joints = len(frame.setpoint_rad)
+        self._host_s.append(host_s)
+        self._phase_rad.append(frame.phase_rad)
+        self._setpoint_rad.extend(frame.setpoint_rad)
+        self._pulse_us.extend(frame.pulse_us)
+        for name, column in self._counts.items():
+            column.append(getattr(frame, name))
+        self._state.append(self._states.setdefault(frame.state, len(self._states)))

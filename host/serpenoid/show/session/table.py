@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from ...calibration.session import Session
 
 
+MOST_ROWS = 500  # the newest readings, on a terminal
+
+
 def rows(session: Session) -> list[list[str]]:
     """Return one row a reading: number, what, values, state; in the order of the numbers."""
     return [
@@ -23,6 +26,10 @@ def show(session: Session, parts: list[tuple[str, str]]) -> None:
     """Print what was read, then how far each part of the plan is."""
     columns = ["reading", "what", "values", "state", "comment"]
     told = rows(session)
+    if len(told) > MOST_ROWS:
+        earlier = len(told) - MOST_ROWS
+        report.console.print(f"{earlier} earlier readings are not shown; --json has them")
+        told = told[-MOST_ROWS:]
     shown = [k for k, name in enumerate(columns) if name != "state" or any(row[k] for row in told)]
     cells = [[row[k] for k in shown] for row in told]
     report.table(session.setup.name, [columns[k] for k in shown], cells, len(shown))
