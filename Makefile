@@ -51,7 +51,7 @@ quick-tests:
 
 test-slow: $(VENV)/built $(VENV)/dev
 	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs Xvfb=xvfb \
-		$$(cat tests/avr/packages.txt) || echo "what needs these is skipped"
+		$$(cat tests/avr/packages.txt tests/arm/packages.txt) || echo "what needs these is skipped"
 	@$(MAKE) --no-print-directory --jobs=2 slow-host slow-board
 
 slow-host:

@@ -110,6 +110,15 @@ def symbols(elf: Path) -> dict[str, int]:
     return found
 
 
+def wired(elf: Path, board: str, joints: int = 5, output: str = "servo") -> Board:
+    """Power a board that has servos at its pins, all watched, or a PCA9685 and its /OE watched."""
+    if output == "servo":
+        return Board(elf, board, SERVO_PINS[board][: 2 * joints])
+    powered = Board(elf, board, ENABLE_PIN[board])
+    powered.add_pca9685(*TWO_WIRES[board])
+    return powered
+
+
 class Board:
     """A simulated board running one ELF; simulated time stands still between calls."""
 

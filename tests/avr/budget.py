@@ -11,12 +11,15 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # so that it runs as a script too
 
 import numpy as np
-from avr.board import SERVO_PINS, Board
+from avr.board import SERVO_PINS, Board, wired
 from avr.dialogue import Dialogue, telemetry
 from avr.toolchain import ToolchainError, build_firmware
 from avr.truth import Wave, pulse_errors_us
 
 BOARDS = ("uno", "mega")
+FLASH = {"uno": 30_720, "nano": 30_720, "mega": 60_000}  # bytes: a Nano's, less its boot loader
+LEAST_RAM = 250  # bytes never touched, of any number of joints that a board may have
+MEMORY_S = 12.0
 
 
 @dataclass(frozen=True)
@@ -59,14 +62,14 @@ def busy_board(elf: Path, name: str, seconds: float) -> tuple[Dialogue, int]:
     return talk, first
 
 
-def random_command(rng: random.Random) -> str:
+def random_command(rng: random.Random, joints: int = 5) -> str:
     """Return a command, right or wrong, with any fields."""
     number = f"{rng.uniform(-120, 120):.{rng.randrange(7)}f}"
     return rng.choice(
         [
             f"gait {rng.uniform(0, 95):.4f} {rng.uniform(-185, 185):.6f} {rng.uniform(0, 12):.3f}",
             f"gait 30.123456 -80.654321 5.123456 {rng.uniform(-60, 60):.6f}",
-            "pose " + " ".join(f"{rng.uniform(-95, 95):.6f}" for _ in range(5)),
+            "pose " + " ".join(f"{rng.uniform(-95, 95):.6f}" for _ in range(joints)),
             f"pose bent {number} {number}",
             f"set {rng.choice(('angle_ramp', 'pose_speed', 'every', 'limp', 'colour'))} {number}",
             f"trim {rng.randrange(7)} {rng.choice(('centre', 'low', 'high', 'scale'))} {number}",
@@ -76,15 +79,15 @@ def random_command(rng: random.Random) -> str:
     )
 
 
-def stack_after_random_commands(elf: Path, name: str, seconds: float) -> int:
+def ram_left(elf: Path, name: str, seconds: float, joints: int = 5, output: str = "servo") -> int:
     """Return the bytes of RAM that are never touched while any commands come, damage among them."""
     rng = random.Random(2005)
-    with Board(elf, name) as board:
+    with wired(elf, name, joints, output) as board:
         talk = Dialogue(board)
         talk.hello()
         end_s = board.time_s + seconds
         while board.time_s < end_s:
-            talk.send(random_command(rng))
+            talk.send(random_command(rng, joints))
             if rng.random() < 0.1:
                 board.send(bytes(rng.randrange(256) for _ in range(30)) + b"\n!\n")
             board.run(rng.uniform(0.002, 0.08))
@@ -94,7 +97,7 @@ def stack_after_random_commands(elf: Path, name: str, seconds: float) -> int:
 def measure(name: str, seconds: float = 10.0) -> list[Row]:
     """Measure one board's budget, rows in the order of the table."""
     elf = build_firmware(name)
-    untouched = stack_after_random_commands(elf, name, 4 * seconds)
+    untouched = ram_left(elf, name, 4 * seconds)
     talk, first = busy_board(elf, name, seconds)
     with talk.board as board:
         seen = telemetry(board.lines[first:])
@@ -103,7 +106,7 @@ def measure(name: str, seconds: float = 10.0) -> list[Row]:
         errors = pulse_errors_us(board, seen, wave)
         counters = talk.counters()
         return [
-            Row("flash", "bytes", flash_bytes(elf), 30_720 if name == "uno" else 60_000),
+            Row("flash", "bytes", flash_bytes(elf), FLASH[name]),
             Row("static RAM", "bytes", board.static_ram, 1_600),
             Row("RAM never touched, any commands", "bytes", untouched, 500, floor=True),
             Row("setpoints to pulses, mean", "µs", float(np.mean(seen.exec_us)), 800),
@@ -117,6 +120,28 @@ def measure(name: str, seconds: float = 10.0) -> list[Row]:
             Row("pulse error, 99 % within", "µs", float(np.percentile(abs(errors), 99)), 3.0),
             Row("pulse error, extreme", "µs", float(np.max(abs(errors))), 10.0),
         ]
+
+
+def memory(name: str, joints: int, output: str) -> tuple[int, int, int]:
+    """Return flash, static RAM, and RAM that is never touched, all in bytes."""
+    elf = build_firmware(name, joints, output)
+    with Board(elf, name) as board:
+        static = board.static_ram
+    return flash_bytes(elf), static, ram_left(elf, name, MEMORY_S, joints, output)
+
+
+def memory_table() -> str:
+    """Lay flash and RAM by number of joints out as a Markdown table."""
+    lines = [
+        "| board | output | joints | flash | static RAM | never touched |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name, most in (("uno", 8), ("mega", 12)):
+        for output in ("servo", "pca9685"):
+            for joints in (2, *range(5, most + 1)):
+                sizes = " | ".join(map(str, memory(name, joints, output)))
+                lines.append(f"| {name} | {output} | {joints} | {sizes} |")
+    return "\n".join(lines)
 
 
 def table(columns: dict[str, list[Row]]) -> str:
@@ -134,8 +159,11 @@ def table(columns: dict[str, list[Row]]) -> str:
 
 
 def main() -> int:
-    """Print the table; exit 1 when a bound is broken."""
+    """Print the table, or that of `memory`; exit 1 when a bound is broken."""
     try:
+        if sys.argv[1:] == ["memory"]:
+            print(memory_table())
+            return 0
         columns = {name: measure(name) for name in BOARDS}
     except ToolchainError as error:
         print(error, file=sys.stderr)

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from avr.board import ENABLE_PIN, SERVO_PINS, TWO_WIRES, Board
+from avr.board import Board, wired
 from avr.live import LiveBoard
 from avr.toolchain import ToolchainError, build_firmware, require
 
@@ -48,11 +48,7 @@ def start(firmware_elf: Callable[..., Path]) -> Iterator[Callable[..., Board]]:
     ) -> Board:
         usual = (joints, output) == (5, "servo")
         elf = firmware_elf(board) if usual else firmware_elf(board, joints, output)
-        if output == "servo":
-            boards.append(Board(elf, board, SERVO_PINS[board][: 2 * joints]))
-        else:
-            boards.append(Board(elf, board, ENABLE_PIN[board]))
-            boards[-1].add_pca9685(*TWO_WIRES[board])
+        boards.append(wired(elf, board, joints, output))
         if eeprom is not None:
             boards[-1].eeprom = eeprom
         return boards[-1]
