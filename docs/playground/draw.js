@@ -1,6 +1,7 @@
 // Pictures: the snake, the map, the curve. Colours come from the style sheet.
 "use strict";
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+let colours = {}; // as looked up; emptied when the page turns dark or light
+const colour = (name) => (colours[name] ??= getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim());
 
 // A canvas as sharp as the screen; returns its context in CSS pixels.
 function sharp(canvas) {
@@ -121,30 +122,41 @@ function valueAt(values, i, j, stride) {
   return NaN;
 }
 
+// The cells stay as they are while only the ring moves: they are kept as a picture, made anew when
+// `map.fresh` says so or the canvas has another size.
 function drawMap(canvas, map, s) {
   const { g, w, h } = sharp(canvas), f = mapFrame(w, h);
-  const known = map ? [...map.values].filter(Number.isFinite) : [];
-  const sorted = known.sort((a, b) => a - b), low = map && map.mode === "power" ? sorted[0] : 0;
-  const high = map && map.mode === "power" ? sorted[Math.floor(0.6 * (sorted.length - 1))] : sorted[sorted.length - 1];
+  if (map && (map.fresh || map.picture.width !== canvas.width || map.picture.height !== canvas.height)) {
+    map.fresh = false, map.best = drawCells(g, f, map);
+    map.picture = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+    map.picture.getContext("2d").drawImage(canvas, 0, 0);
+  } else if (map) g.drawImage(map.picture, 0, 0, w, h);
+  axes(g, f, [0, 45, 90, 135, 180], [0, 30, 60, 90], f.X, f.Y, "phase lag β, °", "amplitude α, °");
+  if (map && map.best) mark(g, f.X(map.best.beta), f.Y(map.best.alpha), "★");
+  ring(g, f.X(s.beta), f.Y(Math.min(s.alpha, 90)));
+}
+
+// Fill the cells; return the best: the fastest, or the one with the least power.
+function drawCells(g, f, map) {
+  const known = [...map.values].filter(Number.isFinite), power = map.mode === "power";
+  const sorted = known.sort((a, b) => a - b), low = power ? sorted[0] : 0;
+  const high = power ? sorted[Math.floor(0.6 * (sorted.length - 1))] : sorted[sorted.length - 1];
   let best = null;
   const dx = f.width / CELLS, dy = f.height / CELLS;
-  for (let i = 0; map && i <= CELLS; i++)
+  for (let i = 0; i <= CELLS; i++)
     for (let j = 0; j <= CELLS; j++) {
       const v = valueAt(map.values, i, j, 8);
       if (!Number.isFinite(v)) continue;
       const shade = high > low ? (v - low) / (high - low) : 0;
-      g.fillStyle = viridis(map.mode === "power" ? 1 - shade : shade);
+      g.fillStyle = viridis(power ? 1 - shade : shade);
       const x = Math.max(f.x0, f.X(j * 4.5) - dx / 2), y = Math.max(FRAME.top, f.Y(i * 2.25) - dy / 2);
       g.fillRect(x, y, Math.min(dx + 1, f.x0 + f.width - x), Math.min(dy + 1, f.y0 - y));
       const exact = map.values[i * (CELLS + 1) + j];
-      if (i && j && Number.isFinite(exact) && (!best || (map.mode === "power" ? exact < best.v : exact > best.v)))
+      if (i && j && Number.isFinite(exact) && (!best || (power ? exact < best.v : exact > best.v)))
         best = { v: exact, alpha: i * 2.25, beta: j * 4.5 };
     }
-  if (map && map.done) cliff(g, f, map, high - low);
-  axes(g, f, [0, 45, 90, 135, 180], [0, 30, 60, 90], f.X, f.Y, "phase lag β, °", "amplitude α, °");
-  if (best) mark(g, f.X(best.beta), f.Y(best.alpha), "★");
-  ring(g, f.X(s.beta), f.Y(Math.min(s.alpha, 90)));
-  return { best, low, high };
+  if (map.done) cliff(g, f, map, high - low);
+  return best;
 }
 
 // White edges between neighbours that differ by more than a fifth of the whole range.

@@ -27,10 +27,20 @@ function addRow(parent, name, title, step, limits) {
   if (step !== null) {
     const range = rooted(name) ? [0, 1, 0.001] : [...limits, step];
     row.innerHTML += `<input type="range" id="r-${name}" aria-label="${title}" min="${range[0]}" max="${range[1]}" step="${range[2]}">`;
-    row.lastChild.addEventListener("input", () => change({ [name]: fromSlider(name, +$("r-" + name).value) }));
+    row.lastChild.addEventListener("input", () => slide(name));
   }
   parent.append(row);
   return $("n-" + name);
+}
+
+// At most one answer a frame, however many moves a mouse tells in it.
+const slid = new Set();
+function slide(name) {
+  if (!slid.size) requestAnimationFrame(() => {
+    const some = Object.fromEntries([...slid].map((n) => [n, fromSlider(n, +$("r-" + n).value)]));
+    slid.clear(), change(some);
+  });
+  slid.add(name);
 }
 
 function build() {
@@ -55,11 +65,15 @@ function typed(name, input) {
   complain(`${name} is ${input.value || "empty"}; it can be ${low} to ${high}.`);
 }
 
+// The same ground, told for the whole snake or for each link.
+function tellFor(whole) {
+  const told = FRICTIONS.map((name) => [name, +(state[name] * (whole ? state.links : 1 / state.links)).toPrecision(12)]);
+  change({ whole, ...Object.fromEntries(told) }, true);
+}
+
 const OF_FIT = [...FRICTIONS, "links", "mass", "length"];
 function change(some, keepFit = false) {
-  if ("whole" in some && some.whole !== state.whole) // the same ground, said in the other way
-    for (const name of FRICTIONS) some[name] = +(state[name] * (some.whole ? state.links : 1 / state.links)).toPrecision(12);
-  if (!keepFit && OF_FIT.some((name) => name in some && !("whole" in some))) fit = null, $("fit").textContent = "";
+  if (!keepFit && OF_FIT.some((name) => name in some)) fit = null, $("fit").textContent = "";
   if (!keepFit && ("mass" in some || "length" in some)) some.inertia = 0; // of a uniform rod
   state = { ...state, ...some };
   refresh();
@@ -69,9 +83,13 @@ let asked = 0;
 function refresh() {
   curve = servo = null;
   solve();
-  history.replaceState(null, "", toHash(state));
   clearTimeout(asked);
-  asked = setTimeout(order, 150);
+  asked = setTimeout(settle, 150);
+}
+// What can wait until the slider rests: the address, and the long work.
+function settle() {
+  history.replaceState(null, "", toHash(state));
+  order();
 }
 
 function complain(words) { $("problem").textContent = words, $("problem").hidden = !words; }
@@ -83,7 +101,8 @@ function solve() {
   }
   const same = Object.keys(PRESETS).find((key) => toHash(PRESETS[key]) === toHash(state));
   $("preset").value = same || "own", $("servo").value = state.servo;
-  $("command").textContent = commandLine(state), $("python").textContent = pythonCode(state);
+  for (const [id, words] of [["command", commandLine(state)], ["python", pythonCode(state)]])
+    if ($(id).textContent !== words) $(id).textContent = words;
   if (!core) return;
   const why = refusal(state);
   complain(why);
@@ -91,7 +110,7 @@ function solve() {
   motion = answer && answer.known ? core.motion(state) : null;
   if (answer && !answer.known) complain("The core found no periodic motion here. Move one slider a little.");
   else if (answer && !answer.converged) complain("The errors are larger than usual here: look at the numbers behind ±.");
-  show(), paint();
+  show(), painting = painting || requestAnimationFrame(paint);
 }
 
 // A value to the last digit that its error leaves, and the error to one digit.
@@ -156,7 +175,7 @@ function hear(data) {
   if (data.curve) curve = data.curve, servo = data.servo, show();
   else {
     if (!map || map.id !== job) map = { id: job, values: new Float64Array((CELLS + 1) ** 2).fill(NaN), mode: $("mode").value };
-    data.at.forEach((at, k) => { map.values[at] = data.values[k]; });
+    data.at.forEach((at, k) => { map.values[at] = data.values[k]; }), map.fresh = true;
     if (data.done && --open === 0) map.done = true;
   }
   painting = painting || requestAnimationFrame(paint);
@@ -173,7 +192,8 @@ function order() {
 function paint() {
   painting = 0;
   if (map) {
-    const { best } = drawMap($("map"), map, state);
+    drawMap($("map"), map, state);
+    const best = map.best;
     const what = map.mode === "power" ? "Least power" : "Fastest", unit = map.mode === "power" ? "W" : "m/s";
     if (best) $("map-says").textContent = `★ ${what}: α ${best.alpha}°, β ${best.beta}°: ${best.v.toPrecision(3)} ${unit} (to .1 %, on this grid). `
       + "○ is where you are. White edges: a cliff between neighbours. " + (map.done ? "Complete." : "Still filling …");
@@ -238,7 +258,7 @@ async function readFolder(reader, found) {
 
 function listen() {
   $("preset").onchange = () => PRESETS[$("preset").value] && (fit = null, $("fit").textContent = "", change({ ...PRESETS[$("preset").value] }, true));
-  $("whole").onchange = () => change({ whole: +$("whole").value }, true);
+  $("whole").onchange = () => tellFor(+$("whole").value);
   $("mode").onchange = () => { map = null; order(); };
   $("map").addEventListener("click", go), $("map").addEventListener("keydown", arrow);
   $("controls").onsubmit = (e) => e.preventDefault();
@@ -249,7 +269,7 @@ function listen() {
   addEventListener("drop", (e) => take(dropped(e.dataTransfer.items)));
   addEventListener("hashchange", () => { state = fromHash(location.hash, state); refresh(); });
   addEventListener("resize", paint);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { colours = {}; if (map) map.fresh = true; paint(); });
   $("play").onclick = () => setPlaying(!playing);
   document.querySelectorAll("[data-copy]").forEach((b) => b.addEventListener("click", () => copy(b.dataset.copy)));
 }

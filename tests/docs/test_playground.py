@@ -181,13 +181,14 @@ def test_a_slider_changes_the_answer_the_link_and_the_command(browser) -> None:
         "const r = document.getElementById('r-alpha'); r.value = 40;"
         "r.dispatchEvent(new Event('input'));"
     )
+    browser.waits_for("state.alpha === 40")
     after = shown_speed(browser)
     assert after != before
     robot = sn.Robot(6, 0.0756, 0.076)
     ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
     gait = sn.Gait(math.radians(40), math.radians(75), math.pi)
     assert after == pytest.approx(sn.steady_gait(robot, ground, gait).speed_m_s, rel=1e-4)
-    assert "alpha=40" in browser.runs("return location.hash")
+    browser.waits_for("location.hash.includes('alpha=40')")
     assert "--alpha-deg 40" in browser.text("#command")
 
 
@@ -276,11 +277,28 @@ def test_a_damaged_fit_is_refused(browser, fitted, changed: dict, said: str) -> 
     assert browser.runs("return toHash(state)") == before
 
 
+def test_a_preset_is_its_own_ground_and_a_way_to_tell_it_changes_none(browser) -> None:
+    browser.runs("$('preset').value = 'paper'; $('preset').onchange();")
+    assert browser.runs("return [state.ct, state.cn, state.ft0, state.whole]") == [0.1, 10, 0, 0]
+    assert browser.runs("return $('preset').value") == "paper"
+    robot, ground, gait = parts(browser.runs("return state"))
+    assert ground == sn.Ground(0.1, 10.0)
+    assert shown_speed(browser) == pytest.approx(
+        sn.steady_gait(robot, ground, gait).speed_m_s, rel=1e-4
+    )
+    before = shown_speed(browser)
+    browser.runs("$('whole').value = '1'; $('whole').onchange();")
+    assert browser.runs("return state.cn") == 60
+    assert shown_speed(browser) == before
+    browser.runs("$('preset').value = '2005'; $('preset').onchange();")
+
+
 def test_no_friction_at_all_is_said(browser) -> None:
     kept = browser.runs("return toHash(state)")
     browser.runs("change({ct: 0, cn: 0, ft0: 0, fn0: 0})")
     assert "no friction" in browser.text("#problem")
     assert "no answer" in browser.text("#speed")
+    browser.waits_for("location.hash.includes('ct=0&')")
     browser.runs(f"location.hash = {kept!r}")
     browser.waits_for("document.getElementById('problem').hidden")
 
@@ -340,7 +358,7 @@ def test_the_keyboard_reaches_everything_and_moves_it(page) -> None:
                 return e === document.body || e.matches(':focus-visible')"""), reached
             if reached[-1] == "r-alpha":
                 visitor.presses("ArrowRight", 39)
-                assert visitor.runs("return state.alpha") == 71
+                visitor.waits_for("state.alpha === 71")
             if reached[-1] == "map":
                 visitor.presses("ArrowUp", 38)
                 assert visitor.runs("return state.alpha") == 72
