@@ -15,6 +15,15 @@ WANTED = (0.93, 0.97)
 _OF = {"ct": BLUE, "cn": ORANGE, "ft0": GREEN, "fn0": RED, "speed": GREY,
        "driven": "#000000"}  # fmt: skip
 
+# What `compare` may say; several causes at once are GREEN.
+_VERDICTS = {
+    "agrees": GREY,
+    "friction": BLUE,
+    "amplitude": ORANGE,
+    "servos": PURPLE,
+    "neither": RED,
+}
+
 
 def coverage_figure(rows: Sequence[Row], path: Path) -> None:
     """Draw each case's coverage with two standard deviations of its own scatter."""
@@ -68,7 +77,7 @@ def verdict_figure(rows: Sequence[Row], path: Path) -> None:
     """Draw the shares of each verdict, one bar a fault; the right one is framed."""
     from matplotlib.patches import Patch
 
-    colours = dict(zip(rows[0]["counts"], (GREY, BLUE, ORANGE, PURPLE, GREEN, RED), strict=True))
+    colours = {word: _VERDICTS.get(word, GREEN) for word in rows[0]["counts"]}
     with figure(8.0, 1.6 + 0.27 * len(rows)) as (fig, ax):
         for k, row in enumerate(rows):
             left = 0.0
