@@ -14,6 +14,8 @@ namespace {
 constexpr double kMany = 60;        // frames in a cycle: fewer, and a cut one shows in it
 constexpr double kMostSteps = 1e6;  // in a cycle
 constexpr double kLeast = 2e-3;     // of the speed: an error below it is not claimed
+constexpr double kSwing = 0.7;      // of a loop's quickest swing, rad: a step
+constexpr double kHunts = 0.05;     // of the speed, by the phase of the frames
 constexpr double kFarthest = 30;    // times the residual: a step of the secant method
 
 class Settling {
@@ -128,7 +130,7 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     const double frames = 2 * M_PI / (gait.omega * servo.frame);
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
     const double swing = std::sqrt(servo.stiffness / (servo.armature + robot.I / 8));
-    double longest = std::min(options.longest, 1 / swing);
+    double longest = std::min(options.longest, kSwing / swing);
     ServoGaitState out;
     if (2 * M_PI / (gait.omega * longest) > kMostSteps) return out;
     ServoSteps steps(robot, ground, gait, servo, longest);
@@ -151,8 +153,11 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
         coarse = fine, fine = at(longest /= 2), by_step = fine.speed() - coarse.speed();
     }
     fine.report(out);
+    // A loop that hunts has states of its own, and the phases need not find the one that it takes.
+    const bool hunts = out.spread > kHunts * out.speed;
+    const double by_phase = hunts ? out.spread : out.spread / std::sqrt(3.0 * phases);
     // twice their sum of squares, and two thousandths: holds 95 % of 300 random cases
-    const double apart = std::hypot(by_step, out.spread / std::sqrt(3.0 * phases), settling.left);
+    const double apart = std::hypot(by_step, by_phase, settling.left);
     out.error = 2 * apart + kLeast * out.speed;
     return out;
 }
