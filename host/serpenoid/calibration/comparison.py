@@ -109,7 +109,7 @@ def compare(
     check_kind("session", session, Session)
     check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)
     fit = fit or fit_friction(session)
-    runs = _by_gait(session)
+    runs = runs_by_gait(session)
     wanted = compared_gaits(session, gaits)
     if not wanted:
         raise BadInput(
@@ -148,7 +148,7 @@ def _all_runs(session: Session) -> tuple[GaitRun, ...]:
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
     """Return the gaits run, or planned where none was, and further ones."""
-    own = list(_by_gait(session)) or list(session.setup.procedure.gaits)
+    own = list(runs_by_gait(session)) or list(session.setup.procedure.gaits)
     return own + [g for g in more if g not in own]
 
 
@@ -157,7 +157,7 @@ def gait_count(session: Session, more: Sequence[Gait] = ()) -> int:
     return len(compared_gaits(session, more)) + _CURVE_POINTS
 
 
-def _by_gait(session: Session) -> dict[Gait, list[GaitRun]]:
+def runs_by_gait(session: Session) -> dict[Gait, list[GaitRun]]:
     """Return the runs of every gait; the board's clock moves the rates of repeats by some ppm."""
     found: dict[Gait, list[GaitRun]] = {}
     runs = [(run.gait, run) for run in session.kept_gait_runs]

@@ -30,6 +30,7 @@ from .given import take_fit
 from .group import Commands, of_arguments, of_system
 from .options import fit_options
 from .paths import OutFolder
+from .servo import servo
 from .simulate import simulate
 from .video import VIDEO_GROUP
 from .view import view
@@ -38,6 +39,7 @@ SECTIONS = {
     "See it work": ("demo", "examples", "view"),
     "Predict": ("steady", "sweep", "optimize", "simulate", "figures"),
     "Measure friction": ("calibrate", "fit", "advise", "compare", "report"),
+    "Measure a servo": ("servo",),
     "Film the robot": ("video",),
     "Run the robot": ("ports", "flash", "doctor", "trim", "drive", "monitor"),
     "Hold it to account": ("bench",),
@@ -83,6 +85,7 @@ for command in (
     fit,
     optimize,
     report,
+    servo,
     simulate,
     steady,
     sweep,

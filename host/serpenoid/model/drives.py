@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
@@ -124,7 +124,8 @@ class ServoKind:
     without one are exact. Stiffness and gear friction follow the stalled torque of a drawn servo,
     damping, gear damping and rotor its torque over its speed; their sigma is that of the ratio.
     updates_hz: rates in Hz at which loops of this kind may look, each as likely; () for the typical
-    one's. source: where the values come from. Raises BadInput.
+    one's. source: where the values come from. drawn: servos that a measurement leaves possible,
+    each as likely; where there are any, no others are drawn. Raises BadInput.
     """
 
     name: str
@@ -132,6 +133,7 @@ class ServoKind:
     sigma: Mapping[str, float] = field(default_factory=dict)
     updates_hz: tuple[float, ...] = ()
     source: str = ""
+    drawn: tuple[Servo, ...] = ()
 
     def __post_init__(self) -> None:
         for name, value in self.sigma.items():
@@ -144,13 +146,18 @@ class ServoKind:
     @property
     def exact(self) -> bool:
         """Tell whether nothing is in doubt."""
-        return not any(self.sigma.values()) and len(self.updates_hz) < 2
+        doubt = any(self.sigma.values()) or len(self.updates_hz) > 1
+        return not doubt and len(self.drawn) < 2
 
     def draws(self, count: int, seed: int = 0) -> list[Servo]:
         """Return servos of this kind, drawn at random. Raises BadInput."""
         if isinstance(count, bool) or not isinstance(count, int) or count < 1:
             raise BadInput(f"count is {count!r}; it must be a whole number, 1 or more")
         rng = np.random.default_rng(seed)
+        if self.drawn:
+            times = -(-count // len(self.drawn))
+            order = [int(k) for _ in range(times) for k in rng.permutation(len(self.drawn))]
+            return [self.drawn[k] for k in order[:count]]
         return [self._sound(rng) for _ in range(count)]
 
     def _sound(self, rng: np.random.Generator) -> Servo:
@@ -163,7 +170,18 @@ class ServoKind:
         return drawn
 
     def _draw(self, rng: np.random.Generator) -> Servo:
-        factor = {name: math.exp(self.sigma.get(name, 0.0) * rng.normal()) for name in UNCERTAIN}
+        units = [float(rng.normal()) for _ in UNCERTAIN]
+        made = self.at(units)
+        if not self.updates_hz:
+            return made
+        return replace(made, update_hz=float(rng.choice(self.updates_hz)))
+
+    def at(self, units: Sequence[float]) -> Servo:
+        """Return the servo whose UNCERTAIN fields are so many sigma off the typical ones."""
+        factor = {
+            name: math.exp(self.sigma.get(name, 0.0) * x)
+            for name, x in zip(UNCERTAIN, units, strict=True)
+        }
         torque, line = factor["torque_limit_nm"], 1 / factor["speed_limit_rad_s"]
         for name in _WITH_TORQUE:
             factor[name] *= torque
@@ -171,8 +189,6 @@ class ServoKind:
             factor[name] *= torque * line
         values = {name: getattr(self.servo, name) * factor[name] for name in UNCERTAIN}
         values["supply_sag"] = min(values["supply_sag"], 1.0)
-        if self.updates_hz:
-            values["update_hz"] = float(rng.choice(self.updates_hz))
         return replace(self.servo, **values)
 
 
@@ -198,4 +214,5 @@ def loop_radius(servo: Servo) -> float:
 
 def with_frame(kind: ServoKind, frame_s: float) -> ServoKind:
     """Return a kind of servo on another board: setpoints come each frame_s, s."""
-    return replace(kind, servo=replace(kind.servo, frame_s=frame_s))
+    drawn = tuple(replace(one, frame_s=frame_s) for one in kind.drawn)
+    return replace(kind, servo=replace(kind.servo, frame_s=frame_s), drawn=drawn)

@@ -84,8 +84,8 @@ class ServoSteady:
         return {"name": self.name} | {name: getattr(self, name) for name in names}
 
 
-def _solve(ideal: Steady, servo: Servo) -> Any:
-    """Return the core's answer for one servo."""
+def servo_state(ideal: Steady, servo: Servo) -> Any:
+    """Return the core's answer for one servo: speed, spread, error, amplitude, lag, ..."""
     long = ideal.gait.period_s > _LONG_PERIOD_S
     step = min(_LONG_STEP_S if long else _STEP_S, servo.frame_s / 4)
     model = core_model(ideal.robot, ideal.ground, ideal.gait)
@@ -95,7 +95,7 @@ def _solve(ideal: Steady, servo: Servo) -> Any:
 
 def servo_speed(ideal: Steady, servo: Servo) -> float:
     """Return the speed with a servo, m/s, of a gait whose ideal periodic state is known."""
-    return _solve(ideal, servo).speed
+    return servo_state(ideal, servo).speed
 
 
 def servo_speeds(pairs: Iterable[tuple[Steady, Servo]]) -> NDArray[np.float64]:
@@ -114,7 +114,7 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
     """
     check_kind("servo", servo, (Servo, ServoKind))
     typical = servo.servo if isinstance(servo, ServoKind) else servo
-    s = _solve(ideal, typical)
+    s = servo_state(ideal, typical)
     if math.isnan(s.speed):
         raise NotConverged(
             f"a servo of stiffness {typical.stiffness_nm_rad:g} N m/rad on links of inertia "

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..model.drives import UNCERTAIN, Servo, ServoKind
+from ..model.errors import BadInput
 from ..model.toml_table import Table, located
 
 FORMAT = 1
@@ -18,11 +20,12 @@ def load_servo(path: str | Path) -> ServoKind:
 
     `format = 1`, `name` and `source` (both may be missing), [servo] with Servo's fields (those that
     are missing have its defaults), and [sigma] with the standard deviation of the logarithm of some
-    of them (missing: exact). Raises BadInput.
+    of them (missing: exact). [drawn]: servos that a measurement leaves possible, a list for each
+    field that differs. Raises BadInput.
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
-    top.only("format", "servo", optional=("name", "source", "sigma", "updates_hz"))
+    top.only("format", "servo", optional=("name", "source", "sigma", "updates_hz", "drawn"))
     table = top.table("servo")
     table.only(optional=_FIELDS)
     values: dict[str, Any] = {name: table.number(name) for name in table.values}
@@ -36,7 +39,21 @@ def load_servo(path: str | Path) -> ServoKind:
     name = top.string("name") if "name" in top.values else Path(path).stem
     source = top.string("source") if "source" in top.values else str(path)
     updates = top.numbers("updates_hz", 0.0, 1e4) if "updates_hz" in top.values else ()
-    return ServoKind(name, servo, sigma, updates, source)
+    drawn = _load_drawn(top, servo) if "drawn" in top.values else ()
+    return ServoKind(name, servo, sigma, updates, source, drawn)
+
+
+def _load_drawn(top: Table, typical: Servo) -> tuple[Servo, ...]:
+    """Return the servos of [drawn]: lists of equal length, by field."""
+    table = top.table("drawn")
+    table.only(optional=_FIELDS)
+    columns = {name: table.numbers(name) for name in table.values}
+    counts = {len(values) for values in columns.values()}
+    if len(counts) != 1:
+        raise BadInput(f"{table.heading}: lists of {sorted(counts)} numbers; all must be as long")
+    with located(table.heading):
+        rows = zip(*columns.values(), strict=True)
+        return tuple(replace(typical, **dict(zip(columns, row, strict=True))) for row in rows)
 
 
 def save_servo(kind: ServoKind, path: str | Path) -> None:
@@ -53,4 +70,10 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
     values["servo"] = {name: getattr(kind.servo, name) for name in _FIELDS}
     if kind.sigma:
         values["sigma"] = dict(kind.sigma)
+    if kind.drawn:
+        values["drawn"] = {
+            name: [float(f"{getattr(one, name):.6g}") for one in kind.drawn]
+            for name in _FIELDS
+            if len({getattr(one, name) for one in (*kind.drawn, kind.servo)}) > 1
+        }
     write_whole(path, tomli_w.dumps(values))

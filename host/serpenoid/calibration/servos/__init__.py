@@ -1,0 +1,1 @@
+"""What gait runs and films of a session say about the servos."""

@@ -1,0 +1,96 @@
+"""Servos from a session: which of a kind would have run its gaits so, friction being as fitted."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.drives import Servo, ServoKind
+from ...model.errors import BadInput
+from ...model.gait import Gait
+from ...periodic.servo_steady import servo_state
+from ...periodic.steady import Steady, steady_gait
+from ...servos.bench_test import KEPT, MeasuredServo, measured_servo
+from ..comparison import runs_by_gait
+from ..friction_fit import fit_friction
+from ..friction_result import FrictionFit
+from ..session import Session
+from ..speed_samples import AMPLITUDE_SIGMA, sample_speeds
+
+Array = NDArray[np.float64]
+DRAWS, LEAST_DRAWS = 256, 3.0
+_GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
+_UNLIKELY = 16.0  # chi2 a gait, of the best servo
+
+
+def servo_of_session(
+    session: Session, like: ServoKind, fit: FrictionFit | None = None, *, draws: int = DRAWS,
+    name: str = "measured", seed: int = 0,
+) -> MeasuredServo:  # fmt: skip
+    """Return what a session's gait runs and films leave of a kind of servo.
+
+    fit: the session's own unless given. Speeds count with the doubt about friction and the joints'
+    amplitude; films also with the amplitude that they show. Raises BadInput.
+    """
+    fit = fit or fit_friction(session)
+    runs = runs_by_gait(session)
+    films = [film for film in session.kept_films if film.gait in runs]
+    if not runs:
+        raise BadInput(f"{session.where}: no gait run and no film; take one with `calibrate`")
+    asked = {film.gait: film.commanded for film in films}
+    gaits = [asked.get(gait, gait) for gait in runs]
+    servos = like.draws(draws, seed)
+    shares, amplitudes = _moved(fit, gaits, servos)
+    chi2 = _by_speed(fit, gaits, list(runs.values()), shares, seed)
+    for film in films:
+        off = film.mean_gain - amplitudes[:, list(runs).index(film.gait)]
+        chi2 = chi2 + (off / np.hypot(film.gain_sigma, AMPLITUDE_SIGMA)) ** 2
+    weight = np.exp(-0.5 * (chi2 - chi2.min()))
+    weight /= weight.sum()
+    if (count := 1 / float(np.sum(weight**2))) < LEAST_DRAWS or chi2.min() > _UNLIKELY * len(gaits):
+        raise BadInput(
+            f"of {draws} servos like {like.name} {count:.1f} would have run so: too few to tell a "
+            "servo by; look at `serpenoid compare`, or take another kind"
+        )
+    rng = np.random.default_rng(seed)
+    kept = tuple(servos[k] for k in rng.choice(draws, KEPT, p=weight))
+    best = servos[int(np.argmax(weight))]
+    source = f"{len(gaits)} gaits of {session.setup.name}, from {like.name}"
+    return measured_servo(like, best, kept, name, source, float(chi2.min()), len(gaits))
+
+
+def _moved(fit: FrictionFit, gaits: list[Gait], servos: list[Servo]) -> tuple[Array, Array]:
+    """Return shares of the ideal speed and of the amplitude, (servos, gaits)."""
+    ideal = [steady_gait(fit.robot, fit.ground, g, rtol=1e-3, powers=False) for g in gaits]
+
+    def of(one: Servo) -> list[tuple[float, float]]:
+        return [_pair(state, one) for state in ideal]
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = np.array(list(pool.map(of, servos)))
+    return found[..., 0], found[..., 1]
+
+
+def _pair(ideal: Steady, servo: Servo) -> tuple[float, float]:
+    found = servo_state(ideal, servo)
+    return found.speed / max(ideal.speed_m_s, 1e-9), found.amplitude
+
+
+def _by_speed(
+    fit: FrictionFit, gaits: list[Gait], runs: list[list], shares: Array, seed: int
+) -> Array:
+    """Return -2 log likelihood of the mean speeds with each servo, up to a constant."""
+    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, seed=seed).joints_m_s
+    weights = [np.array([r.speed_sigma_m_s for r in one]) ** -2.0 for one in runs]
+    speeds = np.array([w @ [r.speed_m_s for r in one] / w.sum()
+                       for w, one in zip(weights, runs, strict=True)])  # fmt: skip
+    centre, spread = drawn.mean(axis=0), np.cov(drawn.T).reshape((len(gaits),) * 2)
+    noise = np.array([1 / w.sum() for w in weights]) + (_GRAIN * centre) ** 2
+    each = shares[:, :, None] * spread * shares[:, None, :] + np.diag(noise)
+    off = speeds - shares * centre
+    out = np.einsum("ki,kij,kj->k", off, np.linalg.inv(each), off)
+    log_volume = np.linalg.slogdet(each)[1]
+    return out + log_volume - log_volume.min()

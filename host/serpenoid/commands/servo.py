@@ -1,0 +1,108 @@
+"""`serpenoid servo`: a servo's file from a bench test of one joint, or from a session's gaits."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .options import AS_JSON, show_json
+from .paths import OutFile
+
+if TYPE_CHECKING:
+    from ..servos.bench_test import BenchTest, MeasuredServo
+
+_COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
+_EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+@click.command()
+@click.option("--test", "table", type=_EXISTING, metavar="CSV",
+              help="Bench test of one joint: columns t_s, setpoint_deg, angle_deg.")  # fmt: skip
+@click.option("--session", type=click.Path(file_okay=False, path_type=Path),
+              help="A session with gait runs or films.")  # fmt: skip
+@click.option("--like", default="hobby", show_default=True, metavar="NAME|FILE",
+              help="What is known before.")  # fmt: skip
+@click.option("--sigma-deg", type=float, default=0.5, show_default=True,
+              help="Standard deviation of the angles of --test.")  # fmt: skip
+@click.option("--inertia-kg-m2", type=float, default=0.0, show_default=True,
+              help="Inertia of what the joint of --test turns, about it.")  # fmt: skip
+@click.option("--out", type=OutFile(".toml"), help="File for --servo of other commands.")
+@AS_JSON
+def servo(
+    table: Path | None, session: Path | None, like: str, sigma_deg: float, inertia_kg_m2: float,
+    out: Path | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Measure a servo: which ones of a kind would have moved so, or crawled so.
+
+    A bench test tells speed, loop, rotor and gear, all but the rotor and the torque themselves:
+    only their ratio, unless the joint turns a known inertia as large as the rotor's. Gait runs tell
+    what the servos leave of the speed.
+    """
+    from ..servos.bench_test import servo_of_test
+    from ..servos.catalogue import servo as kind_of
+    from ..servos.servo_file import save_servo
+
+    if (table is None) == (session is None):
+        raise click.UsageError("give --test CSV or --session DIR, one of both")
+    name = "measured" if out is None else out.stem
+    if table is not None:
+        test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
+        found = servo_of_test(test, kind_of(like), name=name)
+    else:
+        assert session is not None
+        from ..calibration.servos.from_runs import servo_of_session
+        from ..calibration.session_file import load_session
+
+        found = servo_of_session(load_session(session), kind_of(like), name=name)
+    if out is not None:
+        save_servo(found.kind, out)
+    show_json(found.to_dict()) if as_json else show(found, out)
+
+
+def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
+    """Read a bench test's table. Raises BadInput."""
+    from ..model.errors import BadInput
+    from ..model.files import read_text
+    from ..servos.bench_test import BenchTest
+
+    rows = list(csv.reader(read_text(path).splitlines()))
+    heading = [cell.strip() for cell in rows[0]] if rows else []
+    if missing := [name for name in _COLUMNS if name not in heading]:
+        raise BadInput(
+            f"{path}:1: no column {', '.join(missing)}; needed are {', '.join(_COLUMNS)}"
+        )
+    columns: list[list[float]] = [[] for _ in _COLUMNS]
+    for number, row in enumerate(rows[1:], 2):
+        if not any(cell.strip() for cell in row):
+            continue
+        for column, name in zip(columns, _COLUMNS, strict=True):
+            try:
+                column.append(float(row[heading.index(name)]))
+            except (ValueError, IndexError) as error:
+                raise BadInput(f"{path}:{number}: {name} is no number") from error
+    t, sent, seen = columns
+    rad = math.radians
+    return BenchTest(t, list(map(rad, sent)), list(map(rad, seen)), sigma_rad, inertia_kg_m2)  # pyright: ignore[reportArgumentType]
+
+
+def show(found: MeasuredServo, out: Path | None) -> None:
+    """Print what was told, and what was not."""
+    from ..show import report
+
+    rows = [
+        [name, f"{getattr(found.kind.servo, name):.3g}", f"{100 * before:.0f} %",
+         f"{100 * after:.0f} %"]
+        for name, (before, after) in found.told.items()
+    ]  # fmt: skip
+    report.table(found.kind.source, ["told", "best", "sigma before", "after"], rows)
+    lines = [f"chi2 {found.chi2:.1f} of {found.readings} readings."]
+    if found.untold:
+        lines.append("It does not tell " + ", ".join(found.untold) + ".")
+    if out is not None:
+        lines.append(f"Written: {out}; give it to other commands with --servo {out}.")
+    for line in lines:
+        report.console.print(line, highlight=False, markup=False)

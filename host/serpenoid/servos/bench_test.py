@@ -1,0 +1,219 @@
+"""A servo from a test of one joint: setpoints that were sent, and the angles that were seen.
+
+Servos of a kind are drawn, and those kept that would have moved so. A sequential Monte Carlo
+sampler goes from the kind's doubt to what the readings leave of it, by rising powers of the
+likelihood, with Metropolis steps. All servos step through the test side by side.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model.checks import check_number
+from ..model.drives import UNCERTAIN, Servo, ServoKind, loop_radius
+from ..model.errors import BadInput
+from ..model.vectors import finite_vector
+
+Array = NDArray[np.float64]
+PARTICLES, MOVES, KEPT = 192, 4, 48
+_STEP_S, _MOST_STEPS, _MOST_DELAY_S = 5e-4, 40_000, 0.03
+_HUNTS, _STRIDE, _MOST_POWERS = 1.0, 0.6, 40
+_FIELDS = ("stiffness_nm_rad", "damping_nms_rad", "torque_limit_nm", "speed_limit_rad_s",
+           "dead_band_rad", "armature_kg_m2", "gear_friction_nm", "gear_damping_nms_rad",
+           "update_hz")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class BenchTest:
+    """Hold what was sent to one joint and seen of it, the joint free of all other loads.
+
+    t_s (T,), rising; setpoint_rad (T,), each held until the next time; angle_rad (T,), with the
+    standard deviation sigma_rad. inertia_kg_m2: of what the servo turns. Raises BadInput.
+    """
+
+    t_s: Array
+    setpoint_rad: Array
+    angle_rad: Array
+    sigma_rad: float = math.radians(0.5)
+    inertia_kg_m2: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("t_s", "setpoint_rad", "angle_rad"):
+            given: ArrayLike = getattr(self, name)
+            count = np.size(given)
+            object.__setattr__(self, name, np.array(finite_vector(name, given, count), dtype=float))
+        if len({self.t_s.size, self.setpoint_rad.size, self.angle_rad.size}) != 1:
+            raise BadInput("t_s, setpoint_rad and angle_rad must have one value each row")
+        if self.t_s.size < 10 or not (np.diff(self.t_s) > 0).all():
+            raise BadInput(
+                f"a bench test needs 10 rows or more at rising times; got {self.t_s.size}"
+            )
+        if np.ptp(self.t_s) > _STEP_S * _MOST_STEPS:
+            raise BadInput(f"the test lasts {np.ptp(self.t_s):.3g} s; give 20 s at most")
+        if np.ptp(self.setpoint_rad) == 0:
+            raise BadInput("the setpoint never changes; send a step, or a gait")
+        check_number("sigma_rad", self.sigma_rad, 0.0, 1.0, open_low=True)
+        check_number("inertia_kg_m2", self.inertia_kg_m2, 0.0)
+
+
+@dataclass(frozen=True)
+class MeasuredServo:
+    """What a measurement leaves of a kind. told, untold: fields, with the sigma of their logarithm
+    before and after it. chi2: of the best servo, over `readings`."""
+
+    kind: ServoKind
+    told: dict[str, tuple[float, float]]
+    untold: tuple[str, ...]
+    chi2: float
+    readings: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        servo = {name: getattr(self.kind.servo, name) for name in _FIELDS}
+        return {
+            "name": self.kind.name, "servo": servo, "chi2": self.chi2, "readings": self.readings,
+            "told": {n: {"before": a, "after": b} for n, (a, b) in self.told.items()},
+            "untold": list(self.untold),
+        }  # fmt: skip
+
+
+def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
+    """Return the angles (K, T) that each servo would have shown; delay_s: until it hears."""
+    columns = {name: np.array([getattr(s, name) for s in servos]) for name in _FIELDS}
+    K, D, S, w0, band, J, dry, c, hz = columns.values()
+    inert, line = J + test.inertia_kg_m2, S / w0 + c
+    steps = math.ceil(np.ptp(test.t_s) / _STEP_S) + 1
+    times = test.t_s[0] + _STEP_S * np.arange(steps + 1)
+    angle, rate, duty = np.full(len(K), test.angle_rad[0]), np.zeros(len(K)), np.zeros(len(K))
+    seen = np.empty((steps + 1, len(K)))
+    looked = np.full(len(K), -1.0)
+    for k, t in enumerate(times):
+        seen[k] = angle
+        at = np.searchsorted(test.t_s, t - delay_s, side="right") - 1
+        off = test.setpoint_rad[np.maximum(at, 0)] - angle
+        off -= np.clip(off, -band, band)
+        asked = np.clip((K * off - D * rate) / S + rate / w0, -1.0, 1.0)
+        count = np.floor((t - test.t_s[0] - delay_s) * hz)
+        duty = np.where((hz == 0) | (count != looked), asked, duty)
+        looked = count
+        free = (inert * rate + _STEP_S * S * duty) / (inert + _STEP_S * line)
+        held = _STEP_S * dry / (inert + _STEP_S * line)
+        rate = np.sign(free) * np.maximum(np.abs(free) - held, 0.0)
+        angle = angle + _STEP_S * rate
+    return np.array([np.interp(test.t_s, times, column) for column in seen.T])
+
+
+class _Sampler:
+    """Servos as unknowns of the kind's doubt: one normal each field, a delay, a rate of looking."""
+
+    def __init__(self, test: BenchTest, kind: ServoKind, seed: int):
+        self.test, self.kind, self.rng = test, kind, np.random.default_rng(seed)
+        self.rates = kind.updates_hz or (kind.servo.update_hz,)
+        self.free = [k for k, n in enumerate(UNCERTAIN) if kind.sigma.get(n, 0.0) > 0]
+
+    def servos(self, x: Array, rate: NDArray[np.intp]) -> list[Servo]:
+        return [
+            replace(self.kind.at(row[:-1].tolist()), update_hz=self.rates[k])
+            for row, k in zip(x, rate, strict=True)
+        ]
+
+    def log_likely(self, x: Array, rate: NDArray[np.intp]) -> Array:
+        from scipy.special import ndtr
+
+        servos = self.servos(x, rate)
+        off = moved(self.test, servos, _MOST_DELAY_S * ndtr(x[:, -1])) - self.test.angle_rad
+        found = -0.5 * np.sum((off / self.test.sigma_rad) ** 2, axis=1)
+        hunting = [loop_radius(s) > _HUNTS for s in servos]
+        return np.where(hunting, -1e9, np.nan_to_num(found, nan=-1e9))
+
+    def run(self) -> tuple[Array, NDArray[np.intp], Array]:
+        """Return unknowns, rates and log likelihoods of servos that the test leaves possible."""
+        x = np.zeros((PARTICLES, len(UNCERTAIN) + 1))
+        for k in (*self.free, -1):
+            x[:, k] = self.rng.normal(size=PARTICLES)
+        rate = self.rng.integers(len(self.rates), size=PARTICLES)
+        likely, power = self.log_likely(x, rate), 0.0
+        for _ in range(_MOST_POWERS):
+            power, weight = self._next(likely, power)
+            pick = self.rng.choice(PARTICLES, PARTICLES, p=weight)
+            x, rate, likely = x[pick], rate[pick], likely[pick]
+            for _ in range(MOVES):
+                x, rate, likely = self._move(x, rate, likely, power)
+            if power >= 1.0:
+                break
+        return x, rate, likely
+
+    def _next(self, likely: Array, power: float) -> tuple[float, Array]:
+        """Return the next power, at which half the servos still count, and their weights."""
+
+        def weights(to: float) -> Array:
+            w = np.exp((to - power) * (likely - likely.max()))
+            return w / w.sum()
+
+        low, high = power, 1.0
+        if 1 / np.sum(weights(1.0) ** 2) < PARTICLES / 2:
+            for _ in range(40):
+                middle = (low + high) / 2
+                enough = 1 / np.sum(weights(middle) ** 2) > PARTICLES / 2
+                low, high = (middle, high) if enough else (low, middle)
+        return high, weights(high)
+
+    def _move(
+        self, x: Array, rate: NDArray[np.intp], likely: Array, power: float
+    ) -> tuple[Array, NDArray[np.intp], Array]:
+        """Take a Metropolis step along the difference of two other servos."""
+        one, other = (x[self.rng.permutation(PARTICLES)] for _ in range(2))
+        stride = _STRIDE * self.rng.choice([0.3, 1.0, 1.6], size=(PARTICLES, 1))
+        jitter = np.zeros_like(x)
+        jitter[:, [*self.free, x.shape[1] - 1]] = 0.02
+        to = x + stride * (one - other) + jitter * self.rng.normal(size=x.shape)
+        swap = self.rng.integers(len(self.rates), size=PARTICLES)
+        new_rate = np.where(self.rng.uniform(size=PARTICLES) < 0.2, swap, rate)
+        new = self.log_likely(to, new_rate)
+        gain = power * (new - likely) - 0.5 * (np.sum(to**2, axis=1) - np.sum(x**2, axis=1))
+        take = np.log(self.rng.uniform(size=PARTICLES)) < gain
+        return (
+            np.where(take[:, None], to, x), np.where(take, new_rate, rate),
+            np.where(take, new, likely),
+        )  # fmt: skip
+
+
+def servo_of_test(
+    test: BenchTest, like: ServoKind, *, name: str = "measured", seed: int = 0
+) -> MeasuredServo:
+    """Return what a test of one joint leaves of a kind of servo. Raises BadInput."""
+    if like.exact or like.drawn:
+        raise BadInput(
+            f"servo {like.name!r} has no doubt to fit in; take `hobby`, or a data sheet's"
+        )
+    sampler = _Sampler(test, like, seed)
+    x, rate, likely = sampler.run()
+    servos = sampler.servos(x, rate)
+    best = int(np.argmax(likely))
+    order = np.random.default_rng(seed).permutation(PARTICLES)[:KEPT]
+    source = f"a bench test of one joint, from {like.name}"
+    kept = tuple(servos[k] for k in order)
+    return measured_servo(like, servos[best], kept, name, source, -2 * float(likely[best]),
+                          test.t_s.size)  # fmt: skip
+
+
+def measured_servo(
+    like: ServoKind, best: Servo, kept: tuple[Servo, ...], name: str, source: str, chi2: float,
+    readings: int,
+) -> MeasuredServo:  # fmt: skip
+    """Return the kind that some servos make, and which fields the measurement has told."""
+    names = [n for n in UNCERTAIN if like.sigma.get(n, 0.0) > 0]
+    before = _sigmas(like.draws(512), names)
+    after = _sigmas(list(kept), names)
+    told = {n: (before[n], after[n]) for n in names if after[n] < 0.6 * before[n]}
+    kind = ServoKind(name, best, {}, (), source, kept)
+    return MeasuredServo(kind, told, tuple(n for n in names if n not in told), chi2, readings)
+
+
+def _sigmas(servos: list[Servo], names: list[str]) -> dict[str, float]:
+    return {n: float(np.std(np.log([max(getattr(s, n), 1e-12) for s in servos]))) for n in names}

@@ -1,0 +1,145 @@
+"""Servos from measurements: truths that no fit is told, by codes that share no step with it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from click.testing import CliRunner
+from serpenoid import _core
+from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.servos.from_runs import servo_of_session
+from serpenoid.calibration.session_file import load_session
+from serpenoid.calibration.speed_samples import speed
+from serpenoid.commands.demo import session_folder
+from serpenoid.commands.main import cli
+from serpenoid.model.drives import core_servo
+from serpenoid.servos import bench_test
+from serpenoid.servos.bench_test import BenchTest, servo_of_test
+
+ROBOT = sn.Robot(6, 0.0756, 0.076)
+GROUND = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+SENT = np.repeat([0.0, 0.8, 0.1, 0.15, -0.6, -0.62, 0.0], 15)
+OWN_INERTIA = 8e-5  # kg m^2, of two links on one joint, about; rotors have 1e-3
+
+
+def shown_by(servo: sn.Servo, seed: int) -> BenchTest:
+    """Return what a camera of 50 frames a second sees of one joint, by the lab's robot."""
+    links = np.array([[1e3, 1e3, 0, 0, 1e3, 0, 0, 1], [0, 0, 0, 0, 0, 0, 0, 1.0]])
+    joint = _core.DrivenChain(0.0756, 0.076, ROBOT.inertia_kg_m2, links, core_servo(servo))
+    joint.place(0.0, [0.0])
+    rows = joint.drive(np.ascontiguousarray(SENT[:, None]), 40)
+    angle = np.append(0.0, rows[:, 3] - rows[:, 2])
+    angle[1:] += math.radians(0.3) * np.random.default_rng(seed).normal(size=len(rows))
+    t_s = 0.02 * np.arange(len(angle))
+    return BenchTest(t_s, np.append(SENT, SENT[-1]), angle, math.radians(0.4), OWN_INERTIA)
+
+
+@pytest.mark.parametrize("seed", [102, pytest.param(103, marks=pytest.mark.slow)])
+def test_a_bench_test_tells_the_servo(seed: int) -> None:
+    """It predicts the crawl's speed then, with half the doubt at most."""
+    true = sn.servo().draws(1, seed)[0]
+    found = servo_of_test(shown_by(true, seed), sn.servo())
+    drawn = found.kind.drawn
+    for name, within in (("stiffness_nm_rad", 0.2), ("armature_kg_m2", 0.35)):
+        ratios = [getattr(s, name) / s.torque_limit_nm for s in drawn]
+        assert np.mean(ratios) == pytest.approx(getattr(true, name) / true.torque_limit_nm, within)
+    speeds = [s.speed_limit_rad_s for s in drawn]
+    assert np.mean(speeds) == pytest.approx(true.speed_limit_rad_s, rel=0.2)
+    assert "speed_limit_rad_s" in found.told
+    crawls = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=true).speed_m_s
+    known = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=found.kind)
+    before = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=sn.servo())
+    assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
+    assert known.high_m_s - known.low_m_s < 0.5 * (before.high_m_s - before.low_m_s)
+
+
+def test_an_unloaded_joint_does_not_tell_the_torque(monkeypatch) -> None:
+    monkeypatch.setattr(bench_test, "PARTICLES", 64)
+    true = sn.servo().draws(1, 103)[0]
+    found = servo_of_test(replace(shown_by(true, 1), inertia_kg_m2=0.0), sn.servo())
+    assert "torque_limit_nm" in found.untold
+
+
+def with_runs(servo: sn.Servo):
+    """Return the 2005 session with runs of four gaits by a robot with this servo."""
+    session = load_session(session_folder())
+    fit = sn.fit_friction(session)
+    runs = []
+    for k, (alpha, hz) in enumerate(((70, 0.25), (70, 0.5), (70, 1.0), (50, 0.7))):
+        gait = sn.Gait(math.radians(alpha), math.radians(75), math.tau * hz)
+        v = speed(fit.robot, fit.ground, gait, servo)
+        runs.append(GaitRun(300 + k, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, v, 0.01 * v))
+    return replace(session, gait_runs=tuple(runs)), fit
+
+
+def test_crawls_narrow_what_servos_leave_of_the_speed() -> None:
+    true = sn.servo().draws(1, 102)[0]
+    session, fit = with_runs(true)
+    found = servo_of_session(session, sn.servo(), fit, draws=96)
+    crawls = speed(fit.robot, fit.ground, GAIT, true)
+    known = sn.steady_gait(fit.robot, fit.ground, GAIT, rtol=1e-3, servo=found.kind)
+    before = sn.steady_gait(fit.robot, fit.ground, GAIT, rtol=1e-3, servo=sn.servo())
+    assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
+    assert known.high_m_s - known.low_m_s < 0.75 * (before.high_m_s - before.low_m_s)
+    assert found.untold  # speeds do not tell each number
+
+
+def test_speeds_that_no_servo_makes_are_refused() -> None:
+    session, fit = with_runs(sn.servo().servo)
+    quick = tuple(replace(r, speed_m_s=3 * r.speed_m_s) for r in session.gait_runs)
+    with pytest.raises(sn.BadInput, match=r"too few to tell a servo by"):
+        servo_of_session(replace(session, gait_runs=quick), sn.servo(), fit, draws=24)
+    with pytest.raises(sn.BadInput, match="no gait run and no film"):
+        servo_of_session(replace(session, gait_runs=()), sn.servo(), fit, draws=24)
+
+
+def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(bench_test, "PARTICLES", 48)
+    monkeypatch.setattr(bench_test, "KEPT", 8)
+    test = shown_by(sn.servo().draws(1, 103)[0], 1)
+    table, out = tmp_path / "joint.csv", tmp_path / "mine.toml"
+    rows = zip(test.t_s, np.degrees(test.setpoint_rad), np.degrees(test.angle_rad), strict=True)
+    table.write_text("t_s,setpoint_deg,angle_deg\n" + "".join(f"{t},{s},{a}\n" for t, s, a in rows))
+    told = CliRunner().invoke(cli, ["servo", "--test", str(table), "--out", str(out)])
+    assert told.exit_code == 0, told.output
+    assert "does not tell" in told.output
+    kind = sn.servo(out)
+    assert len(kind.drawn) == 8
+    assert not kind.exact
+    again = tmp_path / "again.toml"
+    sn.save_servo(kind, again)
+    assert sn.load_servo(again).drawn == kind.drawn
+    assert {s.speed_limit_rad_s for s in kind.draws(16)} == {
+        s.speed_limit_rad_s for s in kind.drawn
+    }
+    found = CliRunner().invoke(cli, ["servo", "--test", str(table), "--json"])
+    assert set(json.loads(found.output)) >= {"servo", "told", "untold", "chi2"}
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("t_s,angle_deg\n0,1\n", "no column setpoint_deg"),
+        ("", "no column t_s"),
+        ("t_s,setpoint_deg,angle_deg\n0,1,x\n", ":2: angle_deg is no number"),
+        ("t_s,setpoint_deg,angle_deg\n" + "0,1,0\n" * 12, "times rising"),
+        ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},1,0\n" for k in range(12)), "never chang"),
+        ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{9 * k},{k},0\n" for k in range(12)), "20 s"),
+        ("t_s,setpoint_deg,angle_deg\n" + "".join(f"{k},{k},nan\n" for k in range(12)), "angle_r"),
+    ],
+)
+def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str) -> None:
+    table = tmp_path / "joint.csv"
+    table.write_text(text)
+    told = CliRunner().invoke(cli, ["servo", "--test", str(table)])
+    assert told.exit_code in (1, 2)
+    assert says in " ".join(told.output.split())
+    neither = CliRunner().invoke(cli, ["servo"])
+    assert neither.exit_code == 2
