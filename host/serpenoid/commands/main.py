@@ -22,6 +22,7 @@ from .friction.calibrate import calibrate
 from .friction.compare import compare
 from .friction.fit import fit
 from .friction.report import report
+from .friction.servo import servo
 from .gaits.figures import figures
 from .gaits.optimize import optimize
 from .gaits.steady import steady
@@ -30,7 +31,6 @@ from .given import take_fit
 from .group import Commands, of_arguments, of_system
 from .options import fit_options
 from .paths import OutFolder
-from .servo import servo
 from .simulate import simulate
 from .video import VIDEO_GROUP
 from .view import view

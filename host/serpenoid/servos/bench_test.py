@@ -166,16 +166,23 @@ class _Sampler:
     def _move(
         self, x: Array, rate: NDArray[np.intp], likely: Array, power: float
     ) -> tuple[Array, NDArray[np.intp], Array]:
-        """Take a Metropolis step along the difference of two other servos."""
+        """Take a Metropolis step along the difference of two others, or draw one field anew.
+
+        A field that the test does not tell (the torque of a joint without load) then stays free.
+        """
         one, other = (x[self.rng.permutation(PARTICLES)] for _ in range(2))
         stride = _STRIDE * self.rng.choice([0.3, 1.0, 1.6], size=(PARTICLES, 1))
         jitter = np.zeros_like(x)
         jitter[:, [*self.free, x.shape[1] - 1]] = 0.02
         to = x + stride * (one - other) + jitter * self.rng.normal(size=x.shape)
+        anew = self.rng.uniform(size=PARTICLES) < 0.3
+        to[anew] = x[anew]
+        to[anew, self.rng.choice(self.free, anew.sum())] = self.rng.normal(size=anew.sum())
         swap = self.rng.integers(len(self.rates), size=PARTICLES)
         new_rate = np.where(self.rng.uniform(size=PARTICLES) < 0.2, swap, rate)
         new = self.log_likely(to, new_rate)
-        gain = power * (new - likely) - 0.5 * (np.sum(to**2, axis=1) - np.sum(x**2, axis=1))
+        gain = power * (new - likely)
+        gain -= np.where(anew, 0.0, 0.5 * (np.sum(to**2, axis=1) - np.sum(x**2, axis=1)))
         take = np.log(self.rng.uniform(size=PARTICLES)) < gain
         return (
             np.where(take[:, None], to, x), np.where(take, new_rate, rate),

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import AS_JSON, show_json
-from .paths import OutFile
+from ..options import AS_JSON, show_json
+from ..paths import OutFile
 
 if TYPE_CHECKING:
-    from ..servos.bench_test import BenchTest, MeasuredServo
+    from ...servos.bench_test import BenchTest, MeasuredServo
 
 _COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
 _EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -42,9 +42,9 @@ def servo(
     only their ratio, unless the joint turns a known inertia as large as the rotor's. Gait runs tell
     what the servos leave of the speed.
     """
-    from ..servos.bench_test import servo_of_test
-    from ..servos.catalogue import servo as kind_of
-    from ..servos.servo_file import save_servo
+    from ...servos.bench_test import servo_of_test
+    from ...servos.catalogue import servo as kind_of
+    from ...servos.servo_file import save_servo
 
     if (table is None) == (session is None):
         raise click.UsageError("give --test CSV or --session DIR, one of both")
@@ -54,8 +54,8 @@ def servo(
         found = servo_of_test(test, kind_of(like), name=name)
     else:
         assert session is not None
-        from ..calibration.servos.from_runs import servo_of_session
-        from ..calibration.session_file import load_session
+        from ...calibration.servos.from_runs import servo_of_session
+        from ...calibration.session_file import load_session
 
         found = servo_of_session(load_session(session), kind_of(like), name=name)
     if out is not None:
@@ -65,9 +65,9 @@ def servo(
 
 def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
     """Read a bench test's table. Raises BadInput."""
-    from ..model.errors import BadInput
-    from ..model.files import read_text
-    from ..servos.bench_test import BenchTest
+    from ...model.errors import BadInput
+    from ...model.files import read_text
+    from ...servos.bench_test import BenchTest
 
     rows = list(csv.reader(read_text(path).splitlines()))
     heading = [cell.strip() for cell in rows[0]] if rows else []
@@ -91,7 +91,7 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
 
 def show(found: MeasuredServo, out: Path | None) -> None:
     """Print what was told, and what was not."""
-    from ..show import report
+    from ...show import report
 
     rows = [
         [name, f"{getattr(found.kind.servo, name):.3g}", f"{100 * before:.0f} %",
