@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import av
 import cv2
@@ -303,3 +305,10 @@ def test_without_the_extra_the_way_to_it_is_told(monkeypatch, tmp_path) -> None:
     for typed in (["film.mp4"], ["tags", "--out", str(tmp_path / "tags.pdf")]):
         done = CliRunner().invoke(cli, ["video", *typed])
         assert "pip install 'serpenoid[video]'" in str(done.exception)
+
+
+def test_only_this_room_imports_the_extras_packages_and_only_when_used() -> None:
+    package = Path(sn.__file__).parent
+    for path in package.rglob("*.py"):
+        found = re.findall(r"^( *)(?:import|from) (?:cv2|av)\b", path.read_text("utf-8"), re.M)
+        assert not found or (path.is_relative_to(package / "video") and "" not in found), path

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 ALONG = np.linspace(0.1, 0.9, 13)  # where an edge is read, as a share of it
-REACH_CELLS = 0.75  # how far across, in cells of the tag; border and rim are one cell wide
+REACH_CELLS = 0.5  # how far across, in cells of the tag; border and rim are one cell wide
 CELLS = 6
 MOST_REACH_PX = 8.0  # so that the profile is read in steps below a pixel
 ACROSS = np.linspace(-1.0, 1.0, 25)
