@@ -27,8 +27,9 @@ if TYPE_CHECKING:
     from .model.ground import Ground
     from .model.link_state import LinkState
     from .model.robot import Robot
-    from .periodic.servo_steady import ServoSteady, steady_gait
+    from .periodic.servo_steady import ServoSteady
     from .periodic.steady import Steady
+    from .periodic.steady_gait import steady_gait
     from .periodic.study import Study, load_study, sweep_study
     from .periodic.sweep import Sweep, sweep
     from .servos.catalogue import servo
@@ -61,7 +62,8 @@ _HOMES = {
     "gaits.margins": ("Margins", "gait_margins"),
     "gaits.robust": ("RobustGait", "robust_gait"),
     "gaits.uncertainty": ("Uncertainty",),
-    "periodic.servo_steady": ("ServoSteady", "steady_gait"),
+    "periodic.servo_steady": ("ServoSteady",),
+    "periodic.steady_gait": ("steady_gait",),
     "periodic.steady": ("Steady",),
     "servos.catalogue": ("servo",),
     "servos.servo_file": ("load_servo", "save_servo"),

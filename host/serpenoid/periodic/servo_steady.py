@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from typing import Any, overload
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +15,7 @@ from ..model.checks import check_kind
 from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
 from ..model.errors import NotConverged
-from ..model.gait import Gait
-from ..model.ground import Ground
-from ..model.robot import Robot
-from .sensitivities import differentiate
 from .steady import Steady, relative_error
-from .steady import steady_gait as ideal_gait
 
 DRAWS = 32
 _STEP_S, _LONG_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 2.0
@@ -100,6 +94,8 @@ def servo_speed(ideal: Steady, servo: Servo) -> float:
 
 def servo_speeds(pairs: Iterable[tuple[Steady, Servo]]) -> NDArray[np.float64]:
     """Return the speed, m/s, for each ideal periodic state and the servo that it is to have."""
+    from concurrent.futures import ThreadPoolExecutor  # slow to import
+
     with ThreadPoolExecutor() as pool:
         found = pool.map(lambda pair: servo_speed(*pair), list(pairs))
         return np.fromiter(found, float)
@@ -136,51 +132,3 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
         "drive 'servo'",
         best=found,
     )
-
-
-@overload
-def steady_gait(
-    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
-    servo: None = None, sensitivities: bool = ...,
-) -> Steady: ...  # fmt: skip
-@overload
-def steady_gait(
-    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
-    servo: Servo | ServoKind, sensitivities: bool = ...,
-) -> ServoSteady: ...  # fmt: skip
-def steady_gait(
-    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-6, powers: bool = True,
-    servo: Servo | ServoKind | None = None, sensitivities: bool = False,
-) -> Steady | ServoSteady:  # fmt: skip
-    """Solve for the periodic state of a gait: joints that follow it exactly, or moved by servos.
-
-    Parameters
-    ----------
-    robot, ground, gait : Robot, Ground, Gait
-        What crawls, on what, and how.
-    rtol : float
-        Wanted relative accuracy of speed and powers of ideal joints, 0.1 to 1e-12 (dry ground: to
-        1e-7, powers to 10 rtol).
-    powers : bool
-        Whether to solve for abs_power_w and positive_power_w, too (W; 0 without).
-    servo : Servo or ServoKind, optional
-        What moves the joints; None for joints that follow the gait exactly.
-    sensitivities : bool
-        Whether to add the derivatives of the ideal joints' state by gait, friction and robot.
-
-    Returns
-    -------
-    Steady or ServoSteady
-        Without servo the periodic state; with one its mean speed, whose `ideal` is that Steady.
-
-    Raises
-    ------
-    BadInput
-        A parameter is outside what the model allows.
-    NotConverged
-        No state was found to rtol; its `best` is the best one.
-    """
-    ideal = ideal_gait(robot, ground, gait, rtol=rtol, powers=powers)
-    if sensitivities:
-        ideal = replace(ideal, sensitivities=differentiate(robot, ground, gait))
-    return ideal if servo is None else with_servo(ideal, servo)

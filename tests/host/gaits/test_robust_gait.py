@@ -152,6 +152,10 @@ def test_robust_on_viscous_ground_by_runs_in_time() -> None:
     assert best.fragile_low_m_s < best.low_speed_m_s
     assert 0 < best.premium < 0.6
     drawn = stated.samples(PAPER, VISCOUS, best.speeds_m_s.size)
+    others = stated.samples(PAPER, VISCOUS, best.speeds_m_s.size, seed=2006)  # the next seed
+    for low, robots in ((best.low_speed_m_s, drawn), (best.checked_low_m_s, others)):
+        speeds = sampled_speeds(PAPER, best.gait, robots)
+        assert low == pytest.approx(np.quantile(speeds, 0.05), rel=1e-9)
     for k in np.argsort(best.speeds_m_s)[[0, 3, 40]]:
         sample = drawn[k]
         by_time = run_speed(PAPER, sample.ground, sample.gait(best.gait), cycles=25)

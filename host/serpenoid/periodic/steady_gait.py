@@ -1,0 +1,73 @@
+"""The periodic state of a gait, with ideal joints or with servos.
+
+What servos need is imported when they are asked for: it costs as much as a first gait.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, overload
+
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from .steady import Steady
+from .steady import steady_gait as ideal_gait
+
+if TYPE_CHECKING:
+    from ..model.drives import Servo, ServoKind
+    from .servo_steady import ServoSteady
+
+
+@overload
+def steady_gait(
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
+    servo: None = None, sensitivities: bool = ...,
+) -> Steady: ...  # fmt: skip
+@overload
+def steady_gait(
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
+    servo: Servo | ServoKind, sensitivities: bool = ...,
+) -> ServoSteady: ...  # fmt: skip
+def steady_gait(
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-6, powers: bool = True,
+    servo: Servo | ServoKind | None = None, sensitivities: bool = False,
+) -> Steady | ServoSteady:  # fmt: skip
+    """Solve for the periodic state of a gait: joints that follow it exactly, or moved by servos.
+
+    Parameters
+    ----------
+    robot, ground, gait : Robot, Ground, Gait
+        What crawls, on what, and how.
+    rtol : float
+        Wanted relative accuracy of speed and powers of ideal joints, 0.1 to 1e-12 (dry ground: to
+        1e-7, powers to 10 rtol).
+    powers : bool
+        Whether to solve for abs_power_w and positive_power_w, too (W; 0 without).
+    servo : Servo or ServoKind, optional
+        What moves the joints; None for joints that follow the gait exactly.
+    sensitivities : bool
+        Whether to add the derivatives of the ideal joints' state by gait, friction and robot.
+
+    Returns
+    -------
+    Steady or ServoSteady
+        Without servo the periodic state; with one its mean speed, whose `ideal` is that Steady.
+
+    Raises
+    ------
+    BadInput
+        A parameter is outside what the model allows.
+    NotConverged
+        No state was found to rtol; its `best` is the best one.
+    """
+    ideal = ideal_gait(robot, ground, gait, rtol=rtol, powers=powers)
+    if sensitivities:
+        from .sensitivities import differentiate
+
+        ideal = replace(ideal, sensitivities=differentiate(robot, ground, gait))
+    if servo is None:
+        return ideal
+    from .servo_steady import with_servo
+
+    return with_servo(ideal, servo)
