@@ -1,4 +1,8 @@
-"""The cheapest gait that still crawls when friction and servos are not what was thought."""
+"""The cheapest gait that still crawls when friction and servos are not what was thought.
+
+Speeds of sampled robots are solved, never linearised: near a cliff their spread is skewed. The slow
+samples and a smoothed percentile choose the shape; the percentile itself sets the rate.
+"""
 
 from __future__ import annotations
 
@@ -84,10 +88,8 @@ def robust_gait(
     """Find the least power at which 95 % of the sampled robots keep 90 % of the speed.
 
     On the nominal ground the gait makes at least the wanted speed. Speeds are solved for sampled
-    robots, never linearised, because their spread is skewed near a cliff. The slow samples and a
-    smoothed percentile choose the shape; the percentile itself sets the rate. The gait is then
-    checked with as many other samples. On a ratchet, waves from tail to head (beta below 0) are
-    searched too.
+    robots; as many other samples check the gait. On a ratchet, waves from tail to head (beta below
+    0) are searched too.
 
     Parameters
     ----------
@@ -120,14 +122,7 @@ def robust_gait(
     waves = EitherWave(ground, lambda on: finder(robot, on, [speed_m_s], cost, limits))
     fragile = waves.minimize(wanted)
     drawn = uncertainty.samples(robot, ground, samples, seed)
-    best: _Found | None = None
-    for least_w, k in sorted(zip(waves.watts, range(2), strict=False)):
-        if least_w >= (best.watts if best else math.inf):  # robust it would cost more still
-            continue
-        seen = [one.turned_round() for one in drawn] if k else drawn
-        found = _one_direction(waves.searches[k], seen, wanted)
-        if found is not None and (best is None or found.watts < best.watts):
-            best = replace(found, turned=k > 0)
+    best = _either_direction(waves, drawn, wanted)
     if best is None:
         raise NotConverged(
             f"no gait keeps 95 % of the sampled robots above {KEEP * wanted:.3g} m/s within the "
@@ -153,6 +148,19 @@ class _Found:
         """Return the gait for the robot that has its head in front."""
         gait = self.gait
         return replace(gait, beta_rad=-gait.beta_rad) if self.turned else gait
+
+
+def _either_direction(waves: EitherWave, drawn: list[Sample], wanted: float) -> _Found | None:
+    """Return the cheapest robust gait of both directions of waves."""
+    best: _Found | None = None
+    for least_w, k in sorted(zip(waves.watts, range(2), strict=False)):
+        if least_w >= (best.watts if best else math.inf):  # robust it would cost more still
+            continue
+        seen = [one.turned_round() for one in drawn] if k else drawn
+        found = _one_direction(waves.searches[k], seen, wanted)
+        if found is not None and (best is None or found.watts < best.watts):
+            best = replace(found, turned=k > 0)
+    return best
 
 
 def _one_direction(search: Finder, drawn: list[Sample], wanted: float) -> _Found | None:

@@ -106,12 +106,7 @@ def acceleration(
     """
     check_parts(robot, ground)
     check_choice("formulation", formulation, FORMULATIONS)
-    if not isinstance(state, LinkState):
-        if not isinstance(state, (tuple, list)) or len(state) != 2:
-            raise BadInput(f"state is a {type(state).__name__}; give a LinkState or (q, qdot)")
-        state = LinkState.joined(robot, *state)
-    if state.links != robot.links:
-        raise BadInput(f"state has {state.links} links, the robot has {robot.links}")
+    state = _link_state(robot, state)
     torque = isinstance(drive, TorqueDrive)
     if not torque:
         check_kind("drive", drive, AngleDrive)
@@ -128,3 +123,14 @@ def acceleration(
     )
     names = ("ax", "ay", "alpha", "fx", "fy", "joint_fx", "joint_fy", "joint_torque")
     return Acceleration(*(out[n] for n in names))
+
+
+def _link_state(robot: Robot, state: Any) -> LinkState:
+    """Return a state as positions and rates of all links."""
+    if not isinstance(state, LinkState):
+        if not isinstance(state, (tuple, list)) or len(state) != 2:
+            raise BadInput(f"state is a {type(state).__name__}; give a LinkState or (q, qdot)")
+        state = LinkState.joined(robot, *state)
+    if state.links != robot.links:
+        raise BadInput(f"state has {state.links} links, the robot has {robot.links}")
+    return state

@@ -24,6 +24,7 @@ from .steady import MAX_ELEMENTS, check_ground, speed_floor_m_s
 Array = NDArray[np.float64]
 CHUNK = 4096  # shapes handed to the core at a time: what bounds the memory beside the result
 MOST_GAITS = 10**12
+AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 FIELDS = (
     "speed_m_s", "power_w", "abs_power_w", "positive_power_w", "turn_rad_per_cycle",
     "error_estimate", "power_error_w", "positive_power_error_w", "settling_time_s", "converged",
@@ -45,6 +46,20 @@ class Grid:
     omega_rad_s: tuple[float, ...]
     rtol: float = 1e-6
     powers: bool = True
+
+    @classmethod
+    def of(
+        cls,
+        robots: Robot | Sequence[Robot],
+        grounds: Ground | Sequence[Ground],
+        axes: Sequence[ArrayLike],
+        rtol: float,
+        powers: bool,
+    ) -> Grid:
+        """Return the grid of one or several robots and grounds; axes: alpha, beta, omega."""
+        alpha, beta, omega = (axis(name, v) for name, v in zip(AXES, axes, strict=True))
+        parts = several(Robot, robots), several(Ground, grounds)
+        return cls(*parts, alpha, beta, omega, rtol, powers)
 
     def __post_init__(self) -> None:
         if not isinstance(self.powers, bool):

@@ -21,7 +21,7 @@ from ..model.files import read_arrays, read_json
 from ..model.ground import Ground
 from ..model.robot import Robot
 from .cluster import Stretch, solve_on_cluster, stretch_length
-from .grid import FIELDS, Array, Grid, axis, several, stretches, threads_to_use
+from .grid import AXES, FIELDS, Array, Grid, stretches, threads_to_use
 
 FORMAT = "serpenoid study 2"
 HEAD = "study.json"
@@ -129,14 +129,10 @@ def sweep_study(
 
     Parameters
     ----------
-    robot, ground, powers, threads, scheduler, progress
+    robot, ground, alpha_rad, beta_rad, omega_rad_s, rtol, powers, threads, scheduler, progress
         As in `sweep`.
     out
         The folder.
-    alpha_rad, beta_rad, omega_rad_s
-        A value or a list each; rad and rad/s.
-    rtol
-        Accuracy of the speed, relative.
 
     Returns
     -------
@@ -150,10 +146,7 @@ def sweep_study(
     ClusterFailed
         If the cluster cannot be reached or has other versions.
     """
-    grid = Grid(
-        several(Robot, robot), several(Ground, ground), axis("alpha_rad", alpha_rad),
-        axis("beta_rad", beta_rad), axis("omega_rad_s", omega_rad_s), rtol, powers,
-    )  # fmt: skip
+    grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
     count = threads_to_use(threads)
     study = _prepared(Path(out), grid)
     missing, rates = study.missing, len(grid.omega_rad_s)
@@ -200,13 +193,13 @@ def load_study(folder: str | os.PathLike[str]) -> Study:
                 f"{path} is of format {head['format']!r}; this version reads {FORMAT!r}: solve it "
                 "anew into another folder"
             )
-        grid = Grid(
-            several(Robot, [Robot(**_fields(robot)) for robot in head["robots"]]),
-            several(Ground, [Ground(**_fields(ground)) for ground in head["grounds"]]),
-            axis("alpha_rad", head["alpha_rad"]), axis("beta_rad", head["beta_rad"]),
-            axis("omega_rad_s", head["omega_rad_s"]),
-            head["rtol"], head["powers"],
-        )  # fmt: skip
+        grid = Grid.of(
+            [Robot(**_fields(robot)) for robot in head["robots"]],
+            [Ground(**_fields(ground)) for ground in head["grounds"]],
+            [head[name] for name in AXES],
+            head["rtol"],
+            head["powers"],
+        )
         return Study(Path(folder), grid, check_whole("shapes", head["shapes"], 1, grid.shapes))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise BadInput(f"{path} is no head of a study ({error}); sweep_study writes one") from None

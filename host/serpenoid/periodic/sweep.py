@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .grid import FIELDS, Grid, axis, several, threads_to_use
+from .grid import FIELDS, Array, Grid, threads_to_use
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,29 +55,25 @@ def sweep(
 ) -> Sweep:
     """Solve every gait of a grid, for one robot and ground or for all pairs of several.
 
-    Each value has the accuracy that `steady_gait` gives, and its error. A result that is larger
-    than memory: see `sweep_study`.
+    Each value has its error. For a result larger than memory see `sweep_study`.
 
     Parameters
     ----------
     robot, ground
         One, or a list of each.
     alpha_rad, beta_rad, omega_rad_s
-        A value or a list each, as Gait has them; rad and rad/s.
+        A value or a list each; rad and rad/s.
     rtol
         Accuracy of the speed, relative.
     powers
         Whether to compute powers; without them a sweep is faster.
     threads
-        Shapes (alpha, beta) are shared among so many; all processors unless given. The numbers are
-        the same to the last bit for any number of threads.
+        Number of threads; all processors unless given. It changes no bit of the result.
     scheduler
-        Address of a Dask cluster, such as "tcp://10.0.0.1:8786", whose workers then solve the
-        shapes, to the same bits and also if workers are lost. Needs `pip install serpenoid[dask]`
-        here and on the workers.
+        Address of a Dask cluster, such as "tcp://10.0.0.1:8786", whose workers solve the shapes, to
+        the same bits. Needs `pip install serpenoid[dask]` here and on the workers.
     progress
-        Called in the caller's thread with the number of gaits solved since the last call. Ctrl-C
-        and an exception of progress end the sweep.
+        Called with the number of gaits solved since the last call. An exception ends the sweep.
 
     Returns
     -------
@@ -91,19 +87,8 @@ def sweep(
     ClusterFailed
         If the cluster cannot be reached or has other versions.
     """
-    grid = Grid(
-        several(Robot, robot), several(Ground, ground), axis("alpha_rad", alpha_rad),
-        axis("beta_rad", beta_rad), axis("omega_rad_s", omega_rad_s), rtol, powers,
-    )  # fmt: skip
-    count = threads_to_use(threads)
-    if scheduler is None:
-        table = grid.solve(0, grid.shapes, count, progress)
-    else:
-        from .cluster import solve_on_cluster
-
-        table = np.empty((grid.shapes, len(grid.omega_rad_s), 11))
-        for (first, last), part in solve_on_cluster(grid, scheduler, progress=progress):
-            table[first:last] = part
+    grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
+    table = _solve(grid, threads_to_use(threads), scheduler, progress)
     single = tuple(k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence))
     size = (*grid.size, len(grid.omega_rad_s))
     values = {n: np.squeeze(v.reshape(size), axis=single) for n, v in grid.named(table).items()}
@@ -111,3 +96,17 @@ def sweep(
         np.array(grid.alpha_rad), np.array(grid.beta_rad), np.array(grid.omega_rad_s),
         *(values[name] for name in FIELDS),
     )  # fmt: skip
+
+
+def _solve(
+    grid: Grid, threads: int, scheduler: str | None, progress: Callable[[int], None] | None
+) -> Array:
+    """Return the core's figures of all shapes, solved here or on a cluster."""
+    if scheduler is None:
+        return grid.solve(0, grid.shapes, threads, progress)
+    from .cluster import solve_on_cluster
+
+    table = np.empty((grid.shapes, len(grid.omega_rad_s), 11))
+    for (first, last), part in solve_on_cluster(grid, scheduler, progress=progress):
+        table[first:last] = part
+    return table

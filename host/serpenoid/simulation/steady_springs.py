@@ -127,8 +127,7 @@ def steady_springs(
 ) -> SteadySprings:
     """Run the implicit model until it repeats, and compare it with the exact model's speed.
 
-    The run starts from the exact periodic state on the slow manifold. Dry friction sticks (method
-    "nonsmooth").
+    The run starts from the exact periodic state on the slow manifold.
 
     Parameters
     ----------
@@ -162,21 +161,25 @@ def steady_springs(
     )  # fmt: skip
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
     settled = _settle(scene, rtol, floor)
-    once = replace(
-        scene, start=settled.run.state(), duration_s=gait.period_s, record=("joints",),
-        record_every=1,
+    powers, errors, steps = _last_cycle(scene, settled)
+    return SteadySprings(
+        settled.speed_m_s, *powers, (settled.change_m_s + steps) / max(settled.speed_m_s, floor),
+        errors[0], errors[2], settled.speed_m_s / max(exact.speed_m_s, floor) - 1, settled.cycles,
     )  # fmt: skip
+
+
+def _last_cycle(scene: Scene, settled: _Settled) -> tuple[list[float], list[float], float]:
+    """Return the three powers and their errors, W, and the steps' error of the speed, m/s."""
+    period = scene.gait.period_s
+    once = replace(
+        scene, start=settled.run.state(), duration_s=period, record=("joints",), record_every=1
+    )
     last = simulate(once)
     finer = simulate(replace(once, dt_s=scene.dt_s / 2))
     next_one = simulate(replace(once, start=last.state()))
-    order = 16 / 15 if ground.smooth else 2.0
-    steps = abs(last.travel_m - finer.travel_m) / gait.period_s * order
+    order = 16 / 15 if scene.ground.smooth else 2.0
+    steps = abs(last.travel_m - finer.travel_m) / period * order
     power, fine, later = (_powers(run, 1)[0] for run in (last, finer, next_one))
     change = np.abs((later - power).sum(axis=1)) * (1 + settled.ahead)
     errors = change + np.abs(fine - power).sum(axis=1) * 2  # kinks between samples: order two
-    net, absolute, positive = (float(p) for p in power.sum(axis=1))
-    return SteadySprings(
-        settled.speed_m_s, net, absolute, positive,
-        (settled.change_m_s + steps) / max(settled.speed_m_s, floor), float(errors[0]),
-        float(errors[2]), settled.speed_m_s / max(exact.speed_m_s, floor) - 1, settled.cycles,
-    )  # fmt: skip
+    return power.sum(axis=1).tolist(), errors.tolist(), steps

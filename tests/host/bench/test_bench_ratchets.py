@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
+from oracle.numpy_equations import rate_of
 from scipy.integrate import solve_ivp
 from serpenoid.bench.accuracy.contenders import own
 from serpenoid.bench.contender import check_smooth
-from serpenoid.bench.peers.numpy_equations import rate_of
 from serpenoid.bench.problems import Problem, problems
 from serpenoid.model.errors import BadInput
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from oracle import implicit
+from oracle.numpy_equations import rate_of
 from oracle.params import Params
 from scipy.integrate import solve_ivp
 from serpenoid import _core
-from serpenoid.bench.peers.numpy_equations import rate_of
 from serpenoid.bench.problems import PAPER_GROUND, Problem
 from serpenoid.simulation.core_run import core_request
 from serpenoid.simulation.starts import start_state

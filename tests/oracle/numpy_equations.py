@@ -1,12 +1,11 @@
-"""The two models in plain vectorised NumPy: what a user writes first, and a check on the rest."""
+"""The two models in plain vectorised NumPy."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
-
-from ..problems import Array, Problem
+from serpenoid.bench.problems import Array, Problem
 
 Rate = Callable[[float, Array], Array]
 
