@@ -22,10 +22,7 @@ DryMotion::DryMotion(const Robot& robot, const Ground& ground, const Gait& gait,
       across_(WheelLaw::across(ground)),
       grip_(along_.grip(robot.n * robot.m * omega_ * speed_scale_)),
       table_(robot.n, gait) {
-    const double v = speed_scale_;
-    power_scale_ = robot.n * v *
-                   (std::max(ground.ft0, ground.ft0_back) + ground.fn0 +
-                    (std::max(ground.ct, ground.ct_back) + ground.cn) * v);
+    power_scale_ = robot.n * speed_scale_ * most_friction(ground, speed_scale_);
 }
 
 double DryMotion::momentum(double w, double tau) {

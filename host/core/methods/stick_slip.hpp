@@ -18,10 +18,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "methods/fixed_step.hpp"
+#include "model/friction_law.hpp"
 #include "model/params.hpp"
 #include "scene/energy_ledger.hpp"
 
@@ -34,10 +34,8 @@ class Slide {
         double kappa, mu, reach;
     };
 
-    Slide(double viscous, double dry, double m, double h)
-        : Slide({viscous, dry}, {viscous, dry}, m, h) {}
-    Slide(std::pair<double, double> ahead, std::pair<double, double> back, double m, double h)
-        : h_(h), ahead_(way(ahead, m)), back_(way(back, m)) {}
+    Slide(const WheelLaw& law, double m, double h)
+        : h_(h), ahead_(way(law, 1, m)), back_(way(law, -1, m)) {}
 
     // Speed at the end from that at the start.
     double operator()(double v, double g) const {
@@ -70,9 +68,9 @@ class Slide {
 
   private:
     const Way& going(double v) const { return v < 0 ? back_ : ahead_; }
-    Way way(std::pair<double, double> friction, double m) const {
-        const double kappa = friction.first / m;
-        return {kappa, friction.second / m, reach(kappa, h_)};
+    Way way(const WheelLaw& law, double direction, double m) const {
+        const double kappa = law.viscous(direction) / m;
+        return {kappa, law.dry(direction) / m, reach(kappa, h_)};
     }
     static double reach(double kappa, double t) {
         return kappa > 0 ? -std::expm1(-kappa * t) / kappa : t;
@@ -126,10 +124,8 @@ class StickSlip : public FixedStep {
     }
 
   private:
-    Slide along(double h) const {
-        return {{ground_.ct, ground_.ft0}, {ground_.ct_back, ground_.ft0_back}, robot_.m, h};
-    }
-    Slide across(double h) const { return {ground_.cn, ground_.fn0, robot_.m, h}; }
+    Slide along(double h) const { return {WheelLaw::along(ground_), robot_.m, h}; }
+    Slide across(double h) const { return {WheelLaw::across(ground_), robot_.m, h}; }
 
     // Speed of wheel i along and across its link, in the directions that the chain has.
     double speed_t(int i, const double* y) const {

@@ -18,6 +18,7 @@
 #include "methods/set_valued_motion.hpp"
 #include "methods/stick_slip.hpp"
 #include "methods/stiff/radau.hpp"
+#include "model/friction_law.hpp"
 
 namespace serpenoid {
 
@@ -27,11 +28,8 @@ namespace {
 std::vector<double> error_scale(const RunRequest& q, const System& system) {
     const double rate = rate_unit(q);
     const double length = 2 * q.robot.l, speed = length * rate;
-    const Ground& g = q.ground;
-    const double viscous = std::max(g.ct, g.ct_back) + g.cn;
-    const double dry = std::max(g.ft0, g.ft0_back) + g.fn0;
-    const double link = (q.robot.m + viscous / rate) * speed * speed;
-    const double energy = q.robot.n * (link + dry * length);
+    const double friction = most_friction(q.ground, speed);
+    const double energy = q.robot.n * (q.robot.m * speed * speed + friction * length);
     return error_scale(system, length * q.robot.n, rate, energy);
 }
 

@@ -89,7 +89,9 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
     const auto add = [&](double front, double back) {
         contact_.push_back({std::vector<double>(size_), std::vector<double>(size_), front, back});
     };
-    for (int i = 0; i < n_; ++i) add(ground.ft0, ground.ft0_back), add(ground.fn0, ground.fn0);
+    const WheelLaw along = WheelLaw::along(ground), across = WheelLaw::across(ground);
+    for (int i = 0; i < n_; ++i)
+        add(along.dry(1), along.dry(-1)), add(across.dry(1), across.dry(-1));
     for (int i = 0; i + 1 < n_; ++i) add(servo.gear_friction, servo.gear_friction);
     for (int i = 0; i + 1 < n_ && play_; ++i) add(0, 0), contact_.back().teeth = true;
 }

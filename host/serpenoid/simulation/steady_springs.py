@@ -161,10 +161,11 @@ def steady_springs(
     )  # fmt: skip
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
     settled = _settle(scene, rtol, floor)
-    powers, errors, steps = _last_cycle(scene, settled)
+    (net, absolute, positive), errors, steps = _last_cycle(scene, settled)
     return SteadySprings(
-        settled.speed_m_s, *powers, (settled.change_m_s + steps) / max(settled.speed_m_s, floor),
-        errors[0], errors[2], settled.speed_m_s / max(exact.speed_m_s, floor) - 1, settled.cycles,
+        settled.speed_m_s, net, absolute, positive,
+        (settled.change_m_s + steps) / max(settled.speed_m_s, floor), errors[0], errors[2],
+        settled.speed_m_s / max(exact.speed_m_s, floor) - 1, settled.cycles,
     )  # fmt: skip
 
 
