@@ -299,8 +299,8 @@ bool DryMotion::find_mode(DryState& state, double tau) {
     return true;
 }
 
-// A very short convex step: finds the mode that follows. Doubles when modes end at once, and when
-// the step is so short that rounding hides which signs its forces have.
+// A very short convex step, which finds the mode that follows. It is doubled when modes end at
+// once, and when rounding hides the signs of its forces.
 bool DryMotion::event_step(DryState& state, double& tau, double tau_end) {
     const double longest = std::min(10 * longest_event_step_, tau_end - tau);
     event_step_length_ = std::min(std::max(4 * event_step_length_, shortest_event_step_), longest);
@@ -322,7 +322,7 @@ bool DryMotion::advance(DryState& state, double tau, double tau_end, double tole
     constexpr long kMostSteps = 200'000;
     speed_eps_ = std::max(0.003 * tolerance, 1e-13) * speed_scale_;
     stick_eps_ = std::max(0.1 * tolerance, 1e-6);
-    // long enough for dry friction to take a whole miss of the event back, at both bounds
+    // long enough for dry friction to undo the largest miss of an event, at both bounds
     longest_event_step_ =
         std::clamp(0.03 * std::sqrt(tolerance), 1e-7, 1e-4);  // it errs by its square
     shortest_event_step_ =

@@ -1,5 +1,4 @@
-// Motion of the chain on dry ground with imposed joint angles: friction as the set-valued law it
-// is.
+// Motion of the chain on dry ground with imposed joint angles and set-valued friction.
 //
 // One implicit Euler step from tau_k over h seconds is a convex problem in u = (V, w), the body
 // frame of body_shape.hpp (kinked_quadratic.hpp solves it exactly, sticking wheels included):
@@ -30,8 +29,8 @@
 
 namespace serpenoid {
 
-// What a step advances: three of motion, then integrals, then the sticking forces over their
-// bounds, which are extrapolated with the rest.
+// The state of a step: three of motion, then integrals, then the sticking forces over their bounds,
+// which are extrapolated, too.
 struct DryState {
     enum { Vx, Vy, L, theta, x, y, dissipated, stick, size = stick + 3 };
     std::array<double, size> v{};

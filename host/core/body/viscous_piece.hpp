@@ -1,5 +1,5 @@
-// The motion over one short piece of a gait's cycle, as a map that is made once and used every
-// cycle: viscous flat ground, joint angles imposed.
+// The motion over a short piece of a gait's cycle as a map that is made once and used every cycle.
+// Viscous flat ground, joint angles imposed.
 //
 // In the body frame of body_shape.hpp the motion y = (Vx, Vy, L) obeys, by the phase tau,
 //

@@ -1,4 +1,4 @@
-// Which joints move as the gait says and which by torque, and the angles of those that are imposed.
+// Joints that follow the gait, joints driven by torque, and the angles of the first.
 #pragma once
 
 #include <cmath>
@@ -42,7 +42,7 @@ class GaitDrive {
     std::vector<double> accel_;
 };
 
-// What a joint may do instead of what the drive asks of all.
+// Faults of a joint.
 enum class Fault : char { none, limp, locked };
 
 // Some joints imposed, some free: by the gait or locked; limp or driven by torque.

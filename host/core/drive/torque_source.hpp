@@ -1,4 +1,4 @@
-// Where joint torques come from when they are not the answer: a table, a function, or servos.
+// Sources of joint torques: a table, a function, or servos.
 #pragma once
 
 #include <algorithm>

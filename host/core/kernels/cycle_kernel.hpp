@@ -98,7 +98,7 @@ class CycleNewton {
     V at(int field, int k) const { return all<V>(q.node[field * N + k]); }
 
   private:
-    // What Hermite's rule has of a node, then what it has of the cell that begins there.
+    // The matrices of Hermite's rule at a node, then of the cell that begins there.
     struct Cell {
         Mat<V> half, plus, inverse;
         V correction[3];
@@ -132,7 +132,7 @@ class CycleNewton {
         V u[2][3], f[2][3];
     };
 
-    // Pairs go where the cells are not yet.
+    // The pairs use the memory of the cells, which are filled later.
     Pair* fold() const {
         Pair* pair = reinterpret_cast<Pair*>(cell);
         for (int j = 0; j <= N / 2; ++j)
@@ -147,7 +147,7 @@ class CycleNewton {
         return pair;
     }
 
-    // r = f - y' at the nodes, and by how much y misses the integral of f in every cell.
+    // r = f - y' at the nodes; miss: the integral of f over each cell less the change of y.
     void residuals() {
         const Pair* pairs = fold();
         for (int k = 0; k < N / 2; ++k) {
@@ -175,8 +175,8 @@ class CycleNewton {
         r[a] = f[a] - slope, miss[a] = integral - (next - y[a]);
     }
 
-    // Change of every node as a function of the first one's: transfer matrices, then their product,
-    // which the symmetry closes.
+    // Changes of all nodes as functions of the first one's: transfer matrices and their product.
+    // The symmetry of the cycle gives the first one.
     void chain(V* transfer, V* start) {
         Mat<V> P = {{all<V>(1), V{}, V{}, V{}, all<V>(1), V{}, V{}, V{}, all<V>(1)}};
         V p[3] = {}, begin[3], from[3];

@@ -1,4 +1,4 @@
-// Mean of |P_i| over a cycle, by packs of gaits: sums over nodes, mended where a power changes
+// Mean of |P_i| over a cycle, by packs of gaits: sums over nodes, corrected where a power changes
 // sign.
 //
 // q = T phi' repeats each half cycle and is smooth; s q, with the sign s that makes it positive,
@@ -6,8 +6,7 @@
 // in steps), s = sigma to its right, and q = sum b_j t^j about the cell's left node,
 //     integral |q| = sum over nodes |q| + 2 sigma sum_j b_j (B_{j+1} - a^{j+1}) / (j + 1),
 // with Bernoulli's numbers B_1 = 1/2, 1/6, 0, -1/30, ...: the end corrections of Euler and
-// Maclaurin. b is a polynomial through eight nodes; as a small correction it need not be
-// better.
+// Maclaurin. b is a polynomial through eight nodes; that is accurate enough for a small correction.
 #pragma once
 
 #include "kernels/cycle_kernel.hpp"
@@ -52,10 +51,10 @@ class CyclePowers {
     }
 
   private:
-    // Kinks where a torque changes its sign, side by side, whichever gait and joint they are of.
+    // A pack of kinks where torques change sign; they may belong to different gaits and joints.
     struct Kinks {
         V torque[kWide], power[kWide];
-        V sigma, place;  // in the cell; where sigma is 0 both are still to be found
+        V sigma, place;  // in the cell; sigma 0: both are not known yet
         V turn;          // place at which the rate changes its sign, in the cell or outside
         V before;        // sign of the rate to the left of that
     };
@@ -72,7 +71,7 @@ class CyclePowers {
             for (int c = 0; c < 4; ++c) high[c] = fused(all<V>(q.modes[8 * k + 4 + c]), T, high[c]);
         }
         sum_ += sum;
-        // what the torque's last modes may hide
+        // error by modes that the nodes do not resolve
         V tail{};
         for (const V& v : high) tail += v * v;
         error_ += square_root(tail * turn.swing) * all<V>(kHidden / N);
@@ -115,7 +114,7 @@ class CyclePowers {
         error_ += doubt(sixth, seventh);
     }
 
-    // Of a mend, by the last coefficients of the power's polynomial.
+    // Error of a correction, by the last coefficients of the power's polynomial.
     static V doubt(V sixth, V seventh) {
         const V a = choose<V>(sixth < 0, -sixth, sixth),
                 b = choose<V>(seventh < 0, -seventh, seventh);
@@ -151,8 +150,8 @@ class CyclePowers {
         if (count_ == W) flush();
     }
 
-    // All roots in one cell, a close pair among them: looked for at sixteen places, which crowd
-    // at its ends, where the nodes' own signs count, as they do in the cells beside it.
+    // Find all roots in one cell, also a close pair, by the signs at sixteen places, denser near
+    // the ends. At the ends the signs at the nodes count, as in the neighbouring cells.
     [[gnu::noinline]] void search(int k, int lane, const JointTurn& turn) {
         constexpr int kPlaces = 16;
         double b[kWide] = {};
@@ -202,8 +201,8 @@ class CyclePowers {
         count_ = 0;
     }
 
-    // Root in [0, 1] of a polynomial whose sign differs at the ends: halving, which finds the one
-    // that matters even next to another at an end, regula falsi, Newton.
+    // Root in [0, 1] of a polynomial whose sign differs at the ends: bisection (another root may be
+    // next to an end), then regula falsi, then Newton.
     V root(const V* t) const {
         V low{}, high = all<V>(1), at_low = kinks_.torque[3], at_high = kinks_.torque[4], slope;
         for (int i = 0; i < 3; ++i) {
@@ -232,7 +231,7 @@ class CyclePowers {
         return value;
     }
 
-    static constexpr double kHidden = 8;  // of the torque's last modes, in a sum with kinks
+    static constexpr double kHidden = 8;  // times the torque's last modes
     static constexpr double kLast =
         1.0 / 4;  // of the last coefficients, whose weights are 1/100 and less
 

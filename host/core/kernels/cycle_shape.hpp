@@ -7,8 +7,8 @@
 namespace serpenoid::kernels {
 namespace {
 
-// Links of a shape at a pack of phases; body_shape.hpp has the formulas. What takes second
-// derivatives stays empty without `second`.
+// Links of a shape at a pack of phases; body_shape.hpp has the formulas. Without `second` the
+// second derivatives stay empty.
 template <class V, bool second = true>
 struct ShapeOfPhases {
     struct Link {

@@ -1,8 +1,8 @@
-// Vector kernels of periodic states on viscous ground: what they work on (periodic/spectral.hpp
-// derives it), and who has which.
+// Vector kernels of periodic states on viscous ground: their data and their table. The derivation
+// stands in periodic/spectral.hpp.
 //
-// A pack holds as many gaits of one shape as one register does, which differ in their rate; tables
-// of the shape are single numbers that all of them share.
+// A pack holds gaits of one shape at different rates, one a lane. They share the tables of the
+// shape.
 #pragma once
 
 #include "numerics/spectral_row.hpp"
@@ -17,8 +17,8 @@ struct CycleChain {
     double offset = 0;
 };
 
-// What is known of a node of phase, [field][node]: v' = -g (B (v, nu) + b) + nu (v_y, -v_x) and
-// nu' = -g (W (v, nu) + w) - j nu - k, g = 1/omega, v = V/omega, nu = theta_1'/omega.
+// Coefficients at a node of phase, [field][node]: v' = -g (B (v, nu) + b) + nu (v_y, -v_x) and nu'
+// = -g (W (v, nu) + w) - j nu - k, g = 1/omega, v = V/omega, nu = theta_1'/omega.
 enum NodeField : int {
     kBxx,
     kBxy,
@@ -33,14 +33,15 @@ enum NodeField : int {
     kBx = kSlope + 9,
     kBy,
     kW,
-    kK1,     // what no unknown enters
+    kK1,     // the constant terms
     kArm2,   // J / (n m), m^2
     kSpin2,  // (K / J)^2
     kLoss,   // dissipation of the chain at rest / (n m)
     kNodeFields
 };
 
-// What is known of a joint at a node, [joint][field][node]: T/omega^2 is the sum of ten products.
+// Coefficients of a joint's torque at a node, [joint][field][node]: T/omega^2 is a sum of ten
+// products.
 enum JointField : int {
     kByAx,
     kByAy,
@@ -58,13 +59,13 @@ enum JointField : int {
 
 constexpr int kLocal = 8;  // nodes of a local polynomial, three before the cell and three after it
 
-// Where a joint's rate changes its sign in a half cycle, which is the same for all rates.
+// Where a joint's rate changes its sign in a half cycle; the same at all rates of the gait.
 struct JointTurn {
     double place;   // in steps from phase 0
     double before;  // sign of the joint's rate before it
     double swing;   // sum of the joint's rate squared over the nodes
-    // of the values at the cell's eight nodes: value there, and the integral's mend (of half a
-    // cycle, cycle_powers.hpp) with sigma = 1
+    // weights of the values at the cell's eight nodes: for the value there, and for the correction
+    // of the integral over half a cycle (cycle_powers.hpp) with sigma = 1
     double value[kLocal], mend[kLocal];
 };
 
@@ -86,7 +87,7 @@ struct CycleTask {
     static constexpr int kWork = 40;
 };
 
-// What comes out, a pack each.
+// Results, one pack each.
 enum CycleOut : int {
     kChange2,  // squares of the last change and of the speeds, summed over nodes
     kSize2,
@@ -108,12 +109,12 @@ struct CycleKernel {
                    double* node, double* joint, double* scratch);
     // Derivatives of the matrix's fields (kSlope) by rows of the mesh's matrices, 2 nodes - 1 each.
     void (*slopes)(int nodes, const double* even, const double* odd, double* node);
-    // y from `count` solutions [count][values] that all share, each with a pack of weights.
+    // y as a sum of `count` solutions [count][values], each times a pack of weights.
     void (*blend)(int count, int values, const double* weight, const double* from, double* y);
     void (*newton)(CycleTask&, double* out);    // one iteration: y, kChange2 to kTransfer
     void (*averages)(CycleTask&, double* out);  // kAdvance to kLogRadius
     void (*powers)(CycleTask&, double* out);    // kAbsPower, kAbsPowerError
-    // y on twice as many nodes: old ones keep it, new ones by the modes. `even`, `odd`: values at
+    // y on twice as many nodes; values at new nodes follow from the modes. `even`, `odd`: values at
     // the middle of a cell, by cell minus node, from 1 - nodes on.
     void (*refine)(int nodes, const double* even, const double* odd, double* y, double* scratch);
 };

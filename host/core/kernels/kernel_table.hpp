@@ -1,4 +1,4 @@
-// Vector kernels of the implicit model with imposed angles: what they advance, and who has which.
+// Vector kernels of the implicit model with imposed angles: their data and their table.
 //
 // A pack is as many doubles as one register holds; its lanes are neighbouring links of one robot.
 // Each instruction set is a translation unit of its own; the processor decides which one runs.
@@ -26,7 +26,7 @@ enum Row : int {
     kY,
     kVx,
     kVy,
-    kStageX,  // what a stage of the method looks at
+    kStageX,  // place and velocities of a stage
     kStageY,
     kStageVx,
     kStageVy,

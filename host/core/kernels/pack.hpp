@@ -1,8 +1,8 @@
 // Packs of doubles for one instruction set: arithmetic, neighbours, sine and cosine.
 //
 // Included by the translation units of kernel_table.hpp alone, each with its own flags. Everything
-// here has internal linkage and nothing comes from std: what a linker may share between units must
-// not be compiled for a processor that a reader of another unit does not have.
+// here has internal linkage, and nothing comes from std. A linker keeps one copy of a shared
+// function; it must not be one with instructions that an older processor lacks.
 #pragma once
 
 #ifdef __AVX2__
@@ -67,7 +67,7 @@ inline bool any(BitsOf<V> mask) {
     return bits != 0;
 }
 
-// The same in every lane, summed in an order that the lanes' number alone decides.
+// The sum of all lanes, in every lane. Its order depends on the number of lanes only.
 template <class V>
 inline V total(V x) {
     if constexpr (sizeof(V) == 32) {
@@ -114,7 +114,7 @@ template <class V>
     cosine = (V)((B)choose<V>(odd, s, c) ^ (((quadrant + 1) & 2) << 62));
 }
 
-// Apart, so that what hardly ever happens costs the callers no register.
+// A function of its own: the rare case costs its callers no registers.
 template <class V>
 [[gnu::noinline, gnu::cold]] void sincos_far(const V& x, const BitsOf<V>& far, V& sine, V& cosine) {
     for (unsigned j = 0; j < sizeof(V) / 8; ++j)

@@ -6,7 +6,7 @@
 // v1..v4 and accelerations a1..a4 the classical method is
 //     x2 = x + h/2 v,  x3 = x + h/2 v2,  x4 = x + h v3,  x' = x + h (v + h/6 (a1 + a2 + a3)),
 //     v2 = v + h/2 a1, v3 = v + h/2 a2,  v4 = v + h a3,  v' = v + h/6 (a1 + 2 (a2 + a3) + a4).
-// Lanes that stand for no link have no joint and no velocity, and so no force ever.
+// Unused lanes have no joint and no velocity, and so no force.
 #pragma once
 
 #include "kernels/kernel_table.hpp"

@@ -6,8 +6,8 @@
 namespace serpenoid::kernels {
 namespace {
 
-// Rows of 20 numbers, aligned to 64 bytes: the matrix, one that does not count, the right sides,
-// which the solution replaces, in order. False when the matrix is singular; it is destroyed.
+// Rows of 20 numbers, aligned to 64 bytes: 15 of the matrix, one unused, 4 right sides. The
+// solution replaces the right sides; the matrix is destroyed. False when it is singular.
 template <int W>
 class StageSolve {
     using V = Pack<W>;
@@ -46,7 +46,7 @@ class StageSolve {
     }
 
   private:
-    // Bring the row with the largest pivot up, by its place alone.
+    // Swap the row with the largest pivot up: pointers only.
     static void pick(double** row, int k) {
         int best = k;
         for (int i = k + 1; i < n; ++i)

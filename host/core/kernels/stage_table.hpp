@@ -1,5 +1,5 @@
-// What the pieces of motion on dry ground (periodic/dry/sliding_piece.hpp) know of a shape at up to
-// eight phases side by side, and who has the kernels that fill it.
+// The shape of the chain at up to eight phases, for the pieces of motion on dry ground
+// (periodic/dry/sliding_piece.hpp), and the kernels that fill it.
 #pragma once
 
 #include "kernels/cycle_table.hpp"
@@ -23,8 +23,8 @@ struct StageSums {
 };
 
 struct StageKernel {
-    // J, K and the wheels, 2i along and 2i + 1 across link i. Scratch: 8 Lanes a link. `lanes`
-    // tells how many phases count; those after them in a pack are filled, too.
+    // J, K and the wheels, 2i along and 2i + 1 across link i. Scratch: 8 Lanes a link. `lanes`:
+    // number of phases that count; the rest of the last pack is filled, too.
     void (*shape)(const CycleChain&, int lanes, const Lanes& tau, StageSums&, StageWheel*,
                   double* scratch);
     // The sums, by every wheel's viscous coefficient and dry force.
@@ -33,8 +33,7 @@ struct StageKernel {
     // Every wheel's speed at u = (Vx, Vy, w).
     void (*speeds)(int wheels, int lanes, const StageWheel*, const Lanes* u, double omega,
                    Lanes* out);
-    // The least of each wheel's sums, by `points` weights of its lanes: of Bernstein's
-    // coefficients.
+    // The least Bernstein coefficient of each wheel: each is a weighted sum of `points` values.
     void (*lowest)(int wheels, int points, const Lanes* weights, const Lanes* values, double* out);
     // Every joint's torque and rate at such n m Vx, n m Vy, L, by the wheels' coefficients and dry
     // forces.

@@ -20,8 +20,7 @@ class Method {
     // Begin at t, and again behind every jump of the system.
     virtual void restart(double t, const double* y) = 0;
 
-    // To be called now and then by a method one of whose steps may last; what it throws ends the
-    // run.
+    // Called now and then by methods whose steps may take long; an exception ends the run.
     virtual void let_through(std::function<void()>) {}
 
     // One step, never beyond the limit.
@@ -39,7 +38,7 @@ class Method {
     // rates.
     virtual void give_forces(double, System&) {}
 
-    // What the last step thinks of its own error, in the scale of its tolerance; NaN: no idea.
+    // Estimated error of the last step, in the scale of its tolerance; NaN: not known.
     virtual double local_error() const { return std::numeric_limits<double>::quiet_NaN(); }
 };
 

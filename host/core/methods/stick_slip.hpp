@@ -30,24 +30,24 @@ namespace serpenoid {
 // One direction of all wheels over a step of h seconds; the friction may differ by the way they go.
 class Slide {
   public:
-    struct Way {
+    struct Friction {
         double kappa, mu, reach;
     };
 
     Slide(const WheelLaw& law, double m, double h)
-        : h_(h), ahead_(way(law, 1, m)), back_(way(law, -1, m)) {}
+        : h_(h), ahead_(friction_of(law, 1, m)), back_(friction_of(law, -1, m)) {}
 
     // Speed at the end from that at the start.
     double operator()(double v, double g) const {
         double left = h_;
         if (v != 0) {
-            const Way& w = going(v);
+            const Friction& w = going(v);
             const double speed = std::fabs(v), brake = w.mu - std::copysign(1.0, v) * g;
             const double end = speed - (w.kappa * speed + brake) * w.reach;
             if (end >= 0) return std::copysign(end, v);
             left -= w.kappa > 0 ? std::log1p(w.kappa * speed / brake) / w.kappa : speed / brake;
         }
-        const Way& w = going(g);
+        const Friction& w = going(g);
         if (std::fabs(g) <= w.mu) return 0;
         return (g - std::copysign(w.mu, g)) * reach(w.kappa, left);
     }
@@ -62,13 +62,13 @@ class Slide {
     // Acceleration by friction at a speed; a wheel at rest takes g up as far as it can.
     double friction(double v, double g, bool rests) const {
         if (rests) return -std::clamp(g, -back_.mu, ahead_.mu);
-        const Way& w = going(v);
+        const Friction& w = going(v);
         return -(w.kappa * v + std::copysign(w.mu, v));
     }
 
   private:
-    const Way& going(double v) const { return v < 0 ? back_ : ahead_; }
-    Way way(const WheelLaw& law, double direction, double m) const {
+    const Friction& going(double v) const { return v < 0 ? back_ : ahead_; }
+    Friction friction_of(const WheelLaw& law, double direction, double m) const {
         const double kappa = law.viscous(direction) / m;
         return {kappa, law.dry(direction) / m, reach(kappa, h_)};
     }
@@ -76,7 +76,7 @@ class Slide {
         return kappa > 0 ? -std::expm1(-kappa * t) / kappa : t;
     }
     double h_;
-    Way ahead_, back_;
+    Friction ahead_, back_;
 };
 
 // The system is an implicit one without friction; its state starts with the centres.
@@ -117,10 +117,10 @@ class StickSlip : public FixedStep {
         for (std::size_t i = 0; i < whole_.size(); ++i) y[i] = 2 * y[i] - whole_[i];
         if (!ground_.dry()) return;  // nothing rests, and momentum is kept as the frame keeps it
         system_.fill(t + dt, y);
-        const Slide t_way = along(dt), n_way = across(dt);
+        const Slide along_slide = along(dt), across_slide = across(dt);
         for (int i = 0; i < robot_.n; ++i)
-            set_velocity(i, t_way.extrapolate(of_halves_[2 * i], of_whole_[2 * i]),
-                         n_way.extrapolate(of_halves_[2 * i + 1], of_whole_[2 * i + 1]), y);
+            set_velocity(i, along_slide.extrapolate(of_halves_[2 * i], of_whole_[2 * i]),
+                         across_slide.extrapolate(of_halves_[2 * i + 1], of_whole_[2 * i + 1]), y);
     }
 
   private:
@@ -141,7 +141,7 @@ class StickSlip : public FixedStep {
 
     void plain(double t, double h, double* y, std::vector<double>& speed) {
         const int n = robot_.n;
-        const Slide t_way = along(h), n_way = across(h);
+        const Slide along_slide = along(h), across_slide = across(h);
         system_.rate(t, y, dy_.data());
         for (int i = 0; i < n; ++i) speed[2 * i] = speed_t(i, y), speed[2 * i + 1] = speed_n(i, y);
         for (std::size_t i = 2 * n; i < dy_.size(); ++i)
@@ -150,15 +150,15 @@ class StickSlip : public FixedStep {
             if (rate_of_[i] >= 0) y[i] += h * y[rate_of_[i]];
         system_.fill(t + h, y);  // the directions at the end of the step
         double heat = 0;
-        const auto slide = [&](const Slide& way, double& v, double kicked) {
+        const auto slide = [&](const Slide& over, double& v, double kicked) {
             const double before = v;
-            v = way(before, (kicked - before) / h);
+            v = over(before, (kicked - before) / h);
             heat += robot_.m * (kicked - v) * (before + v) / 2;
         };
         for (int i = 0; i < n; ++i) {
             double &vt = speed[2 * i], &vn = speed[2 * i + 1];
-            slide(t_way, vt, speed_t(i, y));
-            slide(n_way, vn, speed_n(i, y));
+            slide(along_slide, vt, speed_t(i, y));
+            slide(across_slide, vn, speed_n(i, y));
             set_velocity(i, vt, vn, y);
             y[i] += h * y[2 * n + i], y[n + i] += h * y[3 * n + i];
         }

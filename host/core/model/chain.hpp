@@ -1,4 +1,4 @@
-// Where every link is and what acts on it, in the frame of the ground: shared by all models.
+// Positions, velocities and forces of all links in the ground's frame, for all models.
 #pragma once
 
 #include <cmath>

@@ -6,7 +6,7 @@
 namespace serpenoid {
 
 // These take a chain whose angles, rates, positions, velocities, directions and friction are
-// filled, and fill its accelerations; joints gets what holds it together.
+// filled, and fill its accelerations and the forces and torques of the joints.
 
 // Joint angles imposed: `joint_accel[j]` = phi_j'' for j = 0..n-2. Torques are recovered. The
 // equations are those of tail_acceleration.hpp.

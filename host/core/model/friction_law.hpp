@@ -45,14 +45,14 @@ class WheelLaw {
 
     // N, at the speed v with the multiplier s.
     double force(double v, double s) const { return -viscous(s) * v - (bound * s - thrust); }
-    // What friction takes at the speed v, W.
+    // The dissipation at the speed v, W.
     double dissipation(double v) const { return viscous(v) * v * v + dry(v) * std::fabs(v); }
 
     // Whether something changes when the wheel stops.
     bool has_modes() const { return bound > 0 || !one_viscous(); }
 
-    // The bound over the force that is little or much to a wheel that rests: the weaker end, or the
-    // force that `moves` the links where the stronger end is next to no bound at all.
+    // The bound over the scale of forces on a wheel at rest: its weaker end, or the force that
+    // `moves` the links if that is larger, but at most the stronger end.
     double grip(double moves) const {
         if (f0_ == f0_back_) return 1;
         const double weak = std::min(f0_, f0_back_), strong = std::max(f0_, f0_back_);
@@ -131,7 +131,7 @@ struct Smoothed {
     double square;
 };
 
-// Bingham's law with wheels that roll backwards another way than forwards.
+// Bingham's law with other coefficients backwards.
 struct Ratchet {
     explicit Ratchet(const Ground& g, double = 0) : ground(g) {}
     double along(double v) const {

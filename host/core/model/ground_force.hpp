@@ -1,6 +1,5 @@
-// What the ground does to the links, composed at compile time: a friction law, and the weight if
-// the ground is tilted. A term that a scene has not is not in its code (a product with zero would
-// be: no compiler may drop 0 * x).
+// The ground's force on the links, composed at compile time: a friction law and, on tilted ground,
+// the weight. Terms that a scene lacks are not compiled: no compiler may drop 0 * x.
 #pragma once
 
 #include <type_traits>

@@ -1,10 +1,10 @@
-// The three things every model is made of, in SI units and radians; Python has checked the ranges.
+// Robot, ground and gait in SI units and radians; Python has checked the ranges.
 #pragma once
 
 #include <vector>
 
-// The small parts of which a right-hand side is composed: with dozens of compositions in one
-// translation unit the compiler's own judgement leaves calls in the loops (a tenth of their cost).
+// For the small parts of a right-hand side: with dozens of compositions in one translation unit the
+// compiler would leave calls in the loops (a tenth of their cost).
 #define INLINED [[gnu::always_inline]] inline
 
 namespace serpenoid {
@@ -18,7 +18,7 @@ struct Robot {
 };
 
 // Friction at the centre of one link, along it (t) and across it (n); Eqs. 28, 29, 59, 62. On a
-// ratchet it is another backwards (towards the tail) than forwards along the link.
+// ratchet the friction along the link is another one backwards (towards the tail).
 struct Ground {
     double ct, cn;                        // viscous, N s/m
     double ft0, fn0;                      // dry, N

@@ -13,8 +13,8 @@
 
 namespace serpenoid {
 
-// From the centre of a link to its head: place, velocity, and what is known of the acceleration,
-// of the head joint as the link turns about its centre.
+// The head joint relative to the centre of its link: place, velocity and the known part of the
+// acceleration.
 struct HalfLink {
     double x, y, vx, vy, ax, ay;
     INLINED static HalfLink of(double l, double c, double s, double rate) {  // of the tail

@@ -37,8 +37,8 @@ void solve_factored(const Vector& m, std::size_t size, Vector& x) {
 
 }  // namespace
 
-// matrix_ x_ = right_ by a matrix that is a little larger, and thrice what is left over: from zero
-// this goes to the smallest solution, and is as good as exact wherever there is one.
+// Solve matrix_ x_ = right_ with a small diagonal added, and refine three times by the residual.
+// From zero this converges to the smallest solution, exact to rounding where one exists.
 void BoxQuadratic::solve() {
     const std::size_t size = right_.size();
     double most = 0;

@@ -2,10 +2,10 @@
 //
 //     minimise  1/2 z.A z + b.z  over |z_i| <= 1,     A symmetric, positive semidefinite.
 //
-// A is singular where more holds than is needed to hold; of all solutions of a linear system the
-// smallest is taken then, which spreads the load. Active-set method: the minimum with some z at
-// their bounds, as far towards it as the box allows, one more at its bound; or, when it is inside,
-// the bound that pulls inwards most is let go. The value falls at every move.
+// A is singular when more contacts hold than are needed. The smallest solution is then taken, which
+// spreads the load. Active-set method: some z are fixed at their bounds. Move towards the minimum
+// over the others as far as the box allows; a z that reaches its bound is fixed. At the minimum,
+// free the bound with the largest inward gradient. The value falls at every move.
 #pragma once
 
 #include <vector>

@@ -96,7 +96,7 @@ int Convex3::line_search(const Mat3& H, const Vec3& p, const std::vector<Kink>& 
     return stop;
 }
 
-// Let go of the held kink that pulls hardest beyond its bound; false when all are within theirs.
+// Release the held kink whose multiplier exceeds its bound most; false when none does.
 bool Convex3::release(const std::vector<Kink>& kinks) {
     int worst = -1;
     double most = 1 + 1e-12;
@@ -110,7 +110,7 @@ bool Convex3::release(const std::vector<Kink>& kinks) {
     return true;
 }
 
-// The minimum for the sets of the last call; true when it turns out to be the minimum itself.
+// The minimum with the sets of the last call; true when it solves the whole problem.
 bool Convex3::warm_start(const Vec3& b, const std::vector<Kink>& kinks) {
     if (sign_.size() != kinks.size()) sign_.assign(kinks.size(), 1.0), count_ = 0;
     for (double& s : sign_) s = s < 0 ? -1 : 1;

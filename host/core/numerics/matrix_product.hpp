@@ -1,5 +1,4 @@
-// Products of many 3x3 matrices, some of which shrink all they meet: exponential, largest
-// eigenvalue.
+// Products of many 3x3 matrices without underflow: exponential, largest eigenvalue.
 #pragma once
 
 #include <algorithm>
@@ -23,9 +22,8 @@ inline double normalise(Mat3& M) {
     return std::log(size);
 }
 
-// P becomes exp(A) P, less a factor whose logarithm is returned. Taylor's series of A over a power
-// of two, which is squared again, normalised each
-// time; its norm is one that units do not change.
+// P becomes exp(A) P over a factor whose logarithm is returned: Taylor's series of A over a power
+// of two, squared again and normalised each time. The norm does not depend on units.
 inline double multiply_exponential(Mat3 A, Mat3& P) {
     double norm = 0;
     for (int i = 0; i < 3; ++i)

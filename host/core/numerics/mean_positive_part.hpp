@@ -104,9 +104,8 @@ double mean_positive_part(const std::array<double, s>& values) {
     return sum / 2;
 }
 
-// Signs of a polynomial on [-1, 1]: the places where it changes, in order. Looked for between twice
-// as many points as nodes, and at the bottom of every dip between them, so that a close pair of
-// roots is not overlooked.
+// The sign changes of a polynomial on [-1, 1], in order. The search looks between twice as many
+// points as nodes, and at the bottom of each dip, where a close pair of roots may be.
 template <int s>
 class SignChanges {
   public:
@@ -168,10 +167,10 @@ class SignChanges {
     double first_;
 };
 
-// Mean of max(-a b, 0) over an element: a by its values at the nodes, b one that changes sign at
-// `turn` (in [-1, 1], or beyond) and has the sign of `before` there to the left. The product is
-// integrated exactly as a polynomial between the changes of sign, which are those of the factors:
-// next to each other they would be missed in the product.
+// Mean of max(-a b, 0) over an element: both by their values at the nodes. b changes sign once, at
+// `turn` (in [-1, 1] or beyond), and has the sign of `before` to the left of it. The polynomial of
+// the product is integrated between the sign changes of the factors: in the product a close pair
+// would be missed.
 template <int s>
 double mean_positive_product(const std::array<double, s>& a, const std::array<double, s>& b,
                              double turn, double before) {

@@ -14,7 +14,7 @@ namespace serpenoid {
 // Between the ends, u (the polynomial of degree s through the start and the stages) has the rate
 // of the system at the stages but not at the start: with the defect delta = u'(0) - f(0) its error
 // is, to leading order, h delta bump(x), bump(x) = integral of prod (1 - x/c_k) from 0 to x.
-// Taking that off gains an order and tells how large it was. bump vanishes at 1.
+// Subtracting it gains an order, and its size is an error estimate. bump vanishes at 1.
 template <int s>
 struct RadauRule {
     std::array<double, s> c;
@@ -166,7 +166,7 @@ struct Stretch {
 
     double least() const { return *std::min_element(b.begin(), b.end()); }
 
-    // Keep what is after the fraction x of it; returned is what is before.
+    // Cut at the fraction x: keep the part after it, return the part before it.
     Stretch cut(double x) {
         Stretch before{from, from + (to - from) * x, {}};
         from = before.to;
@@ -177,7 +177,7 @@ struct Stretch {
         return before;
     }
 
-    // How much of it is below `limit`, to `finest`.
+    // The length of the parts below `limit`, to `finest`.
     double below(double limit, double finest) const {
         if (least() >= limit) return 0;
         if (*std::max_element(b.begin(), b.end()) < limit) return to - from;

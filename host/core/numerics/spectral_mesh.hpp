@@ -1,8 +1,8 @@
 // Equally spaced phases of half a cycle: derivatives, integrals and interpolation by its modes.
 //
-// N nodes, N even, of [0, pi). What repeats each half cycle (even) has the modes 0, 2, ..., N - 2,
-// and a saw's tooth, N, whose slope at the nodes is none; what changes its sign (odd) has 1, 3,
-// ..., N - 1.
+// N nodes, N even, of [0, pi). A function that repeats each half cycle (even) has the modes 0, 2,
+// ..., N - 2, and N, whose derivative is zero at the nodes. One that changes its sign (odd) has 1,
+// 3, ..., N - 1.
 #pragma once
 
 #include <vector>

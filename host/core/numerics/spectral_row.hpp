@@ -1,4 +1,4 @@
-// What kernels read of a spectral mesh; nothing from std, as kernels are compiled for processors.
+// The parts of a spectral mesh that kernels read. Nothing from std: see kernels/pack.hpp.
 #pragma once
 
 namespace serpenoid {
@@ -10,10 +10,10 @@ struct SpectralRow {
 };
 
 // The same matrices on sums [0] and differences [1] of what stands at a node and at its mirror
-// image in the half cycle, for one node or cell and one such pair: half of the products. Of values
-// u, to be differentiated, j and N - 1 - j are a pair, j < N/2; of values to be integrated, j and
-// N - j, with 0 and N/2, which have no other, as they are. The rows k and N - 1 - k get: for slopes
-// [1] + [0] and [1] - [0], for integrals [0] + [1] and [0] - [1].
+// image in the half cycle, for one node or cell and one such pair: half of the products. Values to
+// be differentiated have the pairs j and N - 1 - j, j < N/2. Values to be integrated have the pairs
+// j and N - j; 0 and N/2 stand alone. The rows k and N - 1 - k get: for slopes [1] + [0] and [1] -
+// [0], for integrals [0] + [1] and [0] - [1].
 struct FoldedRow {
     double even_slope[2], odd_slope[2], even_integral[2], odd_integral[2];
 };

@@ -57,8 +57,8 @@ void SteadyDry::remember(double omega, const Vec3& z, bool converged) {
     if (converged) solutions_.push_back({omega, z});
 }
 
-// Joints that stand move nothing, and give no scales to count in. Disturbances die as in the
-// smallest waves; speed and power are zero.
+// Joints at rest give no scales. Disturbances decay as in the smallest waves; speed and power are
+// zero.
 SteadyState SteadyDry::at_rest(double omega, const SteadyOptions& options) const {
     Gait small = gait_;
     small.alpha = 1e-3;
@@ -70,10 +70,10 @@ SteadyState SteadyDry::at_rest(double omega, const SteadyOptions& options) const
     return rest;
 }
 
-// Newton's method mostly needs no settled start. What breaks off at one sequence of tolerances
-// mostly does not at another. A state that repels is believed only of a motion that has led there.
-// From rest half of the first cycle's change is made: a fast gait's angular momentum hardly
-// changes, but has its sign turned over by the mirror.
+// Newton's method mostly needs no settled start. A search that breaks off with one sequence of
+// tolerances mostly succeeds with another. An unstable state is accepted only if a motion led to
+// it. From rest, half of the first cycle's change is applied: the angular momentum of a fast gait
+// hardly changes, but the mirror changes its sign.
 void SteadyDry::from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
                           const SteadyOptions& options, SteadyState& out) const {
     struct Try {

@@ -10,7 +10,7 @@ namespace {
 
 double size(const Vec3& a) { return std::max({std::fabs(a[0]), std::fabs(a[1]), std::fabs(a[2])}); }
 
-// In which motions draw together, but for a factor: that of the kinetic energy.
+// The inner product of the kinetic energy, but for a factor: friction draws motions together in it.
 double inner(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] / 12; }
 
 }  // namespace
@@ -62,9 +62,8 @@ bool FixedPoint::step(const Orbit& orbit, double damping, Vec3& d) const {
     return solve_dense<3, 1>(A.data(), d.data()) && std::isfinite(size(d));
 }
 
-// A step no longer than `reach` and not against the residual: the more damping, the shorter the
-// step is and the more it follows the residual, so that what settles fast still does. True where
-// Newton's step was not such a one.
+// Limit the step to `reach`, and keep it from going against the residual, by damping: it makes the
+// step shorter and turns it towards the residual. True where Newton's step was changed.
 bool FixedPoint::shorten(const Orbit& orbit, double reach, Vec3& d) const {
     const Vec3& r = orbit.residual;
     const auto fits = [&] { return size(d) <= reach && inner(r, d) >= 0; };
@@ -93,10 +92,10 @@ bool FixedPoint::follow_cycles(int most, double near_enough, double tolerance, d
 
 // Where every wheel slides one way all the cycle through friction hardly depends on the speed: the
 // residual is the same over a wide stretch, 1 - M next to singular, and Newton's step far too long.
-// So a step is at most `reach` long. Friction draws motions together, so that the fixed point lies
-// on the side to which the residual points: a step at whose end the residual still points ahead is
-// taken, though it be no smaller, and the next may be longer; one that has gone too far is cut by
-// the secant. When that does not help, a few cycles are followed.
+// So a step is at most `reach` long. Friction draws motions together, so the fixed point lies on
+// the side to which the residual points. If the residual still points ahead at the end of a step,
+// the step is accepted and the next may be longer. A step that went too far is cut by the secant.
+// When that does not help, a few cycles are followed.
 FixedPoint::Ended FixedPoint::solve(double tolerance, double goal, bool work, Orbit& orbit) {
     constexpr int kMost = 40;
     constexpr double kReach = 2;  // of the first step, in units of the scales

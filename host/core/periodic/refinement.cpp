@@ -85,8 +85,8 @@ void Refinement::add_positive(const JointWork& work, double mismatch, SteadyStat
     positive_ = work.positive;
 }
 
-// Error of a level: its changes from the level before, and what the change of its start and an
-// error of the map move it by; a lucky change alone would hide them.
+// Error of a level: its change from the level before, and the effects of the start's change and of
+// the map's error. One change alone may be small by luck.
 void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) {
     constexpr double kState = 0.8;
     constexpr double kLuck = 0.15;  // a power seldom changes by less than this of a tolerance
@@ -103,7 +103,7 @@ void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) 
     const double state = measured ? step : kState * (moved + tolerance * orbit.condition());
     const double by_state =
         measured ? 0 : state * orbit.sensitivity(CycleState::kDissipated, scale) / map_.time();
-    // wide tolerances say nothing of the power where wheels hardly roll back
+    // where wheels hardly roll back, coarse levels say little about the power
     ErrorRule rule{1,
                    kEarlier,
                    measured ? 0 : kEarlier,
@@ -138,7 +138,7 @@ FixedPoint::Ended Refinement::level(double tolerance, const Levels& levels, Stea
     return ended;
 }
 
-// What breaks off at one tolerance mostly does not at another: a level has some tries.
+// A level that breaks off at one tolerance mostly succeeds at another, so it has several tries.
 SteadyState Refinement::refine(const Levels& levels, const Acceptance& accepted) {
     constexpr int kTries = 3;
     SteadyState best = SteadyState::unknown();

@@ -178,8 +178,8 @@ SteadyState SpectralViscous::state_of(int k, const SteadyOptions& options, doubl
     to.power = fine.power;
     to.elements = SpectralMesh::level(k).nodes, to.iterations = fine.iterations;
     to.start = {omega * y_[j], omega * y_[W + j], omega * y_[2 * W + j]};
-    // a change of the motion by `residual_error` of itself changes power by no more than Cauchy and
-    // Schwarz allow, with the friction of the chain held still
+    // by Cauchy and Schwarz: a relative change of the motion by `residual_error` changes power by
+    // no more than this, with the power of the chain held still
     const double shrinks = coarse.tail > 0 ? std::clamp(fine.tail / coarse.tail, 1e-3, 1.0) : 1e-3;
     const ErrorRule rule{shrinks, 0, 0,
                          fine.residual_error * to.speed + kRounding * omega * robot_.l * robot_.n,
@@ -197,8 +197,7 @@ SteadyState SpectralViscous::state_of(int k, const SteadyOptions& options, doubl
     return to;
 }
 
-// The monodromy matrix and its slowest multiplier. False where that is not known well: what decays
-// fast may hide it.
+// The monodromy matrix and its slowest multiplier. False where fast decay hides it.
 bool SpectralViscous::multipliers(int k, double omega, const Solution& coarse, const Solution& fine,
                                   SteadyState& to) const {
     const int N = SpectralMesh::level(k).nodes;

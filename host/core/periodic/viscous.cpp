@@ -86,7 +86,7 @@ bool SteadyViscous::eliminate(int e, Vec3& y, Element& out) const {
     return true;
 }
 
-// Add what an element's start moves by, and its own correction, to its stages. Returns the largest
+// Add the effect of the start's change, and the correction, to the stages. Returns the largest
 // change and the largest value, both as speeds, m/s.
 std::pair<double, double> SteadyViscous::update(int e, const Element& element, const Vec3& d) {
     const double nm = shape_.robot.n * shape_.robot.m;
@@ -201,8 +201,8 @@ SteadyState SteadyViscous::solve(double omega, const SteadyOptions& options) {
     return result;
 }
 
-// Gauss's rule has order 12, but meshes that are still coarse may show little of it: what a mesh
-// has gained on the one before is what the next may be trusted with.
+// Gauss's rule has order 12, but coarse meshes may show little of it. The next mesh is assumed to
+// gain as much as this one has gained.
 ErrorRule SteadyViscous::rule(const LevelChange& change, const LevelChange& before, int meshes,
                               double left) const {
     constexpr double kMostGain = 16, kRounding = 2e-15;
@@ -210,7 +210,7 @@ ErrorRule SteadyViscous::rule(const LevelChange& change, const LevelChange& befo
     return {1 / gain, 0, 0, left + kRounding * now_.omega * shape_.robot.l * shape_.robot.n};
 }
 
-// The last mesh but one is mostly too coarse for an order to be told.
+// The last mesh but one is mostly too coarse to estimate an order.
 void SteadyViscous::set_slowest(double rtol, const SteadyState& coarse, SteadyState& s) const {
     const Slowest found = slowest_multiplier(shape_, now_, s.monodromy);
     s.slowest = found.log_size, s.slowest_error = found.error;

@@ -29,8 +29,8 @@ double decay(const ViscousShape& shape, const ViscousMotion& motion, int node) {
     return motion.mesh->h * (A[0] + A[4] + A[8]);
 }
 
-// By products of exponentials over the mesh: whatever decays however fast, each factor is right to
-// second order in the change of the matrix over a piece. What underflows is zero.
+// By products of exponentials over the mesh. Each factor is accurate to second order in the change
+// of the matrix over a piece, at any decay rate. Underflow gives zero.
 Slowest by_exponentials(const ViscousShape& shape, const ViscousMotion& motion, int pieces) {
     const ViscousMesh& m = *motion.mesh;
     Mat3 P = identity3();
@@ -52,8 +52,8 @@ Slowest by_exponentials(const ViscousShape& shape, const ViscousMotion& motion, 
 
 }  // namespace
 
-// Where something decays within an element, Gauss's rule only turns it round at the ends of
-// elements; the stages then know better, from both sides.
+// Gauss's rule only changes the sign of what decays within an element, from one end to the other.
+// The mean of both extrapolations from the stages is then more accurate.
 Vec3 state_at_start(const ViscousShape& shape, const ViscousMotion& motion) {
     if (decay(shape, motion, 0) > -kFair) return motion.start;
     Vec3 y = motion.between(0, 0);

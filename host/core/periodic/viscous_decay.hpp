@@ -1,4 +1,4 @@
-// What decays fast on viscous ground: the slowest multiplier beside it, and the state at phase 0.
+// Fast decay on viscous ground: the slowest multiplier, and the state at phase 0.
 #pragma once
 
 #include "periodic/viscous_shape.hpp"

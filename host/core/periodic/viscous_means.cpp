@@ -93,9 +93,9 @@ std::vector<double> positive_powers(const ViscousShape& shape, const ViscousMoti
     return part;
 }
 
-// The change of every joint in every element of the coarser mesh counts, so that no luck of signs
-// hides one. A kink limits the gain of a finer mesh to some 2^6, and where it is lost among the
-// nodes to much less.
+// The error is the sum of the changes of each joint in each element of the coarser mesh, without
+// their signs. A kink limits the gain of a finer mesh to some 2^6, and a kink between close nodes
+// to much less.
 void set_positive(const std::vector<double>& fine, const std::vector<double>& coarse,
                   SteadyState& out) {
     constexpr double kGain = 2;

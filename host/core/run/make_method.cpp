@@ -1,4 +1,4 @@
-// How every method of the registry is made, and what adaptive ones weigh errors by.
+// Makes each method of the registry, and the error scales of adaptive ones.
 #include "run/make_method.hpp"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace serpenoid {
 
 namespace {
 
-// Energies: of links that move by their length, and what friction takes from them, in that time.
+// Energies: kinetic energy of links that move by their length, and friction's work on them.
 std::vector<double> error_scale(const RunRequest& q, const System& system) {
     const double rate = rate_unit(q);
     const double length = 2 * q.robot.l, speed = length * rate;

@@ -1,4 +1,4 @@
-// Writes down the states of a run: what it costs is paid at recorded times only.
+// Records the states of a run at the recorded times.
 #pragma once
 
 #include <vector>

@@ -1,10 +1,10 @@
-// Where the energy goes: a system with four integrals behind its state, for scenes that ask.
+// The energy balance of a run: a system with four integrals behind its state.
 //
 //     d/dt (kinetic + spring + height) = joints - friction - dampers
 // with joints = -sum T_i phi_i', friction = -sum f_i . v_i >= 0, dampers = what the joint forces do
 // beside the springs, sum (F_i - k Delta_i) . Delta_i' (which is c sum |Delta_i'|^2, but for the
 // paper's scheme).
-// The fourth integral is that of sum P_i^+, what servos that do not regenerate would spend.
+// The fourth integral is that of sum P_i^+, the energy of servos that do not regenerate.
 #pragma once
 
 #include <algorithm>

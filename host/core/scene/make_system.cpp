@@ -9,10 +9,10 @@ namespace serpenoid {
 
 namespace {
 
-// The method makes sticking of what moves on ground without dry friction.
+// A system without dry friction, which the wrapper adds.
 std::unique_ptr<System> make_sticking(const RunRequest& q) {
-    constexpr double kAtRest = 1e-3;     // of what a step may err by
-    constexpr double kRounding = 1e-10;  // a tolerance below which that would be rounding
+    constexpr double kAtRest = 1e-3;     // of a step's tolerance
+    constexpr double kRounding = 1e-10;  // least tolerance: below it that speed is rounding
     RunRequest slippery = q;
     slippery.ground = {WheelLaw::along(q.ground).mean_viscous(), q.ground.cn, 0, 0};
     slippery.servo.gear_friction = 0;

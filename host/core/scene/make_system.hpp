@@ -1,4 +1,4 @@
-// From what a scene has to the one system that is compiled with exactly that.
+// Make the system that has the terms of a scene.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// From what drives a scene's joints to where their torques come from.
+// Make the source of the joints' torques.
 #pragma once
 
 #include <memory>

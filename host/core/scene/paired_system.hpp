@@ -15,11 +15,11 @@ class PairedSystem : public System {
         : System(links), driven(links - 1), half(coordinates) {}
     int dim() const override { return 2 * half; }
 
-    // forces() in two parts: the chain with the forces of the ground, and what drives the joints;
-    // then from the forces that stand in the chain the accelerations, and what the joints bear.
+    // forces() in two parts. load: fill the chain, the ground's forces and the driving torques.
+    // accelerate: accelerations and joint forces from the forces in the chain.
     virtual void load(double t, const double* y) = 0;
     virtual void accelerate() = 0;
-    std::vector<double> driven;  // torques of what drives the free joints, by load()
+    std::vector<double> driven;  // driving torques of the free joints, by load()
     void forces(double t, const double* y) final { load(t, y), accelerate(); }
     // dy/dt by the accelerations that stand in the chain.
     virtual void derivative(const double* y, double* dy) const = 0;

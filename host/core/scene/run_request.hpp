@@ -1,4 +1,4 @@
-// What a run is asked to be and what it gives back.
+// The request for a run, and its result.
 #pragma once
 
 #include <algorithm>
@@ -51,7 +51,7 @@ inline double gear_friction(const RunRequest& q) {
     return q.drive == Drive::servo ? q.servo.gear_friction : 0;
 }
 
-// What a motion has as its unit of time, 1/s: its gait, and where other drives move it a second.
+// Unit of a motion's rates, 1/s: that of the gait; with other drives at least 1.
 inline double rate_unit(const RunRequest& q) {
     return q.drive == Drive::angle ? q.gait.omega : std::max(q.gait.omega, 1.0);
 }

@@ -9,10 +9,11 @@
 namespace serpenoid {
 
 namespace {
-constexpr double kOverBound = 1e-6;  // of its bound: by how much a force exceeds it when it ends
-constexpr double kBackwards = 0.1;   // of at_rest: how fast a wheel goes back when its slide ends
-constexpr double kCreep = 100;       // times at_rest: how fast one that rests may become
-constexpr double kOvershot = 1e3;    // times at_rest: how fast one may be just after it turned
+constexpr double kOverBound =
+    1e-6;  // of its bound: by how much the force exceeds it at the end of rest
+constexpr double kBackwards = 0.1;  // of at_rest: backward speed of a wheel at the end of its slide
+constexpr double kCreep = 100;      // times at_rest: largest speed of a wheel that rests
+constexpr double kOvershot = 1e3;  // times at_rest: largest speed of a wheel just after it reversed
 }  // namespace
 
 StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const RunRequest& q,
@@ -25,16 +26,17 @@ StickingSystem::StickingSystem(std::unique_ptr<PairedSystem> slippery, const Run
       at_rest_(at_rest) {
     const WheelLaw across = WheelLaw::across(q.ground);
     for (int i = 0; i < chain.n(); ++i) {
-        if (along_.has_modes()) ways_.push_back({i, Kind::along, along_.bound, along_.grip(moves)});
-        if (across.has_modes()) ways_.push_back({i, Kind::across, across.bound, 1});
+        if (along_.has_modes())
+            contacts_.push_back({i, Kind::along, along_.bound, along_.grip(moves)});
+        if (across.has_modes()) contacts_.push_back({i, Kind::across, across.bound, 1});
     }
     for (int i = 0; i + 1 < chain.n() && gear_friction(q) > 0; ++i)
         if (q.faults.empty() || q.faults[i] == Fault::none)
-            ways_.push_back({i, Kind::gear, gear_friction(q) / length_, 1});
-    for (std::size_t w = 0; w < ways_.size(); ++w) resting_.push_back(static_cast<int>(w));
+            contacts_.push_back({i, Kind::gear, gear_friction(q) / length_, 1});
+    for (std::size_t w = 0; w < contacts_.size(); ++w) resting_.push_back(static_cast<int>(w));
 }
 
-double StickingSystem::speed(const Way& w) const {
+double StickingSystem::speed(const Contact& w) const {
     const int i = w.link;
     if (w.kind == Kind::gear) return length_ * (chain.omega[i + 1] - chain.omega[i]);
     return w.kind == Kind::across ? chain.c[i] * chain.vy[i] - chain.s[i] * chain.vx[i]
@@ -42,7 +44,7 @@ double StickingSystem::speed(const Way& w) const {
 }
 
 // d/dt of speed(), the turning of the direction included.
-double StickingSystem::acceleration(const Way& w) const {
+double StickingSystem::acceleration(const Contact& w) const {
     const int i = w.link;
     const double c = chain.c[i], s = chain.s[i], turn = chain.omega[i];
     if (w.kind == Kind::gear) return length_ * (chain.alpha[i + 1] - chain.alpha[i]);
@@ -51,8 +53,8 @@ double StickingSystem::acceleration(const Way& w) const {
     return c * chain.ax[i] + s * chain.ay[i] + turn * (c * chain.vy[i] - s * chain.vx[i]);
 }
 
-// A force of a part of the bound on a link in one of its directions, or on what drives a joint.
-void StickingSystem::push(const Way& w, double part) {
+// Add a force, a part of the bound, on a link in one of its directions or on a joint's drive.
+void StickingSystem::push(const Contact& w, double part) {
     const int i = w.link;
     const double f = part * w.dry;
     if (w.kind == Kind::gear) {
@@ -65,10 +67,10 @@ void StickingSystem::push(const Way& w, double part) {
 }
 
 // The forces without those of what rests.
-void StickingSystem::let_go() { chain.fx = free_x_, chain.fy = free_y_, inner_->driven = free_T_; }
+void StickingSystem::release() { chain.fx = free_x_, chain.fy = free_y_, inner_->driven = free_T_; }
 
-// What a ratchet has beside the mean of both ways.
-void StickingSystem::differ(const Way& w) {
+// Add a ratchet's friction that differs from the mean of both directions.
+void StickingSystem::add_ratchet(const Contact& w) {
     const int i = w.link;
     const double more = along_.viscous(w.sign) - along_.mean_viscous();
     const double f = along_.thrust - more * speed(w);
@@ -78,8 +80,8 @@ void StickingSystem::differ(const Way& w) {
 // All forces but those of what rests, and the accelerations by them.
 void StickingSystem::slide(double t, const double* y) {
     inner_->load(t, y);
-    for (const Way& w : ways_) {
-        if (ratchet_ && w.kind == Kind::along) differ(w);
+    for (const Contact& w : contacts_) {
+        if (ratchet_ && w.kind == Kind::along) add_ratchet(w);
         if (w.sign != 0) push(w, -w.sign);
     }
     inner_->accelerate();
@@ -87,21 +89,21 @@ void StickingSystem::slide(double t, const double* y) {
 }
 
 // W by columns and rows, each times its bound, and a times the bound; slide() has been called.
-void StickingSystem::respond(const std::vector<int>& ways) {
-    const std::size_t k = ways.size();
+void StickingSystem::respond(const std::vector<int>& which) {
+    const std::size_t k = which.size();
     response_.resize(k * k), pull_.resize(k), still_.resize(k);
-    for (std::size_t i = 0; i < k; ++i) still_[i] = acceleration(ways_[ways[i]]);
+    for (std::size_t i = 0; i < k; ++i) still_[i] = acceleration(contacts_[which[i]]);
     for (std::size_t j = 0; j < k; ++j) {
-        let_go();
-        push(ways_[ways[j]], 1);
+        release();
+        push(contacts_[which[j]], 1);
         inner_->accelerate();
         for (std::size_t i = 0; i < k; ++i) {
-            const Way& w = ways_[ways[i]];
+            const Contact& w = contacts_[which[i]];
             response_[i * k + j] = w.dry * (acceleration(w) - still_[i]);
         }
     }
     for (std::size_t i = 0; i < k; ++i) {
-        pull_[i] = ways_[ways[i]].dry * still_[i];
+        pull_[i] = contacts_[which[i]].dry * still_[i];
         for (std::size_t j = 0; j < i; ++j)
             response_[i * k + j] = response_[j * k + i] =
                 0.5 * (response_[i * k + j] + response_[j * k + i]);
@@ -109,9 +111,9 @@ void StickingSystem::respond(const std::vector<int>& ways) {
 }
 
 // Add share_ to the forces, and take the accelerations by all of them.
-void StickingSystem::hold(const std::vector<int>& ways) {
-    let_go();
-    for (std::size_t i = 0; i < ways.size(); ++i) push(ways_[ways[i]], share_[i]);
+void StickingSystem::hold(const std::vector<int>& which) {
+    release();
+    for (std::size_t i = 0; i < which.size(); ++i) push(contacts_[which[i]], share_[i]);
     inner_->accelerate();
 }
 
@@ -124,15 +126,16 @@ void StickingSystem::forces(double t, const double* y) {
 }
 
 // Impulses that leave no speed: the response to a force for a second is that to its impulse.
-void StickingSystem::put_to_rest(const std::vector<int>& ways, double* y) {
-    const std::size_t k = ways.size();
+void StickingSystem::put_to_rest(const std::vector<int>& which, double* y) {
+    const std::size_t k = which.size();
     std::vector<double> moving(k);
-    for (std::size_t i = 0; i < k; ++i) moving[i] = ways_[ways[i]].dry * speed(ways_[ways[i]]);
-    let_go();
+    for (std::size_t i = 0; i < k; ++i)
+        moving[i] = contacts_[which[i]].dry * speed(contacts_[which[i]]);
+    release();
     inner_->accelerate();
     const std::vector<double> ax = chain.ax, ay = chain.ay, alpha = chain.alpha;
     box_.minimise_free(response_, moving, share_);
-    hold(ways);
+    hold(which);
     for (int i = 0; i < chain.n(); ++i) {
         chain.vx[i] += chain.ax[i] - ax[i], chain.vy[i] += chain.ay[i] - ay[i];
         chain.omega[i] += chain.alpha[i] - alpha[i];
@@ -144,18 +147,18 @@ void StickingSystem::find(double t, double* y) {
     inner_->fill(t, y);
     std::vector<int> slow;
     std::vector<double> share;
-    for (std::size_t w = 0; w < ways_.size(); ++w) {
-        const double v = speed(ways_[w]);
-        const bool rested = ways_[w].sign == 0 && known_;
-        // time has grains: where forces are strong, speed goes through at_rest within one
-        const bool turned = known_ && ways_[w].sign * v < 0;
+    for (std::size_t w = 0; w < contacts_.size(); ++w) {
+        const double v = speed(contacts_[w]);
+        const bool rested = contacts_[w].sign == 0 && known_;
+        // time has a resolution: under strong forces the speed passes at_rest within it
+        const bool turned = known_ && contacts_[w].sign * v < 0;
         const double slowly = (turned ? kOvershot : 1) * at_rest_;
-        if (ways_[w].dry > 0 && (rested || std::fabs(v) <= slowly)) {
+        if (contacts_[w].dry > 0 && (rested || std::fabs(v) <= slowly)) {
             slow.push_back(static_cast<int>(w));
-            share.push_back(rested ? ways_[w].share : -ways_[w].sign);
-            ways_[w].sign = 0;
+            share.push_back(rested ? contacts_[w].share : -contacts_[w].sign);
+            contacts_[w].sign = 0;
         } else {
-            ways_[w].sign = v > 0 || (v == 0 && ways_[w].sign >= 0) ? 1 : -1;
+            contacts_[w].sign = v > 0 || (v == 0 && contacts_[w].sign >= 0) ? 1 : -1;
         }
     }
     known_ = true;
@@ -168,7 +171,7 @@ void StickingSystem::find(double t, double* y) {
     respond(slow);
     box_.minimise(response_, pull_, share);
     for (std::size_t i = 0; i < slow.size(); ++i) {
-        Way& w = ways_[slow[i]];
+        Contact& w = contacts_[slow[i]];
         w.share = share[i];
         if (std::fabs(share[i]) == 1)
             w.sign = share[i] > 0 ? -1 : 1;
@@ -179,20 +182,21 @@ void StickingSystem::find(double t, double* y) {
 
 void StickingSystem::margins(double t, const double* y, std::vector<double>& margin) {
     forces(t, y);
-    margin.assign(ways_.size(), 0.0);
-    for (std::size_t w = 0; w < ways_.size(); ++w)
-        if (ways_[w].sign != 0)
-            margin[w] = 1 + ways_[w].sign * speed(ways_[w]) / (kBackwards * at_rest_);
+    margin.assign(contacts_.size(), 0.0);
+    for (std::size_t w = 0; w < contacts_.size(); ++w)
+        if (contacts_[w].sign != 0)
+            margin[w] = 1 + contacts_[w].sign * speed(contacts_[w]) / (kBackwards * at_rest_);
     for (std::size_t i = 0; i < resting_.size(); ++i) {
-        ways_[resting_[i]].share = share_[i];
-        margin[resting_[i]] = 1 + ways_[resting_[i]].grip * (1 - std::fabs(share_[i])) / kOverBound;
+        contacts_[resting_[i]].share = share_[i];
+        margin[resting_[i]] =
+            1 + contacts_[resting_[i]].grip * (1 - std::fabs(share_[i])) / kOverBound;
     }
 }
 
 bool StickingSystem::creeps(double t, const double* y) {
     inner_->fill(t, y);
     return std::any_of(resting_.begin(), resting_.end(),
-                       [&](int w) { return std::fabs(speed(ways_[w])) > kCreep * at_rest_; });
+                       [&](int w) { return std::fabs(speed(contacts_[w])) > kCreep * at_rest_; });
 }
 
 }  // namespace serpenoid

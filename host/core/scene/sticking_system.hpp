@@ -1,4 +1,4 @@
-// Dry ground as the set-valued law it is, for any explicit system: wheels that rest, or slide.
+// Set-valued dry friction for any explicit system: wheels rest or slide.
 //
 // Every link has two directions, along and across, in which it rests or slides one way or the
 // other: the mode. A direction that slides has its dry force; those that rest have the forces z mu,
@@ -7,16 +7,16 @@
 // acceleration of the directions without those forces, they solve  W mu z = -a:  in a mode the
 // motion is smooth, and methods of high order step it.
 //
-// At the end of a mode all that is at rest is asked anew: the forces minimise
+// At the end of a mode the forces on all that is at rest are found anew: they minimise
 //     1/2 (mu z).W (mu z) + (mu z).a  over |z| <= 1     (box_quadratic.hpp),
-// which is Gauss's principle of least constraint with dry friction in it. What is inside its bound
-// rests, what is at it slides, its acceleration against the force. There is no smoothing width.
+// which is Gauss's principle of least constraint with dry friction in it. A contact whose force is
+// inside its bound rests; one at its bound slides, against the force. There is no smoothing width.
 //
 // Gears hold like wheels: the speed of such a contact is that of its joint times a link's length,
 // its force the torque over that length.
 //
-// A ratchet's links have the mean of both ways as mu and half the difference as a constant thrust;
-// its viscous friction is that of the mode, and a wheel without dry friction changes its way when
+// A ratchet's links have the mean of both directions as mu and half the difference as a constant
+// thrust; its viscous friction is that of the mode, and a wheel without dry friction reverses when
 // it stops, without a rest.
 #pragma once
 
@@ -55,7 +55,7 @@ class StickingSystem final : public System, public Modes {
 
   private:
     enum class Kind : char { along, across, gear };
-    struct Way {
+    struct Contact {
         int link;  // of a gear: behind it
         Kind kind;
         double dry;        // bound of its force, N
@@ -63,22 +63,22 @@ class StickingSystem final : public System, public Modes {
         int sign = 0;      // 0 rests, else which way it slides
         double share = 0;  // of the bound, while it rests
     };
-    double speed(const Way& w) const;
-    double acceleration(const Way& w) const;
-    void push(const Way& w, double part);
-    void let_go();
+    double speed(const Contact& w) const;
+    double acceleration(const Contact& w) const;
+    void push(const Contact& w, double part);
+    void release();
     void slide(double t, const double* y);
-    void differ(const Way& w);
-    void respond(const std::vector<int>& ways);
-    void hold(const std::vector<int>& ways);
-    void put_to_rest(const std::vector<int>& ways, double* y);
+    void add_ratchet(const Contact& w);
+    void respond(const std::vector<int>& which);
+    void hold(const std::vector<int>& which);
+    void put_to_rest(const std::vector<int>& which, double* y);
 
     std::unique_ptr<PairedSystem> inner_;
     WheelLaw along_;
     bool ratchet_;
     double length_, at_rest_;
     bool known_ = false;  // modes have been found before
-    std::vector<Way> ways_;
+    std::vector<Contact> contacts_;
     std::vector<int> resting_;
     BoxQuadratic box_;
     std::vector<double> response_, pull_, share_, free_x_, free_y_, free_T_, still_;

@@ -93,7 +93,8 @@ double Dop853::first_step(double t_limit) {
     return std::min({100 * h0, h1, t_limit - t_});
 }
 
-// Is the fastest decay what bounds the step? k(12) is at the end, k(11) at stage 11's guess of it.
+// Whether stability, not accuracy, bounds the step. k(12) is at the end, k(11) at stage 11's guess
+// of it.
 bool Dop853::stiff(double h) {
     double rates = 0, states = 0;
     for (int i = 0; i < dim_; ++i) {

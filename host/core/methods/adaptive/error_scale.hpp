@@ -1,4 +1,4 @@
-// What counts as 1 in each entry of a system's state, where a method weighs errors.
+// The scale of each entry of a system's state, for error norms.
 #pragma once
 
 #include <cmath>

@@ -41,9 +41,8 @@ void WorkMeter::add_event_steps(double skipped) {
     }
 }
 
-// The piece is extended backwards over the event steps before it, but its polynomial does not reach
-// far: where they were not much shorter they count by themselves. Torques are no polynomials: they
-// are taken at Gauss points of short parts, however long the piece is.
+// The piece is extrapolated backwards over the event steps before it; if they are long they count
+// by themselves. Torques are no polynomials: they are taken at Gauss points of short parts.
 void WorkMeter::add(const SlidingMode& mode, double tau, double h, double x, double skipped) {
     constexpr double kFarthest = 0.1;  // of the part that is used
     constexpr double kLongest = 0.25;  // rad
@@ -57,10 +56,10 @@ void WorkMeter::add(const SlidingMode& mode, double tau, double h, double x, dou
     add_doubt(mode, h, x);
 }
 
-// A wheel whose speed dips to nearly nothing may rest there or not: the motion does not tell at
-// this tolerance. Its force, and those of wheels that rest, are then uncertain by its dry friction
-// for as long as it is so slow. The speeds hardly change. A wheel that has just begun to slide is
-// slow as well, but its mode is certain.
+// A wheel whose speed dips close to zero may rest there or not: the mode is ambiguous at this
+// tolerance. While it is so slow, its force and those of wheels at rest are uncertain by its dry
+// friction; the speeds hardly change. A wheel that has just begun to slide is slow, too, but its
+// mode is certain.
 void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
     constexpr double kSlow = 20;  // a fifth of a tolerance of speed, in units of the aim
     constexpr double kFinest = 1e-7;
