@@ -1,1 +1,1 @@
-"""The command line: degrees outside, SI inside; asks, calls and shows, without a thought."""
+"""The command line: degrees outside, SI inside. It asks, calls and shows."""

@@ -1,4 +1,4 @@
-"""Paths to write to, checked while the command line is read: no work is done for nothing."""
+"""Paths to write to, checked when the command line is read, before any work."""
 
 from __future__ import annotations
 

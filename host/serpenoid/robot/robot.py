@@ -1,4 +1,4 @@
-"""A robot to talk to: opened, driven and, however the block is left, stopped."""
+"""A robot's board: opened, driven, and always stopped at the end."""
 
 from __future__ import annotations
 
@@ -340,7 +340,7 @@ class RobotBoard:
 def _told(
     result: CloseResult, unwritten: RecordingFailed | None, error: BaseException | None
 ) -> RobotError | None:
-    """Return what went wrong and no call has told, if it may be raised in place of error.
+    """Return an error that no call has raised yet, if it may be raised in place of `error`.
 
     An error of the program itself is not replaced: beside it, what went wrong is a warning.
     """

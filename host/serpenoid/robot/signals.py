@@ -42,7 +42,7 @@ class SignalGuard:
             signal.signal(number, self._on_signal)
 
     def restore(self, *, forget: bool = False) -> None:
-        """Give the signals back, and send the one that was kept unless it is to be forgotten."""
+        """Restore the handlers, and send the signal that was kept unless it is to be dropped."""
         try:
             while self._before:
                 number = next(reversed(self._before))  # SIGINT last: until then it is kept

@@ -110,7 +110,7 @@ class Recorder:
             self.path.unlink()
 
     def _at_exit(self) -> None:
-        """End the recording of a program that did not; its fork has no part in it."""
+        """Close the recording at exit if the program did not; a forked process does nothing."""
         if os.getpid() == self._process:
             with suppress(RecordingFailed):
                 self.close("the program ended without leaving the robot")

@@ -24,7 +24,7 @@ UNDERWAY_S = 0.3  # frames that a busy computer may not have taken in at the end
 
 @dataclass(frozen=True)
 class Summary:
-    """What a run came to.
+    """The summary of a run.
 
     frames: that arrived; missed, damaged and resent: as in Losses. latest_us: the latest frame.
     clipped_frames: in which a joint was held back at a limit or at the servos' speed, and missed

@@ -1,4 +1,4 @@
-"""Keys as they are pressed: a terminal without line editing, given back however it is left."""
+"""Read keys as they are pressed; the terminal is always restored."""
 
 from __future__ import annotations
 

@@ -149,7 +149,7 @@ def installed_project() -> Path | None:
 
 
 def board_at(port: str) -> str:
-    """Tell the board by its USB id; raise BadInput if that does not tell."""
+    """Identify the board by its USB id. Raises BadInput."""
     for found in serial_ports():
         for board, ids in KNOWN.items():
             if (

@@ -42,7 +42,7 @@ class Drift:
 
     @property
     def believable(self) -> bool:
-        """Tell whether a resonator can be so far off, or a host that got busier meanwhile."""
+        """Tell whether the drift is possible for a resonator, or for a host that got busier."""
         busy_ppm = BUSY_S / self.span_s * 1e6 if self.span_s else 0.0
         known = self.sd_ppm <= MOST_SD_PPM
         return known and abs(self.ppm) <= TOLERANCE_PPM + busy_ppm + 3 * self.sd_ppm

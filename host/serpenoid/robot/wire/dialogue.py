@@ -59,7 +59,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class CloseResult:
-    """How a run was left: why the stop is not sure, if so; an error that no call has raised."""
+    """How a run ended: why the stop is uncertain, if it is; an error that no call has raised."""
 
     unstopped: StopUnconfirmed | None
     unseen: RobotError | None
@@ -211,7 +211,7 @@ class Dialogue:
         return CloseResult(unstopped, unseen)
 
     def fall_silent(self) -> None:
-        """End reading and pinging without a word: the wire may be used anew."""
+        """Stop reading and pinging, without a message: the wire may be used anew."""
         self._closing.set()
         for thread in self._threads:
             thread.join(PATIENCE_S)

@@ -1,4 +1,4 @@
-"""What the board's lines say, sorted: frames, verdicts, losses, resets; no input or output here."""
+"""Sort the board's lines into frames, verdicts, losses, resets; no input or output here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bytes to and from a board: the serial port, found and taken; here alone pyserial is imported."""
+"""Bytes to and from a board over the serial port. Only this file imports pyserial."""
 
 from __future__ import annotations
 

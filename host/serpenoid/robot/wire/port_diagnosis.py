@@ -1,4 +1,4 @@
-"""Name who or what keeps a serial port from being opened, as far as Linux tells, and the cure."""
+"""Find what keeps a serial port from being opened, as far as Linux shows it, and the cure."""
 
 from __future__ import annotations
 

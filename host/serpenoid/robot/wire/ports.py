@@ -56,7 +56,7 @@ def allowed(device: str) -> bool:
 
 
 def users(device: str) -> list[port_diagnosis.Holder]:
-    """List who has a port open and would be disturbed: not who plays a board at it."""
+    """List the programs that have a port open, but not those that simulate a board at it."""
     return [] if port_diagnosis.is_pseudo_terminal(device) else port_diagnosis.who_holds(device)
 
 

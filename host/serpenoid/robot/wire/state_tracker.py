@@ -11,7 +11,7 @@ SAFE = frozenset({"safing", "safe", "idle"})  # the way that silence leads
 
 
 class StateTracker:
-    """Follow the commands, and say which state nobody asked for, once a change.
+    """Follow the commands, and report each unexpected state once.
 
     Until the first command that moves anything, any state is right: an earlier program may have
     left it. Between a command's first copy and its verdict, the states before and after it are.

@@ -1,4 +1,4 @@
-"""A robot without a robot: the firmware's own controller in this process, behind a Link."""
+"""A virtual robot: the firmware's own controller in this process, behind a Link."""
 
 from __future__ import annotations
 
