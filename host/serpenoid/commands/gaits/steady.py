@@ -127,7 +127,7 @@ def _pinned(
 ) -> None:  # fmt: skip
     """Tell the periodic state of the exact model, servos' speed, and how near a cliff is."""
     from ...gaits.margins import gait_margins
-    from ...periodic.servo_steady import steady_gait
+    from ...periodic.steady_gait import steady_gait
     from ...show import report
     from ...show.gaits import gait_report
 
