@@ -13,6 +13,16 @@ from serpenoid.model.drives import loop_radius
 from serpenoid.servos.catalogue import SERVOS
 
 
+def test_damping_of_a_drawn_servo_follows_torque_over_speed() -> None:
+    """All that follows the motor's line S / w0 keeps its ratio to it, also when w0 is drawn."""
+    base = sn.Servo(2.0, 0.05, 0.4, 8.0, 0.005, 2e-3, 0.02, 4e-3)
+    drawn = sn.ServoKind("x", base, {"torque_limit_nm": 0.3, "speed_limit_rad_s": 0.2}).draws(50)
+    assert np.std([math.log(s.speed_limit_rad_s) for s in drawn]) > 0.1
+    for name in ("damping_nms_rad", "gear_damping_nms_rad", "armature_kg_m2"):
+        ratios = [getattr(s, name) * s.speed_limit_rad_s / s.torque_limit_nm for s in drawn]
+        assert np.ptp(ratios) < 1e-12
+
+
 def test_every_kind_is_a_servo_that_does_not_hunt() -> None:
     for name, kind in SERVOS.items():
         assert kind.name == name
