@@ -13,6 +13,7 @@ import pytest
 import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
+from serpenoid.show.pages import twin as twins
 from serpenoid.show.pages.twin import Twin, gait_joints
 from serpenoid.show.pages.view_page import of_run, write_page
 from webdriver import Browser
@@ -152,3 +153,16 @@ def test_a_dark_page_is_dark_and_as_large_a_snake_as_the_stage_holds(page, tmp_p
     assert np.median(shown) < 0.15
     assert shown.max() > 0.8
     assert reach > 0.4
+
+
+def test_a_long_recording_is_followed_in_pieces_to_the_same_place(monkeypatch) -> None:
+    monkeypatch.setattr(twins, "PIECE", 7)
+    rng = np.random.default_rng(8)
+    told = np.cumsum(rng.normal(0.0, 0.02, (60, 5)), axis=0)
+    robot, lasts_s = sn.Robot(6, 0.0756, 0.076), np.full(60, 0.02)
+    whole = Twin(robot, GROUND, told[0]).follow(told, lasts_s)
+    for step in (1, 3, 25):
+        shown = np.arange(0, 60, step)
+        some = Twin(robot, GROUND, told[0]).follow_shown(told, lasts_s, shown)
+        assert some.x_m == pytest.approx(whole.x_m[shown], abs=1e-12)
+        assert some.vy_m_s == pytest.approx(whole.vy_m_s[shown], abs=1e-9)

@@ -46,6 +46,9 @@ class Motion:
         return Motion(place.real, place.imag, angle, velocity.real, velocity.imag)
 
 
+PIECE = 20_000  # set-points of a long recording that are followed at once: 10 MB
+
+
 class Twin:
     """A robot with ideal joints, at rest at first: its mean heading along x, at the origin.
 
@@ -80,6 +83,17 @@ class Twin:
         rate = np.diff(rows, axis=0, prepend=self._joints[None]) / lasts_s[:, None]
         self._joints = rows[-1]
         return self._motion(states, rows, rate)
+
+    def follow_shown(self, setpoint_rad: Array, lasts_s: Array, shown: NDArray[np.int64]) -> Motion:
+        """Follow as `follow` does, piece by piece, and keep what is shown: rows, increasing."""
+        parts = []
+        for first in range(0, len(setpoint_rad), PIECE):
+            piece = slice(first, first + PIECE)
+            motion = self.follow(setpoint_rad[piece], lasts_s[piece])
+            low, high = np.searchsorted(shown, (first, first + PIECE))
+            parts.append(motion.at(shown[low:high] - first))
+        names = [field.name for field in fields(Motion)]
+        return Motion(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
 
     def _motion(self, states: Array, joint_rad: Array, joint_rad_s: Array) -> Motion:
         """Return all links from centre of mass and link 1, (N, 6), and the joints, (N, n-1)."""

@@ -69,9 +69,8 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     kept = np.arange(kept[0], kept[-1] + 1)
     told, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
     twin = Twin(robot, ground, told[0])
-    motion = twin.follow(told[1:], np.diff(board_s))
     shown = np.arange(0, kept.size - 1, math.ceil(kept.size / MOST_FRAMES))
-    motion = motion.at(shown).along_x()
+    motion = twin.follow_shown(told[1:], np.diff(board_s), shown).along_x()
     t_s, phase = board_s[1:][shown] - board_s[0], stream.phase_rad[kept][1:][shown]
     asked = gait_joints(gait, phase, robot.links - 1)
     return gait, (
