@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,9 +99,10 @@ class DrivenTable:
     shares: what each of some servos leaves of the speed on the ground of WHOLE_2005.
     """
 
-    def __init__(self, robot: Robot, table: SpeedTable, points: int = 512):
+    def __init__(self, robot: Robot, table: SpeedTable, points: int = 512, **more: Any):
         self._amplitudes = np.array([1.0 - AMPLITUDE_SIGMA, 1.0, 1.0 + AMPLITUDE_SIGMA])
-        others = [SpeedTable(robot, scaled(GAIT, a), points) for a in self._amplitudes[[0, 2]]]
+        ends = self._amplitudes[[0, 2]]
+        others = [SpeedTable(robot, scaled(GAIT, a), points, **more) for a in ends]
         self._tables = (others[0], table, others[1])
         ideal = steady_gait(robot, ground_of(robot.links, WHOLE.tolist()), GAIT, rtol=1e-4)
         speeds = servo_speeds((ideal, drawn) for drawn in SERVOS.draws(_SERVO_DRAWS))

@@ -19,18 +19,27 @@ LOW, HIGH = np.array([0.05, 0.02, 0.11, 0.12]), np.array([0.12, 3.6, 0.17, 0.45]
 
 
 class SpeedTable:
-    """Interpolate speed in m/s between Sobol points; frictions outside count as the box's edge."""
+    """Interpolate speed in m/s between Sobol points; frictions outside count as the box's edge.
 
-    def __init__(self, robot: Robot, gait: Gait, points: int = 512):
+    box: lowest and highest ct, cn, ft0, fn0, whole snake; kernel: of the interpolation, smooth
+    where the box is small.
+    """
+
+    def __init__(
+        self, robot: Robot, gait: Gait, points: int = 512,
+        box: tuple[Array, Array] = (LOW, HIGH), kernel: str = "linear",
+    ):  # fmt: skip
         from scipy.interpolate import RBFInterpolator
         from scipy.stats import qmc
 
+        self._box = low, high = box
         unit = qmc.Sobol(4, seed=7).random(points)  # pyright: ignore[reportCallIssue]
-        grounds = [Ground.whole_body(robot.links, *x) for x in (LOW + unit * (HIGH - LOW)).tolist()]
+        grounds = [Ground.whole_body(robot.links, *x) for x in (low + unit * (high - low)).tolist()]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             speeds = list(pool.map(lambda g: speed(robot, g, gait), grounds))
-        self._of = RBFInterpolator(unit, np.array(speeds), neighbors=40, kernel="linear")
+        self._of = RBFInterpolator(unit, np.array(speeds), neighbors=40, kernel=kernel)
 
     def __call__(self, whole: Array) -> Array:
         """Return the speeds of (count, 4) frictions of the whole snake."""
-        return self._of(np.clip((whole - LOW) / (HIGH - LOW), 0.0, 1.0))
+        low, high = self._box
+        return self._of(np.clip((whole - low) / (high - low), 0.0, 1.0))

@@ -103,6 +103,10 @@ NUMBERS = (
     Field("belt_speed_least_km_h", "belt: least speed above 0 (km/h, m/s or mph)", "belt", 0.0,
           10.0),
 )  # fmt: skip
+ROBOT = 2  # of the numbers: those that a floor needs, too
+WHEELS = Field("wheels_kg", "mass of all wheels together (kg, or 36 g)", "mass", 0.0, 100.0,
+               (0.001, 2.0))  # fmt: skip
+FLOOR_RUNS = 1  # of each gait, to close the loop
 
 
 def default_setup(name: str) -> Setup:
@@ -123,6 +127,12 @@ def default_setup(name: str) -> Setup:
     )  # fmt: skip
 
 
+def on_place(plan: Procedure, place: str) -> Procedure:
+    """Return a plan to be carried out at a place; on a floor one run of a gait will do."""
+    runs = FLOOR_RUNS if place == "floor" else plan.gait_runs
+    return replace(plan, on=place, gait_runs=runs)
+
+
 def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     """Return a set-up with the answers of `calibrate new` put in; raises BadInput."""
     given = {k: v for k, v in answers.items() if v is not None}
@@ -132,6 +142,8 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
     robot = Robot(links, mass_kg / links, given.get("link_length_m", setup.robot.link_length_m))
     if links < FEWEST_LINKS:  # they have no balanced bend
         setup = replace(setup, procedure=replace(setup.procedure, bend="zigzag"))
+    if "wheels_kg" in given:
+        setup = replace(setup, floor=replace(setup.floor, wheels_kg=given["wheels_kg"]))
     unsure, steps = setup.uncertainty, setup.treadmill
     if "incline_step_deg_shown" in given:
         sigma_rad = math.radians(given["incline_step_deg_shown"]) / math.sqrt(12)

@@ -16,6 +16,7 @@ from ..paths import OutFile
 from .calibrate_new import new
 from .calibrate_person import count, program, with_a_person
 from .calibrate_practice import practice
+from .calibrate_push import push
 
 if TYPE_CHECKING:
     from ...calibration.taking.journal import Journal
@@ -39,21 +40,26 @@ class _FolderOrCommand(Commands):
 
 @click.group(cls=_FolderOrCommand)
 def calibrate() -> None:
-    """Measure friction on a treadmill: `calibrate new DIR`, then `calibrate DIR`, any time again.
+    """Measure friction on a floor or a treadmill: `calibrate new DIR`, then `calibrate DIR`.
+
+    `--on floor`: the robot is pushed and rolls out before a phone. Any time again goes on.
 
     Every reading is on the disk before the next is asked for; nothing is ever overwritten.
 
-    `calibrate DIR` takes --port (a robot that bends and steers itself), --page, --lan, --window,
-    --script and --dry-run: see `serpenoid calibrate take --help`.
+    `calibrate DIR` takes --on floor, --port (a robot that bends and steers itself), --page, --lan,
+    --window, --script and --dry-run: see `serpenoid calibrate take --help`.
     """
 
 
 calibrate.add_command(new)
 calibrate.add_command(practice)
+calibrate.add_command(push)
 
 
 @calibrate.command()
 @FOLDER
+@click.option("--on", type=click.Choice(["treadmill", "floor"]), help="Where: on a treadmill, or "
+              "by pushes along a floor; as the session's plan says unless given.")  # fmt: skip
 @click.option("--script", type=TOML, help="plan.toml that answers instead of a person.")
 @click.option("--dry-run", is_flag=True, help="Show the next steps; write nothing.")
 @click.option("--port", help="The robot's serial port, to bend and drive it; `virtual` needs none. "
@@ -66,10 +72,12 @@ calibrate.add_command(practice)
 @click.option("--window/--no-window", default=None,
               help="A window for the picture; where there is a display unless told.")  # fmt: skip
 def take(
-    folder: Path, script: Path | None, dry_run: bool, port: str | None, patience_s: float,
-    with_page: bool, lan: bool, window: bool | None,
+    folder: Path, on: str | None, script: Path | None, dry_run: bool, port: str | None,
+    patience_s: float, with_page: bool, lan: bool, window: bool | None,
 ) -> None:  # fmt: skip
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
+    if on is not None and not dry_run:
+        _carry_out_on(folder, on)
     if dry_run:
         return _dry_run(folder)
     if script is not None:
@@ -77,6 +85,15 @@ def take(
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
     return with_a_person(folder, port, patience_s, with_page, lan, window)
+
+
+def _carry_out_on(folder: Path, place: str) -> None:
+    """Have the plan carried out at a place; an event tells, if that is a change."""
+    from ...calibration.taking.journal import Journal
+
+    with Journal(folder) as journal:
+        if journal.session.setup.procedure.on != place:
+            journal.event("amend", detail=f'plan.on = "{place}"')
 
 
 def _dry_run(folder: Path) -> None:

@@ -21,7 +21,7 @@ class Quantity(click.ParamType[float]):
     """A number with a unit or in the field's own; decimals take a point or a comma.
 
     A bare number that only another unit makes likely is asked about where somebody can answer.
-    `later` answers for the mass.
+    `later` answers for a mass.
     """
 
     name = "quantity"
@@ -39,7 +39,7 @@ class Quantity(click.ParamType[float]):
         if isinstance(value, float):
             return value
         field = field_of(self.field)
-        if field.column == "mass_kg" and str(value).strip().lower() == LATER:
+        if field.column in ("mass_kg", "wheels_kg") and str(value).strip().lower() == LATER:
             return math.nan
         try:
             typed = parse_number(str(value), field)
@@ -54,9 +54,9 @@ class Quantity(click.ParamType[float]):
 
 def field_of(name: str) -> Field:
     """Return what is known of one of the numbers that are asked for."""
-    from ...calibration.taking.new_session import NUMBERS
+    from ...calibration.taking.new_session import NUMBERS, WHEELS
 
-    return next(field for field in NUMBERS if field.column == name)
+    return next(field for field in (*NUMBERS, WHEELS) if field.column == name)
 
 
 @click.command()
@@ -67,6 +67,10 @@ def field_of(name: str) -> Field:
 @click.option("--surface", help="What the wheels roll on.")
 @click.option("--mass-kg", type=Quantity("mass_kg"),
               help="Mass of the whole robot, as it crawls; 480g does, too.")  # fmt: skip
+@click.option("--on", type=click.Choice(["treadmill", "floor"]), default="treadmill",
+              show_default=True, help="Where: a treadmill, or pushes along a floor.")  # fmt: skip
+@click.option("--wheels-kg", type=Quantity("wheels_kg"),
+              help="Mass of all wheels together, which a push sets turning.")  # fmt: skip
 @click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
 @click.option("--ratchet", is_flag=True,
               help="Its wheels roll harder backwards: hold stations facing up, too.")  # fmt: skip
@@ -76,6 +80,7 @@ def new(
     defaults: bool,
     simulated: bool,
     ratchet: bool,
+    on: str,
     **answers: Any,
 ) -> None:
     """Begin a session: asks for robot, surface and instruments, or takes them from a template."""
@@ -86,6 +91,7 @@ def new(
     from ...calibration.taking.new_session import (
         answered,
         create_session,
+        on_place,
         refuse_existing,
         template_setup,
     )
@@ -98,25 +104,28 @@ def new(
                 "there is no terminal to ask at; give --template DIR, or --defaults with "
                 "--surface and --mass-kg"
             )
-        answers = _asked(setup, answers)
+        answers = _asked(setup, answers, on)
+    if answers["wheels_kg"] is not None and math.isnan(answers["wheels_kg"]):
+        answers = answers | {"wheels_kg": None}
     mass_kg = answers["mass_kg"]
     unweighed = mass_kg is None or math.isnan(mass_kg)
+    setup = dataclasses.replace(setup, procedure=on_place(setup.procedure, on))
     given = answered(setup, answers | ({"mass_kg": None} if unweighed else {}))
     if ratchet:
         given = dataclasses.replace(
             given, procedure=dataclasses.replace(given.procedure, ratchet=True)
         )
     if simulated:
-        given = dataclasses.replace(given, kind="simulated", source="simulated treadmill")
+        given = dataclasses.replace(given, kind="simulated", source=f"simulated {on}")
     elif template is None and unweighed:
         given = dataclasses.replace(given, weighed=False)
     create_session(folder, given)
     say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
 
 
-def _asked(setup: Setup, answers: dict[str, Any]) -> dict[str, Any]:
+def _asked(setup: Setup, answers: dict[str, Any], on: str) -> dict[str, Any]:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
-    from ...calibration.taking.new_session import NUMBERS, WORDS
+    from ...calibration.taking.new_session import NUMBERS, ROBOT, WHEELS, WORDS
 
     say("Enter takes what stands in brackets; numbers may be typed with their units.")
     found = dict(answers)
@@ -125,9 +134,9 @@ def _asked(setup: Setup, answers: dict[str, Any]) -> dict[str, Any]:
             found[name] = click.prompt(words, default=getattr(setup, name))
     found["links"] = click.prompt("number of links", default=setup.robot.links, value_proc=_links)
     usual = _usual(setup)
-    for field in NUMBERS:
+    for field in NUMBERS if on == "treadmill" else (*NUMBERS[:ROBOT], WHEELS):
         if found.get(field.column) is None:
-            words = field.words + (f"; or {LATER}" if field.column == "mass_kg" else "")
+            words = field.words + (f"; or {LATER}" if field.column.endswith("s_kg") else "")
             found[field.column] = click.prompt(
                 words, default=usual[field.column], type=Quantity(field.column)
             )
@@ -151,6 +160,7 @@ def _usual(setup: Setup) -> dict[str, str]:
     return {
         "mass_kg": f"{1000 * robot.links * robot.link_mass_kg:.6g} g",
         "link_length_m": f"{1000 * robot.link_length_m:.6g} mm",
+        "wheels_kg": LATER,
         "incline_step_deg_shown": f"{shown_deg:.2g}",
         "incline_step_percent": f"{100 * steps.incline_step_rad:.3g} %",
         "belt_speed_step_km_h": f"{3.6 * steps.belt_step_m_s:.3g} km/h",

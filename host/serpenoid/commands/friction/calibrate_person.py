@@ -20,12 +20,12 @@ BY_HAND = "by hand"  # what the page's script goes by, too
 
 def with_a_person(
     folder: Path, port: str | Link | None, patience_s: float, with_page: bool, lan: bool,
-    window: bool | None = None, console: Any = None,
+    window: bool | None = None, console: Any = None, watching: Any = None,
 ) -> None:  # fmt: skip
     """Take or resume a session at the terminal; exit status 1 where the robot was lost.
 
     window: whether to open one for the picture; None where there is a display. console: another
-    terminal than standard input and output.
+    terminal than standard input and output. watching: is told of every step, too.
     """
     from contextlib import ExitStack, suppress
 
@@ -35,6 +35,7 @@ def with_a_person(
     from ...calibration.taking.person.prompt_commands import Left
     from ...calibration.taking.person.session_robot import SessionRobot
     from ...calibration.taking.person.terminal import Console
+    from .calibrate_push import film_track
 
     console = console or Console()
     with ExitStack() as stack:
@@ -53,9 +54,10 @@ def with_a_person(
         for line in begin(journal, people, board):
             console.say(line)
         told = [_pictures(console, *_window(stack, journal, window))]
+        told += [] if watching is None else [watching]
         if with_page:
             told.append(_page(stack, journal, robot, lan, console))
-        dialogue = Dialogue(journal, console, robot, _each(told), patience_s)
+        dialogue = Dialogue(journal, console, robot, _each(told), patience_s, film_track(folder))
         try:
             well = held_dialogue(dialogue, console)
         finally:
@@ -152,11 +154,13 @@ def _pictures(console: Any, *windows: Any) -> Any:
 
     def told(session: Session, step: Any) -> None:
         in_window = [show(session, step) for show in windows]
-        drawn = picture(session) if len(session.kept) != shown[0] else ""
-        if drawn and shown[0] >= 0:
+        kept = len(session.kept) + len(session.kept_pushes)
+        drawn = picture(session) if kept != shown[0] else ""
+        told_of = drawn or (session.on_floor and kept != shown[0])
+        if told_of and shown[0] >= 0:
             console.say("" if any(in_window) else drawn)
             console.say(_so_far(session))
-        shown[0] = len(session.kept)
+        shown[0] = kept
 
     return told
 
@@ -186,8 +190,12 @@ def program() -> str:
 def count(session: Session) -> str:
     """Return how much a session holds, in words."""
     stations, runs = len(session.kept), len(session.kept_gait_runs)
-    void = len(session.readings) + len(session.gait_runs) - stations - runs
-    return (
-        f"{stations} station{'s' * (stations != 1)} and {runs} gait run{'s' * (runs != 1)} kept"
-        + (f", {void} void" if void else "")
+    pushes, slides = len(session.kept_pushes), len(session.kept_slides)
+    taken = (*session.readings, *session.gait_runs, *session.of("coast"), *session.of("slide"))
+    void = sum(r.voided for r in taken)
+    parts = [f"{stations} station{'s' * (stations != 1)}"] if stations or not pushes else []
+    parts += [f"{pushes} push{'es' * (pushes != 1)}"] if pushes else []
+    parts += [f"{slides} slide{'s' * (slides != 1)}"] if slides else []
+    return f"{', '.join(parts)} and {runs} gait run{'s' * (runs != 1)} kept" + (
+        f", {void} void" if void else ""
     )

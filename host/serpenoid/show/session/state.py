@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ...calibration.friction_result import DOUBTFUL
+from ...calibration.kinds.coast import COAST
 from ...calibration.session import Session
 from ...calibration.taking.expected import Series, line_of, of_bend, series_of
 from ...calibration.taking.procedure import belt_range, progress
@@ -40,7 +41,9 @@ def state_of(
         "fit": [] if fit is None else _rows(fit),
         "agreement": "" if fit is None else agreement(fit),
         "offset": offset,
-        "bends": [_bend(session, series) for series in series_of(session.setup.procedure)],
+        "bends": []
+        if session.setup.procedure.on == "floor"
+        else [_bend(session, series) for series in series_of(session.setup.procedure)],
         "robot": robot,
         "shape": _shape(session, step),
     }
@@ -60,6 +63,7 @@ def _aim(step: Step) -> str:
         return "robot straight, head UPHILL"
     return {"zero": "inclinometer zero", "straight": "robot straight", "done": "all done",
             "gait": "gait run",
+            "coast": f"push {step.cells.get('way', '')}, then hands off",
             "belt": "belt check: time ten turns"}[step.kind]  # fmt: skip
 
 
@@ -72,7 +76,10 @@ def _shape(session: Session, step: Step) -> dict[str, Any] | None:
 
 def _last(session: Session) -> str:
     if not session.readings:
-        return "none yet"
+        pushes = session.of("coast")
+        return "none yet" if not pushes else ": ".join(
+            [str(pushes[-1].number), *COAST.describe(pushes[-1])]
+        )  # fmt: skip
     r = session.readings[-1]
     return (
         f"{r.number}: {math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "

@@ -21,6 +21,7 @@ from ..procedure import doubts, likely_belt, next_step, skipped_keys
 from ..steps import Step
 from ..treadmill import Posture, record_step
 from .prompt_commands import Again, Left, PromptCommands, Values
+from .push_prompt import QUESTION, Reads, named_file, no_films, take_track
 from .session_robot import SessionRobot
 from .terminal import Terminal
 
@@ -34,7 +35,7 @@ class Dialogue:
 
     robot: the robot, None if it is set by hand. told: called with session and step when a step
     begins, for pictures and the page. patience_s: how long a prompt waits before the servos are
-    let go.
+    let go. films: reads the track of a film.
     """
 
     def __init__(
@@ -44,12 +45,14 @@ class Dialogue:
         robot: SessionRobot | None = None,
         told: Told = lambda session, step: None,
         patience_s: float = PATIENCE_S,
+        films: Reads = no_films,
     ):
         self.journal = journal
         self._terminal = terminal
         self._robot = robot
         self._told = told
         self._patience_s = patience_s
+        self._films = films
         self._posture = Posture()
         self._commands = PromptCommands(self)
         steered = [r.offset_rad for r in journal.session.kept if r.offset_rad is not None]
@@ -149,6 +152,8 @@ class Dialogue:
 
     def _values(self, step: Step) -> Values:
         """Ask for a step's numbers; what is out of line is asked about, never refused."""
+        if step.kind == "coast":
+            return self._pushed(step)
         values: Values = {}
         begun_s = self._belt_set(step)
         for field in step.fields:
@@ -161,6 +166,21 @@ class Dialogue:
             if self._robot is not None:
                 values["offset_deg"] = round(math.degrees(self._robot.offset_rad), 3)
         return self._doubted(step, values)
+
+    def _pushed(self, step: Step) -> Values:
+        """Take a push's track from a file, which keeps it; or ask for way and time to rest."""
+        text = ""
+        while not text:
+            text = self.ask(QUESTION, step)
+        named = named_file(text)
+        if named is None:
+            way, *others = step.fields
+            values: Values = {way.column: self.read(text, way, way.likely, step)}
+            values |= {f.column: self._number(f, f.likely, step) for f in others}
+            return self._doubted(step, values)
+        for kept in take_track(self.journal, *named, step.cells, self._films):
+            self.say(f"  {kept.in_words()}")
+        raise Again
 
     def _belt_set(self, step: Step) -> float:
         """Ask when a station's belt runs at its last speed; return that moment, monotonic."""

@@ -1,0 +1,79 @@
+"""`serpenoid calibrate push`: tracks of pushes from files, cut, looked at and kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ...show.screen import say
+
+if TYPE_CHECKING:
+    from ...calibration.taking.person.push_prompt import Track
+
+
+@click.command()
+@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("files", nargs=-1, required=True,
+                type=click.Path(exists=True, dir_okay=False, path_type=Path))  # fmt: skip
+@click.option("--lambda-deg", type=click.FloatRange(0, 60), default=0.0, show_default=True,
+              help="Bend of the robot, as the protractor showed it; 0 where straight.")  # fmt: skip
+@click.option("--way", type=click.Choice(["there", "back"]), default="there", show_default=True,
+              help="Of the first push; the next ones go there and back in turn.")  # fmt: skip
+@click.option("--unit", type=click.Choice(["m", "cm", "mm", "in"]), default="m", show_default=True,
+              help="Of lengths that do not name theirs.")  # fmt: skip
+@click.option("--place", default="", help="Of the floor's line, where there is more than one.")
+@click.option("--marks", is_flag=True,
+              help="Times taken by hand at marks, from the first mark on.")  # fmt: skip
+def push(
+    folder: Path, files: tuple[Path, ...], lambda_deg: float, way: str, unit: str, place: str,
+    marks: bool,
+) -> None:  # fmt: skip
+    """Take pushes along a floor from FILES: tracks of Tracker, of Kinovea, or CSV of t, x, y.
+
+    A file may hold several pushes: it is cut by itself. The hand's part is found and left out. A
+    push that turned, was short or hit something is kept, void, with the reason.
+    """
+    from ...calibration.taking.journal import Journal
+    from ...calibration.taking.person.push_prompt import take_track
+
+    with Journal(folder) as journal:
+        for path in files:
+            plan = journal.session.setup.procedure
+            cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}
+            cells |= {"place": place} if place else {}
+            cells |= {"bend": plan.bend} if lambda_deg else {}
+            if marks:
+                say(_marks(journal, path, unit, cells))
+                way = "back" if way == "there" else "there"
+                continue
+            for kept in take_track(journal, path, unit, cells, film_track(folder)):
+                say(kept.in_words())
+                if not kept.look.doubts:
+                    way = "back" if kept.way == "there" else "there"
+
+
+def _marks(journal, path: Path, unit: str, cells: dict[str, float | str]) -> str:
+    from ...calibration.taking.person.push_prompt import read_track
+
+    track, sha256 = read_track(path, unit)
+    number = journal.add(
+        "coast", {**cells, "by": "marks", "file_sha256": sha256[:16]}, samples=track
+    )
+    return f"reading {number}, {cells['way']}: {len(track)} marks"
+
+
+def film_track(folder: Path):
+    """Return a function that reads a film's track: t_s, x_m, y_m in rows, and its hash."""
+
+    def read(path: Path) -> Track:
+        from ...calibration.session_file import load_setup
+        from ...video.push_film import push_track
+        from ...video.seeing.extra import need_extra
+
+        need_extra()
+        robot = load_setup(folder).robot
+        return push_track(path, robot.links, robot.link_length_m)
+
+    return read
