@@ -52,7 +52,7 @@ class NextReading:
     kind: station (lambda_rad, incline_rad, belt_speed_m_s expected) or gait (alpha_rad, beta_rad,
     frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for. facing:
     of a station, up the belt for a ratchet's wheels backwards. bend: of a bent station, balanced
-    or zigzag.
+    or zigzag. minutes, told: of readings on a floor, what they take, and what to do in words.
     """
 
     kind: str
@@ -67,9 +67,13 @@ class NextReading:
     frequency_hz: float | None = None
     facing: str = "down"
     bend: str = ""
+    minutes: float | None = None
+    told: str = ""
 
     def in_words(self) -> str:
         """Return what to do."""
+        if self.told:
+            return self.told
         if self.kind == "gait":
             what = f"a gait run at {self.frequency_hz:.3g} Hz"
         else:
@@ -144,6 +148,8 @@ def advise(
     wanted = tuple(gaits) or session.setup.procedure.gaits
     if not wanted:
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
+    if not session.kept:
+        raise BadInput(f"{session.where}: no station was held; ask advise_on_floor for pushes")
     fit = fit_friction(session)
     whole = np.array(list(fit.whole_snake.values()))
     slopes = speed_slopes(fit, wanted, samples, progress)

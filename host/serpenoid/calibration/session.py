@@ -150,6 +150,11 @@ class Session:
         return tuple(r for r in self.further if isinstance(r, Slide) and not r.voided)
 
     @property
+    def fitted(self) -> tuple[Reading | Coast | Slide, ...]:
+        """Return what a friction fit rests on, in the order of its residuals."""
+        return (*self.kept, *self.kept_pushes, *self.kept_slides)
+
+    @property
     def on_floor(self) -> bool:
         """Tell whether there are readings for the fit that were not taken on a treadmill."""
         return bool(self.kept_pushes or self.kept_slides)

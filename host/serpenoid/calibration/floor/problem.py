@@ -141,16 +141,16 @@ class Problem:
         at, floor = self.layout, self.floor
         own = x[at.shared : at.shared + _SHARED]
         share = np.sin(floor.slope_sigma_rad * x[at.slopes])[floor.place]
-        push = self._resisting(x, floor.poses)
+        push = self.resisting(x, floor.poses)
         pull = floor.mass_kg * floor.gravity_m_s2
         incline = floor.slides.incline_rad - floor.zero_sigma_rad * own[ZERO]
-        slide = self._resisting(x, floor.slides.poses)
+        slide = self.resisting(x, floor.slides.poses)
         return (
             push[0] / push[2], (push[1] - floor.way * pull * share) / push[2],
             slide[0] / slide[2], (slide[1] - pull * np.sin(incline)) / slide[2],
         )  # fmt: skip
 
-    def _resisting(self, x: Any, poses: Poses) -> tuple[Any, Any, Any]:
+    def resisting(self, x: Any, poses: Poses) -> tuple[Any, Any, Any]:
         """Return A, B and m_e in some poses."""
         at, floor = self.layout, self.floor
         offsets = np.append(floor.posture_sigma_rad * x[at.offsets], 0.0)[poses.posture]

@@ -78,7 +78,7 @@ def _result(
         chi2=figures.chi2,
         dof=figures.dof,
         nuisances=MappingProxyType(_nuisances(problem, found, covariance)),
-        residuals=tuple(figures.residuals.tolist()),
+        residuals=(*_station_residuals(problem, found), *figures.residuals.tolist()),
         outliers=(),
         influence=_influences(problem, found, covariance, figures),
         notes=(),
@@ -86,6 +86,15 @@ def _result(
         session_sha256=session.sha256,
     )
     return replace(fit, notes=(*notes_on(fit, session), *_notes(session, problem)))
+
+
+def _station_residuals(problem: Problem, found: Minimum) -> list[float]:
+    """Return the stations' residuals, in the order of their readings; they come before pushes."""
+    if problem.stations is None:
+        return []
+    count = len(problem.stations)
+    first = len(found.residuals) - count - problem.stations.nuisances - 1
+    return found.residuals[first : first + count].tolist()  # type: ignore[no-any-return]
 
 
 def _nuisances(problem: Problem, found: Minimum, covariance: Floats) -> dict[str, Estimate]:
@@ -141,12 +150,39 @@ def _with_alarms(fit: FrictionFit, figures: PushFigures) -> FrictionFit:
     return replace(fit, alarms=(alarm,), notes=(alarm, *fit.notes))
 
 
+def _turned_round(session: Session) -> list[int]:
+    """Return the filmed pushes that go the other way in the picture than their word says.
+
+    By the most of a place: a camera that stays shows "there" and "back" in opposite directions.
+    """
+    found = []
+    for place in {p.place for p in session.kept_pushes}:
+        there = []
+        for push in session.kept_pushes:
+            if push.by == "film" and push.place == place:
+                _, x, y = push.counted
+                sign = 1.0 if push.way == "there" else -1.0
+                there.append((push.number, sign * np.array([x[-1] - x[0], y[-1] - y[0]])))
+        if len(there) < 3:
+            continue
+        mean = np.median([way / np.hypot(*way) for _, way in there], axis=0)
+        found += [number for number, way in there if way @ mean < 0.0]
+    return sorted(found)
+
+
 def _notes(session: Session, problem: Problem) -> list[str]:
     floor, tools = problem.floor, session.setup.floor
     notes = []
     voided = sum(r.voided for kind in ("coast", "slide") for r in session.of(kind))
     if voided:
         notes.append(f"{voided} voided push(es) or slide(s) left out.")
+    odd = _turned_round(session)
+    if odd:
+        notes.append(
+            f"Push(es) {', '.join(map(str, odd))} went the other way in the picture than those of "
+            "the same word: is there and back mixed up, or was the camera moved? Void and add them "
+            "again with the right way; a wrong one spoils ft0 unseen."
+        )
     if tools.wheels_kg is None:
         notes.append(
             "Nobody said what the wheels weigh: their turning is taken for "

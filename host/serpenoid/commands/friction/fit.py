@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from ...show.screen import say
 from ..options import AS_JSON, show_json
 from ..paths import FIGURES, OutFile
+
+if TYPE_CHECKING:
+    from ...calibration.friction_result import FrictionFit
+    from ...calibration.session import Session
 
 MANY = 300  # readings, whose fit may take a second or more
 
@@ -28,7 +33,7 @@ MANY = 300  # readings, whose fit may take a second or more
 def fit(
     session: Path, method: str, figure: Path | None, influence: bool, save: bool, as_json: bool
 ) -> None:
-    """Fit friction to the treadmill readings of a session folder (Eqs. 58-62).
+    """Fit friction to a session's readings: stations (Eqs. 58-62), pushes and slides.
 
     Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
     """
@@ -43,12 +48,16 @@ def fit(
     with working(f"fitting {count} readings") if count > MANY else nullcontext():
         found = fit_friction(loaded, method=method)
     if figure is not None:
+<<<<<<< HEAD
         from ...show.figure_data import beside
         from ...show.plot import friction_lines
         from ...show.report import wrote
 
         friction_lines(loaded, found, figure)
         wrote(figure, beside(figure))
+=======
+        _draw(loaded, found, figure)
+>>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
     if save and method != "naive":
         try:
             save_fit(found, session)
@@ -59,3 +68,14 @@ def fit(
     report.fit(found)
     if influence:
         report.influence(found)
+
+
+def _draw(session: Session, found: FrictionFit, figure: Path) -> None:
+    """Draw what there is: pushes over time, or stations with their lines."""
+    if session.on_floor:
+        from ...show.floor_figure import push_figure
+
+        return push_figure(session, found, figure)
+    from ...show.plot import friction_lines
+
+    return friction_lines(session, found, figure)

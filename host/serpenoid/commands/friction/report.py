@@ -26,6 +26,7 @@ def report(
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
     """
     from ...calibration import advice, comparison
+    from ...calibration.advice_on_floor import advise_on_floor
     from ...calibration.session_file import load_session
     from ...calibration.session_rows import events_of
     from ...show.progress import progress
@@ -41,7 +42,12 @@ def report(
         with progress(comparison.gait_count(loaded), "gaits") as advance:
             compared = comparison.compare(loaded, fit, servo=servo, progress=advance)
     if loaded.setup.procedure.gaits:
+<<<<<<< HEAD
         advised = advice.advise(loaded, servo=servo)
+=======
+        on_floor = loaded.on_floor
+        advised = advise_on_floor(loaded) if on_floor else advice.advise(loaded)
+>>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
     page = session_page(loaded, fit, compared, advised, events_of(loaded))
     with whole_file(out) as part:
         part.write_text(page, encoding="utf-8")

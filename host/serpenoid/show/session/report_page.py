@@ -16,7 +16,11 @@ from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ...calibration.taking.procedure import step_in_words
 from ..comparison_figure import draw_comparison
+<<<<<<< HEAD
 from ..friction_report import MEASURED, measured_row, predicted_columns, predicted_row
+=======
+from ..floor_figure import draw_pushes
+>>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
 from ..plot import draw_friction, figure
 
 _STYLE = """
@@ -60,9 +64,7 @@ def session_page(
     parts = [
         f"<h1>{escape(setup.name)}</h1>", _story(session), _summary(fit, compared),
         "<h2>Friction</h2>",
-        _svg("friction against speed, readings and lines", 9.0, 4.2, 2,
-             lambda f, a: draw_friction(f, a, session, fit)),
-        _friction_table(fit), *_notes(fit, session),
+        *_drawings(session, fit), _friction_table(fit), *_notes(fit, session),
     ]  # fmt: skip
     if compared is not None:
         drawn = _svg(
@@ -71,7 +73,7 @@ def session_page(
         parts += ["<h2>Speed</h2>", drawn, _speed_table(compared)]
     if advice is not None:
         parts += ["<h2>The next reading</h2>", _advice(advice)]
-    parts += ["<h2>Readings</h2>", _readings(session, fit), *_other_readings(session),
+    parts += ["<h2>Readings</h2>", *_readings(session, fit), *_other_readings(session, fit),
               *_told(events), "<h2>Where this comes from</h2>",
               _provenance(session, fit, events)]  # fmt: skip
     head = (
@@ -80,6 +82,18 @@ def session_page(
         f"<title>{escape(setup.name)}: friction and speed</title><style>{_STYLE}</style></head>"
     )
     return head + "<body>\n<main>\n" + "\n".join(parts) + "\n</main>\n</body></html>\n"
+
+
+def _drawings(session: Session, fit: FrictionFit) -> list[str]:
+    """Return the readings with the law: stations, pushes, or both."""
+    found = []
+    if session.kept and not session.on_floor:
+        found.append(_svg("friction against speed, readings and lines", 9.0, 4.2, 2,
+                          lambda f, a: draw_friction(f, a, session, fit)))  # fmt: skip
+    if session.kept_pushes:
+        found.append(_svg("pushes: places over time with the law, and residuals", 9.1, 4.2, 2,
+                          lambda f, a: draw_pushes(f, a, session, fit)))  # fmt: skip
+    return found
 
 
 def _svg(
@@ -136,10 +150,18 @@ def _story(session: Session) -> str:
     return (
         f'<p class="soft">A {escape(setup.kind)} session: a robot of {robot.links} links, '
         f"{robot.links * robot.link_mass_kg:.4g} kg, {robot.links * robot.link_length_m:.3g} m"
-        f"{escape('; ' + where if where else '')}. {len(session.kept)} stations held, "
-        f"{len(session.readings) - len(session.kept)} voided, {len(session.kept_gait_runs)} gait "
-        "runs.</p>"
+        f"{escape('; ' + where if where else '')}. {_taken(session)}, "
+        f"{len(session.kept_gait_runs)} gait runs.</p>"
     )
+
+
+def _taken(session: Session) -> str:
+    """Return how many stations, pushes and slides there are, and how many of them are voided."""
+    kept = {"stations held": len(session.kept), "pushes": len(session.kept_pushes),
+            "slides": len(session.kept_slides)}  # fmt: skip
+    parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
+    taken = (*session.readings, *session.of("coast"), *session.of("slide"))
+    return ", ".join([*parts, f"{sum(r.voided for r in taken)} voided"])
 
 
 def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
@@ -183,32 +205,54 @@ def _advice(advice: Advice) -> str:
     return now + _table(["reading", "afterwards"], rows, words=True) + note
 
 
-def _readings(session: Session, fit: FrictionFit) -> str:
-    off = dict(zip((r.number for r in session.kept), fit.residuals, strict=True))
+def _readings(session: Session, fit: FrictionFit) -> list[str]:
+    if not session.readings:
+        return []
+    off = dict(zip((r.number for r in session.fitted), fit.residuals, strict=True))
     rows = [
         [str(r.number), f"{math.degrees(r.lambda_rad):.4g}", f"{math.degrees(r.incline_rad):.4g}",
          f"{r.belt_speed_m_s:.4g}", f"{r.drift_m_s + 0.0:.3g}",
          f"{off[r.number]:+.1f}" if r.number in off else "voided"]
         for r in session.readings
     ]  # fmt: skip
+<<<<<<< HEAD
     said = [
         "; ".join(filter(None, ["facing up" if r.facing == "up" else "", r.comment]))
         for r in session.readings
     ]
     head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)"]
     return _table(head, rows, ["void" if r.voided else "" for r in session.readings], said=said)
+=======
+    head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)",
+            "comment"]  # fmt: skip
+    return [_table(head, rows, ["void" if r.voided else "" for r in session.readings], told=True)]
+>>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
 
 
-def _other_readings(session: Session) -> list[str]:
+def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
     """Return a table of all readings that are no stations."""
+    off = dict(zip((r.number for r in session.fitted), fit.residuals, strict=True))
     others = [(kind, r) for kind, r in session.numbered if kind.name != "station"]
     if not others:
         return []
+<<<<<<< HEAD
     rows = [[str(r.number), *kind.describe(r)] for kind, r in others]
     said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for _, r in others]
     marks = ["void" if r.voided else "" for _, r in others]
     table = _table(["number", "what", "shown"], rows, marks, words=True, said=said)
     return ["<h3>Other readings</h3>", table]
+=======
+    rows = [
+        [str(r.number), *kind.describe(r), f"{off[r.number]:+.1f}" if r.number in off else "",
+         ": ".join(filter(None, ["voided" if r.voided else "", r.comment]))]
+        for kind, r in others
+    ]  # fmt: skip
+    marks = ["void" if r.voided else "" for _, r in others]
+    table = _table(
+        ["number", "what", "shown", "off by (sigmas)", "comment"], rows, marks, told=True
+    )
+    return [*(["<h3>Other readings</h3>"] if session.readings else []), table]
+>>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
 
 
 def _told(events: Sequence[Event]) -> list[str]:

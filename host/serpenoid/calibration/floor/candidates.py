@@ -1,0 +1,162 @@
+"""Readings that could be taken next on a floor, and the covariance that each would leave."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..fitting.data import FitData, Floats
+from ..fitting.joint import Minimum
+from ..fitting.shared import shared_covariance
+from ..kinds.coast import Coast
+from ..kinds.slide import Slide
+from ..kinds.station import bent_share
+from ..kinds.tracks import Track
+from ..session import Session
+from .data import FloorData, Poses
+from .law import slide_s, stop_s, way_m
+from .minimum import covariance_of, least, minimum_at
+from .problem import Problem
+
+SPEED_M_S, RATE_HZ, RESTED_S = 0.9, 30.0, 0.4
+BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 45.0)))
+TIMES_BREAKAWAY = (1.4, 2.0, 3.0)
+PUSH_MIN, BEND_MIN, SLIDE_MIN = 0.7, 1.5, 1.0  # what a person takes
+STEEPEST = math.sin(math.radians(30.0))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A few readings: what they are in words, minutes they take, and the covariance after them."""
+
+    kind: str
+    told: str
+    lambda_rad: float
+    count: int
+    minutes: float
+    covariance: Floats
+
+
+def candidates(session: Session, by_film: bool) -> tuple[Floats, list[Candidate]]:
+    """Return the frictions' covariance now, and what could be taken next. Raises BadInput.
+
+    by_film: whether pushes are filmed; else they are timed to rest, by tape and watch.
+    """
+    problem, found, _ = least(FloorData.of(session), _stations(session))
+    covariance_of(problem, found, session.where)
+    now = _covariance(session, problem, found)
+    last = session.kept_pushes[-1].lambda_rad if session.kept_pushes else math.nan
+    out = []
+    for bend in BENDS_RAD:
+        for slide in (False, True):
+            angle = last if abs(last - bend) < math.radians(3) else bend
+            made = list(_slides(session, problem, found, angle) if slide
+                        else _pushes(session, problem, found, angle, by_film))  # fmt: skip
+            if not made:
+                continue
+            grown = replace(session, further=(*session.further, *made))
+            minutes = len(made) * (SLIDE_MIN if slide else PUSH_MIN)
+            minutes += 0.0 if angle == last else BEND_MIN
+            after = _after(grown, problem, found)
+            kind = "slide" if slide else "coast"
+            out.append(
+                Candidate(kind, _told(made, angle, by_film), angle, len(made), minutes, after)
+            )
+    return now, out
+
+
+def _stations(session: Session) -> FitData | None:
+    return FitData.of(session) if session.kept else None
+
+
+def _covariance(session: Session, problem: Problem, found: Minimum) -> Floats:
+    of = problem.parameters
+    scale = np.sqrt(np.maximum(np.diag(found.information), 1e-9))
+    whole = np.linalg.inv(found.information / np.outer(scale, scale)) / np.outer(scale, scale)
+    return whole[:of, :of] + shared_covariance(found.x[:of], 0.0, session.mass_sigma)
+
+
+def _after(grown: Session, before: Problem, found: Minimum) -> Floats:
+    """Return the covariance with more readings, at the unknowns as they were found."""
+    floor = FloorData.of(grown)
+    problem = Problem(floor, before.stations, np.empty(0))
+    old, new = before.layout, problem.layout
+    x = np.zeros(new.count)
+    x[: old.shared + 4] = found.x[: old.shared + 4]
+    x[new.slopes][: old.places] = found.x[old.slopes]
+    angles = before.floor.posture_lambda_rad
+    for k, angle in enumerate(floor.posture_lambda_rad):
+        same = np.flatnonzero(np.abs(angles - angle) < 1e-9)
+        x[new.offsets.start + k] = found.x[old.offsets.start + same[0]] if len(same) else 0.0
+    x[new.speeds], x[new.starts] = SPEED_M_S, 0.0
+    x[new.speeds][: old.pushes] = found.x[old.speeds]
+    x[new.starts][: old.pushes] = found.x[old.starts]
+    x[new.of_stations] = found.x[old.of_stations]
+    problem = problem.with_spreads(x)
+    return _covariance(grown, problem, minimum_at(problem, x))
+
+
+def _pose(session: Session, problem: Problem, x: Floats, angle: float) -> tuple[float, float]:
+    """Return c and f of a pose on level ground, as the fit has it."""
+    bend = session.setup.procedure.bend
+    share = bent_share(bend, session.setup.robot.links) if angle else 0.0
+    none = np.array([-1], dtype=np.intp)
+    poses = Poses(np.array([angle]), np.array([share]), none)
+    slope, dry, mass = (float(v[0]) for v in problem.resisting(x, poses))
+    return slope / mass, dry / mass
+
+
+def _pushes(
+    session: Session, problem: Problem, found: Minimum, angle: float, by_film: bool
+) -> Iterator[Coast]:
+    """Yield a push each way, as they would be seen."""
+    c, f = (np.array([v]) for v in _pose(session, problem, found.x, angle))
+    speed, first = np.array([SPEED_M_S]), _next_number(session)
+    stop = float(stop_s(speed, c, f)[0][0])
+    places = [p.place for p in session.kept_pushes]
+    known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
+    common = {"lambda_rad": angle, "place": places[-1] if places else "",
+              "bend": session.setup.procedure.bend}  # fmt: skip
+    for k, way in enumerate(("there", "back")):
+        if by_film:
+            t = np.arange(0.0, stop + RESTED_S, 1 / RATE_HZ)
+            one = np.ones_like(t)
+            x = way_m(t, SPEED_M_S * one, c * one, f * one)[0]
+            track = Track.of(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
+            sigma_m = float(np.median(known)) if known else 0.001
+            yield Coast(first + k, way=way, by="film", track=track, distance_sigma_m=sigma_m,
+                        **common)  # fmt: skip
+        else:
+            far = float(way_m(np.array([stop]), speed, c, f)[0][0])
+            yield Coast(first + k, way=way, distance_m=far, duration_s=stop, **common)
+
+
+def _slides(session: Session, problem: Problem, found: Minimum, angle: float) -> Iterator[Slide]:
+    """Yield slides down a metre at some times the least incline."""
+    c, f = _pose(session, problem, found.x, angle)
+    gravity = session.setup.procedure.gravity_m_s2
+    for k, times in enumerate(TIMES_BREAKAWAY):
+        sine = times * f / gravity
+        if sine > STEEPEST:
+            return
+        time = slide_s(np.ones(1), np.array([c]), np.array([(times - 1.0) * f]))
+        yield Slide(
+            _next_number(session) + k, angle, math.asin(sine) + session.zero.value_rad, 1.0,
+            float(time[0]), bend=session.setup.procedure.bend,
+        )  # fmt: skip
+
+
+def _next_number(session: Session) -> int:
+    return 1 + max((r.number for _, r in session.numbered), default=0)
+
+
+def _told(made: list[Coast] | list[Slide], angle: float, by_film: bool) -> str:
+    pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"
+    if isinstance(made[0], Slide):
+        inclines = ", ".join(f"{math.degrees(s.incline_rad):.1f}" for s in made)  # type: ignore[union-attr]
+        return f"slides, {pose}, over 1 m of board at {inclines}°"
+    how = "filmed" if by_film else "by tape and watch"
+    return f"pushes, {pose}, at {SPEED_M_S:g} m/s, one there and one back, {how}"

@@ -1,0 +1,60 @@
+"""Draws pushes: where the robot was, the law through it, and what is left between them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..calibration.floor.paths import PushPath, push_paths
+from .plot import BLUE, GREY, RED, figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..calibration.friction_result import FrictionFit
+    from ..calibration.session import Session
+
+COLOURS = (BLUE, "#E69F00", RED, "#009E73", "#CC79A7")
+MOST_MM = 4.0  # of the residuals' axis, at least
+
+
+def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> None:
+    """Draw ways over time with the law's line, and residuals; one colour a bend."""
+    paths = push_paths(session)
+    bends = sorted({round(math.degrees(p.lambda_rad)) for p in paths})
+    colour = {bend: COLOURS[k % len(COLOURS)] for k, bend in enumerate(bends)}
+    named: set[int] = set()
+    for path in paths:
+        bend = round(math.degrees(path.lambda_rad))
+        name = None if bend in named else (f"bend {bend}°" if bend else "straight")
+        named.add(bend)
+        _draw(axes, path, colour[bend], name)
+    axes[0].set(title="Places, and the law", xlabel="time since the first place that counts (s)",
+                ylabel="way (m)")  # fmt: skip
+    axes[1].axhline(0.0, color=GREY, lw=0.8)
+    most = max([MOST_MM, *(1.1 * float(abs(1000 * p.residual_m).max()) for p in paths)])
+    axes[1].set(title="What is left", xlabel="time (s)", ylabel="place less the law (mm)",
+                ylim=(-most, most))  # fmt: skip
+    axes[0].set_xlim(left=0)
+    if named:
+        axes[0].legend(loc="lower right", fontsize=8)
+    p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
+    fig.suptitle(
+        f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",
+        fontsize=10, x=0.01, ha="left",
+    )  # fmt: skip
+
+
+def _draw(axes: Any, path: PushPath, colour: str, name: str | None) -> None:
+    mark = "o" if path.way == "there" else "s"
+    axes[0].plot(path.t_s, path.way_m, mark, color=colour, ms=2.5, mew=0, alpha=0.6, label=name)
+    axes[0].plot(path.law_t_s, path.law_m, color="black", lw=0.8)
+    axes[1].plot(path.t_s, 1000 * path.residual_m, mark, color=colour, ms=2.5, mew=0, alpha=0.6)
+
+
+def push_figure(session: Session, fit: FrictionFit, path: Path) -> None:
+    """Write the drawing into a file."""
+    with figure(9.0, 4.2, 2) as (fig, axes):
+        draw_pushes(fig, axes, session, fit)
+        fig.savefig(path)

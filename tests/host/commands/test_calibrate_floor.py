@@ -1,0 +1,120 @@
+"""Sessions on a floor through the commands: begun, pushed, killed, gone on with, practised."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import TRUTH, push_track
+from serpenoid.calibration.session_file import load_session
+
+NEW = ("calibrate", "new", "--defaults", "--on", "floor", "--surface", "parquet", "--mass-kg",
+       "454g", "--wheels-kg", "0g")  # fmt: skip
+
+
+def run(*words, typed="", fails=False):
+    """Return what a command says, on lines of any width."""
+    done = subprocess.run(
+        [sys.executable, "-m", "serpenoid", *map(str, words)],
+        check=False, input=typed, capture_output=True, text=True, timeout=300,
+        env=os.environ | {"COLUMNS": "200"},
+    )  # fmt: skip
+    assert (done.returncode != 0) == fails, done.stdout + done.stderr
+    return " ".join((done.stdout + done.stderr).split())
+
+
+@pytest.fixture
+def tracks(tmp_path):
+    """Files as Tracker writes them, in cm: straight, there and back."""
+    rng, found = np.random.default_rng(1), []
+    for k in range(4):
+        rows = push_track(0.8 + 0.05 * k, TRUTH, rng, direction_rad=0.1 + np.pi * (k % 2))
+        path = tmp_path / f"push{k}.txt"
+        lines = [f"{t:.4E}\t{100 * x:.5E}\t{100 * y:.5E}" for t, x, y in rows]
+        path.write_text("\n".join(["\tmass_A\t", "t\tx\ty", *lines]) + "\n")
+        found.append(path)
+    return found
+
+
+def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
+    folder = tmp_path / "s"
+    run(*NEW[:2], folder, *NEW[2:])
+    plan = load_session_text(folder)
+    assert 'on = "floor"' in plan
+    assert "wheels_kg = 0.0" in plan
+    assert "align its links" in run("calibrate", folder, "--dry-run")
+    first = run("calibrate", folder, typed=f"\n{tracks[0]} cm\nquit\n")
+    assert "Push 1 of 4, straight, THERE" in first
+    assert "reading 1, there: " in first
+    # a second process finds all of it, and what a kill left half written does not count
+    with (folder / "readings.csv").open("a") as file:
+        file.write("2,coast,2026-")
+    again = run("calibrate", folder, typed=f"\n\n\n{tracks[1]} cm\nundo\n{tracks[1]} cm\nquit\n")
+    assert "Push 2 of 4, straight, BACK" in again
+    assert "1 push and 0 gait runs kept" in again
+    taken = run("calibrate", "push", folder, tracks[2], tracks[3], "--unit", "cm")
+    assert taken.count("reading") == 2
+    session = load_session(folder)
+    assert [p.way for p in session.kept_pushes] == ["there", "back", "there", "back"]
+    assert "already" in run("calibrate", "push", folder, tracks[2], fails=True)
+    told = run("fit", folder, fails=True)
+    assert "cn and fn0 cannot be told" in told
+    assert "bend of 45 degrees" in told
+
+
+def load_session_text(folder):
+    return (folder / "session.toml").read_text()
+
+
+def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
+    folder = tmp_path / "s"
+    run("calibrate", "new", folder, "--defaults", "--surface", "belt", "--mass-kg", "454g")
+    said = run("calibrate", folder, "--on", "floor", typed="\n1.0\n2.4\n\nquit\n")
+    assert "kept as reading 1" in said
+    assert "pushes, straight 1 of 4" in run("calibrate", "status", folder)
+    run("calibrate", "amend", folder, "robot.wheels_kg=36g")
+    assert load_session(folder).setup.floor.wheels_kg == pytest.approx(0.036)
+    run("calibrate", "add", folder, "slide", "lambda_deg=0", "incline_deg=7%", "distance_m=1",
+        "duration_s=2.1")  # fmt: skip
+    assert len(load_session(folder).kept_slides) == 1
+
+
+@pytest.fixture(scope="module")
+def practised(tmp_path_factory):
+    """The practice of pushes, done by words alone."""
+    folder = tmp_path_factory.mktemp("practice") / "p"
+    words = ["", *["push 0.9"] * 4, "protractor", "140", *["push 0.9"] * 4, "protractor", "90.2"]
+    words += [*["push 1.0"] * 6, "crawl", "1.0", "19.4", "quit"]
+    said = run("calibrate", "practice", folder, "--on", "floor", "--seed", "5",
+               typed="\n".join(words) + "\n")  # fmt: skip
+    return folder, said
+
+
+def test_practice_on_the_floor_tells_the_friction_that_was_to_be_found(practised):
+    folder, said = practised
+    assert "the truth, whole snake: ct 0.0868" in said
+    found = json.loads(run("fit", folder, "--json"))["parameters"]
+    for name, true in (("ct", 0.0868), ("cn", 0.8549), ("ft0", 0.1435), ("fn0", 0.2899)):
+        value = found[f"{name}_whole"]
+        assert abs(value["value"] - true) < 3.5 * value["sigma"]
+    assert "is of seed 5" in run("calibrate", "practice", folder, "--on", "floor", "--seed", "6",
+                                 fails=True)  # fmt: skip
+    assert "no session of practice" in run("calibrate", "practice", folder, fails=True)
+
+
+def test_advice_and_report_of_a_floor(practised, tmp_path):
+    folder, _ = practised
+    advice = json.loads(run("advise", folder, "--json", "--gait", 70, 75, 0.5))
+    best = advice["readings"][0]
+    assert best["kind"] in ("coast", "slide")
+    assert best["band"] < advice["band"]
+    assert 0 < best["minutes"] < 10
+    page = tmp_path / "report.html"
+    run("report", folder, "--out", page)
+    text = page.read_text()
+    assert "pushes: places over time with the law" in text
+    assert "12 pushes" in text or "13 pushes" in text
+    run("fit", folder, "--plot", tmp_path / "fit.png")
+    assert (tmp_path / "fit.png").stat().st_size > 10_000
