@@ -38,17 +38,11 @@ def advise(
     wanted = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
     with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
-<<<<<<< HEAD
-        found = ask(
-            loaded, wanted, samples=samples, runs=runs, servo=take_servo(servo_name, "hobby"),
-            progress=advance,
-        )  # fmt: skip
-=======
+        servo = take_servo(servo_name, "hobby")
         if loaded.on_floor:
             from ...calibration.advice_on_floor import advise_on_floor
 
-            found = advise_on_floor(loaded, wanted, samples=samples, progress=advance)
+            found = advise_on_floor(loaded, wanted, samples=samples, servo=servo, progress=advance)
         else:
-            found = ask(loaded, wanted, samples=samples, runs=runs, progress=advance)
->>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
+            found = ask(loaded, wanted, samples=samples, runs=runs, servo=servo, progress=advance)
     show_json(found.to_dict()) if as_json else show_advice(found)

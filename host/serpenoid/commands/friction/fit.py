@@ -48,16 +48,7 @@ def fit(
     with working(f"fitting {count} readings") if count > MANY else nullcontext():
         found = fit_friction(loaded, method=method)
     if figure is not None:
-<<<<<<< HEAD
-        from ...show.figure_data import beside
-        from ...show.plot import friction_lines
-        from ...show.report import wrote
-
-        friction_lines(loaded, found, figure)
-        wrote(figure, beside(figure))
-=======
         _draw(loaded, found, figure)
->>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
     if save and method != "naive":
         try:
             save_fit(found, session)
@@ -76,6 +67,9 @@ def _draw(session: Session, found: FrictionFit, figure: Path) -> None:
         from ...show.floor_figure import push_figure
 
         return push_figure(session, found, figure)
+    from ...show.figure_data import beside
     from ...show.plot import friction_lines
+    from ...show.report import wrote
 
-    return friction_lines(session, found, figure)
+    friction_lines(session, found, figure)
+    return wrote(figure, beside(figure))

@@ -42,12 +42,8 @@ def report(
         with progress(comparison.gait_count(loaded), "gaits") as advance:
             compared = comparison.compare(loaded, fit, servo=servo, progress=advance)
     if loaded.setup.procedure.gaits:
-<<<<<<< HEAD
-        advised = advice.advise(loaded, servo=servo)
-=======
-        on_floor = loaded.on_floor
-        advised = advise_on_floor(loaded) if on_floor else advice.advise(loaded)
->>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
+        ask = advise_on_floor if loaded.on_floor else advice.advise
+        advised = ask(loaded, servo=servo)
     page = session_page(loaded, fit, compared, advised, events_of(loaded))
     with whole_file(out) as part:
         part.write_text(page, encoding="utf-8")
