@@ -38,7 +38,7 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
                 ylim=(-most, most))  # fmt: skip
     axes[0].set_xlim(left=0)
     if named:
-        axes[0].legend(loc="lower right", fontsize=8)
+        axes[0].legend(loc="lower right", fontsize=8, markerscale=3)
     p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
     fig.suptitle(
         f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",
