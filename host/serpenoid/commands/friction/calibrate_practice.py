@@ -15,11 +15,14 @@ if TYPE_CHECKING:
     from ...lab.practice import PracticeTreadmill
 
 PICTURE_S = 0.1
+ENOUGH = 4  # pushes, after which the truth may be told
 
 
 @click.command()
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path),
                 default=Path("practice-session"))  # fmt: skip
+@click.option("--on", type=click.Choice(["treadmill", "floor"]), default="treadmill",
+              show_default=True, help="What to practise: stations, or pushes.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(0, 10**6), help="Of the truth that is to be found; "
               "drawn unless given.")  # fmt: skip
 @click.option("--pace", type=click.FloatRange(0.1, 50.0), default=1.0, show_default=True,
@@ -27,8 +30,12 @@ PICTURE_S = 0.1
 @click.option("--page/--no-page", "with_page", default=True, show_default=True,
               help="Serve the treadmill as a page: a picture, and buttons.")  # fmt: skip
 @click.option("--lan", is_flag=True, help="The page is reachable from a phone in the same net.")
-def practice(folder: Path, seed: int | None, pace: float, with_page: bool, lan: bool) -> None:
+def practice(
+    folder: Path, on: str, seed: int | None, pace: float, with_page: bool, lan: bool
+) -> None:
     """Learn the afternoon at a desk: the real dialogue, a robot on a treadmill of the lab.
+
+    Or with --on floor the pushes, by words at the prompt; that has no page.
 
     The robot obeys the equations of motion: it yaws and rolls off unless you steer it. Its
     friction is told at the end. The session goes on where it was left, as a real one.
@@ -47,6 +54,8 @@ def practice(folder: Path, seed: int | None, pace: float, with_page: bool, lan: 
 
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
+    if on == "floor":
+        return _on_floor(folder, seed)
     _begin(folder, seed)
     session = read_session(folder)
     drawn, link = practice_seed(session), VirtualLink(joints=session.setup.robot.links - 1)
@@ -61,6 +70,38 @@ def practice(folder: Path, seed: int | None, pace: float, with_page: bool, lan: 
         session = read_session(folder)
         if len(session.kept) >= 4:
             terminal.say(f"\n{PracticeTruth.drawn(drawn).in_words()}; `serpenoid fit {folder}`")
+
+
+def _on_floor(folder: Path, seed: int | None) -> None:
+    """Practise pushes: films are made in the lab, and taken in as a phone's would be."""
+    import secrets
+
+    from ...calibration.session_file import read_session
+    from ...calibration.taking.new_session import create_session, default_setup
+    from ...calibration.taking.person.floor_practice import (
+        HELP,
+        FloorTerminal,
+        practice_floor_seed,
+        practice_floor_setup,
+    )
+    from ...calibration.taking.person.terminal import Console
+    from ...model.errors import BadInput
+    from .calibrate_person import with_a_person
+
+    if not (folder / "session.toml").exists():
+        drawn = secrets.randbelow(10**6) if seed is None else seed
+        create_session(folder, practice_floor_setup(default_setup(folder.resolve().name), drawn))
+    session = read_session(folder)
+    has = practice_floor_seed(session)
+    if seed not in (None, has):
+        raise BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
+    terminal = FloorTerminal(Console(), session.setup, has, folder / "films")
+    terminal.say(HELP + "\nThese words once more: floor.")
+    try:
+        with_a_person(folder, None, 1e9, False, False, False, terminal, terminal.watch)
+    finally:
+        if len(read_session(folder).kept_pushes) >= ENOUGH:
+            terminal.say(f"\n{terminal.truth.in_words()}; `serpenoid fit {folder}`")
 
 
 def _begin(folder: Path, seed: int | None) -> None:

@@ -1,0 +1,200 @@
+"""Practice on a floor at a desk: pushes in the lab, filmed into files, with a truth by a seed."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ....lab.crawl import crawl_speed
+from ....lab.floor import Floor, Push, Track
+from ....lab.recording import Camera, film, to_rest
+from ....lab.robot import LabRobot, pose_of
+from ....model.bends import balanced_signs
+from ....model.errors import BadInput
+from ....model.ground import Ground
+from ...kinds.instruments import FloorTools
+from ...session import Session, Setup
+from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S
+from ..new_session import on_place
+from ..steps import Step
+from .practice import JOINT_RAD, SPREAD, USUAL
+from .terminal import Terminal
+
+SOURCE = re.compile(r"practice floor, seed (\d+)")
+WHEELS_KG, WHEEL_SHAPE, SLOPE_RAD, SCALE = 0.036, (0.75, 0.15), math.radians(0.2), 0.005
+FASTEST_M_S = 2.0
+HELP = """\
+On the floor you work by words, at any prompt:
+  push          push the robot at a brisk walk; a film of it becomes a file, which is taken in
+  push 0.6      the same at 0.6 m/s, or so: hands are not exact
+  tape          push it, and read way and time to rest off tape and watch, to type them
+  protractor    what it shows between the links at both ends
+  crawl         run the gait of this step for a metre: what tape and watch say"""
+
+
+@dataclass(frozen=True)
+class PracticeFloorTruth:
+    """What whoever practises is to find out: friction, the floor's slope, the wheels' J / r^2."""
+
+    ground: Ground
+    slope_rad: float
+    film_scale: float
+    rolling_kg: float
+
+    @classmethod
+    def drawn(cls, seed: int) -> PracticeFloorTruth:
+        """Draw one; the same seed gives the same."""
+        rng = np.random.default_rng([seed, 20])
+        frictions = {k: v * math.exp(SPREAD * rng.normal()) for k, v in USUAL.items()}
+        slope, scale, shape = (float(v) for v in rng.normal(size=3))
+        mean, sigma = WHEEL_SHAPE
+        return cls(
+            Ground(**frictions), SLOPE_RAD * slope, 1.0 + SCALE * scale,
+            WHEELS_KG * max(mean + sigma * shape, 0.0),
+        )  # fmt: skip
+
+    def in_words(self) -> str:
+        """Return it in a line."""
+        g = self.ground
+        return (
+            f"the truth, whole snake: ct {g.ct_forward:.4g} N s/m, cn {g.cn:.4g} N s/m, ft0 "
+            f"{g.ft0_forward:.4g} N, fn0 {g.fn0:.4g} N; the floor falls by "
+            f"{math.degrees(self.slope_rad):+.2f} deg towards there"
+        )
+
+
+def practice_floor_setup(setup: Setup, seed: int) -> Setup:
+    """Return a set-up that says that it is practice on a floor, and of which seed."""
+    return replace(
+        setup, kind="simulated", source=f"practice floor, seed {seed}",
+        note="practice: no measurement", surface="practice floor", weighed=True,
+        procedure=on_place(setup.procedure, "floor"),
+        floor=FloorTools(wheels_kg=WHEELS_KG, film_scale_sigma=SCALE),
+    )  # fmt: skip
+
+
+def practice_floor_seed(session: Session) -> int:
+    """Return the seed of a session of practice on a floor; raises BadInput for any other."""
+    found = SOURCE.fullmatch(session.setup.source)
+    if found is None:
+        raise BadInput(
+            f"{session.folder} is no session of practice on a floor ({session.setup.source!r}); "
+            "give another folder"
+        )
+    return int(found[1])
+
+
+class FloorTerminal:
+    """A terminal with a floor beside it: what is no word of it goes to the dialogue.
+
+    films: folder that films are put into, as CSV. watch: is to be told of every step.
+    """
+
+    def __init__(self, terminal: Terminal, setup: Setup, seed: int, films: Path):
+        self._terminal, self._setup, self._films = terminal, setup, films
+        self.keys: Mapping[str, Callable[[], str]] = {}
+        truth = self.truth = PracticeFloorTruth.drawn(seed)
+        there = len(list(films.glob("*.csv"))) if films.is_dir() else 0
+        self._rng = np.random.default_rng([seed, 21, there])
+        whole = LabRobot.whole(setup.robot, truth.ground, rolling_kg=truth.rolling_kg)
+        self._robot = whole.drawn(np.random.default_rng([seed, 22]), JOINT_RAD)
+        self._floor = Floor(self._robot, truth.slope_rad, 0.0)
+        self._step: Step | None = None
+        self._count = there
+        self._words: dict[str, Callable[[str], str | None]] = {
+            "push": self._push, "tape": self._tape, "protractor": self._protractor,
+            "crawl": self._crawl, "floor": lambda given: self._said(HELP),
+        }  # fmt: skip
+
+    def watch(self, session: Session, step: Step) -> None:
+        """Note the step that the dialogue is at."""
+        self._step = step
+
+    def say(self, text: str) -> None:
+        """Show a line or more."""
+        self._terminal.say(text)
+
+    def forget(self) -> None:
+        """Drop what was typed ahead."""
+        self._terminal.forget()
+
+    def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
+        """Return the next line that is not for the floor; a film's name in place of `push`."""
+        while True:
+            line = self._terminal.ask(prompt, patience_s, tick)
+            word, _, given = (line or "").strip().lower().partition(" ")
+            if line is None or word not in self._words:
+                return line
+            answer = self._words[word](given.strip())
+            if answer is not None:
+                return answer
+
+    def _said(self, text: str) -> None:
+        self.say("  " + text)
+
+    def _pose(self) -> list[float]:
+        bend_deg = self._step.lambda_deg if self._step is not None else 0.0
+        return pose_of(balanced_signs(self._setup.robot.links), math.radians(bend_deg))
+
+    def _rolled(self, given: str) -> Track | None:
+        """Push as told, or say why not."""
+        if self._step is None or self._step.kind != "coast":
+            self._said("there is nothing to push now: do what the step says first")
+            return None
+        try:
+            speed = float(given or SPEED)
+        except ValueError:
+            speed = 0.0
+        if not 0.05 <= speed <= FASTEST_M_S:
+            self._said(f"say how fast in m/s, 0.05 to {FASTEST_M_S:g}: push 0.9")
+            return None
+        crooked, spin, off = self._rng.normal(size=3)
+        way = 0.0 if self._step.cells["way"] == "there" else math.pi
+        push = Push(
+            speed * max(1.0 + 0.1 * float(off), 0.3), way, CROOKED_RAD * float(crooked),
+            SPIN_RAD_S * float(spin),
+        )  # fmt: skip
+        return self._floor.push(self._pose(), push)
+
+    def _push(self, given: str) -> str | None:
+        track = self._rolled(given)
+        if track is None:
+            return None
+        seen = film(track, Camera(scale=self.truth.film_scale), self._rng)
+        self._count += 1
+        self._films.mkdir(parents=True, exist_ok=True)
+        path = self._films / f"push-{self._count:02}.csv"
+        rows = [f"{t:.5f},{x:.6f},{y:.6f}"
+                for t, x, y in zip(seen.t_s, seen.x_m, seen.y_m, strict=True)]  # fmt: skip
+        path.write_text("\n".join(["t,x,y", *rows]) + "\n", encoding="utf-8")
+        self._said(f"filmed, and tracked: {path}")
+        return str(path)
+
+    def _tape(self, given: str) -> None:
+        track = self._rolled(given)
+        if track is not None:
+            way_m, time_s = to_rest(track, self._rng)
+            turned = math.degrees(track.turned_rad)
+            self._said(f"it rolled {way_m:.3f} m in {time_s:.2f} s, turned {turned:+.0f} deg")
+
+    def _protractor(self, given: str) -> None:
+        true = self._robot.true_joints(self._pose())
+        off = self._setup.uncertainty.lambda_sigma_rad * self._rng.normal(size=2)
+        ends = zip((0, -1), off.tolist(), strict=True)
+        shown = [180.0 - math.degrees(abs(true[k]) + e) for k, e in ends]
+        self._said(f"protractor: {shown[0]:.1f} deg at the tail, {shown[1]:.1f} deg at the head")
+
+    def _crawl(self, given: str) -> None:
+        if self._step is None or self._step.gait is None:
+            return self._said("no gait is to be run now")
+        speed, watch = crawl_speed(self._robot, self._step.gait), self._setup.stopwatch
+        off = self._rng.normal(size=2)
+        way_m = min(1.0, 60.0 * speed)
+        time_s = way_m / speed + watch.time_sigma_s * float(off[0])
+        read_m = way_m + watch.distance_sigma_m * float(off[1])
+        return self._said(f"it crawled {read_m:.3f} m in {time_s:.2f} s")
