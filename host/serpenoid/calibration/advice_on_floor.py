@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from ..model.drives import ServoKind
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from .advice import Advice, NextReading, speed_slopes
@@ -22,12 +23,12 @@ NOTE = (
 
 def advise_on_floor(
     session: Session, gaits: Sequence[Gait] = (), *, samples: int = 48,
-    by_film: bool | None = None, progress: Progress | None = None,
+    by_film: bool | None = None, servo: ServoKind | None = None, progress: Progress | None = None,
 ) -> Advice:  # fmt: skip
     """Rank pushes and slides by how much of the speeds' band they save a minute.
 
     gaits: those that matter; the session's planned ones unless given. by_film: pushes can be
-    filmed; as those taken were unless given. Raises BadInput as `advise` does.
+    filmed; as those taken were unless given. servo: as for `advise`. Raises BadInput as `advise` does.
     """
     wanted = tuple(gaits) or session.setup.procedure.gaits
     if not wanted:
@@ -36,7 +37,7 @@ def advise_on_floor(
     filmed = any(p.track is not None for p in session.kept_pushes) if by_film is None else by_film
     now, options = candidates(session, filmed)
     slopes = speed_slopes(fit, wanted, samples, progress)
-    drawn = sample_speeds(fit, wanted, amplitude_sigma=AMPLITUDE_SIGMA)
+    drawn = sample_speeds(fit, wanted, amplitude_sigma=AMPLITUDE_SIGMA, servo=servo)
     halves = []
     for speeds in (drawn.both_m_s, drawn.friction_m_s):
         ends = [band(of_gait) for of_gait in speeds.T]
@@ -52,4 +53,5 @@ def advise_on_floor(
             bend=session.setup.procedure.bend, minutes=option.minutes, told=option.told,
         ))  # fmt: skip
     rows.sort(key=lambda r: (r.band - whole) / (r.minutes or 1.0))
-    return Advice(wanted, whole, rows[0].band, tuple(rows), NOTE)
+    named = servo and servo.name
+    return Advice(wanted, whole, rows[0].band, tuple(rows), NOTE, named)

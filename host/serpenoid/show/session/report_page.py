@@ -16,11 +16,8 @@ from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ...calibration.taking.procedure import step_in_words
 from ..comparison_figure import draw_comparison
-<<<<<<< HEAD
-from ..friction_report import MEASURED, measured_row, predicted_columns, predicted_row
-=======
 from ..floor_figure import draw_pushes
->>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
+from ..friction_report import MEASURED, measured_row, predicted_columns, predicted_row
 from ..plot import draw_friction, figure
 
 _STYLE = """
@@ -215,18 +212,12 @@ def _readings(session: Session, fit: FrictionFit) -> list[str]:
          f"{off[r.number]:+.1f}" if r.number in off else "voided"]
         for r in session.readings
     ]  # fmt: skip
-<<<<<<< HEAD
     said = [
         "; ".join(filter(None, ["facing up" if r.facing == "up" else "", r.comment]))
         for r in session.readings
     ]
     head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)"]
-    return _table(head, rows, ["void" if r.voided else "" for r in session.readings], said=said)
-=======
-    head = ["number", "λ (deg)", "incline (deg)", "belt (m/s)", "drift (m/s)", "off by (sigmas)",
-            "comment"]  # fmt: skip
-    return [_table(head, rows, ["void" if r.voided else "" for r in session.readings], told=True)]
->>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
+    return [_table(head, rows, ["void" if r.voided else "" for r in session.readings], said=said)]
 
 
 def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
@@ -235,24 +226,15 @@ def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
     others = [(kind, r) for kind, r in session.numbered if kind.name != "station"]
     if not others:
         return []
-<<<<<<< HEAD
-    rows = [[str(r.number), *kind.describe(r)] for kind, r in others]
+    rows = [
+        [str(r.number), *kind.describe(r), f"{off[r.number]:+.1f}" if r.number in off else ""]
+        for kind, r in others
+    ]
     said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for _, r in others]
     marks = ["void" if r.voided else "" for _, r in others]
-    table = _table(["number", "what", "shown"], rows, marks, words=True, said=said)
-    return ["<h3>Other readings</h3>", table]
-=======
-    rows = [
-        [str(r.number), *kind.describe(r), f"{off[r.number]:+.1f}" if r.number in off else "",
-         ": ".join(filter(None, ["voided" if r.voided else "", r.comment]))]
-        for kind, r in others
-    ]  # fmt: skip
-    marks = ["void" if r.voided else "" for _, r in others]
-    table = _table(
-        ["number", "what", "shown", "off by (sigmas)", "comment"], rows, marks, told=True
-    )
+    head = ["number", "what", "shown", "off by (sigmas)"]
+    table = _table(head, rows, marks, words=True, said=said)
     return [*(["<h3>Other readings</h3>"] if session.readings else []), table]
->>>>>>> 739aecb (fit, advise, report: sessions on a floor; pushes drawn over the law)
 
 
 def _told(events: Sequence[Event]) -> list[str]:

@@ -21,7 +21,7 @@ from ..procedure import doubts, likely_belt, next_step, skipped_keys
 from ..steps import Step
 from ..treadmill import Posture, record_step
 from .prompt_commands import Again, Left, PromptCommands, Values
-from .push_prompt import QUESTION, Reads, named_file, no_films, take_track
+from .push_prompt import QUESTION, named_file, take_track
 from .session_robot import SessionRobot
 from .terminal import Terminal
 
@@ -35,7 +35,7 @@ class Dialogue:
 
     robot: the robot, None if it is set by hand. told: called with session and step when a step
     begins, for pictures and the page. patience_s: how long a prompt waits before the servos are
-    let go. films: reads the track of a film.
+    let go.
     """
 
     def __init__(
@@ -45,14 +45,12 @@ class Dialogue:
         robot: SessionRobot | None = None,
         told: Told = lambda session, step: None,
         patience_s: float = PATIENCE_S,
-        films: Reads = no_films,
     ):
         self.journal = journal
         self._terminal = terminal
         self._robot = robot
         self._told = told
         self._patience_s = patience_s
-        self._films = films
         self._posture = Posture()
         self._commands = PromptCommands(self)
         steered = [r.offset_rad for r in journal.session.kept if r.offset_rad is not None]
@@ -178,7 +176,7 @@ class Dialogue:
             values: Values = {way.column: self.read(text, way, way.likely, step)}
             values |= {f.column: self._number(f, f.likely, step) for f in others}
             return self._doubted(step, values)
-        for kept in take_track(self.journal, *named, step.cells, self._films):
+        for kept in take_track(self.journal, *named, step.cells):
             self.say(f"  {kept.in_words()}")
         raise Again
 

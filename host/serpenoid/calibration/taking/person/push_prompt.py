@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +13,8 @@ from ..floor.pushes import Cells, Kept, keep_pushes
 from ..journal import Journal
 
 Track = tuple[NDArray[np.float64], str]
-Reads = Callable[[Path], Track]  # from a film's file to t_s, x_m, y_m in rows and its hash
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
-QUESTION = "  its track (a file of Tracker, Kinovea or CSV; or a film), or how far it rolled (m): "
-
-
-def no_films(path: Path) -> Track:
-    """Refuse a film where nothing reads one."""
-    raise BadInput(f"{path}: films are read by `serpenoid calibrate push DIR {path}`")
+QUESTION = "  its track (a file of Tracker, Kinovea or CSV), or how far it rolled (m): "
 
 
 def named_file(text: str) -> tuple[Path, str] | None:
@@ -32,18 +25,21 @@ def named_file(text: str) -> tuple[Path, str] | None:
     return (path, unit) if path.is_file() or path.suffix.lower() in TEXTS else None
 
 
-def read_track(path: Path, unit: str, films: Reads = no_films) -> Track:
-    """Return the track of a file: a table of places, or a film; raises BadInput."""
+def read_track(path: Path, unit: str) -> Track:
+    """Return the track of a file, t_s, x_m, y_m in rows, and the file's hash; raises BadInput."""
     if not path.is_file():
         raise BadInput(f"{path}: no such file")
-    return read_track_file(path, unit) if path.suffix.lower() in TEXTS else films(path)
+    if path.suffix.lower() not in TEXTS:
+        raise BadInput(
+            f"{path}: a film itself is not taken here; mark the robot's middle link in Tracker or "
+            "Kinovea, and give the file that it exports"
+        )
+    return read_track_file(path, unit)
 
 
-def take_track(
-    journal: Journal, path: Path, unit: str, cells: Cells, films: Reads = no_films
-) -> list[Kept]:
+def take_track(journal: Journal, path: Path, unit: str, cells: Cells) -> list[Kept]:
     """Keep the pushes of a file; raises BadInput where there is none, or it was taken in before."""
-    track, sha256 = read_track(path, unit, films)
+    track, sha256 = read_track(path, unit)
     kept = journal.session.kept_pushes
     there = [p.number for p in kept if p.file_sha256 == sha256[:16]]
     if there:
