@@ -28,7 +28,8 @@ def advise_on_floor(
     """Rank pushes and slides by how much of the speeds' band they save a minute.
 
     gaits: those that matter; the session's planned ones unless given. by_film: pushes can be
-    filmed; as those taken were unless given. servo: as for `advise`. Raises BadInput as `advise` does.
+    filmed; as those taken were unless given. servo: as for `advise`. Raises
+    BadInput as `advise` does.
     """
     wanted = tuple(gaits) or session.setup.procedure.gaits
     if not wanted:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -153,7 +153,7 @@ def _next_number(session: Session) -> int:
     return 1 + max((r.number for _, r in session.numbered), default=0)
 
 
-def _told(made: list[Coast] | list[Slide], angle: float, by_film: bool) -> str:
+def _told(made: Sequence[Coast | Slide], angle: float, by_film: bool) -> str:
     pose = f"bent {math.degrees(angle):.3g}°" if angle else "straight"
     if isinstance(made[0], Slide):
         inclines = ", ".join(f"{math.degrees(s.incline_rad):.1f}" for s in made)  # type: ignore[union-attr]

@@ -35,7 +35,6 @@ def with_a_person(
     from ...calibration.taking.person.prompt_commands import Left
     from ...calibration.taking.person.session_robot import SessionRobot
     from ...calibration.taking.person.terminal import Console
-    from .calibrate_push import film_track
 
     console = console or Console()
     with ExitStack() as stack:
@@ -57,7 +56,7 @@ def with_a_person(
         told += [] if watching is None else [watching]
         if with_page:
             told.append(_page(stack, journal, robot, lan, console))
-        dialogue = Dialogue(journal, console, robot, _each(told), patience_s, film_track(folder))
+        dialogue = Dialogue(journal, console, robot, _each(told), patience_s)
         try:
             well = held_dialogue(dialogue, console)
         finally:

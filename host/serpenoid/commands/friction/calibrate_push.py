@@ -10,7 +10,7 @@ import click
 from ...show.screen import say
 
 if TYPE_CHECKING:
-    from ...calibration.taking.person.push_prompt import Track
+    from ...calibration.taking.journal import Journal
 
 
 @click.command()
@@ -48,13 +48,13 @@ def push(
                 say(_marks(journal, path, unit, cells))
                 way = "back" if way == "there" else "there"
                 continue
-            for kept in take_track(journal, path, unit, cells, film_track(folder)):
+            for kept in take_track(journal, path, unit, cells):
                 say(kept.in_words())
                 if not kept.look.doubts:
                     way = "back" if kept.way == "there" else "there"
 
 
-def _marks(journal, path: Path, unit: str, cells: dict[str, float | str]) -> str:
+def _marks(journal: Journal, path: Path, unit: str, cells: dict[str, float | str]) -> str:
     from ...calibration.taking.person.push_prompt import read_track
 
     track, sha256 = read_track(path, unit)
@@ -62,18 +62,3 @@ def _marks(journal, path: Path, unit: str, cells: dict[str, float | str]) -> str
         "coast", {**cells, "by": "marks", "file_sha256": sha256[:16]}, samples=track
     )
     return f"reading {number}, {cells['way']}: {len(track)} marks"
-
-
-def film_track(folder: Path):
-    """Return a function that reads a film's track: t_s, x_m, y_m in rows, and its hash."""
-
-    def read(path: Path) -> Track:
-        from ...calibration.session_file import load_setup
-        from ...video.push_film import push_track
-        from ...video.seeing.extra import need_extra
-
-        need_extra()
-        robot = load_setup(folder).robot
-        return push_track(path, robot.links, robot.link_length_m)
-
-    return read

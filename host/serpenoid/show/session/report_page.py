@@ -226,15 +226,20 @@ def _other_readings(session: Session, fit: FrictionFit) -> list[str]:
     others = [(kind, r) for kind, r in session.numbered if kind.name != "station"]
     if not others:
         return []
+    more = session.on_floor
     rows = [
-        [str(r.number), *kind.describe(r), f"{off[r.number]:+.1f}" if r.number in off else ""]
+        [str(r.number), *kind.describe(r), *([_off(off.get(r.number))] if more else [])]
         for kind, r in others
     ]
     said = [": ".join(filter(None, ["voided" if r.voided else "", r.comment])) for _, r in others]
     marks = ["void" if r.voided else "" for _, r in others]
-    head = ["number", "what", "shown", "off by (sigmas)"]
+    head = ["number", "what", "shown", *(["off by (sigmas)"] if more else [])]
     table = _table(head, rows, marks, words=True, said=said)
     return [*(["<h3>Other readings</h3>"] if session.readings else []), table]
+
+
+def _off(sigmas: float | None) -> str:
+    return "" if sigmas is None else f"{sigmas:+.1f}"
 
 
 def _told(events: Sequence[Event]) -> list[str]:
