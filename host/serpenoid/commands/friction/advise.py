@@ -40,7 +40,7 @@ def advise(
     with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
         servo = take_servo(servo_name, "hobby")
         if loaded.on_floor:
-            from ...calibration.advice_on_floor import advise_on_floor
+            from ...calibration.advising.on_floor import advise_on_floor
 
             found = advise_on_floor(loaded, wanted, samples=samples, servo=servo, progress=advance)
         else:

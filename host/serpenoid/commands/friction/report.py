@@ -26,7 +26,7 @@ def report(
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
     """
     from ...calibration import advice, comparison
-    from ...calibration.advice_on_floor import advise_on_floor
+    from ...calibration.advising.on_floor import advise_on_floor
     from ...calibration.session_file import load_session
     from ...calibration.session_rows import events_of
     from ...show.progress import progress

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..model.drives import ServoKind
-from ..model.errors import BadInput
-from ..model.gait import Gait
-from .advice import Advice, NextReading, speed_slopes
-from .floor.candidates import candidates
-from .friction_fit import fit_friction
-from .friction_result import band
-from .session import Session
-from .speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds
+from ...model.drives import ServoKind
+from ...model.errors import BadInput
+from ...model.gait import Gait
+from ..advice import Advice, NextReading, speed_slopes
+from ..floor.candidates import candidates
+from ..friction_fit import fit_friction
+from ..friction_result import band
+from ..session import Session
+from ..speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds
 
 NOTE = (
     "By minutes of work: the first saves most of the band a minute. Once pushes are filmed, what "

@@ -1,0 +1,1 @@
+"""What to measure next, where it is not on a treadmill."""
