@@ -64,7 +64,7 @@ def fit(
 def _draw(session: Session, found: FrictionFit, figure: Path) -> None:
     """Draw what there is: pushes over time, or stations with their lines."""
     if session.on_floor:
-        from ...show.floor_figure import push_figure
+        from ...show.session.floor_figure import push_figure
 
         return push_figure(session, found, figure)
     from ...show.figure_data import beside

@@ -16,9 +16,9 @@ from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ...calibration.taking.procedure import step_in_words
 from ..comparison_figure import draw_comparison
-from ..floor_figure import draw_pushes
 from ..friction_report import MEASURED, measured_row, predicted_columns, predicted_row
 from ..plot import draw_friction, figure
+from .floor_figure import draw_pushes
 
 _STYLE = """
 :root{color-scheme:light dark;--ink:#1c1e21;--paper:#fff;--line:#d9dce1;--soft:#5b616b}

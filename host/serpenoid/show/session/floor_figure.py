@@ -6,14 +6,14 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..calibration.floor.paths import PushPath, push_paths
-from .plot import BLUE, GREY, RED, figure
+from ...calibration.floor.paths import PushPath, push_paths
+from ..plot import BLUE, GREY, RED, figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..calibration.friction_result import FrictionFit
-    from ..calibration.session import Session
+    from ...calibration.friction_result import FrictionFit
+    from ...calibration.session import Session
 
 COLOURS = (BLUE, "#E69F00", RED, "#009E73", "#CC79A7")
 MOST_MM = 4.0  # of the residuals' axis, at least
