@@ -17,6 +17,7 @@ help:
 	@echo "make quick      lint, and the tests of a minute: before each commit"
 	@echo "make test-slow  the long studies"
 	@echo "make format     settle the style of Python and C++"
+	@echo "make playground one page to try gaits in a browser: build/playground/index.html"
 	@echo "make docs       the documentation site, into build/docs/html"
 	@echo "make figures    draw the stored figures anew"
 	@echo "make bench      measure again what docs/benchmarks.md quotes"
@@ -72,6 +73,11 @@ docs: $(VENV)/built $(VENV)/docs
 	@sh .ci/need em++=emscripten || echo "the documentation is built without its playground"
 	.ci/docs
 
+playground: $(VENV)/built
+	@sh .ci/need em++=emscripten
+	$(VENV)/bin/python docs/build_playground.py build/playground --alone
+	@echo "open build/playground/index.html in a browser"
+
 figures: $(VENV)/built
 	$(VENV)/bin/python docs/figures.py
 
@@ -116,4 +122,4 @@ $(VENV)/built: $(SOURCES) constraints/run.txt
 	@$(MAKE) --no-print-directory --jobs=2 $(VENV)/core $(VENV)/run
 	@touch $@
 
-.PHONY: help demo test test-host test-numbers test-board quick quick-tests test-slow slow-host slow-board build lint format docs figures bench wheel clean
+.PHONY: help demo test test-host test-numbers test-board quick quick-tests test-slow slow-host slow-board build lint format docs playground figures bench wheel clean

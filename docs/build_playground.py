@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -95,16 +96,21 @@ def page(module: Path) -> str:
     return text
 
 
-def build(out: Path) -> bool:
-    """Write the page into a folder; False, and a line that says so, without emscripten."""
+def build(out: Path, alone: bool = False) -> bool:
+    """Write the page into a folder; False, and a line that says so, without emscripten.
+
+    alone: no documentation stands beside it, and it has no link there.
+    """
     if not shutil.which("em++"):
         print("no playground: emscripten is not here (Debian: apt-get install emscripten)")
         return False
     out.mkdir(parents=True, exist_ok=True)
     text = page(compile_core(ROOT / "build" / "web"))
+    if alone:
+        text = re.sub(r'<a [^>]*id="home">.*?</a>', "", text)
     (out / "index.html").write_text(text, encoding="utf-8")
     return True
 
 
 if __name__ == "__main__":
-    sys.exit(not build(Path(sys.argv[1])))
+    sys.exit(not build(Path(sys.argv[1]), "--alone" in sys.argv))
