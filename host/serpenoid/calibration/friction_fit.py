@@ -23,7 +23,7 @@ import numpy as np
 from ..model.checks import check_choice, check_kind
 from ..model.errors import BadInput, NotConverged
 from .alarms import parts, with_alarms
-from .fitting.data import FitData, Floats, projections
+from .fitting.data import ZERO_SIGMA_RAD, FitData, Floats, projections
 from .fitting.identifiability import bend_note, check_readings
 from .fitting.influence import BOTH_WAYS, Influence, influences
 from .fitting.joint import minimise, starting_point, whole_residuals
@@ -205,7 +205,7 @@ def _nuisances(data: FitData, x: Floats, sigmas: Floats) -> dict[str, Estimate]:
     for name in (f"lambda_offset_rad_at_{degrees:.4g}_deg" for degrees in shown):
         again = sum(n == name or n.startswith(name + "_again") for n in names)
         names.append(name + (f"_again_{again}" if again else ""))
-    units = np.append(data.posture_sigma_rad, data.zero_sigma_rad)
+    units = np.append(data.posture_sigma_rad, data.zero_sigma_rad.max())
     told = [*range(data.first_posture, data.first_rounding), -1]
     values, widths = units * x[told], units * sigmas[told]
     estimates = map(Estimate, values.tolist(), widths.tolist())
@@ -252,6 +252,7 @@ def _zero_note(data: FitData) -> list[str]:
     if not data.zero_assumed:
         return []
     return [
-        f"The set-up claims a zero of the inclinometer without error; {data.zero_sigma_rad:.3g} rad"
-        " (0.1 degrees) is assumed. Read it both ways round, and state what is left."
+        "The set-up claims a zero of the inclinometer without error; "
+        f"{ZERO_SIGMA_RAD:.3g} rad (0.1 degrees) is assumed. Read it both ways round, and "
+        "state what is left."
     ]

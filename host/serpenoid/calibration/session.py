@@ -181,17 +181,29 @@ class Session:
         """Return the uncertainty of the instruments that a reading was taken with."""
         return reading.uncertainty or self.setup.uncertainty
 
+    def grade_step_of(self, reading: Reading) -> float:
+        """Return the step of the treadmill's incline that a reading was taken with, a tangent."""
+        return (reading.treadmill or self.setup.treadmill).incline_step_rad
+
+    def _most(self, name: str) -> float:
+        """Return the largest error of this name that the kept readings' instruments state."""
+        own = [getattr(self.uncertainty_of(r), name) for r in self.kept]
+        return float(max(own, default=getattr(self.setup.uncertainty, name)))
+
     @property
     def belt_scale(self) -> tuple[float, float]:
         """Return the belt's true speed over the one shown, and its standard deviation.
 
         The mean of the checks by mark and stopwatch and of the 1 that the instruments state; where
-        they state no error, of the checks alone.
+        they state no error, of the checks alone. Where instruments were amended, the largest error
+        that was stated of a kept reading's counts.
         """
-        stated = self.setup.uncertainty.belt_scale_sigma
+        stated = self._most("belt_scale_sigma")
         known = [(1.0, stated)] if stated else []
-        watch = self.setup.stopwatch
-        known += [(b.scale, b.scale_sigma(watch)) for b in self.of("belt") if not b.voided]
+        known += [
+            (b.scale, b.scale_sigma(b.watch or self.setup.stopwatch))
+            for b in self.of("belt") if not b.voided
+        ]  # fmt: skip
         if not known:
             return 1.0, 0.0
         weights = [max(sigma, 1e-6) ** -2 for _, sigma in known]
@@ -214,11 +226,18 @@ class Session:
         """
         kept = self._kept_zeros
         if not kept:
-            return Zero(0.0, self.setup.uncertainty.incline_zero_sigma_rad, 0)
+            return Zero(0.0, self._most("incline_zero_sigma_rad"), 0)
         means = self._zero_sides
         moved_rad = abs(means[-1] - means[0]) / (4 if self.zero_drifts else 2)
         sigma_rad = self._zero_reading_sigma_rad / math.sqrt(len(kept))
         return Zero(sum(means) / len(means), math.hypot(sigma_rad, moved_rad), len(kept))
+
+    def zero_sigmas_rad(self, readings: Sequence[Reading]) -> list[float]:
+        """Return the zero's error at each reading: where not measured, as was stated then."""
+        zero = self.zero
+        if zero.readings:
+            return [zero.sigma_rad] * len(readings)
+        return [self.uncertainty_of(r).incline_zero_sigma_rad for r in readings]
 
     @property
     def zero_drifts(self) -> bool:
@@ -280,10 +299,10 @@ class Session:
         setup = self.setup
         rests_on = [
             repr(setup.robot), setup.procedure.gravity_m_s2, repr(self.zero), self.mass_sigma,
-            self.belt_scale, setup.uncertainty.joint_sigma_rad,
+            self.belt_scale,
             [[r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s,
-              repr(self.uncertainty_of(r)), *(["up"] if r.facing == "up" else []),
-              *([r.bend] if r.bend != "zigzag" else [])]
+              repr(self.uncertainty_of(r)), self.grade_step_of(r),
+              *(["up"] if r.facing == "up" else []), *([r.bend] if r.bend != "zigzag" else [])]
              for r in self.kept],
             *(repr(r) for kind, r in self.numbered
               if kind.fitted and not kind.part and not r.voided),

@@ -211,8 +211,7 @@ def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
         with located(where):
             common = _common(row, found) | _track(row, kind, folder)
             made = placed(make_reading(row, common), bool(parts["readings"]))
-            if hasattr(made, "uncertainty"):
-                made = replace(made, uncertainty=_setup_of(row, setups).uncertainty)
+            made = _with_instruments(made, _setup_of(row, setups))
         parts[kind.part or "further"].append(made)
     if unknown:
         kinds = ", ".join(sorted(set(unknown)))
@@ -224,6 +223,13 @@ def _session(setups: list[Setup], found: _Found, folder: Path) -> Session:
         notes=tuple(found.notes),
         **{part: tuple(readings) for part, readings in parts.items()},
     )
+
+
+def _with_instruments(made: Any, setup: Setup) -> Any:
+    """Return a reading that keeps the instruments it was taken with, whatever is amended later."""
+    of = {"uncertainty": setup.uncertainty, "treadmill": setup.treadmill, "watch": setup.stopwatch}
+    own = {name: value for name, value in of.items() if hasattr(made, name)}
+    return replace(made, **own) if own else made
 
 
 def _track(row: Row, kind: Kind, folder: Path) -> dict[str, Track]:

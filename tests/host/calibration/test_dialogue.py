@@ -42,11 +42,11 @@ def folder(tmp_path) -> Path:
     return create_session(tmp_path / "session", default_setup("made up"))
 
 
-def talk(folder, *lines, robot=None):
+def talk(folder, *lines, robot=None, **given):
     """Return what a person heard, and the session afterwards."""
     person = Person(*lines)
     with Journal(folder) as journal:
-        held_dialogue(Dialogue(journal, person, robot, patience_s=5), person)
+        held_dialogue(Dialogue(journal, person, robot, patience_s=5, **given), person)
         return person.heard, journal.session
 
 
@@ -69,6 +69,26 @@ def test_a_few_steps_by_hand(folder):
     assert heard.endswith("Everything read so far is kept; the same command goes on from here.\n")
     heard, _ = talk(folder)
     assert "Inclinometer zero" not in heard  # it goes on, posing anew
+
+
+def test_it_settles_by_the_clock_of_the_treadmill(folder):
+    now = [100.0]
+
+    def later():
+        now[0] += 17.0
+        return "2.0"
+
+    heard, session = talk(folder, *ZERO, "", "", later, "0.2", "", "", clock_s=lambda: now[0])
+    assert "only" not in heard
+    assert session.kept[0].waited_s == 17.0
+
+
+def test_a_station_too_slow_for_the_law_is_asked_about(folder):
+    slow = ("", "2.0", "0.10", "", "", "keep", "again")
+    heard, session = talk(folder, *ZERO, "", *slow, *station("2.0", "0.16", "0.05"), "keep")
+    assert heard.count("friction is not that of the law") == 2
+    assert "expected 0.12 to" in heard
+    assert [r.belt_speed_m_s for r in session.kept] == [0.16]
 
 
 class Led:

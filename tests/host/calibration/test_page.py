@@ -5,19 +5,24 @@ import json
 import math
 import threading
 import time
+from contextlib import ExitStack
 from dataclasses import replace
 from importlib.resources import files
+from types import SimpleNamespace
 
 import pytest
 from robot.fake_board import FakeBoard, honest
 from robot.patience import LONG_S, until
 from serpenoid import Gait, Ground
+from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.memory import MemoryRecord
-from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.procedure import next_step
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.calibration.taking.treadmill import Posture, take_step
+from serpenoid.commands.friction import calibrate_person
+from serpenoid.commands.friction.calibrate_person import steering
 from serpenoid.model.errors import RobotLost
 from serpenoid.robot.wire import dialogue
 from serpenoid.show.pages.server import MOST_STREAMS, Page
@@ -99,6 +104,37 @@ def test_a_button_does_what_it_says_and_no_other():
             200, '{"shown": "+0.25 deg"}',
         )  # fmt: skip
     assert pressed == ["left"]
+
+
+def test_keys_at_the_terminal_steer_the_page_too():
+    robot, told = SteeredRobot(), []
+    keys = steering(robot, told.append)
+    assert [keys["left"](), keys["left"](), keys["right"]()] == ["1 step", "2 step", "1 step"]
+    assert told == ["1 step", "2 step", "1 step"]
+
+
+class SteeredRobot:
+    steps = 0
+
+    def steer(self, steps):
+        self.steps += steps
+        return f"{self.steps} step"
+
+
+def test_a_key_at_the_terminal_is_shown_before_the_next_step(tmp_path, monkeypatch):
+    """The page is told the offset with all else that it shows."""
+    folder = create_session(tmp_path / "session", default_setup("steered"))
+    with ExitStack() as stack, SessionRobot("virtual:fast") as robot:
+        journal = stack.enter_context(Journal(folder))
+        console = SimpleNamespace(say=lambda text: None)
+        told, keys = calibrate_person._page(stack, journal, robot, False, console)
+        sent = []
+        monkeypatch.setattr(Page, "publish", lambda self, state: sent.append(state))
+        robot.pose(0.0)
+        told(journal.session, next_step(journal.session))
+        keys["left"]()
+    assert sent[0]["offset"].startswith("+0.00")
+    assert sent[1] == sent[0] | {"offset": "+0.25 deg on every joint"}
 
 
 def test_a_stop_that_fails_says_so():

@@ -83,6 +83,14 @@ def test_steering_words_press_the_keys():
     assert typed.keys == terminal.keys
 
 
+def test_time_at_the_treadmill_is_the_dialogues_clock():
+    """At 50 times the pace 0.4 s are 20 s: whoever waits so long is not told "too early"."""
+    _, room, terminal = practised()
+    before = terminal.clock_s()
+    room.pass_time(20.0)
+    assert terminal.clock_s() - before == pytest.approx(20.0)
+
+
 def test_a_seed_is_a_truth_near_the_robot_of_2005():
     one, same, other = (PracticeTruth.drawn(s) for s in (7, 7, 8))
     assert one == same

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from serpenoid import BadInput, fit_friction, load_session
+from serpenoid.calibration.fitting.data import FitData
 from serpenoid.calibration.kinds.instruments import Uncertainty
 from serpenoid.calibration.kinds.rows import READING_COLUMNS
 from serpenoid.calibration.kinds.zero import ZeroReading
@@ -138,6 +139,38 @@ def test_a_reading_knows_the_instruments_it_was_taken_with(folder):
     assert isinstance(session.readings[0].uncertainty, Uncertainty)
     assert session.setup.uncertainty.belt_speed_sigma_m_s == 0.05
     assert session.setup.uncertainty.lambda_sigma_rad == math.radians(0.5)  # left as it was
+
+
+@pytest.mark.parametrize("change", [
+    "instruments.incline_step_percent = 1.0", "instruments.incline_zero_sigma_deg = 0.4",
+    "instruments.belt_scale_sigma_percent = 8", "instruments.joint_sigma_deg = 2",
+    "instruments.lambda_sigma_deg = 2",
+])  # fmt: skip
+def test_no_amendment_changes_what_was_read_before_it(folder, change):
+    rows = [reading(k, incline_deg=2.0 + 0.3 * k, belt_speed_m_s=0.2 * k) for k in (1, 2, 3)]
+    append(folder, *rows)
+    session = load_session(folder)
+    before, hashed = FitData.of(session), session.sha256
+    append(folder, event("amend", detail=f'"{change}"'), to="events.csv")
+    session = load_session(folder)
+    after = FitData.of(session)
+    for name in vars(before):
+        np.testing.assert_array_equal(getattr(after, name), getattr(before, name), err_msg=name)
+    assert session.sha256 == hashed
+    append(folder, reading(4, setup=2, incline_deg=3.5, belt_speed_m_s=0.7))
+    with_new = load_session(folder).sha256
+    own = folder / "readings.csv"
+    own.write_text(own.read_text().replace("4,station,,2", "4,station,,1"))
+    assert load_session(folder).sha256 != with_new  # the same reading by other instruments
+
+
+def test_the_hash_sees_the_treadmill(folder):
+    append(folder, reading(1), reading(2))
+    first, file = load_session(folder).sha256, folder / "session.toml"
+    text = file.read_text()
+    assert text.count("[instruments]\n") == 1
+    file.write_text(text.replace("[instruments]\n", "[instruments]\nincline_step_percent = 0.7\n"))
+    assert load_session(folder).sha256 != first
 
 
 def test_the_plan_may_be_amended(folder):

@@ -35,16 +35,16 @@ class FitData:
     """The kept readings, and which of them share an error.
 
     lambda_rad, bent_share (of the links, 0 where straight), incline_rad (as shown, less the zero
-    where that was measured), slip_m_s,
-    incline_sigma_rad (what is a reading's own), speed_sigma_m_s: per reading. posture: per reading,
-    which of posture_sigma_rad's bends it was taken at; -1 when straight. rounding: per reading,
-    which of rounding_sigma_rad's errors its incline has; -1 where that is its own. rounding_draws:
-    (draws, errors) of these, in sigmas. zero_sigma_rad: of what is left of the inclinometer's zero,
-    common to all. zero_assumed: it is ours, since the set-up claimed 0. back: whether a reading's
-    wheels rolled backwards, the snake facing up the belt. ratchet: there are readings of both ways,
-    or were before some were left out. astray_rad, astray_sigma_rad: per reading, mean and standard
-    deviation of the straight links' mean |angle| to the path, times their share.
-    belt_sigma, mass_sigma: relative, of their scales.
+    where that was measured), slip_m_s, incline_sigma_rad (what is a reading's own),
+    speed_sigma_m_s: per reading. posture: per reading, which of posture_sigma_rad's bends it was
+    taken at; -1 when straight. rounding: per reading, which of rounding_sigma_rad's errors its
+    incline has; -1 where that is its own. rounding_draws: (draws, errors) of these, in sigmas.
+    zero_sigma_rad: per reading, of what is left of the inclinometer's zero, common to all.
+    zero_assumed: it is ours, since the set-up claimed 0. back: whether a reading's wheels rolled
+    backwards, the snake facing up the belt. ratchet: there are readings of both ways, or were
+    before some were left out. astray_rad, astray_sigma_rad: per reading, mean and standard
+    deviation of the straight links' mean |angle| to the path, times their share. belt_sigma,
+    mass_sigma: relative, of their scales.
     """
 
     lambda_rad: Floats
@@ -61,7 +61,7 @@ class FitData:
     rounding_sigma_rad: Floats
     rounding_draws: Floats
     weight_n: float
-    zero_sigma_rad: float
+    zero_sigma_rad: Floats
     zero_assumed: bool
     astray_rad: Floats
     astray_sigma_rad: Floats
@@ -72,21 +72,21 @@ class FitData:
     @classmethod
     def of(cls, session: Session) -> FitData:
         """Take a session's kept readings."""
-        kept, zero = session.kept, session.zero
+        kept = session.kept
         belt, belt_sigma = session.belt_scale
         given = [session.uncertainty_of(r) for r in kept]
         lambda_rad = np.array([r.lambda_rad for r in kept], dtype=float)
         lambda_sigma_rad = np.array([g.lambda_sigma_rad for g in given], dtype=float)
         posture, angles, sigmas = postures(lambda_rad, lambda_sigma_rad, settings(session, kept))
+        steps = np.array([session.grade_step_of(r) for r in kept], dtype=float)
+        zero_sigma_rad = np.array(session.zero_sigmas_rad(kept), dtype=float)
         shown_rad = np.array([r.incline_rad for r in kept], dtype=float)
         incline_sigma_rad = np.array([g.incline_sigma_rad for g in given], dtype=float)
         zeros_rad = np.array(session.zeros_rad(kept))
         share = np.array([session.bent_share(r) for r in kept], dtype=float)
         astray_rad, astray_sigma_rad = _astray(session, share)
         drift = Drift(zeros_rad, session.zero_drift_sigma_rad) if session.zero_drifts else None
-        rounding, sigma_rad, draws = roundings(
-            shown_rad, incline_sigma_rad, session.setup.treadmill.incline_step_rad, drift
-        )
+        rounding, sigma_rad, draws = roundings(shown_rad, incline_sigma_rad, steps, drift)
         return cls(
             lambda_rad=lambda_rad,
             bent_share=share,
@@ -102,8 +102,8 @@ class FitData:
             rounding_sigma_rad=sigma_rad,
             rounding_draws=draws,
             weight_n=session.setup.weight_n,
-            zero_sigma_rad=zero.sigma_rad or ZERO_SIGMA_RAD,
-            zero_assumed=not zero.sigma_rad,
+            zero_sigma_rad=np.where(zero_sigma_rad > 0.0, zero_sigma_rad, ZERO_SIGMA_RAD),
+            zero_assumed=bool((zero_sigma_rad == 0.0).any()),
             ratchet=any(r.facing == "up" for r in kept),
             astray_rad=astray_rad,
             astray_sigma_rad=astray_sigma_rad,
@@ -185,7 +185,7 @@ class FitData:
     def picked(self, index: Whole | NDArray[np.bool_]) -> FitData:
         """Return some of the readings, with the postures as they are."""
         names = ("lambda_rad", "bent_share", "incline_rad", "slip_m_s", "incline_sigma_rad",
-                 "speed_sigma_m_s", "posture", "rounding", "back", "astray_rad",
+                 "speed_sigma_m_s", "zero_sigma_rad", "posture", "rounding", "back", "astray_rad",
                  "astray_sigma_rad")  # fmt: skip
         return replace(self, **{name: getattr(self, name)[index] for name in names})
 
@@ -196,11 +196,12 @@ class FitData:
 
 def _astray(session: Session, bent_share: Floats) -> tuple[Floats, Floats]:
     """Return each reading's mean and sigma of how far straight links are off, times their share."""
-    links, off = session.setup.robot.links, session.setup.uncertainty.joint_sigma_rad
+    links = session.setup.robot.links
+    off = np.array([session.uncertainty_of(r).joint_sigma_rad for r in session.kept], dtype=float)
     bent = np.round(bent_share * links).astype(int)
     factors = {n: straightness_factors(links, n) for n in set(bent.tolist())}
     found = np.array([factors[n] for n in bent.tolist()]).reshape(-1, 2)
-    found *= off * (1.0 - bent_share)[:, None]
+    found *= (off * (1.0 - bent_share))[:, None]
     return found[:, 0], found[:, 1]
 
 
@@ -256,22 +257,24 @@ def postures(
 
 
 def roundings(
-    shown_rad: Floats, sigma_rad: Floats, grade_step: float, drift: Drift | None = None
+    shown_rad: Floats, sigma_rad: Floats, grade_step: Floats | float, drift: Drift | None = None
 ) -> tuple[Whole, Floats, Floats]:
     """Return which shared rounding error each reading has (-1: none), their sigmas, draws.
 
-    Readings of inclinometers that err differently share nothing.
+    Readings of inclinometers that err differently share nothing, nor do those of treadmills with
+    other steps.
     """
+    steps = np.broadcast_to(np.asarray(grade_step, dtype=float), np.shape(sigma_rad))
     index = np.full(len(shown_rad), -1, dtype=np.intp)
     sigmas: list[float] = []
     draws = np.empty((DRAWS, 0))
-    for sigma in np.unique(sigma_rad).tolist():
-        own = np.flatnonzero(sigma_rad == sigma)
+    for sigma, step in np.unique(np.column_stack([sigma_rad, steps]), axis=0).tolist():
+        own = np.flatnonzero((sigma_rad == sigma) & (steps == step))
         if drift is None:
-            found = shared_rounding(shown_rad[own], sigma, grade_step)
+            found = shared_rounding(shown_rad[own], sigma, step)
             widths = [sigma] * (0 if found is None else found[1].shape[1])
         else:
-            found = drifting_rounding(shown_rad[own], sigma, grade_step, drift.of(own))
+            found = drifting_rounding(shown_rad[own], sigma, step, drift.of(own))
             widths = [] if found is None else found[1].std(axis=0).tolist()
             found = found and (found[0], found[1] / widths)
         if found is not None:

@@ -32,6 +32,7 @@ class BeltCheck:
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
+    watch: Stopwatch | None = None  # that it was timed with; None: the session's
 
     def __post_init__(self) -> None:
         check_fields(self, FIELDS)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...model.bends import balanced_signs
 from ...model.errors import BadInput
 from .declaration import PLANNED, Field, Kind, Word, check_fields
-from .instruments import MAX_SPEED_M_S, Uncertainty
+from .instruments import MAX_SPEED_M_S, TreadmillSteps, Uncertainty
 
 FACINGS = ("down", "up")
 BENDS = ("zigzag", "balanced")  # zigzag first: sessions of before there were others do not say
@@ -54,9 +54,9 @@ class Reading:
     forwards. drift_m_s: what was left of the snake's own motion, positive when carried along with
     the belt. voided: not to be used, for the reason in comment. time_utc: ISO 8601, empty if not
     recorded. facing: "down" the incline, or "up": the wheels then roll backwards, which tells a
-    ratchet. uncertainty: of the instruments it was taken with, None for those of the session's
-    set-up. turned_rad: heading when it was read. offset_rad: steering on every joint. waited_s:
-    how long the belt had run at this speed; each None where nobody told. Raises BadInput.
+    ratchet. uncertainty, treadmill: of the instruments it was taken with, None for those of the
+    session's set-up. turned_rad: heading when it was read. offset_rad: steering on every joint.
+    waited_s: how long the belt had run at this speed; each None where nobody told. Raises BadInput.
     """
 
     number: int
@@ -73,6 +73,7 @@ class Reading:
     turned_rad: float | None = None
     offset_rad: float | None = None
     waited_s: float | None = None
+    treadmill: TreadmillSteps | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, FIELDS)

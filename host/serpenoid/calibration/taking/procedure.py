@@ -16,7 +16,7 @@ from ..kinds.belt import BELT
 from ..kinds.bend import BEND
 from ..kinds.declaration import Field
 from ..kinds.gait import GAIT
-from ..kinds.station import STATION
+from ..kinds.station import LEAST_SLIP_M_S, STATION
 from ..kinds.zero import ZERO
 from ..session import Session, Setup
 from ..session_rows import Event
@@ -196,7 +196,23 @@ def doubts(
             likely = _likely_reversed(cells)
         if likely is not None and not likely[0] <= value <= likely[1]:
             found.append((field, likely))
+        elif field.column == "belt_speed_m_s" and step.kind == "station":
+            found += _too_slow(field, value, cells)
     return found
+
+
+def _too_slow(
+    field: Field, belt_m_s: float, cells: Mapping[str, float | str]
+) -> list[tuple[Field, tuple[float, float]]]:
+    """Return a station's belt speed where it is too slow for the law to hold."""
+    least_m_s = LEAST_SLIP_M_S + float(cells.get("drift_m_s", 0.0))
+    if belt_m_s >= least_m_s:
+        return []
+    why = (
+        f"slower than {LEAST_SLIP_M_S:g} m/s past the robot, steering shakes wheels loose and "
+        "friction is not that of the law: skip this one, the next is steeper"
+    )
+    return [(replace(field, why=why), (least_m_s, field.high))]
 
 
 def _likely_reversed(cells: Mapping[str, float | str]) -> tuple[float, float]:

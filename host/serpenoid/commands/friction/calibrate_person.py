@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -48,15 +49,19 @@ def with_a_person(
         robot = None
         if port is not None:
             robot = stack.enter_context(SessionRobot(port, _match(journal.session)))
-            console.keys = _steering(robot)
+            console.keys = steering(robot)
         board = BY_HAND if robot is None else robot.greeting
         for line in begin(journal, people, board):
             console.say(line)
         told = [_pictures(console, *_window(stack, journal, window))]
         told += [] if watching is None else [watching]
         if with_page:
-            told.append(_page(stack, journal, robot, lan, console))
-        dialogue = Dialogue(journal, console, robot, _each(told), patience_s)
+            page, keys = _page(stack, journal, robot, lan, console)
+            told.append(page)
+            if robot is not None:
+                console.keys = keys
+        clock_s = getattr(console, "clock_s", None)
+        dialogue = Dialogue(journal, console, robot, _each(told), patience_s, clock_s)
         try:
             well = held_dialogue(dialogue, console)
         finally:
@@ -99,8 +104,8 @@ def _each(told: list[Any]) -> Any:
 
 def _page(
     stack: Any, journal: Journal, robot: SessionRobot | None, lan: bool, console: Console
-) -> Any:
-    """Serve the page, say its address, and return a function that brings it up to date."""
+) -> tuple[Any, dict[str, Any]]:
+    """Serve the page; return what brings it up to date, and the keys that steer."""
     from importlib.resources import files
 
     from ...calibration.taking.procedure import skipped_keys
@@ -108,21 +113,39 @@ def _page(
     from ...show.session.state import state_of
 
     html = files("serpenoid.show.session").joinpath("beside.html").read_text(encoding="utf-8")
-    buttons = {} if robot is None else _steering(robot)
+    shown: dict[str, Any] = {}
+
+    def steered(words: str) -> None:
+        shown["offset"] = words
+        page.publish(dict(shown))
+
+    buttons = {} if robot is None else steering(robot, steered)
     page = stack.enter_context(Page(html, robot and robot.halt, lan=lan, buttons=buttons))
     console.say(f"page: {page.url}")
 
     def told(session: Session, step: Any) -> None:
         board = BY_HAND if robot is None else _state(robot)
         offset = "" if robot is None else robot.steer(0)
-        page.publish(state_of(session, step, skipped_keys(journal.events), board, offset))
+        shown.update(state_of(session, step, skipped_keys(journal.events), board, offset))
+        page.publish(dict(shown))
 
-    return told
+    return told, buttons
 
 
-def _steering(robot: SessionRobot) -> dict[str, Any]:
-    """Return what the left and right keys do: one step on every joint each."""
-    return {"left": lambda: robot.steer(1), "right": lambda: robot.steer(-1)}
+def steering(
+    robot: SessionRobot, told: Callable[[str], None] = lambda words: None
+) -> dict[str, Callable[[], str]]:
+    """Return what the left and right keys do: one step on every joint each; told: the offset."""
+
+    def by(steps: int) -> Callable[[], str]:
+        def key() -> str:
+            words = robot.steer(steps)
+            told(words)
+            return words
+
+        return key
+
+    return {"left": by(1), "right": by(-1)}
 
 
 def _state(robot: SessionRobot) -> str:

@@ -35,7 +35,7 @@ class Dialogue:
 
     robot: the robot, None if it is set by hand. told: called with session and step when a step
     begins, for pictures and the page. patience_s: how long a prompt waits before the servos are
-    let go.
+    let go. clock_s: the time at the treadmill, by which it settles; this machine's unless given.
     """
 
     def __init__(
@@ -45,12 +45,14 @@ class Dialogue:
         robot: SessionRobot | None = None,
         told: Told = lambda session, step: None,
         patience_s: float = PATIENCE_S,
+        clock_s: Callable[[], float] | None = None,
     ):
         self.journal = journal
         self._terminal = terminal
         self._robot = robot
         self._told = told
         self._patience_s = patience_s
+        self._clock_s = clock_s or time.monotonic
         self._posture = Posture()
         self._commands = PromptCommands(self)
         steered = [r.offset_rad for r in journal.session.kept if r.offset_rad is not None]
@@ -160,7 +162,7 @@ class Dialogue:
                 likely = likely_belt(self.journal.session, step, values)
             values[field.column] = self._number(field, likely, step)
         if step.kind == "station":
-            values["waited_s"] = self._waited(time.monotonic() - begun_s, step)
+            values["waited_s"] = self._waited(self._clock_s() - begun_s, step)
             if self._robot is not None:
                 values["offset_deg"] = round(math.degrees(self._robot.offset_rad), 3)
         return self._doubted(step, values)
@@ -181,10 +183,10 @@ class Dialogue:
         raise Again
 
     def _belt_set(self, step: Step) -> float:
-        """Ask when a station's belt runs at its last speed; return that moment, monotonic."""
+        """Ask when a station's belt runs at its last speed; return that moment by the clock."""
         if step.kind == "station":
             self.ask(f"  Enter when the belt is set; let it settle {step.settle_s:.0f} s: ", step)
-        return time.monotonic()
+        return self._clock_s()
 
     def _waited(self, waited_s: float, step: Step) -> float:
         """Return how long a station settled; too short a time is kept by a word only."""

@@ -122,6 +122,10 @@ class PracticeTerminal:
                for name in ("take", "mark", "inclinometer", "turned", "protractor", "turns")},
         }  # fmt: skip
 
+    def clock_s(self) -> float:
+        """Return the time at the treadmill, s, whatever its pace."""
+        return self._treadmill.belt.t_s
+
     def say(self, text: str) -> None:
         """Show a line or more."""
         self._terminal.say(text)
