@@ -177,7 +177,7 @@ class ServoKind:
         return replace(made, update_hz=float(rng.choice(self.updates_hz)))
 
     def at(self, units: Sequence[float]) -> Servo:
-        """Return the servo whose UNCERTAIN fields are so many sigma off the typical ones."""
+        """Return the servo whose UNCERTAIN fields lie off the typical ones by units, in sigma."""
         factor = {
             name: math.exp(self.sigma.get(name, 0.0) * x)
             for name, x in zip(UNCERTAIN, units, strict=True)

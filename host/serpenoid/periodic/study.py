@@ -130,7 +130,7 @@ def sweep_study(
     Parameters
     ----------
     robot, ground, alpha_rad, beta_rad, omega_rad_s, rtol, powers, threads, scheduler, progress
-        As in `sweep`.
+        As in `sweep`: alpha_rad and beta_rad in rad, omega_rad_s in rad/s.
     out
         The folder.
 
