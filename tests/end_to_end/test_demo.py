@@ -44,7 +44,8 @@ def test_demo(tmp_path) -> None:
     assert loop["advice"]["readings"]
     wanted = loop["wanted"]
     assert wanted["low_m_s"] < wanted["speed_m_s"] < wanted["high_m_s"]
-    assert wanted["speed_m_s"] == pytest.approx(0.1, rel=0.01)
+    assert wanted["low_m_s"] < 0.1 < wanted["high_m_s"]  # what was asked for, with ideal joints
+    assert wanted["low_m_s"] < wanted["crawls_m_s"] < wanted["high_m_s"]
     assert "</html>" in (out / "report.html").read_text()
     assert len(load_session(out / "session").kept) > 12
     film = found["film"]
