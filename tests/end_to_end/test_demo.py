@@ -44,7 +44,7 @@ def test_demo(tmp_path) -> None:
     assert loop["advice"]["readings"]
     wanted = loop["wanted"]
     assert wanted["low_m_s"] < wanted["speed_m_s"] < wanted["high_m_s"]
-    assert wanted["low_m_s"] < 0.1 < wanted["high_m_s"]  # what was asked for, with ideal joints
+    assert 0.06 < wanted["speed_m_s"] < 0.1  # asked of ideal joints; servos lose a part of it
     assert wanted["low_m_s"] < wanted["crawls_m_s"] < wanted["high_m_s"]
     assert "</html>" in (out / "report.html").read_text()
     assert len(load_session(out / "session").kept) > 12
