@@ -187,6 +187,8 @@ def summary(films: list[tuple[Errors, Errors]]) -> str:
         size = np.concatenate([size[name] for size, _ in films])
         z = np.concatenate([z[name] for _, z in films])
         size, z = size[np.isfinite(z)], z[np.isfinite(z)]
+        if not len(z):
+            continue  # joints that were never seen
         inside, doubt = (np.abs(z) < NORMAL_95).mean(), math.sqrt(0.05 * 0.95 / max(1, len(z)))
         lines.append(
             f"{name:10} {np.median(np.abs(size)):8.4f} {np.abs(size).max():8.3f}"
