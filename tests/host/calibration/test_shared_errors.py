@@ -18,6 +18,7 @@ from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.calibration.kinds.belt import BeltCheck
 from serpenoid.commands.gaits.optimize import optimize
 from serpenoid.commands.gaits.steady import steady
+from serpenoid.show.session.state import agreement
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 NAMES = ("ct", "cn", "ft0", "fn0")
@@ -172,3 +173,4 @@ def test_one_misread_incline_is_named():
     made = session(setup(15.0, 30.0), WHOLE_BODY_2005)
     fit = sn.fit_friction(changed(made, 2, incline_rad=2 * made.readings[2].incline_rad))
     assert any("Without reading 3 " in alarm for alarm in fit.alarms)
+    assert "DISAGREE. Without reading 3 " in agreement(fit)  # on the page, too

@@ -110,8 +110,8 @@ def agreement(fit: FrictionFit) -> str:
     chi2 = f"χ² {fit.chi2:.1f} for {fit.dof} degrees of freedom"
     if fit.p_value >= DOUBTFUL:
         return f"{chi2}: the readings agree"
-    look = next((note for note in fit.notes if note.startswith("Without reading")), "")
-    return f"{chi2}: THE READINGS DISAGREE. {look}".rstrip()
+    found = next((alarm for alarm in fit.alarms if alarm.startswith("chi2 is")), "")
+    return f"{chi2}: THE READINGS DISAGREE. {found.partition('intervals. ')[2]}".rstrip()
 
 
 def _bend(session: Session, series: Series) -> dict[str, Any]:
