@@ -18,6 +18,7 @@ from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.calibration.kinds.belt import BeltCheck
 from serpenoid.commands.gaits.optimize import optimize
 from serpenoid.commands.gaits.steady import steady
+from serpenoid.commands.main import cli
 from serpenoid.show.session.state import agreement
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
@@ -167,6 +168,9 @@ def test_a_contradictory_fit_is_told_by_every_command_that_rests_on_it(tmp_path)
         assert f"Without reading {cells[0]} " in told["fit_alarms"][0]
         assert "do not trust" in done.stderr
         assert told["band"]["low_m_s"] < told["band"]["high_m_s"]
+    asked = [str(tmp_path), "--gait", "70", "75", "0.5", "--samples", "16", "--servo", "ideal"]
+    done = CliRunner().invoke(cli, ["advise", *asked, "--json"])
+    assert f"Without reading {cells[0]} " in json.loads(done.stdout)["fit_alarms"][0]
 
 
 def test_one_misread_incline_is_named():

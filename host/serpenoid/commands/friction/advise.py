@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..given import session_fit
 from ..options import AS_JSON, listed_gait, servo_option, show_json, take_servo
 
 
@@ -37,6 +38,7 @@ def advise(
 
     wanted = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
+    session_fit(session)  # tells its alarms
     with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
         servo = take_servo(servo_name, "hobby")
         if loaded.on_floor:
