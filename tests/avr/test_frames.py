@@ -5,7 +5,6 @@ import random
 import numpy as np
 import pytest
 from avr.board import F_CPU_HZ, symbols
-from avr.budget import stack_after_random_commands
 from avr.dialogue import Dialogue, fields, seal, telemetry
 from avr.toolchain import ToolchainError
 from avr.truth import line_errors_us
@@ -127,12 +126,6 @@ def test_more_joints_than_a_board_has_memory_for_are_not_built(firmware_elf):
     """With twelve the stack ran into the variables, and the board started again and again."""
     with pytest.raises(ToolchainError, match="8 joints at most: take a Mega"):
         firmware_elf("uno", 9)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("board", "joints", "least"), [("uno", 8, 200), ("mega", 12, 2000)])
-def test_the_most_joints_leave_room_for_the_stack(firmware_elf, board, joints, least):
-    assert stack_after_random_commands(firmware_elf(board, joints), board, 20.0) >= least
 
 
 def test_pulses_as_long_as_they_can_be_leave_their_gap(start):
