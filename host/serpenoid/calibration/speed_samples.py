@@ -22,7 +22,6 @@ from .friction_result import FrictionFit, band
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
-AMPLITUDE_STEP = 0.02  # of the joints, to find what a lost amplitude costs
 
 
 def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) -> float:

@@ -165,6 +165,28 @@ def coverage(out: Path, sessions: int, seed: int) -> None:
 
 @BENCH_GROUP.command()
 @OUT
+@click.option("--sessions", type=click.IntRange(1), default=1000, show_default=True,
+              help="Simulated sessions of each kind.")  # fmt: skip
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
+def floor(out: Path, sessions: int, seed: int) -> None:
+    """Tell how often 95 % intervals hold the truth, over sessions of pushes on a floor."""
+    import dataclasses
+    import json
+
+    from ..bench.calibration.floor_coverage import run_floor
+    from ..show.report import table
+
+    rows = [dataclasses.asdict(row) for row in run_floor(sessions, seed, _tell)]
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "floor.json").write_text(json.dumps(rows, indent=2) + "\n")
+    names = ("ct", "cn", "ft0", "fn0", "speed", "driven")
+    texts = [[row["case"], *(f"{row[name]:.1%}" for name in names)] for row in rows]
+    table(f"of {sessions} sessions on a floor the interval holds the truth in; in {out}",
+          ["case", *names], texts)  # fmt: skip
+
+
+@BENCH_GROUP.command()
+@OUT
 @click.option("--sessions", type=click.IntRange(1), default=100, show_default=True,
               help="Simulated sessions of each plan.")  # fmt: skip
 @click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")

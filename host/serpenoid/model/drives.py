@@ -210,9 +210,3 @@ def loop_radius(servo: Servo) -> float:
     gain = np.array([servo.stiffness_nm_rad, servo.damping_nms_rad - line]) / J
     step = np.array([[1.0, glide], [0.0, decay]]) - np.outer([drift, glide], gain)
     return float(np.abs(np.linalg.eigvals(step)).max() ** (0.02 / look))
-
-
-def with_frame(kind: ServoKind, frame_s: float) -> ServoKind:
-    """Return a kind of servo on another board: setpoints come each frame_s, s."""
-    drawn = tuple(replace(one, frame_s=frame_s) for one in kind.drawn)
-    return replace(kind, servo=replace(kind.servo, frame_s=frame_s), drawn=drawn)

@@ -30,11 +30,6 @@ def link_centres(states: Array, link_m: float) -> Array:
     return states[..., None, :2] + np.einsum("ij,...jk->...ik", levers, along)
 
 
-def states_from_links(centres: Array, headings: Array) -> Array:
-    """Return states from centres (..., links, 2) and headings (..., links)."""
-    return np.concatenate([centres.mean(axis=-2), headings], axis=-1)
-
-
 def joint_angles(states: Array) -> Array:
     """Return phi_i = theta_{i+1} - theta_i, (..., links - 1), within half a turn."""
     return (np.diff(states[..., 2:], axis=-1) + np.pi) % (2 * np.pi) - np.pi

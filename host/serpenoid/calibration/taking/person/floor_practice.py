@@ -22,7 +22,7 @@ from ...session import Session, Setup
 from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S
 from ..new_session import on_place
 from ..steps import Step
-from .practice import JOINT_RAD, SPREAD, USUAL
+from .practice import JOINT_RAD, drawn_friction, friction_words
 from .terminal import Terminal
 
 SOURCE = re.compile(r"practice floor, seed (\d+)")
@@ -50,20 +50,18 @@ class PracticeFloorTruth:
     def drawn(cls, seed: int) -> PracticeFloorTruth:
         """Draw one; the same seed gives the same."""
         rng = np.random.default_rng([seed, 20])
-        frictions = {k: v * math.exp(SPREAD * rng.normal()) for k, v in USUAL.items()}
+        ground = drawn_friction(rng)
         slope, scale, shape = (float(v) for v in rng.normal(size=3))
         mean, sigma = WHEEL_SHAPE
         return cls(
-            Ground(**frictions), SLOPE_RAD * slope, 1.0 + SCALE * scale,
+            ground, SLOPE_RAD * slope, 1.0 + SCALE * scale,
             WHEELS_KG * max(mean + sigma * shape, 0.0),
         )  # fmt: skip
 
     def in_words(self) -> str:
         """Return it in a line."""
-        g = self.ground
         return (
-            f"the truth, whole snake: ct {g.ct_forward:.4g} N s/m, cn {g.cn:.4g} N s/m, ft0 "
-            f"{g.ft0_forward:.4g} N, fn0 {g.fn0:.4g} N; the floor falls by "
+            f"{friction_words(self.ground)}; the floor falls by "
             f"{math.degrees(self.slope_rad):+.2f} deg towards there"
         )
 

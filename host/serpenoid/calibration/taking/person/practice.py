@@ -37,6 +37,19 @@ The treadmill is worked by words, or on its page:
   wait 20       let 20 s pass"""
 
 
+def drawn_friction(rng: np.random.Generator) -> Ground:
+    """Draw the whole snake's friction, some way from the 2005 robot's."""
+    return Ground(**{k: v * math.exp(SPREAD * rng.normal()) for k, v in USUAL.items()})
+
+
+def friction_words(g: Ground) -> str:
+    """Return the whole snake's friction in a line."""
+    return (
+        f"the truth, whole snake: ct {g.ct_forward:.4g} N s/m, cn {g.cn:.4g} N s/m, ft0 "
+        f"{g.ft0_forward:.4g} N, fn0 {g.fn0:.4g} N"
+    )
+
+
 @dataclass(frozen=True)
 class PracticeTruth:
     """What whoever practises is to find out."""
@@ -50,19 +63,17 @@ class PracticeTruth:
     def drawn(cls, seed: int) -> PracticeTruth:
         """Draw one; the same seed gives the same."""
         rng = np.random.default_rng([seed, 2005])
-        frictions = {k: v * math.exp(SPREAD * rng.normal()) for k, v in USUAL.items()}
+        ground = drawn_friction(rng)
         zero, scale, deck = rng.normal(size=3)
         return cls(
-            Ground(**frictions), ZERO_RAD * float(zero), 1.0 + SCALE * float(scale),
+            ground, ZERO_RAD * float(zero), 1.0 + SCALE * float(scale),
             math.radians(0.1 * float(np.clip(deck, -2, 2))),
         )  # fmt: skip
 
     def in_words(self) -> str:
         """Return it in a line."""
-        g = self.ground
         return (
-            f"the truth, whole snake: ct {g.ct_forward:.4g} N s/m, cn {g.cn:.4g} N s/m, ft0 "
-            f"{g.ft0_forward:.4g} N, fn0 {g.fn0:.4g} N; inclinometer's zero "
+            f"{friction_words(self.ground)}; inclinometer's zero "
             f"{math.degrees(self.zero_rad):+.2f} deg, belt {self.belt_scale:.3f} of shown"
         )
 
