@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from .calibration.session import Session
     from .calibration.session_file import load_session
     from .exchange.mjcf import to_mjcf
-    from .gaits.least_power import LeastPower, least_power_gait, power_front
+    from .gaits.finder import LeastPower
+    from .gaits.least_power import least_power_gait, power_front
     from .gaits.limits import GaitLimits
     from .gaits.margins import Margins, gait_margins
     from .gaits.robust import RobustGait, robust_gait
@@ -57,7 +58,8 @@ _HOMES = {
     "model.link_state": ("LinkState",),
     "model.robot": ("Robot",),
     "exchange.mjcf": ("to_mjcf",),
-    "gaits.least_power": ("LeastPower", "least_power_gait", "power_front"),
+    "gaits.finder": ("LeastPower",),
+    "gaits.least_power": ("least_power_gait", "power_front"),
     "gaits.limits": ("GaitLimits",),
     "gaits.margins": ("Margins", "gait_margins"),
     "gaits.robust": ("RobustGait", "robust_gait"),

@@ -9,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.sweep import sweep
 from .limits import GaitLimits
-from .shape_search import GaitShape, on_threads
+from .shape_search import GaitShape, ShapeSearch, on_threads
 
 Array = NDArray[np.float64]
 # Solves one column of a table: amplitudes (A,), one lag, rates (W,) -> speed and cost, (A, W).
@@ -21,6 +22,9 @@ Column = Callable[[Array, float, Array], tuple[Array, Array]]
 _BEYOND = 2.0  # of the servos' speed: faster gaits help no interpolation and are not solved
 _STILL = 1e-6  # of body length times rate: a lower speed is noise of the solver
 _ROUNDING = 1 + 1e-9  # an amplitude at its limit, after exp(log(limit))
+_FINE_SHAPES, _FINE_RATES = 13, 5  # of a fine table, each way; steps of width / 6
+_FINE_WITHIN = 1.02  # of the cheapest: what lines between rates may hide
+_FINE_RTOL = 1e-3
 _PENALTY = 8.0  # cost of a limit exceeded by a factor f rises as f^8, so valleys inside win
 
 
@@ -156,3 +160,21 @@ def valleys(price: Array, most: int) -> list[tuple[float, list[int]]]:
     ]  # fmt: skip
     local = np.isfinite(price) & (price <= np.min(around, axis=0))
     return sorted(zip(price[local].tolist(), np.argwhere(local).tolist(), strict=True))[:most]
+
+
+def refined_valleys(
+    search: ShapeSearch, gait: Gait, speed_m_s: float, width: float, most: int
+) -> list[Candidate]:
+    """Return the cheapest shapes that no neighbour undercuts, within e^width of a gait's.
+
+    On dry ground, kinks make small valleys in a large one; this finer table shows them. Its costs
+    come from the exact model, at rates beside the right one.
+    """
+    factors = np.exp(np.linspace(-width, width, _FINE_SHAPES))
+    alpha = np.unique(np.minimum(gait.alpha_rad * factors, search.limits.joint_angle_rad))
+    beta = np.unique(np.minimum(gait.beta_rad * factors, math.exp(search.bounds()[1][1])))
+    table = GaitTable(
+        search.robot, search.ground, search.cost, search.limits, alpha[:, None], beta, _FINE_RTOL
+    )
+    table.add_rates(gait.omega_rad_s * np.exp(np.linspace(-2 * width, 2 * width, _FINE_RATES)))
+    return table.candidates(speed_m_s, most, _FINE_WITHIN)

@@ -20,7 +20,8 @@ from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
-from .least_power import LeastPower, power_front
+from .finder import LeastPower
+from .least_power import power_front
 from .robust import RobustGait, robust_gait
 from .shape_search import GaitShape
 

@@ -19,7 +19,8 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady
-from .least_power import ANY, EitherWave, Finder, LeastPower, finder
+from .finder import ANY, Finder, LeastPower, finder
+from .least_power import EitherWave
 from .limits import GaitLimits
 from .quadratic_search import Point
 from .robust_search import KEEP, RobustSearch, low_speed, low_speed_error, sampled_speeds

@@ -20,8 +20,8 @@ from .shape_search import GaitShape
 from .uncertainty import Sample
 
 if TYPE_CHECKING:
+    from .finder import Finder
     from .gait_table import Candidate
-    from .least_power import Finder
 
 KEEP, QUANTILE = 0.9, 0.05
 _RTOL = 3e-3

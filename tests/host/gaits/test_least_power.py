@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.gaits.least_power import finder
+from serpenoid.gaits.finder import finder
 from serpenoid.gaits.limits import peak_torque_nm
 from serpenoid.gaits.shape_search import GaitShape
 

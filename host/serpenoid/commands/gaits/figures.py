@@ -16,7 +16,7 @@ from ..paths import OutFolder
 
 if TYPE_CHECKING:
     from ...calibration.prediction import SpeedPoint
-    from ...gaits.least_power import LeastPower
+    from ...gaits.finder import LeastPower
     from ...gaits.paper_study import Claim, Comparison, Reading
     from ...gaits.robust import RobustGait
     from ...periodic.sweep import Sweep

@@ -32,7 +32,7 @@ from .steady import beside_servo
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
-    from ...gaits.least_power import LeastPower
+    from ...gaits.finder import LeastPower
     from ...gaits.limits import GaitLimits
     from ...gaits.robust import RobustGait
     from ...gaits.uncertainty import Uncertainty

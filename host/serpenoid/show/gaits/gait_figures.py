@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gaits.cliff import Cliff, cliff_around
-from ...gaits.least_power import LeastPower
+from ...gaits.finder import LeastPower
 from ...gaits.uncertainty import Uncertainty
 from ...model.gait import Gait
 from ...model.ground import Ground

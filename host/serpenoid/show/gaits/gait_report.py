@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..report import console, notices, table
 
 if TYPE_CHECKING:
-    from ...gaits.least_power import LeastPower
+    from ...gaits.finder import LeastPower
     from ...gaits.margins import Margins
     from ...gaits.robust import RobustGait
     from ...model.gait import Gait

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
     from ...calibration.prediction import SpeedPoint
     from ...calibration.session import Session
-    from ...gaits.least_power import LeastPower
+    from ...gaits.finder import LeastPower
     from ...gaits.paper_study import Comparison
     from ...gaits.robust import RobustGait
     from ...simulation.run import Run
