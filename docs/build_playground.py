@@ -56,9 +56,10 @@ def compile_core(build: Path) -> Path:
     newest = max(p.stat().st_mtime for p in headers)
     objects = {p: build / f"{p.parent.name}_{p.stem}.o" for p in sources}
     old = [
-        p for p, o in objects.items()
+        p
+        for p, o in objects.items()
         if not o.exists() or o.stat().st_mtime < max(newest, p.stat().st_mtime)
-    ]  # fmt: skip
+    ]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(lambda p: _run(["em++", *FLAGS, "-c", str(p), "-o", str(objects[p])]), old))
     module = build / "core.js"

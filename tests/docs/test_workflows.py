@@ -59,6 +59,7 @@ def test_actionlint_finds_nothing() -> None:
         pytest.skip(
             "needs actionlint: go install github.com/rhysd/actionlint/cmd/actionlint@v1.7.7"
         )
-    done = subprocess.run([program, "-no-color", *WORKFLOWS], capture_output=True, text=True,
-                          check=False)  # fmt: skip
+    done = subprocess.run(
+        [program, "-no-color", *WORKFLOWS], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout

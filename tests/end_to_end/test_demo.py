@@ -36,8 +36,9 @@ def test_demo(tmp_path) -> None:
     assert all(p["low_m_s"] < p["explicit_m_s"] < p["high_m_s"] for p in points)
     loop = json.loads((out / "loop.json").read_text())
     for name, truth in loop["truth"].items():
-        low, high = next(p["interval"] for n, p in loop["fit"]["parameters"].items()
-                         if n.startswith(name))  # fmt: skip
+        low, high = next(
+            p["interval"] for n, p in loop["fit"]["parameters"].items() if n.startswith(name)
+        )
         # An interval of 95 % of one seeded session: so wide at least, by a half.
         assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low)
     assert loop["comparison"]["verdict"] == "agrees"

@@ -127,8 +127,9 @@ def _random_dry(kind: str, rng: Generator) -> Scene:
         step = 10 ** rng.uniform(-4, -2) / (10 if kind == "dry_servo" else 1)
         more |= {"method": str(rng.choice(_BY_STEP)), "dt_s": float(step)}
     incline = float(rng.choice([0, 0, 0.05]))
-    return Scene(robot, ground, gait, duration_s=float(rng.uniform(0.5, 4)), incline_rad=incline,
-                 **more)  # fmt: skip
+    return Scene(
+        robot, ground, gait, duration_s=float(rng.uniform(0.5, 4)), incline_rad=incline, **more
+    )
 
 
 def _joint_drive(kind: str, robot: Robot, rng: Generator) -> dict[str, Any]:
@@ -223,9 +224,7 @@ def judge(kind: str, scene: Scene) -> Judged | None:
     return Judged(kind, scene, true, _estimate(run), run.error_estimate.settled)
 
 
-def judge_state(
-    kind: str, robot: Robot, ground: Ground, gait: Gait, rtol: float
-) -> Judged | None:  # fmt: skip
+def judge_state(kind: str, robot: Robot, ground: Ground, gait: Gait, rtol: float) -> Judged | None:
     """Hold a periodic state's estimates against a run in time from it; None where none settles.
 
     Steady says of a state that it did not reach what it is off by, too: that is judged like any.

@@ -184,4 +184,4 @@ def _influence(given: Mapping[str, Any]) -> Influence:
         check_number("studentised", given["studentised"]),
         tuple(check_number(n, shift[n]) for n in BOTH_WAYS if n in NAMES or n in shift),
         check_number("chi2_without", given["chi2_without"]),
-    )  # fmt: skip
+    )

@@ -202,8 +202,9 @@ class Session:
         known = [(1.0, stated)] if stated else []
         known += [
             (b.scale, b.scale_sigma(b.watch or self.setup.stopwatch))
-            for b in self.of("belt") if not b.voided
-        ]  # fmt: skip
+            for b in self.of("belt")
+            if not b.voided
+        ]
         if not known:
             return 1.0, 0.0
         weights = [max(sigma, 1e-6) ** -2 for _, sigma in known]

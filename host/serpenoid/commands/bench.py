@@ -55,8 +55,7 @@ def accuracy(out: Path, quick: bool, page: Path | None) -> None:
     say(f"\n{table(rows)}\n")
     for line in headline(rows):
         if "ratio" in line:
-            say("{scene} at {error:g}: {ours} {ratio:.3g} times as fast as {peer}"
-                       .format(**line))  # fmt: skip
+            say("{scene} at {error:g}: {ours} {ratio:.3g} times as fast as {peer}".format(**line))
     say(f"{len(rows)} rows, {len(failed)} without a result; in {out}")
 
 
@@ -101,7 +100,7 @@ def scenes(out: Path) -> None:
     show_default=True,
     help="Random runs of every kind.",
 )
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the scenes.")  # fmt: skip
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the scenes.")
 def errors(out: Path, runs: int, seed: int) -> None:
     """Hold what random runs say of their own error against the truth; exit status 1 below 99 %."""
     import csv
@@ -159,8 +158,9 @@ def coverage(out: Path, sessions: int, seed: int) -> None:
     coverage_figure(rows, out / "coverage.png")
     names = ("ct", "cn", "ft0", "fn0", "speed", "driven")
     texts = [[row["case"], *(f"{row[name]:.1%}" for name in names)] for row in rows]
-    table(f"of {sessions} sessions the interval holds the truth in; in {out}",
-          ["case", *names], texts)  # fmt: skip
+    table(
+        f"of {sessions} sessions the interval holds the truth in; in {out}", ["case", *names], texts
+    )
 
 
 @BENCH_GROUP.command()

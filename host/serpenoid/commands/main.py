@@ -90,7 +90,7 @@ for command in (
     steady,
     sweep,
     view,
-):  # fmt: skip
+):
     cli.add_command(command)
 for board_command in BOARD_COMMANDS:
     cli.add_command(board_command)

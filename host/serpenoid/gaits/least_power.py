@@ -55,10 +55,11 @@ class EitherWave:
             raise lost or NotConverged(f"no gait reaches {speed:g} m/s")
         best, *others = sorted(found, key=lambda one: one.power_w)
         return replace(
-            best, basins=sum(one.basins for one in found),
+            best,
+            basins=sum(one.basins for one in found),
             runner_up_w=min(best.runner_up_w, *(one.power_w for one in others), math.inf),
             evaluations=sum(one.evaluations for one in found),
-        )  # fmt: skip
+        )
 
     def _turned_back(self, found: LeastPower, search: Finder) -> LeastPower:
         """Return the gait as it is for the robot that has its head in front."""

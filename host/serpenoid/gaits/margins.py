@@ -76,9 +76,7 @@ class Margins:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name, for JSON."""
-        return asdict(self) | {
-            "near_cliff": self.near_cliff, "below_cliff": self.below_cliff,
-        }  # fmt: skip
+        return asdict(self) | {"near_cliff": self.near_cliff, "below_cliff": self.below_cliff}
 
 
 def _fall(speed_at: Callable[[float], float], full: float) -> float:

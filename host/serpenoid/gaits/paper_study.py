@@ -225,8 +225,9 @@ def without_dry_friction_along() -> list[tuple[float, float, float]]:
             steady_gait(OF_2005, ground, gait, rtol=1e-4)
             for ground in (BINGHAM, replace(BINGHAM, ft0=0.0))
         )
-        found.append((frequency, free.speed_m_s / full.speed_m_s - 1,
-                      free.power_w / full.power_w - 1))  # fmt: skip
+        found.append(
+            (frequency, free.speed_m_s / full.speed_m_s - 1, free.power_w / full.power_w - 1)
+        )
     return found
 
 

@@ -158,8 +158,9 @@ def _differences(here: Parts, parameters: list[_Parameter], steps: Array) -> tup
     """
     parts = [here] + [
         p.moved(p.value + sign * step)
-        for p, step in zip(parameters, steps, strict=True) for sign in (-1, 1)
-    ]  # fmt: skip
+        for p, step in zip(parameters, steps, strict=True)
+        for sign in (-1, 1)
+    ]
     models = [core_model(*each) for each in parts]
     states = _core.neighbours(models[0], models, _RTOL, True, MAX_ELEMENTS, 1)
     for each, state in zip(parts, states, strict=True):
@@ -171,9 +172,7 @@ def _differences(here: Parts, parameters: list[_Parameter], steps: Array) -> tup
     )
     moved, claimed = (v[1:].reshape(-1, 2, len(QUANTITIES)) for v in (values, claims))
     sides = (moved - values[0]) * np.array([-1, 1])[:, None] / steps[:, None, None]
-    return (
-        sides.transpose(0, 2, 1), claimed.sum(axis=1) / (2 * steps[:, None]), values[0],
-    )  # fmt: skip
+    return (sides.transpose(0, 2, 1), claimed.sum(axis=1) / (2 * steps[:, None]), values[0])
 
 
 def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[_Parameter]:

@@ -185,9 +185,10 @@ class _Sampler:
         gain -= np.where(anew, 0.0, 0.5 * (np.sum(to**2, axis=1) - np.sum(x**2, axis=1)))
         take = np.log(self.rng.uniform(size=PARTICLES)) < gain
         return (
-            np.where(take[:, None], to, x), np.where(take, new_rate, rate),
+            np.where(take[:, None], to, x),
+            np.where(take, new_rate, rate),
             np.where(take, new, likely),
-        )  # fmt: skip
+        )
 
 
 def servo_of_test(
@@ -205,8 +206,9 @@ def servo_of_test(
     order = np.random.default_rng(seed).permutation(PARTICLES)[:KEPT]
     source = f"a bench test of one joint, from {like.name}"
     kept = tuple(servos[k] for k in order)
-    return measured_servo(like, servos[best], kept, name, source, -2 * float(likely[best]),
-                          test.t_s.size)  # fmt: skip
+    return measured_servo(
+        like, servos[best], kept, name, source, -2 * float(likely[best]), test.t_s.size
+    )
 
 
 def measured_servo(

@@ -67,8 +67,9 @@ def _measured(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
     if not ran:
         return
     f, measured, sigma = _columns(ran, "frequency_hz", "measured_m_s", "sigma_m_s")
-    ax.errorbar(f, measured, 1.96 * sigma, fmt="o", color=RED, capsize=3, ms=5,
-                label="measured, 95 %")  # fmt: skip
+    ax.errorbar(
+        f, measured, 1.96 * sigma, fmt="o", color=RED, capsize=3, ms=5, label="measured, 95 %"
+    )
 
 
 def _residuals(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:

@@ -135,8 +135,9 @@ def draw_friction(
         f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",
         fontsize=10, x=0.01, ha="left",
     )  # fmt: skip
-    fig.supxlabel("band: 95 % interval of the line" + (f"; {note}" if note else ""),
-                  fontsize=8, color=GREY)  # fmt: skip
+    fig.supxlabel(
+        "band: 95 % interval of the line" + (f"; {note}" if note else ""), fontsize=8, color=GREY
+    )
 
 
 def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
@@ -148,8 +149,9 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
     with figure(7.2, 5.8) as (fig, _unused):
         fig.clear()
         top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
-        top.fill_between(f, low, high, color=BLUE, alpha=0.16, lw=0,
-                         label="95 %, by friction and joints")  # fmt: skip
+        top.fill_between(
+            f, low, high, color=BLUE, alpha=0.16, lw=0, label="95 %, by friction and joints"
+        )
         top.plot(f, exact, color=BLUE, label="exact model (explicit)")
         top.plot(f, implicit, "o", mfc="white", color=ORANGE, ms=6, mew=1.6,
                  label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m")  # fmt: skip

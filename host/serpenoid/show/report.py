@@ -138,7 +138,7 @@ def fit(found: FrictionFit) -> None:
     rows = [
         [r.name, r.unit, f"{r.value:.4g}", f"{r.sigma:.2g}", r.interval, f"{r.value / links:.4g}"]
         for r in found.rows()
-    ]  # fmt: skip
+    ]
     columns = ["whole snake", "unit", "value", "sigma", "95 % interval", f"per link (of {links})"]
     table(f"friction, {found.method} fit", columns, rows)
     console.print(found.chi2_in_words)

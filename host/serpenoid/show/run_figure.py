@@ -99,8 +99,7 @@ def _uphill(ax: Axes, run: Run) -> None:
 def _speed(ax: Axes, run: Run) -> None:
     """Draw the centre of mass's speed, and how far it came in the period before, by its length."""
     t, period = run.t_s, run.scene.gait.period_s
-    ax.plot(t, np.hypot(*run.centre_velocity_m_s.T), color=GREY, lw=1.0,
-            label="at the moment")  # fmt: skip
+    ax.plot(t, np.hypot(*run.centre_velocity_m_s.T), color=GREY, lw=1.0, label="at the moment")
     if t[-1] > period:
         mean = run.mean_speed_m_s(period)
         ax.plot(t[-mean.size :], mean, color=BLUE, label="over the last period")

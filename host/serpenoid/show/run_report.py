@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     from ..simulation.run import Run
 
 STATE = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
-FORCES = (
-    "joint_force_x_n", "joint_force_y_n", "joint_torque_nm", "friction_x_n", "friction_y_n"
-)  # fmt: skip
+FORCES = ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm", "friction_x_n", "friction_y_n")
 
 
 def run_summary(run: Run, errors: bool = True) -> dict[str, Any]:

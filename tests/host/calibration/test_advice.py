@@ -98,9 +98,10 @@ def test_no_place_is_named_that_failed_or_that_is_beyond_the_treadmill(weak):
     failed = Reading(99, best.lambda_rad, best.incline_rad, best.belt_speed_m_s, voided=True)
     again = advise(replace(weak, readings=(*weak.readings, failed)), [GAIT], samples=16)
     same = [
-        r for r in again.readings
+        r
+        for r in again.readings
         if (r.lambda_rad, r.incline_rad) == (best.lambda_rad, best.incline_rad)
-    ]  # fmt: skip
+    ]
     assert same == []
     assert max(r.incline_rad for r in again.readings) < math.atan(0.15)
     assert max(r.lambda_rad for r in again.readings) <= math.radians(30)

@@ -139,10 +139,11 @@ def test_servos_that_nobody_told_are_in_the_band_or_named(fitted, monkeypatch):
     monkeypatch.setattr(verdict, "_STARTS", 64)
     made, fit = fitted
     hidden = next(
-        s for s in sn.servo().draws(60, seed=5)
+        s
+        for s in sn.servo().draws(60, seed=5)
         if sn.steady_gait(made.setup.robot, GROUND, gait(RATES[1]), rtol=1e-3, servo=s).speed_m_s
         < 0.088
-    )  # fmt: skip
+    )
     crawled = servo_runs(made, hidden)
     known = comparison.compare(crawled, fit, samples=16, servo=sn.servo())
     assert known.verdict == "agrees"

@@ -119,10 +119,7 @@ def test_a_second_writer_is_refused_by_the_first_ones_number(folder):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_killed_at_any_moment_at_most_the_one_being_written_is_lost(folder, seed):
-    body = (
-        "    while True:\n"
-        f"        print(journal.add('station', {STATION!r}), flush=True)\n"
-    )  # fmt: skip
+    body = f"    while True:\n        print(journal.add('station', {STATION!r}), flush=True)\n"
     process = child(folder, body)
     told = int(process.stdout.readline())
     time.sleep(random.Random(seed).uniform(0.0, 0.1))

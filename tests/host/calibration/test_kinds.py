@@ -122,9 +122,10 @@ def test_every_kind_is_declared_whole():
 def test_a_belt_check_tells_the_scale(folder):
     with Journal(folder) as journal:
         cells = read_cells(
-            "belt", ["belt_speed_m_s=1.8km/h", "distance_m=27.5", "duration_s=50"],
+            "belt",
+            ["belt_speed_m_s=1.8km/h", "distance_m=27.5", "duration_s=50"],
             journal.session.setup,
-        )  # fmt: skip
+        )
         journal.add("belt", cells)
         (check,) = journal.session.of("belt")
         assert check.scale == pytest.approx(1.1)

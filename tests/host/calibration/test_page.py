@@ -101,8 +101,9 @@ def test_a_button_does_what_it_says_and_no_other():
         assert ask(page, "GET", f"/{page.token}/left", Origin=own)[0] == 404
         assert not pressed
         assert ask(page, "POST", f"/{page.token}/left", Origin=own) == (
-            200, '{"shown": "+0.25 deg"}',
-        )  # fmt: skip
+            200,
+            '{"shown": "+0.25 deg"}',
+        )
     assert pressed == ["left"]
 
 
@@ -142,8 +143,9 @@ def test_a_stop_that_fails_says_so():
         raise RobotLost("unplugged")
 
     with Page(HTML, lost) as page:
-        status, said = ask(page, "POST", f"/{page.token}/stop",
-                           Origin=f"http://127.0.0.1:{page.port}")  # fmt: skip
+        status, said = ask(
+            page, "POST", f"/{page.token}/stop", Origin=f"http://127.0.0.1:{page.port}"
+        )
         assert (status, json.loads(said)["error"]) == (500, "unplugged")
 
 
@@ -331,8 +333,9 @@ def test_it_fits_a_phone_in_light_and_dark(tmp_path, width, dark):
         phone.opens(page.url)
         phone.sees("#link", "live")
         assert phone.runs("return [innerWidth, document.documentElement.clientWidth]") == [
-            width, width,
-        ]  # headless Chromium's own windows are 500 px wide at least  # fmt: skip
+            width,
+            width,
+        ]  # headless Chromium's own windows are 500 px wide at least
         assert phone.runs("return document.documentElement.scrollWidth") == width
         size = phone.runs("return parseFloat(getComputedStyle(document.body).fontSize)")
         assert size >= 18

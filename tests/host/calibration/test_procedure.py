@@ -84,8 +84,9 @@ def test_inclines_rise_faster_where_the_belt_hardly_does(record):
     assert found == pytest.approx(4.6, abs=0.02)
     assert next_incline_deg(record.session, math.radians(15.0)) == 2.0
     station(record, 2.6, 0.2, 15.0)  # where this bend held, the next one begins
-    assert next_incline_deg(replace(record.session, readings=record.session.readings[3:]),
-                            math.radians(30.0)) == pytest.approx(2.6)  # fmt: skip
+    assert next_incline_deg(
+        replace(record.session, readings=record.session.readings[3:]), math.radians(30.0)
+    ) == pytest.approx(2.6)
 
 
 def test_a_skipped_station_is_passed_over(record):

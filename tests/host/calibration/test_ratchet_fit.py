@@ -26,8 +26,9 @@ def both_ways(rng: np.random.Generator | None = None, bent_back: bool = True) ->
     if rng is not None:
         unit = SETUP.uncertainty
         zero, bend = unit.incline_zero_sigma_rad * rng.normal(), rng.normal()
-        readings = [erring(r, AHEAD if r.facing == "down" else BACK, zero, bend, rng)
-                    for r in readings]  # fmt: skip
+        readings = [
+            erring(r, AHEAD if r.facing == "down" else BACK, zero, bend, rng) for r in readings
+        ]
     return replace(down, readings=tuple(replace(r, number=k + 1) for k, r in enumerate(readings)))
 
 
@@ -85,9 +86,10 @@ def test_what_faces_down_alone_is_fitted_as_ever() -> None:
     fit = sn.fit_friction(down)
     assert list(fit.whole_snake) == ["ct", "cn", "ft0", "fn0"]
     assert not fit.ground.ratchet
-    assert both.sha256 != replace(both, readings=tuple(
-        replace(r, facing="down") for r in both.readings
-    )).sha256  # fmt: skip
+    assert (
+        both.sha256
+        != replace(both, readings=tuple(replace(r, facing="down") for r in both.readings)).sha256
+    )
 
 
 def test_bent_readings_one_way_are_enough() -> None:

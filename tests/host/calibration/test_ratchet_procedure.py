@@ -55,9 +55,8 @@ def test_the_dialogue_turns_it_round_after_the_straight_series(tmp_path):
     folder = create_session(tmp_path / "session", ratchet_setup())
     stations = (*STATION, *station("2.3", "0.5"), *station("2.6", "0.8"))
     heard, session = talk(
-        folder, *ZERO, "", *stations, "", *station("6.5", "0.3"), "undo",
-        "", *station("6.6", "0.3"),
-    )  # fmt: skip
+        folder, *ZERO, "", *stations, "", *station("6.5", "0.3"), "undo", "", *station("6.6", "0.3")
+    )
     assert "head UPHILL" in heard
     assert "If the belt carries it off at any speed: steeper" in heard
     assert [r.facing for r in session.kept] == ["down"] * 3 + ["up"]

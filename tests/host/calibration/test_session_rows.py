@@ -132,8 +132,9 @@ def test_a_zero_that_moved_by_more_than_its_errors_is_followed(folder):
 
 def test_a_reading_knows_the_instruments_it_was_taken_with(folder):
     append(folder, reading(1), reading(2, setup=2))
-    append(folder, event("amend", detail='"instruments.belt_speed_sigma_m_s = 0.05"'),
-           to="events.csv")  # fmt: skip
+    append(
+        folder, event("amend", detail='"instruments.belt_speed_sigma_m_s = 0.05"'), to="events.csv"
+    )
     session = load_session(folder)
     assert [r.uncertainty.belt_speed_sigma_m_s for r in session.readings] == [0.01, 0.05]
     assert isinstance(session.readings[0].uncertainty, Uncertainty)

@@ -64,8 +64,9 @@ def test_listed_readings_are_added_once(folder, tmp_path, serpenoid):
     rows = [(0.0, 2.0, 0.2), (0.0, 2.3, 0.5)]
     text = "".join(
         f"[[reading]]\nlambda_deg = {bend}\nincline_deg = {incline}\nbelt_speed_m_s = {belt}\n"
-        "drift_m_s = 0.0\n" for bend, incline, belt in rows
-    )  # fmt: skip
+        "drift_m_s = 0.0\n"
+        for bend, incline, belt in rows
+    )
     path = tmp_path / "rows.toml"
     path.write_text(text)
     assert serpenoid("calibrate", str(folder), "--script", str(path))[1].startswith("2 step(s)")
@@ -242,7 +243,7 @@ def test_the_sheet_to_type_into_takes_a_whole_session(folder, tmp_path, serpenoi
         (f"{HEAD}station,0,2.3,0.4\nhop,0,2,1\n", ":3: kind is"),
         ("", "must name the columns"),
     ],
-)  # fmt: skip
+)
 def test_a_sheet_with_one_bad_row_adds_nothing(folder, tmp_path, serpenoid, text, says):
     path = tmp_path / "typed.csv"
     path.write_text(text)

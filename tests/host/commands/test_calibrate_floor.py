@@ -99,8 +99,9 @@ def test_practice_on_the_floor_tells_the_friction_that_was_to_be_found(practised
     for name, true in (("ct", 0.0868), ("cn", 0.8549), ("ft0", 0.1435), ("fn0", 0.2899)):
         value = found[f"{name}_whole"]
         assert abs(value["value"] - true) < 3.5 * value["sigma"]
-    assert "is of seed 5" in run("calibrate", "practice", folder, "--on", "floor", "--seed", "6",
-                                 fails=True)  # fmt: skip
+    assert "is of seed 5" in run(
+        "calibrate", "practice", folder, "--on", "floor", "--seed", "6", fails=True
+    )
     assert "no session of practice" in run("calibrate", "practice", folder, fails=True)
 
 

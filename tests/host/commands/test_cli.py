@@ -43,8 +43,9 @@ def test_steady() -> None:
 
 
 def test_the_papers_robot_by_name() -> None:
-    got = answer("steady", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80",
-                 "--omega-rad-s", "5")  # fmt: skip
+    got = answer(
+        "steady", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"
+    )
     assert got["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
 
 
@@ -62,8 +63,9 @@ def test_simulate_settles_to_steady() -> None:
 
 def test_the_springs_error_is_told() -> None:
     gait = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "10"]
-    got = answer("simulate", "--robot", "paper", *gait, "--formulation", "implicit",
-                 "--duration-s", "60")  # fmt: skip
+    got = answer(
+        "simulate", "--robot", "paper", *gait, "--formulation", "implicit", "--duration-s", "60"
+    )
     # 8.04 % in the periodic state; over all of 60 s the start counts too
     assert got["error_estimate"]["modelling"]["mean_speed"] == pytest.approx(0.0804, abs=0.008)
     assert "change the mean speed by +" in got["warnings"][0]
@@ -117,8 +119,7 @@ def test_sweep_answers_with_json() -> None:
 
 def test_json_stays_json_when_a_file_is_written_too(tmp_path) -> None:
     out = tmp_path / "run.csv"
-    got = answer("simulate", *GAIT, "--duration-s", "1", "--record-every", "100",
-                 "--out", str(out))  # fmt: skip
+    got = answer("simulate", *GAIT, "--duration-s", "1", "--record-every", "100", "--out", str(out))
     assert got["speed_over_last_period_m_s"] is None  # a period is 1.26 s
     lines = out.read_text().splitlines()
     assert len(lines) == 1 + 11
@@ -265,8 +266,9 @@ def test_every_public_name_is_there() -> None:
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_run_that_fails_leaves_one_line() -> None:
     """What lives on in its traceback at exit is no news to whoever reads the error."""
-    done = serpenoid("drive", *GAIT, "--port", "virtual", "--duration-s", "1",
-                     "--record", "/dev/full")  # fmt: skip
+    done = serpenoid(
+        "drive", *GAIT, "--port", "virtual", "--duration-s", "1", "--record", "/dev/full"
+    )
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()
     assert "No space left" in line

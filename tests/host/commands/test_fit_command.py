@@ -114,8 +114,9 @@ def test_drive_tells_the_speed_that_the_friction_predicts(folder):
     driven = ["drive", *GAIT[:4], "--omega-rad-s", "3", "--port", "virtual:fast",
               "--duration-s", "1"]  # fmt: skip
     told = json.loads(run(*driven, "--session", folder, "--json").stdout)
-    steady = json.loads(run("steady", *GAIT[:4], "--omega-rad-s", 3, "--session", folder, "--json",
-                            ).stdout)  # fmt: skip
+    steady = json.loads(
+        run("steady", *GAIT[:4], "--omega-rad-s", 3, "--session", folder, "--json").stdout
+    )
     predicted = told["predicted"]
     assert predicted["servo"] == "hobby"
     assert predicted["speed_m_s"] == pytest.approx(steady["servo"]["speed_m_s"], rel=5e-3)

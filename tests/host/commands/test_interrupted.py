@@ -33,9 +33,8 @@ main()
 @pytest.mark.parametrize("seed", range(12))
 def test_ctrl_c_during_the_import_leaves_no_traceback(seed):
     child = subprocess.Popen(
-        [sys.executable, "-c", STARTED],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        [sys.executable, "-c", STARTED], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     assert child.stdout is not None
     assert child.stdout.readline() == "started\n"
     time.sleep(random.Random(seed).uniform(0.0, 0.15))

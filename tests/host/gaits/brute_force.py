@@ -146,9 +146,7 @@ class Wish:
             ahead = at(x + step)
             if ahead[0] == y[0]:
                 break
-            x, y, step = (
-                x + step, ahead, -ahead[0] * step / (ahead[0] - y[0])
-            )  # fmt: skip
+            x, y, step = (x + step, ahead, -ahead[0] * step / (ahead[0] - y[0]))
             if abs(y[0]) < 1e-9 or abs(step) < 1e-10:
                 break
         watts = y[1] * math.exp(-2 * y[0])
@@ -180,9 +178,7 @@ def cheapest(
     return min(ends, key=_watts, default=None)
 
 
-def _followed(
-    wish: Wish, best: Found, steps: tuple[float, float], levels: int, near: int
-) -> Found:  # fmt: skip
+def _followed(wish: Wish, best: Found, steps: tuple[float, float], levels: int, near: int) -> Found:
     """Return the cheapest gait of ever smaller grids around one."""
     box = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5)] * 2), axis=-1).reshape(-1, 2)
     for level in range(levels):

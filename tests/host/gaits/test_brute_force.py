@@ -16,8 +16,9 @@ COSTS = ("power", "abs_power", "positive_power")
 LIMITS = ("none", "joint angle", "servo speed", "servo torque", "lowest rate", "highest rate")
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
 VISCOUS_2005, BINGHAM = (
-    sn.Ground.whole_body(6, 0.35, 2.0), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
-)  # fmt: skip
+    sn.Ground.whole_body(6, 0.35, 2.0),
+    sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27),
+)
 Pair = tuple[sn.LeastPower | None, Found | None]
 
 

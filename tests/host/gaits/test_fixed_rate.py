@@ -30,9 +30,7 @@ def least_of_a_table(
         alpha, beta = np.linspace(60, 90, 61) * D, np.linspace(80, 92, 49) * D
     else:
         alpha, beta = np.linspace(2, 110, 217) * D, np.linspace(20, 170, 151) * D
-    table = sn.sweep(
-        robot, ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=[rate], rtol=1e-4
-    )  # fmt: skip
+    table = sn.sweep(robot, ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=[rate], rtol=1e-4)
     v, watts = table.speed_m_s[:, :, 0], getattr(table, f"{cost}_w")[:, :, 0]
     i, j = np.nonzero((v[1:] < speed) != (v[:-1] < speed))
     part = (speed - v[i, j]) / (v[i + 1, j] - v[i, j])

@@ -13,9 +13,7 @@ def test_a_robot_turned_round_takes_the_wave_turned_round() -> None:
     ground = sn.Ground((0.014, 0.14), 0.2)
     here = sn.least_power_gait(ROBOT, ground, speed_m_s=0.03)
     there = sn.least_power_gait(ROBOT, ground.turned_round(), speed_m_s=0.03)
-    assert (there.gait.alpha_rad, -there.gait.beta_rad) == (
-        here.gait.alpha_rad, here.gait.beta_rad
-    )  # fmt: skip
+    assert (there.gait.alpha_rad, -there.gait.beta_rad) == (here.gait.alpha_rad, here.gait.beta_rad)
     assert here.gait.beta_rad > 0
     assert there.steady.speed_m_s == pytest.approx(0.03, rel=1e-4)
     grid = sn.sweep(

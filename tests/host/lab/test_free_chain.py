@@ -50,14 +50,16 @@ def balance_speed(theta, gamma, whole=WHOLE):
 
     low, high = 0.0, 20.0
     for _ in range(60):
-        low, high = ((low + high) / 2, high) if pull((low + high) / 2) < 0 else (
-            low, (low + high) / 2)  # fmt: skip
+        low, high = (
+            ((low + high) / 2, high) if pull((low + high) / 2) < 0 else (low, (low + high) / 2)
+        )
     return low
 
 
 # What two studies by other codes found, degrees after 1, 3 and 6 s.
-@pytest.mark.parametrize(("bend", "gamma", "turned"), [(7.5, 2.8, (11, 25, 30)),
-                                                       (30, 6, (32, 43, 43))])  # fmt: skip
+@pytest.mark.parametrize(
+    ("bend", "gamma", "turned"), [(7.5, 2.8, (11, 25, 30)), (30, 6, (32, 43, 43))]
+)
 def test_a_zigzag_let_go_turns_as_others_found_and_as_forces_say(bend, gamma, turned):
     theta, gamma = np.array(ZIGZAG) * math.radians(bend), math.radians(gamma)
     v = balance_speed(theta, gamma)
@@ -160,7 +162,8 @@ def test_only_motion_over_the_ground_counts():
     for c in (still, moving):
         c.advance(2.0, 0.002)
     assert moving.state[2:] == pytest.approx(
-        (still.state[2], still.state[3] - 0.7, *still.state[4:]), abs=1e-9)  # fmt: skip
+        (still.state[2], still.state[3] - 0.7, *still.state[4:]), abs=1e-9
+    )
     assert moving.state[0] == pytest.approx(still.state[0] - 1.4, abs=1e-9)
 
 

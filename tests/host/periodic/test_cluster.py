@@ -167,8 +167,9 @@ def _processes() -> Iterator[tuple[subprocess.Popen[str], str]]:
         address = next(lines).split()[-1]
         worker = subprocess.Popen(
             [*dask, "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         yield scheduler, address
     finally:
         for one in (worker, scheduler):

@@ -34,9 +34,10 @@ def total(found: Sensitivities, powers: dict[str, float], quantity: str) -> floa
     """Return the elasticity for a change of unit: each name begun so counts by its power."""
     return sum(
         value * power
-        for name, value in by_name(found, quantity).items() for start, power in powers.items()
+        for name, value in by_name(found, quantity).items()
+        for start, power in powers.items()
         if name.startswith(start)
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize(
@@ -97,8 +98,9 @@ def random_state(rng: np.random.Generator) -> tuple[sn.Robot, sn.Ground, sn.Gait
     robot = sn.Robot(int(rng.integers(3, 9)), between(0.02, 0.3), between(0.05, 0.15))
     along, dry = between(0.02, 0.5), between(0.02, 0.3) * (rng.random() < 0.8)
     ground = sn.Ground(along, along * between(2, 20), dry, dry * between(2, 10))
-    gait = sn.Gait(rng.uniform(0.4, 1.4), rng.uniform(0.8, 1.8), between(1.0, 12.0),
-                   0.2 * (rng.random() < 0.3))  # fmt: skip
+    gait = sn.Gait(
+        rng.uniform(0.4, 1.4), rng.uniform(0.8, 1.8), between(1.0, 12.0), 0.2 * (rng.random() < 0.3)
+    )
     return robot, ground, gait
 
 

@@ -288,8 +288,9 @@ def test_the_derivative_of_a_dry_cycle_is_that_of_runs_beside_it() -> None:
 def test_an_answer_that_is_not_good_enough_is_not_thrown_away() -> None:
     """Two heavy links that turn by inertia alone, 21 times a second."""
     robot = sn.Robot(2, 3.1361528892209254, 0.05966134695809396)
-    ground = sn.Ground(0.00176635146747408, 0.021613012425747716, 0.0007097982789483057,
-                       0.3163208176862016)  # fmt: skip
+    ground = sn.Ground(
+        0.00176635146747408, 0.021613012425747716, 0.0007097982789483057, 0.3163208176862016
+    )
     gait = sn.Gait(0.9068710855146956, 2.1447184998632522, 131.50598113969176, 0.2)
     with pytest.raises(sn.NotConverged) as error:
         sn.steady_gait(robot, ground, gait, rtol=1e-5, powers=False)
@@ -305,7 +306,8 @@ def test_an_answer_that_is_not_good_enough_is_not_thrown_away() -> None:
     ("robot", "ground", "gait"),
     [
         (
-            sn.Robot(14, 0.012014, 0.022835), sn.Ground(0, 0, 0.00011314, 0.00066865),
+            sn.Robot(14, 0.012014, 0.022835),
+            sn.Ground(0, 0, 0.00011314, 0.00066865),
             sn.Gait(0.64646, 1.1642, 27.650),
         ),
         (
@@ -315,7 +317,7 @@ def test_an_answer_that_is_not_good_enough_is_not_thrown_away() -> None:
         ),
     ],
     ids=["dry, many links", "heavy"],
-)  # fmt: skip
+)
 def test_motions_that_take_a_thousand_cycles_to_settle(robot, ground, gait) -> None:
     """Newton's method finds them from rest; once it waited for them to settle, and gave up."""
     rough, fine = (sn.steady_gait(robot, ground, gait, rtol=r, powers=False) for r in (1e-3, 1e-4))

@@ -15,12 +15,10 @@ def frame(number: int, late_us: int = 0, clipped: int = 0) -> protocol.Telemetry
     return protocol.Telemetry(number, joints, us, 0.0, (1500,) * 5, 400, late_us, clipped, "idle")
 
 
-@pytest.mark.parametrize(("every", "numbers", "missed"), [
-    (1, (3, 4, 7), 2),
-    (5, (5, 10, 15), 0),
-    (5, (5, 20), 2),
-    (5, (2**32 - 5, 0, 5), 0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("every", "numbers", "missed"),
+    [(1, (3, 4, 7), 2), (5, (5, 10, 15), 0), (5, (5, 20), 2), (5, (2**32 - 5, 0, 5), 0)],
+)
 def test_missed_frames_are_counted_at_the_boards_cadence(every, numbers, missed) -> None:
     inbox = Inbox()
     inbox.every = every

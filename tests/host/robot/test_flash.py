@@ -116,9 +116,10 @@ def test_a_signal_ends_platformio_and_what_it_started(pio, tmp_path, number, sta
     pio(f"sleep 60 & echo $! > {child}; {BUILT}; wait")
     with FakeBoard() as board:
         run = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port",
-             board.port], stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port", board.port],
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         shown = ""
         while "Uploading" not in shown:  # so the child runs, and who would end it listens
             line = run.stderr.readline()
@@ -231,8 +232,9 @@ def test_interrupted_before_the_upload_the_board_is_whole(pio):
     with FakeBoard() as board:
         run = subprocess.Popen(
             [sys.executable, "-m", "serpenoid", "flash", "--board", "uno", "--port", board.port],
-            stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         assert "Building" in run.stderr.readline()
         run.send_signal(signal.SIGINT)
         _, said = run.communicate(timeout=60)

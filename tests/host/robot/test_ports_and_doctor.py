@@ -208,5 +208,6 @@ def test_listing_is_by_name_and_says_what_is_allowed(plugged, monkeypatch):
     plugged(("/dev/ttyB", 0x403, 0x6001), ("/dev/ttyA", None, None))
     found = ports.port_states()
     assert [(p.device, p.chip, p.allowed) for p in found] == [
-        ("/dev/ttyA", "", True), ("/dev/ttyB", "FTDI", False),
-    ]  # fmt: skip
+        ("/dev/ttyA", "", True),
+        ("/dev/ttyB", "FTDI", False),
+    ]

@@ -112,9 +112,10 @@ def test_it_is_right_in_a_browser(made, tmp_path, width, dark, paper):
     file = tmp_path / "report.html"
     long = replace(made.readings[2], comment="the hand was on the belt, it was taken once more")
     more = replace(
-        made, readings=(*made.readings[:2], long, *made.readings[3:]),
+        made,
+        readings=(*made.readings[:2], long, *made.readings[3:]),
         bends=(BendCheck(42, 0.26, 2.6, voided=True, comment="a remark of many words on this"),),
-    )  # fmt: skip
+    )
     events = [Event("2026-01-02T03:04:05.678Z", "amend", 0, "instruments.belt_scale_sigma_percent")]
     page = session_page(more, sn.fit_friction(made), compared(), None, events)
     file.write_text(page, encoding="utf-8")

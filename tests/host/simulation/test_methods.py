@@ -93,9 +93,10 @@ def scenes_of_every_kind() -> list[dict[str, Any]]:
         {"limp": (1,)}, {"incline_rad": 0.1},
     ]  # fmt: skip
     grounds: list[dict[str, Any]] = [
-        {"ground": sn.Ground(0.1, 1.0)}, {"ground": sn.Ground(0.1, 1.0, 0.01, 0.02)},
+        {"ground": sn.Ground(0.1, 1.0)},
+        {"ground": sn.Ground(0.1, 1.0, 0.01, 0.02)},
         {"ground": sn.Ground(0.1, 1.0, 0.01, 0.02), "smoothing_m_s": 1e-2},
-    ]  # fmt: skip
+    ]
     records: list[dict[str, Any]] = [{}, {"record": ("energy",)}, {"record": ("joints",)}]
     return [
         {"formulation": formulation, **drive, **ground, **record}

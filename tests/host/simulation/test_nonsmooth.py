@@ -157,9 +157,8 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
         c, s = math.cos(y[3]), math.sin(y[3])
         rates = [c * y[0] - s * y[1], s * y[0] + c * y[1], y[2]]
         motion = explicit.angle_driven(
-            given, np.array([y[4], y[5], y[3]]), np.array(rates), theirs.angles(t, 5),
-            signs=-force,
-        )  # fmt: skip
+            given, np.array([y[4], y[5], y[3]]), np.array(rates), theirs.angles(t, 5), signs=-force
+        )
         assert run.joint_force_x_n[k] == pytest.approx(motion.force_n[:, 0], abs=1e-6)
         assert run.joint_force_y_n[k] == pytest.approx(motion.force_n[:, 1], abs=1e-6)
         assert run.joint_torque_nm[k] == pytest.approx(motion.torque_n_m, abs=1e-7)
@@ -244,12 +243,14 @@ def balance(scene: sn.Scene) -> float:
 
 
 @pytest.mark.parametrize(
-    "how", [{}, {"drive": "servo", "servo": sn.Servo(), "limp": (3,), "incline_rad": 0.1}],
+    "how",
+    [{}, {"drive": "servo", "servo": sn.Servo(), "limp": (3,), "incline_rad": 0.1}],
     ids=["angles", "servos, limp, on a slope"],
-)  # fmt: skip
+)
 def test_springs_with_sticking_wheels_keep_the_energy_to_order_2(how) -> None:
-    coarse = replace(SOFT, record=("energy",), joint_stiffness_n_m=1e3, dt_s=2e-4, duration_s=0.5,
-                     **how)  # fmt: skip
+    coarse = replace(
+        SOFT, record=("energy",), joint_stiffness_n_m=1e3, dt_s=2e-4, duration_s=0.5, **how
+    )
     off, less = balance(coarse), balance(replace(coarse, dt_s=1e-4))
     assert off < 5e-3
     assert 3.0 < off / less < 6.0

@@ -188,7 +188,7 @@ TORQUE = 'drive = "torque"\n' + PLAIN + "[torque]\n"
         (TORQUE + "t_s = [0]\ntorque_nm = [[1]]", ":15: the torque table has 1 columns"),
         (TORQUE + "t_s = [0]\ntorque_nm = [[nan]]", ":17: torque_nm is nan"),
     ],
-)  # fmt: skip
+)
 def test_refusals(text: str, said: str, tmp_path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(text)

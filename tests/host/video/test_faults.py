@@ -171,9 +171,9 @@ def test_lost_tags_do_not_bend_the_speed(frames, told, tmp_path, fault) -> None:
     seen = watch(File.open(path), 6).sightings
     corners = seen.corners_px.copy()
     across = corners.mean(axis=2)[..., 0]
-    lost = {
-        "strip": (across > 280) & (across < 400), "ends": np.isin(np.arange(6), range(1, 5)),
-    }[fault]  # fmt: skip
+    lost = {"strip": (across > 280) & (across < 400), "ends": np.isin(np.arange(6), range(1, 5))}[
+        fault
+    ]
     corners[np.broadcast_to(lost, across.shape)] = np.nan
     left = Sightings.of(seen.t_s, corners, seen.image_px)
     found = measure(left, SIDE_M, first_cameras(left, LINK_M, SIDE_M))

@@ -77,8 +77,9 @@ def headline(rows: Sequence[Row]) -> list[dict[str, object]]:
             reached = {m: t for m, t in times_at(rows, scene, error).items() if t is not None}
             ours = {m: t for m, t in reached.items() if m.startswith(OWN)}
             peers = {m: t for m, t in reached.items() if m not in ours}
-            best, peer = (min(group, key=lambda m: reached[m], default=None)
-                          for group in (ours, peers))  # fmt: skip
+            best, peer = (
+                min(group, key=lambda m: reached[m], default=None) for group in (ours, peers)
+            )
             line: dict[str, object] = {"scene": scene, "error": error, "ours": best, "peer": peer}
             if best and peer:
                 line["ratio"] = reached[peer] / reached[best]
@@ -103,8 +104,9 @@ def table(rows: Sequence[Row]) -> str:
         for m in methods
         if any(times[s].get(m) is not None for s in scenes)
     ]
-    ratios = {line["scene"]: line.get("ratio") for line in headline(rows)
-              if line["error"] == TABLE_ERROR}  # fmt: skip
+    ratios = {
+        line["scene"]: line.get("ratio") for line in headline(rows) if line["error"] == TABLE_ERROR
+    }
     last = ["**best peer / our best**"]
     last += [f"**{ratios[s]:.2g}**" if ratios[s] else NOTHING for s in scenes]
     top = [["ms", *(TABLE_SCENES[s] for s in scenes)], ["---", *("---:" for _ in scenes)]]

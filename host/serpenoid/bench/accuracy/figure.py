@@ -56,8 +56,9 @@ def series(rows: Sequence[Row], scene: str) -> dict[str, Points]:
             if r.error is not None and r.time_s is not None and r.error < ERRORS[0]
         ]
         found.setdefault(name, []).extend(points)
-    return {name: front(points) if name in PEERS else points
-            for name, points in found.items() if points}  # fmt: skip
+    return {
+        name: front(points) if name in PEERS else points for name, points in found.items() if points
+    }
 
 
 def front(points: Points) -> Points:

@@ -173,8 +173,9 @@ def run(
     starts = range(0, sessions, _PORTION)
     with all_cores() as pool:
         for case in cases:
-            jobs = [(case, seed, range(k, min(k + _PORTION, sessions)), table, driven)
-                    for k in starts]  # fmt: skip
+            jobs = [
+                (case, seed, range(k, min(k + _PORTION, sessions)), table, driven) for k in starts
+            ]
             found: list[list[float] | None] = []
             for portion in pool.map(_portion, jobs):
                 found += portion

@@ -12,8 +12,7 @@ from ...show.plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure
 
 Row = Mapping[str, Any]
 WANTED = (0.93, 0.97)
-_OF = {"ct": BLUE, "cn": ORANGE, "ft0": GREEN, "fn0": RED, "speed": GREY,
-       "driven": "#000000"}  # fmt: skip
+_OF = {"ct": BLUE, "cn": ORANGE, "ft0": GREEN, "fn0": RED, "speed": GREY, "driven": "#000000"}
 
 # What `compare` may say; several causes at once are GREEN.
 _VERDICTS = {

@@ -87,10 +87,11 @@ def _jerky() -> Servo:
     """Return a hobby servo that makes much ripple: a light rotor, a stiff loop, a dry gear."""
     typical = servo(HOBBY).servo
     return replace(
-        typical, armature_kg_m2=0.4 * typical.armature_kg_m2,
+        typical,
+        armature_kg_m2=0.4 * typical.armature_kg_m2,
         stiffness_nm_rad=1.5 * typical.stiffness_nm_rad,
         gear_friction_nm=3 * typical.gear_friction_nm,
-    )  # fmt: skip
+    )
 
 
 def _slow() -> Servo:
@@ -98,9 +99,10 @@ def _slow() -> Servo:
     typical = servo(HOBBY).servo
     share = 0.6
     return replace(
-        typical, torque_limit_nm=share * typical.torque_limit_nm,
+        typical,
+        torque_limit_nm=share * typical.torque_limit_nm,
         speed_limit_rad_s=share * typical.speed_limit_rad_s,
-    )  # fmt: skip
+    )
 
 
 FAULTS = (

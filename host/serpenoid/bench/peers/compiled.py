@@ -25,8 +25,9 @@ def _solver(problem: Problem, name: str, family: str, solve: Solve) -> Contender
     if problem.ground.dry:
         return Contender(name, family, "width_m_s", WIDTHS_M_S,
                          lambda p, width: _bound(solve, p, width, DRY_TOLERANCE))  # fmt: skip
-    return Contender(name, family, "tolerance", TOLERANCES,
-                     lambda p, tolerance: _bound(solve, p, 0.0, tolerance))  # fmt: skip
+    return Contender(
+        name, family, "tolerance", TOLERANCES, lambda p, tolerance: _bound(solve, p, 0.0, tolerance)
+    )
 
 
 def _bound(solve: Solve, problem: Problem, width_m_s: float, tolerance: float) -> Work:

@@ -17,8 +17,9 @@ from ..problems import Array, Problem
 
 _JIT = {"cache": True, "error_model": "numpy", "nogil": True}
 # places in `parameters`
-(N, M, L, INERTIA, CT, CN, FT0, FN0, WIDTH, ALPHA, OMEGA, OFFSET, K, C, CT_BACK, FT0_BACK,
- HEAD) = range(17)  # fmt: skip
+(N, M, L, INERTIA, CT, CN, FT0, FN0, WIDTH, ALPHA, OMEGA, OFFSET, K, C, CT_BACK, FT0_BACK, HEAD) = (
+    range(17)
+)
 
 
 def parameters(problem: Problem, width_m_s: float = 0.0) -> Array:

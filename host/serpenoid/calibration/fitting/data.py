@@ -223,9 +223,10 @@ def settings(session: Session, readings: Sequence[Reading | Coast | Slide]) -> W
 
     def of(reading: Reading | Coast | Slide) -> int:
         earlier = [
-            k for k, b in enumerate(checks)
+            k
+            for k, b in enumerate(checks)
             if b.number < reading.number and abs(b.found_rad - reading.lambda_rad) < _SAME_RAD
-        ]  # fmt: skip
+        ]
         return earlier[-1] if earlier else -1
 
     return np.array([of(r) for r in readings], dtype=np.intp)

@@ -127,8 +127,9 @@ def _pushes(
             x = way_m(t, SPEED_M_S * one, c * one, f * one)[0]
             track = Track.of(("t_s", "x_m", "y_m"), np.stack([t, x, 0 * t], axis=1))
             sigma_m = float(np.median(known)) if known else 0.001
-            yield Coast(first + k, way=way, by="film", track=track, distance_sigma_m=sigma_m,
-                        **common)  # fmt: skip
+            yield Coast(
+                first + k, way=way, by="film", track=track, distance_sigma_m=sigma_m, **common
+            )
         else:
             far = float(way_m(np.array([stop]), speed, c, f)[0][0])
             yield Coast(first + k, way=way, distance_m=far, duration_s=stop, **common)

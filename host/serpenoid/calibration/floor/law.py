@@ -28,9 +28,9 @@ def stop_s(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     w = np.where(stops, c * v0 / safe, 0.0)
     log, by_w = _log_over(w)
     time = v0 / safe * log
-    slopes = np.stack([
-        1.0 / (safe * (1.0 + w)), (v0 / safe) ** 2 * by_w, -v0 / (safe**2 * (1.0 + w)),
-    ])  # fmt: skip
+    slopes = np.stack(
+        [1.0 / (safe * (1.0 + w)), (v0 / safe) ** 2 * by_w, -v0 / (safe**2 * (1.0 + w))]
+    )
     return np.where(stops, time, np.inf), np.where(stops, slopes, 0.0)
 
 

@@ -109,8 +109,8 @@ def look_at(t_s: Floats, x_m: Floats, y_m: Floats) -> Look:
     fitted, sigma, speed_m_s = _own_path(t[part] - t[start], way)
     turned = turn_rad(x[moving], y[moving]) if rest - start > 3 else 0.0
     doubts = _doubts(
-        t, (start, rest, end), float(way[-1]), speed_m_s, turned, sigma / max(noise, 1e-4),
-    )  # fmt: skip
+        t, (start, rest, end), float(way[-1]), speed_m_s, turned, sigma / max(noise, 1e-4)
+    )
     return Look(
         float(t[start]), float(t[end]), speed_m_s, float(way[-1]), float(t[rest] - t[start]),
         turned, sigma * _shared(way - fitted), tuple(doubts),

@@ -121,8 +121,9 @@ class Problem:
         low = np.full(self.layout.count, -np.inf)
         low[: self.parameters], low[self.layout.speeds] = 0.0, 1e-3
         for k, (mean, sigma) in (
-            (ROLLING, self.floor.rolling), (ASTRAY, self.floor.straightness_rad),
-        ):  # fmt: skip
+            (ROLLING, self.floor.rolling),
+            (ASTRAY, self.floor.straightness_rad),
+        ):
             if sigma > 0.0:
                 low[self.layout.shared + k] = -mean / sigma
         return low
@@ -230,9 +231,10 @@ class Problem:
             _, by_time, speed = self._slide(c_slide, f_slide)
             by_incline = by_time[1] * floor.gravity_m_s2 * np.cos(slides.incline_rad)
             out[sliding] = np.sqrt(
-                slides.sigma_s**2 + (by_incline * slides.sigma_rad) ** 2
+                slides.sigma_s**2
+                + (by_incline * slides.sigma_rad) ** 2
                 + (slides.sigma_m / speed) ** 2
-            )  # fmt: skip
+            )
         return out
 
     def with_spreads(self, x: Floats) -> Problem:

@@ -47,9 +47,10 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
         raise BadInput(f"unknown column {unknown!r}; a reading of kind {name} has {known}")
     texts = {c: v if isinstance(v, str) else f"{v:.10g}" for c, v in cells.items()}
     more = [
-        f"{c}={text}" for c, text in texts.items()
+        f"{c}={text}"
+        for c, text in texts.items()
         if c not in READING_COLUMNS and text and text != usual.get(c)
-    ]  # fmt: skip
+    ]
     there = {c: text for c, text in texts.items() if c in READING_COLUMNS}
     return dict.fromkeys(READING_COLUMNS, "") | {"kind": name, "more": " ".join(more)} | there
 

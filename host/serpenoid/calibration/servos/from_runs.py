@@ -85,8 +85,9 @@ def _by_speed(
     """Return -2 log likelihood of the mean speeds with each servo, up to a constant."""
     drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, seed=seed).joints_m_s
     weights = [np.array([r.speed_sigma_m_s for r in one]) ** -2.0 for one in runs]
-    speeds = np.array([w @ [r.speed_m_s for r in one] / w.sum()
-                       for w, one in zip(weights, runs, strict=True)])  # fmt: skip
+    speeds = np.array(
+        [w @ [r.speed_m_s for r in one] / w.sum() for w, one in zip(weights, runs, strict=True)]
+    )
     centre, spread = drawn.mean(axis=0), np.cov(drawn.T).reshape((len(gaits),) * 2)
     noise = np.array([1 / w.sum() for w in weights]) + (_GRAIN * centre) ** 2
     each = shares[:, :, None] * spread * shares[:, None, :] + np.diag(noise)

@@ -104,8 +104,9 @@ NUMBERS = (
           10.0),
 )  # fmt: skip
 ROBOT = 2  # of the numbers: those that a floor needs, too
-WHEELS = Field("wheels_kg", "mass of all wheels together (kg, or 36 g)", "mass", 0.0, 100.0,
-               (0.001, 2.0))  # fmt: skip
+WHEELS = Field(
+    "wheels_kg", "mass of all wheels together (kg, or 36 g)", "mass", 0.0, 100.0, (0.001, 2.0)
+)
 FLOOR_RUNS = 1  # of each gait, to close the loop
 
 

@@ -263,9 +263,10 @@ def _pose(series: Series, setup: Setup) -> Step:
         )  # fmt: skip
     if not bend_deg:
         return Step(
-            "straight", "straight",
+            "straight",
+            "straight",
             "Robot straight, on the belt, head downhill, the belt running uphill.",
-        )  # fmt: skip
+        )
     between = 180.0 - 2 * bend_deg
     say = (
         f"Bend {bend_deg:g} deg, {bend_in_words(series.bend, bend_deg, setup.robot.links)} "
@@ -313,9 +314,10 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
     shown = replace(STATION["incline_deg"], likely=near_deg)
     belt = replace(STATION["belt_speed_m_s"], likely=likely)
     cells: dict[str, float | str] = {
-        "lambda_deg": round(math.degrees(shown_rad), 4), "facing": facing,
+        "lambda_deg": round(math.degrees(shown_rad), 4),
+        "facing": facing,
         **({"bend": series.bend} if lambda_rad else {}),
-    }  # fmt: skip
+    }
     return Step(
         f"{_station_key(bend_deg, facing)}{incline_deg:.2f}", "station", say,
         (shown, belt, STATION["turned_deg"], STATION["drift_m_s"]), bend_deg, facing, incline_deg,
@@ -348,8 +350,9 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
         )
         fields = GAIT["distance_m"], GAIT["duration_s"]
         cells: dict[str, float | str] = {
-            "alpha_deg": round(alpha, 6), "beta_deg": round(beta, 6),
+            "alpha_deg": round(alpha, 6),
+            "beta_deg": round(beta, 6),
             "omega_rad_s": gait.omega_rad_s,
-        }  # fmt: skip
+        }
         return Step(key, "gait", say, fields, gait=gait, cells=cells)
     return None

@@ -69,9 +69,10 @@ class Truth:
     def robot(self, body: Robot, rng: np.random.Generator) -> LabRobot:
         """Return the robot as it truly is, its joint errors drawn."""
         heavy = replace(
-            body, link_mass_kg=body.link_mass_kg * self.mass_scale,
+            body,
+            link_mass_kg=body.link_mass_kg * self.mass_scale,
             link_inertia_kg_m2=body.inertia_kg_m2 * self.mass_scale,
-        )  # fmt: skip
+        )
         whole = LabRobot.whole(
             heavy, self.ground, rolling_kg=self.rolling_kg, breakaway=self.breakaway,
             servo=self.servo,

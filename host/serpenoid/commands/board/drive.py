@@ -42,8 +42,7 @@ if TYPE_CHECKING:
 @click.option("--duration-s", type=click.FloatRange(0, min_open=True),
               help="How long; until Ctrl-C unless given.")  # fmt: skip
 @PORT
-@click.option("--record", type=OutFile(),
-              help="New file for every line of the run.")  # fmt: skip
+@click.option("--record", type=OutFile(), help="New file for every line of the run.")
 @click.option("--page", is_flag=True,
               help="Show the robot live on a page of this machine's browser: where the model goes "
               "with the joints as told, for the 2005 robot and ground without a fit.")  # fmt: skip

@@ -66,8 +66,9 @@ calibrate.add_command(push)
               "By hand unless given.")  # fmt: skip
 @click.option("--patience-s", type=click.FloatRange(1, 86400), default=300.0, show_default=True,
               help="With nobody answering for so long, the servos are let go.")  # fmt: skip
-@click.option("--page", "with_page", is_flag=True,
-              help="Serve a page for whoever stands at the treadmill.")  # fmt: skip
+@click.option(
+    "--page", "with_page", is_flag=True, help="Serve a page for whoever stands at the treadmill."
+)
 @click.option("--lan", is_flag=True, help="With --page: reachable from a phone in the same net.")
 @click.option("--window/--no-window", default=None,
               help="A window for the picture; where there is a display unless told.")  # fmt: skip

@@ -19,8 +19,9 @@ ENOUGH = 4  # pushes, after which the truth may be told
 
 
 @click.command()
-@click.argument("folder", type=click.Path(file_okay=False, path_type=Path),
-                default=Path("practice-session"))  # fmt: skip
+@click.argument(
+    "folder", type=click.Path(file_okay=False, path_type=Path), default=Path("practice-session")
+)
 @click.option("--on", type=click.Choice(["treadmill", "floor"]), default="treadmill",
               show_default=True, help="What to practise: stations, or pushes.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(0, 10**6), help="Of the truth that is to be found; "

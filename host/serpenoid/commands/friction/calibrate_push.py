@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
-@click.argument("files", nargs=-1, required=True,
-                type=click.Path(exists=True, dir_okay=False, path_type=Path))  # fmt: skip
+@click.argument(
+    "files", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path)
+)
 @click.option("--lambda-deg", type=click.FloatRange(0, 60), default=0.0, show_default=True,
               help="Bend of the robot, as the protractor showed it; 0 where straight.")  # fmt: skip
 @click.option("--way", type=click.Choice(["there", "back"]), default="there", show_default=True,
@@ -24,8 +25,7 @@ if TYPE_CHECKING:
 @click.option("--unit", type=click.Choice(["m", "cm", "mm", "in"]), default="m", show_default=True,
               help="Of lengths that do not name theirs.")  # fmt: skip
 @click.option("--place", default="", help="Of the floor's line, where there is more than one.")
-@click.option("--marks", is_flag=True,
-              help="Times taken by hand at marks, from the first mark on.")  # fmt: skip
+@click.option("--marks", is_flag=True, help="Times taken by hand at marks, from the first mark on.")
 def push(
     folder: Path, files: tuple[Path, ...], lambda_deg: float, way: str, unit: str, place: str,
     marks: bool,

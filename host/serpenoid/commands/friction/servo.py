@@ -24,8 +24,9 @@ _EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
               help="Bench test of one joint: columns t_s, setpoint_deg, angle_deg.")  # fmt: skip
 @click.option("--session", type=click.Path(file_okay=False, path_type=Path),
               help="A session with gait runs or films.")  # fmt: skip
-@click.option("--like", default="hobby", show_default=True, metavar="NAME|FILE",
-              help="What is known before.")  # fmt: skip
+@click.option(
+    "--like", default="hobby", show_default=True, metavar="NAME|FILE", help="What is known before."
+)
 @click.option("--sigma-deg", type=float, default=0.5, show_default=True,
               help="Standard deviation of the angles of --test.")  # fmt: skip
 @click.option("--inertia-kg-m2", type=float, default=0.0, show_default=True,

@@ -125,8 +125,9 @@ def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Readin
     words = f"the paper's robot: {robot_words(study.ROBOT, study.GROUND)}; {reading.power} power"
     amplitudes = [study.shown_amplitude_deg(b.gait, reading) for b in front]
     power_of(cloud, front, robust, along, cost, words, out / "fig8.png")
-    gait_figures.optimum_figure(front, {"beta_deg": 80, "alpha_deg": 30}, words,
-                                out / "fig9-11.png", amplitudes, along)  # fmt: skip
+    gait_figures.optimum_figure(
+        front, {"beta_deg": 80, "alpha_deg": 30}, words, out / "fig9-11.png", amplitudes, along
+    )
     gait_figures.shape_maps(cloud, 4, f"{words}; ω = 5 rad/s", out / "shapes.png")
     return [("fig8.png", "Fig. 8: power against speed, the least, and the robust gaits'"),
             ("fig9-11.png", "Figs. 9 to 11: the optimum's rate, lag and amplitude"),
@@ -153,8 +154,9 @@ def _of_experiment(out: Path) -> tuple[list[SpeedPoint], Shown]:
         for f in (0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
     ]
     points = predict_all(session.setup.robot, fit, gaits)
-    plot.speed_against_frequency(points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}°",
-                                 out / "fig17.png")  # fmt: skip
+    plot.speed_against_frequency(
+        points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}°", out / "fig17.png"
+    )
     speed_data(points, out / "fig17.png")
     return points, [
         ("fig15-16.png", "Figs. 15 and 16: friction along and across the links"),

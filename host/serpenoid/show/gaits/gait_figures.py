@@ -151,6 +151,7 @@ def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
         save(fig, path)
     rows = [
         [a, b, speed[i, j], power[i, j]]
-        for i, a in enumerate(alpha.tolist()) for j, b in enumerate(beta.tolist())
-    ]  # fmt: skip
+        for i, a in enumerate(alpha.tolist())
+        for j, b in enumerate(beta.tolist())
+    ]
     write_csv(beside(path), ["alpha_deg", "beta_deg", "speed_m_s", "power_w"], rows)

@@ -32,8 +32,9 @@ def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
             (opened, BLUE, "--", "gaps opened by the forces at first"),
         ):
             speed = np.hypot(*found.velocity_error_m_s.T)
-            left.plot(found.t_s, 1e3 * found.theta_error_rad, style, color=colour, lw=1.0,
-                      label=name)  # fmt: skip
+            left.plot(
+                found.t_s, 1e3 * found.theta_error_rad, style, color=colour, lw=1.0, label=name
+            )
             right.semilogy(found.t_s, np.maximum(speed, 1e-6), style, color=colour, lw=0.9)
         left.axhspan(
             -1, 1, color="#eeeeee", zorder=0, label="1 mrad, the order that the paper tells"
@@ -126,8 +127,9 @@ def friction_data(session: Session, fit: FrictionFit, path: Path) -> None:
         rows += [[part, *row] for row in zip(*(c.tolist() for c in columns), strict=True)]
     write_csv(
         beside(path),
-        ["part", "speed_m_s", "force_n", "speed_sigma_m_s", "force_sigma_n", "line_n"], rows,
-    )  # fmt: skip
+        ["part", "speed_m_s", "force_n", "speed_sigma_m_s", "force_sigma_n", "line_n"],
+        rows,
+    )
 
 
 def speed_data(points: Sequence[SpeedPoint], path: Path) -> None:

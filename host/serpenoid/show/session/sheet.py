@@ -95,8 +95,9 @@ def _gaits(session: Session) -> str:
     rows = [
         f"α {math.degrees(g.alpha_rad):g}°, β {math.degrees(g.beta_rad):g}°, "
         f"{g.omega_rad_s / (2 * math.pi):.3g} Hz"
-        for g in plan.gaits for _ in range(plan.gait_runs)
-    ]  # fmt: skip
+        for g in plan.gaits
+        for _ in range(plan.gait_runs)
+    ]
     columns = ["gait", "distance (m)", "time (s)", "remark"]
     return (
         "<section><h2>Gait runs, level ground of the same surface (kind gait)</h2>"

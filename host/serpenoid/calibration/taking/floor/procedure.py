@@ -71,11 +71,12 @@ def _pose(setup: Setup, bend_deg: float) -> Step:
     room = SPARE * expected_way_m(setup, math.radians(bend_deg), SPEED_M_S) + 0.5
     if not bend_deg:
         return Step(
-            "straight", "straight",
+            "straight",
+            "straight",
             f"On the floor, robot straight: align its links along a straightedge. Room: {room:.1f} "
             "m of level, even floor. Film from a tripod, square to the way or from above, all of "
             "the way in the picture; or lay a tape along it.",
-        )  # fmt: skip
+        )
     between = 180.0 - 2 * bend_deg
     shows = BEND["between_links_deg"]
     cells: dict[str, float | str] = {"lambda_deg": bend_deg, "bend": setup.procedure.bend}
@@ -110,9 +111,10 @@ def _push(session: Session, bend_rad: float, shown_rad: float, key: str, done: l
         "let go within a hand's breadth, and leave it until it rests."
     )
     cells: dict[str, float | str] = {
-        "lambda_deg": round(math.degrees(shown_rad), 4), "way": way,
+        "lambda_deg": round(math.degrees(shown_rad), 4),
+        "way": way,
         **({"bend": plan.bend} if bend_rad else {}),
-    }  # fmt: skip
+    }
     fields = COAST["distance_m"], COAST["duration_s"], COAST["turned_deg"]
     return Step(
         key, "coast", say, fields, round(math.degrees(bend_rad), 3), bend=plan.bend, cells=cells

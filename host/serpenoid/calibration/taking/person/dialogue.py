@@ -233,8 +233,9 @@ class Dialogue:
             why = f" ({field.why})" if field.why else ""
             answer = self._word(
                 f"  {field.words} {value:.4g} {field.unit}: expected {span(likely)}{why}. "
-                "Type it anew, keep, or again: ", step,
-            )  # fmt: skip
+                "Type it anew, keep, or again: ",
+                step,
+            )
             if answer == "keep":
                 kept.add(field.column)
             elif answer:

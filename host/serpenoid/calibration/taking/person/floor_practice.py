@@ -167,8 +167,9 @@ class FloorTerminal:
         self._count += 1
         self._films.mkdir(parents=True, exist_ok=True)
         path = self._films / f"push-{self._count:02}.csv"
-        rows = [f"{t:.5f},{x:.6f},{y:.6f}"
-                for t, x, y in zip(seen.t_s, seen.x_m, seen.y_m, strict=True)]  # fmt: skip
+        rows = [
+            f"{t:.5f},{x:.6f},{y:.6f}" for t, x, y in zip(seen.t_s, seen.x_m, seen.y_m, strict=True)
+        ]
         path.write_text("\n".join(["t,x,y", *rows]) + "\n", encoding="utf-8")
         self._said(f"filmed, and tracked: {path}")
         return str(path)
