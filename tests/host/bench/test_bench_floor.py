@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
+from serpenoid.bench.calibration.coverage import GAIT, WHOLE, DrivenTable
+from serpenoid.bench.calibration.floor_coverage import CASES, drawn_person
+from serpenoid.bench.calibration.speed_table import SpeedTable
+from serpenoid.calibration.friction_result import band
+from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, scaled
+from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.commands.main import cli
+from serpenoid.lab.crawl import crawl_speed
 
 
 @pytest.mark.slow
@@ -21,3 +29,20 @@ def test_intervals_of_a_few_sessions_mostly_hold(tmp_path) -> None:
         assert row["sessions"] + row["refused"] == 20
         assert min(row[name] for name in ("ct", "cn", "ft0", "fn0", "speed")) > 0.6
         assert row["minutes"] < 30
+
+
+def test_the_driven_robot_and_its_band_have_the_same_servos() -> None:
+    """Where friction is known exactly, the band of joints and servos holds drawn robots' speeds."""
+    near = {"points": 64, "box": (0.9 * WHOLE, 1.1 * WHOLE), "kernel": "cubic"}
+    robot = default_setup("band").robot
+    driven = DrivenTable(robot, SpeedTable(robot, GAIT, **near), **near)
+    rng = np.random.default_rng(5)
+    amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=256)
+    low, high = band(driven(np.tile(WHOLE, (256, 1)), amplitudes))
+    people = [drawn_person(CASES[0], np.random.default_rng([5, k])) for k in range(12)]
+    speeds = [
+        crawl_speed(p.robot, scaled(GAIT, a)) for p, a in zip(people, amplitudes, strict=False)
+    ]
+    held = [low <= v <= high for v in speeds]
+    assert sum(held) >= 9
+    assert np.std(speeds) > 0.15 * (high - low)  # and it is no wider than they scatter

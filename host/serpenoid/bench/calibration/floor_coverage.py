@@ -28,7 +28,7 @@ from ...lab.crawl import crawl_speed
 from ...lab.recording import Camera
 from ...model.errors import SerpenoidError
 from ...model.gait import Gait
-from .coverage import GAIT, WHOLE, WHOLE_2005, DrivenTable
+from .coverage import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from .speed_table import SpeedTable
 
 WHEELS_KG = 0.036
@@ -64,9 +64,9 @@ class FloorCoverage:
 
     ct, cn, ft0, fn0, speed, driven: as of `Coverage`. errors: medians of the four frictions'
     relative errors. half_widths: of the intervals, relative, the median, those of the two speeds
-    last. unseen, unseen_90: median and 90th percentile of the relative error of six gaits' speeds,
-    joints' amplitudes known (as a film tells them); unseen_commanded: the median where they are
-    taken as commanded. minutes: by the lab's clock.
+    last. unseen, unseen_90: median and 90th percentile of the relative error of six gaits' speeds
+    by quick servos, joints' amplitudes known (as a film tells them); unseen_commanded: the median
+    where they are taken as commanded. minutes: by the lab's clock.
     """
 
     case: str
@@ -96,15 +96,20 @@ def floor_setup(case: FloorCase) -> Setup:
     )  # fmt: skip
 
 
+def drawn_person(case: FloorCase, rng: np.random.Generator) -> SimulatedFloor:
+    """Return a person on a floor, the truth of both drawn, the robot's servos with it."""
+    setup = floor_setup(case)
+    truth = replace(drawn_floor(setup, WHOLE_2005, rng, SERVOS), camera=case.camera)
+    return SimulatedFloor(setup, truth, seed=int(rng.integers(2**31)))
+
+
 def one_floor(
     case: FloorCase, seed: int, number: int, table: SpeedTable, driven: DrivenTable
 ) -> list[float] | None:
     """Take and fit a session; return what held, widths, errors and minutes; None where refused."""
     rng = np.random.default_rng([seed, round(1e4 * case.camera.sigma_m), case.pushes, number])
-    setup = floor_setup(case)
-    truth = replace(drawn_floor(setup, WHOLE_2005, rng), camera=case.camera)
-    person = SimulatedFloor(setup, truth, seed=int(rng.integers(2**31)))
-    taken = take_all(MemoryRecord(setup), person)
+    person = drawn_person(case, rng)
+    taken = take_all(MemoryRecord(floor_setup(case)), person)
     try:
         fit = fit_friction(taken)
     except SerpenoidError:
@@ -124,7 +129,7 @@ def one_floor(
     held = (ends[:, 0] <= true) & (true <= ends[:, 1])
     errors = np.abs(np.array(list(fit.whole_snake.values())) / WHOLE - 1.0)
     gait = UNSEEN[number % len(UNSEEN)]
-    moved = crawl_speed(person.robot, scaled(gait, amplitude))
+    moved = crawl_speed(replace(person.robot, servo=None), scaled(gait, amplitude))
     told = [speed(fit.robot, fit.ground, g) for g in (scaled(gait, amplitude), gait)]
     off = [abs(v / moved - 1.0) for v in told]
     return [*held, *(ends[:, 1] - ends[:, 0]) / true / 2, *errors, *off, person.t_s / 60]

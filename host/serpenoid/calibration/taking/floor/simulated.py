@@ -17,6 +17,7 @@ from ....lab.floor import Floor, Push
 from ....lab.recording import Camera, film, to_rest
 from ....lab.robot import LabRobot, pose_of
 from ....model.bends import balanced_signs
+from ....model.drives import Servo, ServoKind
 from ....model.errors import BadInput
 from ....model.ground import Ground
 from ...floor.look import look_at
@@ -41,7 +42,8 @@ class FloorTruth:
     ground: of the whole snake. slope_rad: of the floor, towards "there". film_scale: lengths seen
     over true. mass_scale: true mass over the one weighed. rolling_kg: J / r^2 of all wheels.
     joint_sigma_rad, link_spread, breakaway: as of `Truth`. camera: what films; None: tape and
-    watch. amplitude: of the joints in a gait, true over commanded.
+    watch. amplitude: of the joints in a gait, true over commanded. servo: what moves them there;
+    None: they follow the gait.
     """
 
     ground: Ground
@@ -54,10 +56,16 @@ class FloorTruth:
     breakaway: float = 1.0
     camera: Camera | None = PHONE
     amplitude: float = 1.0
+    servo: Servo | None = None
 
 
-def drawn_floor(setup: Setup, ground: Ground, rng: np.random.Generator) -> FloorTruth:
-    """Draw the errors that all readings of a session share, as the set-up says they may be."""
+def drawn_floor(
+    setup: Setup, ground: Ground, rng: np.random.Generator, servo: ServoKind | None = None
+) -> FloorTruth:
+    """Draw the errors that all readings of a session share, as the set-up says they may be.
+
+    servo: the kind of which the robot has one drawn; None: its joints follow the gait.
+    """
     slope, scale, mass, shape = (float(v) for v in rng.normal(size=4))
     wheels_kg = setup.floor.wheels_kg
     mass_kg = setup.robot.links * setup.robot.link_mass_kg
@@ -69,6 +77,7 @@ def drawn_floor(setup: Setup, ground: Ground, rng: np.random.Generator) -> Floor
         film_scale=1.0 + setup.floor.film_scale_sigma * scale,
         mass_scale=1.0 + setup.uncertainty.mass_sigma * mass, rolling_kg=max(rolling, 0.0),
         joint_sigma_rad=setup.uncertainty.joint_sigma_rad,
+        servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
     )  # fmt: skip
 
 
@@ -87,8 +96,9 @@ class SimulatedFloor:
             link_inertia_kg_m2=body.inertia_kg_m2 * truth.mass_scale,
         )  # fmt: skip
         whole = LabRobot.whole(
-            heavy, truth.ground, rolling_kg=truth.rolling_kg, breakaway=truth.breakaway
-        )
+            heavy, truth.ground, rolling_kg=truth.rolling_kg, breakaway=truth.breakaway,
+            servo=truth.servo,
+        )  # fmt: skip
         self.robot = whole.drawn(self._rng, truth.joint_sigma_rad, truth.link_spread)
         self.floor = Floor(self.robot, truth.slope_rad, 0.0)
         self._pose = [0.0] * (body.links - 1)
