@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -12,6 +14,7 @@ from .paths import OutFolder
 
 OUT = click.option("--out", type=OutFolder(), show_default=True,
                    default=Path("bench-out"), help="Folder for figures and numbers.")  # fmt: skip
+SEED = click.option("--seed", type=int, default=1, show_default=True, help="Of what is drawn.")
 PAGE = click.option("--page", type=click.Path(exists=True, dir_okay=False, path_type=Path),
                     help="A Markdown page whose table between the markers is renewed.")  # fmt: skip
 
@@ -93,14 +96,9 @@ def scenes(out: Path) -> None:
 
 @BENCH_GROUP.command()
 @OUT
-@click.option(
-    "--runs",
-    type=click.IntRange(1),
-    default=100,
-    show_default=True,
-    help="Random runs of every kind.",
-)
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the scenes.")
+@click.option("--runs", type=click.IntRange(1), default=100, show_default=True,
+              help="Random runs of every kind.")  # fmt: skip
+@SEED
 def errors(out: Path, runs: int, seed: int) -> None:
     """Hold what random runs say of their own error against the truth; exit status 1 below 99 %."""
     import csv
@@ -138,71 +136,68 @@ def steady(out: Path, quick: bool) -> None:
     say(f"in {out}")
 
 
+def _sessions(usual: int, least: int = 1) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    return click.option("--sessions", type=click.IntRange(least), default=usual, show_default=True,
+                        help="Simulated sessions of each kind.")  # fmt: skip
+
+
+def _written(found: Iterable[Any], path: Path) -> list[dict[str, Any]]:
+    """Write dataclasses to a JSON file and return them as dictionaries."""
+    import json
+    from dataclasses import asdict
+
+    rows = [asdict(one) for one in found]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(rows, indent=2) + "\n")
+    return rows
+
+
+def _show_coverage(rows: Iterable[dict[str, Any]], title: str) -> None:
+    from ..show.report import table
+
+    names = ("ct", "cn", "ft0", "fn0", "speed", "driven")
+    texts = [[row["case"], *(f"{row[name]:.1%}" for name in names)] for row in rows]
+    table(title, ["case", *names], texts)
+
+
 @BENCH_GROUP.command()
 @OUT
-@click.option("--sessions", type=click.IntRange(20), default=1000, show_default=True,
-              help="Simulated sessions of each kind.")  # fmt: skip
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
+@_sessions(1000, 20)
+@SEED
 def coverage(out: Path, sessions: int, seed: int) -> None:
     """Tell how often 95 % intervals hold the truth, over sessions taken in the virtual lab."""
-    import dataclasses
-    import json
-
     from ..bench.calibration.coverage import run
     from ..bench.calibration.figure import coverage_figure
-    from ..show.report import table
 
-    rows = [dataclasses.asdict(row) for row in run(sessions, seed, _tell)]
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "coverage.json").write_text(json.dumps(rows, indent=2) + "\n")
+    rows = _written(run(sessions, seed, _tell), out / "coverage.json")
     coverage_figure(rows, out / "coverage.png")
-    names = ("ct", "cn", "ft0", "fn0", "speed", "driven")
-    texts = [[row["case"], *(f"{row[name]:.1%}" for name in names)] for row in rows]
-    table(
-        f"of {sessions} sessions the interval holds the truth in; in {out}", ["case", *names], texts
-    )
+    _show_coverage(rows, f"of {sessions} sessions the interval holds the truth in; in {out}")
 
 
 @BENCH_GROUP.command()
 @OUT
-@click.option("--sessions", type=click.IntRange(1), default=1000, show_default=True,
-              help="Simulated sessions of each kind.")  # fmt: skip
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
+@_sessions(1000)
+@SEED
 def floor(out: Path, sessions: int, seed: int) -> None:
     """Tell how often 95 % intervals hold the truth, over sessions of pushes on a floor."""
-    import dataclasses
-    import json
-
     from ..bench.calibration.floor_coverage import run_floor
-    from ..show.report import table
 
-    rows = [dataclasses.asdict(row) for row in run_floor(sessions, seed, _tell)]
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "floor.json").write_text(json.dumps(rows, indent=2) + "\n")
-    names = ("ct", "cn", "ft0", "fn0", "speed", "driven")
-    texts = [[row["case"], *(f"{row[name]:.1%}" for name in names)] for row in rows]
-    table(f"of {sessions} sessions on a floor the interval holds the truth in; in {out}",
-          ["case", *names], texts)  # fmt: skip
+    rows = _written(run_floor(sessions, seed, _tell), out / "floor.json")
+    title = f"of {sessions} sessions on a floor the interval holds the truth in; in {out}"
+    _show_coverage(rows, title)
 
 
 @BENCH_GROUP.command()
 @OUT
-@click.option("--sessions", type=click.IntRange(1), default=100, show_default=True,
-              help="Simulated sessions of each plan.")  # fmt: skip
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
+@_sessions(100)
+@SEED
 def advise(out: Path, sessions: int, seed: int) -> None:
     """Count the readings that advice needs to the speed band of a fixed plan."""
-    import dataclasses
-    import json
-
     from ..bench.calibration.advised import ratios, run
     from ..bench.calibration.figure import advised_figure
 
     found = run(sessions, seed, _tell)
-    rows = [dataclasses.asdict(row) for row in found]
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "advise.json").write_text(json.dumps(rows, indent=2) + "\n")
-    advised_figure(rows, out / "advise.png")
+    advised_figure(_written(found, out / "advise.json"), out / "advise.png")
     for r in ratios(found):
         say(
             f"{r.plan} plan: {r.plan_readings:.1f} readings leave a band of {r.target:.1%}; "
@@ -213,22 +208,16 @@ def advise(out: Path, sessions: int, seed: int) -> None:
 
 @BENCH_GROUP.command()
 @OUT
-@click.option("--sessions", type=click.IntRange(1), default=100, show_default=True,
-              help="Simulated sessions, each with every fault.")  # fmt: skip
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the sessions.")
+@_sessions(100)
+@SEED
 @PAGE
 def verdict(out: Path, sessions: int, seed: int, page: Path | None) -> None:
     """Count how often compare's verdict is right, over sessions and runs with known faults."""
-    import dataclasses
-    import json
-
     from ..bench.calibration.figure import verdict_figure
     from ..bench.calibration.verdicts import markdown, run
     from ..bench.page import renew_table
 
-    rows = [dataclasses.asdict(row) for row in run(sessions, seed, _tell)]
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "verdict.json").write_text(json.dumps(rows, indent=2) + "\n")
+    rows = _written(run(sessions, seed, _tell), out / "verdict.json")
     verdict_figure(rows, out / "verdict.png")
     if page is not None:
         renew_table(page, "verdicts", markdown(rows))

@@ -67,15 +67,3 @@ def to_rest(
     way = float(np.hypot(track.x_m[-1] - start[0], track.y_m[-1] - start[1]))
     time = float(track.t_s[-1] - track.released_s)
     return tape_m.shows(way, rng), max(watch_s.shows(time, rng), 0.0)
-
-
-def past_marks(
-    track: Track, marks_m: list[float], direction_rad: float, rng: np.random.Generator,
-    watch_s: Instrument = WATCH_S,
-) -> list[tuple[float, float]]:  # fmt: skip
-    """Return (mark, time) of the marks that the robot passes, from where the hand let go."""
-    way = track.along(direction_rad)
-    origin = float(np.interp(track.released_s, track.t_s, way))
-    since = track.t_s - track.released_s
-    passed = [m for m in marks_m if m <= way[-1] - origin]
-    return [(m, watch_s.shows(float(np.interp(m, way - origin, since)), rng)) for m in passed]
