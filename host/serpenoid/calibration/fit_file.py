@@ -27,10 +27,26 @@ NAME = "fit.json"
 
 
 def save_fit(fit: FrictionFit, path: str | Path) -> Path:
-    """Write a fit to a file, or as fit.json into a session's folder; return the file.
+    """Write a fit to a file, or as fit.json into a session's folder.
 
-    The file holds the fit, the hash of the readings it rests on and this program's version. It is
-    there whole, or the one before it stays. The same readings give the same file. Raises OSError.
+    An interrupted write leaves the old file. The same readings give the same file.
+
+    Parameters
+    ----------
+    fit
+        Written with the hash of its readings and this program's version.
+    path
+        The file, or a folder.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
     """
     path = Path(path)
     path = path / NAME if path.is_dir() else path
@@ -50,8 +66,20 @@ def save_fit(fit: FrictionFit, path: str | Path) -> Path:
 def load_fit(path: str | Path) -> FrictionFit:
     """Read a fit from a file, or from fit.json in a session's folder.
 
-    If the session's readings have changed since, its notes say so. Raises BadInput, naming the file
-    and what is wrong with it.
+    Parameters
+    ----------
+    path
+        The file, or a folder.
+
+    Returns
+    -------
+    FrictionFit
+        Its notes say if the session's readings have changed since.
+
+    Raises
+    ------
+    BadInput
+        The message names the file and what is wrong with it.
     """
     path = Path(path)
     path = path / NAME if path.is_dir() else path

@@ -100,19 +100,39 @@ class TableRow(NamedTuple):
 class FrictionFit:
     """Hold the friction fitted to one session; print() gives a report of it.
 
-    parameters: name -> (value, sigma) for ct_whole, cn_whole (N s/m), ft0_whole, fn0_whole (N), of
-    the whole snake, and ct_back_whole, ft0_back_whole where readings were taken facing up the belt:
-    ct and ft0 are then those forwards. intervals: name -> (low, high) at 95 %; none reaches below
-    0, where friction cannot be. covariance: (P, P), of the whole snake's values in the order of
-    parameters. robot: the one measured. ground: the same per link, as simulations take it. sigma:
-    "absolute" when it follows from the stated uncertainties of the instruments alone, "rescaled"
-    when from the scatter of the readings alone. chi2, dof: of the readings (outliers left out) and
-    priors under the stated uncertainties. nuisances: lambda_offset_rad_at_..._deg of every bend and
-    incline_zero_rad as fitted (not naive). residuals: per kept reading, in standard deviations.
-    outliers: numbers of the readings that a robust fit holds for misread. influence: of every kept
-    reading (not naive). notes: what a reader of the numbers should know, in words. alarms: those of
-    them that forbid to trust any prediction. session_name,
-    session_sha256: the session fitted, and the hash of what the fit rests on.
+    Attributes
+    ----------
+    method
+        "joint", "robust" or "naive".
+    sigma
+        "absolute": from the stated uncertainties of the instruments. "rescaled": from the scatter.
+    parameters
+        name -> (value, sigma): ct_whole, cn_whole, N s/m, ft0_whole, fn0_whole, N, of the whole
+        snake. With readings up the belt also ct_back_whole and ft0_back_whole; ct and ft0 are then
+        those forwards.
+    intervals
+        name -> (low, high) at 95 %, none below 0.
+    covariance : (P, P)
+        Of the whole snake's values, in the order of parameters.
+    robot
+        The robot measured.
+    ground
+        The fitted friction per link, as simulations take it.
+    chi2, dof
+        Of readings and priors under the stated uncertainties, without outliers.
+    nuisances
+        name -> (value, sigma): lambda_offset_rad_at_..._deg of each bend and incline_zero_rad; none
+        for "naive".
+    residuals
+        One for each kept reading, in standard deviations.
+    outliers
+        Numbers of the readings that a robust fit takes for misread.
+    influence
+        One for each kept reading; none for "naive".
+    notes, alarms
+        Remarks in words; alarms are those notes that forbid to trust a prediction.
+    session_name, session_sha256
+        The session fitted, and the hash of what the fit rests on.
     """
 
     method: str
@@ -144,12 +164,21 @@ class FrictionFit:
         return {name: self.parameters[name].value for name in self.names}
 
     def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
-        """Draw (count, P) frictions of the whole snake that the readings allow, never below 0.
+        """Draw frictions of the whole snake that the readings allow, never below 0.
 
-        Each parameter alone is normal on either side of its value, as much wider on one side as its
-        interval is (alike where that ends at 0), cut where friction cannot be; sigmas and
-        correlations are the fit's. Scrambled Sobol points: as even as count numbers can be, the
-        same for the same seed.
+        Each parameter alone is normal on either side of its value, scaled by its interval on that
+        side, or by the other side where the interval ends at 0. Sigmas and correlations are the
+        fit's.
+
+        Parameters
+        ----------
+        count, seed
+            Number of draws and their seed. They are scrambled Sobol points.
+
+        Returns
+        -------
+        (count, P) array
+            N s/m and N, in the order of parameters.
         """
         from scipy.special import ndtri
         from scipy.stats import qmc
@@ -173,10 +202,17 @@ class FrictionFit:
         return drawn[:count]
 
     def sample(self, count: int = 64, seed: int = 2005) -> tuple[Ground, ...]:
-        """Draw frictions per link that the readings allow, as every simulation takes them.
+        """Draw frictions per link that the readings allow, as simulations take them.
 
-        The same draws as sample_whole: positive, correlated as the fit is, skewing what follows
-        from them as it is skewed.
+        Parameters
+        ----------
+        count, seed
+            Number of draws and their seed, as for `sample_whole`: the same draws.
+
+        Returns
+        -------
+        tuple of Ground
+            `count` grounds.
         """
         draws = self.sample_whole(count, seed).tolist()
         return tuple(ground_of(self.robot.links, draw) for draw in draws)

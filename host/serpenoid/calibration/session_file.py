@@ -56,8 +56,21 @@ _PLAN = ("lambda_deg", "incline_start_deg", "incline_step_deg", "belt_speed_max_
 def load_session(folder: str | Path) -> Session:
     """Read a session's folder, of either format.
 
-    Raises BadInput, naming file, line, value and allowed range, for anything that is missing,
-    unknown, in other units, out of range or of a newer format, and for no reading to use.
+    Parameters
+    ----------
+    folder
+        Holds session.toml and readings.csv.
+
+    Returns
+    -------
+    Session
+        The set-up and all readings.
+
+    Raises
+    ------
+    BadInput
+        If anything is missing, unknown, in other units, out of range or of a newer format, or if no
+        reading is left to use. The message names file, line, value and limits.
     """
     session = read_session(folder)
     if not (session.kept or session.on_floor or session.kept_gait_runs or session.kept_films):

@@ -44,12 +44,32 @@ _DRY_GAP = 2e-3  # e-folds: small dry valleys were found so far apart, so no opt
 class LeastPower:
     """Hold the gait with the least power for a speed.
 
-    gait, power_w (the cost that was minimized, W), speed_m_s (m/s). steady: the exact model's
-    periodic state. active: the limits that the gait has reached, in words. power_error_w: how much
-    less power there may be, W. It is solved_error_w, W, the error of the gait's own power, plus
-    what the search may have missed by its last model or its finest table. basins: separate valleys
-    of shapes that were searched; runner_up_w: the power of the second best, W (inf: there was one
-    valley). evaluations: periodic states solved in the search, without those of tables.
+    Attributes
+    ----------
+    gait
+        The gait found.
+    power_w
+        The cost that was minimized, W.
+    speed_m_s
+        Its speed, m/s.
+    cost
+        "power", "abs_power" or "positive_power".
+    steady
+        The exact model's periodic state.
+    formulation
+        "explicit" or "implicit".
+    limits, active
+        The limits of the search, and those that the gait has reached, in words.
+    power_error_w
+        How much less power there may be, W: solved_error_w and what the search may have missed.
+    solved_error_w
+        Error of this gait's power, W.
+    basins
+        Number of separate valleys of shapes that were searched.
+    runner_up_w
+        Power of the second best valley, W; inf if there was one valley.
+    evaluations
+        Periodic states solved in the search, without those of tables.
     """
 
     gait: Gait

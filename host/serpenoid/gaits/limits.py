@@ -37,9 +37,21 @@ _UNITS = {
 class GaitLimits:
     """State what a gait may ask of the robot; infinite where there is no limit.
 
-    joint_angle_rad: of every joint, either way, rad (110 deg unless told: links would touch).
-    servo_speed_rad_s, rad/s, servo_torque_nm, N m: of every joint at any time, so alpha omega stays
-    below the first. omega_low_rad_s, omega_high_rad_s: of the gait's rate, rad/s. Raises BadInput.
+    Attributes
+    ----------
+    joint_angle_rad
+        Limit of every joint's angle, either way, rad; by default 110 deg, where links touch.
+    servo_speed_rad_s
+        Limit of alpha omega, rad/s.
+    servo_torque_nm
+        Limit of every joint's torque at any time, N m.
+    omega_low_rad_s, omega_high_rad_s
+        Range of the gait's rate, rad/s.
+
+    Raises
+    ------
+    BadInput
+        For values out of range.
     """
 
     joint_angle_rad: float = math.radians(110.0)

@@ -25,13 +25,17 @@ _RTOL = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """Hold what a gait can bear; all as fractions.
+    """Hold how much a gait can bear; all are NaN for a gait that does not travel.
 
-    amplitude, grip: by what share the joints' amplitude, or fn0, may fall before the speed loses a
-    tenth (inf: by 60 % it has not; grip is NaN without dry friction across the links).
-    amplitude_loss, grip_loss: of the speed, when the amplitude is 10 %, or fn0 13 % less;
-    amplitude_gain, far_gain: share of it, when the amplitude is 10 % or 60 % more. All are NaN for
-    a gait that does not travel: there is no speed to lose.
+    Attributes
+    ----------
+    amplitude, grip
+        The share that the joints' amplitude, or fn0, may lose before the speed loses a tenth; inf:
+        at 60 % less it has not. grip is NaN without dry friction across the links.
+    amplitude_loss, grip_loss
+        The share of speed lost when the amplitude is 10 %, or fn0 13 % less.
+    amplitude_gain, far_gain
+        The share of speed gained when the amplitude is 10 %, or 60 % more.
     """
 
     amplitude: float

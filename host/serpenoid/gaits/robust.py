@@ -37,11 +37,26 @@ _NOMINAL = 1e-5  # accuracy of the wanted speed, where it is that which binds
 class RobustGait:
     """Hold the cheapest gait whose slow cases are fast enough.
 
-    gait, power_w (W), speed_m_s (m/s): at the ground as it is thought to be. low_speed_m_s: 5th
-    percentile of the speed over the samples that chose the gait, speeds_m_s (S,); checked_low_m_s:
-    over other samples that had no part in it; low_error_m_s: standard error of either, m/s.
-    fragile: the least-power gait for the same speed; fragile_low_m_s: its 5th percentile. premium:
-    power of this one over that, less 1.
+    Attributes
+    ----------
+    gait, power_w, speed_m_s
+        The gait, its cost, W, and its speed, m/s, on the most likely ground.
+    wanted_m_s, cost, uncertainty
+        What was asked for: the speed, m/s, the kind of power, and what may vary.
+    steady
+        The exact model's periodic state.
+    low_speed_m_s
+        5th percentile of the speed over the samples that chose the gait, m/s.
+    checked_low_m_s
+        The same over other samples, which had no part in the choice, m/s.
+    speeds_m_s : (S,)
+        Speeds of the samples that chose the gait, m/s.
+    fragile, fragile_low_m_s
+        The least-power gait for the same speed, and its 5th percentile, m/s.
+    active
+        The limits that the gait has reached, in words.
+    evaluations
+        Periodic states solved in the search.
     """
 
     gait: Gait
@@ -61,12 +76,12 @@ class RobustGait:
 
     @property
     def premium(self) -> float:
-        """Return what robustness costs, as a fraction of the fragile gait's power."""
+        """Return how much more power this gait takes than the fragile one, relative."""
         return self.power_w / self.fragile.power_w - 1
 
     @property
     def premium_per_metre(self) -> float:
-        """Return what it costs on each metre; as all is thought to be it is faster than wanted."""
+        """Return how much more energy it takes per metre than the fragile one, relative."""
         return (1 + self.premium) * self.fragile.speed_m_s / self.speed_m_s - 1
 
     @property

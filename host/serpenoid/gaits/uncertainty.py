@@ -30,12 +30,26 @@ _AFTER_A_SESSION = np.array([
 class Uncertainty:
     """State how well friction and servos are known; one standard deviation each.
 
-    friction: relative sigmas of ct, cn, ft0, fn0 (log-normal), unless `grounds` holds frictions
-    sampled elsewhere, such as by a session's fit. The default is what a session with one bend of
-    7.5 deg leaves open; correlated: its correlations, too, or none. joint_gain,
-    joint_shift_rad: measured, one a joint, in place of 1 and 0. amplitude: relative, of each
-    joint on its own; common_amplitude: of all joints together; lag_rad: of each joint's phase on
-    its own, rad (a lag that all joints share changes nothing). Raises BadInput.
+    Attributes
+    ----------
+    friction
+        Relative sigmas of ct, cn, ft0, fn0 (log-normal); by default those of a session with one
+        bend of 7.5 deg.
+    grounds
+        Frictions sampled elsewhere, such as by a session's fit; they replace `friction`.
+    amplitude, common_amplitude
+        Of the joints' amplitude, relative: of each joint on its own, and of all together.
+    lag_rad
+        Of each joint's phase on its own, rad. A lag that all joints share changes nothing.
+    correlated
+        Whether frictions have the correlations of that session.
+    joint_gain, joint_shift_rad
+        Measured factors of amplitude and phase shifts, rad, one a joint, in place of 1 and 0.
+
+    Raises
+    ------
+    BadInput
+        For values out of range.
     """
 
     friction: tuple[float, float, float, float] = (0.06, 0.35, 0.06, 0.13)

@@ -27,9 +27,19 @@ UNCERTAIN = ("torque_limit_nm", "speed_limit_rad_s", *_WITH_TORQUE, *_WITH_LINE,
 
 @dataclass(frozen=True, slots=True)
 class TorqueTable:
-    """Hold joint torques by time: t_s (K,) rising, s, torque_nm (K, n-1), N m, linear in between.
+    """Hold joint torques by time: linear in between, constant before the first and after the last.
 
-    Before the first time and after the last the first and last rows hold. Raises BadInput.
+    Attributes
+    ----------
+    t_s : (K,)
+        Times, rising, s.
+    torque_nm : (K, n-1)
+        Torques, N m.
+
+    Raises
+    ------
+    BadInput
+        For times that do not rise, or arrays that do not fit.
     """
 
     t_s: NDArray[np.float64]
@@ -51,27 +61,45 @@ class TorqueTable:
 class Servo:
     """Describe the servos of all joints: position loop, motor, gear, supply.
 
-    The loop asks for a duty d in [-1, 1] of the supply: d = (K e - D r) / S + r / w0, clamped, with
-    the stiffness K = stiffness_nm_rad, the damping D = damping_nms_rad, the stalled torque
-    S = torque_limit_nm, the free speed w0 = speed_limit_rad_s and the joint's rate r. The error e
-    to the setpoint counts from dead_band_rad on. update_hz: how often the loop looks, on the clock
-    of the frames; it holds its duty in between (0: it never holds).
-
-    The motor gives S (V d - r / w0), a straight line from the stalled torque to none at the free
-    speed; driven against its duty it brakes with more than S. V is the supply over its voltage
-    without load, 1 - supply_sag * sum of d_i (V d_i - r_i / w0) over the joints: supply_sag is the
-    share that one stalled servo takes. Inside all limits the torque is K e - D r.
-
-    The gear adds the rotor's inertia armature_kg_m2 (times the gear ratio squared, as MuJoCo's
-    armature), dry friction gear_friction_nm and viscous friction gear_damping_nms_rad.
-    backlash_rad is its play: so far the output turns while the rotor is held. The loop sees the
-    output.
-
-    Setpoints are those of the firmware's fixed-point code, one each frame_s, s. Units: N m,
-    N m/rad, N m s/rad, rad, rad/s, s, Hz, kg m^2. Raises BadInput.
-
     The defaults are round numbers for a servo of 6 V (0.3 N m, 60 degrees in 0.12 s) without rotor
     and gear, which no real one lacks: `sn.servo()` has those of real ones.
+
+    Attributes
+    ----------
+    stiffness_nm_rad, damping_nms_rad
+        K and D of the position loop, N m/rad and N m s/rad.
+    torque_limit_nm
+        Stalled torque S, N m.
+    speed_limit_rad_s
+        Free speed w0, rad/s.
+    dead_band_rad
+        The loop's error counts from here on, rad.
+    armature_kg_m2
+        The rotor's inertia times the gear ratio squared, kg m^2.
+    gear_friction_nm, gear_damping_nms_rad
+        Dry and viscous friction of the gear, N m and N m s/rad.
+    update_hz
+        How often the loop looks, Hz, on the clock of the frames; 0: at all times.
+    supply_sag
+        Share of the supply's voltage that one stalled servo takes.
+    frame_s
+        Time from one setpoint to the next, s; setpoints are the firmware's, in fixed point.
+    backlash_rad
+        Play of the gear, rad: so far the output turns while the rotor is held.
+
+    Raises
+    ------
+    BadInput
+        For values out of range.
+
+    Notes
+    -----
+    The loop asks for a duty d in [-1, 1] of the supply: d = (K e - D r) / S + r / w0, clamped, with
+    the joint's rate r and the error e to the setpoint. It sees the output, and holds its duty
+    between two looks. The motor gives S (V d - r / w0), a straight line from the stalled torque to
+    none at the free speed; driven against its duty it brakes with more than S. V is the supply over
+    its voltage without load, 1 - supply_sag * sum of d_i (V d_i - r_i / w0) over the joints. Inside
+    all limits the torque is K e - D r.
     """
 
     stiffness_nm_rad: float = 3.0
@@ -120,12 +148,27 @@ def core_servo(servo: Servo) -> Any:
 class ServoKind:
     """Describe servos of one kind: the typical one, and the doubt about any other.
 
-    sigma: standard deviation of the logarithm of Servo's fields, by name (0.1 is 10 %); fields
-    without one are exact. Stiffness and gear friction follow the stalled torque of a drawn servo,
-    damping, gear damping and rotor its torque over its speed; their sigma is that of the ratio.
-    updates_hz: rates in Hz at which loops of this kind may look, each as likely; () for the typical
-    one's. source: where the values come from. drawn: servos that a measurement leaves possible,
-    each as likely; where there are any, no others are drawn. Raises BadInput.
+    Attributes
+    ----------
+    name
+        Name of the kind.
+    servo
+        The typical servo.
+    sigma
+        Standard deviation of the logarithm of Servo's fields, by name (0.1 is 10 %); fields without
+        one are exact. Stiffness and gear friction are drawn as ratios to the stalled torque;
+        damping, gear damping and rotor as ratios to torque over speed.
+    updates_hz
+        Rates at which loops of this kind may look, Hz, each as likely; () for the typical one's.
+    source
+        Where the values come from.
+    drawn
+        Servos that a measurement leaves possible, each as likely; if any, no others are drawn.
+
+    Raises
+    ------
+    BadInput
+        For values out of range and names that Servo does not have.
     """
 
     name: str
@@ -150,7 +193,23 @@ class ServoKind:
         return not doubt and len(self.drawn) < 2
 
     def draws(self, count: int, seed: int = 0) -> list[Servo]:
-        """Return servos of this kind, drawn at random. Raises BadInput."""
+        """Return servos of this kind, drawn at random.
+
+        Parameters
+        ----------
+        count, seed
+            Number of servos and the seed of the draw.
+
+        Returns
+        -------
+        list of Servo
+            `count` servos.
+
+        Raises
+        ------
+        BadInput
+            For a count that is no whole number of 1 or more.
+        """
         if isinstance(count, bool) or not isinstance(count, int) or count < 1:
             raise BadInput(f"count is {count!r}; it must be a whole number, 1 or more")
         rng = np.random.default_rng(seed)

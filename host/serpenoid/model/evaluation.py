@@ -24,14 +24,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class TorqueDrive:
-    """Impose joint torques T_i on link i from link i+1, (n-1,), N m; Eqs. 3, 6, 9."""
+    """Impose joint torques (Eqs. 3, 6, 9).
+
+    Attributes
+    ----------
+    torque_nm : (n-1,)
+        T_i on link i from link i+1, N m.
+    """
 
     torque_nm: Array
 
 
 @dataclass(frozen=True, slots=True)
 class AngleDrive:
-    """Impose the second derivatives phi_i'' of the joint angles, (n-1,), rad/s^2."""
+    """Impose the second derivatives of the joint angles.
+
+    Attributes
+    ----------
+    acceleration_rad_s2 : (n-1,)
+        phi_i'', rad/s^2.
+    """
 
     acceleration_rad_s2: Array
 
@@ -43,11 +55,18 @@ class AngleDrive:
 
 @dataclass(frozen=True, slots=True)
 class Acceleration:
-    """Hold what one evaluation gives; arrays over links (n,) or joints (n-1,), ground frame.
+    """Hold what one evaluation of a model gives, in the ground's frame, from the tail.
 
-    ax_m_s2, ay_m_s2 (m/s^2), alpha_rad_s2 (rad/s^2): of the centres and angles. friction_x_n,
-    friction_y_n: force of the ground on each link, N. joint_force_x_n, joint_force_y_n, N,
-    joint_torque_nm, N m: on link i from link i+1.
+    Attributes
+    ----------
+    ax_m_s2, ay_m_s2 : (n,)
+        Accelerations of the links' centres, m/s^2.
+    alpha_rad_s2 : (n,)
+        Angular accelerations, rad/s^2.
+    friction_x_n, friction_y_n : (n,)
+        Force of the ground on each link, N.
+    joint_force_x_n, joint_force_y_n, joint_torque_nm : (n-1,)
+        On link i from link i+1, N and N m.
     """
 
     ax_m_s2: Array

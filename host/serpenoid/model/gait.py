@@ -20,12 +20,26 @@ class Gait:
     """Describe the joint angles phi_i(t) = offset + alpha sin(omega t + (i - 1) beta), Eq. 57.
 
     phi_i = theta_{i+1} - theta_i is the angle of joint i, i = 1..n-1 counted from the tail.
-    alpha_rad: amplitude, 0..pi rad. beta_rad: phase lag from joint to joint, rad. omega_rad_s:
-    angular rate, above 0, rad/s. offset_rad: constant bend of every joint, rad, which steers.
 
-    What real servos make of it: joint_gain, a factor of each joint's amplitude, 0..2, and
-    joint_shift_rad, added to each joint's phase; one value a joint, tail first, or () for none.
-    Raises BadInput.
+    Attributes
+    ----------
+    alpha_rad
+        Amplitude, 0 to pi, rad.
+    beta_rad
+        Phase lag from joint to joint, rad.
+    omega_rad_s
+        Angular rate, above 0, rad/s.
+    offset_rad
+        Constant bend of every joint, rad; it steers.
+    joint_gain
+        What real servos leave of each joint's amplitude: a factor 0 to 2 a joint, or () for 1.
+    joint_shift_rad
+        What real servos add to each joint's phase, rad, one a joint, or () for 0.
+
+    Raises
+    ------
+    BadInput
+        For values out of range.
     """
 
     alpha_rad: float

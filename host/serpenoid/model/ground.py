@@ -19,14 +19,26 @@ Both = float | tuple[float, float]  # one value, or (forwards, backwards)
 class Ground:
     """Describe the friction on the centre of one link, along it (t) and across it (n).
 
-    The force opposes the motion: f^t = -(ct v^t + ft0 sgn v^t), f^n likewise, with sgn(0) the
-    whole interval [-1, 1] (wheels stick). ct, cn in N s/m (Eqs. 28-29); ft0, fn0 in N (Bingham,
-    Eqs. 59 and 62 divided by n). All per link, none negative.
+    The force opposes the motion: f^t = -(ct v^t + ft0 sgn v^t), f^n likewise. sgn(0) is the whole
+    interval [-1, 1]: wheels stick. Eqs. 28-29, and Eqs. 59 and 62 divided by n.
 
+    Attributes
+    ----------
+    ct, cn
+        Viscous friction per link along and across it, N s/m, at least 0.
+    ft0, fn0
+        Dry friction per link along and across it, N, at least 0.
+
+    Raises
+    ------
+    BadInput
+        For values below 0 or not finite.
+
+    Notes
+    -----
     Ratchet wheels: ct and ft0 may each be a pair (forwards, backwards), for v^t > 0 (towards the
-    head) and v^t < 0; at rest the ground then holds with any force from -ft0[0] to +ft0[1]. Two
-    equal values are the single one. Wheels that cannot roll back have a large backward value.
-    Raises BadInput.
+    head) and v^t < 0. At rest the ground then holds with any force from -ft0[0] to +ft0[1]. A pair
+    of equal values is the single one. Wheels that cannot roll back have a large backward value.
     """
 
     ct: Both

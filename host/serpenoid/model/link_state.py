@@ -18,10 +18,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class LinkState:
-    """Hold where every link is and how it moves: six arrays (n,), ground frame, from the tail.
+    """Hold where every link is and how it moves, in the ground's frame, from the tail.
 
-    x_m, y_m: centres, m; theta_rad: absolute angles, rad; vx_m_s, vy_m_s, m/s, omega_rad_s, rad/s:
-    their rates.
+    Attributes
+    ----------
+    x_m, y_m : (n,)
+        Links' centres, m.
+    theta_rad : (n,)
+        Absolute angles, rad.
+    vx_m_s, vy_m_s, omega_rad_s : (n,)
+        Their rates, m/s and rad/s.
     """
 
     x_m: Array

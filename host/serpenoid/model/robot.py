@@ -24,10 +24,24 @@ def check_links(links: object) -> int:
 class Robot:
     """Describe the body of a robot: equal rigid links; serpenoid.robot.Robot is a board to drive.
 
-    Link 1 is the tail, link n the head. links: number of links n, 2 or more. link_mass_kg: mass m
-    of one link, kg. link_length_m: full length 2l of one link, joint to joint, m.
-    link_inertia_kg_m2: moment of inertia I_c of one link about its centre, kg m^2; a uniform rod's
-    m L^2 / 12 unless given. Raises BadInput.
+    Link 1 is the tail, link n the head.
+
+    Attributes
+    ----------
+    links
+        Number of links n, 2 or more.
+    link_mass_kg
+        Mass m of one link, kg.
+    link_length_m
+        Full length 2l of one link, joint to joint, m.
+    link_inertia_kg_m2
+        Moment of inertia I_c of one link about its centre, kg m^2; a uniform rod's m L^2 / 12
+        unless given.
+
+    Raises
+    ------
+    BadInput
+        For values out of range.
     """
 
     links: int

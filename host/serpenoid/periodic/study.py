@@ -31,8 +31,17 @@ HEAD = "study.json"
 class Study:
     """Hold a sweep whose figures lie in a folder; iterate over it for one chunk after another.
 
-    Each chunk is a dict of arrays: robot, ground (S,): index into grid.robots, grid.grounds;
-    alpha_rad, beta_rad (S,); omega_rad_s (W,); and, all (S, W), what Sweep has.
+    Each chunk is a dict of arrays: robot, ground (S,), indices into grid.robots and grid.grounds;
+    alpha_rad, beta_rad (S,); omega_rad_s (W,); and what Sweep has, each (S, W).
+
+    Attributes
+    ----------
+    folder
+        Where the chunks are.
+    grid
+        Robots, grounds, gaits and accuracy.
+    length
+        Number of shapes in a chunk.
     """
 
     folder: Path

@@ -18,10 +18,25 @@ _FIELDS = tuple(f.name for f in dataclasses.fields(Servo))
 def load_servo(path: str | Path) -> ServoKind:
     """Read a kind of servo from a TOML file.
 
-    `format = 1`, `name` and `source` (both may be missing), [servo] with Servo's fields (those that
-    are missing have its defaults), and [sigma] with the standard deviation of the logarithm of some
-    of them (missing: exact). [drawn]: servos that a measurement leaves possible, a list for each
-    field that differs. Raises BadInput.
+    The file has `format = 1` and may have `name` and `source`. [servo] has Servo's fields; those
+    that are missing have its defaults. [sigma] has standard deviations of the logarithm of some of
+    them; the others are exact. [drawn] holds servos that a measurement leaves possible: a list for
+    each field that differs.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    ServoKind
+        The kind of servo.
+
+    Raises
+    ------
+    BadInput
+        The message names the file and what is wrong with it.
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
@@ -57,7 +72,20 @@ def _load_drawn(top: Table, typical: Servo) -> tuple[Servo, ...]:
 
 
 def save_servo(kind: ServoKind, path: str | Path) -> None:
-    """Write a kind of servo to a TOML file, which load_servo reads. Raises SerpenoidError."""
+    """Write a kind of servo to a TOML file, which load_servo reads.
+
+    Parameters
+    ----------
+    kind
+        The kind of servo.
+    path
+        The file.
+
+    Raises
+    ------
+    SerpenoidError
+        If the file cannot be written.
+    """
     import tomli_w
 
     from ..simulation.scene_file import write_whole
