@@ -97,7 +97,7 @@ void SteadyDry::from_rest(CycleMap& map, FixedPoint& point, const Acceptance& ac
 
 // Steps cost much at a tight tolerance: the state is found at a wide one first.
 SteadyState SteadyDry::by_steps(const Acceptance& accepted, const SteadyOptions& options) const {
-    constexpr Levels kLevels{1e-4, 0.03, 1e-11, 3};
+    constexpr Levels kLevels{1e-4, 0.03, 1e-11, 3, 0};
     SteppedCycle map(robot_, ground_, gait_, 3'000'000 / robot_.n);  // half a second
     FixedPoint point(map, false);
     point.z = {0, 0, map.momentum_at_rest() / map.scale()[2]};

@@ -127,7 +127,9 @@ void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) 
 FixedPoint::Ended Refinement::level(double tolerance, const Levels& levels, SteadyState& next) {
     constexpr double kFirst = 2.0 / 3;  // of the goal, while the start is not good to a tolerance
     constexpr double kLeast = 1e-9;
-    const double goal = std::max((point_.near ? 1 : kFirst) * levels.goal * tolerance, kLeast);
+    const double longest =
+        std::max(levels.goal * tolerance, levels.root_goal * std::sqrt(tolerance));
+    const double goal = std::max((point_.near ? 1 : kFirst) * longest, kLeast);
     Orbit orbit;
     const auto ended = point_.solve(tolerance, goal, options_.powers, orbit);
     if (ended != FixedPoint::Ended::converged) return ended;

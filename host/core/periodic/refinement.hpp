@@ -11,8 +11,9 @@ namespace serpenoid {
 // Tolerances, each a part of the one before.
 struct Levels {
     double first, tighter = 0.05, last = 1e-13;
-    // Newton's last step, in tolerances: exact derivatives stand for it, and miss its square.
-    double goal = 60;
+    // Newton's last step: exact derivatives stand for it, and miss its square. In tolerances, or
+    // in their square root where that is longer.
+    double goal = 60, root_goal = 0.7;
 };
 
 class Refinement {
