@@ -103,7 +103,9 @@ def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats,
 def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
     data = FitData.of(session).alone
-    force = data.weight_n * np.cos(data.incline_rad) * data.incline_sigma_rad
+    force = np.hypot(
+        data.weight_n * np.cos(data.incline_rad) * data.incline_sigma_rad, data.inertia_sigma_n
+    )
     b, across = data.bent, np.sin(data.lambda_rad[data.bent])
     by_fn0 = projections(data.bent_share, data.lambda_rad)[3][b]
     ahead, back = ~b & ~data.back, ~b & data.back

@@ -303,7 +303,8 @@ class Session:
             self.belt_scale,
             [[r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s,
               repr(self.uncertainty_of(r)), self.grade_step_of(r),
-              *(["up"] if r.facing == "up" else []), *([r.bend] if r.bend != "zigzag" else [])]
+              *(["up"] if r.facing == "up" else []), *([r.bend] if r.bend != "zigzag" else []),
+              *([r.places, repr(r.watch or setup.stopwatch)] if r.places else [])]
              for r in self.kept],
             *(repr(r) for kind, r in self.numbered
               if kind.fitted and not kind.part and not r.voided),

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from .belt import HALF_LENGTH_M, Belt, Sight
-from .instruments import CLOCK_S, EYE_M, EYE_RAD, RULER_M, Instrument
+from .instruments import CLOCK_S, EYE_M, EYE_RAD, FILM_S, RULER_M, Instrument
 
 LOOK_S = 0.5
 STEER_STEP_RAD = math.radians(0.25)
@@ -27,6 +27,9 @@ CARRIED = 0.25  # of the belt's speed: its wheels hardly roll, the belt carries 
 # rest, and it creeps where it should stand. No reading is taken there.
 CREEP_M_S = 0.12
 NEAR = 1.5  # times this, the belt is set once more
+PLACE_S, FEWEST_PLACES = 1.0, 3  # of a short reading
+DRIFT_M_S = 0.15  # it is gone too soon where it drifts more
+TURNED_RAD = math.radians(5.0)  # beyond it a robot is no longer held as the law has it
 Told = Callable[["Belt", str], None]
 
 
@@ -52,7 +55,8 @@ class Held:
     """A station as it was read: belt_shown_m_s, and drift_m_s, positive uphill with the belt.
 
     turned_rad: heading at the end of the watch, by eye. offset_rad: the steering then. waited_s:
-    since the belt was set. seen: (t, along, across, heading) at each look of the watch.
+    since the belt was set. places: (t_s, m uphill) of a short reading. seen: (t, along, across,
+    heading) at each look of the watch.
     """
 
     belt_shown_m_s: float
@@ -60,6 +64,7 @@ class Held:
     turned_rad: float
     offset_rad: float
     waited_s: float
+    places: tuple[tuple[float, float], ...] = ()
     seen: tuple[Sight, ...] = field(repr=False, default=())
 
 
@@ -142,6 +147,41 @@ class Person:
             shown = found
         return None
 
+    def film(self, guess_m_s: float, duration_s: float) -> Held | None:
+        """Film the robot for some seconds after it was let go; None where it always runs away.
+
+        The belt need not be right: it is set anew only where the robot is carried off quickly.
+        """
+        shown = self.display.nearest(guess_m_s)
+        for _ in range(TRIES):
+            held = self._filmed(shown, duration_s)
+            if held is not None and abs(held.drift_m_s) < DRIFT_M_S and held.places:
+                return held if shown - held.drift_m_s > CREEP_M_S else None
+            if held is None:
+                return None
+            found = self.display.nearest(shown - 2 * held.drift_m_s)
+            shown = found if found != shown else shown + self.display.step_m_s
+        return None
+
+    def _filmed(self, shown_m_s: float, duration_s: float) -> Held | None:
+        """Return a short reading, without places where the robot turned or left too soon.
+
+        The places are read off the film, every PLACE_S or so.
+        """
+        self._let_go(shown_m_s)
+        start_s = self.belt.t_s
+        looks = self._watch(shown_m_s, LOOK_S + duration_s)[1:]  # by then the hands are gone
+        straight = [abs(at.heading_rad) <= TURNED_RAD for at in looks]
+        looks = looks[: straight.index(False)] if False in straight else looks
+        if len(looks) < 2:
+            return None
+        seen, rng = looks[:: round(PLACE_S / LOOK_S)], self.rng
+        held = self._held(shown_m_s, looks, self._drift(looks), looks[0].t_s - start_s)
+        if len(seen) < FEWEST_PLACES:
+            return held
+        found = [(FILM_S.shows(at.t_s, rng), -self.ruler_m.shows(at.along_m, rng)) for at in seen]
+        return replace(held, places=tuple((t - found[0][0], y) for t, y in found))
+
     def _again(self, shown_m_s: float, settle_s: float) -> Held | None:
         """Set the belt once more, and take what is read then: it is not what was judged by.
 
@@ -155,14 +195,8 @@ class Person:
 
     def _try(self, shown_m_s: float, wait_s: float) -> tuple[Held | None, float]:
         """Let the robot go on the running belt; return what was read, and the drift seen last."""
-        belt, rng, habits = self.belt, self.rng, self.habits
-        off_m_s = self.display.scatter_m_s * float(rng.normal())
-        belt.run(max(shown_m_s * self.display.scale + off_m_s, 0.0))
-        belt.put(
-            0.01 * float(rng.normal()), habits.let_go_rad * float(rng.normal()), self.facing,
-            habits.let_go_m_s * float(rng.normal()), habits.let_go_rad_s * float(rng.normal()),
-        )  # fmt: skip
-        belt.steer(self.helm.offset_rad if not habits.steers else self.helm.trim_rad)
+        belt, habits = self.belt, self.habits
+        self._let_go(shown_m_s)
         start_s = belt.t_s
         seen = self._watch(shown_m_s, wait_s)
         if self._leaves(seen[-1]):
@@ -177,9 +211,20 @@ class Person:
             return None, drift
         return self._held(shown_m_s, seen, drift, waited_s), drift
 
+    def _let_go(self, shown_m_s: float) -> None:
+        """Set the belt, lay the robot on it and let go."""
+        belt, rng, habits = self.belt, self.rng, self.habits
+        off_m_s = self.display.scatter_m_s * float(rng.normal())
+        belt.run(max(shown_m_s * self.display.scale + off_m_s, 0.0))
+        belt.put(
+            0.01 * float(rng.normal()), habits.let_go_rad * float(rng.normal()), self.facing,
+            habits.let_go_m_s * float(rng.normal()), habits.let_go_rad_s * float(rng.normal()),
+        )  # fmt: skip
+        belt.steer(self.helm.offset_rad if not habits.steers else self.helm.trim_rad)
+
     def _held(self, shown: float, seen: list[Sight], drift: float, waited_s: float) -> Held:
         turned = EYE_RAD.shows(seen[-1].heading_rad, self.rng)
-        return Held(shown, drift, turned, self.helm.offset_rad, waited_s, tuple(seen))
+        return Held(shown, drift, turned, self.helm.offset_rad, waited_s, seen=tuple(seen))
 
     def _watch(self, shown_m_s: float, duration_s: float) -> list[Sight]:
         """Steer and look until the time is over or the robot leaves; return what was there."""

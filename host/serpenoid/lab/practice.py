@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .belt import Belt
-from .instruments import RULER_M, Instrument
+from .instruments import FILM_S, RULER_M, Instrument
 from .person import Display
 from .robot import LabRobot
 
@@ -169,6 +169,17 @@ class PracticeTreadmill:
             self._mark = None
             drift = uphill / since if since > 0.2 else 0.0
             return f"{1000 * uphill:+.0f} mm uphill in {since:.1f} s: drift {drift:+.3f} m/s"
+
+    @property
+    def lies(self) -> bool:
+        """Tell whether the robot is on the belt."""
+        return self._lies
+
+    def place(self) -> tuple[float, float]:
+        """Return the time, s, and where a film shows the robot against a ruler, m uphill."""
+        with self._lock:
+            at = self.belt.look()
+            return FILM_S.shows(at.t_s, self._rng), -RULER_M.shows(at.along_m, self._rng)
 
     def inclinometer(self, turned: bool = False) -> str:
         """Return what the inclinometer on the deck shows, or shows turned end for end."""

@@ -24,9 +24,9 @@ from calibration.synthetic_session import setup as stations_setup
 from scipy.optimize import least_squares, minimize
 from serpenoid import BadInput
 from serpenoid.calibration.fitting.data import FitData
+from serpenoid.calibration.fitting.rolling_law import slide_s, stop_s, way_m
 from serpenoid.calibration.floor.arc import along, turn_rad
 from serpenoid.calibration.floor.data import FloorData
-from serpenoid.calibration.floor.law import slide_s, stop_s, way_m
 from serpenoid.calibration.floor.minimum import least
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.taking.memory import MemoryRecord

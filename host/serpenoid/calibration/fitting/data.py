@@ -15,7 +15,8 @@ from ..kinds.slide import Slide
 from ..kinds.station import Reading
 from ..session import Session
 from .rounding import DRAWS, Drift, drifting_rounding, shared_rounding
-from .shared import straightness_factors
+from .shared import rolling_share, straightness_factors
+from .tracks import Tracks
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -44,7 +45,9 @@ class FitData:
     backwards, the snake facing up the belt. ratchet: there are readings of both ways, or were
     before some were left out. astray_rad, astray_sigma_rad: per reading, mean and standard
     deviation of the straight links' mean |angle| to the path, times their share. belt_sigma,
-    mass_sigma: relative, of their scales.
+    mass_sigma: relative, of their scales. tracks: places of short readings, whose slip_m_s is the
+    mean. inertia_n, inertia_sigma_n: per reading, the force that changes its speed, roughly, and
+    its standard deviation; 0 where it was held.
     """
 
     lambda_rad: Floats
@@ -65,6 +68,9 @@ class FitData:
     zero_assumed: bool
     astray_rad: Floats
     astray_sigma_rad: Floats
+    tracks: Tracks
+    inertia_n: Floats
+    inertia_sigma_n: Floats
     ratchet: bool = False
     belt_sigma: float = 0.0
     mass_sigma: float = 0.0
@@ -86,6 +92,8 @@ class FitData:
         share = np.array([session.bent_share(r) for r in kept], dtype=float)
         astray_rad, astray_sigma_rad = _astray(session, share)
         drift = Drift(zeros_rad, session.zero_drift_sigma_rad) if session.zero_drifts else None
+        tracks = _tracks(session)
+        inertia_n, inertia_sigma_n = tracks.inertia()
         rounding, sigma_rad, draws = roundings(shown_rad, incline_sigma_rad, steps, drift)
         return cls(
             lambda_rad=lambda_rad,
@@ -104,6 +112,9 @@ class FitData:
             weight_n=session.setup.weight_n,
             zero_sigma_rad=np.where(zero_sigma_rad > 0.0, zero_sigma_rad, ZERO_SIGMA_RAD),
             zero_assumed=bool((zero_sigma_rad == 0.0).any()),
+            tracks=tracks,
+            inertia_n=inertia_n,
+            inertia_sigma_n=inertia_sigma_n,
             ratchet=any(r.facing == "up" for r in kept),
             astray_rad=astray_rad,
             astray_sigma_rad=astray_sigma_rad,
@@ -186,12 +197,22 @@ class FitData:
         """Return some of the readings, with the postures as they are."""
         names = ("lambda_rad", "bent_share", "incline_rad", "slip_m_s", "incline_sigma_rad",
                  "speed_sigma_m_s", "zero_sigma_rad", "posture", "rounding", "back", "astray_rad",
-                 "astray_sigma_rad")  # fmt: skip
-        return replace(self, **{name: getattr(self, name)[index] for name in names})
+                 "astray_sigma_rad", "inertia_n", "inertia_sigma_n")  # fmt: skip
+        own = {name: getattr(self, name)[index] for name in names}
+        return replace(self, tracks=self.tracks.picked(index), **own)
 
     def without(self, index: int) -> FitData:
         """Return all readings but one."""
         return self.picked(np.delete(np.arange(len(self)), index))
+
+
+def _tracks(session: Session) -> Tracks:
+    setup, kept = session.setup, session.kept
+    mass_kg = setup.robot.links * setup.robot.link_mass_kg
+    return Tracks.of(
+        [r.places for r in kept], [r.watch or setup.stopwatch for r in kept], mass_kg,
+        rolling_share(setup.floor.wheels_kg, mass_kg),
+    )  # fmt: skip
 
 
 def _astray(session: Session, bent_share: Floats) -> tuple[Floats, Floats]:

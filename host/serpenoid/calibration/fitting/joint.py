@@ -17,7 +17,9 @@ solved for by hand; what is left of a reading is one residual, the distance to t
     s_i^2 = (m g cos(gamma_i' - z) sg)^2 + (A sv)^2,
 
 and as many unknowns as there are frictions and nuisances. The full problem's covariance is kept:
-eliminating the v_i by hand is the Schur complement that a solver would form.
+eliminating the v_i by hand is the Schur complement that a solver would form. A robot that still
+drifted when it was read has -m_e f of its track instead of A v (`tracks`), and the track's error in
+s_i.
 """
 
 from __future__ import annotations
@@ -147,11 +149,11 @@ def balance(x: Floats, data: FitData) -> tuple[Floats, ...]:
     by_fn0 = by_fn0 + _astray(x, data)[0]
     slope = ct * by_ct + cn * by_cn
     incline = data.incline_rad - data.zero_sigma_rad * x[-1] - _roundings(x, data)[0]
-    excess_n = (
-        data.weight_n * np.sin(incline) - slope * data.slip_m_s - (ft0 * by_ft0 + fn0 * by_fn0)
-    )
+    drag_n, _ = data.tracks.drag(slope, data.slip_m_s)
+    excess_n = data.weight_n * np.sin(incline) - drag_n - (ft0 * by_ft0 + fn0 * by_fn0)
     per_incline_n = data.weight_n * np.cos(incline)
-    spread_n = np.hypot(per_incline_n * data.incline_sigma_rad, slope * data.speed_sigma_m_s)
+    own_n = np.hypot(per_incline_n * data.incline_sigma_rad, data.inertia_sigma_n)
+    spread_n = np.hypot(own_n, slope * data.speed_sigma_m_s)
     return excess_n / spread_n, spread_n, angle, slope, incline, per_incline_n
 
 
@@ -167,7 +169,7 @@ def jacobian(x: Floats, data: FitData) -> Floats:
     by_ct, by_cn, by_ft0, by_fn0 = projections(data.bent_share, angle)
     astray, by_astray = _astray(x, data)
     by_fn0 = by_fn0 + astray
-    speed = data.slip_m_s + r * slope * data.speed_sigma_m_s**2 / spread
+    speed = data.tracks.drag(slope, data.slip_m_s)[1] + r * slope * data.speed_sigma_m_s**2 / spread
     turned = 2 * (cn - ct) * sin * cos * speed + fn0 * cos - ft0 * sin
     by_offset = _offsets(x, data)[1] * data.bent_share * turned
     spread_by_zero = per_incline * data.incline_sigma_rad**2 * data.weight_n * np.sin(incline)

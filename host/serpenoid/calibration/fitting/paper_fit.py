@@ -16,7 +16,7 @@ def points(data: FitData, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     values: the frictions, of which ct and ft0 are taken. "back" is "straight" facing up the belt.
     """
     ct, ft0 = data.along(values)
-    pull_n = data.weight_n * np.sin(data.incline_rad)
+    pull_n = data.weight_n * np.sin(data.incline_rad) - data.inertia_n
     b, sin = data.bent, np.sin(data.lambda_rad)
     by_ct, _, by_ft0, by_fn0 = projections(data.bent_share, data.lambda_rad)
     along_n = ct * data.slip_m_s * by_ct + ft0 * by_ft0

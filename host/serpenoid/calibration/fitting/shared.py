@@ -27,6 +27,11 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+# A wheel's J / r^2 over its mass: 0.5 for a disc, 1 for a ring; with the spread of what is sold.
+WHEEL_SHAPE = (0.75, 0.15)
+# Where nobody told what the wheels weigh: their J / r^2 over the robot's mass.
+UNTOLD = (0.045, 0.03)
+
 
 def straightness_factors(links: int, bent: int = 0) -> tuple[float, float]:
     """Return a and b: mean and scatter of the straight links' mean |delta|, per sigma of a joint.
@@ -63,3 +68,11 @@ def widened(ends: Floats, values: Floats, sigma: Floats, quantile: float) -> Flo
     """Return intervals (P, 2) with errors of sigma (P,) added in quadrature; none below 0."""
     sides = np.hypot(ends - values[:, None], quantile * sigma[:, None])
     return np.maximum(values[:, None] + np.array([-1.0, 1.0]) * sides, 0.0)
+
+
+def rolling_share(wheels_kg: float | None, mass_kg: float) -> tuple[float, float]:
+    """Return J / r^2 of all wheels over the robot's mass, and its standard deviation."""
+    if wheels_kg is None:
+        return UNTOLD
+    mean, sigma = WHEEL_SHAPE
+    return mean * wheels_kg / mass_kg, sigma * wheels_kg / mass_kg

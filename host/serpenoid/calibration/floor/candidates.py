@@ -10,6 +10,7 @@ import numpy as np
 
 from ..fitting.data import FitData, Floats
 from ..fitting.joint import Minimum
+from ..fitting.rolling_law import slide_s, stop_s, way_m
 from ..fitting.shared import shared_covariance
 from ..kinds.coast import Coast
 from ..kinds.slide import Slide
@@ -17,7 +18,6 @@ from ..kinds.station import bent_share
 from ..kinds.tracks import Track
 from ..session import Session
 from .data import FloorData, Poses
-from .law import slide_s, stop_s, way_m
 from .minimum import covariance_of, least, minimum_at
 from .problem import Problem
 

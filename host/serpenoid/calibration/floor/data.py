@@ -9,16 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fitting.data import TOGETHER, Floats, Whole, postures, settings
-from ..fitting.shared import straightness_factors
+from ..fitting.shared import rolling_share, straightness_factors
 from ..kinds.coast import Coast
 from ..kinds.slide import Slide
 from ..session import Session
 from .arc import along
 
-# A wheel's J / r^2 over its mass: 0.5 for a disc, 1 for a ring; with the spread of what is sold.
-WHEEL_SHAPE = (0.75, 0.15)
-# Where nobody told what the wheels weigh: their J / r^2 over the robot's mass.
-UNTOLD = (0.045, 0.03)
 TAPE_M = 0.005  # of a way measured from where a hand let go
 
 
@@ -132,14 +128,6 @@ class FloorData:
         count = len(self.posture_sigma_rad)
         together = TOGETHER + (1.0 - TOGETHER) * np.eye(count)
         return np.asarray(np.linalg.inv(np.linalg.cholesky(together)), dtype=np.float64)
-
-
-def rolling_share(wheels_kg: float | None, mass_kg: float) -> tuple[float, float]:
-    """Return J / r^2 of all wheels over the robot's mass, and its standard deviation."""
-    if wheels_kg is None:
-        return UNTOLD
-    mean, sigma = WHEEL_SHAPE
-    return mean * wheels_kg / mass_kg, sigma * wheels_kg / mass_kg
 
 
 def _tracks(pushes: tuple[Coast, ...], time_sigma_s: float) -> Samples:

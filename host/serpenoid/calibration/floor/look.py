@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import BadInput
+from ..fitting.rolling_law import way_m
 from .arc import along, turn_rad
-from .law import way_m
 
 Floats = NDArray[np.float64]
 PIECE_S = 0.13  # over which a speed is taken

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..fitting.data import FitData, Floats
+from ..fitting.rolling_law import stop_s, way_m
 from ..session import Session
 from .data import FloorData
-from .law import stop_s, way_m
 from .minimum import least
 
 _POINTS, _RESTED_S = 80, 0.2

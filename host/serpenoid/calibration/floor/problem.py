@@ -28,8 +28,8 @@ import numpy as np
 
 from ..fitting import joint as station_law
 from ..fitting.data import FitData, Floats
+from ..fitting.rolling_law import slide_s, stop_s, way_m
 from .data import FloorData, Poses
-from .law import slide_s, stop_s, way_m
 
 _STEP = 1e-20  # of the complex step, which cancels nothing
 _LEAST_PULL = 1e-3  # m/s^2, of a slide that would not begin: its time is then long, not infinite

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..fitting.data import Floats
 from ..fitting.joint import Minimum
-from .law import way_m
+from ..fitting.rolling_law import way_m
 from .problem import Problem
 
 

@@ -94,13 +94,15 @@ class Word:
     """One word of a reading: one of the choices, the first where nothing is said.
 
     choices: none if any word without a space will do. of_plan: what is not said when it is typed is
-    as the plan's attribute of this name has it. source: as of a Field.
+    as the plan's attribute of this name has it. source: as of a Field. tidy: returns what is typed
+    as it is kept, without a blank; raises BadInput.
     """
 
     column: str
     choices: tuple[str, ...] = ()
     of_plan: bool = False
     source: str = PLANNED
+    tidy: Callable[[str], str] | None = None
 
     @property
     def name(self) -> str:
@@ -114,13 +116,15 @@ class Word:
 
     def read(self, text: str) -> str:
         """Return the word of a cell; raises BadInput."""
-        word = text or self.usual
+        word = self.tidy(text) if self.tidy and text else text or self.usual
         return check_choice(self.column, word, self.choices) if self.choices else word
 
     def check(self, reading: object) -> None:
         """Raise BadInput if a reading's word is none of the choices."""
         if self.choices:
             check_choice(self.column, getattr(reading, self.name), self.choices)
+        if self.tidy and getattr(reading, self.name):
+            self.tidy(getattr(reading, self.name))
 
 
 def _as_it_is(cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:

@@ -45,7 +45,9 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
     if unknown is not None:
         known = ", ".join(f.column for f in kind.fields)
         raise BadInput(f"unknown column {unknown!r}; a reading of kind {name} has {known}")
+    tidy = {w.column: w.tidy for w in kind.words if w.tidy}
     texts = {c: v if isinstance(v, str) else f"{v:.10g}" for c, v in cells.items()}
+    texts |= {c: tidy[c](text) for c, text in texts.items() if c in tidy and text}
     more = [
         f"{c}={text}"
         for c, text in texts.items()

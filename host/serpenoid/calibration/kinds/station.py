@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from ...model.bends import balanced_signs
 from ...model.errors import BadInput
-from .declaration import PLANNED, Field, Kind, Word, check_fields
-from .instruments import MAX_SPEED_M_S, TreadmillSteps, Uncertainty
+from .declaration import PLANNED, READ, Field, Kind, Word, check_fields
+from .instruments import MAX_SPEED_M_S, Stopwatch, TreadmillSteps, Uncertainty
+from .places import drifts, tidy_places
 
 FACINGS = ("down", "up")
 BENDS = ("zigzag", "balanced")  # zigzag first: sessions of before there were others do not say
@@ -38,6 +40,7 @@ FIELDS = (
           optional=True),
     Field("waited_s", "time since the belt was set", "time", 0.0, 1e5, source=PLANNED,
           optional=True),
+    Word("places", source=READ, tidy=tidy_places),
     Word("facing", FACINGS),
     Word("bend", BENDS, of_plan=True),
 )  # fmt: skip
@@ -56,7 +59,9 @@ class Reading:
     recorded. facing: "down" the incline, or "up": the wheels then roll backwards, which tells a
     ratchet. uncertainty, treadmill: of the instruments it was taken with, None for those of the
     session's set-up. turned_rad: heading when it was read. offset_rad: steering on every joint.
-    waited_s: how long the belt had run at this speed; each None where nobody told. Raises BadInput.
+    waited_s: how long the belt had run at this speed; each None where nobody told. places: of a
+    short reading, where the robot was at some times while it still drifted (`kinds.places`); the
+    drift is then the mean. watch: what these were timed with. Raises BadInput.
     """
 
     number: int
@@ -74,6 +79,8 @@ class Reading:
     offset_rad: float | None = None
     waited_s: float | None = None
     treadmill: TreadmillSteps | None = None
+    places: str = ""
+    watch: Stopwatch | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, FIELDS)
@@ -89,6 +96,24 @@ class Reading:
         """Return the speed of the belt past the snake, v_rel = v_belt - v_drift."""
         return self.belt_speed_m_s - self.drift_m_s
 
+    @property
+    def drift_in_words(self) -> str:
+        """Return the drift, m/s; of a short reading that of its start and of its end."""
+        if not self.places:
+            return f"{self.drift_m_s + 0.0:+.3f}"
+        mean, change, _ = drifts(self.places)
+        return f"{mean - change / 2:+.3f} to {mean + change / 2:+.3f}"
+
+    def balance_sine(self, gravity_m_s2: float) -> float:
+        """Return the sine of the incline at which the robot would hold its place at this slip.
+
+        That of the reading's own incline, unless its drift changed meanwhile.
+        """
+        if not self.places:
+            return math.sin(self.incline_rad)
+        _, change_m_s, duration_s = drifts(self.places)
+        return math.sin(self.incline_rad) + change_m_s / duration_s / gravity_m_s2
+
 
 def bent_share(bend: str, links: int) -> float:
     """Return which share of a robot's links is bent; raises BadInput where none can be."""
@@ -100,11 +125,17 @@ def bent_share(bend: str, links: int) -> float:
 def _in_words(r: Reading) -> tuple[str, str]:
     values = (
         f"{math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "
-        f"drift {r.drift_m_s:+.3f} m/s{', facing up' if r.facing == 'up' else ''}"
+        f"drift {r.drift_in_words} m/s{', facing up' if r.facing == 'up' else ''}"
         + (f", turned {math.degrees(r.turned_rad):+.3g}°" if r.turned_rad else "")
     )
     zigzag = " as a zigzag" if r.bend == "zigzag" and r.lambda_rad else ""
     return f"station, bend {math.degrees(r.lambda_rad):.4g}°{zigzag}", values
 
 
-STATION = Kind("station", Reading, FIELDS, _in_words, "readings", fitted=True)
+def _with_drift(cells: dict[str, Any], watch: Stopwatch) -> dict[str, Any]:
+    """Put in the mean drift of a short reading."""
+    places = str(cells.get("places", ""))
+    return cells | {"drift_m_s": drifts(tidy_places(places))[0]} if places else cells
+
+
+STATION = Kind("station", Reading, FIELDS, _in_words, "readings", derive=_with_drift, fitted=True)

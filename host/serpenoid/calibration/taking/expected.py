@@ -111,7 +111,8 @@ def of_bend(session: Session, lambda_rad: float, facing: str = "down") -> list[R
 def line_of(session: Session, lambda_rad: float, facing: str = "down") -> Line | None:
     """Return the line through a bend's stations, None with fewer than two inclines."""
     stations = of_bend(session, lambda_rad, facing)
-    sines = [math.sin(r.incline_rad) for r in stations]
+    gravity = session.setup.procedure.gravity_m_s2
+    sines = [r.balance_sine(gravity) for r in stations]
     if len(stations) < 2 or max(sines) - min(sines) < 1e-4:
         return None
     speeds = [r.slip_speed_m_s for r in stations]

@@ -148,6 +148,8 @@ def redone(
     derived = {f.column for f in declared.numbers if f.source == DERIVED}
     stale = derived if found.keys() - derived and not derived & found.keys() else set()
     there = cells_of(old)
+    if "drift_m_s" in found and "places" not in found:
+        there.pop("places", None)  # a drift that was typed anew: of these places no more
     anew = declared.derive(
         {k: v for k, v in there.items() if k not in stale} | found, setup.stopwatch
     )

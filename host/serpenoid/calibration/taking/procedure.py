@@ -16,6 +16,7 @@ from ..kinds.belt import BELT
 from ..kinds.bend import BEND
 from ..kinds.declaration import Field
 from ..kinds.gait import GAIT
+from ..kinds.places import drifts
 from ..kinds.station import LEAST_SLIP_M_S, STATION
 from ..kinds.zero import ZERO
 from ..session import Session, Setup
@@ -194,6 +195,8 @@ def doubts(
             likely = likely_belt(session, step, cells)
         if field.column == "reversed_deg":
             likely = _likely_reversed(cells)
+        if field.column == "drift_m_s" and cells.get("places"):
+            continue  # of a short reading: any drift will do
         if likely is not None and not likely[0] <= value <= likely[1]:
             found.append((field, likely))
         elif field.column == "belt_speed_m_s" and step.kind == "station":
@@ -226,6 +229,10 @@ def likely_belt(
 ) -> tuple[float, float] | None:
     """Return the belt speeds expected at the incline and drift typed so far; None if unknown."""
     incline_rad = math.radians(float(cells.get("incline_deg", step.incline_deg)))
+    places = str(cells.get("places", ""))
+    if places:  # as steep as where it would hold its place at this speed
+        _, change_m_s, duration_s = drifts(places)
+        incline_rad += change_m_s / duration_s / session.setup.procedure.gravity_m_s2
     lambda_rad = math.radians(step.lambda_deg)
     range_m_s = expected_speed(session, lambda_rad, incline_rad, step.facing)
     if range_m_s is None:

@@ -17,6 +17,7 @@ from typing import Any
 from ...model.errors import BadInput
 from ...model.ground import Ground
 from ...model.toml_table import Table, located
+from ..kinds.rows import kind_of
 from ..session import Setup
 from .journal import Journal, Listed
 from .simulated import GaitSpeed, SimulatedTreadmill, Truth
@@ -26,7 +27,7 @@ from .treadmill import MOST_STEPS, Posture, Treadmill, take_step
 _BACK = ("ct_back", "ft0_back")  # of ratchet wheels; as forwards unless given
 _TRUTH = ("incline_zero_deg", "belt_scale", "mass_scale", "joint_sigma_deg", "link_spread",
           "rolling_kg", "breakaway", "disturbance_m_s", "misreads", "hasty",
-          "amplitude")  # fmt: skip
+          "short_s", "amplitude")  # fmt: skip
 Told = Callable[[Step], None]
 
 
@@ -104,6 +105,7 @@ def _add_listed(journal: Journal, top: Table) -> int:
         cells = dict(row)
         kind, comment = str(cells.pop("kind", "station")), str(cells.pop("comment", ""))
         with located(f"{top.path}: reading {number}"):
+            cells = kind_of(kind).derive(cells, journal.session.setup.stopwatch)
             journal.check(kind, cells)
         made.append((kind, cells, comment))
     return journal.add_once(made)

@@ -17,7 +17,7 @@ import numpy as np
 from ...lab.belt import Belt
 from ...lab.crawl import crawl_speed
 from ...lab.instruments import Instrument
-from ...lab.person import Display, Habits, Person
+from ...lab.person import Display, Habits, Held, Person
 from ...lab.robot import LabRobot, pose_of
 from ...model.bends import balanced_signs
 from ...model.drives import Servo, ServoKind
@@ -45,6 +45,7 @@ class Truth:
     rolling_kg, breakaway: of the wheels (`lab.robot`). disturbance_m_s: of the robot when it is let
     go. misreads: share of readings that are typed wrong. hasty: share that are read too early.
     steered: a person steers it while it holds. guided: between rails, which keep it straight.
+    short_s: bent, it is filmed for so long while it drifts, instead of held; 0: it is held.
     amplitude: of the joints in a gait, true over commanded. servo: what moves them in a gait; None:
     they follow it.
     """
@@ -63,6 +64,7 @@ class Truth:
     hasty: float = 0.0
     steered: bool = True
     guided: bool = False
+    short_s: float = 0.0
     amplitude: float = 1.0
     servo: Servo | None = None
 
@@ -204,7 +206,7 @@ class SimulatedTreadmill:
         incline_rad = math.atan(grade) + self._deck_rad
         self.belt.tilt(incline_rad)
         self.person.facing = step.facing
-        held = self.person.hold(self._guess_m_s(step), step.settle_s)
+        held = self._read(step)
         if held is None or held.belt_shown_m_s - held.drift_m_s <= 0.0:
             return None
         self._shown_m_s = held.belt_shown_m_s
@@ -215,7 +217,15 @@ class SimulatedTreadmill:
             "turned_deg": round(math.degrees(held.turned_rad), 1),
             "offset_deg": round(math.degrees(held.offset_rad), 3),
             "waited_s": round(held.waited_s, 1),
+            "places": ",".join(f"{t:.3f}:{y:.4f}" for t, y in held.places),
         }
+
+    def _read(self, step: Step) -> Held | None:
+        """Hold the robot until it settles; or only film how it drifts, where that is the plan."""
+        guess_m_s = self._guess_m_s(step)
+        if self._bent_rad and self.truth.short_s:
+            return self.person.film(guess_m_s, self.truth.short_s)
+        return self.person.hold(guess_m_s, step.settle_s)
 
     def _belt(self, step: Step) -> Cells:
         """Time a mark on the belt over ten turns."""

@@ -208,7 +208,7 @@ def _readings(session: Session, fit: FrictionFit) -> list[str]:
     off = dict(zip((r.number for r in session.fitted), fit.residuals, strict=True))
     rows = [
         [str(r.number), f"{math.degrees(r.lambda_rad):.4g}", f"{math.degrees(r.incline_rad):.4g}",
-         f"{r.belt_speed_m_s:.4g}", f"{r.drift_m_s + 0.0:.3g}",
+         f"{r.belt_speed_m_s:.4g}", r.drift_in_words if r.places else f"{r.drift_m_s + 0.0:.3g}",
          f"{off[r.number]:+.1f}" if r.number in off else "voided"]
         for r in session.readings
     ]  # fmt: skip

@@ -83,7 +83,7 @@ def _last(session: Session) -> str:
     r = session.readings[-1]
     return (
         f"{r.number}: {math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "
-        f"drift {r.drift_m_s:+.3f} m/s{' (void)' if r.voided else ''}"
+        f"drift {r.drift_in_words} m/s{' (void)' if r.voided else ''}"
     )
 
 
@@ -116,9 +116,12 @@ def agreement(fit: FrictionFit) -> str:
 
 def _bend(session: Session, series: Series) -> dict[str, Any]:
     stations = of_bend(session, series.lambda_rad, series.facing)
+    gravity = session.setup.procedure.gravity_m_s2
     found: dict[str, Any] = {
         "name": series.name,
-        "points": [[math.degrees(r.incline_rad), r.slip_speed_m_s] for r in stations],
+        "points": [
+            [math.degrees(math.asin(r.balance_sine(gravity))), r.slip_speed_m_s] for r in stations
+        ],
         "line": [],
     }
     line = line_of(session, series.lambda_rad, series.facing)

@@ -20,7 +20,8 @@ def picture(session: Session) -> str:
     points = []
     for r in session.kept:
         bend = plan.index(series_it_is_of(session, r))
-        points.append((math.degrees(r.incline_rad), r.slip_speed_m_s, bend))
+        sine = r.balance_sine(session.setup.procedure.gravity_m_s2)
+        points.append((math.degrees(math.asin(sine)), r.slip_speed_m_s, bend))
     if len(points) < 2:
         return ""
     low, high = min(p[0] for p in points) - 0.2, max(p[0] for p in points) + 0.2

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 
 from ....model.errors import BadInput, RecordingFailed, RobotError
 from ...kinds.declaration import Field
+from ...kinds.places import EXAMPLE, drifts, is_places, tidy_places
 from ...kinds.station import STATION
 from ...session import Session
 from ..journal import Journal
@@ -160,9 +161,11 @@ class Dialogue:
             likely = field.likely
             if field.column == "belt_speed_m_s" and step.kind == "station":
                 likely = likely_belt(self.journal.session, step, values)
-            values[field.column] = self._number(field, likely, step)
+            drifts = field.column == "drift_m_s"
+            values |= (self._drift if drifts else self._one)(field, likely, step)
         if step.kind == "station":
-            values["waited_s"] = self._waited(self._clock_s() - begun_s, step)
+            if "places" not in values:
+                values["waited_s"] = self._waited(self._clock_s() - begun_s, step)
             if self._robot is not None:
                 values["offset_deg"] = round(math.degrees(self._robot.offset_rad), 3)
         return self._doubted(step, values)
@@ -240,6 +243,20 @@ class Dialogue:
                 kept.add(field.column)
             elif answer:
                 values[field.column] = self.read(answer, field, None, step)
+
+    def _one(self, field: Field, likely: tuple[float, float] | None, step: Step) -> Values:
+        return {field.column: self._number(field, likely, step)}
+
+    def _drift(self, field: Field, likely: tuple[float, float] | None, step: Step) -> Values:
+        """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
+        question = f"  {field.words} ({field.unit}); or places as s:m, {EXAMPLE}: "
+        while True:
+            text = self.ask(question, step)
+            if not is_places(text):
+                return {field.column: self.read(text, field, likely, step)}
+            with self._telling():
+                places = tidy_places(text)
+                return {"places": places, field.column: drifts(places)[0]}
 
     def _number(self, field: Field, likely: tuple[float, float] | None, step: Step) -> float:
         return self.read(self.ask(f"  {field.words} ({field.unit}): ", step), field, likely, step)

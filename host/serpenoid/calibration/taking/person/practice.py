@@ -15,6 +15,7 @@ from ....lab.person import Display
 from ....lab.practice import PracticeTreadmill, SetPoints
 from ....model.errors import BadInput
 from ....model.ground import Ground
+from ...kinds.places import MOST_S
 from ...session import Session, Setup
 from ..simulated import Truth
 from .terminal import Terminal
@@ -31,6 +32,7 @@ The treadmill is worked by words, or on its page:
   left, right   steer by a step (left 4: four steps)
   look          where the robot is, as a picture
   mark          ruler and watch; again: how far and how long, and so the drift
+  film 4        4 s of film: places to type for the drift, where it cannot be held
   inclinometer  what it shows; turned: laid the other way round
   protractor    what it shows between the links at both ends
   turns         mark the belt and time ten turns
@@ -124,7 +126,7 @@ class PracticeTerminal:
         self._terminal, self._treadmill, self._pace = terminal, treadmill, pace
         self.keys: Mapping[str, Callable[[], str]] = {}
         self._words = {
-            "belt": self._belt, "incline": self._incline, "wait": self._wait,
+            "belt": self._belt, "incline": self._incline, "wait": self._wait, "film": self._film,
             "left": self._steer("left"), "right": self._steer("right"),
             "put": lambda given: treadmill.put("up" if given == "up" else "down"),
             "look": lambda given: f"{picture(treadmill)}\n  {treadmill.look()}",
@@ -183,6 +185,19 @@ class PracticeTerminal:
             return f"say how long in s, at most {LONGEST_WAIT_S:g}: wait 20"
         time.sleep(seconds / self._pace)
         return self._treadmill.look()
+
+    def _film(self, given: str) -> str:
+        seconds = _number(given or "4", ("s",))
+        if seconds is None or not 2 <= seconds <= MOST_S:
+            return f"say how long in s, 2 to {MOST_S:g}: film 4"
+        room, found = self._treadmill, list[tuple[float, float]]()
+        while room.lies and (not found or found[-1][0] - found[0][0] < seconds - 0.1):
+            time.sleep((1.0 if found else 0.0) / self._pace)
+            found.append(room.place())
+        if len(found) < 3:
+            return "the robot is not on the belt"
+        places = " ".join(f"{t - found[0][0]:.2f}:{y:.3f}" for t, y in found)
+        return f"places, s:m uphill, to type for the drift: {places}"
 
     def _steer(self, way: str) -> Callable[[str], str]:
         def steer(given: str) -> str:

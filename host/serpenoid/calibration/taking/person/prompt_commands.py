@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from ....model.errors import BadInput, RecordingFailed
-from ...kinds.declaration import READ, Field
+from ...kinds.declaration import READ, Field, Word
 from ...kinds.rows import cells_of, kind_of
 from ...session_rows import reading_rows
 from ..journal import Journal
@@ -119,7 +119,7 @@ class PromptCommands:
             self._talk.say(
                 f"  {r.number:4}  bend {math.degrees(r.lambda_rad):.4g}  incline "
                 f"{math.degrees(r.incline_rad):.2f} deg  belt {r.belt_speed_m_s:.3f}  drift "
-                f"{r.drift_m_s:+.3f} m/s{state}"
+                f"{r.drift_in_words} m/s{state}"
             )
         parts = progress(session, skipped_keys(self._journal.events))
         wide = max(len(name) for name, _ in parts)
@@ -162,8 +162,12 @@ class PromptCommands:
         """Ask for a row's numbers again; what the plan or the protractor told stays."""
         values: Values = {}
         there = cells_of(row)
-        for field in kind_of(row["kind"]).numbers:
-            if field.source != READ or field.column not in there:
+        for field in kind_of(row["kind"]).fields:
+            if field.source != READ or not there.get(field.column):
+                continue
+            if isinstance(field, Word):
+                text = self._talk.ask(f"  {field.column} ({there[field.column]}): ", step)
+                values |= {field.column: field.read(text)} if text else {}
                 continue
             old = float(there[field.column])
             text = self._talk.ask(f"  {field.words} ({old:.4g} {field.unit}): ", step)

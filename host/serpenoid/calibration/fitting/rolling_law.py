@@ -42,7 +42,7 @@ def way_m(t: Floats, v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats, 
     end = np.minimum(t, stop_s(v0, c, f)[0])
     rolled = np.maximum(end, 0.0)
     z = c * rolled
-    p, q, by_p, by_q = _shapes(z)
+    p, q, by_p, by_q = shapes(z)
     way = v0 * rolled * p - f * rolled**2 * q + v0 * np.minimum(t, 0.0)
     slopes = np.stack([
         rolled * p + np.minimum(t, 0.0),
@@ -70,7 +70,7 @@ def slide_s(length_m: Floats, c: Floats, pull: Floats) -> Floats:
     return np.where(slides, t, np.inf)
 
 
-def _shapes(z: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def shapes(z: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Return p, q and their derivatives by z."""
     small = np.abs(z) < _SMALL
     far = np.where(small, 1.0, z)
