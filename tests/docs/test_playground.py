@@ -231,7 +231,7 @@ def test_a_fit_dropped_brings_its_friction_and_the_packages_band(browser, fitted
     browser.sees("#fit", "Friction and robot of nirakh-2005")
     browser.sees("#figures", "Speed that your fit allows")
     gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
-    wanted = speed_band(sn.load_fit(fitted), gait)
+    wanted = speed_band(sn.load_fit(fitted), gait, servo=None)
     assert browser.runs("return curve.band") == pytest.approx(
         [wanted.low_m_s, wanted.high_m_s], rel=1e-5
     )

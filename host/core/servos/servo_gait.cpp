@@ -130,7 +130,7 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     const double frames = 2 * M_PI / (gait.omega * servo.frame);
     // the loop's spring is explicit in a step: its quickest swing bends the lightest joint alone
     const double swing = std::sqrt(servo.stiffness / (servo.armature + robot.I / 8));
-    double longest = std::min(options.longest, kSwing / swing);
+    const double longest = std::min(options.longest, kSwing / swing);
     ServoGaitState out;
     if (2 * M_PI / (gait.omega * longest) > kMostSteps) return out;
     ServoSteps steps(robot, ground, gait, servo, longest);
@@ -141,16 +141,19 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     const bool few = frames < kMany;
     const int phases = few ? options.phases : frames < 2 * kMany ? (options.phases + 1) / 2 : 1;
     steps.set_body(settling.last.data());
-    const auto at = [&](double longest) {
+    // Steps end at frames and looks of the loop, so a shorter limit alone may change little: each
+    // step is cut in two.
+    const auto at = [&](int split) {
         ServoSteps again = steps;
-        again.take_steps(longest);
+        again.take_steps(2 * longest, split);
         return measure(again, phases, few);
     };
-    Mean coarse = at(2 * longest), fine = at(longest);
+    int split = 2;
+    Mean coarse = at(1), fine = at(split);
     double by_step = fine.speed() - coarse.speed();
     for (int finer = 0; finer < options.most_halvings; ++finer) {
         if (std::fabs(by_step) <= options.rtol * std::max(fine.speed(), least)) break;
-        coarse = fine, fine = at(longest /= 2), by_step = fine.speed() - coarse.speed();
+        coarse = fine, fine = at(split *= 2), by_step = fine.speed() - coarse.speed();
     }
     fine.report(out);
     // A loop that hunts has states of its own, and the phases need not find the one that it takes.

@@ -171,7 +171,8 @@ void ServoSteps::cycle() {
     for (t_ = 0; t_ < T - 1e-9 * servo_.frame;) {
         enter();
         const double stop = std::min({T, frame_, tick_ > 0 ? update_ : T});
-        const int parts = std::max(1, static_cast<int>(std::ceil((stop - t_) / longest_ - 1e-6)));
+        const double whole = std::ceil((stop - t_) / longest_ - 1e-6);
+        const int parts = split_ * std::max(1, static_cast<int>(whole));
         const double h = (stop - t_) / parts;
         for (int p = 0; p < parts; ++p) step(h);
         t_ = stop;

@@ -32,7 +32,8 @@ class ServoSteps {
     void shift_frames(double shift);
     // Follow the gait for a cycle from phase 0; the frames of the cycle before go on.
     void cycle();
-    void take_steps(double longest) { longest_ = longest; }
+    // Take steps of at most `longest`, each cut into so many equal ones.
+    void take_steps(double longest, int split) { longest_ = longest, split_ = split; }
 
     // The body's state, as start() takes it, but for the momentum L in place of the rate.
     void body(double* v) const;
@@ -89,6 +90,7 @@ class ServoSteps {
     GaitTable table_;
     Servo servo_;
     double longest_;
+    int split_ = 1;
     int n_;
     bool play_;
     int size_;

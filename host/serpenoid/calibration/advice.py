@@ -24,16 +24,24 @@ from ..model.checks import check_kind
 from ..model.drives import ServoKind
 from ..model.errors import BadInput
 from ..model.gait import Gait
+from ..servos.catalogue import HOBBY
 from .fitting.data import FitData, Floats, projections
 from .fitting.identifiability import SAFE_BEND
 from .fitting.joint import jacobian, starting_point
 from .fitting.rounding import nearest_shown
 from .fitting.shared import shared_covariance
 from .friction_fit import fit_friction
-from .friction_result import FrictionFit, WholeSnake, band
+from .friction_result import FrictionFit, WholeSnake
 from .kinds.station import LEAST_SLIP_M_S, Reading, bent_share
 from .session import Session, Setup
-from .speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds, speed
+from .speed_samples import (
+    AMPLITUDE_SIGMA,
+    Progress,
+    band_parts,
+    sample_speeds,
+    servo_fields,
+    servo_note,
+)
 from .taking.expected import Series
 
 LAMBDAS_DEG = (0.0, 7.5, 15.0, 20.0, 30.0)  # further, the end joints stand beyond 60 degrees
@@ -98,7 +106,8 @@ class Advice:
     band: half of the 95 % band over the speed, mean over the gaits, as `compare` shows it.
     band_after_best: the same share once the best reading is taken as often as it is worth, by
     samples too. note: what must be known beside, "" if nothing. servo: the kind that moves the
-    joints, None for ideal ones.
+    joints, None for ideal ones. band_servo_measured: the same share once one joint was measured in
+    a bench test (`serpenoid servo --test`); None for ideal joints.
     """
 
     gaits: tuple[Gait, ...]
@@ -107,11 +116,18 @@ class Advice:
     readings: tuple[NextReading, ...]
     note: str = ""
     servo: str | None = None
+    band_servo_measured: float | None = None
 
     @property
     def best(self) -> NextReading:
         """Return the reading that shrinks the band most."""
         return self.readings[0]
+
+    @property
+    def measure_servo(self) -> bool:
+        """Tell whether measuring a servo shrinks the band more than the best reading."""
+        measured = self.band_servo_measured
+        return measured is not None and measured < self.band_after_best
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name."""
@@ -121,6 +137,8 @@ class Advice:
             "band_after_best": self.band_after_best,
             "note": self.note,
             "servo": self.servo,
+            "band_servo_measured": self.band_servo_measured,
+            "measure_servo": self.measure_servo,
             "readings": [asdict(r) | {"in_words": r.in_words()} for r in self.readings],
         }
 
@@ -132,14 +150,15 @@ def advise(
     samples: int = 48,
     lambdas_deg: Sequence[float] = LAMBDAS_DEG,
     runs: bool = False,
-    servo: ServoKind | None = None,
+    servo: ServoKind | None = HOBBY,
     progress: Progress | None = None,
 ) -> Advice:
     """Rank the readings that could be taken next by the speed band they leave.
 
     gaits: those that matter; the session's planned ones unless given. lambdas_deg: bends to choose
     from, in degrees. runs: whether to count gait runs, those taken and those to take. servo: the
-    kind that moves the joints, as for `compare`. No place is
+    kind that moves the joints, as for `compare`; where it, and no longer friction, is what to
+    measure, the note says so. No place is
     named where a reading was voided, none steeper than MOST_INCLINE_RAD or the steepest taken, none
     faster than the plan's belt. Raises BadInput if there is no gait, and what fit_friction raises
     for readings that leave a parameter open: then it names the reading that would close it.
@@ -166,35 +185,17 @@ def advise(
             "runs, or raise belt_speed_max_m_s in the plan"
         )
     linear = slopes.band(covariance)
-    whole_band, friction = _sampled_bands(fit, wanted, servo)
-    now = _total(whole_band, friction, slopes.band(covariance, ran) / linear)
+    parts = band_parts(fit, wanted, servo)
+    now = parts.with_friction(slopes.band(covariance, ran) / linear)
     total = [replace(
-        r, band=_total(whole_band, friction, r.band / linear),
-        band_after_times=_total(whole_band, friction, r.band_after_times / linear),
+        r, band=parts.with_friction(r.band / linear),
+        band_after_times=parts.with_friction(r.band_after_times / linear),
     ) for r in sorted(readings, key=lambda r: r.band)]  # fmt: skip
     then = _after(session, fit, total[0])
     last = total[0].band_after_times
-    after = last if then is None else _sampled_bands(then, wanted, servo)[0]
-    note, named = _ratchet_note(session, fit), servo and servo.name
-    return Advice(wanted, now, after, tuple(total), note, named)
-
-
-def _sampled_bands(
-    fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None
-) -> tuple[float, float]:
-    """Return half the 95 % band over the speed, mean over gaits: in all, and of friction alone."""
-    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=servo)
-    halves = []
-    for speeds in (drawn.both_m_s, drawn.friction_m_s):
-        ends = [band(of_gait) for of_gait in speeds.T]
-        best = [max(speed(fit.robot, fit.ground, gait), 1e-9) for gait in gaits]
-        halves.append(np.mean([(b - a) / 2 / v for (a, b), v in zip(ends, best, strict=True)]))
-    return float(halves[0]), float(halves[1])
-
-
-def _total(now: float, friction: float, ratio: float) -> float:
-    """Return a band whose part of friction shrinks by a ratio; the joints' part stays."""
-    return math.sqrt(max(now**2 - friction**2, 0.0) + (ratio * friction) ** 2)
+    after = last if then is None else band_parts(then, wanted, servo).whole
+    notes = filter(None, (_ratchet_note(session, fit), servo_note(parts, servo, after)))
+    return Advice(wanted, now, after, tuple(total), " ".join(notes), *servo_fields(servo, parts))
 
 
 def _after(session: Session, fit: FrictionFit, told: NextReading) -> FrictionFit | None:

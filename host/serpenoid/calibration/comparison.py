@@ -13,6 +13,7 @@ from ..model.checks import check_kind, check_number
 from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
+from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
 from .filmed_joints import joints_seen, seen_on_film
 from .friction_fit import fit_friction
@@ -93,7 +94,7 @@ def compare(
     *,
     gaits: Sequence[Gait] = (),
     amplitude_sigma: float = AMPLITUDE_SIGMA,
-    servo: ServoKind | None = None,
+    servo: ServoKind | None = HOBBY,
     samples: int = 64,
     seed: int = 2005,
     progress: Progress | None = None,
@@ -102,9 +103,10 @@ def compare(
 
     fit: the session's own joint fit unless given. gaits: further ones to predict. amplitude_sigma:
     standard deviation of the joints' true over commanded amplitude, common to all gaits. servo: the
-    kind that moves the joints; None: they follow the gait, and servos are no cause. Frictions
-    are sampled, since speed is skewed where wheels stick. progress is called with the gaits done,
-    of `gait_count`. Raises BadInput where there is neither a run nor a gait.
+    kind that moves the joints, any hobby servo unless given; None: they follow the gait, and servos
+    are no cause. Frictions are sampled, since speed is skewed where wheels stick. progress is
+    called with the gaits done, of `gait_count`. Raises BadInput where there is neither a run nor a
+    gait.
     """
     check_kind("session", session, Session)
     check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)

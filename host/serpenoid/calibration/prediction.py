@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
+from ..servos.catalogue import HOBBY
 from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
@@ -35,10 +37,11 @@ class SpeedPoint:
     """Hold the speeds predicted for one rate.
 
     explicit_m_s: periodic state of the exact model, explicit_error_m_s: its numerical error;
-    sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval that friction fit and joints
-    leave it, by 64 samples (`speed_samples.SpeedBand`). implicit_m_s: periodic state of the
-    implicit model with the paper's springs, run until it repeats; implicit_error_m_s: what
-    cycles and time steps leave open in it.
+    sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval of the speed that friction
+    fit, joints and servos leave, by 64 samples (`speed_samples.SpeedBand`); low_ideal_m_s,
+    high_ideal_m_s: without the servos. implicit_m_s: periodic state of the implicit model with the
+    paper's springs, run until it repeats; implicit_error_m_s: what cycles and time steps leave open
+    in it.
     """
 
     frequency_hz: float
@@ -47,6 +50,8 @@ class SpeedPoint:
     sigma_m_s: float
     low_m_s: float
     high_m_s: float
+    low_ideal_m_s: float
+    high_ideal_m_s: float
     implicit_m_s: float
     implicit_error_m_s: float
     settling_time_s: float
@@ -56,15 +61,19 @@ class SpeedPoint:
         return {name: getattr(self, name) for name in self.__slots__}
 
 
-def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
-    """Predict the speed of one gait on fitted ground, with what the fit leaves uncertain.
+def predict(
+    robot: Robot, fit: FrictionFit, gait: Gait, servo: ServoKind | None = HOBBY
+) -> SpeedPoint:
+    """Predict the speed of one gait on fitted ground, with what fit and servos leave uncertain.
 
+    servo: the kind that moves the joints, any hobby servo unless given; None: they follow the gait.
     The uncertainty is that of sampled frictions, not of a tangent: where wheels stick, the speed
     hangs on friction only once it is weak enough for them to slip.
     """
     s = steady_gait(robot, fit.ground, gait, powers=False)
-    sampled = sample_speeds(fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, count=SAMPLES).both_m_s
-    low, high = band(sampled)
+    drawn = sample_speeds(fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA, servo=servo, count=SAMPLES)
+    low, high = band(drawn.both_m_s)
+    low_ideal, high_ideal = band(drawn.joints_m_s)
     springs = steady_springs(
         robot, fit.ground, gait, joint_stiffness_n_m=STIFFNESS_N_M,
         joint_damping_n_s_m=DAMPING_N_S_M, rtol=SPRINGS_RTOL,
@@ -73,9 +82,11 @@ def predict(robot: Robot, fit: FrictionFit, gait: Gait) -> SpeedPoint:
         frequency_hz=gait.omega_rad_s / (2 * math.pi),
         explicit_m_s=s.speed_m_s,
         explicit_error_m_s=s.error_estimate * s.speed_m_s,
-        sigma_m_s=float(sampled.std()),
+        sigma_m_s=float(drawn.both_m_s.std()),
         low_m_s=low,
         high_m_s=high,
+        low_ideal_m_s=low_ideal,
+        high_ideal_m_s=high_ideal,
         implicit_m_s=springs.speed_m_s,
         implicit_error_m_s=springs.error_estimate * springs.speed_m_s,
         settling_time_s=s.settling_time_s,
@@ -87,15 +98,16 @@ def predict_all(
     fit: FrictionFit,
     gaits: Sequence[Gait],
     *,
+    servo: ServoKind | None = HOBBY,
     progress: Callable[[int], None] | None = None,
 ) -> list[SpeedPoint]:
-    """Predict every gait of a list; progress is called with 1 after each.
+    """Predict every gait of a list as `predict` does; progress is called with 1 after each.
 
     As many threads as the machine has cores: the core computes without Python's lock.
     """
     points = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for point in pool.map(lambda gait: predict(robot, fit, gait), gaits):
+        for point in pool.map(lambda gait: predict(robot, fit, gait, servo), gaits):
             points.append(point)
             if progress is not None:
                 progress(1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -17,10 +18,12 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.servo_steady import servo_speed
 from ..periodic.steady import steady_gait
+from ..servos.catalogue import HOBBY
 from .friction_result import FrictionFit, band
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
+SERVO_LEFT = 0.5  # of the servos' doubt, after a bench test of one joint
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
 
 
@@ -60,9 +63,12 @@ class SpeedBand:
 
 def speed_band(
     fit: FrictionFit, gait: Gait, count: int = 64, amplitude_sigma: float = AMPLITUDE_SIGMA,
-    servo: ServoKind | None = None,
+    servo: ServoKind | None = HOBBY,
 ) -> SpeedBand:  # fmt: skip
-    """Predict one gait's speed by the exact model, with the band that fit and joints leave it."""
+    """Predict one gait's speed by the exact model, with the band that fit and joints leave it.
+
+    servo: the kind that moves the joints, any hobby servo unless given; None: they follow the gait.
+    """
     drawn = sample_speeds(fit, [gait], amplitude_sigma=amplitude_sigma, servo=servo, count=count)
     ends = (*band(drawn.both_m_s[:, 0]), *band(drawn.friction_m_s[:, 0]))
     best = speed(fit.robot, fit.ground, gait, servo and servo.servo)
@@ -142,3 +148,61 @@ def _normal_quantile(share: Array) -> Array:
     from scipy.special import ndtri
 
     return ndtri(share)
+
+
+@dataclass(frozen=True)
+class BandParts:
+    """Halves of 95 % bands over the speed, each the mean over some gaits.
+
+    whole: with friction, amplitude and servos in doubt. joints: with ideal servos. friction: with
+    ideal joints.
+    """
+
+    whole: float
+    joints: float
+    friction: float
+
+    @property
+    def servos(self) -> float:
+        """Return the servos' part, 0 where the joints follow the gait."""
+        return math.sqrt(max(self.whole**2 - self.joints**2, 0.0))
+
+    @property
+    def servo_measured(self) -> float:
+        """Return the whole band after a bench test of one joint."""
+        return math.hypot(self.joints, SERVO_LEFT * self.servos)
+
+    def with_friction(self, ratio: float) -> float:
+        """Return the whole band once friction's part has shrunk by a ratio."""
+        return math.sqrt(max(self.whole**2 - self.friction**2, 0.0) + (ratio * self.friction) ** 2)
+
+
+def band_parts(fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None) -> BandParts:
+    """Return the parts of the band that fit, joints and servos leave, by samples as `compare`."""
+    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=servo)
+    best = [max(speed(fit.robot, fit.ground, gait), 1e-9) for gait in gaits]
+    halves = []
+    for speeds in (drawn.both_m_s, drawn.joints_m_s, drawn.friction_m_s):
+        ends = [band(of_gait) for of_gait in speeds.T]
+        halves.append(np.mean([(b - a) / 2 / v for (a, b), v in zip(ends, best, strict=True)]))
+    return BandParts(*map(float, halves))
+
+
+def servo_fields(
+    servo: ServoKind | None, parts: BandParts
+) -> tuple[None, None] | tuple[str, float | None]:
+    """Return `Advice.servo` and `Advice.band_servo_measured`."""
+    if servo is None:
+        return None, None
+    return servo.name, None if servo.drawn else parts.servo_measured
+
+
+def servo_note(parts: BandParts, servo: ServoKind | None, band_after_best: float) -> str:
+    """Return what to say where a servo is what to measure; "" where a reading tells more."""
+    if servo is None or servo.drawn or parts.servo_measured >= band_after_best:
+        return ""
+    return (
+        f"Measure a servo next. Servos ({servo.name}) leave ±{parts.servos:.1%} of the speed, "
+        f"friction ±{parts.friction:.1%}. A bench test of one joint (`serpenoid servo --test`) "
+        f"leaves ±{parts.servo_measured:.1%} in all, the best reading ±{band_after_best:.1%}."
+    )

@@ -68,11 +68,13 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
 
 def _speed_table(points: list[SpeedPoint]) -> None:
     rows = [
-        [f"{p.frequency_hz:.1f}", f"{p.explicit_m_s:.4f}", f"{p.low_m_s:.3f} to {p.high_m_s:.3f}",
+        [f"{p.frequency_hz:.1f}", f"{p.explicit_m_s:.4f}",
+         f"{p.low_ideal_m_s:.3f} to {p.high_ideal_m_s:.3f}", f"{p.low_m_s:.3f} to {p.high_m_s:.3f}",
          f"{p.implicit_m_s:.4f}", f"{100 * (p.implicit_m_s / p.explicit_m_s - 1):+.1f} %"]
         for p in points
     ]  # fmt: skip
-    columns = ["frequency (Hz)", "exact (m/s)", "95 % from fit", "implicit (m/s)", "off by"]
+    columns = ["frequency (Hz)", "ideal joints (m/s)", "95 %", "95 %, any hobby servo",
+               "implicit (m/s)", "off by"]  # fmt: skip
     report.table(f"speed at alpha {ALPHA_DEG:g} deg, beta {BETA_DEG:g} deg", columns, rows)
 
 
@@ -83,12 +85,13 @@ def _summary(fit: FrictionFit, points: list[SpeedPoint], files: list[Path]) -> N
     step = max(points, key=lambda p: p.implicit_error_m_s / p.implicit_m_s)
     cn = fit.parameters["cn"]
     lines = [
-        f"At {at.frequency_hz:g} Hz the robot should crawl at {at.explicit_m_s:.3f} m/s, "
-        f"and between {at.low_m_s:.3f} and {at.high_m_s:.3f} for 95 % of the frictions that "
-        "the readings allow.",
-        f"They leave most open near {doubt.frequency_hz:g} Hz "
-        f"(1 sigma: {100 * doubt.sigma_m_s / doubt.explicit_m_s:.0f} %). The normal friction is "
-        f"the weak spot: cn is known to {100 * cn.sigma / cn.value:.0f} % from a 7.5 deg bend.",
+        f"At {at.frequency_hz:g} Hz the robot should crawl at {at.explicit_m_s:.3f} m/s with ideal "
+        f"joints; with hobby servos between {at.low_m_s:.3f} and {at.high_m_s:.3f} for 95 % of the "
+        "frictions and servos that the readings allow.",
+        f"Friction and servos leave most open near {doubt.frequency_hz:g} Hz "
+        f"(1 sigma: {100 * doubt.sigma_m_s / doubt.explicit_m_s:.0f} %). Of friction, "
+        f"across is the weak spot: cn is known to {100 * cn.sigma / cn.value:.0f} % from a 7.5 deg "
+        "bend.",
         f"The numerical error of the exact model is below "
         f"{max(p.explicit_error_m_s for p in points):.0e} m/s; wheels stick exactly, no smoothing.",
         f"The paper's implicit model (k = 1000 N/m) is off by up to "

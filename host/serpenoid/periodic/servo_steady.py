@@ -19,7 +19,7 @@ from .steady import Steady, relative_error
 
 DRAWS = 32
 _STEP_S, _LONG_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 2.0
-_BAND = (2.5, 97.5)  # per cent
+BAND = (2.5, 97.5)  # per cent
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +57,12 @@ class ServoSteady:
     @property
     def low_m_s(self) -> float:
         """Return the lower end of the band that the servo leaves, m/s."""
-        return self._end(_BAND[0], -1)
+        return self._end(BAND[0], -1)
 
     @property
     def high_m_s(self) -> float:
         """Return the upper end of the band that the servo leaves, m/s."""
-        return self._end(_BAND[1], 1)
+        return self._end(BAND[1], 1)
 
     def _end(self, percentile: float, sign: int) -> float:
         if not self.samples_m_s:

@@ -84,6 +84,7 @@ _KINDS = [
     _identified("MX-64", 1.62247, 3.94943, 12.0, 0.0119512, 0.0903868, 0.0116916),
 ]
 SERVOS = {kind.name: kind for kind in _KINDS}
+HOBBY = SERVOS["hobby"]  # what every prediction from a session takes unless told
 
 
 def servo(name: str | Path = "hobby") -> ServoKind:

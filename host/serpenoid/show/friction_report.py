@@ -65,4 +65,5 @@ def show_advice(found: Advice, most: int = 5) -> None:
     if found.note:
         console.print(found.note, highlight=False)
     after = f"then the speed is known to {found.band_after_best:.1%}"
-    console.print(f"Take next: {found.best.in_words()}; {after}.", highlight=False)
+    first = "Of the readings take" if found.measure_servo else "Take next:"
+    console.print(f"{first} {found.best.in_words()}; {after}.", highlight=False)

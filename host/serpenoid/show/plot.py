@@ -142,17 +142,20 @@ def draw_friction(
 
 def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
     """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
-    f, exact, low, high, implicit = (
+    f, exact, low, high, low_ideal, high_ideal, implicit = (
         np.array([getattr(p, name) for p in points])
-        for name in ("frequency_hz", "explicit_m_s", "low_m_s", "high_m_s", "implicit_m_s")
-    )
+        for name in ("frequency_hz", "explicit_m_s", "low_m_s", "high_m_s", "low_ideal_m_s",
+                     "high_ideal_m_s", "implicit_m_s")
+    )  # fmt: skip
     with figure(7.2, 5.8) as (fig, _unused):
         fig.clear()
         top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
-        top.fill_between(
-            f, low, high, color=BLUE, alpha=0.16, lw=0, label="95 %, by friction and joints"
-        )
-        top.plot(f, exact, color=BLUE, label="exact model (explicit)")
+        top.fill_between(f, low_ideal, high_ideal, color=BLUE, alpha=0.2, lw=0,
+                         label="95 %, ideal joints, by friction and amplitude")  # fmt: skip
+        if not (np.array_equal(low, low_ideal) and np.array_equal(high, high_ideal)):
+            top.fill_between(f, low, high, color=GREY, alpha=0.25, lw=0,
+                             label="95 %, with servos besides")  # fmt: skip
+        top.plot(f, exact, color=BLUE, label="exact model (explicit), ideal joints")
         top.plot(f, implicit, "o", mfc="white", color=ORANGE, ms=6, mew=1.6,
                  label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m")  # fmt: skip
         top.set(title=title, ylabel="speed (m/s)")

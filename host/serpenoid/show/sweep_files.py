@@ -21,7 +21,8 @@ AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 
 
 def _arrays(found: Sweep) -> dict[str, NDArray[Any]]:
-    return {field.name: getattr(found, field.name) for field in fields(found)}
+    arrays = {field.name: getattr(found, field.name) for field in fields(found)}
+    return {name: values for name, values in arrays.items() if values is not None}
 
 
 def write_sweep(found: Sweep, path: Path) -> None:

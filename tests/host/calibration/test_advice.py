@@ -22,7 +22,7 @@ def weak():
 
 
 def test_a_small_bend_is_followed_by_a_larger_one(weak):
-    found = advise(weak, [GAIT], samples=16)
+    found = advise(weak, [GAIT], samples=16, servo=None)
     assert {r.kind for r in found.readings} == {"station"}  # no fit uses gait runs
     assert found.best.lambda_rad >= math.radians(15)
     assert found.best.band < 0.95 * found.band  # the rest is the joints'
@@ -40,7 +40,7 @@ def test_the_band_foretold_is_the_one_that_comes(weak):
     reading = Reading(len(weak.readings) + 1, bend, incline, slip)
     after = sn.fit_friction(replace(weak, readings=(*weak.readings, reading)))
     slopes = SpeedSlopes((GAIT,), np.array([0.05]), np.array([[0.0, 0.0, 0.0, 0.1]]))
-    told = advise(weak, [GAIT], samples=16, runs=False)
+    told = advise(weak, [GAIT], samples=16, runs=False, servo=None)
     same = [
         r for r in told.readings if (r.lambda_rad, r.belt_speed_m_s) == pytest.approx((bend, slip))
     ]
@@ -54,12 +54,12 @@ def test_advise_promises_what_compare_then_shows(weak):
     """The band is that of `compare`, now, and once the best reading is taken as it is worth."""
 
     def shown(made):
-        p = sn.compare(made, gaits=[GAIT]).gaits[-1]
+        p = sn.compare(made, gaits=[GAIT], servo=None).gaits[-1]
         return (p.high_all_m_s - p.low_all_m_s) / 2 / p.exact_m_s
 
     plan = replace(weak.setup.procedure, gaits=())
     weak = replace(weak, setup=replace(weak.setup, procedure=plan))
-    told = advise(weak, [GAIT], samples=16)
+    told = advise(weak, [GAIT], samples=16, servo=None)
     assert told.band == pytest.approx(shown(weak), rel=1e-6)
     best, whole = told.best, weak.readings
     more = [
@@ -73,10 +73,10 @@ def test_advise_promises_what_compare_then_shows(weak):
 
 def test_advise_and_compare_have_the_same_servos_in_their_band(weak):
     kind = sn.servo("hobby")
-    told = advise(weak, [GAIT], samples=16, servo=kind)
-    p = sn.compare(weak, gaits=[GAIT], servo=kind).gaits[-1]
+    told = advise(weak, [GAIT], samples=16)  # any hobby servo, unless told
+    p = sn.compare(weak, gaits=[GAIT]).gaits[-1]
     best = told.servo, p.high_all_m_s - p.low_all_m_s
-    ideal = advise(weak, [GAIT], samples=16)
+    ideal = advise(weak, [GAIT], samples=16, servo=None)
     assert (best[0], ideal.servo) == ("hobby", None)
     typical = speed_band(sn.fit_friction(weak), GAIT, servo=kind)
     assert told.band == pytest.approx(best[1] / 2 / p.exact_m_s, rel=1e-6)
@@ -85,18 +85,18 @@ def test_advise_and_compare_have_the_same_servos_in_their_band(weak):
 
 def test_no_bend_is_named_that_would_bias_and_no_speed_at_which_the_law_fails(weak):
     coarse = plain_session(World(bends_deg=(15.0,)), np.random.default_rng(1))  # 0.5 % of grade
-    found = advise(coarse, [GAIT], samples=16)
+    found = advise(coarse, [GAIT], samples=16, servo=None)
     assert min(r.belt_speed_m_s for r in found.readings) > 0.12
     unsure = replace(weak.setup.uncertainty, lambda_sigma_rad=math.radians(1.2))
     rough = replace(weak, setup=replace(weak.setup, uncertainty=unsure))
-    bends = {r.lambda_rad for r in advise(rough, [GAIT], samples=16).readings} - {0.0}
+    bends = {r.lambda_rad for r in advise(rough, [GAIT], samples=16, servo=None).readings} - {0.0}
     assert min(bends) > math.radians(12)
 
 
 def test_no_place_is_named_that_failed_or_that_is_beyond_the_treadmill(weak):
-    best = advise(weak, [GAIT], samples=16).best
+    best = advise(weak, [GAIT], samples=16, servo=None).best
     failed = Reading(99, best.lambda_rad, best.incline_rad, best.belt_speed_m_s, voided=True)
-    again = advise(replace(weak, readings=(*weak.readings, failed)), [GAIT], samples=16)
+    again = advise(replace(weak, readings=(*weak.readings, failed)), [GAIT], samples=16, servo=None)
     same = [
         r
         for r in again.readings
@@ -108,10 +108,10 @@ def test_no_place_is_named_that_failed_or_that_is_beyond_the_treadmill(weak):
 
 
 def test_a_gait_run_counts_once_for_what_runs_share(weak):
-    before = advise(weak, [GAIT], samples=16, runs=True)
+    before = advise(weak, [GAIT], samples=16, runs=True, servo=None)
     assert before.best.kind == "gait"
     run = GaitRun(99, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, 0.05, 0.0005)
-    after = advise(replace(weak, gait_runs=(run,)), [GAIT], samples=16, runs=True)
+    after = advise(replace(weak, gait_runs=(run,)), [GAIT], samples=16, runs=True, servo=None)
     assert after.band == pytest.approx(before.best.band, rel=0.1)
     again = [r for r in after.readings if r.kind == "gait"]
     assert again[0].band > 0.9 * after.band
@@ -120,3 +120,23 @@ def test_a_gait_run_counts_once_for_what_runs_share(weak):
 def test_no_gait_is_refused(weak):
     with pytest.raises(sn.BadInput, match="--gait"):
         advise(weak)
+
+
+def test_advise_says_when_a_servo_is_what_to_measure(weak):
+    """Friction known well: servos lead. Servos known, or friction poor: a reading does."""
+    small = replace(
+        weak.setup.uncertainty, lambda_sigma_rad=weak.setup.uncertainty.lambda_sigma_rad / 20,
+        incline_sigma_rad=weak.setup.uncertainty.incline_sigma_rad / 20,
+    )  # fmt: skip
+    sure = replace(weak, setup=replace(weak.setup, uncertainty=small))
+    fast = replace(GAIT, omega_rad_s=math.tau * 0.5)
+    told = advise(sure, [fast], samples=16)
+    assert told.measure_servo
+    assert "Measure a servo next" in told.note
+    assert told.band_servo_measured < told.band_after_best < told.band
+    assert told.to_dict()["measure_servo"] is True
+    poor = advise(weak, [GAIT], samples=16, servo=sn.servo("XL-320"))
+    assert not poor.measure_servo
+    assert "servo" not in poor.note
+    ideal = advise(sure, [fast], samples=16, servo=None)
+    assert (ideal.measure_servo, ideal.band_servo_measured) == (False, None)

@@ -48,7 +48,7 @@ def measured(made, amplitude=1.0, factor=1.0):
 )
 def test_the_verdict_names_the_cause(fitted, amplitude, factor, verdict):
     made, fit = fitted
-    found = comparison.compare(measured(made, amplitude, factor), fit, samples=24)
+    found = comparison.compare(measured(made, amplitude, factor), fit, samples=24, servo=None)
     assert found.verdict == verdict
     assert {"agrees": "Agrees", "amplitude": "it is amplitude", "neither": "Neither"}[
         verdict
@@ -79,7 +79,7 @@ def test_repeated_runs_are_one_mean(fitted):
     twice = (*runs, replace(runs[0], number=200, speed_m_s=runs[0].speed_m_s * 1.02,
                             omega_rad_s=rate),
              replace(runs[1], number=201, speed_m_s=9.0, voided=True))  # fmt: skip
-    found = comparison.compare(replace(made, gait_runs=twice), fit, samples=16)
+    found = comparison.compare(replace(made, gait_runs=twice), fit, samples=16, servo=None)
     assert found.gaits[0].runs == (100, 200)
     assert found.gaits[0].measured_m_s == pytest.approx(1.01 * runs[0].speed_m_s)
     assert found.gaits[0].sigma_m_s == pytest.approx(runs[0].speed_sigma_m_s / math.sqrt(2))
@@ -88,7 +88,7 @@ def test_repeated_runs_are_one_mean(fitted):
 
 def test_without_runs_it_predicts_and_says_so(fitted):
     made, fit = fitted
-    found = comparison.compare(made, fit, gaits=[gait(3.0)], samples=16)
+    found = comparison.compare(made, fit, gaits=[gait(3.0)], samples=16, servo=None)
     assert found.verdict == "not measured"
     assert found.p_value is None
     with pytest.raises(sn.BadInput, match="no gait run and no gait planned"):
@@ -118,7 +118,7 @@ def test_springs_that_never_settle_do_not_withhold_the_rest(fitted, monkeypatch)
         raise sn.NotConverged("rings")
 
     monkeypatch.setattr(comparison, "steady_springs", rings)
-    found = comparison.compare(*fitted, gaits=[gait(5.0)], samples=16)
+    found = comparison.compare(*fitted, gaits=[gait(5.0)], samples=16, servo=None)
     assert found.gaits[-1].implicit_m_s is None
     assert found.gaits[-1].exact_m_s > 0.1
 

@@ -25,7 +25,12 @@ def test_speed_of_the_2005_robot(fit) -> None:
     point = predict(sn.Robot(6, 0.0756, 0.076), fit, gait)
     assert point.explicit_m_s == pytest.approx(0.133205, rel=2e-4)
     assert point.explicit_error_m_s < 1e-6
-    assert point.low_m_s < point.explicit_m_s < point.high_m_s
+    assert point.low_ideal_m_s < point.explicit_m_s < point.high_ideal_m_s
+    # servos take some of the speed, and add to the doubt
+    assert point.low_m_s < point.low_ideal_m_s
+    assert point.high_m_s < 1.01 * point.high_ideal_m_s
+    ideal = predict(sn.Robot(6, 0.0756, 0.076), fit, gait, servo=None)
+    assert (ideal.low_m_s, ideal.high_m_s) == (point.low_ideal_m_s, point.high_ideal_m_s)
     # asking for more must move the speed by no more than the error that is stated
     finer = sn.steady_springs(sn.Robot(6, 0.0756, 0.076), fit.ground, gait, rtol=1e-5)
     assert abs(finer.speed_m_s - point.implicit_m_s) <= point.implicit_error_m_s
@@ -80,7 +85,7 @@ def test_mean_speed_over_a_cycle_is_the_periodic_states() -> None:
 def test_the_stated_error_is_a_speed(fit) -> None:
     gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
     s = sn.steady_gait(fit.robot, fit.ground, gait, powers=False)
-    point = predict(fit.robot, fit, gait)
+    point = predict(fit.robot, fit, gait, servo=None)
     assert point.explicit_error_m_s == pytest.approx(s.error_estimate * s.speed_m_s, rel=1e-6)
 
 

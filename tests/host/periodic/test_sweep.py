@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from serpenoid.periodic.servo_steady import with_servo
+from serpenoid.periodic.servo_sweep import DRAWS
 from serpenoid.show.sweep_files import write_sweep
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
@@ -113,3 +115,27 @@ def test_joints_of_their_own_amplitude_and_phase() -> None:
     dry = sn.steady_gait(OF_2005, BINGHAM, sn.Gait(0.6, 1.2, 4.0))
     other = sn.steady_gait(OF_2005, BINGHAM, sn.Gait(0.6, 1.1, 4.0, joint_shift_rad=shift))
     assert other.abs_power_w == pytest.approx(dry.abs_power_w, rel=2e-5)
+
+
+def test_a_sweep_tells_what_servos_leave(tmp_path: Path) -> None:
+    """Beside the ideal speeds, the same as gait by gait; the file has both."""
+    grid = {"alpha_rad": [1.2], "beta_rad": [1.3], "omega_rad_s": [3.0, 9.0]}
+    found = sn.sweep(OF_2005, BINGHAM, **grid, rtol=1e-3, servo=sn.servo("XL-320"))
+    assert found.servo_speed_m_s is not None
+    for k, omega in enumerate(grid["omega_rad_s"]):
+        gait = sn.Gait(1.2, 1.3, omega)
+        ideal = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-3)
+        one = with_servo(ideal, sn.servo("XL-320"), draws=DRAWS)
+        assert found.servo_speed_m_s[0, 0, k] == pytest.approx(one.speed_m_s, rel=5e-3)
+        assert found.servo_low_m_s[0, 0, k] == pytest.approx(one.low_m_s, rel=5e-3)
+        assert found.servo_high_m_s[0, 0, k] == pytest.approx(one.high_m_s, rel=5e-3)
+    # 69 degrees at 9 rad/s ask for more than the motor's free speed
+    assert found.servo_high_m_s[0, 0, 1] < 0.9 * found.speed_m_s[0, 0, 1]
+    write_sweep(found, tmp_path / "both.csv")
+    rows = list(csv.DictReader((tmp_path / "both.csv").open()))
+    assert float(rows[1]["servo_low_m_s"]) == found.servo_low_m_s[0, 0, 1]
+    exact = sn.sweep(OF_2005, BINGHAM, **grid, rtol=1e-3, servo=sn.servo("XL-320").servo)
+    assert exact.servo_speed_m_s[0, 0, 0] == found.servo_speed_m_s[0, 0, 0]
+    assert sn.sweep(OF_2005, BINGHAM, **grid, rtol=1e-3).servo_speed_m_s is None
+    with pytest.raises(sn.BadInput, match="one robot on one ground"):
+        sn.sweep([OF_2005, PAPER], BINGHAM, **grid, servo=sn.Servo())

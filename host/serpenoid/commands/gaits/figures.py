@@ -80,7 +80,7 @@ def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[
     advance(1)
     shown += _of_cliffs(out, robust)
     advance(1)
-    bands = [(p.frequency_hz, p.low_m_s, p.high_m_s) for p in points]
+    bands = [(p.frequency_hz, p.low_ideal_m_s, p.high_ideal_m_s) for p in points]
     claims = study.claims(closed, opened, front, reading, bands)
     advance(1)
     return claims, shown

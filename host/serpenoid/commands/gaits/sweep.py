@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...show.screen import say
-from ..options import AS_JSON, make_robot, radians, robot_options, show_json
+from ..options import (
+    AS_JSON,
+    IDEAL,
+    make_robot,
+    radians,
+    robot_options,
+    servo_option,
+    show_json,
+    take_servo,
+)
 from ..paths import OutFile, OutFolder
 
 if TYPE_CHECKING:
@@ -114,6 +123,7 @@ def _designs(
 @click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
+@servo_option
 @click.option("--threads", type=int, help="Threads to solve in; one a processor unless given.")
 @click.option(
     "--scheduler",
@@ -137,9 +147,14 @@ def sweep(
     rtol: float,
     threads: int | None,
     scheduler: str | None,
+    servo_name: str | None,
     **given: Any,
 ) -> None:
-    """Solve every gait of a grid (the paper's 4500 unless told), into files or as JSON."""
+    """Solve every gait of a grid (the paper's 4500 unless told), into files or as JSON.
+
+    Joints follow the gaits exactly. --servo adds the speed with servos and its 95 % band, at a
+    quarter of a second a gait; powers stay those of ideal joints.
+    """
     if out is None and not as_json:
         raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
     whole = out is not None and (out.is_dir() or not out.suffix)
@@ -147,6 +162,9 @@ def sweep(
         raise click.UsageError("--vary writes a study: give --out a folder, without a suffix")
     if whole and as_json:
         raise click.UsageError("--json is for a sweep that fits on a screen; a study is a folder")
+    servo = take_servo(servo_name, IDEAL)
+    if whole and servo is not None:
+        raise click.UsageError("--servo is for one robot's sweep: give --out a file, or --json")
     varied = _varied(vary, given)
     robot, ground = make_robot(given)
     grid = {
@@ -159,7 +177,7 @@ def sweep(
         assert out is not None
         _study(out, *_designs(robot, ground, varied), **grid, **how)
     else:
-        _one(out, as_json, robot, ground, grid, how)
+        _one(out, as_json, robot, ground, grid, how | {"servo": servo})
 
 
 def _one(
@@ -178,12 +196,16 @@ def _one(
             f"{count:.3g} gaits are too many for {'JSON' if text else 'one file'}, which holds up "
             f"to {most:.3g}; name a folder, --out STUDY, which is filled chunk by chunk"
         )
-    with progress(count, "gaits") as advance:
+    steps = count * (1 if how["servo"] is None else 2)
+    with progress(steps, "gaits") as advance:
         found = run_sweep(robot, ground, **grid, **how, progress=advance)
     if out is not None:
         write_sweep(found, out)
         missed = int((~found.converged).sum())
         say(f"wrote {count} gaits to {out}; {missed} did not converge", err=True)
+        if found.servo_speed_m_s is not None:
+            lost = sum(map(math.isnan, found.servo_speed_m_s.flat))
+            say(f"with servos {lost} do not settle to a speed", err=True)
     if as_json:
         show_json(sweep_values(found))
 
