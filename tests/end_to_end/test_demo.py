@@ -32,8 +32,8 @@ def test_demo(tmp_path) -> None:
         assert point["implicit_error_m_s"] < 2e-3 * point["implicit_m_s"]
     # with the normal friction known to 35 and 13 %, nothing is known to better than half a per cent
     relative = [p["sigma_m_s"] / p["explicit_m_s"] for p in points]
-    assert 0.005 < min(relative) < max(relative) < 0.3
-    assert all(p["low_m_s"] < p["explicit_m_s"] < p["high_m_s"] for p in points)
+    assert 0.005 < min(relative) < max(relative) < 0.5  # above 1 Hz servos lead
+    assert all(p["low_ideal_m_s"] < p["explicit_m_s"] < p["high_ideal_m_s"] for p in points)
     loop = json.loads((out / "loop.json").read_text())
     for name, truth in loop["truth"].items():
         low, high = next(
