@@ -178,22 +178,21 @@ def _differences(here: Parts, parameters: list[_Parameter], steps: Array) -> tup
 def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[_Parameter]:
     joints = robot.links - 1
     factors = gait.joint_factors(joints)
-    full = replace(robot, link_inertia_kg_m2=robot.inertia_kg_m2)
     for name in ("alpha_rad", "beta_rad", "omega_rad_s", "offset_rad"):
         angle = 0.0 if name == "omega_rad_s" else 1.0
-        yield _one(name, gait, lambda g: (full, ground, g), angle)
+        yield _one(name, gait, lambda g: (robot, ground, g), angle)
     for name, values, angle in zip(
         ("joint_gain", "joint_shift_rad"), factors, (0.0, 1.0), strict=True
     ):
         for k, value in enumerate(values.tolist()):
             yield _Parameter(
                 f"{name}[{k}]", value, _STEP * max(abs(value), angle),
-                partial(_with_joint, full, ground, gait, name, values, k),
+                partial(_with_joint, robot, ground, gait, name, values, k),
             )  # fmt: skip
     for name in ("ct", "cn", "ft0", "fn0"):
-        yield from _frictions(full, ground, gait, name)
+        yield from _frictions(robot, ground, gait, name)
     for name in ("link_mass_kg", "link_inertia_kg_m2", "link_length_m"):
-        yield _one(name, full, lambda r: (r, ground, gait), 0.0)
+        yield _one(name, robot, lambda r: (r, ground, gait), 0.0)
 
 
 def _one(name: str, part: Any, parts: Callable[[Any], Parts], least: float) -> _Parameter:

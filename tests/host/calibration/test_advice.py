@@ -8,10 +8,10 @@ import pytest
 import serpenoid as sn
 from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
-from serpenoid.calibration.advice import SpeedSlopes, advise
+from serpenoid.calibration.advice import SpeedSlopes, _places, advise
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
-from serpenoid.calibration.speed_samples import speed_band
+from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, speed_band
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
 
@@ -115,6 +115,27 @@ def test_a_gait_run_counts_once_for_what_runs_share(weak):
     assert after.band == pytest.approx(before.best.band, rel=0.1)
     again = [r for r in after.readings if r.kind == "gait"]
     assert again[0].band > 0.9 * after.band
+
+
+def test_a_run_tells_a_speed_only_as_well_as_the_joints_amplitude_is_known():
+    """By hand, one friction of variance s^2: a run of noise n leaves s^2 n / (s^2 + n)."""
+    slope, v, s = 0.1, 0.05, 0.02
+    slopes = SpeedSlopes((GAIT,), np.array([v]), np.array([[slope]]))
+    noise = (AMPLITUDE_SIGMA * v) ** 2
+    left = (slope * s) ** 2 * noise / ((slope * s) ** 2 + noise)
+    found = slopes.band(np.array([[s * s]]), [[1e-9]])
+    assert found == pytest.approx(1.96 * math.sqrt(left) / v, rel=1e-3)
+
+
+def test_the_bend_that_the_robot_lies_in_stands_for_one_as_good(weak):
+    *others, last = weak.readings
+    bent = weak.setup.procedure.bend
+    lies = replace(last, lambda_rad=math.radians(15.2), bend=bent)
+    session = replace(weak, readings=(*others, lies))
+    whole = np.array([WHOLE_BODY_2005.ct, WHOLE_BODY_2005.cn, WHOLE_BODY_2005.ft0,
+                      WHOLE_BODY_2005.fn0])  # fmt: skip
+    places = _places(session, whole, np.radians([0.0, 15.0, 30.0]))
+    assert {round(math.degrees(series.lambda_rad), 6) for series, _, _ in places} == {0, 15.2, 30}
 
 
 def test_no_gait_is_refused(weak):

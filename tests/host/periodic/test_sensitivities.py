@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
 from serpenoid.model.errors import BadInput
-from serpenoid.periodic.sensitivities import QUANTITIES, Sensitivities, differentiate
+from serpenoid.periodic.sensitivities import _STEP, QUANTITIES, Sensitivities, differentiate
 
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
 DRY = sn.Ground(0.37, 1.2, 0.14, 0.42)
@@ -138,31 +139,43 @@ def test_500_random_states_agree_with_differences_of_cold_solutions() -> None:
     assert off <= 0.05 * held
 
 
-def test_a_kink_is_told_with_both_sides(monkeypatch) -> None:
-    """Where a state has a corner the two sides differ, and the error covers half of the jump."""
+def alter_states(monkeypatch, change) -> None:
+    """Give every state that is solved for other fields: change(state, first state) as a dict."""
     from serpenoid.periodic import sensitivities as module
 
     real = module._core.neighbours
+    fields = ("speed", "power", "positive_power", "turn", "converged", "speed_error",
+              "power_error", "positive_power_error", "turn_error")  # fmt: skip
 
-    def cornered(middle, models, *more):
-        states = real(middle, models, *more)
+    def altered(*given):
+        states = real(*given)
+        return [
+            SimpleNamespace(**{key: getattr(s, key) for key in fields} | change(s, states[0]))
+            for s in states
+        ]
 
-        class State:
-            def __init__(self, s, gain: float) -> None:
-                for key in ("power", "positive_power", "turn", "converged", "speed_error",
-                            "power_error", "positive_power_error", "turn_error"):  # fmt: skip
-                    setattr(self, key, getattr(s, key))
-                self.speed = s.speed + abs(gain)
+    monkeypatch.setattr(module._core, "neighbours", altered)
 
-        return [State(s, s.speed - states[0].speed) for s in states]
 
-    monkeypatch.setattr(module._core, "neighbours", cornered)
+def test_a_kink_is_told_with_both_sides(monkeypatch) -> None:
+    """Where a state has a corner the two sides differ, and the error covers half of the jump."""
+    alter_states(
+        monkeypatch, lambda s, first: {"speed": first.speed + 2 * max(s.speed - first.speed, 0.0)}
+    )
     found = differentiate(OF_2005, DRY, GAIT)
     k = found.names.index("omega_rad_s")
     below, above = found.sides[k, 0]
     assert found.kinks[k]
     assert abs(above - below) > 0.5 * abs(above)
     assert found.errors[k, 0] >= 0.5 * abs(above - below)
+
+
+def test_errors_of_the_states_are_in_those_of_the_derivatives(monkeypatch) -> None:
+    """A difference of two speeds, each known to e, over a step h is known to e / h."""
+    alter_states(monkeypatch, lambda s, first: {"speed_error": 1e-3})
+    found = differentiate(OF_2005, DRY, GAIT)
+    k = found.names.index("omega_rad_s")
+    assert found.errors[k, 0] >= 1e-3 / (_STEP * GAIT.omega_rad_s)
 
 
 def test_the_steady_state_takes_them_along() -> None:
