@@ -7,8 +7,9 @@
 namespace serpenoid {
 
 namespace {
-constexpr double kRest = 1e-9;  // m/s: a wheel that held has less, by rounding
-}
+constexpr double kRest = 1e-9;   // m/s: a wheel that held has less, by rounding
+constexpr double kFlat = 1e-12;  // a wheel square to the rails: no motion along them turns it
+}  // namespace
 
 FreeChain::FreeChain(const Robot& robot, std::vector<LabLink> links)
     : robot_(robot),
@@ -81,6 +82,8 @@ void FreeChain::rows(double theta) {
         const double ex = c * p.dx - s * p.dy - ground_x_, ey = s * p.dx + c * p.dy - ground_y_;
         along_[i] = {{tx, ty, rx * ty - ry * tx}, tx * ex + ty * ey};
         across_[i] = {{-ty, tx, rx * tx + ry * ty}, tx * ey - ty * ex};
+        // between rails a link goes along them alone, whatever stiff rails would still give way
+        if (guided_) along_[i].g = {tx, 0, 0}, across_[i].g = {-ty, 0, 0};
     }
 }
 
@@ -112,7 +115,7 @@ bool FreeChain::step(double h) {
     // A straight chain's six kinks meet in one point, where the active-set method could cycle.
     // Moved by squares of their number no three of them meet (by the number itself they all would).
     const auto kink = [&](const Row& row, double dry, double before, const LabLink& link) {
-        if (!(dry > 0)) return;
+        if (!(dry > 0) || (guided_ && std::fabs(row.g[0]) < kFlat)) return;
         const bool rested = std::fabs(before) < kRest;
         const auto c = static_cast<double>(kinks_.size() + 1);
         const double apart = 1e-11 * std::fmod(0.6180339887 * c * c, 1.0);
@@ -128,11 +131,7 @@ bool FreeChain::step(double h) {
         kink(along_[i], t.bound, spin_[i], k);
         kink(across_[i], n.bound, skid_[i], k);
     }
-    if (guided_) {
-        constexpr double kStiff =
-            1e9;  // times the inertia: what is left is nothing beside rounding
-        H[4] += kStiff * nm, H[8] += kStiff * J_;
-    }
+    if (guided_) H[4] = H[8] = 1, b[1] = b[2] = 0;  // no row acts on them
     if (!convex_.solve(H, b, kinks_)) return false;
     u_ = convex_.minimum();
     x_ += h * u_[0], y_ += h * u_[1], theta_ += h * u_[2];

@@ -11,6 +11,10 @@ from serpenoid.calibration.fitting.data import FitData, projections
 from serpenoid.calibration.fitting.joint import jacobian, residuals, starting_point
 from serpenoid.calibration.kinds.station import Reading, bent_share
 from serpenoid.calibration.session import Session
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
+from serpenoid.calibration.taking.treadmill import take_all
 
 TRUTH = np.array([0.084, 1.2, 0.14, 0.27])
 # Written down by hand: which links are bent, and to which side.
@@ -113,3 +117,14 @@ def test_the_jacobian_is_that_of_the_residuals():
 def test_a_zigzag_is_asked_whether_it_was_guided():
     assert any("Was it guided?" in note for note in sn.fit_friction(session_of("zigzag")).notes)
     assert not any("guided" in note for note in sn.fit_friction(session_of("balanced")).notes)
+
+
+@pytest.mark.parametrize("bend", ["zigzag", "balanced"])
+def test_a_guided_robot_whose_joints_are_exact_goes_through_the_plan(bend):
+    base = default_setup("guided")
+    plan = replace(base.procedure, gaits=(), bend=bend)
+    setup = replace(base, kind="simulated", robot=sn.Robot(4, 0.1, 0.076), procedure=plan)
+    truth = Truth(sn.Ground(0.084, 1.2, 0.14, 0.27), joint_sigma_rad=0.0, guided=True)
+    taken = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, truth, seed=1))
+    assert len(taken.kept) > 15
+    assert all(abs(r.turned_rad) < 0.15 for r in taken.kept)  # as it was laid between the rails

@@ -245,6 +245,27 @@ def test_between_rails_a_zigzag_holds_where_forces_balance():
     assert c.state[:2] == pytest.approx((0.0, 0.0), abs=1e-4)
 
 
+@pytest.mark.parametrize("links", [3, 4, 5, 6, 8])
+def test_between_rails_a_robot_rolls_as_one_mass_even_where_it_was_pushed_askew(links):
+    """Straight wheels are square to the rails: steered, they come to it and leave it again."""
+    rng = np.random.default_rng(links)
+    for _ in range(5):
+        push = rng.normal(size=3) * [0.03, 0.03, 0.05]
+        c = placed(chain(links), [0.0] * links, 0.4, math.radians(3), tuple(push[:2]), push[2])
+        c.guide(True)
+        for offset in (0.0, 0.00436, -0.00436, 0.0):
+            c.aim([offset] * (links - 1), math.radians(45))
+            assert c.advance(0.5, 0.004)
+        assert c.state[1:3] == pytest.approx((0.0, 0.0), abs=1e-12)
+    c = placed(chain(links), [0.0] * links, 0.4, math.radians(3), (push[0], 0.0))
+    c.guide(True)
+    assert c.advance(2.0, 0.001)
+    mass, (ct, _, ft0, _) = links * MASS, WHOLE
+    end = (mass * G * math.sin(math.radians(3)) - ft0) / ct
+    slip = end + (0.4 + push[0] - end) * math.exp(-ct / mass * 2.0)
+    assert c.state[3] + 0.4 == pytest.approx(slip, rel=2e-3)
+
+
 def test_a_led_robot_crawls_at_the_periodic_states_speed():
     body, ground = sn.Robot(N, MASS, LENGTH), sn.Ground.whole_body(N, *WHOLE)
     gait = sn.Gait(math.radians(60), math.radians(70), 2 * math.pi * 0.5)
