@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
+from .crawls.runs import runs_by_gait
 from .filmed_joints import joints_seen, seen_on_film
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit, band
@@ -25,7 +26,6 @@ from .verdict import Judge, Measured, of_gaits
 from .verdict_words import in_words
 
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
-SAME_RATE = 1e-3  # rates closer than this, relative, are repeats of one gait
 _CURVE_SAMPLES = 32
 _CURVE_POINTS, _SPRINGS_EVERY = 49, 6  # chords between them are 0.1 % off; springs take longer
 
@@ -157,22 +157,6 @@ def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
 def gait_count(session: Session, more: Sequence[Gait] = ()) -> int:
     """Return how many gaits `compare` solves for: the compared ones and the curve's."""
     return len(compared_gaits(session, more)) + _CURVE_POINTS
-
-
-def runs_by_gait(session: Session) -> dict[Gait, list[GaitRun]]:
-    """Return the runs of every gait; the board's clock moves the rates of repeats by some ppm."""
-    found: dict[Gait, list[GaitRun]] = {}
-    runs = [(run.gait, run) for run in session.kept_gait_runs]
-    runs += [(film.gait, film.gait_run) for film in session.kept_films]
-    for gait, run in runs:
-        same = [known for known in found if _same(known, gait)]
-        found.setdefault(same[0] if same else gait, []).append(run)
-    return dict(sorted(found.items(), key=lambda item: item[0].omega_rad_s))
-
-
-def _same(one: Gait, other: Gait) -> bool:
-    apart = abs(one.omega_rad_s - other.omega_rad_s) / one.omega_rad_s
-    return replace(other, omega_rad_s=one.omega_rad_s) == one and apart < SAME_RATE
 
 
 def _by_springs(fit: FrictionFit, gait: Gait) -> float | None:

@@ -107,7 +107,8 @@ def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
     if not (folder / "session.toml").exists():
         return fit
     try:
-        now = load_session(folder).sha256
+        session = load_session(folder)
+        now = session.sha256 if fit.draws is None else session.sha256_with_crawls
     except BadInput as error:
         now = f"unreadable: {error}"
     if now == fit.session_sha256:
@@ -173,6 +174,7 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
         alarms=tuple(map(str, given["alarms"])),
         session_name=str(given["session"]["name"]),
         session_sha256=str(given["session"]["sha256"]),
+        draws=_draws(given.get("draws"), len(names)),
     )
 
 
@@ -198,6 +200,17 @@ def _covariance(values: Any, size: int) -> NDArray[np.float64]:
         raise BadInput(f"covariance is not a positive definite matrix of {size} by {size} numbers")
     covariance.flags.writeable = False
     return covariance
+
+
+def _draws(values: Any, frictions: int) -> NDArray[np.float64] | None:
+    """Return draws of the frictions and the joints' amplitude, none of them below 0."""
+    if values is None:
+        return None
+    draws = number_array("draws", values)
+    well = draws.ndim == 2 and draws.shape[1] == frictions + 1 and len(draws) > 0
+    if not well or not np.isfinite(draws).all() or draws.min() < 0.0:
+        raise BadInput(f"draws is not rows of {frictions + 1} numbers, each at least 0")
+    return draws
 
 
 def _named(values: Any) -> WholeSnake[Any]:

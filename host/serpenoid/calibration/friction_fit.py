@@ -21,8 +21,10 @@ from types import MappingProxyType
 import numpy as np
 
 from ..model.checks import check_choice, check_kind
+from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from .alarms import parts, with_alarms
+from .crawls.result import fit_crawls
 from .fitting.data import ZERO_SIGMA_RAD, FitData, Floats, projections
 from .fitting.identifiability import bend_note, check_readings
 from .fitting.influence import BOTH_WAYS, Influence, influences
@@ -47,21 +49,49 @@ from .session import Session
 METHODS = ("joint", "robust", "naive")
 
 
-def fit_friction(session: Session, *, method: str = "joint") -> FrictionFit:
+def fit_friction(
+    session: Session, *, method: str = "joint", crawls: bool = False,
+    servo: ServoKind | None = None,
+) -> FrictionFit:  # fmt: skip
     """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations, pushes and slides together.
 
     Readings taken facing up the belt tell ct and ft0 backwards: the ground is then a ratchet.
 
-    method: "joint" (errors in variables, all readings at once, no parameter below 0; sigma is
-    absolute, never rescaled by the scatter: chi2 tells whether the stated uncertainties hold),
-    "robust" (the same, but any reading may be a misreading: those in doubt count less, and are
-    named) or "naive" (the paper's Eq. 61 and two straight lines; sigma rescaled). Raises BadInput,
-    naming the parameter and the reading that would tell it, if the readings cannot determine all
-    four: fewer than two straight or two bent ones (three if naive), speeds too close to each other,
-    or a bend that its uncertainty could undo.
+    Parameters
+    ----------
+    session
+        What was read.
+    method
+        "joint": errors in variables, all readings at once, no parameter below 0. Sigma is absolute,
+        never rescaled by the scatter: chi2 tells whether the stated uncertainties hold. "robust":
+        the same, but any reading may be a misreading. Those in doubt count less, and are named.
+        "naive": the paper's Eq. 61 and two straight lines; sigma is rescaled.
+    crawls
+        Fit the session's gait runs and films, too, or alone where there is nothing else. By draws,
+        since what they tell is no normal cloud. `compare` tests predictions by crawls, so they are
+        left out unless asked for.
+    servo
+        The kind that moved the joints in those crawls; None: they followed the gait.
+
+    Returns
+    -------
+    FrictionFit
+        Values, intervals and notes.
+
+    Raises
+    ------
+    BadInput
+        The readings leave a friction open. It names the friction and the reading that would tell
+        it: fewer than two straight or two bent ones (three if naive), speeds too close to each
+        other, or a bend that its uncertainty could undo.
     """
     check_kind("session", session, Session)
     check_choice("method", method, METHODS)
+    if crawls:
+        if method != "joint":
+            raise BadInput(f"crawls are fitted by method 'joint', not {method!r}")
+        other = fit_friction(session) if session.fitted else None
+        return fit_crawls(session, other, servo)
     if session.on_floor:
         return _on_floor(session, method)
     data = FitData.of(session)

@@ -103,7 +103,7 @@ class FrictionFit:
     Attributes
     ----------
     method
-        "joint", "robust" or "naive".
+        "joint", "robust" or "naive"; "joint, with crawls" or "crawls" where those are fitted.
     sigma
         "absolute": from the stated uncertainties of the instruments. "rescaled": from the scatter.
     parameters
@@ -133,6 +133,9 @@ class FrictionFit:
         Remarks in words; alarms are those notes that forbid to trust a prediction.
     session_name, session_sha256
         The session fitted, and the hash of what the fit rests on.
+    draws : (N, P + 1)
+        Where crawls are fitted: frictions, whole snake, and the joints' amplitude over the
+        commanded one. Each row is as likely as any other.
     """
 
     method: str
@@ -152,6 +155,7 @@ class FrictionFit:
     alarms: tuple[str, ...] = ()
     session_name: str = ""
     session_sha256: str = ""
+    draws: Floats | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -168,7 +172,7 @@ class FrictionFit:
 
         Each parameter alone is normal on either side of its value, scaled by its interval on that
         side, or by the other side where the interval ends at 0. Sigmas and correlations are the
-        fit's.
+        fit's. Where crawls are fitted, the fit's own draws are given.
 
         Parameters
         ----------
@@ -184,6 +188,8 @@ class FrictionFit:
         from scipy.stats import qmc
 
         check_number("count", count, 1, 2**20)
+        if self.draws is not None:
+            return np.resize(self.draws[:, :-1], (count, len(self.names)))
         centre = np.array(list(self.whole_snake.values()))
         ends = np.array([self.intervals[name] for name in self.names])
         sigma = np.sqrt(np.diag(self.covariance))
@@ -200,6 +206,10 @@ class FrictionFit:
             more = centre + units * np.where(units < 0.0, below, above)
             drawn = np.vstack([drawn, more[(more >= 0.0).all(axis=1)]])
         return drawn[:count]
+
+    def sample_amplitudes(self, count: int = 64) -> Floats | None:
+        """Return the joints' amplitudes that go with sample_whole's rows, where crawls told one."""
+        return None if self.draws is None else np.resize(self.draws[:, -1], count)
 
     def sample(self, count: int = 64, seed: int = 2005) -> tuple[Ground, ...]:
         """Draw frictions per link that the readings allow, as simulations take them.
@@ -282,7 +292,11 @@ class FrictionFit:
             "influence": [i.to_dict() for i in self.influence],
             "alarms": list(self.alarms),
             "notes": list(self.notes),
-        }
+        } | ({} if self.draws is None else {"draws": _rounded(self.draws)})
+
+
+def _rounded(draws: Floats) -> list[list[float]]:
+    return [[float(f"{value:.6g}") for value in row] for row in draws.tolist()]
 
 
 def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:

@@ -313,6 +313,12 @@ class Session:
         ]  # fmt: skip
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
 
+    @property
+    def sha256_with_crawls(self) -> str:
+        """Return a hash of all that a friction fit rests on to which crawls are given, too."""
+        crawls = [repr(replace(r, comment="")) for r in (*self.kept_gait_runs, *self.kept_films)]
+        return hashlib.sha256(json.dumps([self.sha256, *crawls]).encode()).hexdigest()
+
 
 def placed(made: Any, after_stations: bool) -> Any:
     """Return a reading that knows whether it was taken after the first station (a zero does)."""

@@ -113,14 +113,17 @@ def sample_speeds(
 ) -> SpeedSamples:
     """Draw speeds; amplitude_sigma: of the joints' true over commanded amplitude, common to all.
 
-    servo: the kind that moves the joints, one drawn for each friction; None: they follow the gait.
+    Where crawls told the amplitude, the fit's own draws of it count instead. servo: the kind that
+    moves the joints, one drawn for each friction; None: they follow the gait.
 
     progress is called with the gaits done. As many threads as the machine has cores.
     """
     whole, grounds = fit.sample_whole(count, seed), fit.sample(count, seed)
     drawn = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
     servos = [] if servo is None else servo.draws(count, seed)
-    amplitudes = 1.0 + amplitude_sigma * _normal_quantile(drawn)
+    amplitudes = fit.sample_amplitudes(count) if amplitude_sigma else None
+    if amplitudes is None:
+        amplitudes = 1.0 + amplitude_sigma * _normal_quantile(drawn)
 
     def of(gait: Gait) -> tuple[list[float], list[float], list[float]]:
         alone = [speed(fit.robot, g, gait) for g in grounds]

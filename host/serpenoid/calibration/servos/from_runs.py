@@ -14,7 +14,7 @@ from ...model.gait import Gait
 from ...periodic.servo_steady import servo_state
 from ...periodic.steady import Steady, steady_gait
 from ...servos.bench_test import KEPT, MeasuredServo, measured_servo
-from ..comparison import runs_by_gait
+from ..crawls.runs import runs_by_gait
 from ..friction_fit import fit_friction
 from ..friction_result import FrictionFit
 from ..session import Session

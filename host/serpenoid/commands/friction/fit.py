@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...show.screen import say
-from ..options import AS_JSON, show_json
+from ..options import AS_JSON, servo_option, show_json, take_servo
 from ..paths import FIGURES, OutFile
 
 if TYPE_CHECKING:
@@ -24,6 +24,9 @@ MANY = 300  # readings, whose fit may take a second or more
 @click.option("--method", type=click.Choice(["joint", "robust", "naive"]), default="joint",
               show_default=True, help="Honest intervals; the same with misreadings in it; or the "
               "paper's two lines.")  # fmt: skip
+@click.option("--crawls", is_flag=True,
+              help="Fit the gait runs and films, too, or alone; some 20 s.")  # fmt: skip
+@servo_option
 @click.option("--plot", "figure", type=OutFile(*FIGURES),
               help="Draw the lines and readings into this PNG, PDF or SVG.")  # fmt: skip
 @click.option("--influence", is_flag=True, help="List what every reading does to the fit.")
@@ -31,9 +34,13 @@ MANY = 300  # readings, whose fit may take a second or more
               help="Keep it as fit.json beside the readings (not if naive).")  # fmt: skip
 @AS_JSON
 def fit(
-    session: Path, method: str, figure: Path | None, influence: bool, save: bool, as_json: bool
-) -> None:
+    session: Path, method: str, crawls: bool, servo_name: str | None, figure: Path | None,
+    influence: bool, save: bool, as_json: bool,
+) -> None:  # fmt: skip
     """Fit friction to a session's readings: stations (Eqs. 58-62), pushes and slides.
+
+    Crawls stay out, since `compare` tests predictions by them. --crawls fits them, too: any hobby
+    servo may have moved the joints unless --servo says which.
 
     Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
     """
@@ -45,8 +52,9 @@ def fit(
 
     loaded = load_session(session)
     count = len(loaded.kept)
-    with working(f"fitting {count} readings") if count > MANY else nullcontext():
-        found = fit_friction(loaded, method=method)
+    servo = take_servo(servo_name, "hobby") if crawls else None
+    with working(f"fitting {count} readings") if count > MANY or crawls else nullcontext():
+        found = fit_friction(loaded, method=method, crawls=crawls, servo=servo)
     if figure is not None:
         _draw(loaded, found, figure)
     if save and method != "naive":

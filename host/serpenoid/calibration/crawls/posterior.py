@@ -1,0 +1,227 @@
+"""Draws of the frictions and the joints' amplitude that speeds of crawls leave, whatever its shape.
+
+The posterior is no normal cloud: speeds tell a curved valley beside a cliff, with several minima.
+Unknown are u, standard normal before the crawls: the logarithms of four frictions and the joints'
+amplitude. The minima are sought from the best of many points all over. Then points are drawn about
+them, and about the best points drawn so far, each time by Student's distribution with the curvature
+found there. Every point counts by its posterior over the mean density of all that were drawn from
+(adaptive multiple importance sampling, Cornuet et al. 2012).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .data import LEAST_M_S, CrawlData, Speeds
+
+Array = NDArray[np.float64]
+UNKNOWNS = 5
+_FREEDOM = 4.0  # of Student's distribution: long tails cover what a curvature misses
+_STEP = 0.02  # of an unknown, for slopes
+_STARTS, _NEWTON, _ROUNDS, _CENTRES = 8, 8, 8, 24
+_ENOUGH = 300.0  # independent draws: no further round is needed
+_WIDE = 1.3  # of the widths by the curvature
+
+
+@dataclass(frozen=True)
+class Before:
+    """What was known before the crawls: log frictions' mean (4,), root of their covariance.
+
+    amplitude_sigma: of the joints' amplitude over the commanded one.
+    """
+
+    mean: Array
+    root: Array
+    amplitude_sigma: float
+
+    def whole(self, u: Array) -> Array:
+        """Return the frictions of unknowns (K, 5)."""
+        return np.exp(self.mean + u[:, :4] @ self.root.T)
+
+    def amplitude(self, u: Array) -> Array:
+        """Return the joints' amplitudes over the commanded ones."""
+        return np.clip(1.0 + self.amplitude_sigma * u[:, 4], 0.05, 2.0)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What is left: draws of frictions (N, 4) and amplitude (N,), all alike; the likeliest of them.
+
+    best_whole, best_amplitude: the likeliest. chi2: there, priors in it. effective: how many
+    independent draws they are worth. starts_lost: share of the minima found that is not believed.
+    """
+
+    whole: Array
+    amplitude: Array
+    best_whole: Array
+    best_amplitude: float
+    chi2: float
+    effective: float
+    starts_lost: float
+
+
+class Posterior:
+    """Logarithm of the posterior over unknowns u, and its minima."""
+
+    def __init__(self, data: CrawlData, before: Before, speeds: Speeds, shares: Array):
+        self._data, self._before, self._speeds, self._shares = data, before, speeds, shares
+
+    def residuals(self, u: Array) -> Array:
+        """Return (K, servos, gaits): speeds predicted less measured, in sigmas.
+
+        In logarithms of speed and LEAST_M_S together: at the foot of a cliff they still tell where
+        it is, and what crawls slower than that is as good as at rest.
+        """
+        ideal = self._speeds(self._before.whole(u), self._before.amplitude(u))
+        predicted = np.log(ideal[:, None] * self._shares + LEAST_M_S)
+        measured = self._data.speed_m_s + LEAST_M_S
+        return (predicted - np.log(measured)) * (measured / self._data.sigma_m_s)
+
+    def log(self, u: Array) -> Array:
+        """Return the logarithm of the posterior, (K,), up to a constant."""
+        from scipy.special import logsumexp
+
+        by_servo = -0.5 * np.sum(self.residuals(u) ** 2, axis=2)
+        return np.asarray(logsumexp(by_servo, axis=1)) - 0.5 * np.sum(u**2, axis=1)
+
+    def curvature(self, u: Array) -> tuple[Array, Array, Array]:
+        """Return J'J + 1 (K, 5, 5), the gradient (K, 5) and half chi2 (K,), at the best servo."""
+        count = len(u)
+        ends = np.concatenate([u, *(u + _STEP * e for e in np.eye(UNKNOWNS))])
+        every = self.residuals(ends).reshape(UNKNOWNS + 1, count, len(self._shares), -1)
+        servo = np.argmin(np.sum(every[0] ** 2, axis=2), axis=1)
+        own = every[:, np.arange(count), servo]
+        slopes = np.moveaxis(own[1:] - own[0], 0, 2) / _STEP  # (K, gaits, 5)
+        normal = np.einsum("kgi,kgj->kij", slopes, slopes) + np.eye(UNKNOWNS)
+        gradient = np.einsum("kgi,kg->ki", slopes, own[0]) + u
+        return normal, gradient, 0.5 * (np.sum(own[0] ** 2, axis=1) + np.sum(u**2, axis=1))
+
+    def minima(self, u: Array) -> Array:
+        """Return where damped Newton steps from some points end."""
+        damping = np.full(len(u), 1e-2)
+        normal, gradient, cost = self.curvature(u)
+        for _ in range(_NEWTON):
+            damped = normal * (1.0 + damping[:, None, None] * np.eye(UNKNOWNS))
+            step = -np.linalg.solve(damped, gradient[..., None])[..., 0]
+            tried = u + np.clip(step, -1.0, 1.0)
+            after = self.curvature(tried)
+            better = after[2] < cost
+            u = np.where(better[:, None], tried, u)
+            normal = np.where(better[:, None, None], after[0], normal)
+            gradient = np.where(better[:, None], after[1], gradient)
+            gained = np.where(better, cost - after[2], 0.0)
+            cost = np.where(better, after[2], cost)
+            damping = np.where(better, damping / 5, damping * 10)
+            if gained.max() < 0.01 and better.any():
+                break
+        return u
+
+
+def draw(posterior: Posterior, before: Before, count: int, seed: int, first: int = 512) -> Drawn:
+    """Draw from the posterior; first: points all over to begin with; count: draws given back."""
+    from scipy.special import ndtri
+    from scipy.stats import qmc
+
+    rng = np.random.default_rng(seed)
+    sobol = qmc.Sobol(UNKNOWNS, seed=seed)  # pyright: ignore[reportCallIssue]
+    u = ndtri(sobol.random(first))
+    log = posterior.log(u)
+    begin = u[_apart(u, log, _STARTS)]
+    found = posterior.minima(begin)
+    costs = posterior.curvature(found)[2]
+    lost = float(np.mean(costs > costs.min() + 8.0))
+    densities = [_Mixture.normal()]
+    sizes, points, logs = [first], [u], [log]
+    centres = found[costs < costs.min() + 12.0]
+    weights = np.empty(0)
+    for _ in range(_ROUNDS):
+        mixture = _Mixture.about(posterior, centres)
+        fresh = mixture.draw(rng, first)
+        densities.append(mixture)
+        sizes.append(first)
+        points.append(fresh)
+        logs.append(posterior.log(fresh))
+        weights = _weights(np.concatenate(points), np.concatenate(logs), densities, sizes)
+        if 1.0 / np.sum(weights**2) > _ENOUGH:
+            break
+        centres = np.concatenate(points)[rng.choice(len(weights), _CENTRES, p=weights)]
+    every, log = np.concatenate(points), np.concatenate(logs)
+    best = posterior.minima(every[[int(np.argmax(log))]])
+    picked = every[_evenly(weights, count, rng)]
+    return Drawn(
+        before.whole(picked), before.amplitude(picked), before.whole(best)[0],
+        float(before.amplitude(best)[0]), 2 * float(posterior.curvature(best)[2][0]),
+        1.0 / float(np.sum(weights**2)), lost,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Mixture:
+    """Student's distributions about some centres, each as likely; freedom infinite: one normal."""
+
+    centres: Array
+    roots: Array
+    freedom: float
+
+    @classmethod
+    def normal(cls) -> _Mixture:
+        return cls(np.zeros((1, UNKNOWNS)), np.eye(UNKNOWNS)[None], np.inf)
+
+    @classmethod
+    def about(cls, posterior: Posterior, centres: Array) -> _Mixture:
+        normal, _, _ = posterior.curvature(centres)
+        roots = np.asarray(np.linalg.cholesky(np.linalg.inv(normal)), dtype=np.float64)
+        return cls(centres, _WIDE * roots, _FREEDOM)
+
+    def draw(self, rng: np.random.Generator, count: int) -> Array:
+        of = rng.integers(len(self.centres), size=count)
+        wide = np.sqrt(self.freedom / rng.chisquare(self.freedom, size=count))
+        units = rng.normal(size=(count, UNKNOWNS)) * wide[:, None]
+        return self.centres[of] + np.einsum("kij,kj->ki", self.roots[of], units)
+
+    def log_density(self, u: Array) -> Array:
+        from scipy.special import gammaln, logsumexp
+
+        off = u[:, None] - self.centres
+        inverse = np.linalg.inv(self.roots)
+        far = np.sum(np.einsum("cij,kcj->kci", inverse, off) ** 2, axis=2)
+        volume = np.log(np.abs(np.linalg.det(self.roots)))
+        d, n = UNKNOWNS, self.freedom
+        if np.isinf(n):
+            each = -0.5 * far - 0.5 * d * np.log(2 * np.pi) - volume
+        else:
+            head = gammaln((n + d) / 2) - gammaln(n / 2) - 0.5 * d * np.log(n * np.pi)
+            each = head - volume - 0.5 * (n + d) * np.log1p(far / n)
+        return np.asarray(logsumexp(each, axis=1)) - np.log(len(self.centres))
+
+
+def _weights(u: Array, log: Array, densities: list[_Mixture], sizes: list[int]) -> Array:
+    """Return each point's weight: its posterior over the mean density that it was drawn from."""
+    from scipy.special import logsumexp
+
+    shares = np.log(np.array(sizes) / sum(sizes))[:, None]
+    each = np.array([one.log_density(u) for one in densities])
+    weight = log - np.asarray(logsumexp(each + shares, axis=0))
+    weight = np.exp(weight - weight.max())
+    return weight / weight.sum()
+
+
+def _apart(u: Array, log: Array, count: int) -> list[int]:
+    """Return the best points that are some way from each other."""
+    kept: list[int] = []
+    for k in np.argsort(-log).tolist():
+        if all(np.sum((u[k] - u[other]) ** 2) > 1.0 for other in kept):
+            kept.append(k)
+        if len(kept) == count:
+            break
+    return kept
+
+
+def _evenly(weights: Array, count: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Return indices drawn by weight, as evenly as can be, in no order."""
+    at = (np.arange(count) + rng.random()) / count
+    picked = np.searchsorted(np.cumsum(weights) / weights.sum(), at)
+    return rng.permutation(np.minimum(picked, len(weights) - 1))

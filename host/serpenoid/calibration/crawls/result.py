@@ -1,0 +1,153 @@
+"""From a session's crawls to a friction fit: beside the other readings' fit, or alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from ...model.drives import ServoKind
+from ...model.errors import BadInput, NotConverged
+from ..fitting.shared import shared_covariance
+from ..friction_result import (
+    LEVEL,
+    NAMES,
+    Estimate,
+    FrictionFit,
+    WholeSnake,
+    ground_of,
+)
+from ..session import Session
+from ..speed_samples import AMPLITUDE_SIGMA
+from .data import CrawlData, Speeds
+from .posterior import Array, Before, Drawn, Posterior, draw
+
+# Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
+# e or so, and no two of them alike.
+USUAL, USUAL_N, USUAL_SIGMA = (0.084, 1.2, 0.14, 0.27), 4.4484, 1.0
+LEAST_GAITS = 4  # alone
+COUNT = 1024
+_FEW = 60.0  # independent draws: fewer make no interval
+_OPEN = 2.0  # upper end over lower: such a friction is not told
+
+
+def fit_crawls(
+    session: Session, other: FrictionFit | None, servo: ServoKind | None, seed: int = 2005,
+    speeds: Speeds | None = None,
+) -> FrictionFit:  # fmt: skip
+    """Fit friction to crawls, with another fit of the session's pushes and stations or without.
+
+    The fit's values are the likeliest; intervals and covariance are those of draws, which it keeps.
+    speeds: predicts the crawls' speeds; solved for unless given. Raises BadInput where crawls are
+    too few, NotConverged where draws are.
+    """
+    data = CrawlData.of(session)
+    if len(data) < (LEAST_GAITS if other is None else 1):
+        least = "" if other is not None else f" (alone, {LEAST_GAITS} gaits at least)"
+        raise BadInput(
+            f"{session.where}: {len(data)} crawl(s) cannot be fitted{least}; take crawls of other "
+            "gaits, or pushes, which tell each friction"
+        )
+    if other is not None and len(other.names) > 4:
+        raise BadInput(
+            f"{session.where}: crawls are not fitted with frictions that differ forwards and "
+            "backwards; fit without them"
+        )
+    robot = session.setup.robot
+    before = _before(session, other)
+    ground = ground_of(robot.links, np.exp(before.mean).tolist())
+    solver = speeds or data.of_robot(robot)
+    drawn = _drawn(data, before, solver, data.shares(robot, ground, servo), seed)
+    if other is None and servo is not None:  # what servos leave depends on the ground
+        ground = ground_of(robot.links, drawn.best_whole.tolist())
+        drawn = _drawn(data, before, solver, data.shares(robot, ground, servo), seed)
+    if drawn.effective < _FEW:
+        raise NotConverged(
+            f"{session.where}: the crawls' posterior was not found: {drawn.effective:.0f} "
+            "independent draws; look for a crawl that was misread, or fit without crawls"
+        )
+    return _result(session, other, data, drawn, seed)
+
+
+def _before(session: Session, other: FrictionFit | None) -> Before:
+    """Return what is known of friction for the mass as stated, its own error left out."""
+    if other is None:
+        usual = np.array(USUAL) * session.setup.weight_n / USUAL_N
+        return Before(np.log(usual), USUAL_SIGMA * np.eye(4), AMPLITUDE_SIGMA)
+    values = np.array(list(other.whole_snake.values()))
+    sigma = np.sqrt(np.diag(other.covariance))
+    centre = np.maximum(values, 0.3 * sigma)  # one at its limit of 0 is somewhere below its sigma
+    alone = other.covariance - shared_covariance(values, 0.0, session.mass_sigma)
+    relative = np.log1p(alone / np.outer(centre, centre))
+    root = np.linalg.cholesky(relative + 1e-12 * np.eye(4))
+    return Before(np.log(centre), np.asarray(root, dtype=np.float64), AMPLITUDE_SIGMA)
+
+
+def _drawn(data: CrawlData, before: Before, solver: Speeds, shares: Array, seed: int) -> Drawn:
+    return draw(Posterior(data, before, solver, shares), before, COUNT, seed)
+
+
+def _result(
+    session: Session, other: FrictionFit | None, data: CrawlData, drawn: Drawn, seed: int
+) -> FrictionFit:
+    mass = 1.0 + session.mass_sigma * np.random.default_rng(seed).normal(size=len(drawn.whole))
+    whole = drawn.whole * mass[:, None]
+    tail = (1.0 - LEVEL) / 2
+    ends = np.quantile(whole, [tail, 1.0 - tail], axis=0)
+    values = drawn.best_whole
+    ends = np.stack([np.minimum(ends[0], values), np.maximum(ends[1], values)], axis=1)
+    sigma, robot = whole.std(axis=0).tolist(), session.setup.robot
+    common = other or _nothing(session)
+    fit = replace(
+        common,
+        method="crawls" if other is None else "joint, with crawls",
+        parameters=_named(map(Estimate, values.tolist(), sigma)),
+        intervals=_named(map(tuple, ends.tolist())),
+        covariance=np.cov(whole.T),
+        ground=ground_of(robot.links, values.tolist()),
+        chi2=common.chi2 + drawn.chi2,
+        dof=common.dof + len(data),
+        nuisances=MappingProxyType(
+            dict(common.nuisances)
+            | {"joint_amplitude": Estimate(drawn.best_amplitude, float(drawn.amplitude.std()))}
+        ),
+        session_sha256=session.sha256_with_crawls,
+        draws=np.column_stack([whole, drawn.amplitude]),
+    )
+    return replace(fit, notes=(*_notes(fit, data, drawn, other), *common.notes))
+
+
+def _named(values) -> WholeSnake:
+    return WholeSnake(dict(zip(NAMES, values, strict=True)))
+
+
+def _nothing(session: Session) -> FrictionFit:
+    """Return a fit of no reading, to be filled."""
+    robot = session.setup.robot
+    return FrictionFit(
+        "crawls", "absolute", _named([Estimate(1.0, 1.0)] * 4), _named([(0.0, 1.0)] * 4), np.eye(4),
+        robot, ground_of(robot.links, [1.0] * 4), 0.0, 0, MappingProxyType({}), (), (), (), (),
+        session_name=session.setup.name,
+    )  # fmt: skip
+
+
+def _notes(fit: FrictionFit, data: CrawlData, drawn: Drawn, other: FrictionFit | None) -> list[str]:
+    mean, sigma = fit.nuisances["joint_amplitude"]
+    notes = [
+        f"Crawls of {len(data)} gait(s) are fitted, too: `compare` with this fit is no test of "
+        f"them. Joints' amplitude {mean:.1%} ± {sigma:.1%} of the commanded one."
+    ]
+    open_ones = [n for n, (low, high) in fit.intervals.items() if high > _OPEN * low]
+    if open_ones:
+        named = ", ".join(open_ones)
+        notes.insert(0, (
+            f"Speeds only: the crawls do not tell {named} apart from the rest. Speeds of gaits "
+            "like those that were run are known better than any friction; pushes tell each one."
+        ))  # fmt: skip
+    if drawn.starts_lost > 0.0 and other is None:
+        notes.append(
+            f"{drawn.starts_lost:.0%} of the starts ended in a minimum that is not the best one; "
+            "the intervals rest on draws all over."
+        )
+    return notes

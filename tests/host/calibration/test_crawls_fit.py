@@ -1,0 +1,166 @@
+"""Crawls in the fit: draws against the exact answer, and what they may not tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup
+from serpenoid import BadInput
+from serpenoid.calibration.crawls.data import CrawlData
+from serpenoid.calibration.crawls.posterior import Before, Posterior, draw
+from serpenoid.calibration.crawls.result import fit_crawls
+from serpenoid.calibration.fit_file import load_fit, save_fit
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.friction_result import NAMES
+from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.speed_samples import sample_speeds
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.model.gait import Gait
+
+GAITS = tuple(Gait(math.radians(70), math.radians(60), math.pi * k) for k in (1, 2, 3, 4, 5, 6))
+ONE_SERVO = np.ones((1, len(GAITS)))
+RNG = np.random.default_rng(4)
+BY_LOGS = RNG.normal(size=(len(GAITS), 4))
+BY_AMPLITUDE = np.linspace(1.0, 2.0, len(GAITS))
+
+
+def crawls(speed_m_s, sigma_m_s):
+    count = len(GAITS)
+    return CrawlData(GAITS, np.asarray(speed_m_s), np.full(count, sigma_m_s),
+                     np.zeros(count, bool), ((1,),) * count)  # fmt: skip
+
+
+def even_powers(whole, amplitude):
+    """Speeds whose logarithm is linear in all unknowns: the posterior is then normal."""
+    return 50.0 * np.exp(
+        np.log(whole / TRUTH) @ BY_LOGS.T + (amplitude - 1)[:, None] * BY_AMPLITUDE
+    )
+
+
+def test_draws_are_the_normal_answer_where_there_is_one() -> None:
+    before = Before(np.log(TRUTH), 0.3 * np.eye(4), 0.2)
+    off = np.array([0.3, -0.1, 0.2, 0.0, -0.2, 0.1])
+    measured, sigma = 50.0 * np.exp(off), 5.0
+    made = Posterior(crawls(measured, sigma), before, even_powers, ONE_SERVO)
+    found = draw(made, before, 1024, 3)
+    slopes = np.column_stack([0.3 * BY_LOGS, 0.2 * BY_AMPLITUDE]) * (measured / sigma)[:, None]
+    covariance = np.linalg.inv(slopes.T @ slopes + np.eye(5))
+    mean = covariance @ slopes.T @ (off * measured / sigma)
+    u = np.column_stack([np.log(found.whole / TRUTH) / 0.3, (found.amplitude - 1) / 0.2])
+    sd = np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(u.mean(axis=0), mean, atol=0.15 * sd.max())
+    np.testing.assert_allclose(u.std(axis=0), sd, rtol=0.12)
+    np.testing.assert_allclose(np.log(found.best_whole / TRUTH) / 0.3, mean[:4], atol=2e-3)
+    assert found.effective > 300
+
+
+def test_two_minima_are_both_drawn_by_their_weight() -> None:
+    """Speeds know only |log ct - 0.5|: half of the draws are at either side."""
+    before = Before(np.log(TRUTH), np.diag([1.0, 0.1, 0.1, 0.1]), 0.01)
+
+    def folded(whole, amplitude):
+        away = np.abs(np.log(whole[:, :1] / TRUTH[0]))
+        return 50.0 * np.exp(np.tile(away, (1, len(GAITS))))
+
+    made = Posterior(
+        crawls(50.0 * np.exp(np.full(len(GAITS), 0.8)), 3.0), before, folded, ONE_SERVO
+    )
+    found = draw(made, before, 1024, 1)
+    logs = np.log(found.whole[:, 0] / TRUTH[0])
+    assert np.mean(logs > 0) == pytest.approx(0.5, abs=0.08)
+    assert np.abs(logs).mean() == pytest.approx(0.8, abs=0.03)
+
+
+def test_a_servo_that_is_in_doubt_leaves_more() -> None:
+    before = Before(np.log(TRUTH), 0.3 * np.eye(4), 0.03)
+    data = crawls(np.full(len(GAITS), 45.0), 0.5)
+    slow = np.repeat(np.linspace(0.7, 1.0, 16)[:, None], len(GAITS), axis=1)
+    sure, doubtful = (draw(Posterior(data, before, even_powers, shares), before, 1024, 2)
+                      for shares in (ONE_SERVO, slow))  # fmt: skip
+    spread = [np.log(d.whole).std(axis=0).mean() for d in (sure, doubtful)]
+    assert spread[1] > 1.1 * spread[0]
+
+
+def with_runs(session, speeds, sigma=0.001):
+    runs = tuple(
+        GaitRun(900 + k, g.alpha_rad, g.beta_rad, g.omega_rad_s, float(v), sigma)
+        for k, (g, v) in enumerate(zip(GAITS, speeds, strict=True))
+    )
+    return replace(session, gait_runs=runs)
+
+
+def small_powers(whole, amplitude):
+    """Speeds that hang on friction over mass alone, as every true one does."""
+    return even_powers(whole, amplitude) / 500
+
+
+@pytest.fixture(scope="module")
+def pushed():
+    session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    return with_runs(session, small_powers(np.array([TRUTH]), np.ones(1))[0])
+
+
+def test_crawls_narrow_what_pushes_leave_but_never_the_mass(pushed) -> None:
+    heavy = replace(pushed, setup=replace(pushed.setup, uncertainty=replace(
+        pushed.setup.uncertainty, mass_sigma=0.05)))  # fmt: skip
+    before, after = fit_friction(heavy), fit_crawls(heavy, fit_friction(heavy), None,
+                                                    speeds=small_powers)  # fmt: skip
+    for name, true in zip(NAMES, TRUTH, strict=True):
+        low, high = after.intervals[name]
+        assert low < true < high
+        assert after.parameters[name].sigma < 1.03 * before.parameters[name].sigma
+        assert after.parameters[name].sigma > 0.045 * true  # the mass alone
+    ratio = [f.sample_whole(1024)[:, 0] / f.sample_whole(1024)[:, 3] for f in (before, after)]
+    assert ratio[1].std() < 0.8 * ratio[0].std()
+    assert "no test" in after.notes[0]
+
+
+def test_crawls_alone_say_that_they_tell_speeds_only() -> None:
+    record = MemoryRecord(floor_setup())
+    session = with_runs(record.session, small_powers(np.array([TRUTH]), np.ones(1))[0], 0.01)
+    fit = fit_crawls(session, None, None, speeds=lambda w, a: small_powers(w, a)[:, [0] * 6])
+    assert "Speeds only" in fit.notes[0]
+    assert fit.dof == len(GAITS)
+    with pytest.raises(BadInput, match="4 gaits at least"):
+        fit_crawls(replace(session, gait_runs=session.gait_runs[:2]), None, None)
+
+
+def test_draws_are_kept_in_the_file_and_with_the_crawls_they_rest_on(pushed, tmp_path) -> None:
+    fit = fit_crawls(pushed, fit_friction(pushed), None, speeds=small_powers)
+    kept = load_fit(save_fit(fit, tmp_path / "f.json"))
+    assert fit.draws is not None
+    assert kept.draws is not None
+    np.testing.assert_allclose(kept.draws, fit.draws, rtol=1e-5)
+    np.testing.assert_allclose(kept.sample_whole(64), fit.draws[:64, :4], rtol=1e-5)
+    other = replace(pushed, gait_runs=pushed.gait_runs[1:])
+    assert fit.session_sha256 == pushed.sha256_with_crawls != other.sha256_with_crawls
+    assert pushed.sha256 == other.sha256
+
+
+def test_predictions_take_the_amplitude_that_crawls_told(pushed) -> None:
+    """Draws of the amplitude go with their frictions: what they add hangs on them alone."""
+    fit = fit_crawls(pushed, fit_friction(pushed), None, speeds=small_powers)
+    drawn = sample_speeds(fit, [Gait(math.radians(70), math.radians(75), math.pi)],
+                          amplitude_sigma=0.03, count=32)  # fmt: skip
+    assert fit.draws is not None
+    added = (drawn.joints_m_s / drawn.friction_m_s)[:, 0] - 1.0
+    assert abs(np.corrcoef(added, fit.draws[:32, 4] - 1.0)[0, 1]) > 0.9
+
+
+def test_real_speeds_tell_the_amplitude() -> None:
+    """Crawls by the package's own solver: joints at 94 % of their amplitude are found."""
+    session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    two = np.zeros(2)
+    data = CrawlData(GAITS[:2], two, two, np.zeros(2, bool), ((1,),) * 2)
+    robot = session.setup.robot
+    assert robot.links * robot.link_mass_kg == pytest.approx(MASS)
+    slow = data.of_robot(robot)(np.array([TRUTH]), np.array([0.94]))[0]
+    session = replace(session, gait_runs=with_runs(session, np.resize(slow, 6)).gait_runs[:2])
+    fit = fit_friction(session, crawls=True)
+    amplitude = fit.nuisances["joint_amplitude"]
+    assert amplitude.value == pytest.approx(0.94, abs=2.5 * amplitude.sigma)
+    assert amplitude.sigma < 0.025
+    assert fit.method == "joint, with crawls"
