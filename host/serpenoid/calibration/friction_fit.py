@@ -90,8 +90,7 @@ def fit_friction(
     if crawls:
         if method != "joint":
             raise BadInput(f"crawls are fitted by method 'joint', not {method!r}")
-        other = fit_friction(session) if session.fitted else None
-        return fit_crawls(session, other, servo)
+        return fit_crawls(session, _beside_crawls(session), servo)
     if session.on_floor:
         return _on_floor(session, method)
     data = FitData.of(session)
@@ -102,6 +101,20 @@ def fit_friction(
         return _joint(session, data, method)
     except NotConverged as error:
         raise NotConverged(f"{session.where}: {error}") from error
+
+
+def _beside_crawls(session: Session) -> FrictionFit | None:
+    """Return the fit of all other readings; None where there are none, or pushes that leave some
+    frictions open, such as those by tape and watch.
+    """
+    if not session.fitted:
+        return None
+    try:
+        return fit_friction(session)
+    except (BadInput, NotConverged):
+        if session.on_floor and not session.kept:
+            return None
+        raise
 
 
 def _on_floor(session: Session, method: str) -> FrictionFit:

@@ -7,12 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup
+from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, rolled_out
 from serpenoid import BadInput
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Before, Posterior, draw
 from serpenoid.calibration.crawls.result import fit_crawls
 from serpenoid.calibration.fit_file import load_fit, save_fit
+from serpenoid.calibration.floor.data import FloorData
+from serpenoid.calibration.floor.minimum import linear_at, start
+from serpenoid.calibration.floor.problem import Problem
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -164,3 +167,43 @@ def test_real_speeds_tell_the_amplitude() -> None:
     assert amplitude.value == pytest.approx(0.94, abs=2.5 * amplitude.sigma)
     assert amplitude.sigma < 0.025
     assert fit.method == "joint, with crawls"
+
+
+def by_hand(speeds=(0.6, 0.9), bends_deg=(0.0, 20.0, 45.0)):
+    """Take ways and times to rest, exact ones, there and back."""
+    record = MemoryRecord(floor_setup())
+    for bend in bends_deg:
+        for k, v0 in enumerate(speeds):
+            t, way = rolled_out(v0, TRUTH, bend_rad=math.radians(bend), rolling=0.0595)
+            cells = {"lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2],
+                     "distance_m": float(way[-1]), "duration_s": float(t[-4001])}  # fmt: skip
+            record.add("coast", cells)
+    return record.session
+
+
+def test_tape_and_watch_tell_frictions_with_crawls_and_not_without() -> None:
+    session = by_hand()
+    with pytest.raises(BadInput, match="fit --crawls"):
+        fit_friction(session)
+    speeds = small_powers(np.array([TRUTH]), np.ones(1))[0]
+    fit = fit_crawls(with_runs(session, speeds), None, None, speeds=small_powers)
+    alone = MemoryRecord(floor_setup()).session
+    crawled = fit_crawls(with_runs(alone, speeds), None, None, speeds=small_powers)
+    for name, true in zip(NAMES, TRUTH, strict=True):
+        low, high = fit.intervals[name]
+        assert low < true < high
+        assert fit.parameters[name].sigma < 1.02 * crawled.parameters[name].sigma
+    assert fit.chi2 < 0.5 * fit.dof  # nothing errs
+
+
+def test_open_pushes_are_linear_near_any_frictions() -> None:
+    """Their chi2 along the frictions is that of a fit with all else let follow."""
+    session = by_hand()
+    problem = Problem(FloorData.of(session), None, np.empty(0))
+    rows, values = linear_at(problem, start(problem, 0.3), np.array(TRUTH))
+    assert np.abs(rows @ TRUTH + values).max() < 0.02  # the truth is exact
+    other = np.array(TRUTH) * [1.0, 1.0, 1.1, 1.0]
+    near, there = linear_at(problem, start(problem, 0.3), other)
+    chi2 = [float(np.sum((a @ other + b) ** 2)) for a, b in ((rows, values), (near, there))]
+    assert chi2[0] == pytest.approx(chi2[1], rel=0.2)
+    assert chi2[0] > 1.0

@@ -10,7 +10,7 @@ found there. Every point counts by its posterior over the mean density of all th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +30,15 @@ _WIDE = 1.3  # of the widths by the curvature
 class Before:
     """What was known before the crawls: log frictions' mean (4,), root of their covariance.
 
-    amplitude_sigma: of the joints' amplitude over the commanded one.
+    amplitude_sigma: of the joints' amplitude over the commanded one. rows, values: further
+    readings that leave frictions open; their chi2 is |rows f + values|^2 over frictions f.
     """
 
     mean: Array
     root: Array
     amplitude_sigma: float
+    rows: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    values: Array = field(default_factory=lambda: np.zeros(0))
 
     def whole(self, u: Array) -> Array:
         """Return the frictions of unknowns (K, 5)."""
@@ -70,15 +73,19 @@ class Posterior:
         self._data, self._before, self._speeds, self._shares = data, before, speeds, shares
 
     def residuals(self, u: Array) -> Array:
-        """Return (K, servos, gaits): speeds predicted less measured, in sigmas.
+        """Return (K, servos, gaits and further rows): predicted less measured, in sigmas.
 
         In logarithms of speed and LEAST_M_S together: at the foot of a cliff they still tell where
         it is, and what crawls slower than that is as good as at rest.
         """
-        ideal = self._speeds(self._before.whole(u), self._before.amplitude(u))
+        whole, before = self._before.whole(u), self._before
+        ideal = self._speeds(whole, before.amplitude(u))
         predicted = np.log(ideal[:, None] * self._shares + LEAST_M_S)
         measured = self._data.speed_m_s + LEAST_M_S
-        return (predicted - np.log(measured)) * (measured / self._data.sigma_m_s)
+        crawled = (predicted - np.log(measured)) * (measured / self._data.sigma_m_s)
+        further = whole @ before.rows.T + before.values
+        shape = (*crawled.shape[:2], further.shape[1])
+        return np.concatenate([crawled, np.broadcast_to(further[:, None], shape)], axis=2)
 
     def log(self, u: Array) -> Array:
         """Return the logarithm of the posterior, (K,), up to a constant."""

@@ -10,7 +10,11 @@ import numpy as np
 from ...model.drives import ServoKind
 from ...model.errors import BadInput, NotConverged
 from ..fitting.shared import shared_covariance
+from ..floor.data import FloorData
+from ..floor.minimum import linear_at, start
+from ..floor.problem import Problem
 from ..friction_result import (
+    DOUBTFUL,
     LEVEL,
     NAMES,
     Estimate,
@@ -39,12 +43,35 @@ def fit_crawls(
     """Fit friction to crawls, with another fit of the session's pushes and stations or without.
 
     The fit's values are the likeliest; intervals and covariance are those of draws, which it keeps.
-    speeds: predicts the crawls' speeds; solved for unless given. Raises BadInput where crawls are
-    too few, NotConverged where draws are.
+    other: None where there is nothing else, or pushes and slides that leave frictions open: these
+    then count by their chi2. speeds: predicts the crawls' speeds; solved for unless given. Raises
+    BadInput where crawls are too few, NotConverged where draws are.
     """
-    data = CrawlData.of(session)
-    if len(data) < (LEAST_GAITS if other is None else 1):
-        least = "" if other is not None else f" (alone, {LEAST_GAITS} gaits at least)"
+    data, open_pushes = CrawlData.of(session), other is None and session.on_floor
+    _check(session, data, other)
+    robot, before = session.setup.robot, _before(session, other)
+    solver = speeds or data.of_robot(robot)
+    at, drawn = np.exp(before.mean), None
+    # what servos leave, and what open pushes tell, depends on where the frictions are
+    for _ in range(1 + (other is None and (servo is not None or open_pushes))):
+        if open_pushes:
+            before = _with_pushes(session, before, at)
+        shares = data.shares(robot, ground_of(robot.links, at.tolist()), servo)
+        drawn = draw(Posterior(data, before, solver, shares), before, COUNT, seed)
+        at = drawn.best_whole
+    assert drawn is not None  # the loop runs once at least
+    if drawn.effective < _FEW:
+        raise NotConverged(
+            f"{session.where}: the crawls' posterior was not found: {drawn.effective:.0f} "
+            "independent draws; look for a crawl that was misread, or fit without crawls"
+        )
+    return _result(session, other, data, drawn, seed)
+
+
+def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None:
+    alone = other is None and not session.on_floor
+    if len(data) < (LEAST_GAITS if alone else 1):
+        least = f" (alone, {LEAST_GAITS} gaits at least)" if alone else ""
         raise BadInput(
             f"{session.where}: {len(data)} crawl(s) cannot be fitted{least}; take crawls of other "
             "gaits, or pushes, which tell each friction"
@@ -54,20 +81,6 @@ def fit_crawls(
             f"{session.where}: crawls are not fitted with frictions that differ forwards and "
             "backwards; fit without them"
         )
-    robot = session.setup.robot
-    before = _before(session, other)
-    ground = ground_of(robot.links, np.exp(before.mean).tolist())
-    solver = speeds or data.of_robot(robot)
-    drawn = _drawn(data, before, solver, data.shares(robot, ground, servo), seed)
-    if other is None and servo is not None:  # what servos leave depends on the ground
-        ground = ground_of(robot.links, drawn.best_whole.tolist())
-        drawn = _drawn(data, before, solver, data.shares(robot, ground, servo), seed)
-    if drawn.effective < _FEW:
-        raise NotConverged(
-            f"{session.where}: the crawls' posterior was not found: {drawn.effective:.0f} "
-            "independent draws; look for a crawl that was misread, or fit without crawls"
-        )
-    return _result(session, other, data, drawn, seed)
 
 
 def _before(session: Session, other: FrictionFit | None) -> Before:
@@ -84,8 +97,11 @@ def _before(session: Session, other: FrictionFit | None) -> Before:
     return Before(np.log(centre), np.asarray(root, dtype=np.float64), AMPLITUDE_SIGMA)
 
 
-def _drawn(data: CrawlData, before: Before, solver: Speeds, shares: Array, seed: int) -> Drawn:
-    return draw(Posterior(data, before, solver, shares), before, COUNT, seed)
+def _with_pushes(session: Session, before: Before, at: Array) -> Before:
+    """Return what was known before with pushes and slides that leave frictions open."""
+    problem = Problem(FloorData.of(session), None, np.empty(0))
+    rows, values = linear_at(problem, start(problem, 0.3), at)
+    return replace(before, rows=rows, values=values)
 
 
 def _result(
@@ -107,7 +123,7 @@ def _result(
         covariance=np.cov(whole.T),
         ground=ground_of(robot.links, values.tolist()),
         chi2=common.chi2 + drawn.chi2,
-        dof=common.dof + len(data),
+        dof=common.dof + len(data) + _open_readings(session, other),
         nuisances=MappingProxyType(
             dict(common.nuisances)
             | {"joint_amplitude": Estimate(drawn.best_amplitude, float(drawn.amplitude.std()))}
@@ -115,7 +131,28 @@ def _result(
         session_sha256=session.sha256_with_crawls,
         draws=np.column_stack([whole, drawn.amplitude]),
     )
-    return replace(fit, notes=(*_notes(fit, data, drawn, other), *common.notes))
+    alarms = (*_contradicts(fit), *common.alarms)
+    notes = (*_contradicts(fit), *_notes(fit, data, drawn, other), *common.notes)
+    return replace(fit, alarms=alarms, notes=notes)
+
+
+def _contradicts(fit: FrictionFit) -> list[str]:
+    if fit.p_value is None or fit.p_value > DOUBTFUL:
+        return []
+    return [
+        f"{fit.chi2_in_words}: the crawls do not agree with each other, or with the other "
+        "readings, by more than their errors allow, so do not trust the intervals. `serpenoid "
+        "compare` shows each crawl beside what the other readings predict."
+    ]
+
+
+def _open_readings(session: Session, other: FrictionFit | None) -> int:
+    """Return how many readings of open pushes and slides count, less what is each push's alone."""
+    if other is not None or not session.on_floor:
+        return 0
+    floor = FloorData.of(session)
+    followed = len(np.unique(floor.tracks.push))
+    return len(floor.tracks.push) - 2 * followed + len(floor.rests.push) + len(floor.slides.time_s)
 
 
 def _named(values) -> WholeSnake:

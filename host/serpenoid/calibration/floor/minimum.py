@@ -14,6 +14,7 @@ from .problem import Problem
 SHARES = (0.3, 0.05, 0.8)
 ROUNDS = 4  # of frozen spreads; a film's do not change at all
 STEPS = 100
+_FOLLOWING = 6  # steps of what follows given frictions
 OPEN = 0.5  # of the whole force, in error: a friction is then not told
 
 
@@ -150,5 +151,25 @@ def _check_told(problem: Problem, x: Floats, sigma: Floats, where: str) -> None:
             by = f"are open by {off:.0%} of the force" if off < 1.0 else "stay wholly open"
             raise BadInput(
                 f"{where}: {names} cannot be told from {floor.pushes} push(es) and "
-                f"{len(floor.slides.time_s)} slide(s): they {by}; take {cure}"
+                f"{len(floor.slides.time_s)} slide(s): they {by}; take {cure}; or crawls, and "
+                "`serpenoid fit --crawls`"
             )
+
+
+def linear_at(problem: Problem, x: Floats, whole: Floats) -> tuple[Floats, Floats]:
+    """Return R (5, 4) and r (5,): the readings' chi2 near some frictions, all else let follow.
+
+    It is |R f + r|^2 over frictions f, also where they leave some open.
+    """
+    of, x = problem.parameters, x.copy()
+    x[:of] = whole
+    problem = problem.with_spreads(x)
+    for _ in range(_FOLLOWING):
+        r, slopes = problem.residuals(x), problem.jacobian(x)
+        x[of:] -= np.linalg.lstsq(slopes[:, of:], r, rcond=None)[0]
+        x = np.maximum(x, problem.lowest)
+    r, slopes = problem.residuals(x), problem.jacobian(x)
+    theirs, own = slopes[:, of:], np.column_stack([slopes[:, :of], r - slopes[:, :of] @ whole])
+    own -= theirs @ np.linalg.lstsq(theirs, own, rcond=None)[0]
+    upper = np.asarray(np.linalg.qr(own, mode="r"), dtype=np.float64)
+    return upper[:, :of], upper[:, of]
