@@ -2,11 +2,13 @@
 
 python studies/films.py plain --films 200       some 3 s of processor time a film
 python studies/films.py worlds --films 8        the hard worlds, 8 films each
+python studies/films.py plain --films 200 --out films.jsonl      each film's errors, as they come
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import sys
 import tempfile
@@ -57,7 +59,8 @@ def plain(rng: np.random.Generator, links: int = 6, tilt_deg: float | None = Non
     eye = far * np.array([math.sin(tilt) * math.cos(around), math.sin(tilt) * math.sin(around),
                           math.cos(tilt)])  # fmt: skip
     lens = Lens(
-        tuple(eye + np.array([0, 0, body.height_m])), (0.0, 0.0, body.height_m), 640, 480,
+        tuple(eye + np.array([0, 0, body.height_m])), (0.0, 0.0, body.height_m),
+        round(640 * max(1, links / 6)), 480,
         rng.uniform(26, 31) / body.side_m * far * 6 / links,
         k1=rng.uniform(-0.1, 0.1), k2=rng.uniform(-0.03, 0.03),
         middle_px=tuple(3 * rng.normal(size=2)), rolling_s=rng.uniform(0, 0.02),
@@ -157,18 +160,28 @@ def errors(found: FilmMeasurement, world: World) -> tuple[Errors, Errors]:
     return size, z
 
 
-def measured(world: str, films: int, seed: int) -> Iterator[tuple[Errors, Errors]]:
+def measured(
+    world: str, films: range, seed: int, out: Path | None
+) -> Iterator[tuple[Errors, Errors]]:
     """Render and measure films of a world; those that are refused are told."""
     with tempfile.TemporaryDirectory() as folder:
-        for k in range(films):
+        for k in films:
             scene = WORLDS[world](np.random.default_rng([seed, k]))
             path = shot(scene, Path(folder) / "film.mp4", k)
             try:
                 found = measure_film(path, scene.body.links, LINK_M)
             except BadInput as error:
-                print(f"{world} {k}: refused: {str(error)[len(str(path)) :]}", flush=True)
+                words = str(error)[len(str(path)) :]
+                print(f"{world} {k}: refused: {words}", flush=True)
+                _noted(out, {"world": world, "film": k, "refused": words})
                 continue
             size, z = errors(found, scene.world)
+            _noted(out, {
+                "world": world, "film": k,
+                "errors": {name: value.tolist() for name, value in size.items()},
+                "in_sigmas": {name: value.tolist() for name, value in z.items()},
+                "remarks": [remark.name for remark in found.run.remarks],
+            })  # fmt: skip
             lost = 1 - found.watched.sightings.seen.mean()
             print(
                 f"{world} {k}: {len(found.measured.track.t_s)} frames, {100 * lost:.0f} % of the "
@@ -178,6 +191,13 @@ def measured(world: str, films: int, seed: int) -> Iterator[tuple[Errors, Errors
                 flush=True,
             )
             yield size, z
+
+
+def _noted(out: Path | None, line: dict[str, object]) -> None:
+    """Add one film's line to the file of results."""
+    if out is not None:
+        with out.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line) + "\n")
 
 
 def summary(films: list[tuple[Errors, Errors]]) -> str:
@@ -202,10 +222,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("world", choices=[*WORLDS, "worlds"])
     parser.add_argument("--films", type=int, default=8)
+    parser.add_argument("--first", type=int, default=0, help="number of the first film")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, help="a file of JSON lines to add each film to")
     given = parser.parse_args()
+    numbers = range(given.first, given.first + given.films)
     for world in list(WORLDS)[1:] if given.world == "worlds" else [given.world]:
-        films = list(measured(world, given.films, given.seed))
+        films = list(measured(world, numbers, given.seed, given.out))
         if films:
             print(f"{world}: {summary(films)}\n", flush=True)
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -132,18 +134,15 @@ def film(
     Each with its standard deviation. With a gait or a recording, joints are compared with what
     was commanded.
     """
-    from ..show.progress import progress
     from ..video.seeing.extra import need_extra
 
     need_extra()
     from ..video.measure_film import measure_film
-    from ..video.seeing.film import Film
 
     session = given["session"]
     robot, side = _robot(given)
     gait = _commanded(given, recording, robot.links)
-    length = max(1, math.ceil(Film.open(file).duration_s))
-    with progress(length, "seconds of film") as advance:
+    with film_progress(file) as tell:
         found = measure_film(
             file,
             robot.links,
@@ -151,7 +150,7 @@ def film(
             side,
             gait,
             board_rate=recording is not None,
-            progress=_whole_seconds(advance),
+            progress=tell,
         )
     _write(found, track, picture, annotate)
     if session is not None:
@@ -164,16 +163,22 @@ def film(
         show_film(found)
 
 
-def _whole_seconds(advance: Any) -> Any:
-    """Return a progress function that is told times of a film, and tells whole seconds."""
-    done = [0]
+@contextmanager
+def film_progress(file: Path) -> Iterator[Callable[[float], None]]:
+    """Show a bar of a film's seconds; gives a function that is told times of it, s."""
+    from ..show.progress import progress
+    from ..video.seeing.film import Film
+
+    done = 0
 
     def tell(time_s: float) -> None:
-        if time_s >= done[0] + 1:
-            advance(int(time_s) - done[0])
-            done[0] = int(time_s)
+        nonlocal done
+        if time_s >= done + 1:
+            advance(int(time_s) - done)
+            done = int(time_s)
 
-    return tell
+    with progress(max(1, math.ceil(Film.open(file).duration_s)), "seconds of film") as advance:
+        yield tell
 
 
 def _commanded(given: dict[str, Any], recording: Path | None, links: int) -> Gait | None:

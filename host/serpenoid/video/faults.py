@@ -8,6 +8,8 @@ import math
 import numpy as np
 
 from ..model.errors import BadInput
+from .fitting.bundle import Bundle
+from .fitting.camera import Camera
 from .fitting.start import quarter_turns, tag_poses
 from .instrument import Measured
 from .motion import LEAST_PERIODS
@@ -164,16 +166,20 @@ def _untangled(apart: np.ndarray, way: list[int]) -> list[int]:
 def remarks_of(watched: Watched, measured: Measured, side_m: float, name: str) -> list[Remark]:
     """Return what is to be told of a film that was measured; raise BadInput for what is too bad."""
     _refuse_short(measured, name)
+    told = [_assumed(measured), _not_a_sine(measured), _unsteady(measured)]
+    view = remarks_of_view(watched, measured.bundle, side_m, name)
+    return [remark for remark in told if remark is not None] + view
+
+
+def remarks_of_view(watched: Watched, fit: Bundle, side_m: float, name: str) -> list[Remark]:
+    """Return what is to be told of camera, tags and file, whatever the robot does."""
     told = [
-        _assumed(measured),
         camera_moved(watched),
         _plain(watched),
-        _side(measured, side_m, name),
-        *_turned(watched, measured),
-        *_seen(watched, measured),
+        _side(fit.camera, side_m, name),
+        *_turned(watched, fit.camera),
+        *_seen(watched),
         *_times(watched),
-        _not_a_sine(measured),
-        _unsteady(measured),
         _strangers_told(watched),
     ]
     if watched.damage:
@@ -217,13 +223,13 @@ def _plain(watched: Watched) -> Remark | None:
     )
 
 
-def _side(measured: Measured, side_m: float, name: str) -> Remark | None:
-    found = measured.bundle.camera.side_m
+def _side(camera: Camera, side_m: float, name: str) -> Remark | None:
+    found = camera.side_m
     off = found / side_m - 1
-    if abs(off) < SIDE_FLAG or measured.bundle.camera.links < 3:
+    if abs(off) < SIDE_FLAG or camera.links < 3:
         return None
     text = (
-        f"beside links of {1e3 * measured.bundle.camera.link_m:.1f} mm the tags are "
+        f"beside links of {1e3 * camera.link_m:.1f} mm the tags are "
         f"{1e3 * found:.1f} mm wide, not {1e3 * side_m:.1f} mm: either the links have another "
         f"length or the print another scale; measure both, and give --length-m or --tag-mm. "
         f"Speeds go with the link length"
@@ -233,8 +239,8 @@ def _side(measured: Measured, side_m: float, name: str) -> Remark | None:
     return Remark("scale", text)
 
 
-def _turned(watched: Watched, measured: Measured) -> list[Remark]:
-    turns = quarter_turns(*tag_poses(measured.bundle.camera, watched.sightings))
+def _turned(watched: Watched, camera: Camera) -> list[Remark]:
+    turns = quarter_turns(*tag_poses(camera, watched.sightings))
     quarters = np.round(turns / (np.pi / 2)).astype(int) % 4
     if (quarters == 2).all():
         return [
@@ -253,7 +259,7 @@ def _turned(watched: Watched, measured: Measured) -> list[Remark]:
     ]
 
 
-def _seen(watched: Watched, measured: Measured) -> list[Remark]:
+def _seen(watched: Watched) -> list[Remark]:
     s = watched.sightings
     told = []
     lost = 1 - s.seen.mean(axis=0)

@@ -44,9 +44,13 @@ class Measured:
 
 
 def calibrate(
-    sightings: Sightings, side_m: float, starts: list[Camera]
+    sightings: Sightings, side_m: float, starts: list[Camera], still: bool = False
 ) -> tuple[bundles.Bundle, Array]:
-    """Fit camera and mountings to well-spread frames; return them and the quarter turns."""
+    """Fit camera and mountings to well-spread frames; return them and the quarter turns.
+
+    still: the joints do not move. Errors of edges then repeat from frame to frame, so that lens and
+    scale are held to what is known before (`rough`).
+    """
     few = sightings.picked(_spread(sightings, ROUGH_FRAMES))
     rough = []
     for plane in starts:
@@ -58,7 +62,7 @@ def calibrate(
     _, camera, turns = min(rough, key=lambda tried: tried[0])
     picked = sightings.picked(_spread(sightings, CALIBRATION_FRAMES))
     states = start.first_states(camera, picked, turns)
-    return bundles.fit(camera, states, picked, side_m, turns)[0], turns
+    return bundles.fit(camera, states, picked, side_m, turns, rough=still)[0], turns
 
 
 def _spread(sightings: Sightings, most: int) -> NDArray[np.int64]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
 from .seeing.watch import Watched, sha256_of, watch
 from .wiring import judge
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -49,43 +52,80 @@ def measure_film(
     the board's own (of a recording), and the film's times are scaled to it. Raises BadInput: no
     film, or one that cannot be measured; the message says why and what to do.
     """
+    film = seen_film(path, links, link_m, side_m, progress)
+    try:
+        return _measurement(film, str(path), gait, board_rate)
+    except BadInput as error:
+        raise film.damaged(error) from error
+
+
+@dataclass(frozen=True)
+class SeenFilm:
+    """A film that shows a robot: what was seen, a tag's side (m), cameras to start from."""
+
+    watched: Watched
+    side_m: float
+    starts: list[Camera]
+
+    @property
+    def sha256(self) -> str:
+        """Return the file's hash."""
+        return sha256_of(self.watched.film.path)
+
+    def damaged(self, error: BadInput) -> BadInput:
+        """Return a refusal that names the file's damage, if it has any."""
+        if not self.watched.damage or _DAMAGED in str(error):
+            return error
+        return BadInput(f"{error}. {_DAMAGED}: {self.watched.damage}")
+
+
+_DAMAGED = "The file is damaged"
+
+
+def seen_film(
+    path: Path,
+    links: int,
+    link_m: float,
+    side_m: float | None,
+    progress: Callable[[float], None],
+) -> SeenFilm:
+    """Watch a film of a robot; arguments as of `measure_film`. Raises BadInput: it shows none."""
     if not 2 <= links <= MOST_LINKS:
         raise BadInput(f"links is {links}; a film can be measured of 2 to {MOST_LINKS}")
     check_number("link_m", link_m, 0.005, 3.0)
     side = tag_side_m(link_m) if side_m is None else check_number("side_m", side_m, 0.003, link_m)
     watched = watch(Film.open(path), links, progress)
+    seen = SeenFilm(watched, side, [])
     try:
-        return _measurement(watched, str(path), link_m, side, gait, board_rate)
+        refuse_unseen(watched, str(path))
+        camera_moved(watched)
+        starts = first_cameras(watched.sightings, link_m, side)
+        refuse_mixed_tags(tag_poses(starts[0], watched.sightings), str(path))
     except BadInput as error:
-        if not watched.damage:
-            raise
-        raise BadInput(f"{error}. The file is damaged: {watched.damage}") from error
+        raise seen.damaged(error) from error
+    return replace(seen, starts=starts)
 
 
-def _measurement(
-    watched: Watched, name: str, link_m: float, side: float, gait: Gait | None, board_rate: bool
-) -> FilmMeasurement:
-    """Refuse, measure and tell."""
-    refuse_unseen(watched, name)
-    camera_moved(watched)
+def _measurement(film: SeenFilm, name: str, gait: Gait | None, board_rate: bool) -> FilmMeasurement:
+    """Measure and tell."""
+    watched, side, starts = film.watched, film.side_m, film.starts
     sightings = watched.sightings
-    starts = first_cameras(sightings, link_m, side)
-    refuse_mixed_tags(tag_poses(starts[0], sightings), name)
-    measured = _measured(sightings, side, starts, name)
+    measured = solved(lambda: measure(sightings, side, starts), name)
     scale = 1.0
     if board_rate and gait is not None:
         scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
-        measured = _measured(_rescaled(sightings, scale), side, starts, name)
+        there = _rescaled(sightings, scale)
+        measured = solved(lambda: measure(there, side, starts), name)
     remarks = remarks_of(watched, measured, side, name)
-    run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
+    run = filmed_run(watched, measured, film.sha256, scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)
 
 
-def _measured(sightings: Sightings, side_m: float, starts: list[Camera], name: str) -> Measured:
-    """Measure; what cannot be solved is told with the film's name."""
+def solved(solve: Callable[[], T], name: str) -> T:
+    """Solve; what cannot be solved is told with the film's name."""
     try:
-        return measure(sightings, side_m, starts)
+        return solve()
     except (np.linalg.LinAlgError, FloatingPointError) as error:
         raise BadInput(
             f"{name}: the tags fit no camera ({error}); are they flat, matt and well lit, and is "

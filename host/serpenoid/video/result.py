@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting.camera import EDGE, READOUT
 from .fitting.chain import joint_angles
 from .instrument import HELD_SHARE, Measured
 from .seeing.watch import Watched
@@ -146,8 +145,7 @@ def _camera(measured: Measured) -> dict[str, Any]:
         "k2": float(lens[2]),
         "tilt_rad": float(np.hypot(lens[5], lens[6])),
         "distance_m": float(np.exp(lens[7])),
-        "readout_s": float(lens[READOUT]),
-        "edge_px": float(lens[EDGE]),
+        "readout_s": float(lens[9]),
         "tag_side_m": camera.side_m,
         "noise_px": measured.bundle.noise_px,
     }

@@ -88,7 +88,7 @@ def test_camera_and_mountings_are_those_of_the_renderer(measured, plain) -> None
     camera = measured[0].measured.bundle.camera
     assert measured[0].run.camera["readout_s"] == pytest.approx(lens.rolling_s, abs=0.002)
     assert measured[0].run.camera["focal_px"] == pytest.approx(lens.focal_px, rel=0.03)
-    assert camera.side_m == pytest.approx(SIDE_M, rel=0.01)  # its prior; the edges share in it
+    assert camera.side_m == pytest.approx(SIDE_M, rel=0.003)
     inner = slice(1, -1)
     assert camera.mounting[inner, :2] == pytest.approx(body.mount_m[inner, :2], abs=4e-4)
     assert camera.mounting[inner, 2] == pytest.approx(body.turn_rad[inner], abs=math.radians(0.3))

@@ -17,7 +17,7 @@ LINK_M = 0.076
 
 def camera(links: int = 4) -> Camera:
     rng = np.random.default_rng(1)
-    lens = [np.log(0.9), 0.1, -0.03, 0.01, -0.005, 0.4, 0.2, 0.0, np.log(0.034), 0.01, 0.0]
+    lens = [np.log(0.9), 0.1, -0.03, 0.01, -0.005, 0.4, 0.2, 0.0, np.log(0.034), 0.01]
     mounting = rng.normal(size=(links, len(MOUNTING))) * [0.003, 0.003, 0.1, 0.002, 0.03, 0.03]
     return Camera(links, LINK_M, (1920, 1080), np.concatenate([lens, mounting.ravel()]))
 

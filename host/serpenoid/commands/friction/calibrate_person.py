@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...model.errors import RecordingFailed, SerpenoidError
+from .film_of_pushes import film_reader
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
@@ -61,7 +62,9 @@ def with_a_person(
             if robot is not None:
                 console.keys = keys
         clock_s = getattr(console, "clock_s", None)
-        dialogue = Dialogue(journal, console, robot, _each(told), patience_s, clock_s)
+        dialogue = Dialogue(
+            journal, console, robot, _each(told), patience_s, clock_s, film_reader()
+        )
         try:
             well = held_dialogue(dialogue, console)
         finally:

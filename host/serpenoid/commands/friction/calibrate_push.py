@@ -26,18 +26,24 @@ if TYPE_CHECKING:
               help="Of lengths that do not name theirs.")  # fmt: skip
 @click.option("--place", default="", help="Of the floor's line, where there is more than one.")
 @click.option("--marks", is_flag=True, help="Times taken by hand at marks, from the first mark on.")
+@click.option(
+    "--tag-mm", type=float, help="Side of a film's tags; by the link's length unless given."
+)
 def push(
     folder: Path, files: tuple[Path, ...], lambda_deg: float, way: str, unit: str, place: str,
-    marks: bool,
+    marks: bool, tag_mm: float | None,
 ) -> None:  # fmt: skip
-    """Take pushes along a floor from FILES: tracks of Tracker, of Kinovea, or CSV of t, x, y.
+    """Take pushes along a floor from FILES: films, tracks of Tracker or Kinovea, CSV of t, x, y.
 
-    A file may hold several pushes: it is cut by itself. The hand's part is found and left out. A
-    push that turned, was short or hit something is kept, void, with the reason.
+    In a film the robot wears the tags of `serpenoid video tags`, and holds its joints still. A
+    file may hold several pushes: it is cut by itself. The hand's part is found and left out. A push
+    that turned, was short or hit something is kept, void, with the reason.
     """
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.push_prompt import take_track
+    from .film_of_pushes import film_reader
 
+    film = film_reader(None if tag_mm is None else tag_mm / 1e3)
     with Journal(folder) as journal:
         for path in files:
             plan = journal.session.setup.procedure
@@ -48,7 +54,7 @@ def push(
                 say(_marks(journal, path, unit, cells))
                 way = "back" if way == "there" else "there"
                 continue
-            for kept in take_track(journal, path, unit, cells):
+            for kept in take_track(journal, path, unit, cells, film):
                 say(kept.in_words())
                 if not kept.look.doubts:
                     way = "back" if kept.way == "there" else "there"

@@ -13,22 +13,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..seeing.sightings import Sightings
-from .camera import LENS, MOUNTING, READOUT, Camera
+from .camera import LENS, MOUNTING, Camera
 
 Array = NDArray[np.float64]
 STEPS = 40
 OUTLIER = 3.0  # in sigmas: a tag's residual from which its weight falls
 NOISE_PX = 0.3  # of a corner, until the residuals tell
 PLAIN = 0.05  # a rough fit holds distortion and principal point by so much of their sigmas
+PRINTED = 0.01  # how well the side of a printed tag is known, a rule held against the sheet
 # What is known before any film: sigma of focal length (log), k1, k2, principal point (of the
-# longer side), tilts, distance (log), the tag's printed side (log), readout (s), edges (px).
-LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, 0.01, 0.012, 0.05])
+# longer side), tilts, distance (log), the tag's printed side (log), readout (s).
+LENS_SIGMA = np.array([0.5, 0.1, 0.04, 0.01, 0.01, 10.0, 10.0, 10.0, PRINTED, 0.012])
 # Of a tag that a person puts on: place m, turn rad, height m, slopes.
 MOUNTING_SIGMA = np.array([0.005, 0.005, np.radians(2.0), 0.002, 0.03, 0.03])
 # A frame's own state is free, but for what keeps it from running away where no tag holds it.
 # Errors of edges follow the tags' angle and place, so that frames are not independent: by so much
 # their scatter is too small (found by films of known truth).
 SLOW = 2.0
+READOUT = LENS.index("readout_s")
 LOOSE_RAD = np.radians(30.0)
 
 
@@ -107,12 +109,12 @@ class _Problem:
     ) -> None:
         self.seen = sightings.seen
         self.found = np.where(self.seen[..., None, None], sightings.corners_px, 0.0)
-        self.sightings = sightings
+        self.skew = sightings.skew
         self.start, self.held, self.sigma, self.loose = start, held, sigma, loose
 
     def misses(self, camera: Camera, states: Array) -> Array:
         """Return found less expected pixels, 0 where nothing was found."""
-        image = camera.shifted(camera.corners(states), self.sightings)
+        image = camera.image(camera.corners(states)) + camera.shared[READOUT] * self.skew
         return np.where(self.seen[..., None, None], self.found - image, 0.0)
 
     def weights(self, misses: Array, noise: float) -> Array:
@@ -143,7 +145,8 @@ class _Problem:
 
     def normal(self, camera: Camera, states: Array, noise: float, damping: float = 0.0) -> _Normal:
         """Return the normal equations at a point; damping holds the frames' states."""
-        _, by_state, by_shared = camera.seen_jacobians(states, self.sightings)
+        _, by_state, by_shared = camera.jacobians(states)
+        by_shared[..., READOUT] = self.skew
         misses = self.misses(camera, states)
         root = np.sqrt(self.weights(misses, noise)) / noise
         frames, n = root.shape

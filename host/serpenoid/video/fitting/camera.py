@@ -3,8 +3,7 @@
 World: the plane of the tags; z points up to the camera, and the origin is where the optical axis
 meets the plane. A camera point is P = R X + (0, 0, D) with the axes right, down, forward; the
 image is c + f (P_x, P_y) (1 + k1 r^2 + k2 r^4) / P_z. Rows are read one after the other, the last
-one readout_s after the first, and black may look edge_px wider on every side (light that spreads,
-a codec): who fits adds both to the pixels (`Sightings.shift_px`).
+one readout_s after the first: who fits adds that to the pixels (`Sightings.skew`).
 """
 
 from __future__ import annotations
@@ -16,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ..seeing.sightings import Sightings
 from .chain import lever_matrix, link_centres
 
 Array = NDArray[np.float64]
@@ -33,9 +31,7 @@ LENS = (
     "log_distance",
     "log_side",
     "readout_s",
-    "edge_px",
 )
-READOUT, EDGE = LENS.index("readout_s"), LENS.index("edge_px")
 MOUNTING = ("dx_m", "dy_m", "turn_rad", "height_m", "slope_x", "slope_y")
 CORNERS = 0.5 * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
 _LOOKING_DOWN = np.diag([1.0, -1.0, -1.0])
@@ -50,7 +46,7 @@ def rotation(tilt_x: float, tilt_y: float) -> Array:
 class Camera:
     """What all frames of a film share, and how a chain of links looks through it.
 
-    links; link_m: link length; image_px: width and height. shared: (11 + 6 links,) the unknowns
+    links; link_m: link length; image_px: width and height. shared: (10 + 6 links,) the unknowns
     LENS and, link by link, MOUNTING; focal length and principal point in units of the image's
     longer side, the tag's side and its mounting in m, in the link's frame.
     """
@@ -116,10 +112,6 @@ class Camera:
         focal = self.scale_px * np.exp(self.shared[0])
         return self._middle_px + focal * q * (1 + r2 * (k1 + k2 * r2))
 
-    def shifted(self, world: Array, sightings: Sightings) -> Array:
-        """Return the pixels of the corners of tags as they were seen: rows late, edges spread."""
-        return self.image(world) + sightings.shift_px(self.shared[READOUT], self.shared[EDGE])
-
     @property
     def _middle_px(self) -> Array:
         half = 0.5 * (np.array(self.image_px) - 1.0)
@@ -138,18 +130,11 @@ class Camera:
         start = -np.array([0.0, 0.0, distance]) @ turn
         return (start - ray * (start[2] / ray[..., 2:]))[..., :2]
 
-    def seen_jacobians(self, states: Array, sightings: Sightings) -> tuple[Array, Array, Array]:
-        """Return `jacobians` of the pixels as they were seen, `shifted`."""
-        image, by_state, by_shared = self.jacobians(states)
-        by_shared[..., READOUT], by_shared[..., EDGE] = sightings.skew, sightings.spread
-        shift = sightings.shift_px(self.shared[READOUT], self.shared[EDGE])
-        return image + shift, by_state, by_shared
-
     def jacobians(self, states: Array) -> tuple[Array, Array, Array]:
         """Return pixels and their derivatives by the states and by what is shared.
 
         pixels (frames, links, 4, 2); by states (frames, links, 4, 2, links + 2); by shared
-        (frames, links, 4, 2, 11 + 6 links).
+        (frames, links, 4, 2, 10 + 6 links).
         """
         world = self.corners(states)
         turn, distance = self.pose
@@ -227,10 +212,10 @@ class Camera:
         turned[..., 0, 1] = -turned[..., 1, 0]
         turned[..., 2, 2] = 1.0
         by = by_world @ (turned[:, :, None] @ local[None])  # (frames, links, 4, 2, 7)
-        out = np.zeros((frames, n, 4, 2, 3 + 6 * n))  # readout_s, edge_px: not the camera's to know
+        out = np.zeros((frames, n, 4, 2, 2 + 6 * n))  # readout_s: not the camera's to know
         out[..., 0] = by[..., 0]
         for i in range(n):
-            out[:, i, :, :, 3 + 6 * i : 9 + 6 * i] = by[:, i, :, :, 1:]
+            out[:, i, :, :, 2 + 6 * i : 8 + 6 * i] = by[:, i, :, :, 1:]
         return out
 
 

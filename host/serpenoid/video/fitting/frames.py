@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..seeing.sightings import Sightings
-from .bundle import OUTLIER
+from .bundle import OUTLIER, READOUT
 from .camera import Camera
 
 Array = NDArray[np.float64]
@@ -78,7 +78,7 @@ def _fit_chunk(
         pull = np.einsum("fki,fk->fi", a, residual) + known * (expected - states)
         states = states + np.linalg.solve(own, pull[..., None])[..., 0]
     own, a, b, _ = _equations(camera, states, s, seen, noise, known)
-    image = camera.shifted(camera.corners(states), s)
+    image = camera.image(camera.corners(states)) + camera.shared[READOUT] * s.skew
     misses = np.where(seen[..., None, None], s.corners_px - image, np.nan)
     found: tuple[Any, ...] = (states, np.linalg.inv(own), misses)
     if sensitive:
@@ -90,7 +90,9 @@ def _equations(
     camera: Camera, states: Array, s: Sightings, seen: NDArray[np.bool_], noise: float, known: Array
 ) -> tuple[Array, Array, Array, Array]:
     """Return the normal matrix, both Jacobians and the residuals, weighted."""
-    image, by_state, by_shared = camera.seen_jacobians(states, s)
+    image, by_state, by_shared = camera.jacobians(states)
+    by_shared[..., READOUT] = s.skew
+    image = image + camera.shared[READOUT] * s.skew
     misses = np.where(seen[..., None, None], s.corners_px - image, 0.0)
     rms = np.sqrt(np.mean(misses**2, axis=(2, 3))) / noise
     root = np.sqrt(seen * np.minimum(1.0, OUTLIER / np.maximum(rms, 1e-9))) / noise

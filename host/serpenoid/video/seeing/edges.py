@@ -18,6 +18,7 @@ MOST_REACH_PX = 8.0  # so that the profile is read in steps below a pixel
 ACROSS = np.linspace(-1.0, 1.0, 25)
 LEAST_POINTS = 5
 LEAST_CONTRAST = 12.0  # grey levels
+LIFTED, NEAR_TOP = 15.0, 5.0  # grey levels: black lifted by a reflection, white at its end
 
 
 def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
@@ -47,6 +48,8 @@ def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
     widths = _median((width * reach).reshape(flat), read.reshape(flat))
     good = np.isfinite(corners).all(axis=(1, 2))
     good &= np.abs(corners - quads).max(axis=(1, 2)) < 2 * reach.max(axis=(1, 2))
+    inside = (where >= 0) & (where <= np.array(picture.shape[::-1]) - 1)
+    good &= inside.all(axis=(1, 2, 3, 4))  # a rim that the picture cuts off tells no edge
     return np.where(good[:, None, None], corners, quads), np.where(good, widths, np.nan)
 
 
@@ -67,12 +70,25 @@ def _crossings(profile: Array) -> tuple[Array, Array]:
     """
     dark, bright = profile[..., :3].mean(axis=-1), profile[..., -3:].mean(axis=-1)
     rise = bright - dark
+    washed = _washed(dark, bright)
+    if not washed.all():
+        rise = np.where(washed, np.median(rise[~washed]), rise)
     with np.errstate(invalid="ignore", divide="ignore"):
         share = (profile - dark[..., None]) / rise[..., None]
     at = [_passes(share, level) for level in (0.25, 0.5, 0.75)]
     contrast = np.quantile(rise, 0.5, axis=(-2, -1), keepdims=True)
     good = (rise > 0.5 * contrast) & (rise > LEAST_CONTRAST)
     return np.where(good, at[1], np.nan), np.abs(at[2] - at[0])
+
+
+def _washed(dark: Array, bright: Array) -> NDArray[np.bool_]:
+    """Return where a lamp's reflection lifts the black while white can rise no further.
+
+    There the edge is where black has risen by half of what it rises elsewhere. Blur lifts black,
+    too, but lowers white.
+    """
+    top = np.quantile(bright, 0.95)
+    return (bright > top - NEAR_TOP) & (dark > np.quantile(dark, 0.2) + LIFTED)
 
 
 def _passes(share: Array, level: float) -> Array:

@@ -16,24 +16,20 @@ class Sightings:
 
     t_s: (frames,) the file's time of each frame. corners_px: (frames, links, 4, 2), NaN where a
     tag was not found; the tag of link 1, the tail, first. image_px: width and height. skew:
-    (frames, links, 4, 2), how far a corner moves for each second of readout time, px/s. spread: the
-    same for each pixel by which a tag's black looks wider on every side, px/px.
+    (frames, links, 4, 2), how far a corner moves for each second of readout time, px/s.
     """
 
     t_s: Array
     corners_px: Array
     image_px: tuple[int, int]
     skew: Array
-    spread: Array
 
     @staticmethod
     def of(t_s: Array, corners_px: Array, image_px: tuple[int, int]) -> Sightings:
         """Return sightings; a row's time is off by its share of the readout, about the middle."""
         row = corners_px[..., 1:] / image_px[1] - 0.5
         skew = row * _velocity(t_s, corners_px)
-        spread = _outward(corners_px)
-        known = [np.where(np.isfinite(by), by, 0.0) for by in (skew, spread)]
-        return Sightings(t_s, corners_px, image_px, *known)
+        return Sightings(t_s, corners_px, image_px, np.where(np.isfinite(skew), skew, 0.0))
 
     @property
     def seen(self) -> NDArray[np.bool_]:
@@ -47,12 +43,9 @@ class Sightings:
 
     def picked(self, frames: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Sightings:
         """Return some frames of it."""
-        parts = self.skew[frames], self.spread[frames]
-        return Sightings(self.t_s[frames], self.corners_px[frames], self.image_px, *parts)
-
-    def shift_px(self, readout_s: float, edge_px: float) -> Array:
-        """Return how far corners are off a still, sharp picture's, (frames, links, 4, 2)."""
-        return readout_s * self.skew + edge_px * self.spread
+        return Sightings(
+            self.t_s[frames], self.corners_px[frames], self.image_px, self.skew[frames]
+        )
 
     @property
     def side_px(self) -> Array:
@@ -69,12 +62,3 @@ def _velocity(t_s: Array, corners_px: Array) -> Array:
     both = 0.5 * (before + after)
     one = np.where(np.isfinite(before), before, after)
     return np.where(np.isfinite(both), both, one)
-
-
-def _outward(corners_px: Array) -> Array:
-    """Return how corners move when all four edges move outward by one pixel, px."""
-    along = np.roll(corners_px, -1, axis=2) - corners_px
-    normal = np.stack([along[..., 1], -along[..., 0]], axis=-1)
-    normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
-    before = np.roll(normal, 1, axis=2)
-    return (normal + before) / (1 + np.sum(normal * before, axis=-1, keepdims=True))

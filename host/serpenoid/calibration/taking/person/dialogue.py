@@ -22,7 +22,7 @@ from ..procedure import doubts, likely_belt, next_step, skipped_keys
 from ..steps import Step
 from ..treadmill import Posture, record_step
 from .prompt_commands import Again, Left, PromptCommands, Values
-from .push_prompt import QUESTION, named_file, take_track
+from .push_prompt import QUESTION, FilmReader, named_file, no_films, take_track
 from .session_robot import SessionRobot
 from .terminal import Terminal
 
@@ -47,8 +47,10 @@ class Dialogue:
         told: Told = lambda session, step: None,
         patience_s: float = PATIENCE_S,
         clock_s: Callable[[], float] | None = None,
+        film: FilmReader = no_films,
     ):
         self.journal = journal
+        self._film = film
         self._terminal = terminal
         self._robot = robot
         self._told = told
@@ -181,7 +183,7 @@ class Dialogue:
             values: Values = {way.column: self.read(text, way, way.likely, step)}
             values |= {f.column: self._number(f, f.likely, step) for f in others}
             return self._doubted(step, values)
-        for kept in take_track(self.journal, *named, step.cells):
+        for kept in take_track(self.journal, *named, step.cells, self._film):
             self.say(f"  {kept.in_words()}")
         raise Again
 

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....model.errors import BadInput
+from ....model.robot import Robot
 from ...floor.track_files import UNITS, read_track_file
 from ..floor.pushes import Cells, Kept, keep_pushes
 from ..journal import Journal
 
 Track = tuple[NDArray[np.float64], str]
+FilmReader = Callable[[Path, Robot], Track]  # a film itself to its track
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
-QUESTION = "  its track (a file of Tracker, Kinovea or CSV), or how far it rolled (m): "
+FILMS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
+QUESTION = "  its film or track (of Tracker, Kinovea, CSV), or how far it rolled (m): "
 
 
 def named_file(text: str) -> tuple[Path, str] | None:
@@ -22,24 +26,35 @@ def named_file(text: str) -> tuple[Path, str] | None:
     words = text.strip().strip("'\"").split()
     unit = words.pop() if len(words) > 1 and words[-1] in UNITS else "m"
     path = Path(" ".join(words)).expanduser()
-    return (path, unit) if path.is_file() or path.suffix.lower() in TEXTS else None
+    return (path, unit) if path.is_file() or path.suffix.lower() in (*TEXTS, *FILMS) else None
+
+
+def no_films(path: Path, robot: Robot) -> Track:
+    """Refuse a film, where nothing is there to measure it."""
+    raise BadInput(
+        f"{path}: a film itself is not taken here; mark the robot's middle link in Tracker or "
+        "Kinovea, and give the file that it exports"
+    )
 
 
 def read_track(path: Path, unit: str) -> Track:
     """Return the track of a file, t_s, x_m, y_m in rows, and the file's hash; raises BadInput."""
     if not path.is_file():
         raise BadInput(f"{path}: no such file")
-    if path.suffix.lower() not in TEXTS:
-        raise BadInput(
-            f"{path}: a film itself is not taken here; mark the robot's middle link in Tracker or "
-            "Kinovea, and give the file that it exports"
-        )
     return read_track_file(path, unit)
 
 
-def take_track(journal: Journal, path: Path, unit: str, cells: Cells) -> list[Kept]:
-    """Keep the pushes of a file; raises BadInput where there is none, or it was taken in before."""
-    track, sha256 = read_track(path, unit)
+def take_track(
+    journal: Journal, path: Path, unit: str, cells: Cells, film: FilmReader = no_films
+) -> list[Kept]:
+    """Keep the pushes of a file; raises BadInput where there is none, or it was taken in before.
+
+    film: what reads a film of the robot with tags, whose joints hold still.
+    """
+    if path.suffix.lower() in TEXTS or not path.is_file():
+        track, sha256 = read_track(path, unit)
+    else:
+        track, sha256 = film(path, journal.session.setup.robot)
     kept = journal.session.kept_pushes
     there = [p.number for p in kept if p.file_sha256 == sha256[:16]]
     if there:

@@ -1,0 +1,35 @@
+"""A film of pushes to the track that a session keeps, with its progress and its remarks shown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...show.screen import say
+
+if TYPE_CHECKING:
+    from ...calibration.taking.person.push_prompt import FilmReader, Track
+    from ...model.robot import Robot
+
+
+def film_reader(side_m: float | None = None) -> FilmReader:
+    """Return what reads a film of a robot with tags; side_m: of a tag, by its links unless given.
+
+    Needs the extra `video` when it is called, not before.
+    """
+
+    def read(path: Path, robot: Robot) -> Track:
+        from ...video.seeing.extra import need_extra
+
+        need_extra()
+        from ...video.pushed import track_pushes
+        from ..video import film_progress
+
+        with film_progress(path) as tell:
+            found = track_pushes(path, robot.links, robot.link_length_m, side_m, tell)
+        for remark in found.remarks:
+            say(f"{path.name}: {remark.name}: {remark.text}")
+        say(f"{path.name}: all lengths ± {100 * found.scale_sigma:.1f} %")
+        return found.rows, found.sha256
+
+    return read

@@ -1,0 +1,140 @@
+"""A film of pushes: where a robot that holds its joints still is in each frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.errors import BadInput
+from .faults import remarks_of_view
+from .fitting import frames, start
+from .fitting.bundle import Bundle
+from .fitting.camera import LENS, Camera
+from .fitting.chain import joint_angles
+from .instrument import EXPECTED_SIGMA_RAD, calibrate
+from .measure_film import SeenFilm, seen_film, solved
+from .result import Remark
+from .seeing.sightings import Sightings
+from .unseen import KNOWN_RAD, expected_headings
+
+Array = NDArray[np.float64]
+STILL_RAD = math.radians(3.0)  # joints that move by more are driven, or loose
+PLACE_M = 0.003  # a frame whose place is known worse says nothing: a hand hides the tags
+
+
+@dataclass(frozen=True)
+class PushedRobot:
+    """Where the robot was.
+
+    rows: (frames, 3) time s, and place x, y m of the mean of the links' centres in the plane of
+    the tags, of the frames that show it. scale_sigma: relative, of all lengths. sha256: of the
+    file. remarks: what to know about the film.
+    """
+
+    rows: Array
+    scale_sigma: float
+    sha256: str
+    remarks: tuple[Remark, ...]
+
+
+def track_pushes(
+    path: Path,
+    links: int,
+    link_m: float,
+    side_m: float | None = None,
+    progress: Callable[[float], None] = lambda _: None,
+) -> PushedRobot:
+    """Follow a robot whose joints are locked through a film of one push or more.
+
+    Parameters
+    ----------
+    path
+        The film.
+    links, link_m
+        Number and length (m) of the robot's links.
+    side_m
+        Of a printed tag, without its white rim; that of the printed sheet unless given.
+    progress
+        Is told the time in the film that was reached, s.
+
+    Returns
+    -------
+    PushedRobot
+        The track with all pushes, the rests between them, and gaps where a hand hides the tags.
+
+    Raises
+    ------
+    BadInput
+        No film, one that cannot be measured, or joints that move; the message says what to do.
+    """
+    film = seen_film(path, links, link_m, side_m, progress)
+    try:
+        return _followed(film, str(path))
+    except BadInput as error:
+        raise film.damaged(error) from error
+
+
+def _followed(film: SeenFilm, name: str) -> PushedRobot:
+    s = film.watched.sightings
+    fit, track = solved(lambda: _tracked(s, film.side_m, film.starts), name)
+    rows = _rows(track)
+    if len(rows) < 2:
+        raise BadInput(f"{name}: no frame shows where the robot is; are the tags hidden?")
+    remarks = remarks_of_view(film.watched, fit, film.side_m, name)
+    return PushedRobot(rows, _scale_sigma(fit), film.sha256, tuple(remarks))
+
+
+def _tracked(s: Sightings, side_m: float, starts: list[Camera]) -> tuple[Bundle, frames.Track]:
+    """Fit the camera, then every frame; a hidden link stands to its neighbours as it always does.
+
+    With two links or more in sight the place of the whole robot is known.
+    """
+    fit, turns = calibrate(s, side_m, starts, still=True)
+    seen = s.picked(s.seen.sum(axis=1) >= 2)
+    expected = start.first_states(fit.camera, seen, turns)
+    loose = np.full(len(expected), EXPECTED_SIGMA_RAD)
+    track = frames.fit_states(fit.camera, seen, expected, loose, fit.noise_px)
+    phi = still_joints(joint_angles(track.states), seen.seen)
+    expected = expected_headings(track.states, seen.seen, np.tile(phi, (len(expected), 1)))
+    tight = np.full(len(expected), KNOWN_RAD)
+    return fit, frames.fit_states(fit.camera, seen, expected, tight, fit.noise_px)
+
+
+def still_joints(phi: Array, seen: NDArray[np.bool_]) -> Array:
+    """Return the angles at which joints are held, (joints,), rad. Raises BadInput: they move."""
+    both = seen[:, 1:] & seen[:, :-1]
+    held = np.zeros(phi.shape[1])
+    for i in range(phi.shape[1]):
+        angle = phi[both[:, i], i]
+        if not len(angle):
+            continue
+        held[i] = np.median(angle)
+        moves = 1.4826 * float(np.median(np.abs(angle - held[i])))
+        if moves > STILL_RAD:
+            raise BadInput(
+                f"joint {i + 1} moves by {math.degrees(moves):.0f}° in this film: a push needs "
+                "joints that hold still, and one bend a film; a crawl is measured by `serpenoid "
+                "video FILE`"
+            )
+    return held
+
+
+def _rows(track: frames.Track) -> Array:
+    """Return time and place of the frames that tell it."""
+    sigma = np.sqrt(track.covariance[:, 0, 0] + track.covariance[:, 1, 1])
+    known = sigma < PLACE_M
+    return np.column_stack([track.t_s, track.states[:, :2]])[known]
+
+
+def _scale_sigma(fit: Bundle) -> float:
+    """Return the relative standard deviation of all lengths: with the tags' printed side.
+
+    A robot whose joints do not move tells its link length only as well as tags lie on the links.
+    """
+    side = LENS.index("log_side")
+    return float(np.sqrt(fit.covariance[side, side]))
