@@ -16,9 +16,9 @@ using namespace serpenoid;
 namespace {
 
 ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& start,
-                             const Mat3& monodromy, double longest) {
+                             const Mat3& monodromy, double longest, bool rough) {
     ServoGaitOptions options;
-    options.longest = longest;
+    options.longest = longest, options.rough = rough;
     return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, options);
 }
 

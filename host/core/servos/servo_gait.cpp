@@ -15,6 +15,7 @@ constexpr double kMany = 60;        // frames in a cycle: fewer, and a cut one s
 constexpr double kMostSteps = 1e6;  // in a cycle
 constexpr double kLeast = 2e-3;     // of the speed: an error below it is not claimed
 constexpr double kSwing = 0.7;      // of a loop's quickest swing, rad: a step
+constexpr double kRough = 1e-2;     // of the speed: what a search may leave of the settling
 constexpr double kHunts = 0.05;     // of the speed, by the phase of the frames
 constexpr double kFarthest = 30;    // times the residual: a step of the secant method
 
@@ -136,10 +137,11 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     ServoSteps steps(robot, ground, gait, servo, longest);
     steps.start(start[0], start[1], start[2]);
     Settling settling(steps, robot, monodromy, least);
-    out.converged = settling.run(options.settled, options.most_cycles);
+    out.converged = settling.run(options.rough ? kRough : options.settled, options.most_cycles);
     out.cycles = settling.cycles;
     const bool few = frames < kMany;
-    const int phases = few ? options.phases : frames < 2 * kMany ? (options.phases + 1) / 2 : 1;
+    const int most = options.rough ? (options.phases + 1) / 2 : options.phases;
+    const int phases = few ? most : frames < 2 * kMany ? (most + 1) / 2 : 1;
     steps.set_body(settling.last.data());
     // Steps end at frames and looks of the loop, so a shorter limit alone may change little: each
     // step is cut in two.
@@ -149,7 +151,10 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
         return measure(again, phases, few);
     };
     int split = 2;
-    Mean coarse = at(1), fine = at(split);
+    Mean coarse = at(1);
+    coarse.report(out), out.error = NAN;
+    if (options.rough) return out;
+    Mean fine = at(split);
     double by_step = fine.speed() - coarse.speed();
     for (int finer = 0; finer < options.most_halvings; ++finer) {
         if (std::fabs(by_step) <= options.rtol * std::max(fine.speed(), least)) break;

@@ -21,6 +21,7 @@ struct ServoGaitOptions {
     double rtol = 1e-2;     // by how much it may, relative
     int most_cycles = 60;   // to settle in
     double settled = 2e-3;  // of the speed: how far from the fixed point it may be
+    bool rough = false;     // for searches: the long steps alone, half the phases, no error
 };
 
 struct ServoGaitState {

@@ -175,7 +175,13 @@ class ServoGaitState:
     def converged(self) -> bool: ...
 
 def servo_gait(
-    arg0: Model, arg1: Servo, arg2: Sequence[float], arg3: Sequence[float], arg4: float, /
+    arg0: Model,
+    arg1: Servo,
+    arg2: Sequence[float],
+    arg3: Sequence[float],
+    arg4: float,
+    arg5: bool,
+    /,
 ) -> ServoGaitState: ...
 
 class Formulation(enum.Enum):

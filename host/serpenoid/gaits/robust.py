@@ -23,13 +23,21 @@ from .finder import ANY, Finder, LeastPower, finder
 from .least_power import EitherWave
 from .limits import GaitLimits
 from .quadratic_search import Point
-from .robust_search import KEEP, RobustSearch, low_speed, low_speed_error, sampled_speeds
+from .robust_search import (
+    KEEP,
+    RobustSearch,
+    ServoShares,
+    driven_speeds,
+    low_speed,
+    low_speed_error,
+    sampled_speeds,
+)
 from .shape_search import GaitShape, exact_solver
 from .uncertainty import Sample, Uncertainty
 
 SAMPLES = 2048
 _FOR_SHAPE = (4, 1)  # one in so many samples chooses the shape, roughly and finely
-_OF_FRAGILE = 512
+_OF_FRAGILE, _DRIVEN = 512, 512
 _NOMINAL = 1e-5  # accuracy of the wanted speed, where it is that which binds
 
 
@@ -138,13 +146,24 @@ def robust_gait(
     waves = EitherWave(ground, lambda on: finder(robot, on, [speed_m_s], cost, limits))
     fragile = waves.minimize(wanted)
     drawn = uncertainty.samples(robot, ground, samples, seed)
-    best = _either_direction(waves, drawn, wanted)
+    tables = _shares(robot, ground, uncertainty)
+    best = _either_direction(waves, drawn, wanted, tables)
     if best is None:
         raise NotConverged(
             f"no gait keeps 95 % of the sampled robots above {KEEP * wanted:.3g} m/s within the "
-            f"limits ({limits.in_words()}); ask for less speed, or know friction better"
+            f"limits ({limits.in_words()}); ask for less speed, or know friction and servos better"
         )
-    return _finished(best, ground, fragile, drawn, uncertainty, seed)
+    return _finished(best, ground, fragile, drawn, uncertainty, seed, tables[0])
+
+
+Tables = tuple[ServoShares, ServoShares] | tuple[None, None]
+
+
+def _shares(robot: Robot, ground: Ground, uncertainty: Uncertainty) -> Tables:
+    """Return tables of what servos leave, for waves from the head and from the tail."""
+    if uncertainty.servo is None:
+        return None, None
+    return ServoShares(robot, ground), ServoShares(robot, ground.turned_round())
 
 
 @dataclass(frozen=True)
@@ -166,23 +185,27 @@ class _Found:
         return replace(gait, beta_rad=-gait.beta_rad) if self.turned else gait
 
 
-def _either_direction(waves: EitherWave, drawn: list[Sample], wanted: float) -> _Found | None:
+def _either_direction(
+    waves: EitherWave, drawn: list[Sample], wanted: float, tables: Tables
+) -> _Found | None:
     """Return the cheapest robust gait of both directions of waves."""
     best: _Found | None = None
     for least_w, k in sorted(zip(waves.watts, range(2), strict=False)):
         if least_w >= (best.watts if best else math.inf):  # robust it would cost more still
             continue
         seen = [one.turned_round() for one in drawn] if k else drawn
-        found = _one_direction(waves.searches[k], seen, wanted)
+        found = _one_direction(waves.searches[k], seen, wanted, tables[k])
         if found is not None and (best is None or found.watts < best.watts):
             best = replace(found, turned=k > 0)
     return best
 
 
-def _one_direction(search: Finder, drawn: list[Sample], wanted: float) -> _Found | None:
+def _one_direction(
+    search: Finder, drawn: list[Sample], wanted: float, shares: ServoShares | None
+) -> _Found | None:
     """Return the cheapest robust gait with waves from head to tail."""
     few, many = (drawn[: max(20, len(drawn) // part)] for part in _FOR_SHAPE)
-    work = RobustSearch(search, few, wanted)
+    work = RobustSearch(search, few, wanted, shares)
     start = work.coarse()
     if start is None:
         return None
@@ -211,19 +234,23 @@ def _settled(work: RobustSearch, best: Point, drawn: list[Sample]) -> Point | No
 
 def _finished(
     best: _Found, ground: Ground, fragile: LeastPower, drawn: list[Sample],
-    uncertainty: Uncertainty, seed: int,
+    uncertainty: Uncertainty, seed: int, shares: ServoShares | None,
 ) -> RobustGait:  # fmt: skip
     """Solve the gait once more, and look at all samples and at fresh ones."""
     gait, work, search, robot = best.as_sent, best.work, best.work.search, best.work.robot
     exact = exact_solver(robot, ground, powers=True)(gait, 1e-4)
-    speeds = sampled_speeds(robot, gait, drawn)
+    speeds = sampled_speeds(robot, gait, drawn, shares)
     fresh = uncertainty.samples(robot, ground, len(drawn), seed + 1, skip=len(drawn))
     of_fragile = drawn[:_OF_FRAGILE]
+    if shares is None:
+        checked = sampled_speeds(robot, gait, fresh)
+    else:
+        checked = driven_speeds(robot, gait, fresh[:_DRIVEN])
+    slow = sampled_speeds(robot, fragile.gait, of_fragile, shares)
     return RobustGait(
         gait, search.watts(exact), exact.speed_m_s, work.wanted, search.cost, exact,
         uncertainty, low_speed(speeds, len(drawn)),
-        low_speed(sampled_speeds(robot, gait, fresh), len(fresh)), speeds, fragile,
-        low_speed(sampled_speeds(robot, fragile.gait, of_fragile), len(of_fragile)),
+        low_speed(checked, checked.size), speeds, fragile, low_speed(slow, slow.size),
         search.limits.active(gait, search.torque_nm(best.gait)),
         work.evaluations + search.evaluations + 2 * len(drawn) + len(of_fragile),
     )  # fmt: skip

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.checks import check_number
+from ..model.drives import Servo, ServoKind
 from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 
 Array = NDArray[np.float64]
+SERVOS = 96  # drawn of a kind
 FRICTION = ("ct", "cn", "ft0", "fn0")
 # How the errors of the four hang together after a session with one bend of 7.5 deg.
 _AFTER_A_SESSION = np.array([
@@ -45,6 +47,9 @@ class Uncertainty:
         Whether frictions have the correlations of that session.
     joint_gain, joint_shift_rad
         Measured factors of amplitude and phase shifts, rad, one a joint, in place of 1 and 0.
+    servo
+        The kind of servo that moves the joints, each sample with one of SERVOS drawn ones; None:
+        joints follow what is told them, but for the errors above.
 
     Raises
     ------
@@ -60,6 +65,7 @@ class Uncertainty:
     correlated: bool = True
     joint_gain: tuple[float, ...] = ()
     joint_shift_rad: tuple[float, ...] = ()
+    servo: ServoKind | None = None
 
     def __post_init__(self) -> None:
         if len(self.friction) != len(FRICTION):
@@ -96,10 +102,21 @@ class Uncertainty:
         gains = seen * (1 + self.common_amplitude * points[:, 4:5])
         gains = np.clip(gains + self.amplitude * points[:, 5 : 5 + joints], 0.0, 2.0)
         shifts = late + self.lag_rad * points[:, 5 + joints :]
+        servos = self._servos(count, seed)
         return [
-            Sample(ground, tuple(gain), tuple(shift))
-            for ground, gain, shift in zip(grounds, gains.tolist(), shifts.tolist(), strict=True)
+            Sample(ground, tuple(gain), tuple(shift), servo)
+            for ground, gain, shift, servo in zip(
+                grounds, gains.tolist(), shifts.tolist(), servos, strict=True
+            )
         ]
+
+    def _servos(self, count: int, seed: int) -> list[Servo] | list[None]:
+        """Return a servo for each sample, each of the drawn ones as often."""
+        if self.servo is None:
+            return [None] * count
+        drawn = [self.servo.servo] if self.servo.exact else self.servo.draws(SERVOS, seed)
+        order = np.random.default_rng(seed).permutation(count)
+        return [drawn[k % len(drawn)] for k in order.tolist()]
 
     def in_words(self) -> str:
         """Return the statement in one line."""
@@ -111,7 +128,8 @@ class Uncertainty:
         return (
             f"{friction}; amplitude ± {100 * self.common_amplitude:.3g} % common and "
             f"± {100 * self.amplitude:.3g} % of each joint; phase ± "
-            f"{math.degrees(self.lag_rad):.3g} deg of each joint"
+            f"{math.degrees(self.lag_rad):.3g} deg of each joint; servos: "
+            f"{'ideal' if self.servo is None else self.servo.name}"
         )
 
 
@@ -122,6 +140,7 @@ class Sample:
     ground: Ground
     joint_gain: tuple[float, ...]
     joint_shift_rad: tuple[float, ...]
+    servo: Servo | None = None
 
     def gait(self, gait: Gait) -> Gait:
         """Return what the joints do when they are told to do a gait."""
@@ -129,7 +148,10 @@ class Sample:
 
     def turned_round(self) -> Sample:
         """Return the same robot with its tail called head; it runs the gait with beta negated."""
-        return Sample(self.ground.turned_round(), self.joint_gain[::-1], self.joint_shift_rad[::-1])
+        return Sample(
+            self.ground.turned_round(), self.joint_gain[::-1], self.joint_shift_rad[::-1],
+            self.servo,
+        )  # fmt: skip
 
 
 def _scaled(ground: Ground, factors: Sequence[float]) -> Ground:

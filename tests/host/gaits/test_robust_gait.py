@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from serpenoid.gaits.robust_search import (
+    ServoShares,
+    driven_speeds,
     low_speed,
     low_speed_error,
     sampled_speeds,
@@ -221,6 +223,37 @@ def test_samples_agree_with_the_solver_one_by_one() -> None:
     speeds = sampled_speeds(OF_2005, STURDY, drawn)
     by_time = [run_speed(OF_2005, s.ground, s.gait(STURDY)) for s in drawn]
     assert speeds == pytest.approx(by_time, rel=0.01)
+
+
+def test_a_table_of_servos_stands_for_each_robots_own() -> None:
+    """Shares on the nominal ground, by rough steps, against each robot solved with its servo."""
+    drawn = sn.Uncertainty(servo=sn.servo()).samples(OF_2005, BINGHAM, 32)
+    assert len({s.servo for s in drawn}) == 32
+    gait = replace(STURDY, omega_rad_s=4.0)
+    table = sampled_speeds(OF_2005, gait, drawn, ServoShares(OF_2005, BINGHAM))
+    own = driven_speeds(OF_2005, gait, drawn)
+    ideal = sampled_speeds(OF_2005, gait, drawn)
+    assert np.median(np.abs(table / own - 1)) < 0.06
+    assert np.quantile(table, 0.1) == pytest.approx(np.quantile(own, 0.1), rel=0.1)
+    assert np.median(np.abs(ideal / own - 1)) > 0.1  # or the test could not fail
+
+
+def test_a_robust_gait_survives_a_servo_that_shakes() -> None:
+    """One known servo without a rotor: the gait costs more, and keeps the speed with it."""
+    shaking = sn.ServoKind("no rotor", sn.Servo())
+    known = {"friction": (0.01, 0.01, 0.01, 0.01), "amplitude": 0.01, "common_amplitude": 0.01}
+    plain, best = (
+        sn.robust_gait(
+            OF_2005, BINGHAM, speed_m_s=0.05, samples=32,
+            uncertainty=sn.Uncertainty(**known, servo=servo),
+        ) for servo in (None, shaking)
+    )  # fmt: skip
+    robots = best.uncertainty.samples(OF_2005, BINGHAM, 16, seed=1)
+    assert driven_speeds(OF_2005, best.gait, robots).min() > 0.87 * 0.05
+    assert driven_speeds(OF_2005, plain.gait, robots).max() < 0.87 * 0.05
+    assert best.power_w > plain.power_w
+    assert best.checked_low_m_s == pytest.approx(0.045, rel=0.06)
+    assert "servos: no rotor" in best.uncertainty.in_words()
 
 
 def test_refusals() -> None:

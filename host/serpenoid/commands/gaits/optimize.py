@@ -86,7 +86,8 @@ send_options = stacked([
 def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
     """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
 
-    Gaits are searched with ideal joints; --servo tells what servos leave of the speed found.
+    Gaits are searched with ideal joints; --servo tells what servos leave of the speed found. With
+    --robust the sampled robots have servos, too: with a fit any hobby servo unless --servo says.
 
     With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
     """
@@ -98,10 +99,10 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
         raise click.UsageError("--send, --plot and --servo take one speed")
     if send:
         _check_board(run["port"], run["record"])
-    ask = _Asked(given, send)
+    ask = _Asked(given, send, servo_name)
     if len(wanted) > 1:
         return _show_front(ask, wanted, as_json)
-    servo = take_servo(servo_name, IDEAL if ask.fit is None else "hobby")
+    servo = ask.servo
     found = interruptible(lambda: ask.find(wanted[0]))
     report_as = _robust_dict if ask.robust else _plain_dict
     from ...gaits.margins import gait_margins
@@ -177,7 +178,7 @@ def _speeds(text: str) -> list[float]:
 class _Asked:
     """What the options ask for: robot, ground, limits, cost, doubt."""
 
-    def __init__(self, given: dict[str, Any], send: bool) -> None:
+    def __init__(self, given: dict[str, Any], send: bool, servo_name: str | None) -> None:
         self.robust, self.cost = given.pop("robust"), given.pop("cost")
         self.formulation = given.pop("formulation")
         if self.robust and self.formulation == "implicit":
@@ -186,6 +187,10 @@ class _Asked:
         fit = take_fit(given)
         self.fit = _as_measured(given, fit, self.robust)
         uncertainty, joints = _uncertainty(given, self.fit), given.pop("joints")
+        # a film has shown what servos make of the joints
+        ideal = self.fit is None or joints is not None
+        self.servo = take_servo(servo_name, IDEAL if ideal else "hobby")
+        uncertainty = replace(uncertainty, servo=self.servo)
         self.robot: Robot
         self.ground: Ground
         self.robot, self.ground = robot_with_fit(given, fit)
