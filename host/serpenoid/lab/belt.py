@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.errors import NotConverged
-from .robot import JOINT_RATE_RAD_S, LabRobot
+from .robot import LabRobot
 
+STEER_RATE_RAD_S = math.radians(2.0)  # of a board that steers in a session
 LEAD_RATE_RAD_S = 8.0  # of a servo that follows set-points
 STEP_S = 0.004  # of the motion; ten times shorter ones turn the zigzag of 6 s 0.005 deg less
 SLEW_M_S2 = 0.25  # a belt's own haste
@@ -74,7 +75,7 @@ class Belt:
     def steer(self, offset_rad: float) -> None:
         """Add an offset to every joint, while the robot is where it is."""
         self._offset = offset_rad
-        self._chain.aim(self._joints(), JOINT_RATE_RAD_S)
+        self._chain.aim(self._joints(), STEER_RATE_RAD_S)
 
     def lead(self, set_rad: Sequence[float]) -> None:
         """Let the joints go to set-points that move, where the robot is."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -18,8 +17,6 @@ from ..model.drives import Servo, core_servo
 from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
-
-JOINT_RATE_RAD_S = math.radians(45.0)  # of a board that goes to a pose (its `pose_speed`)
 
 
 @dataclass(frozen=True)

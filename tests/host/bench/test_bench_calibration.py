@@ -41,7 +41,7 @@ def table():
 
 @pytest.fixture(scope="module")
 def driven(table):
-    return DrivenTable(ROBOT, table, points=256)
+    return DrivenTable(ROBOT, table, 16, points=256)
 
 
 def test_the_table_is_the_model(table):

@@ -35,10 +35,10 @@ def test_the_driven_robot_and_its_band_have_the_same_servos() -> None:
     """Where friction is known exactly, the band of joints and servos holds drawn robots' speeds."""
     near = {"points": 64, "box": (0.9 * WHOLE, 1.1 * WHOLE), "kernel": "cubic"}
     robot = default_setup("band").robot
-    driven = DrivenTable(robot, SpeedTable(robot, GAIT, **near), **near)
+    driven = DrivenTable(robot, SpeedTable(robot, GAIT, **near), 256, **near)
     rng = np.random.default_rng(5)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=256)
-    low, high = band(driven(np.tile(WHOLE, (256, 1)), amplitudes))
+    low, high = band(driven(np.tile(WHOLE, (256, 1)), amplitudes, driven.shares))
     people = [drawn_person(CASES[0], np.random.default_rng([5, k])) for k in range(12)]
     speeds = [
         crawl_speed(p.robot, scaled(GAIT, a)) for p, a in zip(people, amplitudes, strict=False)

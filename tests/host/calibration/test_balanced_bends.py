@@ -127,4 +127,4 @@ def test_a_guided_robot_whose_joints_are_exact_goes_through_the_plan(bend):
     truth = Truth(sn.Ground(0.084, 1.2, 0.14, 0.27), joint_sigma_rad=0.0, guided=True)
     taken = take_all(MemoryRecord(setup), SimulatedTreadmill(setup, truth, seed=1))
     assert len(taken.kept) > 15
-    assert all(abs(r.turned_rad) < 0.15 for r in taken.kept)  # as it was laid between the rails
+    assert all(abs(r.turned_rad) < 0.07 for r in taken.kept)  # by eye

@@ -157,7 +157,7 @@ def _bands(
         return [band(drawn.friction_m_s[:, 0]), band(drawn.both_m_s[:, 0])]
     whole = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES)
-    return [band(table(whole)), band(driven(whole, amplitudes))]
+    return [band(table(whole)), band(driven(whole, amplitudes, driven.some(_SPEED_SAMPLES, rng)))]
 
 
 def judged_floor(case: FloorCase, found: list[list[float] | None]) -> FloorCoverage:

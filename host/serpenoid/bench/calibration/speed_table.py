@@ -27,7 +27,7 @@ class SpeedTable:
 
     def __init__(
         self, robot: Robot, gait: Gait, points: int = 512,
-        box: tuple[Array, Array] = (LOW, HIGH), kernel: str = "linear",
+        box: tuple[Array, Array] = (LOW, HIGH), kernel: str = "linear", neighbours: int = 40,
     ):  # fmt: skip
         from scipy.interpolate import RBFInterpolator
         from scipy.stats import qmc
@@ -37,7 +37,7 @@ class SpeedTable:
         grounds = [Ground.whole_body(robot.links, *x) for x in (low + unit * (high - low)).tolist()]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             speeds = list(pool.map(lambda g: speed(robot, g, gait), grounds))
-        self._of = RBFInterpolator(unit, np.array(speeds), neighbors=40, kernel=kernel)
+        self._of = RBFInterpolator(unit, np.array(speeds), neighbors=neighbours, kernel=kernel)
 
     def __call__(self, whole: Array) -> Array:
         """Return the speeds of (count, 4) frictions of the whole snake."""

@@ -99,6 +99,12 @@ def drawn_truth(
     )  # fmt: skip
 
 
+def _habits(truth: Truth) -> Habits:
+    made = Habits(steers=truth.steered, hasty=truth.hasty, let_go_m_s=truth.disturbance_m_s)
+    # rails are laid along the belt, and the robot between them
+    return replace(made, let_go_rad=0.0, let_go_rad_s=0.0) if truth.guided else made
+
+
 class SimulatedTreadmill:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
@@ -125,7 +131,7 @@ class SimulatedTreadmill:
         steps, errs = setup.treadmill, setup.uncertainty
         self.person = Person(
             self.belt, rng,
-            Habits(steers=truth.steered, hasty=truth.hasty, let_go_m_s=truth.disturbance_m_s),
+            _habits(truth),
             Display(
                 steps.belt_step_m_s, truth.belt_scale, steps.belt_least_m_s,
                 errs.belt_speed_sigma_m_s,
