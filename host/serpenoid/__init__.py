@@ -7,7 +7,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     __version__: str
-    from .calibration.advice import Advice, advise
+    from .calibration.advice import advise
+    from .calibration.advising.next_reading import Advice
     from .calibration.comparison import Comparison, compare
     from .calibration.fit_file import load_fit, save_fit
     from .calibration.friction_fit import fit_friction
@@ -44,7 +45,8 @@ if TYPE_CHECKING:
 # Where the rest is, imported at first use: the command line answers --help without NumPy.
 _HOMES = {
     "model.errors": ("BadInput", "Diverged", "NotConverged", "SerpenoidError", "StepTooLarge"),
-    "calibration.advice": ("Advice", "advise"),
+    "calibration.advice": ("advise",),
+    "calibration.advising.next_reading": ("Advice",),
     "calibration.comparison": ("Comparison", "compare"),
     "calibration.fit_file": ("load_fit", "save_fit"),
     "calibration.friction_fit": ("fit_friction",),

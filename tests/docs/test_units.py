@@ -1,4 +1,4 @@
-"""Every public quantity names its unit: in its name and in the words of its docstring."""
+"""Public docstrings have NumPy's sections and name every quantity's unit."""
 
 from __future__ import annotations
 
@@ -86,6 +86,41 @@ def test_every_quantity_names_its_unit(public) -> None:
         if quantity and (lacks := missing(name, text)):
             wrong.append(f"{name}: docstring lacks {lacks}")
     assert not wrong, f"{public}: {wrong}"
+
+
+def entries(text: str, section: str) -> list[str]:
+    """Return the names that a section of a docstring explains."""
+    body = re.search(
+        rf"^{section}\n-+\n(.*?)(?=^\S[^\n]*\n-+\n|\Z)", text, re.DOTALL | re.MULTILINE
+    )
+    heads = re.findall(r"^\S.*$", body[1], re.MULTILINE) if body else []
+    return [name.strip(" *") for head in heads for name in head.partition(" : ")[0].split(",")]
+
+
+@pytest.mark.parametrize("public", PUBLIC)
+def test_docstrings_explain_every_field_and_argument(public) -> None:
+    thing = PUBLIC[public]
+    text = inspect.getdoc(thing) or ""
+    if inspect.isclass(thing):
+        fields = dataclasses.fields(thing) if dataclasses.is_dataclass(thing) else ()
+        wanted = [f.name for f in fields if not f.name.startswith("_")]
+        told = entries(text, "Attributes")
+    else:
+        wanted = [p.name for p in parameters(thing)]
+        told = entries(text, "Parameters")
+        returns = inspect.signature(thing).return_annotation
+        assert str(returns) == "None" or entries(text, "Returns")
+        assert entries(text, "Raises")
+    assert not set(wanted) - set(told), public
+
+
+def test_entries_of_a_section() -> None:
+    text = (
+        "A.\n\nParameters\n----\na, b : float\n    Words.\nc\n    d\n\nReturns\n-------\nint\n    e"
+    )
+    assert entries(text, "Parameters") == ["a", "b", "c"]
+    assert entries(text, "Returns") == ["int"]
+    assert entries(text, "Raises") == []
 
 
 def test_what_is_missing_is_found() -> None:

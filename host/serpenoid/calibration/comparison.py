@@ -26,6 +26,7 @@ from .verdict import Judge, Measured, of_gaits
 from .verdict_words import in_words
 
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
+NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
 _CURVE_SAMPLES = 32
 _CURVE_POINTS, _SPRINGS_EVERY = 49, 6  # chords between them are 0.1 % off; springs take longer
 
@@ -58,16 +59,32 @@ class ComparedGait:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What compare found.
+    """Hold the predicted and the measured speeds of a session, and the verdict.
 
-    gaits: those run, else those planned. curve: speed over frequency of the first one's amplitude
-    and phase lag, friction's band alone, the implicit model at each sixth point. p_value: the
-    chance of residuals as large if model, fit and stated errors (amplitude_sigma of the joints'
-    amplitude, relative) hold; p_friction, p_amplitude: that chance once friction, or the amplitude,
-    may be another one than stated; None where that need not be asked. p_servos: the chance with
-    other servos than stated. servo: the kind stated, None for joints that follow the gait. verdict:
-    agrees, neither, not measured, or the causes (friction, amplitude, servos) with `or` between
-    them; verdict_text says it in words.
+    Attributes
+    ----------
+    session
+        Name of the session.
+    amplitude_sigma
+        Stated standard deviation of the joints' amplitude, relative.
+    gaits
+        The gaits that were run; the planned ones if none was.
+    curve
+        Speed over frequency at the first gait's amplitude and phase lag: the band of friction
+        alone, and the implicit model at each sixth point.
+    measured
+        All runs that were kept.
+    p_value
+        The chance of residuals this large if model, fit and stated errors hold.
+    p_friction, p_amplitude, p_servos
+        The same chance if friction, the amplitude or the servos may differ from what is stated;
+        None where this was not tested.
+    verdict
+        "agrees", "neither", "not measured", or the possible causes joined by "or".
+    verdict_text
+        The verdict in words.
+    servo
+        Name of the kind of servo; None for joints that follow the gait.
     """
 
     session: str
@@ -99,25 +116,42 @@ def compare(
     seed: int = 2005,
     progress: Progress | None = None,
 ) -> Comparison:
-    """Compare a session's gait runs with the speeds its friction predicts.
+    """Compare a session's gait runs with the speeds that its friction predicts.
 
-    fit: the session's own joint fit unless given. gaits: further ones to predict. amplitude_sigma:
-    standard deviation of the joints' true over commanded amplitude, common to all gaits. servo: the
-    kind that moves the joints, any hobby servo unless given; None: they follow the gait, and servos
-    are no cause. Frictions are sampled, since speed is skewed where wheels stick. progress is
-    called with the gaits done, of `gait_count`. Raises BadInput where there is neither a run nor a
-    gait.
+    Frictions are sampled, because the distribution of speed is skewed where wheels stick.
+
+    Parameters
+    ----------
+    session, fit
+        The gait runs, and the friction: the session's own joint fit unless given.
+    gaits
+        Further gaits to predict.
+    amplitude_sigma
+        Standard deviation of true over commanded amplitude, common to all gaits.
+    servo
+        The kind that moves the joints, any hobby servo unless given. None: they follow the gait,
+        and servos are no cause.
+    samples, seed
+        Number of frictions drawn, and the seed of the draw.
+    progress
+        Called with the gaits done, of `gait_count`.
+
+    Returns
+    -------
+    Comparison
+        Speeds, bands, p-values and the verdict.
+
+    Raises
+    ------
+    BadInput
+        If there is neither a run nor a gait.
     """
     check_kind("session", session, Session)
     check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)
     fit = fit or fit_friction(session)
-    runs = runs_by_gait(session)
-    wanted = compared_gaits(session, gaits)
+    runs, wanted = runs_by_gait(session), compared_gaits(session, gaits)
     if not wanted:
-        raise BadInput(
-            f"{session.where}: no gait run and no gait planned; give one, or take a run with "
-            "`serpenoid calibrate`"
-        )
+        raise BadInput(f"{session.where}: {NO_GAIT}")
     drawn = sample_speeds(
         fit, wanted, amplitude_sigma=amplitude_sigma, servo=servo, count=samples, seed=seed,
         progress=progress,
@@ -127,20 +161,31 @@ def compare(
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
     curve, named = _curve(fit, wanted, seed, progress), servo and servo.name
     common = (session.setup.name, amplitude_sigma, points, curve, _all_runs(session))
-    ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
-    if not ran:
+    if all(p.measured_m_s is None for p in points):
         return Comparison(*common, None, None, None, "not measured", NOT_MEASURED, named)
+    stated = amplitude_sigma, seed, servo
+    return Comparison(*common, *_judged(session, fit, drawn, points, stated))
+
+
+def _judged(
+    session: Session, fit: FrictionFit, drawn: SpeedSamples, points: Sequence[ComparedGait],
+    stated: tuple[float, int, ServoKind | None],
+) -> tuple[Any, ...]:  # fmt: skip
+    """Return what a Comparison holds from p_value on; stated: amplitude_sigma, seed and servo."""
+    amplitude_sigma, _, servo = stated
+    ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
     measured = Measured(
         tuple(drawn.gaits[j] for j in ran),
         np.array([points[j].measured_m_s for j in ran], dtype=float),
         np.array([points[j].sigma_m_s for j in ran], dtype=float),
     )
-    found = Judge(fit, of_gaits(drawn, ran), amplitude_sigma, seed, servo)(measured)
+    found = Judge(fit, of_gaits(drawn, ran), *stated)(measured)
     causes = (found.friction, found.amplitude, found.servos)
     friction, amplitude, servos = (c and c.p_value for c in causes)
-    text = in_words(found, measured, fit, amplitude_sigma, session.setup.weight_n, servo)
+    weight_n = session.setup.weight_n
+    text = in_words(found, measured, fit, amplitude_sigma, weight_n, servo)
     word, text = seen_on_film(session, fit, drawn, found.word, text)
-    return Comparison(*common, found.p_value, friction, amplitude, word, text, named, servos)
+    return found.p_value, friction, amplitude, word, text, servo and servo.name, servos
 
 
 def _all_runs(session: Session) -> tuple[GaitRun, ...]:

@@ -106,12 +106,28 @@ class Setup:
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """A set-up and what was read under it, in the order it was taken, voided readings among it.
+    """Hold a set-up and its readings in the order they were taken, voided ones included.
 
-    readings: the stations held. gait_runs: measured crawling speeds. zeros: the inclinometer's, by
-    reversal. bends: protractor checks. further: readings of all other kinds. where: what errors
-    call it, the readings' file if there is one. folder: where it lies. notes: what reading the
-    files brought up, in words.
+    Attributes
+    ----------
+    setup
+        The robot, the instruments and the plan.
+    readings
+        The stations held.
+    where
+        The session's name in errors: the readings' file if there is one.
+    gait_runs
+        Measured crawling speeds.
+    zeros
+        Zeros of the inclinometer, by reversal.
+    bends
+        Checks of a bend with a protractor.
+    further
+        Readings of all other kinds.
+    folder
+        The session's folder; None for a session in memory.
+    notes
+        Remarks from reading the files, in words.
     """
 
     setup: Setup

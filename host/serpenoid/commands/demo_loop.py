@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..calibration.advice import Advice, advise
+from ..calibration.advice import advise
+from ..calibration.advising.next_reading import Advice
 from ..calibration.comparison import Comparison, compare, gait_count
 from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import DOUBTFUL, whole_ground

@@ -26,15 +26,28 @@ BAND = (2.5, 97.5)  # per cent
 class ServoSteady:
     """Hold the speed of a gait with ideal joints and with servos.
 
-    ideal: the periodic state of joints that follow the gait exactly. With the (typical) servo:
-    speed_m_s, m/s, is the mean over all phases between the board's frames and the gait, which have
-    no period in common; spread_m_s is half its range over them; error_estimate is the numerical
-    error, relative, from steps of twice the length, the phases, and what the settling leaves.
-    amplitude_ratio (a factor) and lag_rad (rad): first harmonic of the joints' angles against the
-    gait's, mean over the joints; ripple_rad_s, rad/s: rms of what their rates have beside it;
-    power_w, W: mean net power that the gears give to the joints; turn_rad_per_cycle, rad: change of
-    heading in a period. samples_m_s, m/s: speeds of servos drawn from the kind, empty for a servo
-    that is exact; low_m_s and high_m_s: their 95 % interval, or the spread of an exact one.
+    Attributes
+    ----------
+    ideal
+        The periodic state of joints that follow the gait exactly.
+    servo
+        The servo or the kind of servo.
+    speed_m_s, spread_m_s
+        Of the (typical) servo: mean and half the range of speed, m/s, over all phases between the
+        board's frames and the gait, which have no period in common.
+    error_estimate
+        Numerical error of the speed, relative: step length, phases, and what settling leaves.
+    amplitude_ratio, lag_rad
+        First harmonic of the joints' angles over the gait's, mean over joints: a factor, and rad.
+    ripple_rad_s
+        Rms of the joints' rates beside the first harmonic, rad/s.
+    power_w
+        Mean net power that the gears give to the joints, W.
+    turn_rad_per_cycle
+        Change of heading in a period, rad.
+    samples_m_s
+        Speeds of servos drawn from the kind, m/s; () for a servo that is exact. low_m_s and
+        high_m_s are their 95 % interval, or the spread of an exact one.
     """
 
     ideal: Steady

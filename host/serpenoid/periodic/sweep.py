@@ -19,17 +19,27 @@ from .servo_sweep import servo_grid
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """Hold periodic states over a grid; all arrays are indexed [alpha, beta, omega].
+    """Hold periodic states over a grid; all arrays but the axes are indexed [alpha, beta, omega].
 
     With several robots or grounds, [robot, ground, alpha, beta, omega]; a single one has no axis.
-    alpha_rad, beta_rad in rad, omega_rad_s in rad/s: the axes. speed_m_s (m/s), power_w,
-    abs_power_w, positive_power_w (W), turn_rad_per_cycle (rad), settling_time_s (s): as in Steady.
-    error_estimate: of the speed, relative (see Steady); power_error_w, positive_power_error_w: of
-    the powers, W (twice the latter plus the former: of abs_power_w). converged: whether the
-    accuracy that was asked for was reached; where it was not the best is given, with its error.
-    All these are of ideal joints. servo_speed_m_s: with the (typical) servo; servo_low_m_s,
-    servo_high_m_s: 95 % band of servos drawn from the kind. NaN where the motion does not settle;
-    None where no servo was asked for.
+
+    Attributes
+    ----------
+    alpha_rad, beta_rad, omega_rad_s
+        The axes, rad and rad/s.
+    speed_m_s, turn_rad_per_cycle, settling_time_s
+        As in Steady; m/s, rad, s.
+    power_w, abs_power_w, positive_power_w
+        As in Steady, W.
+    error_estimate
+        Of the speed, relative.
+    power_error_w, positive_power_error_w
+        Errors of the powers, W; that of abs_power_w is the first plus twice the second.
+    converged
+        Whether the wanted accuracy was reached; where not, the best value is given with its error.
+    servo_speed_m_s, servo_low_m_s, servo_high_m_s
+        Speed with the (typical) servo and the 95 % band of servos drawn from the kind, m/s. NaN
+        where the motion does not settle; None without a servo. All others are of ideal joints.
     """
 
     alpha_rad: NDArray[np.float64]
@@ -87,8 +97,7 @@ def sweep(
         Address of a Dask cluster, such as "tcp://10.0.0.1:8786", whose workers solve the shapes, to
         the same bits. Needs `pip install serpenoid[dask]` here and on the workers.
     progress
-        Called with the number of gaits solved since the last call; a gait with servos counts anew.
-        An exception ends the sweep.
+        Called with the gaits solved since the last call (again for servos); may raise to stop.
 
     Returns
     -------
@@ -102,22 +111,32 @@ def sweep(
     ClusterFailed
         If the cluster cannot be reached or has other versions.
     """
-    if servo is not None:
-        check_kind("servo", servo, (Servo, ServoKind))
-        if isinstance(robot, Sequence) or isinstance(ground, Sequence):
-            raise BadInput("servo wants one robot on one ground; sweep them one by one")
+    _check_servo(servo, robot, ground)
     grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
     table = _solve(grid, threads_to_use(threads), scheduler, progress)
     single = tuple(k for k, part in enumerate((robot, ground)) if not isinstance(part, Sequence))
     size = (*grid.size, len(grid.omega_rad_s))
     values = {n: np.squeeze(v.reshape(size), axis=single) for n, v in grid.named(table).items()}
     axes = np.array(grid.alpha_rad), np.array(grid.beta_rad), np.array(grid.omega_rad_s)
-    moved: tuple[Array, ...] = ()
-    if servo is not None:
-        assert isinstance(robot, Robot)  # checked above
-        assert isinstance(ground, Ground)
-        moved = servo_grid(robot, ground, axes, servo, threads_to_use(threads), progress)
+    moved = _moved_by(servo, grid, axes, threads_to_use(threads), progress)
     return Sweep(*axes, *(values[name] for name in FIELDS), *moved)
+
+
+def _check_servo(servo: object, robot: object, ground: object) -> None:
+    if servo is not None:
+        check_kind("servo", servo, (Servo, ServoKind))
+        if isinstance(robot, Sequence) or isinstance(ground, Sequence):
+            raise BadInput("servo wants one robot on one ground; sweep them one by one")
+
+
+def _moved_by(
+    servo: Servo | ServoKind | None, grid: Grid, axes: tuple[Array, Array, Array], threads: int,
+    progress: Callable[[int], None] | None,
+) -> tuple[Array, ...]:  # fmt: skip
+    """Return what a Sweep holds of servos; () without any."""
+    if servo is None:
+        return ()
+    return servo_grid(grid.robots[0], grid.grounds[0], axes, servo, threads, progress)
 
 
 def _solve(

@@ -90,7 +90,20 @@ HOBBY = SERVOS["hobby"]  # what every prediction from a session takes unless tol
 def servo(name: str | Path = "hobby") -> ServoKind:
     """Return a kind of servo by its name in SERVOS, or from a TOML file.
 
-    "hobby" is any hobby servo: typical values with a wide sigma. Raises BadInput.
+    Parameters
+    ----------
+    name
+        A name, or a file's path. "hobby" is any hobby servo: typical values with a wide sigma.
+
+    Returns
+    -------
+    ServoKind
+        The typical servo and the doubt about it.
+
+    Raises
+    ------
+    BadInput
+        For a name that is neither known nor a file.
     """
     wanted = str(name).lower().replace("-", "").replace(" ", "")
     for known, kind in SERVOS.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..calibration.advice import Advice
+from ..calibration.advising.next_reading import Advice
 from ..calibration.comparison import ComparedGait, Comparison
 from .report import console, table
 

@@ -8,7 +8,9 @@ import pytest
 import serpenoid as sn
 from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
-from serpenoid.calibration.advice import SpeedSlopes, _places, advise
+from serpenoid.calibration.advice import advise
+from serpenoid.calibration.advising.speed_slopes import SpeedSlopes
+from serpenoid.calibration.advising.stations import places
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, speed_band
@@ -134,8 +136,8 @@ def test_the_bend_that_the_robot_lies_in_stands_for_one_as_good(weak):
     session = replace(weak, readings=(*others, lies))
     whole = np.array([WHOLE_BODY_2005.ct, WHOLE_BODY_2005.cn, WHOLE_BODY_2005.ft0,
                       WHOLE_BODY_2005.fn0])  # fmt: skip
-    places = _places(session, whole, np.radians([0.0, 15.0, 30.0]))
-    assert {round(math.degrees(series.lambda_rad), 6) for series, _, _ in places} == {0, 15.2, 30}
+    found = places(session, whole, np.radians([0.0, 15.0, 30.0]))
+    assert {round(math.degrees(series.lambda_rad), 6) for series, _, _ in found} == {0, 15.2, 30}
 
 
 def test_no_gait_is_refused(weak):

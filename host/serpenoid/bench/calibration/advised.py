@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...calibration.advice import NextReading, advise
+from ...calibration.advice import advise
+from ...calibration.advising.next_reading import NextReading
 from ...calibration.friction_fit import fit_friction
 from ...calibration.friction_result import band as speed_band
 from ...calibration.session import Session

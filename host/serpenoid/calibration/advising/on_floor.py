@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...model.drives import ServoKind
-from ...model.errors import BadInput
 from ...model.gait import Gait
 from ...servos.catalogue import HOBBY
-from ..advice import Advice, NextReading, speed_slopes
 from ..floor.candidates import candidates
 from ..friction_fit import fit_friction
 from ..session import Session
 from ..speed_samples import Progress, band_parts, servo_fields, servo_note
+from .next_reading import Advice, NextReading, gaits_that_matter
+from .speed_slopes import speed_slopes
 
 NOTE = (
     "By minutes of work: the first saves most of the band a minute. Once pushes are filmed, what "
@@ -30,9 +30,7 @@ def advise_on_floor(
     filmed; as those taken were unless given. servo: as for `advise`. Raises
     BadInput as `advise` does.
     """
-    wanted = tuple(gaits) or session.setup.procedure.gaits
-    if not wanted:
-        raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
+    wanted = gaits_that_matter(session, gaits)
     fit = fit_friction(session)
     filmed = any(p.track is not None for p in session.kept_pushes) if by_film is None else by_film
     now, options = candidates(session, filmed)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
-from ...calibration.advice import Advice
+from ...calibration.advising.next_reading import Advice
 from ...calibration.comparison import Comparison
 from ...calibration.friction_result import FrictionFit
 from ...calibration.session import Session

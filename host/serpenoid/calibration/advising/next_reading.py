@@ -1,0 +1,123 @@
+"""What advice consists of: readings that may come next, and the speed band that each leaves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from ...model.errors import BadInput
+from ...model.gait import Gait
+from ..session import Session
+
+
+@dataclass(frozen=True, slots=True)
+class NextReading:
+    """A reading, and the relative half-width of the speeds' 95 % band (`SpeedBand`) after it.
+
+    kind: station (lambda_rad, incline_rad, belt_speed_m_s expected) or gait (alpha_rad, beta_rad,
+    frequency_hz). times: how often it is worth taking. band: mean over the gaits asked for. facing:
+    of a station, up the belt for a ratchet's wheels backwards. bend: of a bent station, balanced
+    or zigzag. minutes, told: of readings on a floor, what they take, and what to do in words.
+    """
+
+    kind: str
+    band: float
+    times: int
+    band_after_times: float
+    lambda_rad: float | None = None
+    incline_rad: float | None = None
+    belt_speed_m_s: float | None = None
+    alpha_rad: float | None = None
+    beta_rad: float | None = None
+    frequency_hz: float | None = None
+    facing: str = "down"
+    bend: str = ""
+    minutes: float | None = None
+    told: str = ""
+
+    def in_words(self) -> str:
+        """Return what to do."""
+        if self.told:
+            return self.told
+        if self.kind == "gait":
+            what = f"a gait run at {self.frequency_hz:.3g} Hz"
+        else:
+            bend, incline = (
+                math.degrees(self.lambda_rad or 0.0),
+                math.degrees(self.incline_rad or 0),
+            )
+            at = f" ({self.bend}; {180 - 2 * bend:.4g}° between the links at either end)"
+            links = at if bend else ", straight"
+            links += ", facing up" if self.facing == "up" else ""
+            what = (
+                f"λ = {bend:.4g}°{links}, inclinometer at {incline:.2f}°, "
+                f"belt near {self.belt_speed_m_s:.2g} m/s"
+            )
+        return what + (f", {self.times} times" if self.times > 1 else "")
+
+
+@dataclass(frozen=True)
+class Advice:
+    """Hold the present speed band and the readings that would shrink it.
+
+    Attributes
+    ----------
+    gaits
+        The gaits whose speeds count.
+    band
+        Half of the 95 % band of speed, relative, mean over the gaits; `compare` shows the same.
+    band_after_best
+        The same relative band, by samples, after the best reading has been taken as often as it is
+        worth.
+    readings
+        Readings that can be taken next, best first.
+    note
+        A remark for the user, or "".
+    servo
+        Name of the kind of servo; None for joints that follow the gait.
+    band_servo_measured
+        The relative band once one joint was measured in a bench test (`serpenoid servo --test`);
+        None for ideal joints.
+    """
+
+    gaits: tuple[Gait, ...]
+    band: float
+    band_after_best: float
+    readings: tuple[NextReading, ...]
+    note: str = ""
+    servo: str | None = None
+    band_servo_measured: float | None = None
+
+    @property
+    def best(self) -> NextReading:
+        """Return the reading that shrinks the band most."""
+        return self.readings[0]
+
+    @property
+    def measure_servo(self) -> bool:
+        """Tell whether measuring a servo shrinks the band more than the best reading."""
+        measured = self.band_servo_measured
+        return measured is not None and measured < self.band_after_best
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures by name."""
+        return {
+            "gaits": [asdict(g) for g in self.gaits],
+            "band": self.band,
+            "band_after_best": self.band_after_best,
+            "note": self.note,
+            "servo": self.servo,
+            "band_servo_measured": self.band_servo_measured,
+            "measure_servo": self.measure_servo,
+            "readings": [asdict(r) | {"in_words": r.in_words()} for r in self.readings],
+        }
+
+
+def gaits_that_matter(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
+    """Return the gaits given, else those of the session's plan; raises BadInput for none."""
+    wanted = tuple(gaits) or session.setup.procedure.gaits
+    if not wanted:
+        raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
+    return wanted

@@ -1,0 +1,85 @@
+"""Which stations a treadmill can be set to, and the incline and slip at which a snake holds one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..fitting.data import Floats, projections
+from ..fitting.identifiability import SAFE_BEND
+from ..fitting.rounding import nearest_shown
+from ..kinds.station import LEAST_SLIP_M_S, bent_share
+from ..session import Session, Setup
+from ..taking.expected import Series
+
+MOST_INCLINE_RAD = math.atan(0.15)  # of home treadmills, unless this one stood steeper already
+SLIPS_M_S = (0.15, 0.3, 0.6, 1.0)
+_SAME_RAD = math.radians(0.5)  # bends that are one
+_AS_GOOD = 4.0  # sigmas of a bend from the one that the robot lies in
+
+
+def places(
+    session: Session, whole: Floats, bends: Sequence[float]
+) -> list[tuple[Series, float, float]]:
+    """Return series, inclines and slips worth a look: where the treadmill can be set to.
+
+    The bend that the robot lies in now stands for one that is as good as equal to it.
+    """
+    given, kept = session.setup.uncertainty, session.kept
+    shown = np.array([r.incline_rad for r in kept], dtype=float)
+    bent = session.setup.procedure.bend
+    now = kept[-1].lambda_rad if kept[-1].bend == bent else 0.0
+    fastest = session.setup.procedure.belt_speed_max_m_s
+    steepest = max(MOST_INCLINE_RAD, float(shown.max()))
+    near, (zero,) = _AS_GOOD * given.lambda_sigma_rad, session.zeros_rad(kept[-1:])
+    found: dict[tuple[Series, float], float] = {}
+    angles = [now if now and abs(bend - now) < near else bend for bend in bends]
+    every = [
+        Series(angle, bend=bent) for angle in angles
+        if not angle or angle > SAFE_BEND * given.lambda_sigma_rad  # lesser ones bias cn
+    ]  # fmt: skip
+    for series in [*every, *([Series(0.0, "up", bent)] if len(whole) > 4 else [])]:
+        for wanted_m_s in SLIPS_M_S:
+            aim = station_incline_rad(whole, session.setup, series, wanted_m_s) + zero
+            grade_step = session.setup.treadmill.incline_step_rad
+            incline = nearest_shown(aim, shown, given.incline_sigma_rad, grade_step)
+            slip = station_slip_m_s(whole, session.setup, series, incline - zero)
+            fits = LEAST_SLIP_M_S < slip <= fastest and 0.0 < incline <= steepest
+            if fits and not _failed(session, series, incline):
+                found[series, round(incline, 6)] = slip
+    return [(series, incline, slip) for (series, incline), slip in found.items()]
+
+
+def _failed(session: Session, series: Series, incline_rad: float) -> bool:
+    """Tell whether a reading at this bend and incline was voided, and none kept."""
+    step = session.setup.treadmill.incline_step_rad
+    there = [
+        r.voided for r in session.readings
+        if abs(r.lambda_rad - series.lambda_rad) < _SAME_RAD and r.facing == series.facing
+        and abs(r.incline_rad - incline_rad) < step / 2
+    ]  # fmt: skip
+    return bool(there) and all(there)
+
+
+def _pull(whole: Floats, setup: Setup, series: Series) -> tuple[float, float]:
+    """Return A and B: the whole snake's friction along the belt is A v + B."""
+    ct, cn, ft0, fn0 = whole[:4].tolist()
+    if series.facing == "up":
+        ct, ft0 = whole[4:6].tolist()
+    share = bent_share(series.bend, setup.robot.links) if series.lambda_rad else 0.0
+    by_ct, by_cn, by_ft0, by_fn0 = projections(share, series.lambda_rad)
+    return float(ct * by_ct + cn * by_cn), float(ft0 * by_ft0 + fn0 * by_fn0)
+
+
+def station_incline_rad(whole: Floats, setup: Setup, series: Series, slip_m_s: float) -> float:
+    """Return the incline at which a snake of this friction holds its station at this slip."""
+    slope, least = _pull(whole, setup, series)
+    return math.asin(min((slope * slip_m_s + least) / setup.weight_n, 0.7))
+
+
+def station_slip_m_s(whole: Floats, setup: Setup, series: Series, incline_rad: float) -> float:
+    """Return the slip at which it holds its station at this incline, below 0 if it does not."""
+    slope, least = _pull(whole, setup, series)
+    return (setup.weight_n * math.sin(incline_rad) - least) / max(slope, 1e-12)
