@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ..calibration.advising.next_reading import Advice
+from ..calibration.advising.two_fits import TwoFits
 from ..calibration.comparison import ComparedGait, Comparison
 from .report import console, table
 
@@ -48,6 +49,21 @@ def measured_row(p: ComparedGait) -> list[str]:
     off = f"{100 * ((p.measured_m_s or 0.0) / p.exact_m_s - 1):+.1f} %" if p.exact_m_s else ""
     measured = f"{p.measured_m_s:.4f} ± {p.sigma_m_s:.4f}"
     return [_gait(p), measured, f"{p.low_all_m_s:.4f} to {p.high_all_m_s:.4f}", off]
+
+
+def show_two_fits(found: TwoFits) -> None:
+    """Print the frictions of two sessions, and whether they agree."""
+    table("friction in two sessions, whole snake", *two_fits_table(found))
+    console.print(f"p = {found.p_value:.2g}. {found.verdict}", highlight=False)
+
+
+def two_fits_table(found: TwoFits) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of a table of two sessions' frictions."""
+    rows = [
+        [r.name, r.unit, f"{r.first:.4g}", f"{r.second:.4g}", f"{r.sigmas:+.1f}"]
+        for r in found.rows
+    ]
+    return ["whole snake", "unit", found.first, found.second, "differs by (sigmas)"], rows
 
 
 def show_advice(found: Advice, most: int = 5) -> None:

@@ -20,6 +20,8 @@ from ..paths import FIGURES, OutFile
 @servo_option
 @click.option("--samples", type=click.IntRange(16, 4096), default=64, show_default=True,
               help="Frictions drawn from the fit.")  # fmt: skip
+@click.option("--beside", "other", type=click.Path(file_okay=False, path_type=Path),
+              help="Another session of this robot: do both tell the same friction?")  # fmt: skip
 @click.option("--plot", "figure", type=OutFile(*FIGURES), help="Draw it into this file.")
 @AS_JSON
 def compare(
@@ -28,6 +30,7 @@ def compare(
     amplitude_sigma: float,
     servo_name: str | None,
     samples: int,
+    other: Path | None,
     figure: Path | None,
     as_json: bool,
 ) -> None:
@@ -35,7 +38,12 @@ def compare(
 
     Exact and implicit model, with the 95 % bands of sampled frictions, and of amplitude and servos
     besides; then a verdict in words. Any hobby servo may move the joints unless --servo says which.
+
+    With --beside the frictions of two sessions are compared instead, such as of treadmill and
+    floor: they agree within their intervals, or which differs.
     """
+    if other is not None:
+        return _sessions(session, other, as_json)
     from ...calibration import comparison
     from ...calibration.session_file import load_session
     from ...show.friction_report import show_comparison
@@ -57,3 +65,12 @@ def compare(
         comparison_figure(found, figure)
         wrote(figure, beside(figure))
     show_json(found.to_dict()) if as_json else show_comparison(found)
+
+
+def _sessions(first: Path, second: Path, as_json: bool) -> None:
+    from ...calibration.advising.two_fits import two_sessions
+    from ...calibration.session_file import load_session
+    from ...show.friction_report import show_two_fits
+
+    found = two_sessions(load_session(first), load_session(second))
+    show_json(found.to_dict()) if as_json else show_two_fits(found)

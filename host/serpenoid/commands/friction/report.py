@@ -16,11 +16,14 @@ from ..paths import OutFile
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--out", type=OutFile(".html"), help="Where to; report.html in the session's folder.")
 @click.option("--bibtex", type=OutFile(".bib"), help="Write what to cite into this file, too.")
+@click.option("--beside", type=click.Path(file_okay=False, path_type=Path),
+              help="Another session of this robot, to compare the frictions with.")  # fmt: skip
 @servo_option
 @AS_JSON
 def report(
-    session: Path, out: Path | None, bibtex: Path | None, servo_name: str | None, as_json: bool
-) -> None:
+    session: Path, out: Path | None, bibtex: Path | None, beside: Path | None,
+    servo_name: str | None, as_json: bool,
+) -> None:  # fmt: skip
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
 
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
@@ -44,7 +47,12 @@ def report(
     if loaded.setup.procedure.gaits:
         ask = advise_on_floor if loaded.on_floor else advice.advise
         advised = ask(loaded, servo=servo)
-    page = session_page(loaded, fit, compared, advised, events_of(loaded))
+    other = None
+    if beside is not None:
+        from ...calibration.advising.two_fits import two_sessions
+
+        other = two_sessions(loaded, load_session(beside))
+    page = session_page(loaded, fit, compared, advised, events_of(loaded), other)
     with whole_file(out) as part:
         part.write_text(page, encoding="utf-8")
     if bibtex is not None:

@@ -10,13 +10,20 @@ from html import escape
 from typing import Any
 
 from ...calibration.advising.next_reading import Advice
+from ...calibration.advising.two_fits import TwoFits
 from ...calibration.comparison import Comparison
 from ...calibration.friction_result import FrictionFit
 from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ...calibration.taking.procedure import step_in_words
 from ..comparison_figure import draw_comparison
-from ..friction_report import MEASURED, measured_row, predicted_columns, predicted_row
+from ..friction_report import (
+    MEASURED,
+    measured_row,
+    predicted_columns,
+    predicted_row,
+    two_fits_table,
+)
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
 
@@ -55,8 +62,12 @@ def session_page(
     compared: Comparison | None,
     advice: Advice | None,
     events: Sequence[Event] = (),
+    other: TwoFits | None = None,
 ) -> str:
-    """Return the whole page; what is None is left out. events: the session's, if they are told."""
+    """Return the whole page; what is None is left out. events: the session's, if they are told.
+
+    other: its frictions beside those of another session.
+    """
     setup = session.setup
     parts = [
         f"<h1>{escape(setup.name)}</h1>", _story(session), _summary(fit, compared),
@@ -68,6 +79,10 @@ def session_page(
             "speeds predicted and measured", 7.2, 6.0, 1, lambda f, _a: draw_comparison(f, compared)
         )
         parts += ["<h2>Speed</h2>", drawn, _speed_table(compared)]
+    if other is not None:
+        head, rows = two_fits_table(other)
+        said = f'<p class="verdict">{escape(other.verdict)}</p>'
+        parts += ["<h2>Another session beside it</h2>", said, _table(head, rows)]
     if advice is not None:
         parts += ["<h2>The next reading</h2>", _advice(advice)]
     parts += ["<h2>Readings</h2>", *_readings(session, fit), *_other_readings(session, fit),

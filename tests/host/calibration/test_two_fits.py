@@ -1,0 +1,67 @@
+"""Two sessions of one robot: differences held against their errors, and what explains them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import floor_session
+from serpenoid import BadInput
+from serpenoid.calibration.advising.two_fits import two_fits, two_sessions
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.friction_result import NAMES, Estimate, WholeSnake
+
+
+@pytest.fixture(scope="module")
+def fit():
+    return fit_friction(floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9)))
+
+
+def moved(fit, values):
+    pairs = zip(NAMES, values, np.sqrt(np.diag(fit.covariance)), strict=True)
+    return replace(fit, parameters=WholeSnake({n: Estimate(float(v), s) for n, v, s in pairs}))
+
+
+def values_of(fit):
+    return np.array(list(fit.whole_snake.values()))
+
+
+def test_two_draws_of_one_truth_differ_as_often_as_stated(fit) -> None:
+    root, rng = np.linalg.cholesky(2 * fit.covariance), np.random.default_rng(2)
+    off = root @ rng.normal(size=(4, 400))
+    found = [two_fits(fit, moved(fit, values_of(fit) + d)) for d in off.T]
+    assert np.mean([one.p_value < 0.05 for one in found]) == pytest.approx(0.05, abs=0.035)
+    assert np.mean([one.rows[0].sigmas ** 2 for one in found]) == pytest.approx(1.0, abs=0.25)
+
+
+@pytest.mark.parametrize(
+    ("cause", "factors"),
+    [("mass", (1.4, 1.4, 1.4, 1.4)), ("speed", (1.5, 1.5, 1.0, 1.0)), ("ct", (1.6, 1, 1, 1)),
+     ("fn0", (1.0, 1.0, 1.0, 1.5)), ("ft0", (1.0, 1.0, 1.5, 1.0)), ("bend", (1, 1.5, 1, 1.5))],
+)  # fmt: skip
+def test_what_was_changed_is_named(fit, cause, factors) -> None:
+    found = two_fits(fit, moved(fit, values_of(fit) * factors))
+    assert cause in found.causes
+    assert found.p_value < 0.05
+
+
+def test_a_mass_weighed_once_explains_no_difference(fit) -> None:
+    """A common error of 20 % covers a factor on both, not one between them."""
+    v = values_of(fit)
+    wide, other = (
+        replace(one, covariance=fit.covariance + 0.04 * np.outer(*[values_of(one)] * 2))
+        for one in (fit, moved(fit, 1.2 * v))
+    )
+    assert two_fits(wide, other).p_value > 0.5
+    assert two_fits(wide, other, 0.2).p_value < 0.05
+    assert two_fits(wide, other, 0.2).causes[0] == "mass"
+
+
+def test_two_sessions_agree_and_two_robots_are_refused() -> None:
+    one, other = (floor_session(seed, bends_deg=(0.0, 45.0), speeds=(0.7, 0.9)) for seed in (1, 2))
+    found = two_sessions(one, other)
+    assert found.p_value > 0.01
+    longer = replace(other.setup.robot, link_length_m=0.1)
+    with pytest.raises(BadInput, match="one robot"):
+        two_sessions(one, replace(other, setup=replace(other.setup, robot=longer)))
