@@ -187,26 +187,31 @@ def _chance(drawn: SpeedSamples, measured: Measured, rng: np.random.Generator) -
     """Return how often a draw with its measuring noise is as unlikely as what was measured.
 
     How likely is told by a normal cloud of frictions and amplitude about each drawn servo; how
-    often, by the draws themselves, since they are skewed.
+    often, by the draws themselves, since they are skewed. A draw is judged by the clouds of all
+    other servos, as the robot is, whose own servo was not drawn.
     """
+    from scipy.special import logsumexp
+
     seen = np.repeat(drawn.both_m_s, _NOISE_DRAWS, axis=0)
     seen = seen + measured.sigma_m_s * rng.normal(size=seen.shape)
-    shares, count = np.unique(drawn.shares, axis=0), len(drawn.gaits)
-    centre = drawn.joints_m_s.mean(axis=0)
+    shares, own = np.unique(drawn.shares, axis=0, return_inverse=True)
+    centre, count = drawn.joints_m_s.mean(axis=0), len(drawn.gaits)
     spread = np.cov(drawn.joints_m_s.T).reshape(count, count)
     noise = np.diag(measured.sigma_m_s**2 + (_grain(shares) * centre) ** 2)
     each = shares[:, :, None] * spread * shares[:, None, :] + noise
     inverse, log_volume = np.linalg.inv(each), np.linalg.slogdet(each)[1]
     centres = shares * centre
 
-    def likely(v: Array) -> Array:
-        from scipy.special import logsumexp
+    def by_servo(v: Array) -> Array:
+        off = v[:, None, :] - centres
+        return -0.5 * (np.einsum("ski,kij,skj->sk", off, inverse, off) + log_volume)
 
-        off = v[..., None, :] - centres
-        out = np.einsum("...ki,kij,...kj->...k", off, inverse, off)
-        return np.asarray(logsumexp(-0.5 * (out + log_volume), axis=-1))
-
-    return float(np.mean(likely(seen) <= likely(measured.speed_m_s)))
+    likely = by_servo(seen)
+    if len(shares) > 1:
+        likely[np.arange(len(seen)), np.repeat(own.ravel(), _NOISE_DRAWS)] = -np.inf
+        likely -= math.log(len(shares) - 1)
+    robot = by_servo(measured.speed_m_s[None]) - math.log(len(shares))
+    return float(np.mean(logsumexp(likely, axis=1) <= logsumexp(robot)))
 
 
 def _grain(shares: Array) -> float:

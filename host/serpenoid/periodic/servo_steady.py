@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,11 @@ from .steady import Steady, relative_error
 DRAWS = 32
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
 BAND = (2.5, 97.5)  # per cent
+
+
+def band_end(speeds: Sequence[float], percentile: float) -> float:
+    """Return a percentile of what speeds were drawn from: k / (n + 1) lie below the k-th of n."""
+    return float(np.percentile(speeds, percentile, method="weibull"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +85,7 @@ class ServoSteady:
     def _end(self, percentile: float, sign: int) -> float:
         if not self.samples_m_s:
             return max(self.speed_m_s + sign * self.spread_m_s, 0.0)
-        return float(np.percentile(self.samples_m_s, percentile))
+        return band_end(self.samples_m_s, percentile)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON."""

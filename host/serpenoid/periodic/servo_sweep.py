@@ -14,11 +14,10 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .servo_steady import BAND, servo_state
+from .servo_steady import BAND, DRAWS, band_end, servo_state
 from .steady import steady_gait
 
 Array = NDArray[np.float64]
-DRAWS = 16
 _RTOL = 1e-3
 
 
@@ -58,8 +57,8 @@ def _of_gait(states: Iterator) -> tuple[float, float, float]:
     if not others:
         return typical, max(typical - first.spread, 0.0), typical + first.spread
     speeds = [state.speed for state in others if state.converged]
-    low, high = np.percentile(speeds, BAND) if speeds else (np.nan, np.nan)
-    return typical, float(low), float(high)
+    low, high = (band_end(speeds, end) for end in BAND) if speeds else (np.nan, np.nan)
+    return typical, low, high
 
 
 def _servos(servo: Servo | ServoKind) -> list[Servo]:

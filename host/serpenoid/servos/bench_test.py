@@ -86,25 +86,30 @@ def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
     """Return the angles (K, T) that each servo would have shown; delay_s: until it hears."""
     columns = {name: np.array([getattr(s, name) for s in servos]) for name in _FIELDS}
     K, D, S, w0, band, J, dry, c, hz = columns.values()
-    inert, line = J + test.inertia_kg_m2, S / w0 + c
-    steps = math.ceil(np.ptp(test.t_s) / _STEP_S) + 1
-    times = test.t_s[0] + _STEP_S * np.arange(steps + 1)
+    h, steps = _STEP_S, math.ceil(np.ptp(test.t_s) / _STEP_S) + 1
+    times = test.t_s[0] + h * np.arange(steps + 1)
+    heard = times[:, None] - delay_s
+    at = np.searchsorted(test.t_s, heard.ravel(), side="right").reshape(heard.shape) - 1
+    setpoints = test.setpoint_rad[np.maximum(at, 0)]
+    looks = np.ones(heard.shape, dtype=bool)
+    looks[1:] = (hz == 0) | (np.diff(np.floor((heard - test.t_s[0]) * hz), axis=0) != 0)
+    spring, damper = K / S, D / S - 1 / w0
+    # implicit in the rate: the motor's line, and the gear's friction, which never turns it round
+    inert = J + test.inertia_kg_m2
+    mass = inert + h * (S / w0 + c)
+    slows, drives, holds = inert / mass, h * S / mass, h * dry / mass
     angle, rate, duty = np.full(len(K), test.angle_rad[0]), np.zeros(len(K)), np.zeros(len(K))
-    seen = np.empty((steps + 1, len(K)))
-    looked = np.full(len(K), -1.0)
-    for k, t in enumerate(times):
+    seen = np.empty(heard.shape)
+    for k in range(steps + 1):
         seen[k] = angle
-        at = np.searchsorted(test.t_s, t - delay_s, side="right") - 1
-        off = test.setpoint_rad[np.maximum(at, 0)] - angle
-        off -= np.clip(off, -band, band)
-        asked = np.clip((K * off - D * rate) / S + rate / w0, -1.0, 1.0)
-        count = np.floor((t - test.t_s[0] - delay_s) * hz)
-        duty = np.where((hz == 0) | (count != looked), asked, duty)
-        looked = count
-        free = (inert * rate + _STEP_S * S * duty) / (inert + _STEP_S * line)
-        held = _STEP_S * dry / (inert + _STEP_S * line)
-        rate = np.sign(free) * np.maximum(np.abs(free) - held, 0.0)
-        angle = angle + _STEP_S * rate
+        if looks[k].any():
+            off = setpoints[k] - angle
+            off -= np.minimum(np.maximum(off, -band), band)
+            asked = np.minimum(np.maximum(spring * off - damper * rate, -1.0), 1.0)
+            duty = np.where(looks[k], asked, duty)
+        rate = slows * rate + drives * duty
+        rate = rate - np.minimum(np.maximum(rate, -holds), holds)
+        angle = angle + h * rate
     return np.array([np.interp(test.t_s, times, column) for column in seen.T])
 
 

@@ -31,15 +31,19 @@ _ANALOGUE, _DIGITAL = 50.0, 300.0  # looks a second
 _UNMEASURED = {"stiffness_nm_rad": 0.5, "armature_kg_m2": 0.5, "gear_friction_nm": 0.9,
                "gear_damping_nms_rad": 1.0, "dead_band_rad": 0.5, "supply_sag": 0.7}  # fmt: skip
 _SHEET = {"torque_limit_nm": 0.2, "speed_limit_rad_s": 0.12}
+_TYPICAL = {"torque_limit_nm": 0.35, "speed_limit_rad_s": 0.2, "dead_band_rad": 0.7}
 _MEASURED = {"torque_limit_nm": 0.1, "speed_limit_rad_s": 0.1, "armature_kg_m2": 0.15,
              "gear_friction_nm": 0.3, "gear_damping_nms_rad": 0.5, "stiffness_nm_rad": 0.4,
              "dead_band_rad": 0.5, "supply_sag": 0.7}  # fmt: skip
 
 
 def _of_sheet(
-    name: str, kg_cm: float, s_60_deg: float, band_us: float, update_hz: float, source: str
+    name: str, kg_cm: float, s_60_deg: float, band_us: float, update_hz: float, source: str = ""
 ) -> ServoKind:
-    """Return a kind by its data sheet: kg cm, seconds for 60 degrees, whole dead band in us."""
+    """Return a kind by its data sheet: kg cm, seconds for 60 degrees, whole dead band in us.
+
+    Values without a source are typical ones, in more doubt.
+    """
     torque, speed = kg_cm * _KG_CM, math.radians(60) / s_60_deg
     line = torque / speed
     band = math.radians(0.09 * band_us / 2)  # 1000 us are 90 degrees
@@ -48,7 +52,8 @@ def _of_sheet(
         gear_friction_nm=_FRICTION * torque, gear_damping_nms_rad=0.1 * line, update_hz=update_hz,
         supply_sag=0.04,
     )  # fmt: skip
-    return ServoKind(name, servo, _SHEET | _UNMEASURED, (), source)
+    sheet = _SHEET if source else _TYPICAL
+    return ServoKind(name, servo, _UNMEASURED | sheet, (), source or "typical, no source")
 
 
 def _identified(
@@ -72,12 +77,43 @@ def _hobby() -> ServoKind:
 
 _KINDS = [
     _hobby(),
-    _of_sheet("SG90", 1.8, 0.10, 10, _ANALOGUE, "TowerPro's data sheet, 4.8 V"),
-    _of_sheet("MG90S", 2.2, 0.08, 5, _ANALOGUE, "TowerPro's data sheet, 6 V"),
-    _of_sheet("MG996R", 11.0, 0.14, 5, _ANALOGUE, "TowerPro's data sheet, 6 V"),
-    _of_sheet("HS-422", 4.1, 0.16, 8, _ANALOGUE, "Hitec's data sheet, 6 V"),
-    _of_sheet("S3003", 4.1, 0.19, 8, _ANALOGUE, "Futaba's data sheet, 6 V"),
-    _of_sheet("DS3218", 19.0, 0.16, 3, _DIGITAL, "DSServo's data sheet, 5 V"),
+    _of_sheet(
+        "SG90",
+        1.8,
+        0.10,
+        10,
+        _ANALOGUE,
+        "data sheet, 4.8 V, as smarthon-docs-zh."
+        "readthedocs.io has it; dead band in copies of the sheet on GitHub",
+    ),
+    _of_sheet(
+        "MG90S",
+        2.2,
+        0.08,
+        5,
+        _ANALOGUE,
+        "data sheet, 6 V: github.com/TrDA-hab/Projects, Servo+ESP8266/MG90S-Datasheet.pdf",
+    ),
+    _of_sheet(
+        "MG996R",
+        11.0,
+        0.14,
+        5,
+        _ANALOGUE,
+        "data sheet, 6 V: github.com/neko0xff/"
+        "note_hardware, motor_mg996r; shops say 9.4 to 15 kg cm",
+    ),
+    _of_sheet("HS-422", 4.1, 0.16, 8, _ANALOGUE),
+    _of_sheet(
+        "S3003",
+        4.1,
+        0.19,
+        8,
+        _ANALOGUE,
+        "data sheet, 6 V: github.com/rngadam/"
+        "XinCheJian-GGHC/wiki/Mechanical-design; dead band typical",
+    ),
+    _of_sheet("DS3218", 19.0, 0.16, 3, _DIGITAL),
     _identified("XL-320", 0.98695, 35.609, 7.4, 1.1190e-3, 0.027515, 0.0033176),
     _identified("XL-330", 0.37005, 3.4983, 5.0, 1.9898e-3, 0.018212, 0.0059020),
     _identified("STS3215", 1.17763, 2.47868, 7.4, 0.0260829, 0.0515205, 0.0598916),

@@ -10,7 +10,10 @@ import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, session, setup
 from serpenoid.calibration import comparison, verdict
 from serpenoid.calibration.kinds.gait import GaitRun
-from serpenoid.calibration.speed_samples import sample_speeds
+from serpenoid.calibration.speed_samples import SpeedSamples, sample_speeds
+from serpenoid.calibration.verdict import Measured
+from serpenoid.lab.crawl import crawl_speed
+from serpenoid.lab.robot import LabRobot
 
 GROUND = sn.Ground.whole_body(6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 RATES = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]
@@ -124,11 +127,11 @@ def test_springs_that_never_settle_do_not_withhold_the_rest(fitted, monkeypatch)
 
 
 def servo_runs(made, servo):
-    """Return the session with one run of each gait, as a robot with this servo runs it."""
+    """Return the session with one run of each gait by the lab's robot with this servo."""
     runs = []
     for k, rate in enumerate(RATES[:2]):
         g = gait(rate)
-        v = sn.steady_gait(made.setup.robot, GROUND, g, rtol=1e-3, servo=servo).speed_m_s
+        v = crawl_speed(LabRobot(made.setup.robot, (GROUND,), servo=servo), g)
         runs.append(GaitRun(100 + k, g.alpha_rad, g.beta_rad, rate, v, 0.01 * v))
     return replace(made, gait_runs=tuple(runs))
 
@@ -156,3 +159,26 @@ def test_servos_that_nobody_told_are_in_the_band_or_named(fitted, monkeypatch):
     assert told.p_servos > 0.05
     assert "servo" in told.verdict_text
     json.dumps(told.to_dict(), allow_nan=False)
+
+
+def test_a_sound_robots_servo_is_doubted_as_often_as_stated():
+    """Servos of which none was drawn: p is uniform, though few draws fill the space of servos."""
+    rng = np.random.default_rng(3)
+
+    def made(count):
+        share = 1 - 0.3 * rng.random((count, 3))  # what servos leave of three gaits
+        ideal = np.array([0.05, 0.1, 0.15]) * np.exp(0.05 * rng.normal(size=(count, 1)))
+        return SpeedSamples(
+            tuple(gait(r) for r in RATES), np.zeros((count, 4)), ideal, ideal, ideal * share
+        )
+
+    drawn, robots = made(64), made(150)
+    sigma = 0.01 * robots.both_m_s
+    chances = [
+        verdict._chance(
+            drawn, Measured(drawn.gaits, v + s * rng.normal(size=3), s), np.random.default_rng(5)
+        )
+        for v, s in zip(robots.both_m_s, sigma, strict=True)
+    ]
+    assert np.mean(np.array(chances) < 0.05) < 0.1
+    assert np.quantile(chances, [0.25, 0.5, 0.75]) == pytest.approx([0.25, 0.5, 0.75], abs=0.12)

@@ -9,8 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.periodic.servo_steady import with_servo
-from serpenoid.periodic.servo_sweep import DRAWS
 from serpenoid.show.sweep_files import write_sweep
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
@@ -124,8 +122,7 @@ def test_a_sweep_tells_what_servos_leave(tmp_path: Path) -> None:
     assert found.servo_speed_m_s is not None
     for k, omega in enumerate(grid["omega_rad_s"]):
         gait = sn.Gait(1.2, 1.3, omega)
-        ideal = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-3)
-        one = with_servo(ideal, sn.servo("XL-320"), draws=DRAWS)
+        one = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=1e-3, servo=sn.servo("XL-320"))
         assert found.servo_speed_m_s[0, 0, k] == pytest.approx(one.speed_m_s, rel=5e-3)
         assert found.servo_low_m_s[0, 0, k] == pytest.approx(one.low_m_s, rel=5e-3)
         assert found.servo_high_m_s[0, 0, k] == pytest.approx(one.high_m_s, rel=5e-3)

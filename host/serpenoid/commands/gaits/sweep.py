@@ -152,8 +152,8 @@ def sweep(
 ) -> None:
     """Solve every gait of a grid (the paper's 4500 unless told), into files or as JSON.
 
-    Joints follow the gaits exactly. --servo adds the speed with servos and its 95 % band, at a
-    quarter of a second a gait; powers stay those of ideal joints.
+    Joints follow the gaits exactly. --servo adds the speed with servos and its 95 % band, at half
+    a second a gait; powers stay those of ideal joints.
     """
     if out is None and not as_json:
         raise click.UsageError("give --out FILE.csv, or --json for an answer on the screen")
