@@ -105,6 +105,39 @@ def test_the_jacobian_is_the_residuals_slope_in_every_term():
     assert np.abs((found_slopes - np.array(numeric).T) / scale).max() < 1e-5
 
 
+def test_spreads_are_what_errors_of_time_length_and_incline_leave():
+    """By differences of what is predicted; and wheels roll by the speed along their links."""
+    session = mixed_session()
+    floor = FloorData.of(session)
+    problem, found, _ = least(floor, FitData.of(session))
+    rough = replace(floor.slides, sigma_m=0.1 + 0 * floor.slides.sigma_m)  # or none would notice
+    floor = replace(floor, slides=rough)
+    problem = replace(problem, floor=floor)
+    ways, _, _, sliding = problem.rows
+
+    def slope(rows, part, name, step=1e-6):
+        ends = []
+        for sign in (1.0, -1.0):
+            of = getattr(floor, part)
+            moved = replace(of, **{name: getattr(of, name) + sign * step})
+            shifted = replace(problem, floor=replace(floor, **{part: moved}))
+            ends.append(shifted.predicted(found.x)[0][rows])
+        return (ends[0] - ends[1]) / (2 * step)
+
+    tracks, slides = floor.tracks, floor.slides
+    spread = problem.spread_at(found.x)
+    late = slope(ways, "tracks", "t_s") * tracks.sigma_s
+    assert (late > tracks.sigma_m).any()
+    assert spread[ways] == pytest.approx(np.hypot(tracks.sigma_m, late), rel=0.01)
+    parts = (slides.sigma_s, slope(sliding, "slides", "incline_rad") * slides.sigma_rad,
+             slope(sliding, "slides", "length_m") * slides.sigma_m)  # fmt: skip
+    assert spread[sliding] == pytest.approx(np.sqrt(sum(p**2 for p in parts)), rel=0.01)
+    rolls = floor.rolling[0] + floor.rolling[1] * found.x[problem.layout.shared]
+    inert = problem.resisting(found.x, slides.poses)[2]
+    share = slides.poses.bent_share * np.sin(slides.poses.lambda_rad) ** 2
+    assert inert == pytest.approx(MASS * (1.0 + rolls * (1.0 - share)), rel=1e-3)
+
+
 def brute_chi2(session, whole, slope_rad):
     """Chi2 of pushes at given frictions: every push integrated, its v0 and x0 searched for."""
     total = 0.0

@@ -1,10 +1,14 @@
 """Rounding that readings share: told from the readings, its statistics, the fit, other worlds."""
 
+import math
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from calibration.plain_sessions import World, plain_session
 from odrpack import odr_fit
 from serpenoid.calibration.fitting.data import FitData
+from serpenoid.calibration.fitting.profile import quantiles
 from serpenoid.calibration.fitting.rounding import (
     DRAWS,
     STEP_SIGMA,
@@ -160,3 +164,17 @@ def test_a_band_of_few_draws_holds_its_share():
     low, high = np.array([band(rng.uniform(size=64)) for _ in range(4000)]).T
     # 4000 widths scatter by 0.03 / sqrt(4000); quantiles from the least draw on hold 0.92
     assert np.mean(high - low) == pytest.approx(0.95, abs=0.003)
+
+
+def test_an_error_that_is_all_rounding_has_a_uniform_interval():
+    """Of a uniform error, 95 % lie within 0.95 sqrt(3) = 1.645 sigma, not within 1.96."""
+    information = np.linalg.inv([[1.0, 0.9999, 0.0], [0.9999, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    found = SimpleNamespace(x=np.zeros(3), information=information)
+    steps = np.linspace(-1.0, 1.0, 2001)[:, None] * math.sqrt(3)
+    data = SimpleNamespace(
+        parameters=1, rounding_sigma_rad=np.ones(1), rounding_correlation=np.eye(1),
+        rounding_draws=steps,
+    )  # fmt: skip
+    assert quantiles(data, found, 0.95) == pytest.approx(0.95 * math.sqrt(3), rel=0.01)
+    data.rounding_sigma_rad = np.empty(0)
+    assert quantiles(data, found, 0.95) == pytest.approx(1.96, rel=1e-3)

@@ -98,6 +98,14 @@ def test_an_uncertain_kind_leaves_a_band_around_its_typical_speed() -> None:
     assert set(found.to_dict()) >= {"speed_m_s", "low_m_s", "high_m_s", "spread_m_s"}
 
 
+def test_an_exact_servos_band_is_its_spread_over_the_frames() -> None:
+    found = sn.steady_gait(ROBOT, GROUND, GAIT, servo=sn.Servo(armature_kg_m2=1e-3))
+    wide = replace(found, spread_m_s=0.1 * found.speed_m_s)
+    assert wide.low_m_s == pytest.approx(0.9 * found.speed_m_s)
+    assert wide.high_m_s == pytest.approx(1.1 * found.speed_m_s)
+    assert replace(found, spread_m_s=2 * found.speed_m_s).low_m_s == 0.0
+
+
 def test_what_is_no_servo_is_refused() -> None:
     with pytest.raises(sn.BadInput, match=r"servo is a str; it must be a serpenoid\.Servo or"):
         sn.steady_gait(ROBOT, GROUND, GAIT, servo="SG90")  # type: ignore[call-overload]

@@ -11,6 +11,7 @@ import serpenoid as sn
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from serpenoid.calibration.comparison import ComparedGait, Comparison
 from serpenoid.calibration.kinds.bend import BendCheck
+from serpenoid.calibration.kinds.coast import Coast
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.zero import ZeroReading
 from serpenoid.calibration.session_rows import Event
@@ -61,6 +62,17 @@ def test_the_page_says_what_it_must(made):
     assert "slipped &amp; fell" in row.group()
     assert "prefers-color-scheme:dark" in page
     assert made.sha256 in page
+
+
+def test_the_summary_and_the_counts_say_what_the_session_is(made):
+    fit = sn.fit_friction(made)
+    assert "readings agree" in session_page(made, fit, None, None)
+    assert "disagree by more than" in session_page(made, replace(fit, chi2=1e3), None, None)
+    push = Coast(90, 0.0, 1.0, 1.5, voided=True)
+    page = session_page(replace(made, further=(push,)), fit, None, None)
+    assert "2 voided" in page
+    for row in fit.rows():
+        assert f"<td>{row.value / made.setup.robot.links:.4g}</td></tr>" in page
 
 
 def test_another_reading_changes_the_page(made):

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from serpenoid.video.fitting.camera import LENS, MOUNTING, Camera
 from serpenoid.video.fitting.chain import joint_angles, link_centres
-from serpenoid.video.motion import correlation_factor
+from serpenoid.video.motion import correlation_factor, fit_joints
 from serpenoid.video.seeing.edges import refine
+from serpenoid.video.unseen import expected_headings
 
 LINK_M = 0.076
 
@@ -98,3 +99,23 @@ def test_slow_residuals_count_for_more() -> None:
     for k in range(1, 4000):
         slow[k] = 0.8 * slow[k - 1] + white[k]
     assert correlation_factor(slow) == pytest.approx(9.0, rel=0.4)  # (1 + .8) / (1 - .8)
+
+
+def test_an_unseen_link_points_between_its_neighbours() -> None:
+    """Straight joints: the nearer neighbour counts for more, by one over how many joints it is."""
+    states = np.zeros((1, 6))
+    states[0, 2:] = [0.0, 9.0, 9.0, 0.3]  # links 2 and 3 are not seen
+    seen = np.array([[True, False, False, True]])
+    found = expected_headings(states, seen, np.zeros((1, 3)))[0, 2:]
+    turns = 2 * np.pi * np.round(9.0 / (2 * np.pi))  # on the branch where it was
+    assert found - [0, turns, turns, 0] == pytest.approx([0.0, 0.1, 0.2, 0.3])
+
+
+def test_overtones_stay_small_where_part_of_a_cycle_is_never_seen() -> None:
+    rng = np.random.default_rng(0)
+    t = np.linspace(0.0, 10.0, 600)
+    phi = np.sin(2 * np.pi * t)[:, None] + 0.01 * rng.normal(size=(600, 1))
+    seen = ((t % 1.0) < 0.25).astype(float)[:, None]
+    _, found = fit_joints(t, phi, seen, 2 * np.pi, free_rate=False)
+    assert np.hypot(found[1, 0], found[2, 0]) == pytest.approx(1.0, abs=0.1)
+    assert np.abs(found[3:]).max() < 0.3  # 3.2 where nothing holds them
