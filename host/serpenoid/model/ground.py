@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -85,12 +85,15 @@ class Ground:
         self, ct: float = 1.0, cn: float = 1.0, ft0: float = 1.0, fn0: float = 1.0
     ) -> Ground:
         """Return ground with ct, cn, ft0 and fn0 each times a factor, both ways alike."""
-        return Ground(_times(self.ct, ct), self.cn * cn, _times(self.ft0, ft0), self.fn0 * fn0)
+        return replace(
+            self, ct=_times(self.ct, ct), cn=self.cn * cn, ft0=_times(self.ft0, ft0),
+            fn0=self.fn0 * fn0,
+        )  # fmt: skip
 
     def turned_round(self) -> Ground:
         """Return ground for wheels that are mounted the other way round."""
         ct, ft0 = ((v[1], v[0]) if isinstance(v, tuple) else v for v in (self.ct, self.ft0))
-        return Ground(ct, self.cn, ft0, self.fn0)
+        return replace(self, ct=ct, ft0=ft0)
 
     @property
     def dry(self) -> bool:
