@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..given import session_fit
 from ..options import AS_JSON, show_json
 from ..paths import OutFile
 
@@ -58,7 +59,8 @@ def servo(
         from ...calibration.servos.from_runs import servo_of_session
         from ...calibration.session_file import load_session
 
-        found = servo_of_session(load_session(session), kind_of(like), name=name)
+        fit = session_fit(session)  # tells its alarms
+        found = servo_of_session(load_session(session), kind_of(like), fit, name=name)
     if out is not None:
         save_servo(found.kind, out)
     show_json(found.to_dict()) if as_json else show(found, out)

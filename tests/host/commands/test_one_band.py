@@ -1,0 +1,89 @@
+"""One gait has one band, whoever shows it; and a fit that nobody may trust is told by all."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from serpenoid.calibration.servos import from_runs
+from serpenoid.commands.main import cli
+
+SESSION = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
+GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "0.5"]
+WISH = ["--gait", "70", "75", "0.5"]
+IDEAL = ["--servo", "ideal"]
+
+
+def told(*args):
+    """Return the answer of a command, and what it warned of."""
+    done = CliRunner().invoke(cli, [*map(str, args), "--json"])
+    assert done.exit_code == 0, done.output
+    return json.loads(done.stdout[done.stdout.index("{") :]), done.stderr
+
+
+def test_one_gait_has_one_band_whoever_shows_it(tmp_path):
+    of = ["--session", SESSION]
+    steady = told("steady", *of, *GAIT, *IDEAL)[0]["band"]
+    low, high, speed = (steady[f"{name}_m_s"] for name in ("low", "high", "speed"))
+    assert 0.3 * speed < low < steady["low_friction_m_s"] < speed
+    assert speed < steady["high_friction_m_s"] < high
+    driven = told("drive", *of, *GAIT, *IDEAL, "--port", "virtual:fast", "--duration-s", "1")[0]
+    assert driven["predicted"] == pytest.approx(steady)
+    compared = told("compare", SESSION, *WISH, *IDEAL)[0]["gaits"][0]
+    found = [compared[name] for name in ("low_all_m_s", "high_all_m_s", "low_m_s", "high_m_s")]
+    friction = [steady["low_friction_m_s"], steady["high_friction_m_s"]]
+    assert found == pytest.approx([low, high, *friction], rel=1e-6)
+    advised = told("advise", SESSION, *WISH, *IDEAL)[0]
+    assert advised["band"] == pytest.approx((high - low) / 2 / speed, rel=1e-6)
+    best = told("optimize", *of, *IDEAL, "--speed-m-s", "0.05")[0]
+    gait = [f"--{name.replace('_', '-')}={value}" for name, value in best["gait"].items()]
+    assert told("steady", *of, *gait, *IDEAL)[0]["band"] == pytest.approx(best["band"], rel=1e-4)
+
+
+@pytest.fixture
+def contradictory(tmp_path):
+    """Return the session of 2005 with one incline misread, and that reading's number."""
+    shutil.copytree(SESSION, tmp_path / "session")
+    path = tmp_path / "session" / "readings.csv"
+    rows = path.read_text().splitlines()
+    cells, at = rows[3].split(","), rows[0].split(",").index("incline_deg")
+    cells[at] = f"{2 * float(cells[at]):.2f}"
+    path.write_text("\n".join([*rows[:3], ",".join(cells), *rows[4:]]) + "\n")
+    return tmp_path / "session", cells[0]
+
+
+class Measured:
+    """What `servo` shows, for a servo that nobody measured."""
+
+    def to_dict(self):
+        return {}
+
+
+def test_a_fit_that_nobody_may_trust_is_told_by_all(contradictory, tmp_path, monkeypatch):
+    folder, number = contradictory
+    taken = []
+    monkeypatch.setattr(
+        from_runs, "servo_of_session", lambda *args, **more: taken.append(args[2]) or Measured()
+    )
+    of = ["--session", folder]
+    sweep = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "3"]
+    calls = {
+        "fit": [folder],
+        "compare": [folder, *WISH, *IDEAL, "--samples", "16"],
+        "advise": [folder, *WISH, *IDEAL, "--samples", "16"],
+        "steady": [*of, *GAIT, *IDEAL],
+        "simulate": [*of, *GAIT, "--duration-s", "0.2"],
+        "sweep": [*of, *sweep, "--out", tmp_path / "study.csv"],
+        "drive": [*of, *GAIT, *IDEAL, "--port", "virtual:fast", "--duration-s", "1"],
+        "servo": of,
+    }
+    for command, args in calls.items():
+        answer, warned = told(command, *args)
+        alarms = answer["alarms" if command == "fit" else "fit_alarms"]
+        assert f"Without reading {number} " in alarms[0], command
+        if command != "fit":  # whose answer it is
+            assert f"Without reading {number} " in " ".join(warned.split()), command
+    assert taken[0].alarms
