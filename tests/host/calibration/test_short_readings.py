@@ -174,6 +174,14 @@ def test_every_way_into_a_session_takes_places(folder, tmp_path):
     assert "+0.010 to +0.050 m/s" in said, said
 
 
+def test_a_listed_reading_without_a_word_of_drift_had_none(folder, tmp_path):
+    script = tmp_path / "script.toml"
+    script.write_text("[[reading]]\nlambda_deg = 0.0\nincline_deg = 2.3\nbelt_speed_m_s = 0.45\n")
+    for _ in range(2):
+        assert run("take", folder, "--script", script).exit_code == 0
+    assert [r.drift_m_s for r in read_session(folder).kept] == [0.0]
+
+
 def test_bad_places_are_refused_and_nothing_is_written(folder):
     said = run("add", folder, "station", *CELLS, "places=0:0 2:0.04")
     assert said.exit_code != 0

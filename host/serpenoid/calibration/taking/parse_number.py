@@ -134,10 +134,16 @@ def read_cells(
         found[name] = parse_number(text, field).value if number else field.read(text)
     if old is not None:
         return redone(kind, old, found, setup)
-    for field in declared.numbers:
-        if field.usual is not None and not field.optional:  # what was not said is not known
-            found.setdefault(field.column, field.usual)
-    return declared.derive(found, setup.stopwatch)
+    return completed(kind, found, setup)
+
+
+def completed(kind: str, found: Mapping[str, Any], setup: Setup) -> dict[str, Any]:
+    """Return a reading's values with what an empty answer means, and what follows from others."""
+    usual = {
+        field.column: field.usual for field in kind_of(kind).numbers
+        if field.usual is not None and not field.optional  # what was not said is not known
+    }  # fmt: skip
+    return kind_of(kind).derive(usual | dict(found), setup.stopwatch)
 
 
 def redone(
