@@ -18,21 +18,28 @@ from .motion import Fitted, basis, correlation_factor, fit_from, joint_slope, pa
 Array = NDArray[np.float64]
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
 STEP = 0.3  # of a standard deviation: the differences by which the camera's doubt is carried on
-FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 3e-4, np.radians(0.02), np.radians(0.005)
+FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.026), np.radians(0.003)
 # A codec draws each picture on the one before, and what turns lags: amplitudes come out low by
 # .1 % (rendered films coded at crf 20, beside the same pictures uncoded).
-FLOOR_AMPLITUDE = 8e-4
+FLOOR_AMPLITUDE = 6e-4
 
 
 def number_sigmas(
-    bundle: Bundle, t_s: Array, fitted: Fitted, some: Track, picked: NDArray[np.int64]
+    bundle: Bundle,
+    t_s: Array,
+    fitted: Fitted,
+    some: Track,
+    picked: NDArray[np.int64],
+    rate_sigma: float | None = None,
 ) -> Array:
     """Return the standard deviations of `Motion.numbers`, in their order.
 
     t_s: times of all frames. some: the track in the frames `picked`, with how it follows the
-    camera's unknowns.
+    camera's unknowns. rate_sigma: of the rate, rad/s, where joints were assumed; theirs else.
     """
     pixels = _of_pixels(t_s, fitted)
+    if rate_sigma is not None:
+        pixels[0] = rate_sigma
     camera = _of_camera(bundle, some, fitted, picked)
     floor = np.full(len(pixels), FLOOR_ANGLE_RAD)
     floor[0], floor[-1] = 0.0, FLOOR_TURN_RAD_S

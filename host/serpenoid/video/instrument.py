@@ -83,16 +83,18 @@ def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measur
     assumed = _too_few(track)
     if assumed:
         fit, track = _by_the_gait(fit, seen, expected, side_m, turns)
-    fitted = _motion_of(track, assumed)
+    rate = _rate_of_ends(track, seen) if assumed else None
+    fitted = _motion_of(track, rate)
     if not seen.seen.all():
         phi = joint_angles(track.states) - fitted.joints_rest_rad
         expected = unseen.expected_headings(track.states, seen.seen, phi)
         loose = np.full(len(expected), unseen.KNOWN_RAD)
         track = frames.fit_states(fit.camera, seen, expected, loose, fit.noise_px)
-        fitted = _motion_of(track, assumed)
+        fitted = _motion_of(track, rate)
     some = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
     sensitive = _sensitive(fit, seen, track, loose, some)
-    sigmas = errors.number_sigmas(fit, track.t_s, fitted, sensitive, some)
+    rate_sigma = None if rate is None else rate[1]
+    sigmas = errors.number_sigmas(fit, track.t_s, fitted, sensitive, some, rate_sigma)
     return Measured(fit, track, fitted, sigmas, _weights(track)[0] > 0, assumed)
 
 
@@ -159,6 +161,20 @@ def _ambiguous(track: frames.Track) -> NDArray[np.bool_]:
     return lost[:, 1:] | lost[:, :-1]
 
 
-def _motion_of(track: frames.Track, assumed: bool = False) -> motion.Fitted:
+def _rate_of_ends(track: frames.Track, seen: Sightings) -> tuple[float, float]:
+    """Return the rate, and its standard deviation, of the bend between the outermost tags."""
+    first, last = unseen.outermost(seen)
+    both = seen.seen[:, first] & seen.seen[:, last]
+    bend = np.unwrap((track.states[:, 2 + last] - track.states[:, 2 + first])[both])
+    return motion.bend_rate((track.t_s - track.t_s.mean())[both], bend)
+
+
+def _motion_of(track: frames.Track, rate: tuple[float, float] | None = None) -> motion.Fitted:
+    """Fit the motion; rate: with its sigma, where joints are not seen but assumed."""
     joints, path = _weights(track)
-    return motion.fit_motion(track, np.ones_like(joints) if assumed else joints, path)
+    if rate is None:
+        return motion.fit_motion(track, joints, path)
+    t_s = track.t_s - track.t_s.mean()
+    phi = np.unwrap(joint_angles(track.states), axis=0)
+    whole = np.ones_like(joints)
+    return motion.fit_from(t_s, track.states, phi, whole, path, rate[0], free_rate=False)

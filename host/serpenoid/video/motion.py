@@ -158,6 +158,16 @@ def _weighted(columns: Array, values: Array, weight: Array) -> Array:
     return np.linalg.solve(normal, right[..., None])[..., 0].T
 
 
+def bend_rate(t_s: Array, bend: Array) -> tuple[float, float]:
+    """Return the rate of a bend (frames,) that swings, and its standard deviation, rad/s."""
+    one, phi = np.ones((len(t_s), 1)), bend[:, None]
+    omega, found = fit_joints(t_s, phi, one, first_rate(t_s, phi, one))
+    columns = np.concatenate([basis(t_s, omega), _slope(t_s, omega) @ found], axis=1)
+    rest = bend - (columns[:, :-1] @ found)[:, 0]
+    variance = rest @ rest / max(1, len(rest) - columns.shape[1]) * correlation_factor(rest)
+    return omega, float(np.sqrt(variance * np.linalg.pinv(columns.T @ columns)[-1, -1]))
+
+
 def fit_path(t_s: Array, z: Complex, weight: Array, omega: float, turn: float) -> Complex:
     """Return z_0, V and the periodic part's coefficients, complex, (2 + 2 HARMONICS,)."""
     a = path_basis(t_s, omega, turn) * np.sqrt(weight)[:, None]

@@ -23,6 +23,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 KNOWN_RAD = np.radians(2.0)  # how well a gait says where a link points
 AMPLITUDES = np.radians([20.0, 40.0, 60.0])  # from which the fit starts
 LAGS = np.radians(np.arange(-150, 180, 30))
+OFTEN, TOGETHER = 0.3, 10  # share of the frames; frames with both ends
 FITTED_FRAMES = 600  # at most, spread over the film
 
 
@@ -57,6 +58,12 @@ def _near(angle: Array, other: Array) -> Array:
     return other + (angle - other + np.pi) % (2 * np.pi) - np.pi
 
 
+def outermost(sightings: Sightings) -> tuple[int, int]:
+    """Return the first and the last link whose tag is seen often; 0, 0 for none."""
+    often = np.flatnonzero(sightings.seen.mean(axis=0) > OFTEN)
+    return (int(often[0]), int(often[-1])) if len(often) else (0, 0)
+
+
 def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array | None:
     """Return joints phi (frames, joints) of one sine that explains the outermost tags' motion.
 
@@ -65,12 +72,10 @@ def travelling_sine(camera: Camera, sightings: Sightings, turns: Array) -> Array
     """
     from scipy.optimize import least_squares
 
-    share = sightings.seen.mean(axis=0)
-    ends = np.flatnonzero(share > 0.3)
-    if len(ends) < 2:
-        return None
-    first, last = int(ends[0]), int(ends[-1])
+    first, last = outermost(sightings)
     both = sightings.seen[:, first] & sightings.seen[:, last]
+    if first == last or both.sum() < TOGETHER:
+        return None
     centres, headings = tag_poses(camera, sightings)
     theta = headings - turns
     t = sightings.t_s - sightings.t_s.mean()
