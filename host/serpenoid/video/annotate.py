@@ -36,7 +36,8 @@ def annotate_film(found: FilmMeasurement, path: Path) -> None:
     times = begun + (track.t_s - begun) / found.run.time_scale
     with av.open(str(path), "w") as box:
         stream: Any = box.add_stream("libx264", rate=30)
-        stream.width, stream.height = size
+        turns = found.watched.rotation_deg // 90
+        stream.width, stream.height = size[::-1] if turns % 2 else size
         stream.pix_fmt = "yuv420p"
         stream.time_base = stream.codec_context.time_base = TICKS_S
         for time_s, grey, _ in film.frames(Damage()):
@@ -47,6 +48,7 @@ def annotate_film(found: FilmMeasurement, path: Path) -> None:
             if k < len(times) and abs(times[k] - time_s) < 1e-4:
                 _draw(picture, camera, track.states, k)
             picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+            picture = np.ascontiguousarray(np.rot90(picture, turns))
             _words(picture, found, time_s)
             frame = av.VideoFrame.from_ndarray(picture, format="bgr24").reformat(format="yuv420p")
             frame.pts, frame.time_base = round(time_s / TICKS_S), TICKS_S

@@ -176,6 +176,7 @@ def remarks_of_view(watched: Watched, fit: Bundle, side_m: float, name: str) -> 
     told = [
         camera_moved(watched),
         _plain(watched),
+        _rotated(watched),
         _side(fit.camera, side_m, name),
         *_turned(watched, fit.camera),
         *_seen(watched),
@@ -220,6 +221,16 @@ def _plain(watched: Watched) -> Remark | None:
         "floor",
         "the floor is too plain to tell whether the camera stood still; lay "
         "something printed beside the track",
+    )
+
+
+def _rotated(watched: Watched) -> Remark | None:
+    if not watched.rotation_deg:
+        return None
+    return Remark(
+        "rotated",
+        f"players turn this film by {watched.rotation_deg}° to the left: it is measured as it was "
+        "taken, and nothing changes but the picture's axes",
     )
 
 

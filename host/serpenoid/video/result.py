@@ -159,6 +159,7 @@ def _film(watched: Watched, sha256: str) -> dict[str, Any]:
         "codec": film.codec,
         "width_px": film.width,
         "height_px": film.height,
+        "rotation_deg": watched.rotation_deg,
         "frames": len(t),
         "duration_s": float(np.ptp(t)),
         "frame_rate_hz": float(1 / np.median(np.diff(t))),

@@ -18,6 +18,8 @@ from serpenoid.model.errors import BadInput
 from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
 from serpenoid.video import wiring
+from serpenoid.video.annotate import annotate_film
+from serpenoid.video.faults import camera_moved
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import measure
 from serpenoid.video.measure_film import measure_film
@@ -75,10 +77,24 @@ def test_a_knock_is_told_with_its_time_and_a_push_is_refused(frames, told) -> No
         told([shifted(f, 7.0 * (k > 25), 2) for k, f in enumerate(frames)])
 
 
-def test_a_camera_held_by_hand_is_refused(frames, told) -> None:
-    sway = [shifted(f, 6 * math.sin(0.2 * k), 5 * math.sin(0.15 * k)) for k, f in enumerate(frames)]
-    with pytest.raises(BadInput, match="moves all the time"):
-        told(sway)
+def turned(picture, angle_deg: float):
+    size = picture.shape[::-1]
+    move = cv2.getRotationMatrix2D((size[0] / 2, size[1] / 2), angle_deg, 1.0)
+    return cv2.warpAffine(picture, move, size, borderMode=cv2.BORDER_REPLICATE)
+
+
+@pytest.mark.parametrize(
+    "moved",
+    [
+        lambda f, k: shifted(f, 6 * math.sin(0.2 * k), 5 * math.sin(0.15 * k)),  # held by hand
+        lambda f, k: shifted(f, 0.25 * k, 0),  # stabilised: the picture goes with the robot
+        lambda f, k: turned(f, 0.06 * k),  # stabilised: about the picture's middle
+    ],
+)
+def test_a_picture_that_moves_all_the_time_is_refused(frames, tmp_path, moved) -> None:
+    path = write(tmp_path / "film.mp4", [moved(f, k) for k, f in enumerate(frames)], TIMES)
+    with pytest.raises(BadInput, match="moves all the time, .* held by hand, or stabilised"):
+        camera_moved(watch(File.open(path), 6))
 
 
 def test_too_short_a_film_is_refused(frames, told) -> None:
@@ -137,6 +153,20 @@ def test_lost_frames_leave_the_numbers_right(frames, told) -> None:
 def test_a_phone_held_upright_measures_the_same(frames, told) -> None:
     run, _ = told([np.ascontiguousarray(np.rot90(f)) for f in frames])
     assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
+
+
+@pytest.mark.parametrize("turn_deg", [90, pytest.param(180, marks=pytest.mark.slow),
+                                       pytest.param(270, marks=pytest.mark.slow)])  # fmt: skip
+def test_a_film_that_players_turn_is_measured_as_it_was_taken(frames, tmp_path, turn_deg) -> None:
+    path = write(tmp_path / "film.mp4", frames, TIMES, rotation_deg=turn_deg)
+    found = measure_film(path, 6, LINK_M)
+    assert found.run.film["rotation_deg"] == turn_deg
+    assert f"by {turn_deg}° to the left" in {r.name: r.text for r in found.run.remarks}["rotated"]
+    assert found.run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
+    annotate_film(found, tmp_path / "drawn.mp4")
+    drawn = File.open(tmp_path / "drawn.mp4")
+    upright = frames[0].shape if turn_deg == 180 else frames[0].shape[::-1]
+    assert (drawn.height, drawn.width) == upright
 
 
 @pytest.mark.slow

@@ -12,11 +12,12 @@ Array = NDArray[np.float64]
 EVERY_S = 0.5
 MOST_POINTS, LEAST_POINTS = 150, 12
 PATCH_PX = 21
+REACH_PX = 1.0  # a point that is so far off the floor's common motion is somebody's foot
 
 
 @dataclass
 class Background:
-    """Follow the floor's points. shifts: (time s, how far they moved, px, in the median)."""
+    """Follow the floor's points. shifts: (time s, how far the floor at the robot moved, x y px)."""
 
     window: tuple[int, int, int, int]
     shifts: list[tuple[float, float, float]] = field(default_factory=list)
@@ -68,6 +69,20 @@ class Background:
         if good.sum() < LEAST_POINTS:
             self.shifts.append((time_s, np.inf, np.inf))
             return
-        moved = (found - self._points)[good].reshape(-1, 2)
-        x, y = np.median(moved, axis=0)
-        self.shifts.append((time_s, float(x), float(y)))
+        way, _ = cv2.estimateAffinePartial2D(
+            self._points[good], found[good], ransacReprojThreshold=REACH_PX
+        )
+        self.shifts.append((time_s, *self._farthest(way)))
+
+    def _farthest(self, way: Any) -> tuple[float, float]:
+        """Return by how much the corner of the robot's window moved that moved most, px.
+
+        So a picture that turns or grows about its middle has moved, too.
+        """
+        if way is None:
+            return np.inf, np.inf
+        left, top, right, bottom = self.window
+        corners = np.array([[x, y, 1.0] for x in (left, right) for y in (top, bottom)])
+        moved = corners @ way.T - corners[:, :2]
+        x, y = moved[np.argmax(np.linalg.norm(moved, axis=1))]
+        return float(x), float(y)

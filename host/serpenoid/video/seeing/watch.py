@@ -28,7 +28,8 @@ class Watched:
     """What one look at a film brought up.
 
     film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; damage: what
-    could not be read; strangers: tags of numbers that are on no link, with the number of
+    could not be read; rotation_deg: by which
+    players turn the pictures to the left, 0, 90, 180 or 270; strangers: tags of numbers that are on no link, with the number of
     frames; shifts: of the floor, (time, x px, y px); plain_floor: nothing on it can be followed;
     picture: the first frame with a tag, grey; mirrored: tags are seen in a mirror only.
     """
@@ -42,6 +43,7 @@ class Watched:
     plain_floor: bool
     picture: NDArray[np.uint8]
     mirrored: bool
+    rotation_deg: int = 0
 
 
 def watch(
@@ -57,8 +59,9 @@ def watch(
     damage = Damage()
     ground: Background | None = None
     picture: NDArray[np.uint8] | None = None
-    mirrored = 0
-    for time_s, grey, _ in film.frames(damage, threads):
+    mirrored = rotation_deg = 0
+    for time_s, grey, frame in film.frames(damage, threads):
+        rotation_deg = round(frame.rotation / 90) * 90 % 360 if picture is None else rotation_deg
         found = finder.find(grey)
         times.append(time_s)
         corners = np.full((links, 4, 2), np.nan, np.float32)
@@ -103,6 +106,7 @@ def watch(
         ground is None or ground.plain,
         picture,
         mirrored > 0,
+        rotation_deg,
     )
 
 
