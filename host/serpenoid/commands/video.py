@@ -153,14 +153,14 @@ def film(
             progress=tell,
         )
     _write(found, track, picture, annotate)
-    if session is not None:
-        _record(found, session, str(file))
     if as_json:
         show_json(found.run.to_dict())
     else:
         from ..show.video.film_report import show_film
 
         show_film(found)
+    if session is not None:
+        _record(found, session, str(file))
 
 
 @contextmanager

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..model.checks import check_number
 from ..model.errors import BadInput
+from ..model.file_hash import sha256_of
 from ..model.gait import Gait
 from .faults import camera_moved, refuse_mixed_tags, refuse_unseen, remarks_of
 from .fitting.camera import Camera
@@ -20,7 +21,7 @@ from .result import FilmedRun, filmed_run
 from .seeing.film import Film
 from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
-from .seeing.watch import Watched, sha256_of, watch
+from .seeing.watch import Watched, watch
 from .wiring import judge
 
 T = TypeVar("T")
@@ -67,11 +68,6 @@ class SeenFilm:
     side_m: float
     starts: list[Camera]
 
-    @property
-    def sha256(self) -> str:
-        """Return the file's hash."""
-        return sha256_of(self.watched.film.path)
-
     def damaged(self, error: BadInput) -> BadInput:
         """Return a refusal that names the file's damage, if it has any."""
         if not self.watched.damage or _DAMAGED in str(error):
@@ -117,7 +113,7 @@ def _measurement(film: SeenFilm, name: str, gait: Gait | None, board_rate: bool)
         there = _rescaled(sightings, scale)
         measured = solved(lambda: measure(there, side, starts), name)
     remarks = remarks_of(watched, measured, side, name)
-    run = filmed_run(watched, measured, film.sha256, scale, remarks)
+    run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)
 

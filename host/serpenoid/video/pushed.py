@@ -32,13 +32,12 @@ class PushedRobot:
     """Where the robot was.
 
     rows: (frames, 3) time s, and place x, y m of the mean of the links' centres in the plane of
-    the tags, of the frames that show it. scale_sigma: relative, of all lengths. sha256: of the
-    file. remarks: what to know about the film.
+    the tags, of the frames that show it. scale_sigma: relative, of all lengths. remarks: what to
+    know about the film.
     """
 
     rows: Array
     scale_sigma: float
-    sha256: str
     remarks: tuple[Remark, ...]
 
 
@@ -86,7 +85,7 @@ def _followed(film: SeenFilm, name: str) -> PushedRobot:
     if len(rows) < 2:
         raise BadInput(f"{name}: no frame shows where the robot is; are the tags hidden?")
     remarks = remarks_of_view(film.watched, fit, film.side_m, name)
-    return PushedRobot(rows, _scale_sigma(fit), film.sha256, tuple(remarks))
+    return PushedRobot(rows, _scale_sigma(fit), tuple(remarks))
 
 
 def _tracked(s: Sightings, side_m: float, starts: list[Camera]) -> tuple[Bundle, frames.Track]:

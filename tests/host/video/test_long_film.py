@@ -44,7 +44,7 @@ def filmed(seconds: float) -> tuple[Measured, World]:
     return measure(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)), world
 
 
-@pytest.mark.parametrize("seconds", [25, pytest.param(1200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seconds", [21, pytest.param(1200, marks=pytest.mark.slow)])
 def test_a_long_film_is_measured_as_a_short_one(seconds) -> None:
     found, world = filmed(seconds)
     m, joints = found.fitted.motion, world.links - 1

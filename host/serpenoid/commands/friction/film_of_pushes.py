@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING
 from ...show.screen import say
 
 if TYPE_CHECKING:
-    from ...calibration.taking.person.push_prompt import FilmReader, Track
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from ...calibration.taking.person.push_prompt import FilmReader
     from ...model.robot import Robot
 
 
@@ -18,7 +21,7 @@ def film_reader(side_m: float | None = None) -> FilmReader:
     Needs the extra `video` when it is called, not before.
     """
 
-    def read(path: Path, robot: Robot) -> Track:
+    def read(path: Path, robot: Robot) -> NDArray[np.float64]:
         from ...video.seeing.extra import need_extra
 
         need_extra()
@@ -30,6 +33,6 @@ def film_reader(side_m: float | None = None) -> FilmReader:
         for remark in found.remarks:
             say(f"{path.name}: {remark.name}: {remark.text}")
         say(f"{path.name}: all lengths ± {100 * found.scale_sigma:.1f} %")
-        return found.rows, found.sha256
+        return found.rows
 
     return read

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +18,6 @@ from .sightings import Sightings
 Array = NDArray[np.float64]
 MOST_FRAMES = 500_000  # more than two hours at 60 frames/s
 COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
-HASHED_BYTES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -28,10 +25,10 @@ class Watched:
     """What one look at a film brought up.
 
     film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; damage: what
-    could not be read; rotation_deg: by which
-    players turn the pictures to the left, 0, 90, 180 or 270; strangers: tags of numbers that are on no link, with the number of
-    frames; shifts: of the floor, (time, x px, y px); plain_floor: nothing on it can be followed;
-    picture: the first frame with a tag, grey; mirrored: tags are seen in a mirror only.
+    could not be read; rotation_deg: by which players turn the pictures to the left, 0, 90, 180 or
+    270; strangers: tags of numbers that are on no link, with the number of frames; shifts: of the
+    floor, (time, x px, y px); plain_floor: nothing on it can be followed; picture: the first frame
+    with a tag, grey; mirrored: tags are seen in a mirror only.
     """
 
     film: Film
@@ -117,12 +114,3 @@ def _sharp(corners_px: Array, edge_px: Array) -> Array:
     if coarse.sum() > COARSE_SHARE * found.sum():
         return corners_px
     return np.where(coarse[..., None, None], np.nan, corners_px)
-
-
-def sha256_of(path: Path) -> str:
-    """Return a file's hash."""
-    done = hashlib.sha256()
-    with path.open("rb") as file:
-        while block := file.read(HASHED_BYTES):
-            done.update(block)
-    return done.hexdigest()

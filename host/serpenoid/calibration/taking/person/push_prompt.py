@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....model.errors import BadInput
+from ....model.file_hash import sha256_of
 from ....model.robot import Robot
 from ...floor.track_files import UNITS, read_track_file
 from ..floor.pushes import Cells, Kept, keep_pushes
 from ..journal import Journal
 
 Track = tuple[NDArray[np.float64], str]
-FilmReader = Callable[[Path, Robot], Track]  # a film itself to its track
+FilmReader = Callable[[Path, Robot], NDArray[np.float64]]  # a film to its track
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 FILMS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
 QUESTION = "  its film or track (of Tracker, Kinovea, CSV), or how far it rolled (m): "
@@ -29,7 +30,7 @@ def named_file(text: str) -> tuple[Path, str] | None:
     return (path, unit) if path.is_file() or path.suffix.lower() in (*TEXTS, *FILMS) else None
 
 
-def no_films(path: Path, robot: Robot) -> Track:
+def no_films(path: Path, robot: Robot) -> NDArray[np.float64]:
     """Refuse a film, where nothing is there to measure it."""
     raise BadInput(
         f"{path}: a film itself is not taken here; mark the robot's middle link in Tracker or "
@@ -53,10 +54,15 @@ def take_track(
     """
     if path.suffix.lower() in TEXTS or not path.is_file():
         track, sha256 = read_track(path, unit)
+        _refuse_taken(journal, path, sha256)
     else:
-        track, sha256 = film(path, journal.session.setup.robot)
-    kept = journal.session.kept_pushes
-    there = [p.number for p in kept if p.file_sha256 == sha256[:16]]
+        sha256 = sha256_of(path)
+        _refuse_taken(journal, path, sha256)
+        track = film(path, journal.session.setup.robot)
+    return keep_pushes(journal, track, cells, file_sha256=sha256)
+
+
+def _refuse_taken(journal: Journal, path: Path, sha256: str) -> None:
+    there = [p.number for p in journal.session.kept_pushes if p.file_sha256 == sha256[:16]]
     if there:
         raise BadInput(f"{path}: reading {there[0]} is of this file already; it is not taken twice")
-    return keep_pushes(journal, track, cells, file_sha256=sha256)
