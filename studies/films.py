@@ -60,7 +60,7 @@ def plain(rng: np.random.Generator, links: int = 6, tilt_deg: float | None = Non
                           math.cos(tilt)])  # fmt: skip
     lens = Lens(
         tuple(eye + np.array([0, 0, body.height_m])), (0.0, 0.0, body.height_m),
-        round(640 * max(1, links / 6)), 480,
+        2 * round(320 * max(1, links / 6)), 480,
         rng.uniform(26, 31) / body.side_m * far * 6 / links,
         k1=rng.uniform(-0.1, 0.1), k2=rng.uniform(-0.03, 0.03),
         middle_px=tuple(3 * rng.normal(size=2)), rolling_s=rng.uniform(0, 0.02),
@@ -100,7 +100,7 @@ def ends(rng: np.random.Generator) -> Scene:
 
 WORLDS: dict[str, Callable[[np.random.Generator], Scene]] = {
     "plain": plain,
-    "48 degrees": lambda rng: plain(rng, tilt_deg=48),
+    "48 degrees": lambda rng: larger(plain(rng, tilt_deg=48), 1.3),
     "slow shutter": slow_shutter,
     "glare": glare,
     "ends": ends,

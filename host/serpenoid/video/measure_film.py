@@ -13,7 +13,7 @@ from ..model.checks import check_number
 from ..model.errors import BadInput
 from ..model.file_hash import sha256_of
 from ..model.gait import Gait
-from .faults import camera_moved, refuse_mixed_tags, refuse_unseen, remarks_of
+from .faults import blurred, camera_moved, refuse_mixed_tags, refuse_unseen, remarks_of
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
@@ -112,6 +112,7 @@ def _measurement(film: SeenFilm, name: str, gait: Gait | None, board_rate: bool)
         scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
         there = _rescaled(sightings, scale)
         measured = solved(lambda: measure(there, side, starts), name)
+    measured = replace(measured, sigmas=blurred(watched) * measured.sigmas)
     remarks = remarks_of(watched, measured, side, name)
     run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
