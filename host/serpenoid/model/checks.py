@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
+from pathlib import Path
 
 from .errors import BadInput
 
 # What is made of numbers (squares, quotients, products of several) must be finite as well. No
 # robot is larger than the universe (1e27 m) or lighter than an electron (1e-30 kg).
 MOST, LEAST = 1e30, 1e-30
+BLOCK_BYTES = 1 << 20  # of a file that is hashed
 
 # What a scene may choose from.
 FORMULATIONS = ("explicit", "implicit")
@@ -83,3 +86,12 @@ def check_whole(name: str, value: object, low: int, high: int) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
         raise BadInput(f"{name} is {value!r}; it must be a whole number from {low} to {high}")
     return value
+
+
+def sha256_of(path: Path) -> str:
+    """Return a file's SHA-256 in hexadecimal digits; read in blocks, as films are large."""
+    done = hashlib.sha256()
+    with path.open("rb") as file:
+        while block := file.read(BLOCK_BYTES):
+            done.update(block)
+    return done.hexdigest()

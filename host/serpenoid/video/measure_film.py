@@ -9,9 +9,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..model.checks import check_number
+from ..model.checks import check_number, sha256_of
 from ..model.errors import BadInput
-from ..model.file_hash import sha256_of
 from ..model.gait import Gait
 from .faults import blurred, camera_moved, refuse_mixed_tags, refuse_unseen, remarks_of
 from .fitting.camera import Camera

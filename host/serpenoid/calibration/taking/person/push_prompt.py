@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ....model.checks import sha256_of
 from ....model.errors import BadInput
-from ....model.file_hash import sha256_of
 from ....model.robot import Robot
 from ...floor.track_files import UNITS, read_track_file
 from ..floor.pushes import Cells, Kept, keep_pushes
