@@ -105,8 +105,13 @@ class CycleMap {
     double nm() const { return nm_; }
     const Gait& gait() const { return gait_; }
     const Vec3& scale() const { return scale_; }  // of p
+    // The state, over the scales, of such velocities in the body frame at phase 0.
+    Vec3 scaled(const Vec3& u) const {
+        return {nm_ * u[0] / scale_[0], nm_ * u[1] / scale_[1], momentum(u[2]) / scale_[2]};
+    }
     // At phase 0: the turning rate w of a given L, and L of a chain that does not turn.
     double rate(double L) const { return (L - gait_.omega * shape_.K) / shape_.J; }
+    double momentum(double w) const { return shape_.J * w + gait_.omega * shape_.K; }
     double momentum_at_rest() const { return gait_.omega * shape_.K; }
 
   protected:

@@ -112,8 +112,9 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
     SlidingCycle map(robot_, ground_, gait_, 600'000 / robot_.n);
     FixedPoint point(map, promising_ && solutions_.size() > 1);
     SteadyState out = SteadyState::unknown();
-    if (!solutions_.empty()) {
-        point.z = guess(omega);
+    if (start_ || !solutions_.empty()) {
+        point.z = start_ ? map.scaled(*start_) : guess(omega);
+        start_.reset();
         out = Refinement(map, point, options).refine({first_tolerance(options.rtol)}, accepted);
     }
     if (!out.converged) from_rest(map, point, accepted, options, out);

@@ -6,6 +6,7 @@
 // steps of dry/stepped_cycle.hpp take over.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "periodic/fixed_point.hpp"
@@ -23,6 +24,8 @@ class SteadyDry {
               const SteadyDry& neighbour)
         : robot_(robot), ground_(ground), gait_(gait), solutions_(neighbour.solutions_) {}
 
+    // The first solution is looked for from these velocities in the body frame at phase 0.
+    void start_from(const Vec3& u) { start_ = u; }
     SteadyState solve(double omega, const SteadyOptions& options);
 
   private:
@@ -41,6 +44,7 @@ class SteadyDry {
     Ground ground_;
     Gait gait_;
     bool promising_ = false;           // guesses are so good that the first map may do
+    std::optional<Vec3> start_;
     std::vector<Solution> solutions_;  // up to three rates, the last one last
 };
 

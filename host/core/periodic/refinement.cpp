@@ -127,9 +127,11 @@ void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) 
 FixedPoint::Ended Refinement::level(double tolerance, const Levels& levels, SteadyState& next) {
     constexpr double kFirst = 2.0 / 3;  // of the goal, while the start is not good to a tolerance
     constexpr double kLeast = 1e-9;
+    constexpr double kRough = 0.04;  // its square is what a rough speed may be off by
     const double longest =
         std::max(levels.goal * tolerance, levels.root_goal * std::sqrt(tolerance));
-    const double goal = std::max((point_.near ? 1 : kFirst) * longest, kLeast);
+    const double goal =
+        options_.rough ? kRough : std::max((point_.near ? 1 : kFirst) * longest, kLeast);
     Orbit orbit;
     const auto ended = point_.solve(tolerance, goal, options_.powers, orbit);
     if (ended != FixedPoint::Ended::converged) return ended;
@@ -157,6 +159,10 @@ SteadyState Refinement::refine(const Levels& levels, const Acceptance& accepted)
             continue;
         }
         reached = tolerance;
+        if (options_.rough) {
+            next.converged = true;
+            return next;
+        }
         next.converged = !first_ && accepted(next);
         if (first_ || accepted.excess(next) < accepted.excess(best)) best = next;
         if (best.converged) break;

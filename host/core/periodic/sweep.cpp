@@ -144,15 +144,21 @@ void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<doubl
 
 std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<SweepShape>& shapes,
                                     const SteadyOptions& options, int threads,
-                                    const std::function<bool(long)>& go_on) {
+                                    const std::function<bool(long)>& go_on,
+                                    const std::vector<Vec3>& starts) {
     SteadyDry begin(middle.robot, middle.ground, middle.gait);
-    if (!middle.ground.smooth()) begin.solve(middle.gait.omega, {options.rtol, false, 0});
+    if (!middle.ground.smooth() && starts.empty())
+        begin.solve(middle.gait.omega, {options.rtol, false, 0});
     std::vector<SteadyState> found(shapes.size());
     share_out(shapes.size(), threads, go_on, [&](std::size_t k) {
         const auto& [robot, ground, gait] = shapes[k];
-        found[k] = ground.smooth()
-                       ? steady_state(shapes[k], options)
-                       : SteadyDry(robot, ground, gait, begin).solve(gait.omega, options);
+        if (ground.smooth()) {
+            found[k] = steady_state(shapes[k], options);
+            return 1L;
+        }
+        SteadyDry dry(robot, ground, gait, begin);
+        if (!starts.empty()) dry.start_from(starts[k]);
+        found[k] = dry.solve(gait.omega, options);
         return 1L;
     });
     return found;

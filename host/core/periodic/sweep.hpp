@@ -45,9 +45,11 @@ void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<doubl
                   double* to);
 
 // The periodic states of shapes that are all alike, each at its own gait's rate. On dry ground they
-// begin at the state of `middle`.
+// begin at the state of `middle`, or each at its own velocities in the body frame at phase 0 where
+// `starts` has any.
 std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<SweepShape>& shapes,
                                     const SteadyOptions& options, int threads,
-                                    const std::function<bool(long)>& go_on);
+                                    const std::function<bool(long)>& go_on,
+                                    const std::vector<Vec3>& starts = {});
 
 }  // namespace serpenoid

@@ -3,6 +3,7 @@
 // The package checks every value before it comes here; these functions are not a public interface.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/complex.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -100,11 +101,13 @@ Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double
 
 // Periodic states of models that are all like `middle`.
 std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector<Model>& models,
-                                          double rtol, bool powers, int max_elements, int threads) {
+                                          double rtol, bool powers, int max_elements, int threads,
+                                          bool rough, const std::vector<Vec3>& starts) {
+    if (!starts.empty() && starts.size() != models.size()) throw nb::value_error("starts");
     std::vector<SteadyState> found;
     with_progress(nb::none(), [&](const auto& go_on) {
         found = neighbours({middle.robot, middle.ground, middle.gait}, shapes_of(models),
-                           {rtol, powers, max_elements}, threads, go_on);
+                           {rtol, powers, max_elements, rough}, threads, go_on, starts);
     });
     return found;
 }
@@ -326,7 +329,8 @@ NB_MODULE(_core, m) {
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.def("steady_by", &steady_by);
     m.attr("SPEED_FLOOR") = kSpeedFloor;
-    m.def("neighbours", &solve_neighbours);
+    m.def("neighbours", &solve_neighbours, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
+          nb::arg(), nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{});
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg().none());
     bind_servos(m);

@@ -86,7 +86,15 @@ def steady_by(arg0: str, arg1: Model, arg2: float, /) -> SteadyState: ...
 SPEED_FLOOR: float
 
 def neighbours(
-    arg0: Model, arg1: Sequence[Model], arg2: float, arg3: bool, arg4: int, arg5: int, /
+    arg0: Model,
+    arg1: Sequence[Model],
+    arg2: float,
+    arg3: bool,
+    arg4: int,
+    arg5: int,
+    /,
+    rough: bool = False,
+    starts: Sequence[Sequence[float]] = ...,
 ) -> list[SteadyState]: ...
 def sweep(
     arg0: Sequence[Model],

@@ -8,11 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.gaits.robust_search import (
+from serpenoid.gaits.sampled_speeds import (
+    SampledSpeeds,
     ServoShares,
     driven_speeds,
     low_speed,
     low_speed_error,
+    percentile_rank,
     sampled_speeds,
     smooth_low_speed,
 )
@@ -272,3 +274,24 @@ def test_the_check_draws_frictions_that_chose_nothing() -> None:
     check = {s.ground for s in stated.samples(OF_2005, BINGHAM, 32, seed=1, skip=32)}
     assert chose | check == set(grounds)
     assert not chose & check
+
+
+@pytest.mark.parametrize("gait", [FRAGILE, STURDY])
+def test_the_percentile_needs_only_the_samples_near_it(gait: sn.Gait) -> None:
+    """A fit that starts 256 samples leaves their percentile as it is when each is solved alone."""
+    drawn = sn.Uncertainty().samples(OF_2005, BINGHAM, 256)
+    full = [
+        sn.steady_gait(OF_2005, one.ground, one.gait(gait), rtol=1e-5, powers=False).speed_m_s
+        for one in drawn
+    ]
+    robots, everyone = SampledSpeeds(OF_2005, drawn), np.arange(256)
+    seen = robots.near_percentile(gait, everyone, percentile_rank(256))
+    assert low_speed(seen, 256) == pytest.approx(low_speed(np.array(full), 256), rel=3e-3)
+    assert robots.rough(gait, everyone) == pytest.approx(np.array(full), rel=0.05)
+    assert robots.solved < 2.5 * 256  # all roughly, twice, and some more finely
+
+
+def test_rough_speeds_on_viscous_ground_are_exact() -> None:
+    drawn = sn.Uncertainty().samples(PAPER, VISCOUS, 32)
+    seen = SampledSpeeds(PAPER, drawn).rough(STURDY, np.arange(32))
+    assert seen == pytest.approx(sampled_speeds(PAPER, STURDY, drawn), rel=1e-12)
