@@ -1,4 +1,4 @@
-"""How far a gait stands from the cliff: what amplitude or grip may be lost before it slows down."""
+"""How far a gait stands from the cliff: what amplitude or grip it may lose, and speeds around it."""
 
 from __future__ import annotations
 
@@ -7,13 +7,19 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..model.core_model import check_parts
 from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s, steady_gait
+from .shape_search import on_threads
+from .uncertainty import FRICTION, Uncertainty
 
+Array = NDArray[np.float64]
 LOSS = 0.1  # of the speed, that a margin allows
 LESS_AMPLITUDE, LESS_GRIP = 0.10, 0.13  # servos under load; one sigma of a 7.5 deg session
 BELOW = 1.0, 3.0  # gaining more than this by 10 % or 60 % of amplitude it lies below one
@@ -21,6 +27,7 @@ CLIFF = 0.25  # a gait that loses more than this of its speed to either stands a
 _MOST = 0.6
 _FIRST, _OUTWARDS = 0.02, 1.2  # steps of the loss: a speed may fall and rise again between
 _RTOL = 1e-3
+_CLIFF_RTOL = 3e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,3 +153,58 @@ def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
             for gain in (LESS_AMPLITUDE, _MOST)
         ),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Cliff:
+    """Hold speeds over factors of amplitude (A,) and of the grip across the links (F,).
+
+    speed_m_s: (A, F), NaN where no periodic state was found. grip: the friction that is varied,
+    "fn0", or "cn" on ground without. sigma: of both factors, as the uncertainty states them.
+    """
+
+    robot: Robot
+    ground: Ground
+    gait: Gait
+    grip: str
+    amplitude: Array
+    factor: Array
+    speed_m_s: Array
+    full_m_s: float
+    sigma: tuple[float, float]
+
+
+def cliff_around(
+    robot: Robot, ground: Ground, gait: Gait, uncertainty: Uncertainty, points: int = 17
+) -> Cliff:
+    """Solve a gait for a grid of amplitudes and grips around it. Raises BadInput."""
+    grip = "fn0" if ground.fn0 > 0 else "cn"
+    amplitude, factor = np.linspace(0.7, 1.2, points), np.linspace(0.5, 1.5, points)
+    top = math.pi / gait.alpha_rad
+    amplitude = amplitude[amplitude <= top]
+
+    def speed(pair: tuple[float, float]) -> float:
+        a, f = pair
+        other = replace(ground, **{grip: f * getattr(ground, grip)})
+        weak = replace(gait, alpha_rad=a * gait.alpha_rad)
+        try:
+            return steady_gait(robot, other, weak, rtol=_CLIFF_RTOL, powers=False).speed_m_s
+        except NotConverged as error:
+            return error.best.speed_m_s if error.best is not None else math.nan
+
+    pairs = [(a, f) for a in amplitude.tolist() for f in factor.tolist()]
+    speeds = np.array(on_threads(speed, pairs)).reshape(amplitude.size, factor.size)
+    joints = robot.links - 1
+    of_all = math.hypot(uncertainty.common_amplitude, uncertainty.amplitude / math.sqrt(joints))
+    return Cliff(
+        robot, ground, gait, grip, amplitude, factor, speeds, speed((1.0, 1.0)),
+        (of_all, _sigma(uncertainty, grip)),
+    )  # fmt: skip
+
+
+def _sigma(uncertainty: Uncertainty, grip: str) -> float:
+    """Return the relative sigma of a friction."""
+    if not uncertainty.grounds:
+        return uncertainty.friction[FRICTION.index(grip)]
+    values = np.array([getattr(ground, grip) for ground in uncertainty.grounds])
+    return float(values.std() / values.mean())

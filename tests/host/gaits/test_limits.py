@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.gaits.cliff import cliff_around
 from serpenoid.gaits.gait_table import GaitTable
+from serpenoid.gaits.margins import cliff_around
 from serpenoid.gaits.uncertainty import Uncertainty
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)

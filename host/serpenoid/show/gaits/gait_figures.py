@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...gaits.cliff import Cliff, cliff_around
 from ...gaits.finder import LeastPower
+from ...gaits.margins import Cliff, cliff_around
 from ...gaits.uncertainty import Uncertainty
 from ...model.gait import Gait
 from ...model.ground import Ground
