@@ -37,6 +37,8 @@ _CLOSER = 4.0  # refinement factor for the best valley on dry ground
 _WIDTHS = (0.25, 0.08, 0.025, 0.008)  # e-folds either way, of its tables of shapes
 _SMALL_VALLEYS = 3  # followed of each table
 _ROUNDING = 1e-9  # body lengths x rate: a slower gait travels by rounding errors alone
+_AT_LIMIT = 2e-6  # e-folds of shape: last box beside a limit, on viscous ground
+_LIMITS_WORTH = 2.0  # e-folds of cost at most, for one of a limit
 _DRY_GAP = 2e-3  # e-folds: small dry valleys were found so far apart, so no optimum is known better
 
 
@@ -111,7 +113,12 @@ class Finder:
         rtol = max(self.rtol, self.coarse / closer)
         evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
         first = evaluate([np.array(start.shape)])[0]
-        return minimize(evaluate, first, radius, self.smallest / closer, low, high)
+        end, gap = minimize(evaluate, first, radius, self.smallest / closer, low, high)
+        if self.exact and self.ground.smooth and 0 <= end.margin < self.smallest:
+            # along a limit the cost is no valley: it rises with the distance from the limit
+            end, gap = minimize(evaluate, end, self.smallest, _AT_LIMIT, low, high)
+            gap = max(gap, _LIMITS_WORTH * max(end.margin, 0.0))
+        return end, gap
 
     def candidates(self, speed: float) -> list[Candidate]:
         """Return the cloud's valleys that may hold the minimum."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 _SHRINK = 0.4  # of the box, where it finds nothing lower
 _WORTHWHILE = 1e-3  # of radius^2, in e-folds of the value: a smaller gain shrinks the box
-_ALLOWED = -1e-6  # margin: rounding beyond a limit
+_ALLOWED = -1e-8  # margin: rounding beyond a limit
 _FAR = 0.5  # margin, e-folds: a box so far from every limit needs no model of it
 _STAR = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j], dtype=float)
 _MESH = np.stack(np.meshgrid(*[np.linspace(-1, 1, 41)] * 2), axis=-1).reshape(-1, 2)

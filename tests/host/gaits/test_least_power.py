@@ -255,3 +255,24 @@ def test_a_dry_optimum_in_the_second_best_valley_of_the_cloud() -> None:
     robot, ground = sn.Robot(4, 0.15264, 0.11232), sn.Ground(0.14155, 0.14155, 0.0048985, 0.086985)
     best = sn.least_power_gait(robot, ground, speed_m_s=0.0121984, cost="positive_power")
     assert best.power_w == pytest.approx(4.572e-4, rel=3e-3)
+
+
+@pytest.mark.parametrize(("most_deg", "speed"), [(12, 0.5), (20, 0.3), (25, 0.1)])
+def test_at_a_limit_the_power_is_that_of_the_best_lag(most_deg: int, speed: float) -> None:
+    """Brute force over the lag alone, the amplitude at its limit: it was up to 1e-5 less."""
+    from scipy.optimize import brentq, minimize_scalar
+
+    most = math.radians(most_deg)
+
+    def state(lag: float, log_rate: float) -> sn.Steady:
+        return sn.steady_gait(PAPER, VISCOUS, sn.Gait(most, lag, math.exp(log_rate)), rtol=1e-10)
+
+    def watts(lag: float) -> float:
+        rate = brentq(lambda x: state(lag, x).speed_m_s / speed - 1, -3, 5, xtol=1e-13)
+        return state(lag, rate).power_w
+
+    limits = sn.GaitLimits(joint_angle_rad=most)
+    best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=speed, limits=limits)
+    found = minimize_scalar(watts, bounds=(1.0, 1.9), method="bounded", options={"xatol": 1e-7})
+    assert best.active == ("joint angle",)
+    assert abs(best.power_w - found.fun) < best.power_error_w < 2e-7 * best.power_w

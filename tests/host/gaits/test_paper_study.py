@@ -11,8 +11,28 @@ from serpenoid.simulation.scene import Scene
 from serpenoid.simulation.simulate import simulate
 
 
-def test_a_finer_step_changes_next_to_nothing():
-    assert study.finer_step((5.0,)) < 1e-6
+def test_a_finer_step_changes_next_to_nothing() -> None:
+    assert 0 < study.finer_step() < 1e-6
+    assert study.finer_step(5e-4) == pytest.approx(study.finer_step(), rel=0.2)  # RK4: by 1/16
+
+
+def test_claims_of_optima_follow_from_the_front() -> None:
+    """A front at the paper's own optimum agrees; one that leaves it does so in part or differs."""
+    front, reading = study.papers_front(study.Reading()), study.Reading()
+
+    def verdicts(alpha_deg: list[float], beta_deg: list[float]) -> dict[str, str]:
+        moved = [
+            replace(b, gait=replace(b.gait, alpha_rad=a * study.D, beta_rad=c * study.D))
+            for b, a, c in zip(front, alpha_deg * 5, beta_deg * 5, strict=False)
+        ]
+        return {c.paper: c.verdict for c in study._optima(moved, reading)}
+
+    same, apart, off = (verdicts(*x) for x in (([30], [80]), ([30, 60], [80, 60]), ([80], [50])))
+    for name in ("beta is 80 deg at every speed", "alpha is 30 deg at every speed",
+                 "1.3 waves on the body"):  # fmt: skip
+        assert (same[name], apart[name], off[name]) == ("agrees", "in part", "differs")
+    assert same["for each speed one gait costs least"] == "agrees"
+    assert off["for each speed one gait costs least"] == "in part"  # 80 deg is beyond the grid
 
 
 def test_dry_friction_along_the_links_is_no_small_matter():
