@@ -43,7 +43,7 @@ class SteadyDry {
     Robot robot_;
     Ground ground_;
     Gait gait_;
-    bool promising_ = false;           // guesses are so good that the first map may do
+    bool promising_ = false;  // guesses are so good that the first map may do
     std::optional<Vec3> start_;
     std::vector<Solution> solutions_;  // up to three rates, the last one last
 };

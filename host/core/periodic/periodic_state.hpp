@@ -11,9 +11,9 @@
 namespace serpenoid {
 
 struct SteadyOptions {
-    double rtol;       // of the speed, and of the powers when they are asked for
-    bool powers;       // also the means of |P_i| and P_i^+, which need every joint torque
-    int max_elements;  // of the finest mesh
+    double rtol;         // of the speed, and of the powers when they are asked for
+    bool powers;         // also the means of |P_i| and P_i^+, which need every joint torque
+    int max_elements;    // of the finest mesh
     bool rough = false;  // dry ground: the first tolerance will do, whose errors are not known
 };
 
