@@ -21,7 +21,7 @@ from ..model.vectors import finite_vector
 
 Array = NDArray[np.float64]
 PARTICLES, MOVES, KEPT = 192, 4, 48
-_STEP_S, _MOST_STEPS, _MOST_DELAY_S = 5e-4, 40_000, 0.03
+_STEP_S, _MOST_STEPS, _MOST_DELAY_S = 1e-3, 20_000, 0.03
 _HUNTS, _STRIDE, _MOST_POWERS = 1.0, 0.6, 40
 _FIELDS = ("stiffness_nm_rad", "damping_nms_rad", "torque_limit_nm", "speed_limit_rad_s",
            "dead_band_rad", "armature_kg_m2", "gear_friction_nm", "gear_damping_nms_rad",

@@ -186,8 +186,9 @@ class Scene:
             self._check_firmware()
             if self.servo is not None and self.servo.backlash_rad > 0:
                 raise BadInput(
-                    "simulate has no play in gears; set backlash_rad to 0, or take "
-                    "steady_gait(..., servo=...), which has it"
+                    "simulate follows one angle a joint; a gear with play has two, of rotor and "
+                    "link, whose teeth hit. Set backlash_rad to 0, or take steady_gait(..., "
+                    "servo=...), or in time lab.crawl.crawl_speed: both have play"
                 )
 
     def _check_firmware(self) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
-from serpenoid import _core
+from lab.one_joint import ROBOT, filmed_by, shown_by
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session
@@ -19,27 +19,11 @@ from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.drives import core_servo
 from serpenoid.servos import bench_test
-from serpenoid.servos.bench_test import BenchTest, servo_of_test
+from serpenoid.servos.bench_test import servo_of_test
 
-ROBOT = sn.Robot(6, 0.0756, 0.076)
 GROUND = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
-SENT = np.repeat([0.0, 0.8, 0.1, 0.15, -0.6, -0.62, 0.0], 15)
-OWN_INERTIA = 8e-5  # kg m^2, of two links on one joint, about; rotors have 1e-3
-
-
-def shown_by(servo: sn.Servo, seed: int) -> BenchTest:
-    """Return what a camera of 50 frames a second sees of one joint, by the lab's robot."""
-    links = np.array([[1e3, 1e3, 0, 0, 1e3, 0, 0, 1], [0, 0, 0, 0, 0, 0, 0, 1.0]])
-    joint = _core.DrivenChain(0.0756, 0.076, ROBOT.inertia_kg_m2, links, core_servo(servo))
-    joint.place(0.0, [0.0])
-    rows = joint.drive(np.ascontiguousarray(SENT[:, None]), 40)
-    angle = np.append(0.0, rows[:, 3] - rows[:, 2]).astype(np.float64)
-    angle[1:] += math.radians(0.3) * np.random.default_rng(seed).normal(size=len(rows))
-    t_s = (0.02 * np.arange(len(angle))).astype(np.float64)
-    return BenchTest(t_s, np.append(SENT, SENT[-1]), angle, math.radians(0.4), OWN_INERTIA)
 
 
 @pytest.mark.parametrize("seed", [102, pytest.param(103, marks=pytest.mark.slow)])
@@ -60,6 +44,20 @@ def test_a_bench_test_tells_the_servo(seed: int, monkeypatch) -> None:
     before = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=sn.servo())
     assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
     assert known.high_m_s - known.low_m_s < 0.5 * (before.high_m_s - before.low_m_s)
+
+
+def test_a_film_of_240_frames_a_second_tells_the_servo(monkeypatch) -> None:
+    """Where the joint is inside a frame, too; pictures and setpoints fall at different times."""
+    monkeypatch.setattr(bench_test, "PARTICLES", 96)
+    true = sn.servo().draws(1, 104)[0]
+    film = filmed_by(true, 104)
+    assert len(film.t_s) > 4.8 * 100
+    found = servo_of_test(film, sn.servo())
+    assert {"speed_limit_rad_s", "stiffness_nm_rad"} <= set(found.told)
+    speeds = [s.speed_limit_rad_s for s in found.kind.drawn]
+    assert np.mean(speeds) == pytest.approx(true.speed_limit_rad_s, rel=0.15)
+    stiff = [s.stiffness_nm_rad / s.torque_limit_nm for s in found.kind.drawn]
+    assert np.mean(stiff) == pytest.approx(true.stiffness_nm_rad / true.torque_limit_nm, rel=0.2)
 
 
 def test_an_unloaded_joint_does_not_tell_the_torque(monkeypatch) -> None:
