@@ -22,7 +22,6 @@ class VirtualBoard : public Hardware {
 
     explicit VirtualBoard(uint64_t start_us = 0)
         : eeprom_(kEepromBytes, 0xFF),
-          writes_left_(-1),
           now_us_(start_us),
           eeprom_busy_until_us_(0),
           attached_(0),
@@ -65,9 +64,6 @@ class VirtualBoard : public Hardware {
     uint8_t attached() const { return attached_; }
     int16_t servo_us(uint8_t joint) const { return joint < attached_ ? pulse_us_[joint] : 0; }
     std::vector<uint8_t>& eeprom() { return eeprom_; }
-    // The power fails in the EEPROM write after so many more; -1: never.
-    void cut_power_after(int32_t writes) { writes_left_ = writes; }
-    bool dead() const { return writes_left_ == 0; }
 
     uint32_t micros() override { return static_cast<uint32_t>(now_us_); }
     SerialQueues& serial() override { return serial_; }
@@ -87,8 +83,6 @@ class VirtualBoard : public Hardware {
     uint8_t read(uint16_t address) override { return eeprom_.at(address); }
     bool ready() override { return now_us_ >= eeprom_busy_until_us_; }
     void write(uint16_t address, uint8_t byte) override {
-        if (writes_left_ == 0) return;  // the power is gone
-        if (writes_left_ > 0) --writes_left_;
         eeprom_.at(address) = byte;
         eeprom_busy_until_us_ = now_us_ + kEepromWriteUs;
     }
@@ -109,7 +103,6 @@ class VirtualBoard : public Hardware {
     std::deque<char> to_board_;
     std::string from_board_;
     std::vector<uint8_t> eeprom_;
-    int32_t writes_left_;
     uint64_t now_us_, eeprom_busy_until_us_;
     uint8_t attached_;
     int16_t pulse_us_[kJoints];
