@@ -106,7 +106,13 @@ def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
 
 SHOWN = """
 const wide = [...document.querySelectorAll('.wide, figure')];
-return {page: document.documentElement.scrollWidth, window: innerWidth,
+const lines = e => {
+  const all = document.createRange();
+  all.selectNodeContents(e);
+  return all.getClientRects().length;
+};
+const words = [...document.querySelectorAll('th')].filter(e => !/\\s/.test(e.textContent.trim()));
+return {broken: words.filter(e => lines(e) > 1).length, words: words.length, page: document.documentElement.scrollWidth, window: innerWidth,
   clipped: wide.filter(e => e.scrollWidth > e.clientWidth + 1).length, parts: wide.length,
   cut: wide.filter(e => e.className && e.scrollWidth > e.clientWidth).length,
   back: getComputedStyle(document.body).backgroundColor,
@@ -137,6 +143,8 @@ def test_it_is_right_in_a_browser(made, tmp_path, width, dark, paper):
     assert seen["window"] == width
     assert seen["page"] <= width  # what is wider scrolls in its own box ...
     assert seen["parts"] >= 5
+    assert seen["broken"] == 0  # a word of a heading stands in one line
+    assert seen["words"] > 8
     assert seen["cut"] == 0  # no table, on a phone neither
     assert width == 390 or seen["clipped"] == 0  # ... and on paper nothing is out of sight
     assert (seen["back"] == "rgb(23, 25, 28)") is dark

@@ -37,13 +37,13 @@ font:16px/1.5 system-ui,sans-serif}
 h1{font-size:1.6rem;margin:0}h2{font-size:1.15rem;margin:2rem 0 .5rem}
 h3{font-size:1rem;margin:1.2rem 0 .3rem}
 .soft{color:var(--soft)}.verdict{border-left:4px solid #0072B2;padding:.4rem .8rem;margin:1rem 0}
-.wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
+.wide{overflow-x:auto;margin-bottom:.8rem}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
 th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
 figure svg{display:block;width:100%;min-width:34rem;height:auto}
 .void{color:var(--soft)}.void td{text-decoration:line-through}
-.words th,.words td{text-align:left;white-space:normal;overflow-wrap:anywhere}
+.words th,.words td{text-align:left;white-space:normal}.words td:last-child{overflow-wrap:anywhere}
 .said td{color:var(--soft);white-space:normal}tr:has(+.said) td{border:0}
 code{overflow-wrap:anywhere}
 @media screen and (prefers-color-scheme:dark){figure{background:none}
