@@ -112,7 +112,8 @@ const lines = e => {
   return all.getClientRects().length;
 };
 const words = [...document.querySelectorAll('th')].filter(e => !/\\s/.test(e.textContent.trim()));
-return {broken: words.filter(e => lines(e) > 1).length, words: words.length, page: document.documentElement.scrollWidth, window: innerWidth,
+return {broken: words.filter(e => lines(e) > 1).length, words: words.length,
+  page: document.documentElement.scrollWidth, window: innerWidth,
   clipped: wide.filter(e => e.scrollWidth > e.clientWidth + 1).length, parts: wide.length,
   cut: wide.filter(e => e.className && e.scrollWidth > e.clientWidth).length,
   back: getComputedStyle(document.body).backgroundColor,
