@@ -25,6 +25,7 @@ from ..model.errors import BadInput
 from ..model.gait import Gait
 from ..servos.catalogue import HOBBY
 from .advising.next_reading import Advice, NextReading, gaits_that_matter
+from .advising.on_floor import advise_on_floor
 from .advising.speed_slopes import SpeedSlopes, speed_slopes
 from .advising.stations import places
 from .fitting.data import FitData, Floats
@@ -58,6 +59,8 @@ def advise(
 ) -> Advice:
     """Rank the readings that could be taken next by the speed band they leave.
 
+    Of a session on a floor pushes and slides, by how much each saves a minute of work.
+
     No reading is named at a voided one's place, beyond the plan's belt speed, or steeper than
     MOST_INCLINE_RAD or the steepest one taken.
 
@@ -90,9 +93,11 @@ def advise(
         No gait, or readings that leave a parameter open: the message names one that would close it.
     """
     check_kind("session", session, Session)
+    if session.on_floor:
+        return advise_on_floor(session, gaits, samples=samples, servo=servo, progress=progress)
     wanted = gaits_that_matter(session, gaits)
     if not session.kept:
-        raise BadInput(f"{session.where}: no station was held; ask advise_on_floor for pushes")
+        raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit = fit_friction(session)
     whole = np.array(list(fit.whole_snake.values()))
     slopes = speed_slopes(fit, wanted, samples, progress)

@@ -62,6 +62,10 @@ def test_two_sessions_agree_and_two_robots_are_refused() -> None:
     one, other = (floor_session(seed, bends_deg=(0.0, 45.0), speeds=(0.7, 0.9)) for seed in (1, 2))
     found = two_sessions(one, other)
     assert found.p_value > 0.01
+    assert "agree within" in found.verdict
+    assert "alarms" not in found.verdict
+    fit = fit_friction(one)
+    assert "not to be trusted" in two_fits(fit, replace(fit, alarms=("chi2",))).verdict
     longer = replace(other.setup.robot, link_length_m=0.1)
     with pytest.raises(BadInput, match="one robot"):
         two_sessions(one, replace(other, setup=replace(other.setup, robot=longer)))

@@ -110,8 +110,17 @@ def two_fits(first: FrictionFit, second: FrictionFit, mass_sigma: float = 0.0) -
     ]
     return TwoFits(
         first.session_name, second.session_name, tuple(rows), p_value, causes,
-        _verdict(p_value, causes),
+        " ".join([_verdict(p_value, causes), *_alarms(first, second)]),
     )  # fmt: skip
+
+
+def _alarms(*fits: FrictionFit) -> list[str]:
+    """Say whose errors are not to be trusted, on which all of this rests."""
+    return [
+        f"But the fit of {fit.session_name} has alarms (`serpenoid fit` tells them), so its errors "
+        "are not to be trusted."
+        for fit in fits if fit.alarms
+    ]  # fmt: skip
 
 
 def _covariance(covariances: Floats, one: Floats, other: Floats, mass_sigma: float) -> Floats:

@@ -1,4 +1,4 @@
-"""The kind `slide`: the time that a robot, let go at rest, takes over a length down a board."""
+"""The kinds on a board: `slide`, the time over a length, and `breakaway`, where it begins."""
 
 from __future__ import annotations
 
@@ -51,3 +51,39 @@ def _in_words(s: Slide) -> tuple[str, str]:
 
 
 SLIDE = Kind("slide", Slide, FIELDS, _in_words, fitted=True)
+
+
+BREAKAWAY_FIELDS = (
+    Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
+    Field("incline_deg", "the inclinometer shows where it begins to slide", "incline", 0.0,
+          MAX_INCLINE_DEG, open_low=True),
+    Word("bend", BENDS, of_plan=True),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class BreakAway:
+    """One check of static friction: a board is tilted slowly until the robot on it lets go.
+
+    It tells no friction in motion, so no fit uses it. incline_rad: as the inclinometer shows it.
+    Raises BadInput.
+    """
+
+    number: int
+    lambda_rad: float
+    incline_rad: float
+    bend: str = "zigzag"
+    voided: bool = False
+    comment: str = ""
+    time_utc: str = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self, BREAKAWAY_FIELDS)
+
+
+def _begins(b: BreakAway) -> tuple[str, str]:
+    bend = f", bend {math.degrees(b.lambda_rad):.4g}°" if b.lambda_rad else ", straight"
+    return f"break-away{bend}", f"{math.degrees(b.incline_rad):.2f}°"
+
+
+BREAKAWAY = Kind("breakaway", BreakAway, BREAKAWAY_FIELDS, _begins)

@@ -7,12 +7,22 @@ from .bend import BEND, BendCheck
 from .coast import COAST, Coast
 from .declaration import Kind
 from .gait import GAIT, GaitRun
-from .slide import SLIDE, Slide
+from .slide import BREAKAWAY, SLIDE, BreakAway, Slide
 from .station import STATION, Reading
 from .video import VIDEO, FilmReading
 from .zero import ZERO, ZeroReading
 
 KINDS: dict[str, Kind] = {
-    kind.name: kind for kind in (STATION, BEND, ZERO, BELT, GAIT, VIDEO, COAST, SLIDE)
+    kind.name: kind for kind in (STATION, BEND, ZERO, BELT, GAIT, VIDEO, COAST, SLIDE, BREAKAWAY)
 }
-AnyReading = Reading | BendCheck | ZeroReading | BeltCheck | GaitRun | FilmReading | Coast | Slide
+AnyReading = (
+    Reading
+    | BendCheck
+    | ZeroReading
+    | BeltCheck
+    | GaitRun
+    | FilmReading
+    | Coast
+    | Slide
+    | BreakAway
+)

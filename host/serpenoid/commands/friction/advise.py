@@ -41,10 +41,5 @@ def advise(
     session_fit(session)  # tells its alarms
     with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
         servo = take_servo(servo_name, "hobby")
-        if loaded.on_floor:
-            from ...calibration.advising.on_floor import advise_on_floor
-
-            found = advise_on_floor(loaded, wanted, samples=samples, servo=servo, progress=advance)
-        else:
-            found = ask(loaded, wanted, samples=samples, runs=runs, servo=servo, progress=advance)
+        found = ask(loaded, wanted, samples=samples, runs=runs, servo=servo, progress=advance)
     show_json(found.to_dict()) if as_json else show_advice(found)

@@ -44,6 +44,7 @@ def fit(
 
     Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
     """
+    from ...calibration.advising.break_away import break_away_notes
     from ...calibration.fit_file import save_fit
     from ...calibration.friction_fit import fit_friction
     from ...calibration.session_file import load_session
@@ -65,6 +66,8 @@ def fit(
     if as_json:
         return show_json(found.to_dict())
     report.fit(found)
+    for note in break_away_notes(found, loaded):
+        say(f"note: {note}")
     if influence:
         report.influence(found)
 

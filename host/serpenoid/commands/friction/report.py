@@ -29,7 +29,6 @@ def report(
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.
     """
     from ...calibration import advice, comparison
-    from ...calibration.advising.on_floor import advise_on_floor
     from ...calibration.session_file import load_session
     from ...calibration.session_rows import events_of
     from ...show.progress import progress
@@ -45,8 +44,7 @@ def report(
         with progress(comparison.gait_count(loaded), "gaits") as advance:
             compared = comparison.compare(loaded, fit, servo=servo, progress=advance)
     if loaded.setup.procedure.gaits:
-        ask = advise_on_floor if loaded.on_floor else advice.advise
-        advised = ask(loaded, servo=servo)
+        advised = advice.advise(loaded, servo=servo)
     other = None
     if beside is not None:
         from ...calibration.advising.two_fits import two_sessions

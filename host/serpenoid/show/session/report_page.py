@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
+from ...calibration.advising.break_away import break_away_notes
 from ...calibration.advising.next_reading import Advice
 from ...calibration.advising.two_fits import TwoFits
 from ...calibration.comparison import Comparison
@@ -197,7 +198,7 @@ def _friction_table(fit: FrictionFit) -> str:
 
 
 def _notes(fit: FrictionFit, session: Session) -> list[str]:
-    notes = [*fit.notes, *session.notes]
+    notes = [*fit.notes, *break_away_notes(fit, session), *session.notes]
     return ["<ul>" + "".join(f"<li>{escape(n)}</li>" for n in notes) + "</ul>"] if notes else []
 
 
