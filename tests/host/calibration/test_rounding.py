@@ -8,6 +8,8 @@ import pytest
 from calibration.plain_sessions import World, plain_session
 from odrpack import odr_fit
 from serpenoid.calibration.fitting.data import FitData
+from serpenoid.calibration.fitting.influence import leave_one_out
+from serpenoid.calibration.fitting.joint import Minimum
 from serpenoid.calibration.fitting.profile import quantiles
 from serpenoid.calibration.fitting.rounding import (
     DRAWS,
@@ -178,3 +180,14 @@ def test_an_error_that_is_all_rounding_has_a_uniform_interval():
     assert quantiles(data, found, 0.95) == pytest.approx(0.95 * math.sqrt(3), rel=0.01)
     data.rounding_sigma_rad = np.empty(0)
     assert quantiles(data, found, 0.95) == pytest.approx(1.96, rel=1e-3)
+
+
+def test_a_readings_leverage_is_that_of_its_whole_error():
+    """A mean of two readings; one's rounding is an unknown of the fit, or part of its variance."""
+    own, rounding = 1.0, 3.0
+    slopes = np.array([[1.0, math.sqrt(rounding)], [1.0, 0.0], [0.0, 1.0]])  # its prior last
+    found = Minimum(np.zeros(2), np.zeros(3), slopes, 0.0, slopes.T @ slopes, 1)
+    variance = np.array([own + rounding, own])
+    weight = 1.0 / variance
+    leverage = leave_one_out(found, 2, own / variance).leverage
+    assert leverage == pytest.approx(weight / weight.sum())
