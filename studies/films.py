@@ -60,8 +60,8 @@ def plain(rng: np.random.Generator, links: int = 6, tilt_deg: float | None = Non
                           math.cos(tilt)])  # fmt: skip
     lens = Lens(
         tuple(eye + np.array([0, 0, body.height_m])), (0.0, 0.0, body.height_m),
-        2 * round(320 * max(1, links / 6)), 480,
-        rng.uniform(26, 31) / body.side_m * far * 6 / links,
+        2 * round(320 * max(1, links / 6)), 2 * round(240 * max(1, links / 6)),
+        rng.uniform(26, 31) / body.side_m * far,
         k1=rng.uniform(-0.1, 0.1), k2=rng.uniform(-0.03, 0.03),
         middle_px=tuple(3 * rng.normal(size=2)), rolling_s=rng.uniform(0, 0.02),
         noise=rng.uniform(1, 3),
