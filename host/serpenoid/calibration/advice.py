@@ -66,10 +66,8 @@ def advise(
 
     Parameters
     ----------
-    session
-        The readings so far.
-    gaits
-        The gaits that matter; the session's planned ones unless given.
+    session, gaits
+        The readings so far, and the gaits that matter: the planned ones unless given.
     samples
         Number of frictions drawn from the fit.
     lambdas_deg
@@ -77,8 +75,7 @@ def advise(
     runs
         Whether to count gait runs, those taken and those to take.
     servo
-        The kind that moves the joints, as for `compare`. The note says when it is what to measure
-        next, and friction no longer is.
+        The kind that moves the joints, as for `compare`; the note says when to measure it.
     progress
         Called with the gaits done.
 

@@ -93,18 +93,11 @@ def watch(
     edge_px = np.frombuffer(edges, np.float32).reshape(shape[:2]).astype(float)
     corners_px = _sharp(corners_px, edge_px)
     sightings = Sightings.of(np.array(times), corners_px, (film.width, film.height))
+    shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
     return Watched(
-        film,
-        sightings,
-        edge_px,
-        damage,
-        finder.strangers,
-        tuple(ground.shifts if ground else ()),
-        ground is None or ground.plain,
-        picture,
-        mirrored > 0,
+        film, sightings, edge_px, damage, finder.strangers, shifts, plain, picture, mirrored > 0,
         rotation_deg,
-    )
+    )  # fmt: skip
 
 
 def _sharp(corners_px: Array, edge_px: Array) -> Array:
