@@ -25,7 +25,7 @@ _STEP_S, _MOST_STEPS, _MOST_DELAY_S = 1e-3, 20_000, 0.03
 _HUNTS, _STRIDE, _MOST_POWERS = 1.0, 0.6, 40
 _FIELDS = ("stiffness_nm_rad", "damping_nms_rad", "torque_limit_nm", "speed_limit_rad_s",
            "dead_band_rad", "armature_kg_m2", "gear_friction_nm", "gear_damping_nms_rad",
-           "update_hz")  # fmt: skip
+           "update_hz", "supply_sag")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class MeasuredServo:
 def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
     """Return the angles (K, T) that each servo would have shown; delay_s: until it hears."""
     columns = {name: np.array([getattr(s, name) for s in servos]) for name in _FIELDS}
-    K, D, S, w0, band, J, dry, c, hz = columns.values()
+    K, D, S, w0, band, J, dry, c, hz, sag = columns.values()
     h, steps = _STEP_S, math.ceil(np.ptp(test.t_s) / _STEP_S) + 1
     times = test.t_s[0] + h * np.arange(steps + 1)
     heard = times[:, None] - delay_s
@@ -107,7 +107,9 @@ def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
             off -= np.minimum(np.maximum(off, -band), band)
             asked = np.minimum(np.maximum(spring * off - damper * rate, -1.0), 1.0)
             duty = np.where(looks[k], asked, duty)
-        rate = slows * rate + drives * duty
+        # the one joint's load on the supply; the others rest
+        supply = (1.0 + sag / w0 * duty * rate) / (1.0 + sag * duty * duty)
+        rate = slows * rate + drives * duty * np.minimum(np.maximum(supply, 0.0), 1.0)
         rate = rate - np.minimum(np.maximum(rate, -holds), holds)
         angle = angle + h * rate
     return np.array([np.interp(test.t_s, times, column) for column in seen.T])

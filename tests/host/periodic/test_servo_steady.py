@@ -11,6 +11,7 @@ import serpenoid as sn
 from periodic.servo_cases import drawn_case, full_speeds
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
+from serpenoid.periodic.servo_steady import band_end
 
 ROBOT = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
 GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
@@ -104,6 +105,18 @@ def test_an_exact_servos_band_is_its_spread_over_the_frames() -> None:
     assert wide.low_m_s == pytest.approx(0.9 * found.speed_m_s)
     assert wide.high_m_s == pytest.approx(1.1 * found.speed_m_s)
     assert replace(found, spread_m_s=2 * found.speed_m_s).low_m_s == 0.0
+
+
+def test_the_bands_ends_leave_as_many_servos_as_they_say() -> None:
+    """The k-th of n leaves k / (n + 1): of 39 the first one 2.5 %; the least quantile would not."""
+    assert band_end(range(1, 40), 2.5) == pytest.approx(1.0)
+    assert band_end(range(1, 40), 97.5) == pytest.approx(39.0)
+    rng = np.random.default_rng(1)
+    held = []
+    for _ in range(400):
+        drawn, other = rng.normal(size=32), rng.normal()
+        held.append(band_end(drawn, 2.5) <= other <= band_end(drawn, 97.5))
+    assert np.mean(held) == pytest.approx(31 / 33, abs=0.03)
 
 
 def test_what_is_no_servo_is_refused() -> None:
