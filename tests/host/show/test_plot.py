@@ -40,7 +40,9 @@ def test_a_turned_run_travels_along_x_and_keeps_its_shape(run) -> None:
 
 def _points() -> list[SpeedPoint]:
     return [
-        SpeedPoint(f, 0.1 * f, 1e-8, 0.01, 0.08 * f, 0.12 * f, 0.099 * f, 1e-6, 1.0)
+        SpeedPoint(
+            f, 0.1 * f, 1e-8, 0.01, 0.08 * f, 0.12 * f, 0.09 * f, 0.11 * f, 0.099 * f, 1e-6, 1.0
+        )
         for f in (0.5, 1.0, 2.0)
     ]
 
