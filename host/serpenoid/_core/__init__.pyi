@@ -92,9 +92,8 @@ def neighbours(
     arg3: bool,
     arg4: int,
     arg5: int,
-    /,
     rough: bool = False,
-    starts: Sequence[Sequence[float]] = ...,
+    starts: Sequence[Sequence[float]] = [],
 ) -> list[SteadyState]: ...
 def sweep(
     arg0: Sequence[Model],
