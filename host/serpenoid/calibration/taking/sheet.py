@@ -1,8 +1,8 @@
 """Readings that were written down by hand and typed into a spreadsheet, taken in at once.
 
 The file's columns are those of readings.csv that a kind needs, other units allowed (OTHER_UNITS).
-Semicolons with decimal commas are a spreadsheet's habit, and read. A station that names no bend has
-that of the protractor check above it; a line in which nothing was read is left out.
+Semicolons with decimal commas are a spreadsheet's habit, and read. A station or push that names no
+bend has that of the protractor check above it; a line in which nothing was read is left out.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ from pathlib import Path
 from ...model.errors import BadInput
 from ...model.files import read_text
 from ...model.toml_table import located
+from ..kinds.coast import WAYS
 from ..kinds.declaration import DERIVED, PLANNED, Field
 from ..kinds.rows import kind_of
 from ..kinds.table import KINDS
-from ..session import Session
+from ..session import Procedure, Session
 from .expected import series_of
 from .journal import Journal, csv_line
 from .parse_number import read_cells
@@ -28,7 +29,9 @@ OTHER_UNITS = {
 }
 OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
 NOT_READ = {f.column for f in _FIELDS if f.source == PLANNED} | {"kind", "comment"}
-LINES = 6  # to fill in, a bend
+LINES, SLIDES = 6, 4  # to fill in, of stations a bend and of slides
+BENT = ("station", "coast")  # kinds that are bent as the check above them shows
+ON_FLOOR = ("bend", "coast", "slide", "gait")  # kinds of the sheet of a floor
 HEADINGS = "kind, lambda_deg, incline_deg, belt_speed_m_s, drift_m_s, comment"
 
 
@@ -52,7 +55,7 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
             row = _row(header, cells)
             if not any(v for name, v in row.items() if _column(name) not in NOT_READ):
                 continue
-            if row["kind"] == "station" and not row.get("lambda_deg"):
+            if row["kind"] in BENT and not row.get("lambda_deg"):
                 row["lambda_deg"] = lambda_deg
             made.append(_reading(row, journal))
         if made[-1][0] == "bend":
@@ -78,14 +81,9 @@ def _names(cells: list[str]) -> list[str]:
 def sheet_text(session: Session) -> str:
     """Return a CSV to type the printed sheet into: its lines, with what the plan says filled in."""
     plan = session.setup.procedure
-    rows: list[dict[str, str]] = [{"kind": "zero"}]
-    typed = _headings(plan.ratchet)
-    for series in series_of(plan):
-        bend = f"{math.degrees(series.lambda_rad):.6g}"
-        rows += [{"kind": "bend", "lambda_deg": bend}] if series.lambda_rad else []
-        station = {"kind": "station", "lambda_deg": "" if series.lambda_rad else "0"}
-        rows += [station | {"facing": series.facing}] * LINES
-    rows.append({"kind": "zero"})
+    on_floor = plan.on == "floor"
+    typed = _headings(plan.ratchet, ON_FLOOR if on_floor else tuple(KINDS))
+    rows = _floor_rows(plan) if on_floor else _treadmill_rows(plan)
     for gait in plan.gaits:
         degrees = {f"{name}_deg": f"{math.degrees(getattr(gait, name + '_rad')):.6g}"
                    for name in ("alpha", "beta")}  # fmt: skip
@@ -95,13 +93,41 @@ def sheet_text(session: Session) -> str:
                    for row in [dict(zip(typed, typed, strict=True)), *rows])  # fmt: skip
 
 
-def _headings(ratchet: bool) -> list[str]:
+def _treadmill_rows(plan: Procedure) -> list[dict[str, str]]:
+    rows = [{"kind": "zero"}]
+    for series in series_of(plan):
+        rows += _check_row(series.lambda_rad)
+        station = {"kind": "station", "lambda_deg": "" if series.lambda_rad else "0"}
+        rows += [station | {"facing": series.facing}] * LINES
+    return [*rows, {"kind": "zero"}]
+
+
+def _floor_rows(plan: Procedure) -> list[dict[str, str]]:
+    rows: list[dict[str, str]] = []
+    for bend_rad in plan.push_lambda_rad:
+        rows += _check_row(bend_rad)
+        push = {"kind": "coast", "lambda_deg": "" if bend_rad else "0"}
+        rows += [push | {"way": way} for way in ways_of(plan)]
+    return rows + [{"kind": "slide", "lambda_deg": "0"}] * SLIDES
+
+
+def _check_row(bend_rad: float) -> list[dict[str, str]]:
+    """Return the line of a bend's protractor check; none where the robot is straight."""
+    return [{"kind": "bend", "lambda_deg": f"{math.degrees(bend_rad):.6g}"}] if bend_rad else []
+
+
+def ways_of(plan: Procedure) -> list[str]:
+    """Return the ways of the pushes that are planned in each bend, in turn."""
+    return [WAYS[k % len(WAYS)] for k in range(plan.pushes)]
+
+
+def _headings(ratchet: bool, names: tuple[str, ...]) -> list[str]:
     """Return the columns that a person types, kind by kind, those that the plan fills in first."""
-    kinds = [sorted(kind.fields, key=lambda f: f.source != PLANNED) for kind in KINDS.values()]
+    kinds = [sorted(KINDS[name].fields, key=lambda f: f.source != PLANNED) for name in names]
     fields = [f for kind in kinds for f in kind if f.source != DERIVED]
-    names = [f.sheet[0] if isinstance(f, Field) and f.sheet else f.column for f in fields]
-    left_out = {"bend", "offset_deg", "waited_s", *([] if ratchet else ["facing"])}
-    told = [name for name in dict.fromkeys(names) if name not in left_out]
+    columns = [f.sheet[0] if isinstance(f, Field) and f.sheet else f.column for f in fields]
+    left_out = {"bend", "offset_deg", "waited_s", "time_sigma_s", *([] if ratchet else ["facing"])}
+    told = [name for name in dict.fromkeys(columns) if name not in left_out]
     return ["kind", *told, "comment"]
 
 

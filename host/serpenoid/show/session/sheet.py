@@ -1,4 +1,4 @@
-"""A sheet to print and fill in beside the treadmill, for one session's plan."""
+"""A sheet to print and fill in beside the treadmill or on the floor, for one session's plan."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...calibration.taking.expected import Series, series_of
+from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m
 from ...calibration.taking.procedure import bend_in_words, settle_s
-from ...calibration.taking.sheet import LINES, sheet_text
+from ...calibration.taking.sheet import LINES, SLIDES, sheet_text, ways_of
 from .bend_drawing import bend_shape, bend_svg
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
 
+SPARE_LINES = 2  # for pushes that were struck out
 STYLE = """
 @page { size: A4; margin: 14mm; }
 body { font: 11pt/1.35 system-ui, sans-serif; color: #000; background: #fff; max-width: 182mm;
@@ -36,14 +38,11 @@ def sheet(session: Session) -> str:
         f"{setup.robot.links} links, {mass_g:.1f} g, links of "
         f"{1000 * setup.robot.link_length_m:.1f} mm; surface: {setup.surface}; place: {setup.place}"
     )
-    zero = _table(["inclinometer (°)", "end for end (°)", "remark"], 1)
+    on_floor = setup.procedure.on == "floor"
     parts = [
         f"<h1>Calibration: {html.escape(setup.name)}</h1><p>{html.escape(about)}</p>"
         "<p>date: ____________ &emsp; who: ________________________</p>",
-        f"<p>{_how(session)}</p>",
-        f"<section><h2>Inclinometer zero, before (kind zero)</h2>{zero}</section>",
-        *(_bend(series, setup.robot.links) for series in series_of(setup.procedure)),
-        f"<section><h2>Inclinometer zero, after (kind zero)</h2>{zero}</section>",
+        *(_floor_parts(session) if on_floor else _treadmill_parts(session)),
         _gaits(session),
     ]
     title = f"<title>{html.escape(setup.name)}</title>"
@@ -57,6 +56,55 @@ def write_sheet(session: Session, path: Path) -> None:
     """Write the sheet: to print, or as CSV to type it into."""
     typed = path.suffix.lower() == ".csv"
     path.write_text(sheet_text(session) if typed else sheet(session), encoding="utf-8")
+
+
+def _treadmill_parts(session: Session) -> list[str]:
+    setup = session.setup
+    zero = _table(["inclinometer (°)", "end for end (°)", "remark"], 1)
+    return [
+        f"<p>{_how(session)}</p>",
+        f"<section><h2>Inclinometer zero, before (kind zero)</h2>{zero}</section>",
+        *(_bend(series, setup.robot.links) for series in series_of(setup.procedure)),
+        f"<section><h2>Inclinometer zero, after (kind zero)</h2>{zero}</section>",
+    ]
+
+
+def _floor_parts(session: Session) -> list[str]:
+    how = (
+        f"Push the robot along its own axis, head first, at a brisk walk ({SPEED_M_S:g} m/s). Let "
+        "go within a hand's breadth; leave it until it rests. Turn it round after each push: there "
+        "and back along one line. Write down the way and the time from the hand to rest, or the "
+        "name of the film that shows it. Strike out a push that turned by more than 10° or hit "
+        "something; push again."
+    )
+    slides = _table(
+        ["bend (°)", "incline (° or %)", "length from rest (m)", "time (s)", "remark"], SLIDES
+    )
+    board = (
+        "If there is a board with the same surface: let go at rest, head down, and time a length."
+    )
+    return [
+        f"<p>{how}</p>",
+        *(_pushes(session, bend_rad) for bend_rad in session.setup.procedure.push_lambda_rad),
+        f"<section><h2>Slides down a board (kind slide)</h2><p>{board}</p>{slides}</section>",
+    ]
+
+
+def _pushes(session: Session, bend_rad: float) -> str:
+    setup = session.setup
+    bend, name = math.degrees(bend_rad), setup.procedure.bend
+    far = f"It rolls some {expected_way_m(setup, bend_rad, SPEED_M_S):.1f} m."
+    heading, check = "Pushes, straight (kind coast, lambda_deg 0)", "Links along a straightedge. "
+    drawn = ""
+    if bend:
+        heading = f"Pushes, bend {bend:g}° (kind coast)"
+        words = bend_in_words(name, bend, setup.robot.links).replace(" deg", "°")
+        check = f"{words[0].upper()}{words[1:]} At an end it showed (kind bend): ________ ° "
+        drawn = bend_svg(bend_shape(name, setup.robot.links, bend), f"{name} bend")
+    ways = ways_of(setup.procedure)
+    columns = ["way", "distance (m)", "time to rest (s)", "turned, + left (°)", "or film", "remark"]
+    lines = _table(columns, len(ways) + SPARE_LINES, ways)
+    return f"<section><h2>{heading}</h2><p>{check}{far}{drawn}</p>{lines}</section>"
 
 
 def _how(session: Session) -> str:
@@ -109,7 +157,10 @@ def _table(columns: list[str], lines: int, first: list[str] | None = None) -> st
     head = "".join(f"<th>{c}</th>" for c in columns)
     body = "".join(
         f'<tr><td class="nr">{k + 1}</td>'
-        + "".join(f"<td>{first[k] if first and i == 0 else ''}</td>" for i in range(len(columns)))
+        + "".join(
+            f"<td>{first[k] if first and i == 0 and k < len(first) else ''}</td>"
+            for i in range(len(columns))
+        )
         + "</tr>"
         for k in range(lines)
     )
