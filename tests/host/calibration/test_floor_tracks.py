@@ -12,7 +12,7 @@ from serpenoid.calibration.floor.look import look_at, pushes_in
 from serpenoid.calibration.floor.track_files import read_track_file
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.session_file import load_session
-from serpenoid.calibration.taking.floor.pushes import keep_pushes
+from serpenoid.calibration.taking.floor.pushes import keep_pushes, way_after
 from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.memory import MemoryRecord
@@ -90,12 +90,16 @@ def test_a_robot_that_is_picked_up_is_left_out_from_there():
     assert look.end_s < rows[-1, 0] + 0.1
 
 
-def several(count=4):
-    """One film of pushes there and back, the robot resting 1.5 s and turned by hand between."""
+def several(signs=(1, -1, 1, -1), hidden=()):
+    """One film of pushes there and back, the robot resting 1.5 s and turned by hand between.
+
+    hidden: numbers of pushes that are not seen for 0.4 s.
+    """
     rows, begins, at = [], 0.0, 0.0
-    for k in range(count):
+    for k, sign in enumerate(signs):
         one, _ = filmed(10 + k, 0.9)
-        sign = 1 - 2 * (k % 2)
+        if k in hidden:
+            one = one[(one[:, 0] < 0.9) | (one[:, 0] > 1.3)]
         t = one[:, 0] - one[0, 0]
         place = np.stack([begins + t, at + sign * (one[:, 1] - one[0, 1]), one[:, 2]], axis=1)
         rows.append(place)
@@ -120,6 +124,25 @@ def test_one_film_of_several_pushes_is_cut_by_itself(tmp_path):
     assert session.kept_pushes[0].file_sha256 == "ab" * 8
     assert (folder / "tracks" / "0004.csv").exists()
     assert session.sha256 == load_session(folder).sha256
+
+
+def test_a_void_push_does_not_turn_the_ways_of_the_others(tmp_path):
+    rows = several(hidden=[1])
+    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
+        kept = keep_pushes(journal, rows, {"lambda_deg": 0.0, "way": "back"})
+        assert [bool(k.look.doubts) for k in kept] == [False, True, False, False]
+        assert [k.way for k in kept] == ["back", "there", "back", "there"]
+        assert way_after(kept, "there") == "back"
+        assert way_after(kept[:2], "there") == "there"  # the void one may be a hand's
+        assert way_after(kept[1:2], "there") == "back"  # a file of its own: it was turned round
+        assert way_after([], "there") == "there"
+
+
+def test_pushes_all_one_way_are_told_from_the_picture(tmp_path):
+    rows = several((1, 1, -1))
+    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
+        kept = keep_pushes(journal, rows, {"lambda_deg": 0.0})
+    assert [k.way for k in kept] == ["there", "there", "back"]
 
 
 def test_a_doubtful_push_is_kept_and_void(tmp_path):

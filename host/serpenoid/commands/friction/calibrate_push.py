@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @click.option("--lambda-deg", type=click.FloatRange(0, 60), default=0.0, show_default=True,
               help="Bend of the robot, as the protractor showed it; 0 where straight.")  # fmt: skip
 @click.option("--way", type=click.Choice(["there", "back"]), default="there", show_default=True,
-              help="Of the first push; the next ones go there and back in turn.")  # fmt: skip
+              help="Of the first file's first push; the next files' go in turn.")  # fmt: skip
 @click.option("--unit", type=click.Choice(["m", "cm", "mm", "in"]), default="m", show_default=True,
               help="Of lengths that do not name theirs.")  # fmt: skip
 @click.option("--place", default="", help="Of the floor's line, where there is more than one.")
@@ -36,9 +36,11 @@ def push(
     """Take pushes along a floor from FILES: films, tracks of Tracker or Kinovea, CSV of t, x, y.
 
     In a film the robot wears the tags of `serpenoid video tags`, and holds its joints still. A
-    file may hold several pushes: it is cut by itself. The hand's part is found and left out. A push
-    that turned, was short or hit something is kept, void, with the reason.
+    file may hold several pushes: it is cut by itself, and each goes there or back as the picture
+    shows. The hand's part is found and left out. A push that turned, was short or hit something is
+    kept, void, with the reason.
     """
+    from ...calibration.taking.floor.pushes import other_way, way_after
     from ...calibration.taking.journal import Journal
     from ...calibration.taking.person.push_prompt import take_track
     from .film_of_pushes import film_reader
@@ -52,12 +54,12 @@ def push(
             cells |= {"bend": plan.bend} if lambda_deg else {}
             if marks:
                 say(_marks(journal, path, unit, cells))
-                way = "back" if way == "there" else "there"
+                way = other_way(way)
                 continue
-            for kept in take_track(journal, path, unit, cells, film):
-                say(kept.in_words())
-                if not kept.look.doubts:
-                    way = "back" if kept.way == "there" else "there"
+            kept = take_track(journal, path, unit, cells, film)
+            for one in kept:
+                say(one.in_words())
+            way = way_after(kept, way)
 
 
 def _marks(journal: Journal, path: Path, unit: str, cells: dict[str, float | str]) -> str:

@@ -22,7 +22,7 @@ def bend_shape(bend: str, links: int, lambda_deg: float) -> dict[str, Any]:
         x, y = x + math.cos(turn), y - math.sin(turn)
         chain.append((x, y))
     ys = [p[1] for p in chain]
-    scale = min(0.84 * WIDE / x, 0.5 * HIGH / max(max(ys) - min(ys), 1e-9))
+    scale = min(0.82 * WIDE / x, 0.5 * HIGH / max(max(ys) - min(ys), 1e-9))
     left, middle = (WIDE - scale * x) / 2, HIGH / 2 + 8 - scale * (max(ys) + min(ys)) / 2
     points = [[round(left + scale * px, 1), round(middle + scale * py, 1)] for px, py in chain]
     labels = [

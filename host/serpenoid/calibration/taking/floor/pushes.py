@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -61,28 +61,60 @@ def keep_pushes(
     sigma_m: float | None = None,
     file_sha256: str = "",
 ) -> list[Kept]:
-    """Keep every push of a track, t_s, x_m, y_m in rows; ways in turn, from the cells' way on.
+    """Keep every push of a track, t_s, x_m, y_m in rows.
 
-    A push with a doubt is kept, too, but void: nothing measured is lost. sigma_m: of a place, where
-    the instrument states it; else from the track's own scatter. Raises BadInput where no push is.
+    The first sound push goes the cells' way; the others there or back by where they go in the same
+    picture. A push with a doubt is kept, too, but void: nothing measured is lost. sigma_m: of a
+    place, where the instrument states it; else from the track's own scatter. Raises BadInput where
+    no push is.
     """
+    looked = _looked_at(track)
+    if not looked:
+        return []
+    first = next((one for one in looked if not one[1].doubts), looked[0])
+    found = []
+    for rows, look in looked:
+        same = float(_heading(rows, look) @ _heading(*first)) >= 0.0
+        way = str(cells.get("way", WAYS[0]))
+        one_way = dict(cells) | {"way": way if same else other_way(way)}
+        found.append(_keep(keeps, rows, one_way, look, sigma_m, file_sha256))
+    return found
+
+
+def _looked_at(track: Floats) -> list[tuple[Floats, Look]]:
+    """Return the pieces of a track that roll out, with what each shows; raises BadInput."""
     pieces = pushes_in(*track.T)
     if not pieces:
         raise BadInput("nothing was pushed in this track: no place moves; are lengths in metres?")
-    way = WAYS.index(str(cells.get("way", WAYS[0])))
-    found = []
+    looked = []
     for piece in pieces:
-        rows = track[piece]
         try:
-            look = look_at(*rows.T)
+            looked.append((track[piece], look_at(*track[piece].T)))
         except BadInput:
             if len(pieces) == 1:
-                raise
-            continue  # a hand in the picture, nothing that rolls out
-        one = _keep(keeps, rows, dict(cells) | {"way": WAYS[way]}, look, sigma_m, file_sha256)
-        found.append(one)
-        way = 1 - way if not look.doubts else way
-    return found
+                raise  # else a hand in the picture, nothing that rolls out
+    return looked
+
+
+def _heading(rows: Floats, look: Look) -> Floats:
+    """Return where a push goes, m: from where it was let go to where it rests."""
+    counted = rows[(rows[:, 0] >= look.start_s) & (rows[:, 0] <= look.end_s)]
+    return counted[-1, 1:] - counted[0, 1:]  # type: ignore[no-any-return]
+
+
+def other_way(way: str) -> str:
+    """Return "back" for "there", and "there" for "back"."""
+    return WAYS[1 - WAYS.index(way)]
+
+
+def way_after(kept: Sequence[Kept], way: str) -> str:
+    """Return the way of the next file's first push: the robot was turned round after the last.
+
+    That one is the last sound push of this file; a void one if there is no other. way: where none
+    was found.
+    """
+    last = [k.way for k in kept if not k.look.doubts] or [k.way for k in kept[:1]]
+    return other_way(last[-1]) if last else way
 
 
 def _keep(
