@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,11 @@ if TYPE_CHECKING:
 def say(text: object = "", *, err: bool = False, nl: bool = True) -> None:
     """Print a text to standard output, or to standard error, with its control characters shown."""
     click.echo(visible(str(text)), err=err, nl=nl)
+
+
+def at_terminal() -> bool:
+    """Tell whether a person sees standard output; a picture is no use to a program."""
+    return sys.stdout is not None and sys.stdout.isatty()  # it may be closed
 
 
 def screen(**options: Any) -> Console:

@@ -36,7 +36,8 @@ class Look:
 
     start_s, end_s: the part that counts. speed_m_s: at its start. way_m, time_s: until it rests.
     turned_rad: + to the left. sigma_m: scatter of a place, grown by what neighbours share. doubts:
-    what is wrong, in words; empty if all is well.
+    what is wrong, in words; empty if all is well. law_m: at each place that counts, by the law with
+    frictions of this push's own.
     """
 
     start_s: float
@@ -47,6 +48,7 @@ class Look:
     turned_rad: float
     sigma_m: float
     doubts: tuple[str, ...]
+    law_m: Floats
 
     def cells(self) -> dict[str, float]:
         """Return a reading's cells."""
@@ -113,7 +115,7 @@ def look_at(t_s: Floats, x_m: Floats, y_m: Floats) -> Look:
     )
     return Look(
         float(t[start]), float(t[end]), speed_m_s, float(way[-1]), float(t[rest] - t[start]),
-        turned, sigma * _shared(way - fitted), tuple(doubts),
+        turned, sigma * _shared(way - fitted), tuple(doubts), fitted,
     )  # fmt: skip
 
 

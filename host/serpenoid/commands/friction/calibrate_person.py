@@ -172,13 +172,23 @@ def _window(stack: Any, journal: Journal, wanted: bool | None) -> list[Any]:
 
 
 def _pictures(console: Any, *windows: Any) -> Any:
-    """Return a function that draws the session after each new station: in a window, or in text."""
+    """Return a function that draws the session after each new station: in a window, or in text.
+
+    A push is drawn at a terminal only, a void one, too.
+    """
+    from ...show.screen import at_terminal
+    from ...show.session.push_plot import push_picture
     from ...show.session.terminal_plot import picture
 
-    shown = [-1]
+    shown, drawn_pushes = [-1], [0]
 
     def told(session: Session, step: Any) -> None:
         in_window = [show(session, step) for show in windows]
+        pushes = session.of("coast")
+        if shown[0] >= 0 and at_terminal():
+            for push in pushes[drawn_pushes[0] :]:
+                console.say(push_picture(push))
+        drawn_pushes[0] = len(pushes)
         kept = len(session.kept) + len(session.kept_pushes)
         drawn = picture(session) if kept != shown[0] else ""
         told_of = drawn or (session.on_floor and kept != shown[0])

@@ -59,7 +59,18 @@ def push(
             kept = take_track(journal, path, unit, cells, film)
             for one in kept:
                 say(one.in_words())
+                _draw(journal, one.number)
             way = way_after(kept, way)
+
+
+def _draw(journal: Journal, number: int) -> None:
+    """Draw a push, for a person at a terminal."""
+    from ...show.screen import at_terminal
+    from ...show.session.push_plot import push_picture
+
+    if at_terminal():
+        push = next(p for p in journal.session.of("coast") if p.number == number)
+        say(push_picture(push))
 
 
 def _marks(journal: Journal, path: Path, unit: str, cells: dict[str, float | str]) -> str:

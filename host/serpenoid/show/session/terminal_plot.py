@@ -10,6 +10,7 @@ from ...calibration.taking.expected import Series, line_of, series_it_is_of, ser
 if TYPE_CHECKING:
     from ...calibration.session import Session
 
+Axes = tuple[str, str, str]  # unit upright, unit along, and what the marks mean
 MARKS = "ox+*#@"
 WIDE, HIGH = 64, 14
 
@@ -43,7 +44,7 @@ def picture(session: Session) -> str:
             put(incline, line.at(math.sin(math.radians(incline)))[0], "·")
     for incline, speed, bend in points:
         put(incline, speed, MARKS[bend % len(MARKS)])
-    return _framed(grid, low, high, top, session)
+    return framed(grid, low, high, top, ("m/s", "deg of incline", _named(session)))
 
 
 def _shown(session: Session) -> list[Series]:
@@ -52,11 +53,17 @@ def _shown(session: Session) -> list[Series]:
     return list(dict.fromkeys([*series_of(session.setup.procedure), *there]))
 
 
-def _framed(grid: list[list[str]], low: float, high: float, top: float, session: Session) -> str:
+def _named(session: Session) -> str:
+    return "   ".join(f"{MARKS[k % len(MARKS)]} {x.name}" for k, x in enumerate(_shown(session)))
+
+
+def framed(grid: list[list[str]], low: float, high: float, top: float, axes: Axes) -> str:
+    """Return rows of characters with their axes: from low to high, and from 0 up to top."""
+    upright, along, legend = axes
+    wide = len(grid[0])
     lines = [f"{top:6.2f} │" + "".join(grid[0])]
     lines += ["       │" + "".join(row) for row in grid[1:-1]]
-    lines += [f"{0:6.2f} │" + "".join(grid[-1]), "   m/s └" + "─" * WIDE]
+    lines += [f"{0:6.2f} │" + "".join(grid[-1]), f"{upright:>6} └" + "─" * wide]
     left = f"{low:.1f}"
-    lines.append(f"        {left}{high:>{WIDE - len(left)}.1f} deg of incline")
-    names = [f"{MARKS[k % len(MARKS)]} {x.name}" for k, x in enumerate(_shown(session))]
-    return "\n".join([*lines, "        " + "   ".join(names)])
+    lines.append(f"        {left}{high:>{wide - len(left)}.1f} {along}")
+    return "\n".join([*lines, f"        {legend}"])
