@@ -16,7 +16,7 @@ from ..model.gait import Gait
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
 from .crawls.runs import runs_by_gait
-from .filmed_joints import joints_seen, seen_on_film
+from .filmed_joints import gaits_seen, seen_on_film, servo_seen
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit, band
 from .kinds.gait import GaitRun
@@ -152,12 +152,11 @@ def compare(
     runs, wanted = runs_by_gait(session), compared_gaits(session, gaits)
     if not wanted:
         raise BadInput(f"{session.where}: {NO_GAIT}")
+    servo = servo and servo_seen(servo, session.kept_films, fit, seed)
     drawn = sample_speeds(
-        fit, wanted, amplitude_sigma=amplitude_sigma, servo=servo, count=samples, seed=seed,
-        progress=progress,
+        fit, wanted, amplitude_sigma=amplitude_sigma, servo=servo, seen=gaits_seen(session),
+        count=samples, seed=seed, progress=progress,
     )  # fmt: skip
-    if servo is None:  # a film of 30 frames a second shows amplitudes, and no ripple of servos
-        drawn = joints_seen(drawn, session)
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
     curve, named = _curve(fit, wanted, seed, progress), servo and servo.name
     common = (session.setup.name, amplitude_sigma, points, curve, _all_runs(session))

@@ -1,25 +1,68 @@
-"""Joints as a film showed them, in a comparison: no doubt about their amplitude, and a verdict."""
+"""Joints as films showed them, in a comparison: which servos move them so, and a verdict."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..model.drives import Servo, ServoKind
+from ..model.gait import Gait
+from ..periodic.servo_steady import servo_state
+from ..periodic.steady import steady_gait
 from .friction_result import FrictionFit
 from .kinds.video import FilmReading
 from .session import Session
-from .speed_samples import SpeedSamples, speed
+from .speed_samples import AMPLITUDE_SIGMA, SpeedSamples, speed
 
 AGREES = 2.0  # standard deviations
+DRAWS, LEAST_DRAWS = 128, 3.0
+Array = NDArray[np.float64]
 
 
-def joints_seen(drawn: SpeedSamples, session: Session) -> SpeedSamples:
-    """Return the samples; the amplitude of gaits that a film showed is no longer in doubt."""
-    filmed = {film.gait for film in session.kept_films}
-    seen = np.array([gait in filmed for gait in drawn.gaits])
-    joints = np.where(seen, drawn.friction_m_s, drawn.joints_m_s)
-    return replace(drawn, joints_m_s=joints, both_m_s=joints * drawn.shares)
+def gaits_seen(session: Session) -> dict[Gait, Gait]:
+    """Return the gaits as films showed the joints, and as they were commanded."""
+    return {film.gait: film.commanded for film in session.kept_films}
+
+
+def film_chi2(films: Sequence[FilmReading], amplitudes: Array) -> Array:
+    """Return how far servos' amplitudes, (servos, films), are from those filmed: chi2, (servos,)"""
+    seen = np.array([film.mean_gain for film in films])
+    sigma = np.hypot([film.gain_sigma for film in films], AMPLITUDE_SIGMA)
+    return np.sum(((seen - amplitudes) / sigma) ** 2, axis=1)
+
+
+def servo_seen(
+    kind: ServoKind, films: Sequence[FilmReading], fit: FrictionFit, seed: int = 0
+) -> ServoKind:
+    """Return the kind with those of its servos that would have moved the joints as filmed.
+
+    The kind as it is, where no film was taken or too few of its servos would have: then something
+    else than the servos made the amplitude.
+    """
+    if not films or kind.exact:
+        return kind
+    servos = kind.draws(DRAWS, seed)
+    ideal = [
+        steady_gait(fit.robot, fit.ground, film.commanded, rtol=1e-3, powers=False)
+        for film in films
+    ]
+
+    def amplitudes(one: Servo) -> list[float]:
+        return [servo_state(state, one, rough=True).amplitude for state in ideal]
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        chi2 = film_chi2(films, np.array(list(pool.map(amplitudes, servos))))
+    weight = np.exp(-0.5 * (chi2 - chi2.min()))
+    weight /= weight.sum()
+    if chi2.min() > AGREES**2 * len(films) or 1 / np.sum(weight**2) < LEAST_DRAWS:
+        return kind
+    chosen = np.random.default_rng(seed).choice(DRAWS, DRAWS, p=weight)
+    return replace(kind, drawn=tuple(servos[k] for k in chosen))
 
 
 def seen_on_film(
@@ -33,9 +76,12 @@ def seen_on_film(
         column = next((j for j, g in enumerate(drawn.gaits) if g == film.gait), None)
         if column is None:
             continue
-        spread = float(np.std(drawn.friction_m_s[:, column]))
+        spread = float(np.std(drawn.both_m_s[:, column]))
         sigma = float(np.hypot(film.speed_sigma_m_s, spread))
-        made, commanded = (speed(fit.robot, fit.ground, g) for g in (film.gait, film.commanded))
+        left = float(np.median(drawn.shares[:, column]))
+        made, commanded = (
+            left * speed(fit.robot, fit.ground, g) for g in (film.gait, film.commanded)
+        )
         text = f"{text} {_words(film, made, commanded)}"
         explained = abs(film.speed_m_s - made) < AGREES * sigma
         if explained and abs(film.speed_m_s - commanded) > AGREES * sigma:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.servo_steady import servo_speed
+from ..periodic.servo_steady import ripple_share, servo_speed
 from ..periodic.steady import steady_gait
 from ..servos.catalogue import HOBBY
 from .friction_result import FrictionFit, band
@@ -86,7 +86,7 @@ class SpeedSamples:
 
     friction_m_s: over the fit's frictions, joints as commanded. joints_m_s: with each draw's own
     amplitude besides. both_m_s: with its own servo, too. whole: (samples, 4), the frictions, whole
-    snake.
+    snake. seen: gaits as films showed the joints, and as commanded: no amplitude is in doubt there.
     """
 
     gaits: tuple[Gait, ...]
@@ -94,6 +94,7 @@ class SpeedSamples:
     friction_m_s: Array
     joints_m_s: Array
     both_m_s: Array
+    seen: Mapping[Gait, Gait] = field(default_factory=dict)
 
     @property
     def shares(self) -> Array:
@@ -107,6 +108,7 @@ def sample_speeds(
     *,
     amplitude_sigma: float = 0.0,
     servo: ServoKind | None = None,
+    seen: Mapping[Gait, Gait] | None = None,
     count: int = 64,
     seed: int = 2005,
     progress: Progress | None = None,
@@ -114,7 +116,8 @@ def sample_speeds(
     """Draw speeds; amplitude_sigma: of the joints' true over commanded amplitude, common to all.
 
     Where crawls told the amplitude, the fit's own draws of it count instead. servo: the kind that
-    moves the joints, one drawn for each friction; None: they follow the gait.
+    moves the joints, one drawn for each friction; None: they follow the gait. seen: gaits as films
+    showed the joints, and as commanded; only the ripple of a servo counts there.
 
     progress is called with the gaits done. As many threads as the machine has cores.
     """
@@ -125,10 +128,17 @@ def sample_speeds(
     if amplitudes is None:
         amplitudes = 1.0 + amplitude_sigma * _normal_quantile(drawn)
 
+    seen = seen or {}
+
     def of(gait: Gait) -> tuple[list[float], list[float], list[float]]:
         alone = [speed(fit.robot, g, gait) for g in grounds]
-        if not amplitude_sigma and servo is None:
+        if servo is None and (not amplitude_sigma or gait in seen):
             return alone, alone, alone
+        if gait in seen:
+            asked = seen[gait]
+            states = [steady_gait(fit.robot, g, asked, rtol=1e-3, powers=False) for g in grounds]
+            left = [ripple_share(*pair) for pair in zip(states, servos, strict=True)]
+            return alone, alone, [v * share for v, share in zip(alone, left, strict=True)]
         pairs = [(g, scaled(gait, a)) for g, a in zip(grounds, amplitudes.tolist(), strict=True)]
         if servo is None:
             joints = [speed(fit.robot, g, made) for g, made in pairs]
@@ -144,7 +154,7 @@ def sample_speeds(
             if progress is not None:
                 progress(1)
     parts = (np.array(part, dtype=float).T for part in zip(*found, strict=True))
-    return SpeedSamples(tuple(gaits), whole, *parts)
+    return SpeedSamples(tuple(gaits), whole, *parts, seen=seen)
 
 
 def _normal_quantile(share: Array) -> Array:

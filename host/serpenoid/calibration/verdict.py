@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..model.drives import ServoKind
 from ..model.gait import Gait
-from ..periodic.servo_steady import servo_speeds
+from ..periodic.servo_steady import ripple_share, servo_speeds
 from ..periodic.steady import steady_gait
 from ..servos.catalogue import servo
 from .friction_result import FrictionFit, ground_of
@@ -123,17 +123,18 @@ class Judge:
     @cached_property
     def _loose(self) -> dict[str, _Loose]:
         """Return what is solved for where one thing is let loose."""
-        fit, gaits, sigma = self._fit, self._drawn.gaits, self._amplitude_sigma
+        fit, sigma = self._fit, self._amplitude_sigma
+        gaits, seen = self._drawn.gaits, self._drawn.seen
         stated = self._left_by(self._servo)
         found = {
-            "nothing": _Loose(fit, gaits, 0.0, sigma, stated),
-            "amplitude": _Loose(fit, gaits, 0.0, FREED_AMPLITUDE * sigma, stated),
-            "friction": _Loose(fit, gaits, FREED_FRICTION, sigma, stated),
+            "nothing": _Loose(fit, gaits, 0.0, sigma, stated, seen),
+            "amplitude": _Loose(fit, gaits, 0.0, FREED_AMPLITUDE * sigma, stated, seen),
+            "friction": _Loose(fit, gaits, FREED_FRICTION, sigma, stated, seen),
         }
         if self._servo is not None:
             any_kind = servo(FREED_SERVOS)
             freed = stated if self._servo == any_kind else self._left_by(any_kind)
-            found["servos"] = _Loose(fit, gaits, 0.0, sigma, freed.and_stranger())
+            found["servos"] = _Loose(fit, gaits, 0.0, sigma, freed.and_stranger(), seen)
         return found
 
     def _left_by(self, kind: ServoKind | None) -> _Left:
@@ -149,6 +150,11 @@ class Judge:
             speeds = servo_speeds((state, one) for one in servos for state in ideal)
             own = [max(state.speed_m_s, 1e-9) for state in ideal]
             shares.append(np.maximum(speeds.reshape(-1, len(gaits)) / own, _LEAST_SHARE))
+        for j, command in ((j, self._drawn.seen.get(gait)) for j, gait in enumerate(gaits)):
+            if command is not None:
+                state = steady_gait(fit.robot, fit.ground, command, rtol=1e-3, powers=False)
+                left = [max(ripple_share(state, one), _LEAST_SHARE) for one in servos]
+                shares[0][:, j] = shares[1][:, j] = left
         return _Left(shares[0], np.log(shares[1] / shares[0]) / (_LESS - 1.0))
 
 
@@ -226,9 +232,9 @@ class _Loose:
 
     def __init__(
         self, fit: FrictionFit, gaits: tuple[Gait, ...], freed: float, amplitude_sigma: float,
-        servos: _Left,
+        servos: _Left, seen: Collection[Gait] = (),
     ):  # fmt: skip
-        self._fit, self._gaits, self._freed = fit, gaits, freed
+        self._fit, self._gaits, self._freed, self._seen = fit, gaits, freed, seen
         self._servos = servos
         self._amplitude_sigma = amplitude_sigma
         self._whole = np.maximum(list(fit.whole_snake.values()), 1e-9)
@@ -327,7 +333,8 @@ class _Loose:
         whole = (self._whole * np.exp(np.clip(self._root @ x[:-1], -3.0, 3.0))).tolist()
         robot, share = self._fit.robot, self._amplitude(x)
         ground = ground_of(robot.links, whole)
-        return np.array([speed(robot, ground, scaled(g, share)) for g in self._gaits])
+        made = [g if g in self._seen else scaled(g, share) for g in self._gaits]
+        return np.array([speed(robot, ground, g) for g in made])
 
 
 def _mean_of_logs(likely: Array) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from ..model.checks import check_kind
 from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
 from ..model.errors import NotConverged
-from .steady import Steady, relative_error
+from .steady import Steady, relative_error, steady_gait
 
 DRAWS = 32
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
@@ -112,6 +112,18 @@ def servo_state(ideal: Steady, servo: Servo, rough: bool = False) -> Any:
 def servo_speed(ideal: Steady, servo: Servo, rough: bool = False) -> float:
     """Return the speed with a servo, m/s, of a gait whose ideal periodic state is known."""
     return servo_state(ideal, servo, rough).speed
+
+
+def ripple_share(ideal: Steady, servo: Servo) -> float:
+    """Return the share of the ideal speed that joints of the seen amplitude have with a servo.
+
+    The amplitude that the servo itself loses is not lost again: its speed is held to that of ideal
+    joints that make the amplitude which the servo made.
+    """
+    moved = servo_state(ideal, servo)
+    made = replace(ideal.gait, alpha_rad=ideal.gait.alpha_rad * moved.amplitude)
+    found = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
+    return moved.speed / max(found.speed_m_s, 1e-9)
 
 
 def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> NDArray[np.float64]:

@@ -10,14 +10,18 @@ import pytest
 import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.calibration.comparison import compare
+from serpenoid.calibration.filmed_joints import servo_seen
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
-from serpenoid.calibration.speed_samples import speed
+from serpenoid.calibration.speed_samples import sample_speeds, speed
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
+from serpenoid.model.drives import ServoKind
+from serpenoid.periodic.servo_steady import servo_state, with_servo
+from serpenoid.servos.catalogue import servo
 
 CELLS = {
     "alpha_deg": 50.0, "beta_deg": 80.0, "omega_rad_s": 3.0, "offset_deg": 0.2,
@@ -113,3 +117,39 @@ def test_steady_takes_the_joints_of_a_film(folder) -> None:
     assert made.exit_code == 0, made.output
     assert "0.93" in made.output
     assert made.output != plain.output
+
+
+@pytest.mark.parametrize("free_speed_rad_s", [3.5, 4.5])
+def test_what_servos_lose_of_a_filmed_amplitude_is_lost_once(of_2005, free_speed_rad_s) -> None:
+    """A film of joints whose slow servos lose amplitude: the band is about the robot's speed."""
+    session, fit = of_2005
+    film = replace(
+        filmed(1.0, 0.1), alpha_rad=math.radians(75), beta_rad=math.radians(75), omega_rad_s=4.0
+    )
+    slow = replace(servo("hobby").servo, speed_limit_rad_s=free_speed_rad_s)
+    robot = with_servo(sn.steady_gait(fit.robot, fit.ground, film.commanded), slow)
+    gains = ",".join([str(robot.amplitude_ratio)] * 5)
+    film = replace(film, gains=gains, speed_m_s=robot.speed_m_s)
+    drawn = sample_speeds(
+        fit, [film.gait], amplitude_sigma=0.03, servo=ServoKind("slow", slow), count=16,
+        seen={film.gait: film.commanded},
+    )  # fmt: skip
+    assert robot.amplitude_ratio < 0.95
+    assert np.mean(drawn.both_m_s) == pytest.approx(robot.speed_m_s, rel=0.1)
+    made = speed(fit.robot, fit.ground, film.gait)
+    assert np.median(drawn.shares) == pytest.approx(robot.speed_m_s / made, rel=0.1)
+    again = compare(session.with_reading(VIDEO, film), fit, samples=16).gaits[0]
+    assert again.low_all_m_s < robot.speed_m_s < again.high_all_m_s < 1.3 * made
+
+
+def test_servos_that_a_film_excludes_are_not_drawn(of_2005) -> None:
+    _, fit = of_2005
+    quick, slow = (replace(filmed(gain, 0.1), omega_rad_s=8.0) for gain in (1.0, 0.8))
+    strong, weak = (servo_seen(servo("hobby"), [film], fit) for film in (quick, slow))
+    state = sn.steady_gait(fit.robot, fit.ground, quick.commanded)
+
+    def mean(kind) -> float:
+        return float(np.mean([servo_state(state, s, True).amplitude for s in kind.drawn[:32]]))
+
+    assert mean(strong) > mean(weak) + 0.05
+    assert servo_seen(servo("hobby"), [filmed(3.0, 0.1)], fit) == servo("hobby")

@@ -15,6 +15,7 @@ from ...periodic.servo_steady import servo_state
 from ...periodic.steady import Steady, steady_gait
 from ...servos.bench_test import KEPT, MeasuredServo, measured_servo
 from ..crawls.runs import runs_by_gait
+from ..filmed_joints import film_chi2
 from ..friction_fit import fit_friction
 from ..friction_result import FrictionFit
 from ..session import Session
@@ -45,9 +46,8 @@ def servo_of_session(
     servos = like.draws(draws, seed)
     shares, amplitudes = _moved(fit, gaits, servos)
     chi2 = _by_speed(fit, gaits, list(runs.values()), shares, seed)
-    for film in films:
-        off = film.mean_gain - amplitudes[:, list(runs).index(film.gait)]
-        chi2 = chi2 + (off / np.hypot(film.gain_sigma, AMPLITUDE_SIGMA)) ** 2
+    filmed = [list(runs).index(film.gait) for film in films]
+    chi2 = chi2 + film_chi2(films, amplitudes[:, filmed])
     weight = np.exp(-0.5 * (chi2 - chi2.min()))
     weight /= weight.sum()
     if (count := 1 / float(np.sum(weight**2))) < LEAST_DRAWS or chi2.min() > _UNLIKELY * len(gaits):
