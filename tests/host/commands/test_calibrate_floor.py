@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 
@@ -148,5 +149,7 @@ def test_advice_and_report_of_a_floor(practised, tmp_path):
     text = page.read_text()
     assert "pushes: places over time with the law" in text
     assert "12 pushes" in text or "13 pushes" in text
+    assert "(<code>serpenoid video</code>)" in text
+    assert "`" not in re.sub(r"<(style|svg).*?</\1>", "", text, flags=re.S)
     run("fit", folder, "--plot", tmp_path / "fit.png")
     assert (tmp_path / "fit.png").stat().st_size > 10_000

@@ -82,7 +82,7 @@ def session_page(
         parts += ["<h2>Speed</h2>", drawn, _speed_table(compared)]
     if other is not None:
         head, rows = two_fits_table(other)
-        said = f'<p class="verdict">{escape(other.verdict)}</p>'
+        said = f'<p class="verdict">{_prose(other.verdict)}</p>'
         parts += ["<h2>Another session beside it</h2>", said, _table(head, rows)]
     if advice is not None:
         parts += ["<h2>The next reading</h2>", _advice(advice)]
@@ -184,7 +184,12 @@ def _summary(fit: FrictionFit, compared: Comparison | None) -> str:
         else "The readings disagree by more than their stated errors allow."
     )
     more = "" if compared is None else " " + compared.verdict_text
-    return f'<p class="verdict">{escape(text + more)}</p>'
+    return f'<p class="verdict">{_prose(text + more)}</p>'
+
+
+def _prose(text: str) -> str:
+    """Return a sentence for the page: commands, which stand between backticks, as code."""
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
 
 
 def _friction_table(fit: FrictionFit) -> str:
@@ -199,7 +204,7 @@ def _friction_table(fit: FrictionFit) -> str:
 
 def _notes(fit: FrictionFit, session: Session) -> list[str]:
     notes = [*fit.notes, *break_away_notes(fit, session), *session.notes]
-    return ["<ul>" + "".join(f"<li>{escape(n)}</li>" for n in notes) + "</ul>"] if notes else []
+    return ["<ul>" + "".join(f"<li>{_prose(n)}</li>" for n in notes) + "</ul>"] if notes else []
 
 
 def _speed_table(compared: Comparison) -> str:
@@ -214,7 +219,7 @@ def _advice(advice: Advice) -> str:
     rows = [[r.in_words(), f"{r.band_after_times:.1%}"] for r in advice.readings[:4]]
     servos = "" if advice.servo is None else f", servos: {advice.servo}"
     now = f"<p>The speeds are known to {advice.band:.1%} (95 %, friction and joints{servos}).</p>"
-    note = f"<p>{escape(advice.note)}</p>" if advice.note else ""
+    note = f"<p>{_prose(advice.note)}</p>" if advice.note else ""
     return now + _table(["reading", "afterwards"], rows, words=True) + note
 
 
