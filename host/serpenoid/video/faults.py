@@ -25,7 +25,7 @@ STRANGER_SHARE = 0.2
 LOST_SHARE = 0.02
 BLUR_CELLS, BLUR_PX = 0.2, 1.0  # width of an edge, in cells of the tag, and at least
 # Films of 1/30 s of exposure, 25 ms of readout, 48 degrees aslant: errors over sigmas, rms.
-BLURRED = 3.0
+BLURRED = 2.5
 STEADY_SHARE = 0.05  # of the speed: both halves beside each other
 NOT_A_SINE = 0.1  # residual beside the amplitude
 

@@ -84,6 +84,16 @@ def test_edges_give_corners_to_a_fraction_of_a_pixel(angle: float) -> None:
     assert 0.5 < width[0] < 2.0
 
 
+@pytest.mark.parametrize("off_px", [-2.0, 2.0])
+def test_a_tag_that_moves_keeps_its_size(off_px: float) -> None:
+    """Blur over three pixels, half a cell of the tag: corners to start from are off across it."""
+    square = 17 * np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]) + [60.3, 58.8]
+    picture = cv2.blur(drawn_square(square, 0.5), (3, 1))
+    start = square + off_px * np.sign(square - square.mean(axis=0)) * [1, 0]
+    found, _ = refine(picture, start[None])
+    assert found[0, 1, 0] - found[0, 0, 0] == pytest.approx(34, abs=0.15)
+
+
 def test_edges_that_cannot_be_read_leave_the_corners_alone() -> None:
     square = np.array([[20.0, 20], [50, 20], [50, 50], [20, 50]])
     found, width = refine(np.full((80, 80), 128, np.uint8), square[None])

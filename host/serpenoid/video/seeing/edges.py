@@ -2,7 +2,8 @@
 
 The detector's corners stand on whole pixels of the contour; they give the place to look at. Along
 each edge the grey profile across it is read, a line is laid through the crossings, and neighbouring
-lines are cut.
+lines are cut. A second look starts from these: a blurred tag's contour is so far off that the first
+profiles end before the grey does, and the tag comes out too small across its motion.
 """
 
 from __future__ import annotations
@@ -27,6 +28,13 @@ def refine(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
     quads: the detector's corners, clockwise. The width is the distance over which grey rises from
     a quarter to three quarters. A tag whose edges cannot be read keeps its corners; width NaN.
     """
+    corners, first = _refined(picture, quads)
+    corners, second = _refined(picture, corners)
+    return corners, np.where(np.isfinite(second), second, first)
+
+
+def _refined(picture: NDArray[np.uint8], quads: Array) -> tuple[Array, Array]:
+    """Return corners and widths as `refine` does, from one look."""
     start, end = quads, np.roll(quads, -1, axis=1)
     along = end - start
     length = np.linalg.norm(along, axis=-1, keepdims=True)
