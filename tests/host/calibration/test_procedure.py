@@ -175,7 +175,8 @@ def test_belts_that_cannot_go_slowly_lose_stations_not_sessions():
     setup = replace(setup, treadmill=replace(setup.treadmill, belt_least_m_s=0.25))
     record = MemoryRecord(setup)
     session = take_all(record, SimulatedTreadmill(setup, Truth(WHOLE_BODY_2005), 1))
-    assert min(r.belt_speed_m_s for r in session.kept) == 0.25
+    least = min(r.belt_speed_m_s for r in session.kept)
+    assert 0.25 <= least < 0.31  # belts are set in steps of 0.028 m/s
     assert skipped_keys(record.events)
     assert fit_friction(session).dof > 5
 
