@@ -153,12 +153,15 @@ class Film:
             d = self.directions[::4, ::4]
             t = (self.body.height_m - self.eye[2]) / np.minimum(d[..., 2], -1e-3)
             self._cache[key] = self.eye[:2] + t[..., None] * d[..., :2]
-        centres, _ = self.pose(t_s)
-        later, _ = self.pose(t_s + self.lens.rolling_s + self.lens.exposure_s)
-        ground = self._cache[key]
-        reach = 0.62 * np.hypot(self.body.link_m, self.body.width_m) + 0.012
-        reach += np.linalg.norm(later[i] - centres[i])
-        near = np.abs(ground - centres[i]).max(axis=-1) < reach
+        b = self.body
+        centres, theta = self.pose(t_s)
+        later, turned = self.pose(t_s + self.lens.rolling_s + self.lens.exposure_s)
+        x, y = np.moveaxis(self._cache[key] - centres[i], -1, 0)
+        along, across = np.cos(theta[i]), np.sin(theta[i])
+        more = 0.012 + np.linalg.norm(later[i] - centres[i])
+        more += 0.5 * b.link_m * abs(turned[i] - theta[i])
+        near = np.abs(along * x + across * y) < 0.42 * b.link_m + more
+        near &= np.abs(along * y - across * x) < 0.5 * b.width_m + more
         if not near.any():
             return None
         rows, columns = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))

@@ -36,7 +36,7 @@ GAIT = sn.Gait(math.radians(40), math.radians(80), 8.0)
 
 
 def drawn(body: Body | None = None, lens: Lens | None = None, times=TIMES, **more):
-    film = Film(lens or Lens(), body or Body(), QUICK.pose, **more)
+    film = Film(lens or Lens(), body or Body(), QUICK.pose, up=2, **more)
     return [film.frame(t) for t in times]
 
 

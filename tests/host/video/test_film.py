@@ -47,7 +47,7 @@ def plain(tmp_path_factory):
     )  # fmt: skip
     lens = Lens(k1=0.06, k2=-0.02, middle_px=(5.0, -3.0), rolling_s=0.015)
     path = tmp_path_factory.mktemp("film") / "plain.mp4"
-    return shoot(world, path, lens, body, seconds=1.8), world, body, lens
+    return shoot(world, path, lens, body, seconds=1.8, up=2), world, body, lens
 
 
 @pytest.fixture(scope="session")

@@ -40,7 +40,7 @@ def filmed(tmp_path):
     def measure(servos: Servos):
         wire, film = tmp_path / "run.wire", tmp_path / "film.mp4"
         world = crawled(ROBOT, servos, GAIT, set_points(GAIT, 8.0, wire))
-        shoot(world, film, LENS, seconds=2.2 * GAIT.period_s)
+        shoot(world, film, LENS, seconds=2.2 * GAIT.period_s, rate_hz=20, up=2)
         folder = create_session(tmp_path / "session", default_setup("filmed"))
         typed = ["video", film, "--recording", wire, "--session", folder, "--json"]
         done = CliRunner().invoke(cli, [str(part) for part in typed])

@@ -32,7 +32,10 @@ def film_reader(side_m: float | None = None) -> FilmReader:
             found = track_pushes(path, robot.links, robot.link_length_m, side_m, tell)
         for remark in found.remarks:
             say(f"{path.name}: {remark.name}: {remark.text}")
-        say(f"{path.name}: all lengths ± {100 * found.scale_sigma:.1f} %")
+        say(
+            f"{path.name}: all lengths ± {100 * found.scale_sigma:.1f} %; where "
+            "film_scale_sigma_percent in session.toml is less, write this there"
+        )
         return found.rows
 
     return read
