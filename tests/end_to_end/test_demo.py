@@ -17,7 +17,8 @@ def test_demo(tmp_path) -> None:
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    for name in ("friction.png", "speed.png", "path.png", "comparison.png", "film.png"):
+    for name in ("friction.png", "speed.png", "path.png", "comparison.png", "film.png",
+                 "floor.png"):  # fmt: skip
         assert (out / name).read_bytes()[:4] == b"\x89PNG"
     found = json.loads((out / "demo.json").read_text())
     values = {n.removesuffix("_whole"): p["value"] for n, p in found["fit"]["parameters"].items()}
@@ -35,12 +36,15 @@ def test_demo(tmp_path) -> None:
     assert 0.005 < min(relative) < max(relative) < 0.5  # above 1 Hz servos lead
     assert all(p["low_ideal_m_s"] < p["explicit_m_s"] < p["high_ideal_m_s"] for p in points)
     loop = json.loads((out / "loop.json").read_text())
-    for name, truth in loop["truth"].items():
-        low, high = next(
-            p["interval"] for n, p in loop["fit"]["parameters"].items() if n.startswith(name)
-        )
-        # An interval of 95 % of one seeded session: so wide at least, by a half.
-        assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low)
+    for fit in (loop["fit"], found["floor"]["fit"]):
+        for name, truth in loop["truth"].items():
+            low, high = next(
+                p["interval"] for n, p in fit["parameters"].items() if n.startswith(name)
+            )
+            # An interval of 95 % of one seeded session: so wide at least, by a half.
+            assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low)
+    assert found["floor"]["beside"]["p_value"] > 1e-3
+    assert len(load_session(out / "floor").kept_pushes) == 6
     assert loop["comparison"]["verdict"] == "agrees"
     assert loop["advice"]["readings"]
     wanted = loop["wanted"]

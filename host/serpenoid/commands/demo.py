@@ -19,6 +19,7 @@ from ..model.robot import Robot
 from ..show import plot, report
 from ..show.progress import progress
 from .demo_film import measure_demo_film
+from .demo_floor import push_along_floor
 from .demo_loop import run_loop, say
 from .options import finite
 
@@ -41,10 +42,10 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     own: of a robot whose friction is then the simulated treadmill's truth.
     """
     out.mkdir(parents=True, exist_ok=True)
-    run_loop(out, own)
-    say("[6/7] a film of a robot of the virtual lab: speed and joints from pixels")
+    floor = push_along_floor(out, *run_loop(out, own))
+    say("[7/8] a film of a robot of the virtual lab: speed and joints from pixels")
     film = measure_demo_film(out)
-    say("[7/7] the session of 2005, as far as the paper gives it")
+    say("[8/8] the session of 2005, as far as the paper gives it")
     session = load_session(session_folder())
     fit = fit_friction(session)
     robot = session.setup.robot
@@ -61,6 +62,7 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     )
     plot.path_and_poses(run, "the paper's robot, α = 30°, β = 80°, ω = 5 rad/s", files[2])
     found = as_json(fit, points, state) | ({} if film is None else {"film": film})
+    found |= {} if floor is None else {"floor": floor}
     text = json.dumps(finite(found), indent=2, allow_nan=False)
     files[3].write_text(text + "\n")
     _summary(fit, points, files)

@@ -40,7 +40,7 @@ from .options import finite
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
-    from ..calibration.session import Session
+    from ..calibration.session import Session, Setup
 
 NAME = "demo, simulated"
 SEED, SERVOS = 2005, servo("hobby")
@@ -50,8 +50,8 @@ TRUTH = Truth(
 )  # fmt: skip
 
 
-def run_loop(out: Path, own: FrictionFit | None = None) -> dict[str, Any]:
-    """Take a session, fit, predict, compare, and drive the gait for a speed; return the figures.
+def run_loop(out: Path, own: FrictionFit | None = None) -> tuple[FrictionFit, Ground]:
+    """Take a session, fit, predict, compare, drive the gait for a speed; return fit and truth.
 
     own: of a robot whose friction is then the truth; that of 2005 unless given. The session is left
     in out/session, to be looked at by every other command.
@@ -65,27 +65,27 @@ def run_loop(out: Path, own: FrictionFit | None = None) -> dict[str, Any]:
         "No robot, no treadmill: both are simulated, with the firmware's own controller, so that "
         "the truth is known. It is the afternoon that `serpenoid calibrate` leads through.\n"
     )
-    say("[1/7] a session on the simulated treadmill, by the procedure that a person follows")
+    say("[1/8] a session on the simulated treadmill, by the procedure that a person follows")
     session = take_session(out / "session", truth, own and own.robot)
     say(f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs; the "
         f"inclinometer's zero found at {math.degrees(session.zero.value_rad):+.2f} deg (true: "
         f"{math.degrees(truth.incline_zero_rad):+.2f})")  # fmt: skip
-    say("[2/7] friction fitted, beside the truth that no fit knows")
+    say("[2/8] friction fitted, beside the truth that no fit knows")
     session, fit = _without_outlier(session, fit_friction(session))
-    found = {"fit": fit.to_dict(), "truth": _truth_table(fit, truth.ground)}
-    say("[3/7] speeds predicted from it, and the gait runs over them")
+    found: dict[str, Any] = {"fit": fit.to_dict(), "truth": truth_table(fit, truth.ground)}
+    say("[3/8] speeds predicted from it, and the gait runs over them")
     compared = _compare(session, fit, out / "comparison.png")
-    say("[4/7] the reading to take next")
+    say("[4/8] the reading to take next")
     advised = _advise(session)
     found |= {"comparison": compared.to_dict(), "advice": advised.to_dict()}
     wanted_m_s = float(f"{compared.gaits[1].exact_m_s:.1g}")
-    say(f"[5/7] the cheapest gait for {wanted_m_s:g} m/s on this ground, sent to the virtual robot")
+    say(f"[5/8] the cheapest gait for {wanted_m_s:g} m/s on this ground, sent to the virtual robot")
     found["wanted"] = _drive_wanted(session, fit, wanted_m_s, truth)
     page = session_page(session, fit, compared, advised, events_of(session))
     (out / "report.html").write_text(page, encoding="utf-8")
     say(f"      all of it in one page: {out / 'report.html'}")
     (out / "loop.json").write_text(json.dumps(finite(found), indent=2, allow_nan=False) + "\n")
-    return found
+    return fit, truth.ground
 
 
 def say(text: str) -> None:
@@ -95,15 +95,11 @@ def say(text: str) -> None:
 
 def take_session(folder: Path, truth: Truth = TRUTH, body: Body | None = None) -> Session:
     """Take the demo's session anew; raises BadInput where another one is in its place."""
-    if (folder / "session.toml").exists():
-        if f'name = "{NAME}"' not in (folder / "session.toml").read_text(encoding="utf-8"):
-            raise BadInput(f"{folder} holds a session that is not the demo's; give another --out")
-        shutil.rmtree(folder)
     setup = replace(
         default_setup(NAME), kind="simulated", source="a simulated treadmill, seed 2005",
         note="the demo's: no measurement", surface="simulated belt",
     )  # fmt: skip
-    create_session(folder, setup if body is None else replace(setup, robot=body))
+    begin_anew(folder, setup if body is None else replace(setup, robot=body))
     with RobotBoard("virtual:fast") as robot, Journal(folder) as journal:
         setup = journal.session.setup
         treadmill = SimulatedTreadmill(
@@ -114,6 +110,15 @@ def take_session(folder: Path, truth: Truth = TRUTH, body: Body | None = None) -
             session = take_all(journal, treadmill)
         journal.event("end")
         return session
+
+
+def begin_anew(folder: Path, setup: Setup) -> None:
+    """Begin a session of the demo's in place of an earlier one; raises BadInput for another's."""
+    if (folder / "session.toml").exists():
+        if f'name = "{setup.name}"' not in (folder / "session.toml").read_text(encoding="utf-8"):
+            raise BadInput(f"{folder} holds a session that is not the demo's; give another --out")
+        shutil.rmtree(folder)
+    create_session(folder, setup)
 
 
 def _without_outlier(session: Session, fit: FrictionFit) -> tuple[Session, FrictionFit]:
@@ -132,7 +137,8 @@ def _without_outlier(session: Session, fit: FrictionFit) -> tuple[Session, Frict
         return journal.session, fits[worst]
 
 
-def _truth_table(fit: FrictionFit, ground: Ground) -> dict[str, float]:
+def truth_table(fit: FrictionFit, ground: Ground) -> dict[str, float]:
+    """Show a fit beside the truth; return the truth."""
     truth = {name: getattr(ground, name) for name in ("ct", "cn", "ft0", "fn0")}
     rows = [
         [row.name, row.unit, f"{row.value:.4g}", f"{row.low:.3g} to {row.high:.3g}",
