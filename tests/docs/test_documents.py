@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
-from serpenoid.commands.demo_loop import take_session
+from serpenoid.commands.demo_parts.loop import take_session
 
 PACKAGE = ROOT / "host" / "serpenoid"
 EXAMPLES = sorted((ROOT / "host" / "examples").glob("*"))

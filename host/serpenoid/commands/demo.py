@@ -18,9 +18,9 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..show import plot, report
 from ..show.progress import progress
-from .demo_film import measure_demo_film
-from .demo_floor import push_along_floor
-from .demo_loop import run_loop, say
+from .demo_parts.film import measure_demo_film
+from .demo_parts.floor import push_along_floor
+from .demo_parts.loop import run_loop, say
 from .options import finite
 
 ALPHA_DEG, BETA_DEG = 70.0, 75.0  # the gait of the paper's experiment

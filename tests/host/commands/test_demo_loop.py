@@ -3,7 +3,7 @@
 import pytest
 from serpenoid import BadInput, fit_friction, load_session
 from serpenoid.calibration.taking.journal import Journal
-from serpenoid.commands.demo_loop import _without_outlier, take_session
+from serpenoid.commands.demo_parts.loop import _without_outlier, take_session
 
 
 def test_a_misread_value_is_found_and_voided(tmp_path, capsys):
@@ -37,7 +37,7 @@ def test_a_robot_of_ones_own_is_the_truth(tmp_path):
 
     from serpenoid import Ground, Robot
     from serpenoid.calibration.session_file import read_session
-    from serpenoid.commands.demo_loop import TRUTH
+    from serpenoid.commands.demo_parts.loop import TRUTH
 
     ground = Ground(ct=0.12, cn=2.0, ft0=0.1, fn0=0.4)
     own = Robot(6, 0.1, 0.09)

@@ -8,23 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..calibration.advising.two_fits import two_fits
-from ..calibration.friction_fit import fit_friction
-from ..calibration.kinds.instruments import FloorTools
-from ..calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
-from ..calibration.taking.journal import Journal
-from ..calibration.taking.new_session import default_setup, on_place
-from ..calibration.taking.treadmill import take_all
-from ..model.errors import BadInput
-from ..show import report
-from ..show.session.floor_figure import push_figure
-from .demo_loop import begin_anew, say, truth_table
+from ...calibration.advising.two_fits import two_fits
+from ...calibration.friction_fit import fit_friction
+from ...calibration.kinds.instruments import FloorTools
+from ...calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
+from ...calibration.taking.journal import Journal
+from ...calibration.taking.new_session import default_setup, on_place
+from ...calibration.taking.treadmill import take_all
+from ...model.errors import BadInput
+from ...show import report
+from ...show.session.floor_figure import push_figure
+from .loop import begin_anew, say, truth_table
 
 if TYPE_CHECKING:
-    from ..calibration.friction_result import FrictionFit
-    from ..calibration.session import Session, Setup
-    from ..model.ground import Ground
-    from ..model.robot import Robot
+    from ...calibration.friction_result import FrictionFit
+    from ...calibration.session import Session, Setup
+    from ...model.ground import Ground
+    from ...model.robot import Robot
 
 SEED, WHEELS_KG = 2005, 0.036
 

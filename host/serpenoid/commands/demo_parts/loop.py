@@ -11,36 +11,36 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..calibration.advice import advise
-from ..calibration.advising.next_reading import Advice
-from ..calibration.comparison import Comparison, compare, gait_count
-from ..calibration.friction_fit import fit_friction
-from ..calibration.friction_result import DOUBTFUL, whole_ground
-from ..calibration.session_rows import events_of
-from ..calibration.speed_samples import speed_band
-from ..calibration.taking.board_run import board_gait
-from ..calibration.taking.journal import Journal
-from ..calibration.taking.new_session import create_session, default_setup
-from ..calibration.taking.simulated import SimulatedTreadmill, Truth
-from ..calibration.taking.treadmill import take_all
-from ..gaits.least_power import least_power_gait
-from ..lab.crawl import crawl_speed
-from ..model.errors import BadInput
-from ..model.gait import Gait
-from ..model.ground import Ground
-from ..model.robot import Robot as Body
-from ..robot.robot import RobotBoard
-from ..servos.catalogue import servo
-from ..show import report
-from ..show.comparison_figure import comparison_figure
-from ..show.friction_report import show_advice, show_comparison
-from ..show.progress import progress
-from ..show.session.report_page import session_page
-from .options import finite
+from ...calibration.advice import advise
+from ...calibration.advising.next_reading import Advice
+from ...calibration.comparison import Comparison, compare, gait_count
+from ...calibration.friction_fit import fit_friction
+from ...calibration.friction_result import DOUBTFUL, whole_ground
+from ...calibration.session_rows import events_of
+from ...calibration.speed_samples import speed_band
+from ...calibration.taking.board_run import board_gait
+from ...calibration.taking.journal import Journal
+from ...calibration.taking.new_session import create_session, default_setup
+from ...calibration.taking.simulated import SimulatedTreadmill, Truth
+from ...calibration.taking.treadmill import take_all
+from ...gaits.least_power import least_power_gait
+from ...lab.crawl import crawl_speed
+from ...model.errors import BadInput
+from ...model.gait import Gait
+from ...model.ground import Ground
+from ...model.robot import Robot as Body
+from ...robot.robot import RobotBoard
+from ...servos.catalogue import servo
+from ...show import report
+from ...show.comparison_figure import comparison_figure
+from ...show.friction_report import show_advice, show_comparison
+from ...show.progress import progress
+from ...show.session.report_page import session_page
+from ..options import finite
 
 if TYPE_CHECKING:
-    from ..calibration.friction_result import FrictionFit
-    from ..calibration.session import Session, Setup
+    from ...calibration.friction_result import FrictionFit
+    from ...calibration.session import Session, Setup
 
 NAME = "demo, simulated"
 SEED, SERVOS = 2005, servo("hobby")

@@ -7,11 +7,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-from .. import _core
-from ..model.errors import BadInput
-from ..model.gait import Gait
-from ..show import report
-from .demo_loop import say
+from ... import _core
+from ...model.errors import BadInput
+from ...model.gait import Gait
+from ...show import report
+from .loop import say
 
 
 def measure_demo_film(out: Path) -> dict[str, Any] | None:
@@ -20,7 +20,7 @@ def measure_demo_film(out: Path) -> dict[str, Any] | None:
     The film is made by studies/demo_film.py: rendering takes longer than the demo may, and needs
     the tests' renderer. Returns None where the extra [video] is missing, and says so.
     """
-    from ..video.seeing.extra import need_extra
+    from ...video.seeing.extra import need_extra
 
     folder = Path(_core.__file__).parent / "calibration_data" / "demo-film"
     truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
@@ -29,8 +29,8 @@ def measure_demo_film(out: Path) -> dict[str, Any] | None:
     except BadInput as error:
         say(f"      left out: {error}")
         return None
-    from ..show.video.film_figure import film_figure
-    from ..video.measure_film import measure_film
+    from ...show.video.film_figure import film_figure
+    from ...video.measure_film import measure_film
 
     gait = Gait(truth["alpha_rad"], truth["beta_rad"], truth["omega_rad_s"])
     with report.busy("watching the film"):
