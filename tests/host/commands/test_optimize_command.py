@@ -157,7 +157,8 @@ def test_the_whole_study(tmp_path: Path) -> None:
     found = json.loads(run("figures", "--out", str(tmp_path), "--json").stdout)
     verdicts = {c["where"]: c["verdict"] for c in found["claims"]}
     assert verdicts["Fig. 6"] == verdicts["Fig. 8"] == verdicts["Fig. 9"] == "agrees"
-    assert verdicts["Fig. 10"] == verdicts["the search"] == "differs"
+    assert verdicts["Fig. 10"] == "in part"  # near 80 deg at some of the speeds
+    assert verdicts["the search"] == "differs"
     page = (tmp_path / "index.html").read_text()
     for name in ("fig6-7", "fig8", "fig9-11", "fig12-13", "fig15-16", "fig17", "cliff-fragile",
                  "front-2005", "shapes"):  # fmt: skip
