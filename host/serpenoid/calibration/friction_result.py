@@ -342,10 +342,11 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             "The belt is taken to run exactly as it shows: time a mark on it (a reading of kind "
             "belt), or state belt_scale_sigma_percent."
         )
-    return (*_weak(fit), *notes)
+    return (*weak_notes(fit), *notes)
 
 
-def _weak(fit: FrictionFit) -> list[str]:
+def weak_notes(fit: FrictionFit) -> list[str]:
+    """Return which frictions are known only roughly, in words."""
     notes, weak = [], []
     for name in fit.names:
         value, sigma = fit.parameters[name]

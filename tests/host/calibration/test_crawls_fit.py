@@ -18,7 +18,7 @@ from serpenoid.calibration.floor.data import FloorData
 from serpenoid.calibration.floor.minimum import linear_at, start
 from serpenoid.calibration.floor.problem import Problem
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import NAMES
+from serpenoid.calibration.friction_result import NAMES, Estimate, WholeSnake, weak_notes
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.speed_samples import sample_speeds
 from serpenoid.calibration.taking.memory import MemoryRecord
@@ -134,6 +134,28 @@ def test_crawls_narrow_what_pushes_leave_but_never_the_mass(pushed) -> None:
     ratio = [f.sample_whole(1024)[:, 0] / f.sample_whole(1024)[:, 3] for f in (before, after)]
     assert ratio[1].std() < 0.8 * ratio[0].std()
     assert "no test" in after.notes[0]
+
+
+def test_crawls_take_readings_that_hardly_tell_ct_from_ft0(pushed) -> None:
+    """Belt speeds close together: sigmas larger than the values, and errors that are opposite."""
+    sigma = np.array([1.4, 1.2, 1.0, 0.8]) * TRUTH
+    along, across = [[1.0, -0.98], [-0.98, 1.0]], np.zeros((2, 2))
+    alike = np.block([[np.array(along), across], [across, np.array(along)]])[[0, 2, 1, 3]]
+    first = fit_friction(pushed)
+    values = {n: Estimate(e.value, s) for (n, e), s in zip(first.parameters.items(), sigma,
+                                                           strict=True)}  # fmt: skip
+    weak = replace(
+        first, parameters=WholeSnake(values),
+        covariance=alike[:, [0, 2, 1, 3]] * np.outer(sigma, sigma),
+    )  # fmt: skip
+    weak = replace(weak, notes=tuple(weak_notes(weak)))
+    assert weak.notes
+    fit = fit_crawls(pushed, weak, None, speeds=small_powers)
+    for name, true, before in zip(NAMES, TRUTH, sigma, strict=True):
+        low, high = fit.intervals[name]
+        assert low < true < high
+        assert fit.parameters[name].sigma < 0.5 * before
+    assert not any("Known only roughly" in note for note in fit.notes)
 
 
 def test_crawls_alone_say_that_they_tell_speeds_only() -> None:

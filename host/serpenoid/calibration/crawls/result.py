@@ -21,6 +21,7 @@ from ..friction_result import (
     FrictionFit,
     WholeSnake,
     ground_of,
+    weak_notes,
 )
 from ..session import Session
 from ..speed_samples import AMPLITUDE_SIGMA
@@ -92,8 +93,9 @@ def _before(session: Session, other: FrictionFit | None) -> Before:
     sigma = np.sqrt(np.diag(other.covariance))
     centre = np.maximum(values, 0.3 * sigma)  # one at its limit of 0 is somewhere below its sigma
     alone = other.covariance - shared_covariance(values, 0.0, session.mass_sigma)
-    relative = np.log1p(alone / np.outer(centre, centre))
-    root = np.linalg.cholesky(relative + 1e-12 * np.eye(4))
+    own = np.sqrt(np.diag(alone))
+    wide = np.sqrt(np.log1p((own / centre) ** 2)) / own  # of a logarithm, with the same variance
+    root = np.linalg.cholesky(alone * np.outer(wide, wide) + 1e-12 * np.eye(4))
     return Before(np.log(centre), np.asarray(root, dtype=np.float64), AMPLITUDE_SIGMA)
 
 
@@ -132,7 +134,8 @@ def _result(
         draws=np.column_stack([whole, drawn.amplitude]),
     )
     alarms = (*_contradicts(fit), *common.alarms)
-    notes = (*_contradicts(fit), *_notes(fit, data, drawn, other), *common.notes)
+    kept = [note for note in common.notes if note not in weak_notes(common)]
+    notes = (*_contradicts(fit), *_notes(fit, data, drawn, other), *kept)
     return replace(fit, alarms=alarms, notes=notes)
 
 
