@@ -142,19 +142,15 @@ def _sensitive(
 
 def _weights(track: frames.Track) -> tuple[Array, Array]:
     """Return weights of joints (frames, joints) and of the path (frames,): from the tags there."""
-    cov = track.covariance
-    own = np.diagonal(cov, axis1=1, axis2=2)
-    lag = np.diagonal(cov[:, 2:, 2:], offset=1, axis1=1, axis2=2)
-    joints = own[:, 2:-1] + own[:, 3:] - 2 * lag
+    joints, place = track.joint_variance, track.place_variance
     held = (joints < HELD_RAD**2) & ~_ambiguous(track)
     weight = np.where(held, np.median(joints) / joints, 0.0)
-    place = own[:, 0] + own[:, 1]
     return np.minimum(weight, 2.0), np.minimum(np.median(place) / place, 2.0)
 
 
 def _ambiguous(track: frames.Track) -> NDArray[np.bool_]:
     """Return which joints may bend either way, (frames, joints): two tags missing side by side."""
-    missing = np.asarray(np.isnan(track.misses_px).any(axis=(2, 3)))
+    missing = np.isnan(track.rest_px)
     pair = missing[:, 1:] & missing[:, :-1]
     none = np.zeros((len(pair), 1), bool)
     lost = np.concatenate([none, pair], axis=1) | np.concatenate([pair, none], axis=1)

@@ -125,8 +125,7 @@ def still_joints(phi: Array, seen: NDArray[np.bool_]) -> Array:
 
 def _rows(track: frames.Track) -> Array:
     """Return time and place of the frames that tell it."""
-    sigma = np.sqrt(track.covariance[:, 0, 0] + track.covariance[:, 1, 1])
-    known = sigma < PLACE_M
+    known = track.place_variance < PLACE_M**2
     return np.column_stack([track.t_s, track.states[:, :2]])[known]
 
 

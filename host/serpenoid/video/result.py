@@ -88,7 +88,7 @@ def filmed_run(
     count = len(m.amplitude_rad)
     span_s = float(np.ptp(measured.track.t_s))
     camera = measured.bundle.camera
-    rms_px = float(np.sqrt(np.nanmean(measured.track.misses_px**2)))
+    rms_px = float(np.sqrt(np.nanmean(measured.track.rest_px**2)))
     seen = watched.sightings.seen
     m_per_px = camera.side_m / float(np.nanmean(watched.sightings.side_px))
     return FilmedRun(

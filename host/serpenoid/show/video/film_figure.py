@@ -13,6 +13,7 @@ from ..plot import BLUE, GREEN, GREY, ORANGE, RED, figure, save
 if TYPE_CHECKING:
     from ...video.measure_film import FilmMeasurement
 
+MOST_POINTS = 20_000  # of a path
 COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", "#8B6914", GREY)
 
 
@@ -39,6 +40,7 @@ def _picture(ax: Any, film: FilmMeasurement) -> None:
     """Draw the first frame, the middle's and the head's path, and the chain at start and end."""
     camera = film.measured.bundle.camera
     states = film.measured.track.states
+    states = states[:: 1 + len(states) // MOST_POINTS]
     ax.imshow(film.watched.picture, cmap="gray", vmin=0, vmax=255)
     middle = camera.image(np.column_stack([states[:, :2], np.zeros(len(states))]))
     ax.plot(*middle.T, color=BLUE, lw=2, label="middle of the robot")
@@ -102,9 +104,8 @@ def _residuals(ax: Any, film: FilmMeasurement) -> None:
     """Draw the corners' residuals: the chain beside what was found."""
     track = film.measured.track
     t = track.t_s - track.t_s[0]
-    rms = np.sqrt(np.mean(track.misses_px**2, axis=(2, 3)))
-    for i in range(rms.shape[1]):
-        ax.plot(t, rms[:, i], lw=0.8, color=COLOURS[i % len(COLOURS)], label=f"tag {i + 1}")
+    for i, rms in enumerate(track.rest_px.T):
+        ax.plot(t, rms, lw=0.8, color=COLOURS[i % len(COLOURS)], label=f"tag {i + 1}")
     run = film.run
     ax.set(
         title=f"residuals: {run.residual_px:.2f} px, {1e3 * run.residual_m:.2f} mm in the mean; "

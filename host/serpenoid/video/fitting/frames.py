@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..seeing.sightings import Sightings
+from ..seeing.sightings import CHUNK, Sightings
 from .bundle import OUTLIER, READOUT
 from .camera import Camera
 
 Array = NDArray[np.float64]
 STEPS = 6
-CHUNK = 400  # frames at once: memory stays small however long the film
 
 
 @dataclass(frozen=True)
@@ -22,15 +21,17 @@ class Track:
     """The chain over time.
 
     t_s (frames,). states (frames, links + 2): mean of the link centres x, y, then headings.
-    covariance (frames, links + 2, links + 2). by_shared (frames, links + 2, shared): how states
-    follow the camera's unknowns; None unless asked for. misses_px (frames, links, 4, 2), NaN
-    where no tag was found.
+    place_variance (frames,): of x and y together, m²; joint_variance (frames, joints), rad².
+    rest_px (frames, links): of a tag's corners, root mean square, NaN where no tag was found.
+    by_shared (frames, links + 2, shared): how states follow the camera's unknowns; None unless
+    asked for.
     """
 
     t_s: Array
     states: Array
-    covariance: Array
-    misses_px: Array
+    place_variance: Array
+    joint_variance: Array
+    rest_px: Array
     by_shared: Array | None = None
 
 
@@ -61,7 +62,7 @@ def fit_states(
             )
         )
     columns = [np.concatenate(c) for c in zip(*parts, strict=True)]
-    return Track(sightings.t_s, *columns[:3], by_shared=columns[3] if sensitive else None)
+    return Track(sightings.t_s, *columns)
 
 
 def _fit_chunk(
@@ -80,10 +81,17 @@ def _fit_chunk(
     own, a, b, _ = _equations(camera, states, s, seen, noise, known)
     image = camera.image(camera.corners(states)) + camera.shared[READOUT] * s.skew
     misses = np.where(seen[..., None, None], s.corners_px - image, np.nan)
-    found: tuple[Any, ...] = (states, np.linalg.inv(own), misses)
+    found = (states, *_variances(np.linalg.inv(own)), np.sqrt(np.mean(misses**2, axis=(2, 3))))
     if sensitive:
         found += (-np.linalg.solve(own, a.transpose(0, 2, 1) @ b),)
     return found
+
+
+def _variances(covariance: NDArray[np.floating[Any]]) -> tuple[Array, Array]:
+    """Return a frame's variance of its place, m², and those of its joints, rad²."""
+    own = np.diagonal(covariance, axis1=1, axis2=2)
+    beside = np.diagonal(covariance[:, 2:, 2:], offset=1, axis1=1, axis2=2)
+    return own[:, 0] + own[:, 1], own[:, 2:-1] + own[:, 3:] - 2 * beside
 
 
 def _equations(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..seeing.sightings import Sightings
+from ..seeing.sightings import Sightings, in_chunks
 from .camera import LENS, MOUNTING, Camera
 from .chain import lever_matrix
 
@@ -24,8 +24,9 @@ def first_cameras(sightings: Sightings, link_m: float, side_m: float) -> list[Ca
     The best plane of every focal length, and the best of all that leans the other way: small
     squares look nearly the same from both sides.
     """
-    corners = sightings.corners_px[sightings.seen]
-    corners = corners[:: max(1, len(corners) // SAMPLE)]
+    frame, link = np.nonzero(sightings.seen)
+    some = slice(None, None, max(1, len(frame) // SAMPLE))
+    corners = sightings.corners_px[frame[some], link[some]].astype(float)
     tried = []
     for focal in FOCALS:
         ranked = []
@@ -73,9 +74,14 @@ def _scaled(camera: Camera, corners: Array, side_m: float) -> Camera:
 
 def tag_poses(camera: Camera, sightings: Sightings) -> tuple[Array, Array]:
     """Return centre (frames, links, 2) and heading (frames, links) of every tag in the plane."""
-    flat = camera.on_plane(sightings.corners_px)
-    right = flat[..., 1, :] - flat[..., 0, :] + flat[..., 2, :] - flat[..., 3, :]
-    return flat.mean(axis=-2), np.arctan2(right[..., 1], right[..., 0])
+
+    def poses(corners_px: Array) -> tuple[Array, Array]:
+        flat = camera.on_plane(corners_px)
+        right = flat[..., 1, :] - flat[..., 0, :] + flat[..., 2, :] - flat[..., 3, :]
+        return flat.mean(axis=-2), np.arctan2(right[..., 1], right[..., 0])
+
+    centres, headings = in_chunks(poses, sightings.corners_px)
+    return centres, headings
 
 
 def quarter_turns(centres: Array, headings: Array) -> Array:
@@ -101,10 +107,14 @@ def first_states(camera: Camera, sightings: Sightings, turns: Array) -> Array:
     theta = headings - turns
     theta = np.stack([filled(sightings.t_s, theta[:, i]) for i in range(theta.shape[1])], axis=1)
     theta = _never_seen_filled(theta)
-    along = np.stack([np.cos(theta), np.sin(theta)], axis=-1)
     levers = camera.link_m * lever_matrix(theta.shape[1])
-    middle = np.nanmean(centres - np.einsum("ij,fjk->fik", levers, along), axis=1)
-    return np.concatenate([middle, theta], axis=1)
+
+    def states(centres: Array, theta: Array) -> tuple[Array]:
+        along = np.stack([np.cos(theta), np.sin(theta)], axis=-1)
+        middle = np.nanmean(centres - np.einsum("ij,fjk->fik", levers, along), axis=1)
+        return (np.concatenate([middle, theta], axis=1),)
+
+    return in_chunks(states, centres, theta)[0]
 
 
 def filled(t_s: Array, angle: Array) -> Array:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Single = NDArray[np.float32]  # what is kept of every frame; sums are made in double
+CHUNK = 400  # frames at once: memory stays small however long the film
 
 
 @dataclass(frozen=True)
@@ -20,18 +25,25 @@ class Sightings:
     """
 
     t_s: Array
-    corners_px: Array
+    corners_px: Single
     image_px: tuple[int, int]
-    skew: Array
+    skew: Single
 
     @staticmethod
-    def of(t_s: Array, corners_px: Array, image_px: tuple[int, int]) -> Sightings:
+    def of(t_s: Array, corners_px: NDArray[Any], image_px: tuple[int, int]) -> Sightings:
         """Return sightings; a row's time is off by its share of the readout, about the middle."""
-        row = corners_px[..., 1:] / image_px[1] - 0.5
-        skew = row * _velocity(t_s, corners_px)
-        return Sightings(t_s, corners_px, image_px, np.where(np.isfinite(skew), skew, 0.0))
+        corners_px = corners_px.astype(np.float32, copy=False)
+        skew = np.zeros_like(corners_px)
+        for first in range(0, len(t_s), CHUNK):
+            begin, end = max(0, first - 1), first + CHUNK + 1  # with the neighbours
+            part = corners_px[begin:end].astype(float)
+            row = part[..., 1:] / image_px[1] - 0.5
+            moved = row * _velocity(t_s[begin:end], part)
+            own = slice(first - begin, first - begin + CHUNK)
+            skew[first : first + CHUNK] = np.where(np.isfinite(moved), moved, 0.0)[own]
+        return Sightings(t_s, corners_px, image_px, skew)
 
-    @property
+    @cached_property
     def seen(self) -> NDArray[np.bool_]:
         """Return which tags were found in which frame, (frames, links)."""
         return np.asarray(np.isfinite(self.corners_px).all(axis=(2, 3)))
@@ -42,16 +54,41 @@ class Sightings:
         return self.corners_px.shape[1]
 
     def picked(self, frames: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Sightings:
-        """Return some frames of it."""
+        """Return some frames of it; the same sightings where a mask picks all."""
+        if isinstance(frames, np.ndarray) and frames.dtype == bool and frames.all():
+            return self
         return Sightings(
             self.t_s[frames], self.corners_px[frames], self.image_px, self.skew[frames]
         )
 
-    @property
+    @cached_property
     def side_px(self) -> Array:
         """Return the mean side of each tag, (frames, links), px; NaN where it was not found."""
-        sides = np.roll(self.corners_px, -1, axis=2) - self.corners_px
-        return np.linalg.norm(sides, axis=-1).mean(axis=-1)
+
+        def sides(corners: Array) -> tuple[Array]:
+            apart = np.roll(corners, -1, axis=2) - corners
+            return (np.linalg.norm(apart, axis=-1).mean(axis=-1),)
+
+        return in_chunks(sides, self.corners_px)[0]
+
+
+def in_chunks(
+    function: Callable[..., tuple[NDArray[Any], ...]], *of_frames: NDArray[Any]
+) -> list[NDArray[Any]]:
+    """Return a function's arrays (frames, ...), from arrays (frames, ...): some frames at a time.
+
+    The function is given doubles.
+    """
+    whole: list[NDArray[Any]] = []
+    frames = len(of_frames[0])
+    for first in range(0, max(1, frames), CHUNK):
+        cut = slice(first, first + CHUNK)
+        parts = function(*(values[cut].astype(float) for values in of_frames))
+        if not whole:
+            whole = [np.empty((frames, *part.shape[1:]), part.dtype) for part in parts]
+        for array, part in zip(whole, parts, strict=True):
+            array[cut] = part
+    return whole
 
 
 def _velocity(t_s: Array, corners_px: Array) -> Array:

@@ -13,9 +13,8 @@ from ...model.errors import BadInput
 from .background import Background
 from .detect import TagFinder
 from .film import Damage, Film
-from .sightings import Sightings
+from .sightings import Sightings, Single
 
-Array = NDArray[np.float64]
 MOST_FRAMES = 500_000  # more than two hours at 60 frames/s
 COARSE_SHARE = 0.2  # corners to a whole pixel are left out where no more are so
 
@@ -33,7 +32,7 @@ class Watched:
 
     film: Film
     sightings: Sightings
-    edge_px: Array
+    edge_px: Single
     damage: Damage
     strangers: dict[int, int]
     shifts: tuple[tuple[float, float, float], ...]
@@ -89,8 +88,8 @@ def watch(
             "; copy it from the phone again"
         )
     shape = (len(times), links, 4, 2)
-    corners_px = np.frombuffer(numbers, np.float32).reshape(shape).astype(float)
-    edge_px = np.frombuffer(edges, np.float32).reshape(shape[:2]).astype(float)
+    corners_px = np.frombuffer(numbers, np.float32).reshape(shape)
+    edge_px = np.frombuffer(edges, np.float32).reshape(shape[:2])
     corners_px = _sharp(corners_px, edge_px)
     sightings = Sightings.of(np.array(times), corners_px, (film.width, film.height))
     shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
@@ -100,10 +99,10 @@ def watch(
     )  # fmt: skip
 
 
-def _sharp(corners_px: Array, edge_px: Array) -> Array:
-    """Return the corners without tags whose edges could not be read, where nearly all could."""
+def _sharp(corners_px: Single, edge_px: Single) -> Single:
+    """Leave out, in place, tags whose edges could not be read, where nearly all could."""
     found = np.isfinite(corners_px[..., 0, 0])
     coarse = found & ~np.isfinite(edge_px)
-    if coarse.sum() > COARSE_SHARE * found.sum():
-        return corners_px
-    return np.where(coarse[..., None, None], np.nan, corners_px)
+    if coarse.any() and coarse.sum() <= COARSE_SHARE * found.sum():
+        corners_px[coarse] = np.nan
+    return corners_px
