@@ -21,6 +21,7 @@ from ..model.robot import Robot
 from ..model.vectors import number_array
 from .fitting.influence import BOTH_WAYS, Influence
 from .friction_result import NAMES, WHOLE, Estimate, FrictionFit, WholeSnake, ground_of
+from .session import Session
 
 FORMAT = 1
 NAME = "fit.json"
@@ -99,6 +100,12 @@ def load_fit(path: str | Path) -> FrictionFit:
     return _with_age(fit, path)
 
 
+def rests_on(fit: FrictionFit, session: Session) -> bool:
+    """Return whether a fit is that of a session as it is now, crawls in it if it took any."""
+    now = session.sha256 if fit.draws is None else session.sha256_with_crawls
+    return now == fit.session_sha256
+
+
 def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
     """Note that the readings beside the file are no longer those it was fitted to."""
     from .session_file import load_session
@@ -107,12 +114,10 @@ def _with_age(fit: FrictionFit, path: Path) -> FrictionFit:
     if not (folder / "session.toml").exists():
         return fit
     try:
-        session = load_session(folder)
-        now = session.sha256 if fit.draws is None else session.sha256_with_crawls
-    except BadInput as error:
-        now = f"unreadable: {error}"
-    if now == fit.session_sha256:
-        return fit
+        if rests_on(fit, load_session(folder)):
+            return fit
+    except BadInput:
+        pass  # readings that cannot be read are others, too
     note = f"{path} is older than the readings beside it: run `serpenoid fit {folder}` again."
     return replace(fit, notes=(*fit.notes, note))
 

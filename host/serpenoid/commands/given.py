@@ -36,9 +36,12 @@ def take_fit(given: dict[str, Any]) -> FrictionFit | None:
     return tell_alarms(fit, [note for note in fit.notes if "is older than the readings" in note])
 
 
-def session_fit(folder: Path) -> FrictionFit:
-    """Return a session's fit.json if it is that of its readings, else fit them now."""
-    from ..calibration.fit_file import NAME, load_fit
+def session_fit(folder: Path, with_crawls: bool = True) -> FrictionFit:
+    """Return a session's fit.json if it is that of its readings, else fit them now.
+
+    with_crawls: whether one that rests on crawls will do, which is no test of them.
+    """
+    from ..calibration.fit_file import NAME, load_fit, rests_on
     from ..calibration.friction_fit import fit_friction
     from ..calibration.session_file import load_session
 
@@ -46,8 +49,17 @@ def session_fit(folder: Path) -> FrictionFit:
     if (folder / NAME).exists():
         try:
             kept = load_fit(folder)
-            if kept.session_sha256 == session.sha256:
+            if not with_crawls and kept.draws is not None:
+                say("note: fit.json has crawls in it, so it is no test of them: fitted without",
+                    err=True)  # fmt: skip
+            elif rests_on(kept, session):
                 return tell_alarms(kept)
+            elif kept.draws is not None:
+                say(
+                    f"serpenoid: warning: {folder / NAME} is older than the readings: fitted anew, "
+                    f"without crawls; `serpenoid fit {folder} --crawls` takes them",
+                    err=True,
+                )
         except BadInput as error:  # an older version's, or edited: the readings are there
             say(f"serpenoid: warning: {error}; fitted anew", err=True)
     return tell_alarms(fit_friction(session))

@@ -9,7 +9,9 @@ from calibration.synthetic_session import STEP_RAD, WHOLE_BODY_2005, changed, se
 from serpenoid import BadInput
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES
+from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.kinds.zero import ZeroReading
+from serpenoid.calibration.session import Session
 
 TRUTH = [getattr(WHOLE_BODY_2005, name) for name in NAMES]
 
@@ -181,3 +183,27 @@ def test_each_reading_counts_with_the_instruments_it_was_taken_with():
     for name in NAMES:
         shift = abs(ignored.parameters[name].value - absent.parameters[name].value)
         assert shift < 0.01 * absent.parameters[name].sigma
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_wild_contradiction_leaves_ends_that_chi2_allows():
+    """Speeds close together and an incline thrice the others': the search for ends ran away."""
+    made = setup(25.0)
+    made = replace(made, uncertainty=replace(made.uncertainty, belt_speed_sigma_m_s=0.01))
+    speeds = (0.30, 0.32, 0.34)
+    straight, bent = (2.13, 2.16, 2.16), (3.52, 3.59, 3.64)
+    rows = [
+        *((0.0, i, v) for i, v in zip(straight, speeds, strict=True)),
+        *((25.0, i, v) for i, v in zip(bent, speeds, strict=True)),
+        (0.0, 6.0, 0.33),
+    ]
+    taken = tuple(
+        Reading(k, math.radians(bend), math.radians(incline), v)
+        for k, (bend, incline, v) in enumerate(rows, 1)
+    )
+    fit = fit_friction(Session(made, taken))
+    assert fit.alarms
+    for name in NAMES:
+        low, high = fit.intervals[name]
+        value, sigma = fit.parameters[name]
+        assert low <= value <= high < value + 4.0 * sigma

@@ -5,10 +5,13 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import serpenoid as sn
+from serpenoid.commands.given import session_fit
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
@@ -75,6 +78,38 @@ def test_a_session_or_its_fit_gives_friction_to_other_commands(folder):
     assert json.loads(firm)["speed_m_s"] > 1.05 * asked
     simulated = run("simulate", "--session", folder, *GAIT, "--duration-s", "0.1", "--json")
     assert json.loads(simulated.stdout)
+
+
+SHEET = """kind,lambda_deg,bend,incline_deg,belt_speed_m_s
+station,0,,2.02,0.2
+station,0,,2.66,0.8
+station,25,balanced,3.02,0.2
+station,25,balanced,4.40,0.8
+"""
+CRAWL = ["gait", "alpha_deg=70", "beta_deg=75", "distance_m=2.5", "duration_s=20"]
+
+
+def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsys):
+    """Until a reading comes: then the readings are fitted again, and what is left out is said."""
+    folder, sheet = tmp_path / "session", tmp_path / "sheet.csv"
+    sheet.write_text(SHEET)
+    run("calibrate", "new", folder, "--defaults", "--simulated")
+    run("calibrate", "add", folder, "--sheet", sheet)
+    run("calibrate", "add", folder, *CRAWL, "omega_rad_s=5")
+    session = sn.load_session(folder)
+    plain = sn.fit_friction(session)
+    sn.save_fit(
+        replace(plain, method="joint, with crawls", session_sha256=session.sha256_with_crawls,
+                draws=np.column_stack([plain.sample_whole(64), np.ones(64)])),
+        folder,
+    )  # fmt: skip
+    assert session_fit(folder).draws is not None
+    assert not capsys.readouterr().err
+    assert session_fit(folder, with_crawls=False).draws is None
+    assert "no test of them" in capsys.readouterr().err
+    run("calibrate", "add", folder, *CRAWL, "omega_rad_s=4")
+    assert session_fit(folder).draws is None
+    assert "fitted anew, without crawls" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from .joint import Minimum, jacobian, residuals
 
 _ROUNDS, _SETTLED, _HALVINGS = 60, 1e-6, 16
 _NOTHING = 1e-4  # of a friction, or of its standard deviation: an interval's low end is then 0
+_AT_LEVEL = 2.0  # times the rise of chi2 asked for: an end may have that, with others at 0
 
 
 def quantiles(data: FitData, found: Minimum, level: float) -> Floats:
@@ -111,7 +112,9 @@ def _extreme(data: Terms, found: Minimum, k: int, sign: float, level: float) -> 
         try:
             covariance = np.linalg.inv(slopes.T @ slopes)
         except np.linalg.LinAlgError:
-            return None
+            break
+        if not (np.diag(covariance) > 0.0).all():  # singular but for rounding
+            break
         pull = slopes.T @ r
         room = level - float(r @ r) + float(pull @ covariance @ pull)
         reach = sign * np.sqrt(max(room, 0.0) / covariance[k, k])
@@ -129,9 +132,11 @@ def _extreme(data: Terms, found: Minimum, k: int, sign: float, level: float) -> 
         moved = np.abs(following - x) / np.sqrt(np.diag(covariance))
         x = following
         if not np.isfinite(x).all():
-            return None
+            break
         if sign < 0.0 and x[k] <= _NOTHING * max(found.x[k], np.sqrt(covariance[k, k])):
             return 0.0
         if moved.max() < _SETTLED:
-            return float(x[k])
+            chi2 = float(np.sum(data.residuals(x) ** 2))
+            # far off the level it is no end: the search ran out along a flat valley
+            return float(x[k]) if chi2 - found.chi2 < _AT_LEVEL * (level - found.chi2) else None
     return None

@@ -51,7 +51,7 @@ def compare(
 
     more = [listed_gait(*gait) for gait in gaits]
     loaded = load_session(session)
-    fit = session_fit(session)
+    fit = session_fit(session, with_crawls=False)
     with progress(comparison.gait_count(loaded, more), "gaits") as advance:
         found = comparison.compare(
             loaded, fit, gaits=more, amplitude_sigma=amplitude_sigma, samples=samples,
