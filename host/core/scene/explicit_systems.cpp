@@ -9,6 +9,7 @@
 #include "scene/make_system.hpp"
 #include "scene/make_torques.hpp"
 #include "scene/paired_system.hpp"
+#include "scene/rotor_system.hpp"
 #include "scene/terms.hpp"
 
 namespace serpenoid {
@@ -185,9 +186,23 @@ class ExplicitMixed final : public PairedSystem {
 
 }  // namespace
 
+static std::unique_ptr<PairedSystem> make_driven(const RunRequest& q,
+                                                 std::unique_ptr<TorqueSource> torques) {
+    if (mixed(q)) return std::make_unique<ExplicitMixed>(q, mixed_drive(q), std::move(torques));
+    return std::make_unique<ExplicitTorque>(q, std::move(torques));
+}
+
+static std::unique_ptr<PairedSystem> make_with_play(const RunRequest& q) {
+    RunRequest links = q;  // the rotors are not theirs
+    links.servo.armature = 0;
+    auto teeth = std::make_unique<Teeth>(q);
+    Teeth& at = *teeth;
+    return std::make_unique<RotorSystem>(q, make_driven(links, std::move(teeth)), at);
+}
+
 std::unique_ptr<PairedSystem> make_paired(const RunRequest& q) {
-    if (mixed(q)) return std::make_unique<ExplicitMixed>(q, mixed_drive(q), make_torques(q));
-    if (q.drive != Drive::angle) return std::make_unique<ExplicitTorque>(q, make_torques(q));
+    if (q.drive == Drive::servo && q.servo.backlash > 0) return make_with_play(q);
+    if (mixed(q) || q.drive != Drive::angle) return make_driven(q, make_torques(q));
     return with_force<PairedSystem>(q, [&]<class Force>() -> std::unique_ptr<PairedSystem> {
         return std::make_unique<ExplicitAngleOn<Force>>(q);
     });

@@ -45,6 +45,7 @@ def _kind(row: dict[str, Any]) -> MethodKind:
 METHODS = {row.pop("name"): _kind(row) for row in _core.method_table()}
 
 _FIRST_ADVISED = ("dop853", "rk4", "radau")  # behind the one that suits a scene
+_ANY_WAY = "formulation 'explicit' without smoothing_m_s, and leave the method to the scene"
 
 
 class Asked(Protocol):
@@ -110,7 +111,7 @@ def objection(
     ):
         if value not in runs:
             return f"does not run with {what} {value!r}"
-    if (why := _servo_objection(name, scene.servo)) is not None:
+    if (why := _servo_objection(name, formulation, scene.servo)) is not None:
         return why
     if (scene.limp or scene.locked) and (kind.plain or not kind.faults):
         return "does not run with limp or locked joints"
@@ -121,9 +122,14 @@ def objection(
     return f"cannot record {lacks[0]!r}" if lacks else None
 
 
-def _servo_objection(name: str, servo: Servo | None) -> str | None:
+_HAVE_PLAY = (("explicit", "nonsmooth"), ("explicit", "dop853"))
+
+
+def _servo_objection(name: str, formulation: str, servo: Servo | None) -> str | None:
     if servo is None:
         return None
+    if servo.backlash_rad > 0 and (formulation, name) not in _HAVE_PLAY:
+        return f"with formulation {formulation!r} does not run gears with play, whose teeth hit"
     if name == "radau" and not servo.simple:
         return "does not run with rotors, gear friction, a loop that holds or a supply that sags"
     if name == "dop853" and servo.gear_friction_nm > 0:
@@ -133,7 +139,8 @@ def _servo_objection(name: str, servo: Servo | None) -> str | None:
 
 def default_method(scene: Asked) -> str:
     """Return the method for a scene that names none: exact sticking on dry ground, else rk4."""
-    gears = scene.servo is not None and scene.servo.gear_friction_nm > 0
+    servo = scene.servo
+    gears = servo is not None and (servo.gear_friction_nm > 0 or servo.backlash_rad > 0)
     dry = (scene.law == "dry" or gears) and objection("nonsmooth", scene) is None
     return "nonsmooth" if dry else "rk4"
 
@@ -153,4 +160,4 @@ def ways_out(name: str, scene: Asked) -> str:
         for one in scene.record
         if objection(name, scene, record=tuple(r for r in scene.record if r != one)) is None
     ]
-    return ", or ".join(ways)
+    return ", or ".join(ways) or _ANY_WAY

@@ -184,12 +184,6 @@ class Scene:
             finite_vector("torque", self.torque, joints)
         if self.drive == "servo":
             self._check_firmware()
-            if self.servo is not None and self.servo.backlash_rad > 0:
-                raise BadInput(
-                    "simulate follows one angle a joint; a gear with play has two, of rotor and "
-                    "link, whose teeth hit. Set backlash_rad to 0, or take steady_gait(..., "
-                    "servo=...), or in time lab.crawl.crawl_speed: both have play"
-                )
 
     def _check_firmware(self) -> None:
         joints = self.robot.links - 1

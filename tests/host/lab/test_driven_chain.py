@@ -144,5 +144,3 @@ def test_a_robot_without_servo_is_not_driven_and_the_joints_are_seen() -> None:
 def test_play_without_a_rotor_is_refused() -> None:
     with pytest.raises(sn.BadInput, match="needs a rotor"):
         Servo(backlash_rad=0.01)
-    with pytest.raises(sn.BadInput, match="one angle a joint"):
-        sn.Scene(BODY, WHOLE, GAIT, drive="servo", servo=replace(SERVO, backlash_rad=0.01))

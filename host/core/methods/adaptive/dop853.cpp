@@ -77,8 +77,9 @@ double Dop853::error(double h) const {
         e5 = std::max(e5, std::fabs(d5) * weight_[i]);
         check += d5 * 0;
     }
-    if (check != 0) return std::numeric_limits<double>::infinity();
-    return e5 > 0 ? h * e5 * e5 / std::sqrt(e5 * e5 + 0.01 * e3 * e3) : 0;
+    // stages that run away overflow: the squares of such errors would make a quotient of 0
+    if (check != 0 || !std::isfinite(e3 + e5)) return std::numeric_limits<double>::infinity();
+    return e5 > 0 ? h * e5 * (e5 / std::hypot(e5, 0.1 * e3)) : 0;
 }
 
 // From the sizes of the rate and of its change over a short Euler step (HNW I, II.4).
