@@ -128,7 +128,7 @@ def _ranked(
     ) for r in sorted(readings, key=lambda r: r.band)]  # fmt: skip
     then = _after(session, fit, total[0])
     last = total[0].band_after_times
-    after = last if then is None else band_parts(then, wanted, servo).whole
+    after = last if then is None else band_parts(then, wanted, servo, before=fit).whole
     notes = filter(None, (_ratchet_note(session, fit), servo_note(parts, servo, after)))
     return Advice(wanted, now, after, tuple(total), " ".join(notes), *servo_fields(servo, parts))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,8 @@ from .fitting.paper_fit import points, two_lines
 from .friction_result import DOUBTFUL, FrictionFit
 from .session import Session
 
-_REFITTED = 3  # so many suspects are fitted without, since a gross outlier is no linear step
+_REFITTED = 5  # so many suspects are fitted without, since a gross outlier is no linear step
+_TOLD_APART = 2 * math.log(10.0)  # of chi2: one suspect is then ten times as likely as another
 _SURELY = 3.0  # standard deviations below 0, from which a friction is an alarm
 
 
@@ -49,8 +51,8 @@ def _contradiction(
 ) -> list[str]:
     """Say that the readings disagree, and without which one they would disagree least.
 
-    Residuals would mislead, for a line follows its outlier. A part is left with three readings at
-    least, or any line would pass.
+    Residuals would mislead, for a line follows its outlier. A part is left with two readings at
+    least. Where only two are left, any line may pass, and several readings are suspects alike.
     """
     if fit.p_value is None or fit.p_value > DOUBTFUL:
         return []
@@ -60,18 +62,31 @@ def _contradiction(
         "intervals."
     )
     found = found or minimise(data, starting_point(two_lines(data)[0], data))
-    enough = np.array(parts(data))[np.where(data.bent, 2, data.back)] > 3
+    enough = np.array(parts(data))[np.where(data.bent, 2, data.back)] > 2
     chi2 = np.where(enough, leave_one_out(found, len(data)).chi2, np.inf)
     suspects = [int(k) for k in np.argsort(chi2)[:_REFITTED] if enough[k]]
     if not suspects:
         worst = int(np.argmax(np.abs(fit.residuals)))
         return [f"{told} Look at reading {session.kept[worst].number} first: it is furthest off."]
     left = {k: minimise(data.without(k), found.x).chi2 for k in suspects}
-    worst = min(left, key=left.__getitem__)
-    return [
-        f"{told} Without reading {session.kept[worst].number} chi2 would be {left[worst]:.1f}: "
-        "look at that one first, or fit with method 'robust'."
-    ]
+    return [f"{told} {_suspects({session.kept[k].number: left[k] for k in suspects})}"]
+
+
+def _suspects(left: dict[int, float]) -> str:
+    """Name the readings to look at; left: chi2 without each."""
+    least = min(left.values())
+    alike = sorted(number for number, chi2 in left.items() if chi2 < least + _TOLD_APART)
+    if len(alike) == 1:
+        return (
+            f"Without reading {alike[0]} chi2 would be {least:.1f}: look at that one first, or fit "
+            "with method 'robust'."
+        )
+    numbers = f"{', '.join(map(str, alike[:-1]))} or {alike[-1]}"
+    most = max(left[number] for number in alike)
+    return (
+        f"Without reading {numbers} chi2 would be {most:.1f} or less: look at those first. Another "
+        "reading of their series tells which one is wrong."
+    )
 
 
 def _against_the_law(data: FitData) -> list[str]:

@@ -15,7 +15,7 @@ from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
-from .crawls.runs import runs_by_gait
+from .crawls.runs import runs_by_gait, same_gait
 from .filmed_joints import gaits_seen, seen_on_film, servo_seen
 from .friction_fit import fit_friction
 from .friction_result import FrictionFit, band
@@ -195,7 +195,7 @@ def _all_runs(session: Session) -> tuple[GaitRun, ...]:
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
     """Return the gaits run, or planned where none was, and further ones."""
     own = list(runs_by_gait(session)) or list(session.setup.procedure.gaits)
-    return own + [g for g in more if g not in own]
+    return own + [g for g in more if not any(same_gait(known, g) for known in own)]
 
 
 def gait_count(session: Session, more: Sequence[Gait] = ()) -> int:

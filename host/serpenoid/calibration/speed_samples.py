@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from .friction_result import FrictionFit, band
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
+_ALIKE = 0.5  # of the median speed: a servo's share is then that of other draws, to some 0.2 %
 SERVO_LEFT = 0.5  # of the servos' doubt, after a bench test of one joint
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
 
@@ -31,6 +33,13 @@ def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) 
     """Return the exact model's speed to 1e-3 of itself, m/s; servo: what moves the joints."""
     ideal = steady_gait(robot, ground, gait, rtol=1e-3, powers=False)
     return ideal.speed_m_s if servo is None else servo_speed(ideal, servo)
+
+
+@lru_cache(maxsize=4096)
+def _driven(robot: Robot, ground: Ground, gait: Gait, servo: Servo) -> tuple[float, float]:
+    """Return the speeds with ideal joints and with a servo, m/s; several commands ask twice."""
+    ideal = steady_gait(robot, ground, gait, rtol=1e-3, powers=False)
+    return ideal.speed_m_s, servo_speed(ideal, servo)
 
 
 @dataclass(frozen=True)
@@ -143,9 +152,8 @@ def sample_speeds(
         if servo is None:
             joints = [speed(fit.robot, g, made) for g, made in pairs]
             return alone, joints, joints
-        ideal = [steady_gait(fit.robot, g, m, rtol=1e-3, powers=False) for g, m in pairs]
-        moved = [servo_speed(*pair) for pair in zip(ideal, servos, strict=True)]
-        return alone, [state.speed_m_s for state in ideal], moved
+        both = [_driven(fit.robot, *p, servo) for p, servo in zip(pairs, servos, strict=True)]
+        return alone, [ideal for ideal, _ in both], [moved for _, moved in both]
 
     found = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -190,15 +198,37 @@ class BandParts:
         return math.sqrt(max(self.whole**2 - self.friction**2, 0.0) + (ratio * self.friction) ** 2)
 
 
-def band_parts(fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None) -> BandParts:
-    """Return the parts of the band that fit, joints and servos leave, by samples as `compare`."""
-    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=servo)
+def band_parts(
+    fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None,
+    before: FrictionFit | None = None,
+) -> BandParts:  # fmt: skip
+    """Return the parts of the band that fit, joints and servos leave, by samples as `compare`.
+
+    before: a fit of the same values that knows less. Each draw's servo leaves the same share of the
+    speed there, so that it is not solved for again.
+    """
+    drawn = _with_servos(fit, gaits, servo, before)
     best = [max(speed(fit.robot, fit.ground, gait), 1e-9) for gait in gaits]
     halves = []
     for speeds in (drawn.both_m_s, drawn.joints_m_s, drawn.friction_m_s):
         ends = [band(of_gait) for of_gait in speeds.T]
         halves.append(np.mean([(b - a) / 2 / v for (a, b), v in zip(ends, best, strict=True)]))
     return BandParts(*map(float, halves))
+
+
+def _with_servos(
+    fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None, before: FrictionFit | None
+) -> SpeedSamples:
+    def drawn(of: FrictionFit, kind: ServoKind | None) -> SpeedSamples:
+        return sample_speeds(of, gaits, amplitude_sigma=AMPLITUDE_SIGMA, servo=kind)
+
+    if servo is None or before is None:
+        return drawn(fit, servo)
+    known = drawn(before, servo)
+    if np.any(known.joints_m_s < _ALIKE * np.median(known.joints_m_s, axis=0)):
+        return drawn(fit, servo)  # some grounds are so unlike that a servo's share is another
+    ideal = drawn(fit, None)
+    return replace(ideal, both_m_s=ideal.joints_m_s * known.shares)
 
 
 def servo_fields(

@@ -89,18 +89,24 @@ def test_a_robust_fit_counts_no_misreading_among_its_degrees_of_freedom():
     assert fit.dof == len(readings) - 1 - 4
 
 
-def test_no_reading_is_suspected_whose_part_would_be_left_with_two():
+@pytest.mark.parametrize(("which", "off"), [(0, 0.5), (1, 0.5)])
+def test_one_misread_of_three_straight_readings_is_named(which, off):
+    """The default plan has three: each bend says what the straight robot's friction is, too."""
     made = session_of("balanced")
     straight = [made.readings[k] for k in (0, 2, 5)]
-    straight[1] = replace(straight[1], belt_speed_m_s=straight[1].belt_speed_m_s + 0.5)
-    few = replace(made, readings=(*straight, *made.readings[6:]))
-    fit = sn.fit_friction(few)
-    assert fit.p_value < 0.01
-    named = [note for note in fit.notes if "Without reading" in note]
-    assert not any(f"Without reading {r.number} " in note for r in straight for note in named)
-    more = replace(made, readings=(*straight, made.readings[3], *made.readings[6:]))
-    notes = sn.fit_friction(more).notes
-    assert any(f"Without reading {straight[1].number} " in note for note in notes)
+    wrong = straight[which]
+    straight[which] = replace(wrong, belt_speed_m_s=wrong.belt_speed_m_s + off)
+    fit = sn.fit_friction(replace(made, readings=(*straight, *made.readings[6:])))
+    assert f"Without reading {wrong.number} chi2 would be 0.0: look at that one" in fit.alarms[0]
+
+
+def test_readings_that_could_each_be_the_wrong_one_are_all_named():
+    """With one bend, any two of three straight readings are a line that agrees with it."""
+    made = session_of("balanced")
+    straight = [made.readings[k] for k in (0, 2, 5)]
+    straight[1] = replace(straight[1], belt_speed_m_s=straight[1].belt_speed_m_s + 0.2)
+    fit = sn.fit_friction(replace(made, readings=(*straight, *made.readings[12:])))
+    assert "Without reading 1, 3 or 6 chi2 would be 0.0 or less: look at those" in fit.alarms[0]
 
 
 def test_the_jacobian_is_that_of_the_residuals():

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 from serpenoid.calibration.servos import from_runs
+from serpenoid.calibration.session_file import load_session
+from serpenoid.calibration.taking.journal import Journal
 from serpenoid.commands.main import cli
 
 SESSION = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
@@ -24,20 +27,42 @@ def told(*args):
     return json.loads(done.stdout[done.stdout.index("{") :]), done.stderr
 
 
+def with_a_plan(folder):
+    """Return the session of 2005 in a folder whose plan has gaits, GAIT among them."""
+    assert CliRunner().invoke(cli, ["calibrate", "new", str(folder), "--defaults"]).exit_code == 0
+    with Journal(folder) as journal:
+        for r in load_session(SESSION).readings:
+            bend, incline = math.degrees(r.lambda_rad), math.degrees(r.incline_rad)
+            journal.add("station", {
+                "lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": r.belt_speed_m_s,
+                "drift_m_s": r.drift_m_s,
+            })  # fmt: skip
+    return folder
+
+
 def test_one_gait_has_one_band_whoever_shows_it(tmp_path):
-    of = ["--session", SESSION]
+    session = with_a_plan(tmp_path / "session")
+    of = ["--session", session]
     steady = told("steady", *of, *GAIT, *IDEAL)[0]["band"]
     low, high, speed = (steady[f"{name}_m_s"] for name in ("low", "high", "speed"))
     assert 0.3 * speed < low < steady["low_friction_m_s"] < speed
     assert speed < steady["high_friction_m_s"] < high
     driven = told("drive", *of, *GAIT, *IDEAL, "--port", "virtual:fast", "--duration-s", "1")[0]
     assert driven["predicted"] == steady
-    compared = told("compare", SESSION, *WISH, *IDEAL)[0]["gaits"][0]
+    rows = told("compare", session, *WISH, *IDEAL)[0]["gaits"]
+    rates = [round(row["frequency_hz"], 6) for row in rows]
+    assert rates == [0.25, 0.5, 1.0]  # none is there twice
+    compared = rows[1]
     found = [compared[name] for name in ("low_all_m_s", "high_all_m_s", "low_m_s", "high_m_s")]
     friction = [steady["low_friction_m_s"], steady["high_friction_m_s"]]
     assert found == pytest.approx([low, high, *friction], rel=1e-6)
-    advised = told("advise", SESSION, *WISH, *IDEAL)[0]
+    advised = told("advise", session, *WISH, *IDEAL)[0]
     assert advised["band"] == pytest.approx((high - low) / 2 / speed, rel=1e-6)
+    page = tmp_path / "report.html"
+    told("report", session, *IDEAL, "--out", page)
+    assert f"<td>{low:.4f} to {high:.4f}</td>" in page.read_text()
+    planned = told("advise", session, *IDEAL)[0]["band"]
+    assert f"The speeds are known to {planned:.1%} " in page.read_text()
     best = told("optimize", *of, *IDEAL, "--speed-m-s", "0.05")[0]
     gait = [f"--{name.replace('_', '-')}={value}" for name, value in best["gait"].items()]
     again, band = told("steady", *of, *gait, *IDEAL)[0]["band"], best["band"]
@@ -76,6 +101,8 @@ def test_a_fit_that_nobody_may_trust_is_told_by_all(contradictory, tmp_path, mon
         "fit": [folder],
         "compare": [folder, *WISH, *IDEAL, "--samples", "16"],
         "advise": [folder, *WISH, *IDEAL, "--samples", "16"],
+        "report": [folder, *IDEAL],
+        "optimize": [*of, *IDEAL, "--speed-m-s", "0.05"],
         "steady": [*of, *GAIT, *IDEAL],
         "simulate": [*of, *GAIT, "--duration-s", "0.2"],
         "sweep": [*of, *sweep, "--out", tmp_path / "study.csv"],
@@ -88,4 +115,5 @@ def test_a_fit_that_nobody_may_trust_is_told_by_all(contradictory, tmp_path, mon
         assert f"Without reading {number} " in alarms[0], command
         if command != "fit":  # whose answer it is
             assert f"Without reading {number} " in " ".join(warned.split()), command
+    assert f"Without reading {number} " in (folder / "report.html").read_text()
     assert taken[0].alarms

@@ -9,6 +9,7 @@ from typing import Any
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
+from ..crawls.runs import as_run
 from ..session import Session
 
 
@@ -116,8 +117,11 @@ class Advice:
 
 
 def gaits_that_matter(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
-    """Return the gaits given, else those of the session's plan; raises BadInput for none."""
-    wanted = tuple(gaits) or session.setup.procedure.gaits
+    """Return the gaits given, else those of the session's plan; raises BadInput for none.
+
+    A planned gait that ran counts at the rate it had, as for `compare`: the board's clock errs.
+    """
+    wanted = tuple(gaits) or as_run(session, session.setup.procedure.gaits)
     if not wanted:
         raise BadInput(f"{session.where}: no gait to predict; name one with --gait")
     return wanted
