@@ -159,7 +159,7 @@ def compare(
     )  # fmt: skip
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
     curve, named = _curve(fit, wanted, seed, progress), servo and servo.name
-    common = (session.setup.name, amplitude_sigma, points, curve, _all_runs(session))
+    common = (session.setup.name, amplitude_sigma, points, curve, session.kept_crawls)
     if all(p.measured_m_s is None for p in points):
         return Comparison(*common, None, None, None, "not measured", NOT_MEASURED, named)
     stated = amplitude_sigma, seed, servo
@@ -185,11 +185,6 @@ def _judged(
     text = in_words(found, measured, fit, amplitude_sigma, weight_n, servo)
     word, text = seen_on_film(session, fit, drawn, found.word, text)
     return found.p_value, friction, amplitude, word, text, servo and servo.name, servos
-
-
-def _all_runs(session: Session) -> tuple[GaitRun, ...]:
-    """Return the gait runs and the films, as gait runs."""
-    return (*session.kept_gait_runs, *(film.gait_run for film in session.kept_films))
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:

@@ -15,12 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.checks import check_number, check_whole
+from ..model.drives import Servo
 from ..model.errors import BadInput
 from ..model.files import read_json
 from ..model.robot import Robot
 from ..model.vectors import number_array
 from .fitting.influence import BOTH_WAYS, Influence
-from .friction_result import NAMES, WHOLE, Estimate, FrictionFit, WholeSnake, ground_of
+from .friction_result import (
+    NAMES,
+    WHOLE,
+    Estimate,
+    FittedServos,
+    FrictionFit,
+    WholeSnake,
+    ground_of,
+)
 from .session import Session
 
 FORMAT = 1
@@ -179,7 +188,8 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
         alarms=tuple(map(str, given["alarms"])),
         session_name=str(given["session"]["name"]),
         session_sha256=str(given["session"]["sha256"]),
-        draws=_draws(given.get("draws"), len(names)),
+        draws=(draws := _draws(given.get("draws"), len(names))),
+        servos=_servos(given.get("servos"), 0 if draws is None else len(draws)),
     )
 
 
@@ -216,6 +226,20 @@ def _draws(values: Any, frictions: int) -> NDArray[np.float64] | None:
     if not well or not np.isfinite(draws).all() or draws.min() < 0.0:
         raise BadInput(f"draws is not rows of {frictions + 1} numbers, each at least 0")
     return draws
+
+
+def _servos(given: Any, draws: int) -> FittedServos | None:
+    """Return the servos that go with the draws."""
+    if given is None:
+        return None
+    drawn = tuple(Servo(**one) for one in given["drawn"])
+    last = len(drawn) - 1
+    index = tuple(check_whole("index of a servo", k, 0, last) for k in given["index"])
+    if len(index) != draws:
+        raise BadInput(f"servos has {len(index)} indices for {draws} draws")
+    return FittedServos(
+        str(given["kind"]), drawn, index, check_whole("best servo", given["best"], 0, last)
+    )
 
 
 def _named(values: Any) -> WholeSnake[Any]:

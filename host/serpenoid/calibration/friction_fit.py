@@ -51,7 +51,7 @@ METHODS = ("joint", "robust", "naive")
 
 def fit_friction(
     session: Session, *, method: str = "joint", crawls: bool = False,
-    servo: ServoKind | None = None,
+    servo: ServoKind | None = None, seed: int = 2005,
 ) -> FrictionFit:  # fmt: skip
     """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations, pushes and slides together.
 
@@ -72,6 +72,8 @@ def fit_friction(
         left out unless asked for.
     servo
         The kind that moved the joints in those crawls; None: they followed the gait.
+    seed
+        Of the draws, where crawls are fitted.
 
     Returns
     -------
@@ -90,7 +92,7 @@ def fit_friction(
     if crawls:
         if method != "joint":
             raise BadInput(f"crawls are fitted by method 'joint', not {method!r}")
-        return fit_crawls(session, _beside_crawls(session), servo)
+        return fit_crawls(session, _beside_crawls(session), servo, seed)
     if session.on_floor:
         return _on_floor(session, method)
     data = FitData.of(session)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.checks import check_number
+from ..model.drives import Servo, ServoKind
 from ..model.ground import Ground
 from ..model.robot import Robot
 from .fitting.influence import BOTH_WAYS, Influence
@@ -96,6 +97,24 @@ class TableRow(NamedTuple):
         return f"{self.low:.3g} to {self.high:.3g}" if self.low else f"below {self.high:.3g}"
 
 
+@dataclass(frozen=True)
+class FittedServos:
+    """What crawls tell of the servos that moved the joints in them.
+
+    kind: of which they were drawn. drawn: those. index: of each of the fit's draws, which of them.
+    best: the likeliest.
+    """
+
+    kind: str
+    drawn: tuple[Servo, ...]
+    index: tuple[int, ...]
+    best: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return asdict(self)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionFit:
     """Hold the friction fitted to one session; print() gives a report of it.
@@ -136,6 +155,8 @@ class FrictionFit:
     draws : (N, P + 1)
         Where crawls are fitted: frictions, whole snake, and the joints' amplitude over the
         commanded one. Each row is as likely as any other.
+    servos
+        Where crawls are fitted and the servos were in doubt: the servo that goes with each draw.
     """
 
     method: str
@@ -156,6 +177,7 @@ class FrictionFit:
     session_name: str = ""
     session_sha256: str = ""
     draws: Floats | None = None
+    servos: FittedServos | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -210,6 +232,15 @@ class FrictionFit:
     def sample_amplitudes(self, count: int = 64) -> Floats | None:
         """Return the joints' amplitudes that go with sample_whole's rows, where crawls told one."""
         return None if self.draws is None else np.resize(self.draws[:, -1], count)
+
+    def sample_servos(self, kind: ServoKind, count: int = 64, seed: int = 2005) -> list[Servo]:
+        """Return the servos that go with sample_whole's rows, where crawls told of such a kind.
+
+        Else servos drawn from the kind.
+        """
+        if self.servos is None or self.servos.kind != kind.name:
+            return list(kind.draws(count, seed))
+        return [self.servos.drawn[k] for k in np.resize(self.servos.index, count)]
 
     def sample(self, count: int = 64, seed: int = 2005) -> tuple[Ground, ...]:
         """Draw frictions per link that the readings allow, as simulations take them.
@@ -292,7 +323,15 @@ class FrictionFit:
             "influence": [i.to_dict() for i in self.influence],
             "alarms": list(self.alarms),
             "notes": list(self.notes),
-        } | ({} if self.draws is None else {"draws": _rounded(self.draws)})
+        } | self._drawn()
+
+    def _drawn(self) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        if self.draws is not None:
+            found["draws"] = _rounded(self.draws)
+        if self.servos is not None:
+            found["servos"] = self.servos.to_dict()
+        return found
 
 
 def _rounded(draws: Floats) -> list[list[float]]:

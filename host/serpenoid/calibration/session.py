@@ -65,7 +65,7 @@ class Procedure:
     bend: str = "zigzag"
     on: str = "treadmill"
     push_lambda_rad: tuple[float, ...] = tuple(map(math.radians, (0.0, 20.0, 45.0)))
-    pushes: int = 4
+    pushes: int = 8
 
     @property
     def bends_rad(self) -> tuple[float, ...]:
@@ -154,6 +154,11 @@ class Session:
     def kept_films(self) -> tuple[FilmReading, ...]:
         """Return the measured films that were not voided."""
         return tuple(r for r in self.further if isinstance(r, FilmReading) and not r.voided)
+
+    @property
+    def kept_crawls(self) -> tuple[GaitRun, ...]:
+        """Return the gait runs, and the films as gait runs, that were not voided."""
+        return (*self.kept_gait_runs, *(film.gait_run for film in self.kept_films))
 
     @property
     def kept_pushes(self) -> tuple[Coast, ...]:

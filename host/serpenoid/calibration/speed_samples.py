@@ -80,8 +80,20 @@ def speed_band(
     """
     drawn = sample_speeds(fit, [gait], amplitude_sigma=amplitude_sigma, servo=servo, count=count)
     ends = (*band(drawn.both_m_s[:, 0]), *band(drawn.friction_m_s[:, 0]))
-    best = speed(fit.robot, fit.ground, gait, servo and servo.servo)
+    best = likeliest_speed(fit, gait, servo)
     return SpeedBand(best, *ends, servo and servo.name)
+
+
+def likeliest_speed(fit: FrictionFit, gait: Gait, servo: ServoKind | None) -> float:
+    """Return the speed that a fit holds for likeliest, m/s, by the typical servo of a kind.
+
+    Where crawls told the joints' amplitude and servos, those count.
+    """
+    if fit.draws is not None:
+        gait = scaled(gait, fit.nuisances["joint_amplitude"].value)
+    if servo is not None and fit.servos is not None and fit.servos.kind == servo.name:
+        return speed(fit.robot, fit.ground, gait, fit.servos.drawn[fit.servos.best])
+    return speed(fit.robot, fit.ground, gait, servo and servo.servo)
 
 
 def scaled(gait: Gait, amplitude: float) -> Gait:
@@ -124,15 +136,15 @@ def sample_speeds(
 ) -> SpeedSamples:
     """Draw speeds; amplitude_sigma: of the joints' true over commanded amplitude, common to all.
 
-    Where crawls told the amplitude, the fit's own draws of it count instead. servo: the kind that
-    moves the joints, one drawn for each friction; None: they follow the gait. seen: gaits as films
-    showed the joints, and as commanded; only the ripple of a servo counts there.
+    Where crawls told the amplitude and the servos, the fit's own draws of them count instead.
+    servo: the kind that moves the joints, one for each friction; None: they follow the gait. seen:
+    gaits as films showed the joints, and as commanded; only the ripple of a servo counts there.
 
     progress is called with the gaits done. As many threads as the machine has cores.
     """
     whole, grounds = fit.sample_whole(count, seed), fit.sample(count, seed)
     drawn = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
-    servos = [] if servo is None else servo.draws(count, seed)
+    servos = [] if servo is None else fit.sample_servos(servo, count, seed)
     amplitudes = fit.sample_amplitudes(count) if amplitude_sigma else None
     if amplitudes is None:
         amplitudes = 1.0 + amplitude_sigma * _normal_quantile(drawn)

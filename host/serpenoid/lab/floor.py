@@ -95,14 +95,19 @@ class Floor:
         return float(np.interp(length_m, way, rolled.t_s)) if way[-1] >= length_m else None
 
     def crawl(self, gait: Gait, duration_s: float, frame_s: float = 0.002) -> Track:
-        """Drive the robot's joints through a gait from rest.
+        """Drive the robot's joints through a gait from rest; return its track as `driven` does."""
+        return self.driven(gait, duration_s, frame_s)[0]
 
-        Without a servo they follow but for their errors, and the track has a row each frame_s. A
-        servo gets a setpoint each of its own frames; so often the track has a row, then.
+    def driven(self, gait: Gait, duration_s: float, frame_s: float = 0.002) -> tuple[Track, Array]:
+        """Drive the robot's joints through a gait from rest; return its track and true angles.
+
+        Without a servo they follow but for their errors, and there is a row each frame_s. A servo
+        gets a setpoint each of its own frames; so often there is a row, then.
         """
         if self.robot.servo is not None:
-            return self.run_servos(self._told(gait, duration_s, self.robot.servo.frame_s))[0]
-        return self.follow(self._told(gait, duration_s, frame_s), frame_s)
+            return self.run_servos(self._told(gait, duration_s, self.robot.servo.frame_s))
+        told = self._told(gait, duration_s, frame_s)
+        return self.follow(told, frame_s), told[1:]
 
     def _told(self, gait: Gait, duration_s: float, frame_s: float) -> Array:
         """Return the joints' setpoints, (K, n-1), rad, each with its joint's error."""

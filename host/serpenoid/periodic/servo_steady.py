@@ -115,15 +115,23 @@ def servo_speed(ideal: Steady, servo: Servo, rough: bool = False) -> float:
 
 
 def ripple_share(ideal: Steady, servo: Servo) -> float:
-    """Return the share of the ideal speed that joints of the seen amplitude have with a servo.
+    """Return the share of the ideal speed that joints of the seen amplitude have with a servo."""
+    return moved_by(ideal, servo, seen=True)[0]
 
-    The amplitude that the servo itself loses is not lost again: its speed is held to that of ideal
-    joints that make the amplitude which the servo made.
+
+def moved_by(ideal: Steady, servo: Servo, seen: bool) -> tuple[float, float]:
+    """Return the share of the ideal speed that a servo leaves, and of the joints' amplitude.
+
+    seen: the amplitude that the servo makes was seen, and it is not lost again: its speed is held
+    to that of ideal joints that make this amplitude.
     """
     moved = servo_state(ideal, servo)
-    made = replace(ideal.gait, alpha_rad=ideal.gait.alpha_rad * moved.amplitude)
-    found = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
-    return moved.speed / max(found.speed_m_s, 1e-9)
+    speed_m_s = ideal.speed_m_s
+    if seen:
+        made = replace(ideal.gait, alpha_rad=ideal.gait.alpha_rad * moved.amplitude)
+        found = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
+        speed_m_s = found.speed_m_s
+    return moved.speed / max(speed_m_s, 1e-9), moved.amplitude
 
 
 def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> NDArray[np.float64]:

@@ -16,6 +16,8 @@ from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.commands.main import cli
 from serpenoid.lab.crawl import crawl_speed
 
+WITH_SERVOS = next(case for case in CASES if case.servos)
+
 
 @pytest.mark.slow
 def test_intervals_of_a_few_sessions_mostly_hold(tmp_path) -> None:
@@ -24,7 +26,7 @@ def test_intervals_of_a_few_sessions_mostly_hold(tmp_path) -> None:
     done = CliRunner().invoke(cli, asked)
     assert done.exit_code == 0, done.output
     rows = json.loads((tmp_path / "floor.json").read_text())
-    assert len(rows) == 4
+    assert len(rows) == len(CASES)
     for row in rows:
         assert row["sessions"] + row["refused"] == (4 if "hand" in row["case"] else 20)
         assert min(row[name] for name in ("ct", "cn", "ft0", "fn0", "speed")) > 0.6
@@ -39,7 +41,7 @@ def test_the_driven_robot_and_its_band_have_the_same_servos() -> None:
     rng = np.random.default_rng(5)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=256)
     low, high = band(driven(np.tile(WHOLE, (256, 1)), amplitudes, driven.shares))
-    people = [drawn_person(CASES[0], np.random.default_rng([5, k])) for k in range(12)]
+    people = [drawn_person(WITH_SERVOS, np.random.default_rng([5, k])) for k in range(12)]
     speeds = [
         crawl_speed(p.robot, scaled(GAIT, a)) for p, a in zip(people, amplitudes, strict=False)
     ]

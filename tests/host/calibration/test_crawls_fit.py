@@ -10,7 +10,7 @@ import pytest
 from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, rolled_out
 from scipy.stats import multivariate_t
 from serpenoid import BadInput
-from serpenoid.calibration.crawls.data import CrawlData
+from serpenoid.calibration.crawls.data import CrawlData, ServoEffects
 from serpenoid.calibration.crawls.posterior import Before, Posterior, _Mixture, draw
 from serpenoid.calibration.crawls.result import fit_crawls
 from serpenoid.calibration.fit_file import load_fit, save_fit
@@ -25,7 +25,7 @@ from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.model.gait import Gait
 
 GAITS = tuple(Gait(math.radians(70), math.radians(60), math.pi * k) for k in (1, 2, 3, 4, 5, 6))
-ONE_SERVO = np.ones((1, len(GAITS)))
+ONE_SERVO = ServoEffects.none(len(GAITS), 0)
 RNG = np.random.default_rng(4)
 BY_LOGS = RNG.normal(size=(len(GAITS), 4))
 BY_AMPLITUDE = np.linspace(1.0, 2.0, len(GAITS))
@@ -95,9 +95,10 @@ def test_two_minima_are_both_drawn_by_their_weight() -> None:
 def test_a_servo_that_is_in_doubt_leaves_more() -> None:
     before = Before(np.log(TRUTH), 0.3 * np.eye(4), 0.03)
     data = crawls(np.full(len(GAITS), 45.0), 0.5)
-    slow = np.repeat(np.linspace(0.7, 1.0, 16)[:, None], len(GAITS), axis=1)
-    sure, doubtful = (draw(Posterior(data, before, even_powers, shares), before, 1024, 2)
-                      for shares in (ONE_SERVO, slow))  # fmt: skip
+    shares = np.repeat(np.linspace(0.7, 1.0, 16)[:, None], len(GAITS), axis=1)
+    slow = ServoEffects((), shares, np.ones((16, 0)))
+    sure, doubtful = (draw(Posterior(data, before, even_powers, effects), before, 1024, 2)
+                      for effects in (ONE_SERVO, slow))  # fmt: skip
     spread = [np.log(d.whole).std(axis=0).mean() for d in (sure, doubtful)]
     assert spread[1] > 1.1 * spread[0]
 

@@ -204,7 +204,7 @@ def test_a_session_by_the_whole_procedure_tells_all_four():
     setup = floor_setup()
     person = SimulatedFloor(setup, drawn_floor(setup, WHOLE, np.random.default_rng(3)), 3)
     taken = take_all(MemoryRecord(setup), person)
-    assert [p.way for p in taken.kept_pushes] == ["there", "back"] * 6
+    assert [p.way for p in taken.kept_pushes] == ["there", "back"] * 12
     assert len(taken.bends) == 2
     assert person.t_s < 30 * 60
     fit = fit_friction(taken)

@@ -15,17 +15,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...calibration.crawls.data import SERVO_DRAWS, ServoEffects, effects_of
+from ...calibration.crawls.result import fit_crawls
 from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import NAMES, FrictionFit, band
+from ...calibration.friction_result import NAMES, FrictionFit, band, ground_of
 from ...calibration.kinds.instruments import FloorTools
 from ...calibration.session import Setup
-from ...calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
+from ...calibration.speed_samples import (
+    AMPLITUDE_SIGMA,
+    likeliest_speed,
+    sample_speeds,
+    scaled,
+    speed,
+)
 from ...calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
 from ...calibration.taking.memory import MemoryRecord
-from ...calibration.taking.new_session import default_setup
+from ...calibration.taking.new_session import CRAWLS, PUSHES, default_setup
 from ...calibration.taking.treadmill import take_all
 from ...lab.crawl import crawl_speed
 from ...lab.recording import Camera
+from ...model.drives import ServoKind
 from ...model.errors import SerpenoidError
 from ...model.gait import Gait
 from .coverage import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
@@ -38,33 +47,33 @@ UNSEEN = tuple(
         (60, 60, 0.3), (65, 60, 0.8), (70, 60, 0.5), (70, 75, 0.7), (75, 90, 0.4), (80, 75, 0.4),
     )
 )  # fmt: skip
-# Run where they are to close the loop: none of those above, and each away from the cliff.
-CLOSING = tuple(
-    Gait(math.radians(alpha), math.radians(beta), 2 * math.pi * rate)
-    for alpha, beta, rate in ((70, 60, 0.8), (80, 75, 0.45), (60, 55, 0.3))
-)
 _SPEED_SAMPLES = 256
 
 
 @dataclass(frozen=True)
 class FloorCase:
-    """Sessions of one kind: what films, what the set-up is told of the wheels, and the pushes.
+    """Sessions of one kind: what films, what the set-up is told of the wheels, and the plan.
 
-    camera: None: tape and watch. crawls: gaits that are run, timed over a metre, and fitted, too.
+    camera: None: tape and watch. pushes: in each bend. crawls: gaits that are run, and fitted, too;
+    filmed where pushes are, else timed over a metre. servos: of which the robot has one, and the
+    fit knows no more; None: quick ones, as the fit is told.
     """
 
     name: str
     camera: Camera | None
     wheels_kg: float | None = WHEELS_KG
-    pushes: int = 4
-    crawls: tuple[Gait, ...] = ()
+    pushes: int = PUSHES
+    crawls: tuple[Gait, ...] = CRAWLS
+    servos: ServoKind | None = None
 
 
 CASES = (
     FloorCase("film, 1 mm", Camera()),
+    FloorCase("film, 1 mm, a hobby servo", Camera(), servos=SERVOS),
+    FloorCase("film, 1 mm, pushes alone", Camera(), crawls=(), servos=SERVOS),
     FloorCase("film, 2 mm, a tenth of the pictures missing", Camera(sigma_m=0.002, missing=0.1)),
     FloorCase("film, 1 mm, wheels not weighed", Camera(), None),
-    FloorCase("by hand, with three crawls", None, crawls=CLOSING),
+    FloorCase("by hand, with three crawls", None),
 )
 
 
@@ -74,10 +83,10 @@ class FloorCoverage:
 
     ct, cn, ft0, fn0, speed, driven: as of `Coverage`. errors: medians of the four frictions'
     relative errors. half_widths: of the intervals, relative, the median, those of the two speeds
-    last. unseen, unseen_90: median and 90th percentile of the relative error of six gaits' speeds
-    by quick servos, joints' amplitudes known (as a film tells them); unseen_commanded: the median
-    where they are taken as commanded. Where crawls are fitted, their amplitude stands in place of
-    the known one, and servos are quick for `driven`, too. minutes: by the lab's clock.
+    last. unseen, unseen_90: median and 90th percentile of the relative error of six gaits' speeds,
+    by the likeliest friction, amplitude and servo. Without crawls in the fit: by quick servos, the
+    joints' amplitude known. unseen_commanded: the median for quick servos and the amplitude as
+    commanded. minutes: by the lab's clock.
     """
 
     case: str
@@ -114,50 +123,99 @@ def drawn_person(
 ) -> SimulatedFloor:
     """Return a person on a floor, the truth of both drawn, the robot's servos with it.
 
-    amplitude: of its joints in a gait. Where crawls are fitted servos are quick.
+    amplitude: of its joints in a gait.
     """
     setup = floor_setup(case)
-    truth = drawn_floor(setup, WHOLE_2005, rng, None if case.crawls else SERVOS)
+    truth = drawn_floor(setup, WHOLE_2005, rng, case.servos)
     truth = replace(truth, camera=case.camera, amplitude=amplitude)
     return SimulatedFloor(setup, truth, seed=int(rng.integers(2**31)))
 
 
-def one_floor(
-    case: FloorCase, seed: int, number: int, table: SpeedTable, driven: DrivenTable
-) -> list[float] | None:
+class ServoPool:
+    """Many servos, and what each does to CRAWLS, filmed, and to GAIT on the ground of WHOLE_2005.
+
+    A session has some of them, as its fit would draw its own: to solve for them takes 10 s each.
+    """
+
+    def __init__(self, servos: int = 1024):
+        robot = default_setup("floor coverage").robot
+        ground = ground_of(robot.links, WHOLE.tolist())
+        by_rate = sorted(CRAWLS, key=lambda gait: gait.omega_rad_s)  # as a session has them
+        seen = [*(True for _ in by_rate), False]
+        self._every = effects_of(robot, ground, (*by_rate, GAIT), seen, tuple(SERVOS.draws(servos)))
+
+    def some(self, rng: np.random.Generator) -> tuple[ServoEffects, NDArray[np.float64]]:
+        """Return what a session's servos do to the crawls, and their shares of GAIT's speed."""
+        every = self._every
+        own = rng.choice(len(every.servos), SERVO_DRAWS, replace=False)
+        effects = ServoEffects(
+            tuple(every.servos[k] for k in own), every.share[own, :-1], every.amplitude[own]
+        )
+        return effects, every.share[own, -1]
+
+
+@dataclass(frozen=True)
+class FloorTables:
+    """What all sessions are judged by: tables of GAIT's speed, and servos."""
+
+    speed: SpeedTable
+    driven: DrivenTable
+    pool: ServoPool
+
+
+def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> list[float] | None:
     """Take and fit a session; return what held, widths, errors and minutes; None where refused."""
     grain = round(1e4 * case.camera.sigma_m) if case.camera else 0
     rng = np.random.default_rng([seed, grain, case.pushes, number])
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     person = drawn_person(case, rng, amplitude)
     taken = take_all(MemoryRecord(floor_setup(case)), person)
+    effects, shares = tables.pool.some(rng)
     try:
-        fit = fit_friction(taken, crawls=bool(case.crawls))
+        fit = fit_friction(taken) if case.camera or not case.crawls else None
+        if case.crawls:
+            own = effects if case.servos else None
+            fit = fit_crawls(taken, fit, case.servos, number, effects=own)
     except SerpenoidError:
         return None
-    ends = np.vstack([[fit.intervals[name] for name in NAMES], *_bands(fit, rng, table, driven)])
+    assert fit is not None  # of pushes, crawls or both
+    bands = _bands(fit, shares, rng, tables)
+    ends = np.vstack([[fit.intervals[name] for name in NAMES], *bands])
     crawls = crawl_speed(person.robot, scaled(GAIT, amplitude))
-    true = np.append(WHOLE, [float(table(WHOLE[None, :])[0]), crawls])
+    true = np.append(WHOLE, [float(tables.speed(WHOLE[None, :])[0]), crawls])
     held = (ends[:, 0] <= true) & (true <= ends[:, 1])
     errors = np.abs(np.array(list(fit.whole_snake.values())) / WHOLE - 1.0)
-    gait = UNSEEN[number % len(UNSEEN)]
-    moved = crawl_speed(replace(person.robot, servo=None), scaled(gait, amplitude))
-    known = fit.nuisances["joint_amplitude"].value if case.crawls else amplitude
-    told = [speed(fit.robot, fit.ground, g) for g in (scaled(gait, known), gait)]
-    off = [abs(v / moved - 1.0) for v in told]
+    off = _unseen(fit, case, person, amplitude, UNSEEN[number % len(UNSEEN)])
     return [*held, *(ends[:, 1] - ends[:, 0]) / true / 2, *errors, *off, person.t_s / 60]
 
 
+def _unseen(
+    fit: FrictionFit, case: FloorCase, person: SimulatedFloor, amplitude: float, gait: Gait
+) -> list[float]:
+    """Return what an unseen gait's speed is off by, as the fit knows joints and as commanded."""
+    ideal = crawl_speed(replace(person.robot, servo=None), scaled(gait, amplitude))
+    off = abs(speed(fit.robot, fit.ground, gait) / ideal - 1.0)
+    if not case.crawls:
+        return [abs(speed(fit.robot, fit.ground, scaled(gait, amplitude)) / ideal - 1.0), off]
+    moved = crawl_speed(person.robot, scaled(gait, amplitude)) if case.servos else ideal
+    return [abs(likeliest_speed(fit, gait, case.servos) / moved - 1.0), off]
+
+
 def _bands(
-    fit: FrictionFit, rng: np.random.Generator, table: SpeedTable, driven: DrivenTable
+    fit: FrictionFit, shares: NDArray[np.float64], rng: np.random.Generator, tables: FloorTables
 ) -> list[tuple[float, float]]:
-    """Return the bands of GAIT's speed, of frictions alone and of a driven robot."""
+    """Return the bands of GAIT's speed, of frictions alone and of a driven robot.
+
+    shares: of the ideal speed, what each of the fit's servos leaves.
+    """
     if fit.draws is not None:  # wider than the tables
         drawn = sample_speeds(fit, [GAIT], amplitude_sigma=AMPLITUDE_SIGMA, count=_SPEED_SAMPLES)
-        return [band(drawn.friction_m_s[:, 0]), band(drawn.both_m_s[:, 0])]
+        by_servo = 1.0 if fit.servos is None else shares[list(fit.servos.index[:_SPEED_SAMPLES])]
+        return [band(drawn.friction_m_s[:, 0]), band(by_servo * drawn.joints_m_s[:, 0])]
     whole = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES)
-    return [band(table(whole)), band(driven(whole, amplitudes, driven.some(_SPEED_SAMPLES, rng)))]
+    servos = tables.driven.some(_SPEED_SAMPLES, rng)
+    return [band(tables.speed(whole)), band(tables.driven(whole, amplitudes, servos))]
 
 
 def judged_floor(case: FloorCase, found: list[list[float] | None]) -> FloorCoverage:
@@ -173,12 +231,12 @@ def judged_floor(case: FloorCase, found: list[list[float] | None]) -> FloorCover
     )  # fmt: skip
 
 
-def speed_tables() -> tuple[SpeedTable, DrivenTable]:
-    """Return GAIT's speeds over what pushes leave open, some per cent about the truth."""
+def floor_tables() -> FloorTables:
+    """Return GAIT's speeds, over frictions some per cent about the truth, and servos."""
     robot = default_setup("floor coverage").robot
     near: dict[str, Any] = {"box": (0.8 * WHOLE, 1.2 * WHOLE), "kernel": "cubic"}
     table = SpeedTable(robot, GAIT, **near)
-    return table, DrivenTable(robot, table, **near)
+    return FloorTables(table, DrivenTable(robot, table, **near), ServoPool())
 
 
 def run_floor(
@@ -186,15 +244,15 @@ def run_floor(
 ) -> Iterator[FloorCoverage]:
     """Judge every case, one session after the other.
 
-    Of sessions whose crawls are fitted a fifth, since each takes ten times as long.
+    Of sessions by hand a fifth, since each takes ten times as long.
     """
     tell("solving for the speeds that fits are judged by")
-    table, driven = speed_tables()
+    tables = floor_tables()
     for case in cases:
         found = []
-        count = max(sessions // 5, 1) if case.crawls else sessions
+        count = sessions if case.camera else max(sessions // 5, 1)
         for number in range(count):
-            found.append(one_floor(case, seed, number, table, driven))
+            found.append(one_floor(case, seed, number, tables))
             if not (number + 1) % 50:
                 tell(f"{case.name}: {number + 1} of {count}")
         yield judged_floor(case, found)

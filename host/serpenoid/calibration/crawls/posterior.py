@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .data import LEAST_M_S, CrawlData, Speeds
+from .data import LEAST_M_S, CrawlData, ServoEffects, Speeds
 
 Array = NDArray[np.float64]
 UNKNOWNS = 5
@@ -53,14 +53,17 @@ class Before:
 class Drawn:
     """What is left: draws of frictions (N, 4) and amplitude (N,), all alike; the likeliest of them.
 
-    best_whole, best_amplitude: the likeliest. chi2: there, priors in it. effective: how many
+    servo: of each draw, its index among those given. best_whole, best_amplitude, best_servo: the
+    likeliest. chi2: there, priors in it. effective: how many
     independent draws they are worth. starts_lost: share of the minima found that is not believed.
     """
 
     whole: Array
     amplitude: Array
+    servo: NDArray[np.intp]
     best_whole: Array
     best_amplitude: float
+    best_servo: int
     chi2: float
     effective: float
     starts_lost: float
@@ -69,36 +72,39 @@ class Drawn:
 class Posterior:
     """Logarithm of the posterior over unknowns u, and its minima."""
 
-    def __init__(self, data: CrawlData, before: Before, speeds: Speeds, shares: Array):
-        self._data, self._before, self._speeds, self._shares = data, before, speeds, shares
+    def __init__(self, data: CrawlData, before: Before, speeds: Speeds, effects: ServoEffects):
+        self._data, self._before, self._speeds, self._effects = data, before, speeds, effects
 
     def residuals(self, u: Array) -> Array:
-        """Return (K, servos, gaits and further rows): predicted less measured, in sigmas.
+        """Return (K, servos, gaits, films and further rows): predicted less measured, in sigmas.
 
         In logarithms of speed and LEAST_M_S together: at the foot of a cliff they still tell where
         it is, and what crawls slower than that is as good as at rest.
         """
-        whole, before = self._before.whole(u), self._before
-        ideal = self._speeds(whole, before.amplitude(u))
-        predicted = np.log(ideal[:, None] * self._shares + LEAST_M_S)
-        measured = self._data.speed_m_s + LEAST_M_S
-        crawled = (predicted - np.log(measured)) * (measured / self._data.sigma_m_s)
+        data, before, effects = self._data, self._before, self._effects
+        whole, amplitude = before.whole(u), before.amplitude(u)
+        ideal = self._speeds(whole, amplitude)
+        predicted = np.log(ideal[:, None] * effects.share + LEAST_M_S)
+        measured = data.speed_m_s + LEAST_M_S
+        crawled = (predicted - np.log(measured)) * (measured / data.sigma_m_s)
+        swung = (amplitude[:, None, None] * effects.amplitude - data.gain) / np.hypot(
+            data.gain_sigma, effects.amplitude_sigma
+        )
         further = whole @ before.rows.T + before.values
         shape = (*crawled.shape[:2], further.shape[1])
-        return np.concatenate([crawled, np.broadcast_to(further[:, None], shape)], axis=2)
+        beside = np.broadcast_to(further[:, None], shape)
+        return np.concatenate([crawled, swung, beside], axis=2)
 
-    def log(self, u: Array) -> Array:
-        """Return the logarithm of the posterior, (K,), up to a constant."""
-        from scipy.special import logsumexp
-
-        by_servo = -0.5 * np.sum(self.residuals(u) ** 2, axis=2)
-        return np.asarray(logsumexp(by_servo, axis=1)) - 0.5 * np.sum(u**2, axis=1)
+    def by_servo(self, u: Array) -> Array:
+        """Return the logarithm of the posterior with each servo, (K, servos), up to a constant."""
+        own = -0.5 * np.sum(self.residuals(u) ** 2, axis=2)
+        return np.asarray(own - 0.5 * np.sum(u**2, axis=1)[:, None])
 
     def curvature(self, u: Array) -> tuple[Array, Array, Array]:
         """Return J'J + 1 (K, 5, 5), the gradient (K, 5) and half chi2 (K,), at the best servo."""
         count = len(u)
         ends = np.concatenate([u, *(u + _STEP * e for e in np.eye(UNKNOWNS))])
-        every = self.residuals(ends).reshape(UNKNOWNS + 1, count, len(self._shares), -1)
+        every = self.residuals(ends).reshape(UNKNOWNS + 1, count, len(self._effects.share), -1)
         servo = np.argmin(np.sum(every[0] ** 2, axis=2), axis=1)
         own = every[:, np.arange(count), servo]
         slopes = np.moveaxis(own[1:] - own[0], 0, 2) / _STEP  # (K, gaits, 5)
@@ -135,13 +141,12 @@ def draw(posterior: Posterior, before: Before, count: int, seed: int, first: int
     rng = np.random.default_rng(seed)
     sobol = qmc.Sobol(UNKNOWNS, seed=seed)  # pyright: ignore[reportCallIssue]
     u = ndtri(sobol.random(first))
-    log = posterior.log(u)
-    begin = u[_apart(u, log, _STARTS)]
+    each = posterior.by_servo(u)
+    begin = u[_apart(u, _summed(each), _STARTS)]
     found = posterior.minima(begin)
     costs = posterior.curvature(found)[2]
     lost = float(np.mean(costs > costs.min() + 8.0))
-    densities = [_Mixture.normal()]
-    sizes, points, logs = [first], [u], [log]
+    densities, sizes = [_Mixture.normal()], [first]
     centres = found[costs < costs.min() + 12.0]
     weights = np.empty(0)
     for _ in range(_ROUNDS):
@@ -149,20 +154,32 @@ def draw(posterior: Posterior, before: Before, count: int, seed: int, first: int
         fresh = mixture.draw(rng, first)
         densities.append(mixture)
         sizes.append(first)
-        points.append(fresh)
-        logs.append(posterior.log(fresh))
-        weights = _weights(np.concatenate(points), np.concatenate(logs), densities, sizes)
+        u, each = np.concatenate([u, fresh]), np.concatenate([each, posterior.by_servo(fresh)])
+        weights = _weights(u, _summed(each), densities, sizes)
         if 1.0 / np.sum(weights**2) > _ENOUGH:
             break
-        centres = np.concatenate(points)[rng.choice(len(weights), _CENTRES, p=weights)]
-    every, log = np.concatenate(points), np.concatenate(logs)
-    best = posterior.minima(every[[int(np.argmax(log))]])
-    picked = every[_evenly(weights, count, rng)]
+        centres = u[rng.choice(len(weights), _CENTRES, p=weights)]
+    best = posterior.minima(u[[int(np.argmax(each.max(axis=1)))]])
+    picked = _evenly(weights, count, rng)
     return Drawn(
-        before.whole(picked), before.amplitude(picked), before.whole(best)[0],
-        float(before.amplitude(best)[0]), 2 * float(posterior.curvature(best)[2][0]),
+        before.whole(u[picked]), before.amplitude(u[picked]), _one_each(each[picked], rng),
+        before.whole(best)[0], float(before.amplitude(best)[0]),
+        int(np.argmax(posterior.by_servo(best)[0])), 2 * float(posterior.curvature(best)[2][0]),
         1.0 / float(np.sum(weights**2)), lost,
     )  # fmt: skip
+
+
+def _summed(each: Array) -> Array:
+    """Return the logarithm of each row's sum."""
+    from scipy.special import logsumexp
+
+    return np.asarray(logsumexp(each, axis=1))
+
+
+def _one_each(log: Array, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Return one column's index a row, drawn by the logarithms of their weights."""
+    gumbel = -np.log(-np.log(rng.uniform(1e-12, 1.0, size=log.shape)))
+    return np.argmax(log + gumbel, axis=1)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from ..friction_result import (
     LEVEL,
     NAMES,
     Estimate,
+    FittedServos,
     FrictionFit,
     WholeSnake,
     ground_of,
@@ -25,7 +26,7 @@ from ..friction_result import (
 )
 from ..session import Session
 from ..speed_samples import AMPLITUDE_SIGMA
-from .data import CrawlData, Speeds
+from .data import CrawlData, ServoEffects, Speeds
 from .posterior import Array, Before, Drawn, Posterior, draw
 
 # Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
@@ -39,34 +40,41 @@ _OPEN = 2.0  # upper end over lower: such a friction is not told
 
 def fit_crawls(
     session: Session, other: FrictionFit | None, servo: ServoKind | None, seed: int = 2005,
-    speeds: Speeds | None = None,
+    speeds: Speeds | None = None, effects: ServoEffects | None = None,
 ) -> FrictionFit:  # fmt: skip
     """Fit friction to crawls, with another fit of the session's pushes and stations or without.
 
     The fit's values are the likeliest; intervals and covariance are those of draws, which it keeps.
     other: None where there is nothing else, or pushes and slides that leave frictions open: these
-    then count by their chi2. speeds: predicts the crawls' speeds; solved for unless given. Raises
-    BadInput where crawls are too few, NotConverged where draws are.
+    then count by their chi2. speeds, effects: predict the crawls, and what servos do to them;
+    solved for unless given. Raises BadInput where crawls are too few, NotConverged where draws are.
     """
     data, open_pushes = CrawlData.of(session), other is None and session.on_floor
     _check(session, data, other)
     robot, before = session.setup.robot, _before(session, other)
     solver = speeds or data.of_robot(robot)
-    at, drawn = np.exp(before.mean), None
+    at, drawn, found = np.exp(before.mean), None, effects
     # what servos leave, and what open pushes tell, depends on where the frictions are
     for _ in range(1 + (other is None and (servo is not None or open_pushes))):
         if open_pushes:
             before = _with_pushes(session, before, at)
-        shares = data.shares(robot, ground_of(robot.links, at.tolist()), servo)
-        drawn = draw(Posterior(data, before, solver, shares), before, COUNT, seed)
+        ground = ground_of(robot.links, at.tolist())
+        found = effects or data.effects(robot, ground, servo, seed)
+        drawn = draw(Posterior(data, before, solver, found), before, COUNT, seed)
         at = drawn.best_whole
     assert drawn is not None  # the loop runs once at least
+    assert found is not None
     if drawn.effective < _FEW:
         raise NotConverged(
             f"{session.where}: the crawls' posterior was not found: {drawn.effective:.0f} "
             "independent draws; look for a crawl that was misread, or fit without crawls"
         )
-    return _result(session, other, data, drawn, seed)
+    fit = _result(session, other, data, drawn, seed)
+    if servo is None or servo.exact:
+        return fit
+    return replace(fit, servos=FittedServos(
+        servo.name, found.servos, tuple(drawn.servo.tolist()), drawn.best_servo
+    ))  # fmt: skip
 
 
 def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None:
@@ -125,7 +133,7 @@ def _result(
         covariance=np.cov(whole.T),
         ground=ground_of(robot.links, values.tolist()),
         chi2=common.chi2 + drawn.chi2,
-        dof=common.dof + len(data) + _open_readings(session, other),
+        dof=common.dof + len(data) + len(data.gain) + _open_readings(session, other),
         nuisances=MappingProxyType(
             dict(common.nuisances)
             | {"joint_amplitude": Estimate(drawn.best_amplitude, float(drawn.amplitude.std()))}

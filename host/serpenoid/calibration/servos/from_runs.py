@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ...model.drives import Servo, ServoKind
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from ...periodic.servo_steady import servo_state
-from ...periodic.steady import Steady, steady_gait
+from ...periodic.servo_steady import moved_by
+from ...periodic.steady import steady_gait
 from ...servos.bench_test import KEPT, MeasuredServo, measured_servo
 from ..crawls.runs import runs_by_gait
 from ..filmed_joints import film_chi2
@@ -67,16 +67,11 @@ def _moved(fit: FrictionFit, gaits: list[Gait], servos: list[Servo]) -> tuple[Ar
     ideal = [steady_gait(fit.robot, fit.ground, g, rtol=1e-3, powers=False) for g in gaits]
 
     def of(one: Servo) -> list[tuple[float, float]]:
-        return [_pair(state, one) for state in ideal]
+        return [moved_by(state, one, seen=False) for state in ideal]
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         found = np.array(list(pool.map(of, servos)))
     return found[..., 0], found[..., 1]
-
-
-def _pair(ideal: Steady, servo: Servo) -> tuple[float, float]:
-    found = servo_state(ideal, servo)
-    return found.speed / max(ideal.speed_m_s, 1e-9), found.amplitude
 
 
 def _by_speed(

@@ -107,7 +107,12 @@ ROBOT = 2  # of the numbers: those that a floor needs, too
 WHEELS = Field(
     "wheels_kg", "mass of all wheels together (kg, or 36 g)", "mass", 0.0, 100.0, (0.001, 2.0)
 )
-FLOOR_RUNS = 1  # of each gait, to close the loop
+PUSHES = 8  # on a floor, in each bend
+# On a floor, one run of each: away from the cliff, and far from each other.
+CRAWLS = tuple(
+    Gait(math.radians(alpha), math.radians(beta), 2 * math.pi * hz)
+    for alpha, beta, hz in ((70, 60, 0.8), (80, 75, 0.45), (60, 55, 0.3))
+)
 
 
 def default_setup(name: str) -> Setup:
@@ -121,7 +126,7 @@ def default_setup(name: str) -> Setup:
             lambda_rad=(0.0, deg(7.5), deg(15.0), deg(30.0)), incline_start_rad=deg(2.0),
             incline_step_rad=deg(0.3), belt_speed_max_m_s=1.0, gravity_m_s2=9.80665,
             gaits=tuple(Gait(deg(70), deg(75), rate) for rate in rates), gait_runs=3,
-            bend="balanced",
+            bend="balanced", pushes=PUSHES,
         ),
         uncertainty=Uncertainty(deg(0.03), deg(0.1), 0.01, deg(0.5), 0.02, 0.005, deg(0.5)),
         surface="not said", place="not said", people="not said",
@@ -129,9 +134,10 @@ def default_setup(name: str) -> Setup:
 
 
 def on_place(plan: Procedure, place: str) -> Procedure:
-    """Return a plan to be carried out at a place; on a floor one run of a gait will do."""
-    runs = FLOOR_RUNS if place == "floor" else plan.gait_runs
-    return replace(plan, on=place, gait_runs=runs)
+    """Return a plan to be carried out at a place; on a floor with crawls of its own."""
+    if place != "floor":
+        return replace(plan, on=place)
+    return replace(plan, on=place, gaits=CRAWLS, gait_runs=1)
 
 
 def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:

@@ -105,7 +105,7 @@ def _treadmill_step(
 def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tuple[str, str]]:
     """Return the parts of the plan and how far each is, in words."""
     wanted = len(session.setup.procedure.gaits) * session.setup.procedure.gait_runs
-    runs = ("gait runs", f"{len(session.kept_gait_runs)} of {wanted}")
+    runs = ("gait runs", f"{len(session.kept_crawls)} of {wanted}")
     if session.setup.procedure.on == "floor":
         return [*push_progress(session, skipped), runs]
     rows = [("zero before", _done(_zero_read(session, True)))]
@@ -342,7 +342,7 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
     plan = session.setup.procedure
     for number, gait in enumerate(plan.gaits, 1):
         runs = [
-            r for r in session.kept_gait_runs
+            r for r in session.kept_crawls
             if abs(r.alpha_rad - gait.alpha_rad) < 1e-3 and abs(r.beta_rad - gait.beta_rad) < 1e-3
             and abs(r.omega_rad_s / gait.omega_rad_s - 1) < 0.05
         ]  # fmt: skip
@@ -353,7 +353,8 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
         say = (
             f"Gait run {len(runs) + 1} of {plan.gait_runs}, level ground of the same surface: "
             f"alpha {alpha:g} deg, beta {beta:g} deg, {gait.omega_rad_s / (2 * math.pi):.3g} Hz. "
-            "Time it between two marks, once it goes steadily."
+            "Once it goes steadily, film it from above for two cycles at least, or time it between "
+            "two marks."
         )
         fields = GAIT["distance_m"], GAIT["duration_s"]
         cells: dict[str, float | str] = {

@@ -10,11 +10,11 @@ from ..kinds.tracks import Samples
 
 
 class Tracked(dict[str, "float | str"]):
-    """Cells of a reading with the samples of its track."""
+    """Cells of a reading with the samples of its track; kind: where it is not that of the step."""
 
-    def __init__(self, cells: Cells, samples: Samples):
+    def __init__(self, cells: Cells, samples: Samples, kind: str = ""):
         super().__init__(cells)
-        self.samples = samples
+        self.samples, self.kind = samples, kind
 
 
 @dataclass(frozen=True)

@@ -26,10 +26,10 @@ class Treadmill(Protocol):
     of a robot bent as `step.bend` says), station (incline_deg, belt_speed_m_s, drift_m_s, and as
     far as they are known turned_deg, offset_deg and waited_s), belt (belt_speed_m_s, distance_m,
     duration_s of a mark on the belt), gait (distance_m, duration_s,
-    omega_rad_s), coast (distance_m, duration_s, or a `Tracked` with the track of a push); straight
-    has none. A person who types takes the same steps (`person.dialogue`):
-    a lab that is practised with moves its belt and robot beside it, by SessionRobot's calls and by
-    what is set at the treadmill.
+    omega_rad_s; or a `Tracked` of kind `video`), coast (distance_m, duration_s, or a `Tracked` with
+    the track of a push); straight has none. A person who types takes the same steps
+    (`person.dialogue`): a lab that is practised with moves its belt and robot beside it, by
+    SessionRobot's calls and by what is set at the treadmill.
     """
 
     def answer(self, step: Step, session: Session) -> Cells | None:
@@ -105,6 +105,8 @@ def record_step(record: Record, step: Step, cells: Cells, replaces: int = 0) -> 
     """Write what a step's fields came to; return the reading's number, 0 where none is kept."""
     if step.kind == "straight":
         return 0
+    if isinstance(cells, Tracked) and cells.kind:
+        return record.add(cells.kind, cells, replaces=replaces, samples=cells.samples)
     watch = record.session.setup.stopwatch
     values = KINDS[step.kind].derive(dict(step.cells) | dict(cells), watch)
     samples = cells.samples if isinstance(cells, Tracked) else None

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...model.errors import RecordingFailed, SerpenoidError
-from .film_of_pushes import film_reader
+from .film_of_pushes import crawl_reader, film_reader
 
 if TYPE_CHECKING:
     from ...calibration.session import Session
@@ -63,7 +63,14 @@ def with_a_person(
                 console.keys = keys
         clock_s = getattr(console, "clock_s", None)
         dialogue = Dialogue(
-            journal, console, robot, _each(told), patience_s, clock_s, film_reader()
+            journal,
+            console,
+            robot,
+            _each(told),
+            patience_s,
+            clock_s,
+            film_reader(),
+            crawl_reader(),
         )
         try:
             well = held_dialogue(dialogue, console)
@@ -224,7 +231,7 @@ def program() -> str:
 
 def count(session: Session) -> str:
     """Return how much a session holds, in words."""
-    stations, runs = len(session.kept), len(session.kept_gait_runs)
+    stations, runs = len(session.kept), len(session.kept_crawls)
     pushes, slides = len(session.kept_pushes), len(session.kept_slides)
     taken = (*session.readings, *session.gait_runs, *session.of("coast"), *session.of("slide"))
     void = sum(r.voided for r in taken)

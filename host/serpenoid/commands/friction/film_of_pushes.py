@@ -1,4 +1,4 @@
-"""A film of pushes to the track that a session keeps, with its progress and its remarks shown."""
+"""Films of pushes and crawls to what a session keeps, with their progress and remarks shown."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ...calibration.taking.person.push_prompt import FilmReader
+    from ...calibration.taking.person.push_prompt import CrawlReader, FilmReader
+    from ...calibration.taking.steps import Tracked
+    from ...model.gait import Gait
     from ...model.robot import Robot
 
 
@@ -37,5 +39,32 @@ def film_reader(side_m: float | None = None) -> FilmReader:
             "film_scale_sigma_percent in session.toml is less, write this there"
         )
         return found.rows
+
+    return read
+
+
+def crawl_reader(side_m: float | None = None) -> CrawlReader:
+    """Return what reads a film of a crawl; side_m: of a tag, by its links unless given.
+
+    Needs the extra `video` when it is called, not before.
+    """
+
+    def read(path: Path, robot: Robot, gait: Gait) -> Tracked:
+        from ...video.seeing.extra import need_extra
+
+        need_extra()
+        from ...calibration.taking.steps import Tracked
+        from ...video.measure_film import measure_film
+        from ...video.reading import film_cells
+        from ..video import film_progress
+
+        with film_progress(path) as tell:
+            found = measure_film(
+                path, robot.links, robot.link_length_m, side_m, gait, progress=tell
+            )
+        for remark in found.run.remarks:
+            say(f"{path.name}: {remark.name}: {remark.text}")
+        cells, samples = film_cells(found)
+        return Tracked(cells, samples, "video")
 
     return read

@@ -12,14 +12,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....lab.crawl import crawl_speed
+from ....lab.crawl import crawl_speed, filmed_crawl
 from ....lab.floor import Floor, Push
 from ....lab.recording import Camera, film, to_rest
 from ....lab.robot import LabRobot, pose_of
 from ....model.bends import balanced_signs
 from ....model.drives import Servo, ServoKind
 from ....model.errors import BadInput
+from ....model.gait import Gait
 from ....model.ground import Ground
+from ...crawls.filmed import crawl_cells
 from ...floor.look import look_at
 from ...kinds.declaration import Cells, Field
 from ...session import Session, Setup
@@ -30,6 +32,7 @@ SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
 CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
 TRIES = 6  # of a push, until somebody gives up
 RUN_M, RUN_S = 1.0, 40.0
+SPEED_OFF, GAIN_OFF = 0.002, 0.002  # of a filmed crawl: its scale, each joint's amplitude
 # What a person takes, s: to turn the robot round, push it and take the film in; to bend it and lay
 # the protractor on; to start a gait and lay the tape.
 PUSH_S, BEND_S, GAIT_S = 40.0, 90.0, 60.0
@@ -170,6 +173,8 @@ class SimulatedFloor:
         assert gait is not None  # a gait's step has one
         self.t_s += GAIT_S
         true = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
+        if self.truth.camera is not None:
+            return self._filmed(gait, true, self.truth.camera)
         speed, watch = crawl_speed(self.robot, true), self._setup.stopwatch
         distance = min(RUN_M, speed * RUN_S)
         duration = (distance / speed if speed > 0.0 else RUN_S) + self._normal(watch.time_sigma_s)
@@ -178,3 +183,11 @@ class SimulatedFloor:
             "distance_m": round(max(distance + self._normal(watch.distance_sigma_m), 0.0), 3),
             "duration_s": round(max(duration, 0.1), 2),
         }
+
+    def _filmed(self, gait: Gait, true: Gait, camera: Camera) -> Cells:
+        """Film a crawl, and measure the film: a scale and joints' gains are a little off."""
+        self.t_s += RUN_S
+        seen = replace(camera, scale=1.0 + self._normal(SPEED_OFF))
+        rows = filmed_crawl(self.robot, true, seen, self._rng)
+        rows[:, 4:] *= 1.0 + GAIN_OFF * self._rng.normal(size=rows.shape[1] - 4)
+        return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")

@@ -22,7 +22,17 @@ from ..procedure import doubts, likely_belt, next_step, skipped_keys
 from ..steps import Step
 from ..treadmill import Posture, record_step
 from .prompt_commands import Again, Left, PromptCommands, Values
-from .push_prompt import QUESTION, FilmReader, named_file, no_films, take_track
+from .push_prompt import (
+    CRAWL_QUESTION,
+    QUESTION,
+    CrawlReader,
+    FilmReader,
+    named_file,
+    no_crawls,
+    no_films,
+    read_crawl,
+    take_track,
+)
 from .session_robot import SessionRobot
 from .terminal import Terminal
 
@@ -48,9 +58,10 @@ class Dialogue:
         patience_s: float = PATIENCE_S,
         clock_s: Callable[[], float] | None = None,
         film: FilmReader = no_films,
+        crawl: CrawlReader = no_crawls,
     ):
         self.journal = journal
-        self._film = film
+        self._film, self._crawl = film, crawl
         self._terminal = terminal
         self._robot = robot
         self._told = told
@@ -157,6 +168,8 @@ class Dialogue:
         """Ask for a step's numbers; what is out of line is asked about, never refused."""
         if step.kind == "coast":
             return self._pushed(step)
+        if step.kind == "gait":
+            return self._crawled(step)
         values: Values = {}
         begun_s = self._belt_set(step)
         for field in step.fields:
@@ -179,13 +192,30 @@ class Dialogue:
             text = self.ask(QUESTION, step)
         named = named_file(text)
         if named is None:
-            way, *others = step.fields
-            values: Values = {way.column: self.read(text, way, way.likely, step)}
-            values |= {f.column: self._number(f, f.likely, step) for f in others}
-            return self._doubted(step, values)
+            return self._by_tape(text, step)
         for kept in take_track(self.journal, *named, step.cells, self._film):
             self.say(f"  {kept.in_words()}")
         raise Again
+
+    def _crawled(self, step: Step) -> Values:
+        """Take a crawl from its film; or ask for distance and time."""
+        text = self.ask(CRAWL_QUESTION, step)
+        named = named_file(text)
+        if named is None or step.gait is None:
+            return self._by_tape(text, step)
+        found = read_crawl(self.journal, named[0], step.gait, self._crawl)
+        self.say(
+            f"  {float(found['speed_m_s']):.4f} m/s; joints' amplitudes over the commanded one, "
+            f"from the tail: {found['gains']}"
+        )
+        return found
+
+    def _by_tape(self, text: str, step: Step) -> Values:
+        """Return a step's numbers, the first of which was typed already."""
+        first, *others = step.fields
+        values: Values = {first.column: self.read(text, first, first.likely, step)}
+        values |= {f.column: self._number(f, f.likely, step) for f in others}
+        return self._doubted(step, values)
 
     def _belt_set(self, step: Step) -> float:
         """Ask when a station's belt runs at its last speed; return that moment by the clock."""

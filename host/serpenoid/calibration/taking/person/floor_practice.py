@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ....lab.crawl import crawl_speed
+from ....lab.crawl import crawl_speed, filmed_crawl
 from ....lab.floor import Floor, Push, Track
 from ....lab.recording import Camera, film, to_rest
 from ....lab.robot import LabRobot, pose_of
@@ -23,6 +24,7 @@ from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S
 from ..new_session import on_place
 from ..steps import Step
 from .practice import JOINT_RAD, drawn_friction, friction_words
+from .push_prompt import CRAWL_COLUMNS, joint_columns
 from .terminal import Terminal
 
 SOURCE = re.compile(r"practice floor, seed (\d+)")
@@ -34,7 +36,8 @@ On the floor you work by words, at any prompt:
   push 0.6      the same at 0.6 m/s, or so: hands are not exact
   tape          push it, and read way and time to rest off tape and watch, to type them
   protractor    what it shows between the links at both ends
-  crawl         run the gait of this step for a metre: what tape and watch say"""
+  film          run the gait of this step and film it: what was measured becomes a file, taken in
+  crawl         run it for a metre: what tape and watch say"""
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ class FloorTerminal:
         self._count = there
         self._words: dict[str, Callable[[str], str | None]] = {
             "push": self._push, "tape": self._tape, "protractor": self._protractor,
-            "crawl": self._crawl, "floor": lambda given: self._said(HELP),
+            "crawl": self._crawl, "film": self._film, "floor": lambda given: self._said(HELP),
         }  # fmt: skip
 
     def watch(self, session: Session, step: Step) -> None:
@@ -164,13 +167,15 @@ class FloorTerminal:
         if track is None:
             return None
         seen = film(track, Camera(scale=self.truth.film_scale), self._rng)
+        return self._kept("push", ["t", "x", "y"], np.stack([seen.t_s, seen.x_m, seen.y_m], axis=1))
+
+    def _kept(self, what: str, columns: list[str], rows: NDArray[np.float64]) -> str:
+        """Write what a film showed into a file of its own; return its name."""
         self._count += 1
         self._films.mkdir(parents=True, exist_ok=True)
-        path = self._films / f"push-{self._count:02}.csv"
-        rows = [
-            f"{t:.5f},{x:.6f},{y:.6f}" for t, x, y in zip(seen.t_s, seen.x_m, seen.y_m, strict=True)
-        ]
-        path.write_text("\n".join(["t,x,y", *rows]) + "\n", encoding="utf-8")
+        path = self._films / f"{what}-{self._count:02}.csv"
+        lines = [",".join(f"{value:.6f}" for value in row) for row in rows.tolist()]
+        path.write_text("\n".join([",".join(columns), *lines]) + "\n", encoding="utf-8")
         self._said(f"filmed, and tracked: {path}")
         return str(path)
 
@@ -187,6 +192,12 @@ class FloorTerminal:
         ends = zip((0, -1), off.tolist(), strict=True)
         shown = [180.0 - math.degrees(abs(true[k]) + e) for k, e in ends]
         self._said(f"protractor: {shown[0]:.1f} deg at the tail, {shown[1]:.1f} deg at the head")
+
+    def _film(self, given: str) -> str | None:
+        if self._step is None or self._step.gait is None:
+            return self._said("no gait is to be run now")
+        rows = filmed_crawl(self._robot, self._step.gait, Camera(), self._rng)
+        return self._kept("crawl", [*CRAWL_COLUMNS, *joint_columns(rows.shape[1] - 4)], rows)
 
     def _crawl(self, given: str) -> None:
         if self._step is None or self._step.gait is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,16 +11,23 @@ from numpy.typing import NDArray
 
 from ....model.checks import sha256_of
 from ....model.errors import BadInput
+from ....model.files import read_text
+from ....model.gait import Gait
 from ....model.robot import Robot
+from ...crawls.filmed import crawl_cells
 from ...floor.track_files import UNITS, read_track_file
 from ..floor.pushes import Cells, Kept, keep_pushes
 from ..journal import Journal
+from ..steps import Tracked
 
 Track = tuple[NDArray[np.float64], str]
 FilmReader = Callable[[Path, Robot], NDArray[np.float64]]  # a film to its track
+CrawlReader = Callable[[Path, Robot, Gait], Tracked]  # a film of a crawl to cells of `video`
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 FILMS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
 QUESTION = "  its film or track (of Tracker, Kinovea, CSV), or how far it rolled (m): "
+CRAWL_QUESTION = "  its film, or the distance between the marks (m): "
+CRAWL_COLUMNS = ("t_s", "x_m", "y_m", "heading_rad")  # of `video --track`; then the joints
 
 
 def named_file(text: str) -> tuple[Path, str] | None:
@@ -60,6 +68,53 @@ def take_track(
         _refuse_taken(journal, path, sha256)
         track = film(path, journal.session.setup.robot)
     return keep_pushes(journal, track, cells, file_sha256=sha256)
+
+
+def no_crawls(path: Path, robot: Robot, gait: Gait) -> Tracked:
+    """Refuse a film of a crawl, where nothing is there to measure it."""
+    raise BadInput(
+        f"{path}: a film itself is not taken here; measure it by `serpenoid video FILE --track "
+        "crawl.csv` with the gait's options, and give crawl.csv"
+    )
+
+
+def read_crawl(journal: Journal, path: Path, gait: Gait, film: CrawlReader = no_crawls) -> Tracked:
+    """Return the `video` reading of a film of a crawl, or of its track; raises BadInput.
+
+    A track is a CSV file as `serpenoid video --track` writes it.
+    """
+    if not path.is_file():
+        raise BadInput(f"{path}: no such file")
+    sha256 = sha256_of(path)
+    for taken in journal.session.kept_films:
+        if taken.film_sha256 == sha256:
+            raise BadInput(f"{path}: reading {taken.number} is of this film already")
+    if path.suffix.lower() not in TEXTS:
+        return film(path, journal.session.setup.robot, gait)
+    rows = _crawl_rows(path, journal.session.setup.robot.links - 1)
+    return Tracked({**crawl_cells(rows, gait), "film_sha256": sha256}, rows, "video")
+
+
+def joint_columns(joints: int) -> list[str]:
+    """Return the names of the joints' columns."""
+    return [f"joint{k + 1}_rad" for k in range(joints)]
+
+
+def _crawl_rows(path: Path, joints: int) -> NDArray[np.float64]:
+    names = [*CRAWL_COLUMNS, *joint_columns(joints)]
+    header, *lines = list(csv.reader(read_text(path).splitlines())) or [[]]
+    if header != names:
+        raise BadInput(f"{path}: the columns are {', '.join(header)}; they must be "
+                       f"{', '.join(names)}, as `serpenoid video --track` writes them")  # fmt: skip
+    try:
+        rows = np.array([[float(cell or "nan") for cell in line] for line in lines], dtype=float)
+    except ValueError as error:
+        raise BadInput(f"{path}: {error}; every cell must be a number") from None
+    if rows.ndim != 2 or rows.shape[1] != len(names) or not np.isfinite(rows[:, :4]).all():
+        raise BadInput(
+            f"{path}: every line must have {len(names)} cells; joints alone may be empty"
+        )
+    return rows
 
 
 def _refuse_taken(journal: Journal, path: Path, sha256: str) -> None:

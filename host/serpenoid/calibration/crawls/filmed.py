@@ -1,0 +1,86 @@
+"""A filmed crawl's track, places and joints over time, as the cells of a `video` reading.
+
+Each joint's angle is fitted by a sine of one common rate; the speed is the chord of a cycle over
+its time, mean over all cycles that the film holds.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.errors import BadInput
+from ...model.gait import Gait
+from ..kinds.declaration import Cells
+
+Array = NDArray[np.float64]
+LEAST_CYCLES = 1.5
+SPEED_SIGMA, GAIN_SIGMA = 0.002, 0.002  # at least: the film's scale, and the chain's fit
+_ROUNDS, _FAR = 8, 0.1  # of the rate's search, and how far from the commanded one it may end
+
+
+def crawl_cells(rows: Array, gait: Gait) -> Cells:
+    """Return the cells of a film of a gait but its hash.
+
+    rows: t_s, x_m, y_m, heading_rad and every joint's angle, rad; NaN where it was not seen. gait:
+    as commanded. Raises BadInput.
+    """
+    t, angles = rows[:, 0], rows[:, 4:]
+    if np.ptp(t) < LEAST_CYCLES * gait.period_s:
+        raise BadInput(
+            f"the film shows {np.ptp(t) / gait.period_s:.1f} cycles of the gait; at least "
+            f"{LEAST_CYCLES:g} tell its joints"
+        )
+    omega, sines, sigma = _sines(t, angles, gait)
+    amplitude, phase = np.hypot(*sines[:2]), np.arctan2(sines[1], sines[0])
+    gains = amplitude / gait.alpha_rad
+    off = np.exp(1j * (phase - gait.beta_rad * np.arange(len(phase))))
+    shifts = np.angle(off / off.mean())
+    speed, scatter = _speed(rows, 2 * math.pi / omega)
+    return {
+        "alpha_deg": math.degrees(gait.alpha_rad), "beta_deg": math.degrees(gait.beta_rad),
+        "omega_rad_s": omega, "offset_deg": math.degrees(float(sines[2].mean())),
+        "speed_m_s": speed, "speed_sigma_m_s": math.hypot(scatter, SPEED_SIGMA * speed, 1e-5),
+        "gain_sigma": math.hypot(sigma / gait.alpha_rad, GAIN_SIGMA),
+        "gains": ",".join(f"{gain:.5f}" for gain in gains),
+        "shifts_deg": ",".join(f"{math.degrees(s):.3f}" for s in shifts),
+    }  # fmt: skip
+
+
+def _sines(t: Array, angles: Array, gait: Gait) -> tuple[float, Array, float]:
+    """Return the rate, rad/s, sine, cosine and centre of every joint, and an amplitude's sigma."""
+    omega, seen = gait.omega_rad_s, ~np.isnan(angles)
+    if seen.sum(axis=0).min() < 8:
+        raise BadInput("a joint was seen in less than 8 pictures; a session's reading needs all")
+    sines, left = np.zeros((3, angles.shape[1])), [0.0]
+    for _ in range(_ROUNDS):
+        waves = np.stack([np.sin(omega * t), np.cos(omega * t), np.ones_like(t)], axis=1)
+        faster = 0.0, 0.0
+        left = []
+        for k, held in enumerate(seen.T):
+            sines[:, k] = np.linalg.lstsq(waves[held], angles[held, k], rcond=None)[0]
+            off = angles[held, k] - waves[held] @ sines[:, k]
+            slope = t * (sines[0, k] * waves[:, 1] - sines[1, k] * waves[:, 0])
+            own = waves[held]
+            along = slope[held] - own @ np.linalg.lstsq(own, slope[held], rcond=None)[0]
+            faster = faster[0] + along @ off, faster[1] + along @ along
+            left.append(float(np.mean(off**2)))
+        omega += float(faster[0] / faster[1])
+        if not abs(omega / gait.omega_rad_s - 1.0) < _FAR:
+            raise BadInput(
+                f"the joints do not swing at {gait.omega_rad_s / (2 * math.pi):.3g} Hz, as was "
+                "commanded; is it a film of another gait?"
+            )
+    return omega, sines, math.sqrt(2 * np.mean(left) / seen.sum(axis=0).min())
+
+
+def _speed(rows: Array, period_s: float) -> tuple[float, float]:
+    """Return the mean chord of a cycle over its time, m/s, and its standard deviation."""
+    t, x, y = rows[:, 0], rows[:, 1], rows[:, 2]
+    whole = t <= t[-1] - period_s
+    chords = [np.interp(t[whole] + period_s, t, way) - way[whole] for way in (x, y)]
+    speeds = np.hypot(*chords) / period_s
+    cycles = max(np.ptp(t) / period_s - 1.0, 0.5)
+    return float(speeds.mean()), float(speeds.std() / math.sqrt(cycles))

@@ -1,0 +1,147 @@
+"""Filmed crawls: from a track to a reading, and what their joints tell the fit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import TRUTH, floor_session
+from calibration.test_dialogue import talk
+from serpenoid import BadInput
+from serpenoid.calibration.crawls.data import CrawlData, ServoEffects
+from serpenoid.calibration.crawls.filmed import crawl_cells
+from serpenoid.calibration.crawls.result import fit_crawls
+from serpenoid.calibration.fit_file import load_fit, save_fit
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.session_file import load_session
+from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds, speed
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
+from serpenoid.calibration.taking.procedure import next_step, progress
+from serpenoid.model.drives import Servo, ServoKind
+from serpenoid.model.gait import Gait
+from serpenoid.model.ground import Ground
+
+GAIT = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
+GAINS, CENTRES_RAD, LAG_RAD = (0.95, 0.93, 0.97, 0.94, 0.96), (0.01, -0.02, 0.0, 0.03, 0.01), 0.4
+
+
+def crawled(gait=GAIT, speed_m_s=0.05, cycles=5.0, rate=1.0, seed=1, gains=GAINS):
+    """Return what a film shows of joints that swing so, places and angles with scatter."""
+    rng, omega = np.random.default_rng(seed), rate * gait.omega_rad_s
+    t = np.arange(0.0, cycles * 2 * math.pi / omega, 1 / 30)
+    way = speed_m_s * t + 0.003 * np.sin(2 * omega * t)
+    angles = [
+        a + gait.alpha_rad * g * np.sin(omega * t + k * gait.beta_rad - LAG_RAD)
+        for k, (g, a) in enumerate(zip(gains, CENTRES_RAD, strict=True))
+    ]
+    rows = np.stack([t, 0.6 * way, -0.8 * way, 0.02 * t, *angles], axis=1)
+    rows[:, 1:3] += 0.0005 * rng.normal(size=(len(t), 2))
+    rows[:, 4:] += 0.003 * rng.normal(size=(len(t), 5))
+    return rows
+
+
+def test_a_track_tells_speed_amplitudes_centre_and_rate() -> None:
+    rows = crawled(rate=1.004)
+    rows[7:20, 6] = np.nan
+    cells = crawl_cells(rows, GAIT)
+    gains = [float(part) for part in str(cells["gains"]).split(",")]
+    np.testing.assert_allclose(gains, GAINS, atol=0.002)
+    assert cells["speed_m_s"] == pytest.approx(0.05, rel=0.01)
+    assert cells["offset_deg"] == pytest.approx(math.degrees(np.mean(CENTRES_RAD)), abs=0.05)
+    assert cells["omega_rad_s"] == pytest.approx(1.004 * GAIT.omega_rad_s, rel=3e-4)
+    shifts = [float(part) for part in str(cells["shifts_deg"]).split(",")]
+    assert max(map(abs, shifts)) < 0.3  # a common lag is none
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        (crawled(cycles=1.2), "1.2 cycles"),
+        (crawled(rate=1.4), "another gait"),
+        (np.where(np.arange(9) == 6, np.nan, crawled()), "less than 8 pictures"),
+    ],
+)
+def test_films_that_tell_no_gait_are_refused(rows, told) -> None:
+    with pytest.raises(BadInput, match=told):
+        crawl_cells(rows, GAIT)
+
+
+@pytest.fixture(scope="module")
+def filmed():
+    """Return pushes and two filmed crawls at 95 % of the amplitude, speeds by the true friction."""
+    session = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))
+    record = MemoryRecord(session.setup, session)
+    ground = Ground.whole_body(6, *TRUTH)
+    for gait in (GAIT, Gait(math.radians(80), math.radians(75), 2 * math.pi * 0.45)):
+        made = replace(gait, joint_gain=(0.95,) * 5)
+        v = speed(session.setup.robot, ground, made)
+        rows = crawled(gait, v, gains=(0.95,) * 5)
+        record.add("video", {**crawl_cells(rows, gait), "film_sha256": f"{v}"}, samples=rows)
+    return record.session
+
+
+def test_films_tell_the_amplitude_that_other_gaits_will_have(filmed) -> None:
+    fit = fit_friction(filmed, crawls=True)
+    found = fit.nuisances["joint_amplitude"]
+    assert found.value == pytest.approx(0.95, abs=3 * found.sigma)
+    assert found.sigma < 0.008  # 3 % before
+    other = Gait(math.radians(60), math.radians(60), 2 * math.pi * 0.3)
+    true = speed(fit.robot, Ground.whole_body(6, *TRUTH), replace(other, joint_gain=(0.95,) * 5))
+    assert likeliest_speed(fit, other, None) == pytest.approx(true, rel=0.03)
+
+
+SLOW, QUICK = Servo(torque_limit_nm=0.3), Servo(torque_limit_nm=0.6)
+KIND = ServoKind("either", QUICK, {}, drawn=(SLOW, QUICK))
+
+
+def test_the_servo_that_crawls_told_moves_predicted_gaits(filmed, tmp_path) -> None:
+    """One of two servos loses amplitude as the films show it, the other a tenth more."""
+    data = CrawlData.of(filmed)
+    effects = ServoEffects((SLOW, QUICK), np.ones((2, 2)), np.array([[0.85, 0.85], [0.95, 0.95]]))
+    assert data.seen.all()
+    fit = fit_crawls(filmed, fit_friction(filmed), KIND, effects=effects)
+    assert fit.servos is not None
+    quick = np.array([s is QUICK for s in fit.sample_servos(KIND, 1024)])
+    odds = np.exp(-0.5 * ((1 - 0.95 / 0.95) ** 2 - (1 - 0.95 / 0.85) ** 2) / 0.03**2)
+    assert quick.mean() == pytest.approx(odds / (1 + odds), abs=0.03)
+    assert fit.servos.drawn[fit.servos.best] is QUICK
+    kept = load_fit(save_fit(fit, tmp_path / "f.json"))
+    assert kept.servos == fit.servos
+    drawn = sample_speeds(fit, [GAIT], amplitude_sigma=0.03, servo=KIND, count=16)
+    np.testing.assert_allclose(
+        drawn.both_m_s, sample_speeds(kept, [GAIT], amplitude_sigma=0.03, servo=KIND,
+                                      count=16).both_m_s, rtol=2e-3)  # fmt: skip
+    other = replace(KIND, name="another")
+    assert len(set(map(id, fit.sample_servos(other, 64)))) == 2  # of that nothing was told
+
+
+def crawl_csv(path, rows):
+    names = ["t_s", "x_m", "y_m", "heading_rad", *(f"joint{k + 1}_rad" for k in range(5))]
+    lines = [",".join("" if np.isnan(v) else f"{v:.7g}" for v in row) for row in rows]
+    path.write_text("\n".join([",".join(names), *lines]) + "\n")
+    return str(path)
+
+
+def test_a_step_takes_a_crawl_from_its_track_once(tmp_path) -> None:
+    base = default_setup("filmed")
+    plan = replace(on_place(base.procedure, "floor"), pushes=0)
+    folder = create_session(tmp_path / "s", replace(base, procedure=plan))
+    first, *others = (
+        crawl_csv(tmp_path / f"{k}.csv", crawled(g)) for k, g in enumerate(plan.gaits)
+    )
+    wrong = tmp_path / "t.csv"
+    wrong.write_text("t,x,y\n0,1,2\n")
+    film = tmp_path / "a.mp4"
+    film.write_bytes(b"0")
+    heard, _ = talk(folder, str(wrong), str(film), first, first, *others)
+    assert "`serpenoid video --track` writes them" in heard
+    assert "a film itself is not taken here" in heard
+    assert "reading 1 is of this film already" in heard
+    session = load_session(folder)
+    assert len(session.kept_films) == 3
+    assert next_step(session).kind == "done"
+    assert ("gait runs", "3 of 3") in progress(session)
+    assert session.kept_films[0].mean_gain == pytest.approx(np.mean(GAINS), abs=2e-3)
