@@ -15,6 +15,7 @@ The room `fitting` holds the three ways to find ct, cn, ft0, fn0 from readings o
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -32,7 +33,7 @@ from .fitting.joint import minimise, starting_point, whole_residuals
 from .fitting.joint import residuals as residuals_at
 from .fitting.paper_fit import points, two_lines
 from .fitting.profile import StationTerms, intervals, quantiles
-from .fitting.robust import FitMode, robust_minimum
+from .fitting.robust import FitMode, half_log_determinant, robust_minimum
 from .fitting.shared import shared_covariance, widened
 from .floor.result import fit_floor
 from .friction_result import (
@@ -204,9 +205,9 @@ def _raw(session: Session, data: FitData, found: FitMode) -> _Raw:
     from scipy.special import ndtri
 
     x, count = found.minimum.x, len(data)
-    covariance = np.asarray(np.linalg.inv(found.minimum.information), dtype=np.float64)
-    sigmas = np.sqrt(np.diag(covariance))
     residuals = found.minimum.residuals[:count]
+    covariance = _covariance(found.minimum.information, session, residuals)
+    sigmas = np.sqrt(np.diag(covariance))
     whole, share = whole_residuals(x, data)
     quantile = float(ndtri(0.5 + LEVEL / 2))
     if found.good.min() == 1.0:
@@ -228,6 +229,17 @@ def _raw(session: Session, data: FitData, found: FitMode) -> _Raw:
         nuisances=_nuisances(data, x, sigmas),
         influence=influences(found.minimum, [r.number for r in session.kept], share),
     )
+
+
+def _covariance(information: Floats, session: Session, residuals: Floats) -> Floats:
+    """Return its inverse; raises NotConverged where rounding errors are all that is left of it."""
+    if not math.isfinite(half_log_determinant(information)):
+        worst = session.kept[int(np.argmax(np.abs(residuals)))].number
+        raise NotConverged(
+            "the readings contradict each other so far that no friction is told; reading "
+            f"{worst} is furthest off: look at it first"
+        )
+    return np.asarray(np.linalg.inv(information), dtype=np.float64)
 
 
 def _beside_limits(covariance: Floats, values: Floats, ends: Floats, quantile: float) -> Floats:

@@ -25,6 +25,7 @@ UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in B
 LEVEL = 0.95
 WHOLE = "_whole"
 SURELY = 2.0  # errors of its difference, beyond which a zero that drifted is told
+_MOST_ROUNDS = 64  # of draws, of which those below 0 are left out
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
 
 
@@ -222,11 +223,15 @@ class FrictionFit:
         root = np.linalg.cholesky(self.covariance / np.outer(sigma, sigma))
         sobol = qmc.Sobol(len(self.names), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
         drawn = np.empty((0, len(self.names)))
-        while len(drawn) < count:
+        for _ in range(_MOST_ROUNDS):
             size = 1 << (count - 1).bit_length()
             units = ndtri(sobol.random(size)) @ root.T
             more = centre + units * np.where(units < 0.0, below, above)
             drawn = np.vstack([drawn, more[(more >= 0.0).all(axis=1)]])
+            if len(drawn) >= count:
+                break
+        else:  # two frictions at 0 whose errors are opposite
+            drawn = np.vstack([drawn, np.maximum(more, 0.0)])
         return drawn[:count]
 
     def sample_amplitudes(self, count: int = 64) -> Floats | None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.synthetic_session import STEP_RAD, WHOLE_BODY_2005, changed, session, setup
-from serpenoid import BadInput
+from serpenoid import BadInput, NotConverged
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.kinds.station import Reading
@@ -207,3 +207,24 @@ def test_a_wild_contradiction_leaves_ends_that_chi2_allows():
         low, high = fit.intervals[name]
         value, sigma = fit.parameters[name]
         assert low <= value <= high < value + 4.0 * sigma
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("seed", [30, 64, 31, 32])
+def test_readings_made_up_at_random_end_in_numbers_or_in_words(seed):
+    """Up to a thousand sigmas off: once NaN, and draws of it that never ended."""
+    rng = np.random.default_rng(seed)
+    bends = rng.choice([5.0, 10.0, 20.0, 30.0, 45.0], rng.integers(1, 4), replace=False)
+    made = setup(*bends.tolist())
+    sure = replace(made.uncertainty, belt_speed_sigma_m_s=1e-3, incline_sigma_rad=1e-3)
+    inclines, speeds = rng.uniform(0.01, 0.78, 16), rng.uniform(0.05, 1.0, 16)
+    at = np.radians(np.repeat([0.0, *bends], 4))
+    rows = zip(at.tolist(), inclines.tolist(), speeds.tolist(), strict=False)
+    taken = tuple(Reading(k, *row) for k, row in enumerate(rows, 1))
+    for method in ("joint", "robust"):
+        try:
+            fit = fit_friction(Session(replace(made, uncertainty=sure), taken), method=method)
+        except (BadInput, NotConverged):
+            continue
+        assert np.isfinite([fit.intervals[name] for name in NAMES]).all()
+        assert np.isfinite(fit.sample_whole(16)).all()

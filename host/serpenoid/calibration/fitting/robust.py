@@ -95,14 +95,14 @@ def _climb(data: FitData, x: Floats, good: Floats) -> FitMode:
         if np.abs(good - before).max() < _SETTLED:
             break
     found = minimise(data, x, _weights(good))
-    good, densities = _chances(found.residuals[: len(data)])
+    good, log_densities = _chances(found.residuals[: len(data)])
     curved = _curved(found, good)
     priors = float(np.sum(found.residuals[len(data) :] ** 2)) / 2
-    height = float(np.log(densities).sum()) - priors - _half_log_determinant(curved.information)
+    height = float(log_densities.sum()) - priors - half_log_determinant(curved.information)
     return FitMode(curved, good, height)
 
 
-def _half_log_determinant(information: Floats) -> float:
+def half_log_determinant(information: Floats) -> float:
     """Return half the logarithm of its determinant; inf where it is not positive definite.
 
     A minimum far out, where a friction is 0 and a reading's whole error with it, has slopes of
@@ -120,10 +120,11 @@ def _weights(good: Floats) -> Floats:
 
 
 def _chances(r: Floats) -> tuple[Floats, Floats]:
-    """Return each reading's chance to be good, and its density (but for a common factor)."""
-    fine = (1.0 - BAD_CHANCE) * np.exp(-0.5 * r**2)
-    misread = BAD_CHANCE / BAD_WIDTH * np.exp(-0.5 * (r / BAD_WIDTH) ** 2)
-    return fine / (fine + misread), fine + misread
+    """Return each reading's chance to be good, and the logarithm of its density but for a sum."""
+    fine = math.log(1.0 - BAD_CHANCE) - 0.5 * r**2
+    misread = math.log(BAD_CHANCE / BAD_WIDTH) - 0.5 * (r / BAD_WIDTH) ** 2
+    both = np.logaddexp(fine, misread)
+    return np.exp(fine - both), both
 
 
 def _curved(found: Minimum, good: Floats) -> Minimum:
