@@ -74,7 +74,7 @@ def larger(scene: Scene, factor: float) -> Scene:
     lens = scene.lens
     x, y = lens.middle_px
     return replace(scene, lens=replace(
-        lens, width=round(lens.width * factor), height=round(lens.height * factor),
+        lens, width=2 * round(lens.width * factor / 2), height=2 * round(lens.height * factor / 2),
         focal_px=lens.focal_px * factor, middle_px=(x * factor, y * factor),
     ))  # fmt: skip
 
@@ -106,6 +106,9 @@ WORLDS: dict[str, Callable[[np.random.Generator], Scene]] = {
     "ends": ends,
     "4 links": lambda rng: plain(rng, 4),
     "10 links": lambda rng: plain(rng, 10),
+    "15 px": lambda rng: larger(plain(rng), 0.53),
+    "10 links, 15 px": lambda rng: larger(plain(rng, 10), 0.53),
+    "20 px": lambda rng: larger(plain(rng), 0.72),
     "4k": lambda rng: larger(plain(rng), 6),
 }
 

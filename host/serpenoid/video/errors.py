@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
 STEP = 0.3  # of a standard deviation: the differences by which the camera's doubt is carried on
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
+FLOOR_OFFSET_RAD = np.radians(0.01)  # a centre is a mean: it has no share of what moves
 # A codec draws each picture on the one before, and what turns lags: amplitudes come out low by
 # .1 % (rendered films coded at crf 20, beside the same pictures uncoded).
 FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD = 6e-4, np.radians(0.02)
@@ -45,6 +46,7 @@ def number_sigmas(
     floor[0], floor[-1] = 0.0, FLOOR_TURN_RAD_S
     floor[-2] = FLOOR_SPEED * fitted.motion.speed_m_s
     amplitude = fitted.motion.amplitude_rad
+    floor[2 * len(amplitude) : 3 * len(amplitude)] = FLOOR_OFFSET_RAD
     floor[1 : 1 + len(amplitude)] = np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
     return np.sqrt(pixels**2 + camera**2 + floor**2)
 

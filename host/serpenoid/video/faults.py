@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
@@ -36,6 +35,7 @@ def refuse_unseen(watched: Watched, name: str) -> None:
     frames = len(s.t_s)
     if frames == 1:
         raise BadInput(f"{name}: is a picture, not a film; film the robot for two periods or more")
+    _refuse_doubles(watched, name)
     if not s.seen.any():
         raise BadInput(f"{name}: {_why_no_tag(watched)}")
     _refuse_another_robot(watched, name)
@@ -77,6 +77,20 @@ def _refuse_another_robot(watched: Watched, name: str) -> None:
         raise BadInput(f"{name}: {_strangers(watched)}")
 
 
+def _refuse_doubles(watched: Watched, name: str) -> None:
+    often = max(watched.doubles.values(), default=0)
+    if often > STRANGER_SHARE * len(watched.sightings.t_s):
+        raise BadInput(f"{name}: {_doubles(watched)}")
+
+
+def _doubles(watched: Watched) -> str:
+    numbers = ", ".join(str(k + 1) for k in sorted(watched.doubles))
+    return (
+        f"two tags with the same number are in the picture (numbers {numbers}): another robot, or "
+        "tags that lie beside it? Take them away; where a number is seen twice, neither counts"
+    )
+
+
 def camera_moved(watched: Watched) -> Remark | None:
     """Tell of a camera that moved; raise BadInput where it moved too much."""
     if not watched.shifts:
@@ -107,64 +121,6 @@ def camera_moved(watched: Watched) -> Remark | None:
     return Remark("camera", text)
 
 
-def refuse_mixed_tags(measured_poses: tuple[np.ndarray, np.ndarray], name: str) -> None:
-    """Raise BadInput where tags stand in another order than their numbers."""
-    centres, _ = measured_poses
-    n = centres.shape[1]
-    apart = np.full((n, n), np.inf)
-    for i in range(n):
-        for j in range(n):
-            gaps = np.linalg.norm(centres[:, i] - centres[:, j], axis=-1)
-            gaps = gaps[np.isfinite(gaps)]
-            if i != j and len(gaps) >= 3:
-                apart[i, j] = gaps.mean()
-    if not np.isfinite(apart[np.triu_indices(n, 1)]).all():
-        return
-    order = _shortest_way(apart)
-    if order in (list(range(n)), list(range(n))[::-1]):
-        return
-    if order[0] > order[-1]:
-        order = order[::-1]
-    own = _way_length(apart, list(range(n)))
-    if own > 1.1 * _way_length(apart, order):
-        told = ", ".join(str(k + 1) for k in order)
-        raise BadInput(
-            f"{name}: the tags stand in the order {told} along the robot; number 1 "
-            "belongs on the tail, then 2, 3, ...: put them on anew"
-        )
-
-
-def _way_length(apart: np.ndarray, order: list[int]) -> float:
-    return float(sum(apart[a, b] for a, b in itertools.pairwise(order)))
-
-
-def _shortest_way(apart: np.ndarray) -> list[int]:
-    """Return the order of the shortest way through all tags: nearest first, then 2-opt."""
-    n = len(apart)
-    best: list[int] = []
-    for first in range(n):
-        way = [first]
-        while len(way) < n:
-            rest = [k for k in range(n) if k not in way]
-            way.append(min(rest, key=lambda k: apart[way[-1], k]))
-        way = _untangled(apart, way)
-        if not best or _way_length(apart, way) < _way_length(apart, best):
-            best = way
-    return best
-
-
-def _untangled(apart: np.ndarray, way: list[int]) -> list[int]:
-    n, better = len(way), True
-    while better:
-        better = False
-        for i in range(n - 1):
-            for j in range(i + 1, n):
-                tried = way[:i] + way[i : j + 1][::-1] + way[j + 1 :]
-                if _way_length(apart, tried) < _way_length(apart, way) - 1e-12:
-                    way, better = tried, True
-    return way
-
-
 def remarks_of(watched: Watched, measured: Measured, side_m: float, name: str) -> list[Remark]:
     """Return what is to be told of a film that was measured; raise BadInput for what is too bad."""
     _refuse_short(measured, name)
@@ -184,6 +140,7 @@ def remarks_of_view(watched: Watched, fit: Bundle, side_m: float, name: str) -> 
         *_seen(watched),
         *_times(watched),
         _strangers_told(watched),
+        Remark("doubles", _doubles(watched)) if watched.doubles else None,
     ]
     if watched.damage:
         told.append(Remark("damaged", f"{watched.damage}: measured from what is left"))

@@ -12,7 +12,8 @@ import numpy as np
 from ..model.checks import check_number, sha256_of
 from ..model.errors import BadInput
 from ..model.gait import Gait
-from .faults import blurred, camera_moved, refuse_mixed_tags, refuse_unseen, remarks_of
+from .broken_film import bent_remarks, bent_tags, refuse_cut
+from .faults import blurred, camera_moved, refuse_unseen, remarks_of
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
@@ -21,6 +22,7 @@ from .seeing.film import Film
 from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
 from .seeing.watch import Watched, watch
+from .tag_order import refuse_mixed_tags
 from .wiring import judge
 
 T = TypeVar("T")
@@ -106,6 +108,10 @@ def _measurement(film: SeenFilm, name: str, gait: Gait | None, board_rate: bool)
     watched, side, starts = film.watched, film.side_m, film.starts
     sightings = watched.sightings
     measured = solved(lambda: measure(sightings, side, starts), name)
+    bent = bent_tags(measured.track)
+    if bent.any():
+        sightings = sightings.without(bent)
+        measured = solved(lambda: measure(sightings, side, starts), name)
     scale = 1.0
     if board_rate and gait is not None:
         scale = measured.fitted.motion.omega_rad_s / gait.omega_rad_s
@@ -113,6 +119,8 @@ def _measurement(film: SeenFilm, name: str, gait: Gait | None, board_rate: bool)
         measured = solved(lambda: measure(there, side, starts), name)
     measured = replace(measured, sigmas=blurred(watched) * measured.sigmas)
     remarks = remarks_of(watched, measured, side, name)
+    refuse_cut(measured, name)
+    remarks += bent_remarks(bent)
     run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)

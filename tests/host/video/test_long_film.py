@@ -12,31 +12,8 @@ from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import Measured, measure
 from serpenoid.video.seeing.sightings import Sightings
 from video.filming import Lens
+from video.sighted import sighted
 from video.worlds import LINK_M, SIDE_M, World, crawling
-
-SQUARE = 0.5 * SIDE_M * np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
-NOISE_PX = 0.15
-
-
-def sighted(world: World, t_s: np.ndarray, lens: Lens) -> Sightings:
-    """Return where a pinhole sees the tags' corners, with noise."""
-    eye, rays = np.array(lens.eye_m), lens.rays()[1]
-    middle = rays[lens.height // 2, lens.width // 2]
-    right = rays[0, -1] - rays[0, 0]
-    right, ahead = right / np.linalg.norm(right), middle / np.linalg.norm(middle)
-    ahead -= right * (ahead @ right)
-    ahead /= np.linalg.norm(ahead)
-    down = np.cross(ahead, right)
-    poses = [world.pose(t) for t in t_s]
-    centre, theta = np.array([p[0] for p in poses]), np.array([p[1] for p in poses])
-    cos, sin = np.cos(theta)[..., None], np.sin(theta)[..., None]
-    x = centre[..., :1] + cos * SQUARE[:, 0] - sin * SQUARE[:, 1]
-    y = centre[..., 1:] + sin * SQUARE[:, 0] + cos * SQUARE[:, 1]
-    point = np.stack([x, y, np.full_like(x, 0.045)], axis=-1) - eye
-    seen = np.stack([point @ right, point @ down], axis=-1) / (point @ ahead)[..., None]
-    pixels = lens.focal_px * seen + 0.5 * np.array([lens.width - 1, lens.height - 1])
-    noise = np.random.default_rng(1).normal(size=pixels.shape)
-    return Sightings.of(t_s, pixels + NOISE_PX * noise, (lens.width, lens.height))
 
 
 def filmed(seconds: float) -> tuple[Sightings, Measured, World]:

@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 EVERY_S = 0.5
 MOST_POINTS, LEAST_POINTS = 150, 12
 PATCH_PX = 21
+NEAR_PX = 2 * PATCH_PX + 1
 REACH_PX = 1.0  # a point that is so far off the floor's common motion is somebody's foot
 
 
@@ -45,9 +46,10 @@ class Background:
         free = np.full(picture.shape, 255, np.uint8)
         left, top, right, bottom = self.window
         free[top:bottom, left:right] = 0
-        self._first = np.ascontiguousarray(picture)
+        whole = np.ascontiguousarray(picture)
+        self._first = _even(whole)
         self._points = cv2.goodFeaturesToTrack(
-            self._first, MOST_POINTS, 0.02, PATCH_PX, mask=free, blockSize=7
+            whole, MOST_POINTS, 0.02, PATCH_PX, mask=free, blockSize=7
         )
 
     def _compare(self, time_s: float, picture: NDArray[np.uint8]) -> None:
@@ -59,7 +61,7 @@ class Background:
         assert self._points is not None
         found, status, _ = cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload]
             self._first,
-            np.ascontiguousarray(picture),
+            _even(np.ascontiguousarray(picture)),
             self._points,
             self._points.copy(),
             winSize=(PATCH_PX, PATCH_PX),
@@ -86,3 +88,11 @@ class Background:
         moved = corners @ way.T - corners[:, :2]
         x, y = moved[np.argmax(np.linalg.norm(moved, axis=1))]
         return float(x), float(y)
+
+
+def _even(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return a picture divided by its own brightness nearby: lamps flicker, phones adapt."""
+    import cv2
+
+    near = cv2.blur(picture, (NEAR_PX, NEAR_PX))
+    return np.asarray(cv2.divide(picture, near, scale=128), np.uint8)

@@ -24,6 +24,12 @@ def dictionary() -> Any:
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, DICTIONARY))
 
 
+def _apart(one: Array, other: Array) -> bool:
+    """Tell whether two quadrilaterals are two tags, not one found twice."""
+    side = float(np.linalg.norm(one[1] - one[0]))
+    return float(np.linalg.norm(one.mean(axis=0) - other.mean(axis=0))) > 0.5 * side
+
+
 class TagFinder:
     """Find tags frame by frame; remembers where they were."""
 
@@ -35,6 +41,7 @@ class TagFinder:
         self.side_px = 0.0
         self.patience = 0
         self.strangers: dict[int, int] = {}  # numbers that are on no link, and how often
+        self.doubles: dict[int, int] = {}  # numbers seen at two places at once, and how often
         self._cv2 = cv2
 
     def _detector(self, side_px: float) -> Any:
@@ -70,14 +77,21 @@ class TagFinder:
         part = np.ascontiguousarray(picture[top:bottom, left:right])
         corners, ids, _ = self._detector(self.side_px).detectMarkers(part)
         found: dict[int, Tag] = {}
+        double: set[int] = set()
         edges: Array = np.zeros(0)
         if ids is not None:
             corners, edges = refine(part, np.array([q.reshape(4, 2) for q in corners], float))
-        for k, number in enumerate([] if ids is None else ids.ravel()):
+        for k, number in enumerate([] if ids is None else ids.ravel().tolist()):
             if number >= self.links:
-                self.strangers[int(number)] = self.strangers.get(int(number), 0) + 1
-            else:
-                found[int(number)] = corners[k] + [left, top], float(edges[k])
+                self.strangers[number] = self.strangers.get(number, 0) + 1
+                continue
+            tag = corners[k] + [left, top], float(edges[k])
+            if number in found and _apart(found[number][0], tag[0]):
+                double.add(number)
+            found[number] = tag
+        for number in double:  # which of them is the robot's?
+            self.doubles[number] = self.doubles.get(number, 0) + 1
+            del found[number]
         return found
 
     def _follow(self, found: dict[int, Tag], shape: tuple[int, ...]) -> None:

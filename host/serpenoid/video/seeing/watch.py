@@ -25,7 +25,8 @@ class Watched:
 
     film; sightings; edge_px (frames, links): width of a tag's edges, NaN where none; damage: what
     could not be read; rotation_deg: by which players turn the pictures to the left, 0, 90, 180 or
-    270; strangers: tags of numbers that are on no link, with the number of frames; shifts: of the
+    270; strangers: tags of numbers that are on no link, with the number of frames; doubles: tags
+    that are seen at two places at once, and left out there, in the same way; shifts: of the
     floor, (time, x px, y px); plain_floor: nothing on it can be followed; picture: the first frame
     with a tag, grey; mirrored: tags are seen in a mirror only.
     """
@@ -35,6 +36,7 @@ class Watched:
     edge_px: Single
     damage: Damage
     strangers: dict[int, int]
+    doubles: dict[int, int]
     shifts: tuple[tuple[float, float, float], ...]
     plain_floor: bool
     picture: NDArray[np.uint8]
@@ -94,8 +96,8 @@ def watch(
     sightings = Sightings.of(np.array(times), corners_px, (film.width, film.height))
     shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
     return Watched(
-        film, sightings, edge_px, damage, finder.strangers, shifts, plain, picture, mirrored > 0,
-        rotation_deg,
+        film, sightings, edge_px, damage, finder.strangers, finder.doubles, shifts, plain, picture,
+        mirrored > 0, rotation_deg,
     )  # fmt: skip
 
 
