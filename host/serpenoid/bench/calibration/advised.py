@@ -168,7 +168,7 @@ def advised(job: tuple[str, int, SpeedTable, float]) -> tuple[int, float, float,
     first = len(goes_on.record.session.kept)
     band, off = band_and_off(goes_on.record.session, table)
     while band > target and len(goes_on.record.session.kept) < _MOST_READINGS:
-        ranked = advise(goes_on.record.session, [GAIT], samples=24, runs=False).readings
+        ranked = advise(goes_on.record.session, [GAIT], samples=24, servo=None).readings
         next(told for told in ranked if goes_on.hold(told))
         band, off = band_and_off(goes_on.record.session, table)
     return len(goes_on.record.session.kept), band, off, first
