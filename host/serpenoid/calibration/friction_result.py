@@ -223,15 +223,15 @@ class FrictionFit:
         root = np.linalg.cholesky(self.covariance / np.outer(sigma, sigma))
         sobol = qmc.Sobol(len(self.names), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
         drawn = np.empty((0, len(self.names)))
-        for _ in range(_MOST_ROUNDS):
+        for k in range(_MOST_ROUNDS):
             size = 1 << (count - 1).bit_length()
             units = ndtri(sobol.random(size)) @ root.T
             more = centre + units * np.where(units < 0.0, below, above)
+            if k == _MOST_ROUNDS - 1:  # two frictions at 0 whose errors are opposite
+                more = np.maximum(more, 0.0)
             drawn = np.vstack([drawn, more[(more >= 0.0).all(axis=1)]])
             if len(drawn) >= count:
                 break
-        else:  # two frictions at 0 whose errors are opposite
-            drawn = np.vstack([drawn, np.maximum(more, 0.0)])
         return drawn[:count]
 
     def sample_amplitudes(self, count: int = 64) -> Floats | None:
