@@ -90,11 +90,12 @@ std::vector<SweepShape> shapes_of(const std::vector<Model>& models) {
 
 // Periodic states of all models at all rates, (models, rates, kSweepColumns).
 Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double rtol, bool powers,
-            int max_elements, int threads, nb::object progress) {
+            int max_elements, int threads, nb::object progress, bool rough) {
     const std::vector<SweepShape> shapes = shapes_of(models);
     std::vector<double> out(shapes.size() * omegas.size() * kSweepColumns);
     with_progress(progress, [&](const auto& go_on) {
-        sweep_shapes(shapes, omegas, {rtol, powers, max_elements}, threads, go_on, out.data());
+        const SteadyOptions options{rtol, powers, max_elements, rough};
+        sweep_shapes(shapes, omegas, options, threads, go_on, out.data());
     });
     return to_numpy(std::move(out), {shapes.size(), omegas.size(), kSweepColumns});
 }
@@ -332,7 +333,7 @@ NB_MODULE(_core, m) {
     m.def("neighbours", &solve_neighbours, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg(), nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{});
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
-          nb::arg().none());
+          nb::arg().none(), nb::arg("rough") = false);
     bind_servos(m);
     bind_run(m);
     bind_firmware(m);

@@ -103,7 +103,7 @@ def sweep(
     arg4: int,
     arg5: int,
     arg6: object | None,
-    /,
+    rough: bool = False,
 ) -> NDArray[numpy.float64]: ...
 
 class Servo:

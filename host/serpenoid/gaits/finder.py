@@ -23,23 +23,29 @@ from .gait_cloud import GaitCloud
 from .gait_table import Candidate, refined_valleys
 from .limits import LIMIT_NAMES, GaitLimits
 from .quadratic_search import Point, minimize
-from .shape_search import GaitShape, ShapeSearch, Solve, exact_solver
+from .shape_search import COSTS, GaitShape, NearShapes, ShapeSearch, Solve, exact_solver
 
-COSTS = ("power", "abs_power", "positive_power")
 ANY = GaitLimits()
 _MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense, and the cloud's rates would not end
 _VALLEYS = 6  # of the cloud, followed at most
 _WITHIN, _WITHIN_DRY = 1.4, 1.6  # of the cheapest: what the cloud's coarseness may hide
+_WITHIN_OTHERS, _OTHERS_APART, _OTHERS = 1.1, 0.3, 2  # cost, e-folds of shape, how many
 _RADIUS, _RADIUS_KNOWN = 0.15, 0.08  # first box: half a step of the cloud; round a known gait
 _NARROW = 1.2  # ratio of rates: a narrower range is searched at fixed rates
 _APART = 0.1  # e-folds of shape: two ends closer than this are one valley
+_ROUGHER = 0.3  # the same factor for the valleys of the cloud on dry ground
 _CLOSER = 4.0  # refinement factor for the best valley on dry ground
-_WIDTHS = (0.25, 0.08, 0.025, 0.008)  # e-folds either way, of its tables of shapes
-_SMALL_VALLEYS = 3  # followed of each table
+_FINE_TABLES = (0.25, 4), (0.08, 4), (0.03, 3), (0.12, 8)  # e-folds of shape, steps
+_MOST_TABLES, _INSIDE = 6, 0.7  # of a width: while the best is farther out than this part of it
+_RING, _RING_AT_EDGE = 8, 32  # directions of a walk
+_AT_EDGE = 0.01  # e-folds of cost: a model that expects so much more lies across an edge
+_WALK, _WALK_END, _WALK_SHRINK = 0.03, 0.002, 0.4  # e-folds of shape
+_WALK_GAIN = 1e-4  # e-folds of cost: a smaller gain ends a ring
+_SMALL_VALLEYS = 2  # followed of each table
 _ROUNDING = 1e-9  # body lengths x rate: a slower gait travels by rounding errors alone
 _AT_LIMIT = 2e-6  # e-folds of shape: last box beside a limit, on viscous ground
 _LIMITS_WORTH = 2.0  # e-folds of cost at most, for one of a limit
-_DRY_GAP = 2e-3  # e-folds: small dry valleys were found so far apart, so no optimum is known better
+_DRY_GAP = 3e-3  # e-folds: brute force found so much less, so no optimum is known better
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +105,10 @@ class Finder:
         self.robot, self.ground, self.limits, self.rtol = robot, ground, limits, rtol
         self.exact = solve is None
         solver = solve or exact_solver(robot, ground, powers=cost != "power")
-        self.search = ShapeSearch(robot, ground, solver, cost, limits)
+        self.near = NearShapes(robot, ground, solver, cost, limits)  # on dry ground
+        self.search = self.near
+        if ground.smooth or not self.exact:
+            self.search = ShapeSearch(robot, ground, solver, cost, limits)
         self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
         self.coarse = 1e-7 if ground.smooth and self.exact else 3e-4  # accuracy of the search
         self.least_gap = self.coarse if ground.smooth else _DRY_GAP
@@ -114,6 +123,8 @@ class Finder:
         evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
         first = evaluate([np.array(start.shape)])[0]
         end, gap = minimize(evaluate, first, radius, self.smallest / closer, low, high)
+        if self.search is self.near and end.data is not None:
+            end = self.near.solved(end, speed, rtol)
         if self.exact and self.ground.smooth and 0 <= end.margin < self.smallest:
             # along a limit the cost is no valley: it rises with the distance from the limit
             end, gap = minimize(evaluate, end, self.smallest, _AT_LIMIT, low, high)
@@ -121,15 +132,28 @@ class Finder:
         return end, gap
 
     def candidates(self, speed: float) -> list[Candidate]:
-        """Return the cloud's valleys that may hold the minimum."""
-        return self.cloud.candidates(
-            speed, _VALLEYS, _WITHIN if self.ground.smooth else _WITHIN_DRY
-        )
+        """Return the cloud's valleys that may hold the minimum.
+
+        A narrow dry valley may cross the cloud between its shapes: then other cheap shapes lie in
+        it, too.
+        """
+        if self.ground.smooth:
+            return self.cloud.candidates(speed, _VALLEYS, _WITHIN)
+        starts = self.cloud.candidates(speed, _VALLEYS, _WITHIN_DRY)
+        others = 0
+        for one in self.cloud.shapes_within(speed, _WITHIN_OTHERS):
+            apart = [np.abs(np.subtract(one.shape, start.shape)).max() for start in starts]
+            if others < _OTHERS and min(apart, default=0) > _OTHERS_APART:
+                starts, others = [*starts, one], others + 1
+        return starts
 
     def minimize(self, speed: float, extra: Candidate | None = None) -> LeastPower:
         """Return the cheapest gait; extra: one more start."""
         starts = self.candidates(speed) + ([extra] if extra else [])
-        followed = [self.follow(s, speed, _RADIUS_KNOWN if s is extra else _RADIUS) for s in starts]
+        rougher = _ROUGHER if self.search is self.near else 1.0
+        followed = [
+            self.follow(s, speed, _RADIUS_KNOWN if s is extra else _RADIUS, rougher) for s in starts
+        ]
         ends = [end for end in followed if not end[0].better[0]] or self.at_fixed_rates(speed)
         if not ends:
             raise self.unreachable(speed, [point for point, _ in followed])
@@ -151,23 +175,54 @@ class Finder:
     def refined(self, best: Point, speed: float) -> tuple[Point, float]:
         """Return the best of a dry valley, where kinks make small valleys in the large one.
 
-        Finer and finer tables of shapes show them, and the best are followed. The last table's
-        gain, or what it saw below, may still be missing. The finest table is for steep valleys.
+        Fine tables of shapes show them, and the best are followed. What the last one gained, or saw
+        below, may still be missing.
         """
-        gap = 0.0
-        for width in _WIDTHS:
-            state: Any = best.data
-            starts = refined_valleys(self.search, state.gait, speed, width, _SMALL_VALLEYS)
-            before = best.value
-            for start in starts:
-                point, _ = self.follow(start, speed, width / 6, closer=_CLOSER)
-                best = min(best, point, key=lambda p: p.better)
-            gap = max(before - best.value, 0.0)
-            if self.exact and starts:  # the tables are the exact model's
-                gap = max(gap, best.value - math.log(starts[0].watts))
-            if width == _WIDTHS[-2] and gap <= self.least_gap:
+        gap = model_gap = 0.0
+        for width, half in _FINE_TABLES:
+            at_edge = model_gap > _AT_EDGE
+            if width == _FINE_TABLES[-1][0] and not at_edge:
                 break
+            before, seen = best.value, math.inf
+            for _ in range(_MOST_TABLES):
+                middle = best.at
+                starts = refined_valleys(self.near, best, speed, width, half, _SMALL_VALLEYS)
+                seen = math.log(starts[0].watts) if starts else math.inf
+                for start in starts:
+                    point, lower = self.follow(start, speed, width / 6, closer=_CLOSER)
+                    if point.better < best.better:
+                        best, model_gap = point, lower
+                if np.abs(best.at - middle).max() < _INSIDE * width:
+                    break
+            best = self.walked(best, speed, _RING_AT_EDGE if at_edge else _RING)
+            gap = before - best.value
+            if self.exact:  # the tables are the exact model's
+                gap = max(gap, best.value - seen)
         return best, gap
+
+    def walked(self, best: Point, speed: float, directions: int) -> Point:
+        """Return the end of steps to the lowest point of ever smaller rings: along edges and kinks.
+
+        A quadratic model says nothing beside an edge, where wheels begin to slide.
+        """
+        turns = 2 * math.pi * np.arange(directions) / directions
+        ring = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        low, high = self.search.bounds()
+        radius = _WALK
+        while radius >= _WALK_END:
+            state: Any = best.data
+            points = self.search.points(
+                list(np.clip(best.at + radius * ring, low, high)), speed,
+                state.gait.omega_rad_s, max(self.rtol, self.coarse / _CLOSER),
+            )  # fmt: skip
+            lowest = min([best, *points], key=lambda p: p.better)
+            if lowest is not best and self.search is self.near:
+                lowest = self.near.solved(lowest, speed, self.coarse / _CLOSER)
+            if lowest.better < best.better and lowest.value < best.value - _WALK_GAIN:
+                best = lowest
+            else:
+                radius *= _WALK_SHRINK
+        return best
 
     def finish(self, speed: float, ends: list[tuple[Point, float]]) -> LeastPower:
         """Solve the best once more, to the accuracy that was asked for."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,8 @@ _SWINGS = np.radians([6.0, 11, 17, 24, 31, 38, 46, 55, 66, 80])  # amplitudes of
 _SLOWER = np.array([0.2, 0.4, 0.6, 0.8])  # of the least of them: where servos are slow
 _RATE_STEP = 1.9  # from one rate to the next: log-log lines between them err by a few per cent
 _FURTHER = 4  # rates at most above the first ones, for shapes that are slow and cheap
+_HOPE = 2.0  # of the cheapest: shapes between dearer ones are not solved
+_FEW = 4  # shapes that reach a speed: if fewer do, all others are solved
 _HIGHER = 5  # times three rates at most, while no shape reaches the speed
 
 
@@ -50,10 +52,14 @@ class GaitCloud(GaitTable):
         super().__init__(robot, ground, cost, limits, alpha, lags, rates.rtol)
         span = math.log(max(speeds) / min(speeds)) / math.log(_RATE_STEP)
         lowest = max(rates.first * min(speeds) / (n * robot.link_length_m), limits.omega_low_rad_s)
-        self._grow(lowest * _RATE_STEP ** np.arange(rates.many + math.ceil(span)))
+        self._coarse = np.ones(alpha.shape, bool)
+        if not ground.smooth:
+            self._coarse = _every_second(alpha.shape)
+        self._grow(lowest * _RATE_STEP ** np.arange(rates.many + math.ceil(span)), self._coarse)
         self._reach_speed(max(speeds))
         if not ground.smooth:
             self._reach_cheap_shapes(speeds)
+            self._fill_between(speeds)
 
     def _grow(self, rates: NDArray[Any], shapes: NDArray[np.bool_] | None = None) -> None:
         self.add_rates(np.unique(np.minimum(rates, self.limits.omega_high_rad_s)), shapes)
@@ -66,7 +72,7 @@ class GaitCloud(GaitTable):
             beyond = top * self.alpha_rad.min() > 2 * self.limits.servo_speed_rad_s
             if reached or beyond or top >= self.limits.omega_high_rad_s:
                 return
-            self._grow(top * 3.0 ** np.arange(1, 4))
+            self._grow(top * 3.0 ** np.arange(1, 4), self._coarse)
 
     def _reach_cheap_shapes(self, speeds: Sequence[float]) -> None:
         """Add higher rates for shapes that are too slow so far, but cost less than the cheapest."""
@@ -79,6 +85,35 @@ class GaitCloud(GaitTable):
             if top >= self.limits.omega_high_rad_s or not slow.any():
                 return
             self._grow(np.array([_RATE_STEP * top]), slow)
+
+    def _fill_between(self, speeds: Sequence[float]) -> None:
+        """Solve shapes beside cheap ones, at the rates that those need, until none is left."""
+        solved = self._coarse.copy()
+        while True:
+            first, last = self._hopeful(speeds)
+            new = (last > first) & ~solved
+            if not new.any():
+                return
+            self.fill(first, np.where(new, last, first))
+            solved |= new
+
+    def _hopeful(self, speeds: Sequence[float]) -> tuple[Array, Array]:
+        """Return from which to which rate, by number, shapes may be cheap, by those around them."""
+        count = self.omega_rad_s.size
+        first, last = np.full(self._coarse.shape, count), np.zeros(self._coarse.shape, int)
+        for speed in speeds:
+            rate, watts = self.at_speed(speed)
+            known = np.isfinite(watts)
+            if known.sum() < _FEW:
+                return np.zeros_like(first), np.full_like(last, count)
+            hopeful = _around(np.where(known, watts, np.inf), np.min) <= _HOPE * watts[known].min()
+            low = _around(np.where(known, rate, np.inf), np.min)
+            high = _around(np.where(known, rate, -np.inf), np.max)
+            below = np.searchsorted(self.omega_rad_s, low) - 1
+            above = np.searchsorted(self.omega_rad_s, high) + 1
+            first = np.where(hopeful, np.minimum(first, np.maximum(below, 0)), first)
+            last = np.where(hopeful, np.maximum(last, np.minimum(above, count)), last)
+        return first, last
 
     def at_speed(self, speed_m_s: float) -> tuple[Array, Array]:
         """Return rate and cost of every shape at a speed, (S, L); NaN where none gives it.
@@ -123,3 +158,19 @@ class GaitCloud(GaitTable):
         v = np.where(allowed & np.isfinite(self.speed_m_s), self.speed_m_s, 0.0)
         i, j, k = np.unravel_index(int(np.argmax(v)), v.shape)
         return v[i, j, k], self.alpha_rad[i, j], self.beta_rad[i, j], rate[i, j, k]
+
+
+def _every_second(shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Return a mask of every second row and column, and of the last ones."""
+    rows, columns = (np.arange(size) for size in shape)
+    return np.outer(
+        (rows % 2 == 0) | (rows == shape[0] - 1), (columns % 2 == 0) | (columns == shape[1] - 1)
+    )
+
+
+def _around(values: Array, least: Callable[..., Array]) -> Array:
+    """Return the least, or greatest, of every entry and its eight neighbours."""
+    edge = math.inf if least is np.min else -math.inf
+    padded = np.pad(values, 1, constant_values=edge)
+    views = np.lib.stride_tricks.sliding_window_view(padded, (3, 3))
+    return least(views, axis=(2, 3))

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
+from ..model.core_model import core_model
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.sweep import sweep
+from ..periodic.steady import MAX_ELEMENTS
 from .limits import GaitLimits
-from .shape_search import GaitShape, ShapeSearch, on_threads
+from .quadratic_search import Point
+from .shape_search import COSTS, GaitShape, NearShapes, on_threads
 
 Array = NDArray[np.float64]
 # Solves one column of a table: amplitudes (A,), one lag, rates (W,) -> speed and cost, (A, W).
@@ -22,7 +25,6 @@ Column = Callable[[Array, float, Array], tuple[Array, Array]]
 _BEYOND = 2.0  # of the servos' speed: faster gaits help no interpolation and are not solved
 _STILL = 1e-6  # of body length times rate: a lower speed is noise of the solver
 _ROUNDING = 1 + 1e-9  # an amplitude at its limit, after exp(log(limit))
-_FINE_SHAPES, _FINE_RATES = 13, 5  # of a fine table, each way; steps of width / 6
 _FINE_WITHIN = 1.02  # of the cheapest: what lines between rates may hide
 _FINE_RTOL = 1e-3
 _PENALTY = 8.0  # cost of a limit exceeded by a factor f rises as f^8, so valleys inside win
@@ -90,15 +92,29 @@ class GaitTable:
         self.speed_m_s = np.concatenate([self.speed_m_s, speed], axis=2)
         self.cost_w = np.concatenate([self.cost_w, cost], axis=2)
 
+    def fill(self, first: Array, last: Array) -> None:
+        """Solve shapes at their rates from number `first` up to, not including, `last`, (S, L)."""
+
+        def solve(place: list[int]) -> None:
+            i, j = place
+            here = slice(int(first[i, j]), int(last[i, j]))
+            alpha = np.minimum(self.alpha_rad[i : i + 1, j], math.pi)
+            rates, beta = self.omega_rad_s[here], float(self.beta_rad[i, j])
+            speed, cost = self._column(alpha, beta, rates)
+            self.speed_m_s[i, j, here], self.cost_w[i, j, here] = speed[0], cost[0]
+
+        allowed = self.alpha_rad <= min(self.limits.joint_angle_rad, math.pi) * _ROUNDING
+        on_threads(solve, np.argwhere(allowed & (last > first)).tolist())
+
     def _exact_column(self, alpha: Array, beta: float, rates: Array) -> tuple[Array, Array]:
-        """Return speed and cost by the exact model."""
-        found = sweep(
-            self.robot, self.ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=rates,
-            rtol=self._rtol, powers=self.cost != "power",
+        """Return speed and cost by the exact model; on dry ground rough ones."""
+        models = [core_model(self.robot, self.ground, Gait(float(a), beta, 1.0)) for a in alpha]
+        table = _core.sweep(
+            models, rates.tolist(), self._rtol, self.cost != "power", MAX_ELEMENTS, 1, None,
+            rough=not self.ground.smooth,
         )  # fmt: skip
-        good, v = found.converged[:, 0], found.speed_m_s[:, 0]
+        v, watts, good = table[..., 0], table[..., 1 + COSTS.index(self.cost)], table[..., 10] > 0.5
         v = np.where(v > _STILL * rates * self.robot.links * self.robot.link_length_m, v, 0.0)
-        watts = getattr(found, f"{self.cost}_w")[:, 0]
         return np.where(good, v, np.nan), np.where(good, watts, np.nan)
 
     def at_speed(self, speed_m_s: float) -> tuple[Array, Array]:
@@ -163,18 +179,35 @@ def valleys(price: Array, most: int) -> list[tuple[float, list[int]]]:
 
 
 def refined_valleys(
-    search: ShapeSearch, gait: Gait, speed_m_s: float, width: float, most: int
+    search: NearShapes, best: Point, speed_m_s: float, width: float, half: int, most: int
 ) -> list[Candidate]:
-    """Return the cheapest shapes that no neighbour undercuts, within e^width of a gait's.
+    """Return the cheapest shapes that no neighbour undercuts, within e^width of a point's.
 
-    On dry ground, kinks make small valleys in a large one; this finer table shows them. Its costs
-    come from the exact model, at rates beside the right one.
+    On dry ground, kinks make small valleys in a large one; this finer table shows them. It is
+    solved from its middle outwards: each ring starts from what the one inside tells.
     """
-    factors = np.exp(np.linspace(-width, width, _FINE_SHAPES))
-    alpha = np.unique(np.minimum(gait.alpha_rad * factors, search.limits.joint_angle_rad))
-    beta = np.unique(np.minimum(gait.beta_rad * factors, math.exp(search.bounds()[1][1])))
-    table = GaitTable(
-        search.robot, search.ground, search.cost, search.limits, alpha[:, None], beta, _FINE_RTOL
-    )
-    table.add_rates(gait.omega_rad_s * np.exp(np.linspace(-2 * width, 2 * width, _FINE_RATES)))
-    return table.candidates(speed_m_s, most, _FINE_WITHIN)
+    state: Any = best.data
+    low, high = search.bounds()
+    price = np.full((2 * half + 1, 2 * half + 1), np.inf)
+    points: dict[tuple[int, int], Point] = {}
+    places = np.argwhere(np.isfinite(np.zeros_like(price))) - half
+    for ring in range(half + 1):
+        here = places[np.abs(places).max(axis=1) == ring]
+        shapes = best.at + here * (width / half)
+        inside = ((shapes >= low) & (shapes <= high)).all(axis=1)
+        found = search.points(
+            list(shapes[inside]), speed_m_s, state.gait.omega_rad_s, _FINE_RTOL
+        )  # fmt: skip
+        for (i, j), point in zip((here[inside] + half).tolist(), found, strict=True):
+            points[i, j] = point
+            if not point.better[0]:
+                price[i, j] = math.exp(point.value)
+    return [
+        _of_point(points[i, j]) for cost, (i, j) in valleys(price, most)
+        if cost <= _FINE_WITHIN * price.min()
+    ]  # fmt: skip
+
+
+def _of_point(point: Point) -> Candidate:
+    state: Any = point.data
+    return Candidate(math.exp(point.value), GaitShape(*point.at.tolist()), state.gait.omega_rad_s)

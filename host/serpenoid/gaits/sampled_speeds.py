@@ -115,15 +115,15 @@ class SampledSpeeds:
         near = _NEAR
         for _ in range(_CLOSER if self.dry else 0):
             middle = np.sort(speeds)[round(rank)]
-            todo = ~done & ((abs(speeds - middle) <= near * middle) | (speeds == 0))
-            if not todo.any():
+            unsure = ~done & ((abs(speeds - middle) <= near * middle) | (speeds == 0))
+            if not unsure.any():
                 break
-            picked = np.flatnonzero(todo)
+            picked = np.flatnonzero(unsure)
             starts = [states[i].start for i in picked]
             fine = _speeds(self._solve(gait, which[picked], False, starts)) * left[picked]
             off = abs(fine - speeds[picked]) / np.maximum(fine, 1e-300)
             near = max(near, _WIDER * float(off[speeds[picked] > 0].max(initial=0.0)))
-            speeds[picked], done = fine, done | todo
+            speeds[picked], done = fine, done | unsure
         return speeds
 
     def _left(self, gait: Gait, which: Places) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,16 +14,26 @@ from ..model.errors import NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..periodic.near_states import LocalFit, NearState, solve_near
 from ..periodic.steady import steady_gait
 from .limits import GaitLimits, peak_torque_nm
 from .quadratic_search import Array, Point
 
 Solve = Callable[[Gait, float], Any]  # a gait, an accuracy -> .speed_m_s, .power_w ...
+COSTS = ("power", "abs_power", "positive_power")
 _MOST_STEPS = 40  # secants; usual are 4 to 6
 _FAR, _FAR_DRY = 9.0, 4.0  # e-folds of rate from the guess; a dry table's guess is near
 _LARGEST_STEP = 1.1  # e-folds of rate: a factor of 3
 _STEP_BLIND = 0.7  # e-folds, where the slope of speed against rate says nothing
 _LEAST_SLOPE = 0.1  # of ln speed against ln rate; it is 1 where inertia counts for little
+_CLOSE, _VERY_CLOSE = 0.01, 1e-3  # e-folds of speed: a miss that slopes, or a guess, put right
+_SOLVED = 2e-4  # the same for a shape that was chosen
+_STEEP, _STEEPEST_COST = 0.3, 4.0  # slopes of ln speed, and of ln cost over it, that are trusted
+_TELLS_SLOPES = 0.003  # e-folds of rate: two states this far apart give slopes
+_ASIDE = 0.03  # e-folds of rate: a second state, where no slopes are known
+_BACK = 0.04  # e-folds of rate: back from where wheels begin to slide and speed falls
+_DEAR = 0.7  # e-folds of cost above the least: such ends may lie beyond a fold, none starts there
+_KNOWN = 0.2  # e-folds of shape: farther ones tell too little to start from
 _NEAR_MISS = 30  # times the accuracy asked for: a state this good still ranks shapes
 
 
@@ -139,6 +150,165 @@ class ShapeSearch:
         n = self.robot.links
         low = np.array([math.log(math.radians(1.0)), math.log(min(0.08, 0.8 / n))])
         return low, np.array([math.log(math.radians(150.0)), math.log(math.pi)])
+
+
+class NearShapes(ShapeSearch):
+    """Costs of shapes on dry ground at one speed, many at a time, each from what is known beside.
+
+    Fits to the shapes known so far expect rate and state of a new one. Mostly one state is enough:
+    what its speed misses is put right by the slopes.
+    """
+
+    def __init__(
+        self, robot: Robot, ground: Ground, solve: Solve, cost: str, limits: GaitLimits
+    ) -> None:
+        super().__init__(robot, ground, solve, cost, limits)
+        self._speed_m_s, self._known, self._least = math.nan, LocalFit(2, 6), math.inf
+
+    def points(
+        self, shapes: Sequence[Array], speed_m_s: float, guess: float, rtol: float
+    ) -> list[Point]:
+        """Return many points, solved together; guess: the rate where nothing is known near."""
+        return self.rated(shapes, speed_m_s, [guess] * len(shapes), rtol)
+
+    def rated(
+        self, shapes: Sequence[Array], speed_m_s: float, guesses: Sequence[float], rtol: float,
+        close: float = _CLOSE, rough: bool = True,
+    ) -> list[Point]:  # fmt: skip
+        """Return many points; guesses: a rate for each shape, for where nothing is known near.
+
+        close: e-folds of speed that slopes put right; rough: states of one level.
+        """
+        if speed_m_s != self._speed_m_s:
+            self._speed_m_s, self._known, self._least = speed_m_s, LocalFit(2, 6), math.inf
+        at = np.array(shapes)
+        near = [self._known.nearest(one) < _KNOWN for one in at]
+        expected = self._known.expect(at) if any(near) else np.empty((len(at), 6))
+        highest = math.log(min(self.limits.omega_high_rad_s, 1e300)) + _STEP_BLIND
+        ways = [
+            _WayToSpeed(one, math.log(guess), row if known else None, highest, close)
+            for one, guess, row, known in zip(at, guesses, expected, near, strict=True)
+        ]
+        for _ in range(_MOST_STEPS):
+            going = [way for way in ways if way.goes_on]
+            if not going:
+                break
+            for begun in (True, False):
+                self._step([way for way in going if (way.start is not None) == begun], rtol, rough)
+        ended = [way for way in ways if way.state is not None]
+        self._least = min([self._least, *(way.at_speed[1] for way in ended)])
+        ended = [way for way in ended if way.at_speed[1] <= self._least + _DEAR]
+        if ended:
+            self._known.add(
+                np.array([way.at for way in ended]), np.array([way.told() for way in ended])
+            )
+        return [self._end(way) for way in ways]
+
+    def solved(self, point: Point, speed_m_s: float, rtol: float) -> Point:
+        """Return a point again, its speed hardly missed: slopes from afar may have been wrong."""
+        state: Any = point.data
+        rates = [state.gait.omega_rad_s]
+        return self.rated([point.at], speed_m_s, rates, rtol, _SOLVED, rough=False)[0]
+
+    def _step(self, ways: list[_WayToSpeed], rtol: float, rough: bool) -> None:
+        """Solve the next state of every way; all of them have a start or none has."""
+        if not ways:
+            return
+        gaits = [Gait(*way.angles, math.exp(way.x)) for way in ways]
+        starts = [way.start for way in ways if way.start is not None]
+        found = solve_near(
+            self.robot, self.ground, gaits, starts or None, rtol, self.cost != "power",
+            rough=rough,
+        )  # fmt: skip
+        self.evaluations += len(ways)
+        for way, state in zip(ways, found, strict=True):
+            way.go(state, self._speed_m_s, 0.0 if state is None else self.watts(state))
+
+    def _end(self, way: _WayToSpeed) -> Point:
+        if way.state is None:
+            return Point(way.at, math.inf, -1.0)
+        gait = replace(way.state.gait, omega_rad_s=math.exp(way.at_speed[0]))
+        state = way.state._replace(gait=gait, speed_m_s=self._speed_m_s)
+        margin = min(self.margins(gait).values(), default=math.inf)
+        return Point(way.at, way.at_speed[1], margin, state)
+
+
+class _WayToSpeed:
+    """A shape's way to the rate that gives a speed: secants on logarithms, from what is expected.
+
+    known: ln rate, start over the rate (3), slopes of ln speed and ln cost against ln rate.
+    """
+
+    def __init__(
+        self, at: Array, x: float, known: Array | None, highest: float, close: float
+    ) -> None:
+        shape = GaitShape(*at.tolist())
+        self.at, self.angles = at, (shape.alpha_rad, shape.beta_rad)
+        self.x, self.start, self.slopes = x, None, None
+        if known is not None:
+            self.x, self.start, self.slopes = float(known[0]), known[1:4], known[4:]
+        self.low, self.high = self.x - _FAR_DRY, min(highest, self.x + _FAR_DRY)
+        self.goes_on = 0 < shape.alpha_rad <= math.pi
+        self.state: NearState | None = None
+        self.at_speed = (0.0, 0.0)  # ln rate and ln cost
+        self._last: tuple[float, float, float] | None = None
+        self._nearest: tuple[float, float, float, NearState] | None = None
+        self._steps, self._close, self._turned, self._expected = 0, close, False, self.slopes
+
+    def go(self, state: NearState | None, speed_m_s: float, watts: float) -> None:
+        """Take the state at the last rate: set the next rate, or the end."""
+        self._steps += 1
+        if state is None:
+            self.goes_on = False
+            return
+        y = math.log(max(state.speed_m_s, 1e-300) / speed_m_s)
+        cost, last = math.log(max(watts, 1e-300)), self._last
+        if last is not None and abs(self.x - last[0]) >= _TELLS_SLOPES:
+            self.slopes = np.array([y - last[1], cost - last[2]]) / (self.x - last[0])
+        self._last, self.start = (self.x, y, cost), state.start
+        if abs(y) <= self._close and (self._nearest is None or abs(y) < abs(self._nearest[1])):
+            self._nearest = (self.x, y, cost, state)
+        if self._nearest is not None and self._ends(*self._nearest):
+            return
+        if abs(y) <= self._close and self.slopes is None:
+            self.x += _ASIDE
+            return
+        if self._beyond_the_fastest(y):
+            return
+        slope = 1.0 if self.slopes is None else float(self.slopes[0])
+        step = -y / slope if slope > _LEAST_SLOPE else -math.copysign(_STEP_BLIND, y)
+        self.x += min(max(step, -_LARGEST_STEP), _LARGEST_STEP)
+        self.goes_on = self.low <= self.x <= self.high and self._steps < _MOST_STEPS
+
+    def _beyond_the_fastest(self, y: float) -> bool:
+        """Turn back, once, where more rate gives less speed: below there may be rate enough."""
+        if y >= 0 or self._turned or self.slopes is None or self.slopes[0] > _LEAST_SLOPE:
+            return False
+        self._turned, self.slopes, self._last = True, self._expected, None
+        self.x -= _BACK
+        return True
+
+    def _ends(self, x: float, y: float, cost: float, state: NearState) -> bool:
+        """End at a state if its speed is right, or so near that trusted slopes put it right."""
+        if self.slopes is not None and self._trusted(*self.slopes.tolist()):
+            slope, power = self.slopes.tolist()
+        elif abs(y) <= _VERY_CLOSE and self.slopes is not None:
+            slope, power = 1.0, 2.0
+        else:
+            return False
+        self.state, self.goes_on, self.start = state, False, state.start
+        self.at_speed = (x - y / slope, cost - y / slope * power)
+        return True
+
+    @staticmethod
+    def _trusted(slope: float, power: float) -> bool:
+        return slope >= _STEEP and 0 <= power <= _STEEPEST_COST * slope
+
+    def told(self) -> Array:
+        """Return what the way's end tells of its shape, as in `known`."""
+        assert self.start is not None
+        assert self.slopes is not None
+        return np.array([self.at_speed[0], *self.start, *self.slopes])
 
 
 def on_threads(work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:

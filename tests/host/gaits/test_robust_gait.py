@@ -8,16 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.gaits.sampled_speeds import (
-    SampledSpeeds,
-    ServoShares,
-    driven_speeds,
-    low_speed,
-    low_speed_error,
-    percentile_rank,
-    sampled_speeds,
-    smooth_low_speed,
-)
+from serpenoid.gaits import sampled_speeds as spread
 
 D = math.pi / 180
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
@@ -132,20 +123,22 @@ def test_grounds_of_a_fit_are_used_as_they_are() -> None:
 
 def test_low_speed_is_the_quantile_of_all_from_the_slowest() -> None:
     speeds = np.random.default_rng(1).normal(size=64)
-    assert low_speed(np.sort(speeds)[:20], 64) == pytest.approx(np.quantile(speeds, 0.05))
+    assert spread.low_speed(np.sort(speeds)[:20], 64) == pytest.approx(np.quantile(speeds, 0.05))
 
 
 def test_the_smoothed_quantile_scatters_less_and_its_error_is_known() -> None:
     """Of skewed samples, as at a cliff: both estimates are right on average, their spread told."""
     rng = np.random.default_rng(5)
     sets = [np.exp(-0.1 * rng.exponential(size=1024)) for _ in range(300)]
-    plain = np.array([low_speed(s, 1024) for s in sets])
-    smooth = np.array([smooth_low_speed(np.sort(s)[:128], 1024) for s in sets])
+    plain = np.array([spread.low_speed(s, 1024) for s in sets])
+    smooth = np.array([spread.smooth_low_speed(np.sort(s)[:128], 1024) for s in sets])
     truth = 0.05**0.1
     assert plain.mean() == pytest.approx(truth, rel=2e-3)
     assert smooth.mean() == pytest.approx(truth, rel=2e-3)
     assert smooth.std() < 0.97 * plain.std()
-    assert np.mean([low_speed_error(s) for s in sets]) == pytest.approx(plain.std(), rel=0.15)
+    assert np.mean([spread.low_speed_error(s) for s in sets]) == pytest.approx(
+        plain.std(), rel=0.15
+    )
 
 
 def test_robust_on_viscous_ground_by_runs_in_time() -> None:
@@ -158,7 +151,7 @@ def test_robust_on_viscous_ground_by_runs_in_time() -> None:
     drawn = stated.samples(PAPER, VISCOUS, best.speeds_m_s.size)
     others = stated.samples(PAPER, VISCOUS, best.speeds_m_s.size, seed=2006)  # the next seed
     for low, robots in ((best.low_speed_m_s, drawn), (best.checked_low_m_s, others)):
-        speeds = sampled_speeds(PAPER, best.gait, robots)
+        speeds = spread.sampled_speeds(PAPER, best.gait, robots)
         assert low == pytest.approx(np.quantile(speeds, 0.05), rel=1e-9)
     for k in np.argsort(best.speeds_m_s)[[0, 3, 40]]:
         sample = drawn[k]
@@ -207,14 +200,14 @@ def test_no_shape_around_a_robust_gait_costs_less(speed: float) -> None:
         gait = replace(
             best.gait, alpha_rad=best.gait.alpha_rad + a * D, beta_rad=best.gait.beta_rad + b * D
         )
-        slowest = np.argsort(sampled_speeds(OF_2005, gait, drawn))[:300]
+        slowest = np.argsort(spread.sampled_speeds(OF_2005, gait, drawn))[:300]
         low, high = 0.8 * gait.omega_rad_s, 1.3 * gait.omega_rad_s
         for _ in range(7):
             rate = math.sqrt(low * high)
-            speeds = sampled_speeds(
+            speeds = spread.sampled_speeds(
                 OF_2005, replace(gait, omega_rad_s=rate), [drawn[i] for i in slowest]
             )
-            slow = low_speed(speeds, len(drawn)) < 0.9 * speed
+            slow = spread.low_speed(speeds, len(drawn)) < 0.9 * speed
             low, high = (rate, high) if slow else (low, rate)
         state = sn.steady_gait(OF_2005, BINGHAM, replace(gait, omega_rad_s=high), rtol=1e-4)
         assert state.power_w > 0.985 * best.power_w
@@ -222,7 +215,7 @@ def test_no_shape_around_a_robust_gait_costs_less(speed: float) -> None:
 
 def test_samples_agree_with_the_solver_one_by_one() -> None:
     drawn = sn.Uncertainty().samples(OF_2005, BINGHAM, 4)
-    speeds = sampled_speeds(OF_2005, STURDY, drawn)
+    speeds = spread.sampled_speeds(OF_2005, STURDY, drawn)
     by_time = [run_speed(OF_2005, s.ground, s.gait(STURDY)) for s in drawn]
     assert speeds == pytest.approx(by_time, rel=0.01)
 
@@ -232,9 +225,9 @@ def test_a_table_of_servos_stands_for_each_robots_own() -> None:
     drawn = sn.Uncertainty(servo=sn.servo()).samples(OF_2005, BINGHAM, 32)
     assert len({s.servo for s in drawn}) == 32
     gait = replace(STURDY, omega_rad_s=4.0)
-    table = sampled_speeds(OF_2005, gait, drawn, ServoShares(OF_2005, BINGHAM))
-    own = driven_speeds(OF_2005, gait, drawn)
-    ideal = sampled_speeds(OF_2005, gait, drawn)
+    table = spread.sampled_speeds(OF_2005, gait, drawn, spread.ServoShares(OF_2005, BINGHAM))
+    own = spread.driven_speeds(OF_2005, gait, drawn)
+    ideal = spread.sampled_speeds(OF_2005, gait, drawn)
     assert np.median(np.abs(table / own - 1)) < 0.06
     assert np.quantile(table, 0.1) == pytest.approx(np.quantile(own, 0.1), rel=0.1)
     assert np.median(np.abs(ideal / own - 1)) > 0.1  # or the test could not fail
@@ -251,8 +244,8 @@ def test_a_robust_gait_survives_a_servo_that_shakes() -> None:
         ) for servo in (None, shaking)
     )  # fmt: skip
     robots = best.uncertainty.samples(OF_2005, BINGHAM, 16, seed=1)
-    assert driven_speeds(OF_2005, best.gait, robots).min() > 0.87 * 0.05
-    assert driven_speeds(OF_2005, plain.gait, robots).max() < 0.87 * 0.05
+    assert spread.driven_speeds(OF_2005, best.gait, robots).min() > 0.87 * 0.05
+    assert spread.driven_speeds(OF_2005, plain.gait, robots).max() < 0.87 * 0.05
     assert best.power_w > plain.power_w
     assert best.checked_low_m_s == pytest.approx(0.045, rel=0.06)
     assert "servos: no rotor" in best.uncertainty.in_words()
@@ -284,14 +277,16 @@ def test_the_percentile_needs_only_the_samples_near_it(gait: sn.Gait) -> None:
         sn.steady_gait(OF_2005, one.ground, one.gait(gait), rtol=1e-5, powers=False).speed_m_s
         for one in drawn
     ]
-    robots, everyone = SampledSpeeds(OF_2005, drawn), np.arange(256)
-    seen = robots.near_percentile(gait, everyone, percentile_rank(256))
-    assert low_speed(seen, 256) == pytest.approx(low_speed(np.array(full), 256), rel=3e-3)
+    robots, everyone = spread.SampledSpeeds(OF_2005, drawn), np.arange(256)
+    seen = robots.near_percentile(gait, everyone, spread.percentile_rank(256))
+    assert spread.low_speed(seen, 256) == pytest.approx(
+        spread.low_speed(np.array(full), 256), rel=3e-3
+    )
     assert robots.rough(gait, everyone) == pytest.approx(np.array(full), rel=0.05)
     assert robots.solved < 2.5 * 256  # all roughly, twice, and some more finely
 
 
 def test_rough_speeds_on_viscous_ground_are_exact() -> None:
     drawn = sn.Uncertainty().samples(PAPER, VISCOUS, 32)
-    seen = SampledSpeeds(PAPER, drawn).rough(STURDY, np.arange(32))
-    assert seen == pytest.approx(sampled_speeds(PAPER, STURDY, drawn), rel=1e-12)
+    seen = spread.SampledSpeeds(PAPER, drawn).rough(STURDY, np.arange(32))
+    assert seen == pytest.approx(spread.sampled_speeds(PAPER, STURDY, drawn), rel=1e-12)
