@@ -9,6 +9,7 @@ import pytest
 import serpenoid as sn
 from lab.rigid_chain import G, RigidChain
 from serpenoid import _core
+from serpenoid.lab.belt import STEP_S
 
 N, MASS, LENGTH = 6, 0.0756, 0.076
 WHOLE = (0.084, 1.2, 0.14, 0.27)
@@ -109,11 +110,14 @@ def test_three_links_have_no_balanced_bend():
      (BALANCED, 7.5, 2.8, 0.3, (1.4, 7, 13), 0.2), (BALANCED, 7.5, 2.8, 1.0, (3, 13, 20), 0.3)],
 )  # fmt: skip
 def test_joints_that_stand_off_turn_the_robot(signs, bend, gamma, joint_deg, turned, sideways):
-    """rms over robots; others had 12, of one draw: 21 % of scatter, twice that is allowed."""
+    """rms over robots; others had 12, of one draw: 21 % of scatter, twice that is allowed.
+
+    Their joints stood off evenly, it seems, up to so much: normal errors turn 1.5 times as far.
+    """
     theta, gamma = np.array(signs) * math.radians(bend), math.radians(gamma)
     v = balance_speed(theta, gamma)
     rng = np.random.default_rng(12)
-    off = rng.normal(size=(60, N - 1)) * math.radians(joint_deg)
+    off = rng.uniform(-1.0, 1.0, size=(60, N - 1)) * math.radians(joint_deg)
     each = np.concatenate([np.zeros((60, 1)), np.cumsum(np.diff(theta) + off, axis=1)], axis=1)
     found, at_5 = [], []
     for k in range(60):
@@ -126,8 +130,9 @@ def test_joints_that_stand_off_turn_the_robot(signs, bend, gamma, joint_deg, tur
                 at_5.append((c.state[0], c.state[1]))
         found.append(row)
     rms = np.sqrt(np.mean(np.square(found), axis=0))
-    assert turned == pytest.approx(rms, rel=0.45)
-    assert sideways == pytest.approx(np.sqrt(np.mean(np.square(at_5), axis=0))[1], rel=0.6)
+    across = np.sqrt(np.mean(np.square(at_5), axis=0))[1]
+    assert turned == pytest.approx(rms, rel=0.4)
+    assert sideways == pytest.approx(across, rel=0.5)
 
 
 @pytest.mark.parametrize("signs", [ZIGZAG, BALANCED, (0,) * N])
@@ -158,13 +163,43 @@ def test_only_motion_over_the_ground_counts():
     """Galileo: a belt that moves, or a robot that moves; for any steady velocity."""
     theta = np.array([2, -1, 0, 1, 2, -2]) * 0.05
     still = placed(chain(rolling=0.003), theta, 0.0, 0.03, v=(0.4, 0.1), w=0.3)
-    moving = placed(chain(rolling=0.003), theta, 0.7, 0.03, v=(0.4 - 0.7, 0.1), w=0.3)
+    moving = placed(chain(rolling=0.003), theta, 0.7, 0.03)
+    moving.set_ground_velocity(-0.7, 0.2)
+    moving.place(0.0, 0.0, theta[0] - theta.mean(), 0.4 - 0.7, 0.1 + 0.2, 0.3)
     for c in (still, moving):
         c.advance(2.0, 0.002)
-    assert moving.state[2:] == pytest.approx(
-        (still.state[2], still.state[3] - 0.7, *still.state[4:]), abs=1e-9
-    )
-    assert moving.state[0] == pytest.approx(still.state[0] - 1.4, abs=1e-9)
+    x, y, turn, vx, vy, *rest = still.state
+    wanted = x - 1.4, y + 0.4, turn, vx - 0.7, vy + 0.2, *rest
+    assert moving.state == pytest.approx(wanted, abs=1e-9)
+
+
+def test_no_direction_in_the_room_is_another():
+    """Belt, slope and robot turned together: all that happens is turned with them."""
+    theta, turn = np.array([2, -1, 0, 1, 2, -2]) * 0.05, 1.1
+    c, s = math.cos(turn), math.sin(turn)
+    one = placed(chain(rolling=0.003), theta, 0.5, 0.05, heading=0.1)
+    other = chain(rolling=0.003)
+    other.set_joints(list(np.diff(theta)))
+    other.set_ground_velocity(-0.5 * c, -0.5 * s)
+    pull = G * math.sin(0.05)
+    other.set_slope(pull * c, pull * s)
+    other.place(0.0, 0.0, theta[0] - theta.mean() + 0.1 + turn, 0.0, 0.0, 0.0)
+    for each in (one, other):
+        each.advance(2.0, 0.002)
+    x, y, angle, vx, vy, *rest = one.state
+    wanted = c * x - s * y, s * x + c * y, angle + turn, c * vx - s * vy, s * vx + c * vy, *rest
+    assert other.state == pytest.approx(wanted, abs=1e-7)
+
+
+def test_the_belts_step_is_short_enough():
+    """The sharpest motion of a session, a zigzag that turns: ten times shorter steps say alike."""
+    theta, gamma = np.array(ZIGZAG) * math.radians(7.5), math.radians(2.8)
+    turned = []
+    for step_s in (STEP_S, STEP_S / 10):
+        c = placed(chain(), theta, balance_speed(theta, gamma), gamma)
+        c.advance(6.0, step_s)
+        turned.append(math.degrees(angles(c).mean()))
+    assert turned[0] == pytest.approx(turned[1], abs=0.01)
 
 
 def test_left_and_right_are_alike():
