@@ -21,8 +21,10 @@ STEP = 0.3  # of a standard deviation: the differences by which the camera's dou
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
 FLOOR_OFFSET_RAD = np.radians(0.01)  # a centre is a mean: it has no share of what moves
 # A codec draws each picture on the one before, and what turns lags: amplitudes come out low by
-# .1 % (rendered films coded at crf 20, beside the same pictures uncoded).
-FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD = 6e-4, np.radians(0.02)
+# .1 % (rendered films coded at crf 20, beside the same pictures uncoded). The lag in pixels is the
+# larger, the less of a tag's detail a block of the codec has; the angle is that over the tag's
+# side: .07 % for tags of 28 px, .14 % of 20 px, .17 % of 15 px.
+FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD, CODED_PX = 6e-4, np.radians(0.02), 28.0
 
 
 def number_sigmas(
@@ -31,12 +33,14 @@ def number_sigmas(
     fitted: Fitted,
     some: Track,
     picked: NDArray[np.int64],
+    side_px: float,
     rate_sigma: float | None = None,
 ) -> Array:
     """Return the standard deviations of `Motion.numbers`, in their order.
 
     t_s: times of all frames. some: the track in the frames `picked`, with how it follows the
-    camera's unknowns. rate_sigma: of the rate, rad/s, where joints were assumed; theirs else.
+    camera's unknowns. side_px: of a tag. rate_sigma: of the rate, rad/s, where joints were assumed;
+    theirs else.
     """
     pixels = _of_pixels(t_s, fitted)
     if rate_sigma is not None:
@@ -47,7 +51,9 @@ def number_sigmas(
     floor[-2] = FLOOR_SPEED * fitted.motion.speed_m_s
     amplitude = fitted.motion.amplitude_rad
     floor[2 * len(amplitude) : 3 * len(amplitude)] = FLOOR_OFFSET_RAD
-    floor[1 : 1 + len(amplitude)] = np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
+    coded = max(1.0, (CODED_PX / side_px) ** 2)
+    lag = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
+    floor[1 : 1 + len(amplitude)] = lag
     return np.sqrt(pixels**2 + camera**2 + floor**2)
 
 

@@ -94,7 +94,8 @@ def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measur
     some = np.arange(0, len(track.t_s), 1 + len(track.t_s) // SENSITIVE_FRAMES)
     sensitive = _sensitive(fit, seen, track, loose, some)
     rate_sigma = None if rate is None else rate[1]
-    sigmas = errors.number_sigmas(fit, track.t_s, fitted, sensitive, some, rate_sigma)
+    side_px = float(np.nanmedian(seen.side_px))
+    sigmas = errors.number_sigmas(fit, track.t_s, fitted, sensitive, some, side_px, rate_sigma)
     return Measured(fit, track, fitted, sigmas, _weights(track)[0] > 0, assumed)
 
 

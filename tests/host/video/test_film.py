@@ -94,8 +94,16 @@ def test_camera_and_mountings_are_those_of_the_renderer(measured, plain) -> None
     assert camera.mounting[inner, 2] == pytest.approx(body.turn_rad[inner], abs=math.radians(0.3))
 
 
-def test_the_command_tells_it_and_writes_what_was_asked_for(plain, tmp_path) -> None:
+def test_the_command_tells_it_and_writes_what_was_asked_for(
+    plain, measured, tmp_path, monkeypatch
+) -> None:
     path, world, *_ = plain
+
+    def once(file, links, link_m, *_, **__):  # measured already, of this very film and robot
+        assert (file, links, link_m) == (path, 6, LINK_M)
+        return measured[0]
+
+    monkeypatch.setattr("serpenoid.video.measure_film.measure_film", once)
     names = {"--track": "track.csv", "--plot": "film.png", "--annotate": "drawn.mp4"}
     options = [part for option, name in names.items() for part in (option, str(tmp_path / name))]
     done = CliRunner().invoke(cli, ["video", str(path), "--json", *options])

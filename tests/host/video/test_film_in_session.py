@@ -119,7 +119,7 @@ def test_steady_takes_the_joints_of_a_film(folder) -> None:
     assert made.output != plain.output
 
 
-@pytest.mark.parametrize("free_speed_rad_s", [3.5, 4.5])
+@pytest.mark.parametrize("free_speed_rad_s", [3.5, pytest.param(4.5, marks=pytest.mark.slow)])
 def test_what_servos_lose_of_a_filmed_amplitude_is_lost_once(of_2005, free_speed_rad_s) -> None:
     """A film of joints whose slow servos lose amplitude: the band is about the robot's speed."""
     session, fit = of_2005
