@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from serpenoid.calibration.floor.data import FloorData
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.main import cli
@@ -64,7 +65,11 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
     done = CliRunner().invoke(cli, typed)
     assert done.exit_code == 0, done.output
     assert "all lengths ± 0." in done.output
-    pushes = load_session(folder).kept_pushes
+    session = load_session(folder)
+    pushes = session.kept_pushes
+    (scale_sigma,) = {p.scale_sigma for p in pushes}
+    assert 0.006 < scale_sigma < 0.0101  # joints that hold still: as the tags' print, or better
+    assert FloorData.of(session).scale_sigma == scale_sigma > session.setup.floor.film_scale_sigma
     assert [p.way for p in pushes] == ["there", "back"]
     for push in pushes:
         assert push.track is not None

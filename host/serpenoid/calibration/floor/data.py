@@ -111,7 +111,7 @@ class FloorData:
             rolling=rolling_share(setup.floor.wheels_kg, mass_kg),
             straightness_rad=(off * mean, off * scatter),
             slope_sigma_rad=setup.floor.slope_sigma_rad,
-            scale_sigma=setup.floor.film_scale_sigma,
+            scale_sigma=_scale_sigma(pushes, setup.floor.film_scale_sigma),
             zero_sigma_rad=session.zero.sigma_rad or given.incline_sigma_rad,
             mass_kg=mass_kg,
             gravity_m_s2=setup.procedure.gravity_m_s2,
@@ -128,6 +128,11 @@ class FloorData:
         count = len(self.posture_sigma_rad)
         together = TOGETHER + (1.0 - TOGETHER) * np.eye(count)
         return np.asarray(np.linalg.inv(np.linalg.cholesky(together)), dtype=np.float64)
+
+
+def _scale_sigma(pushes: tuple[Coast, ...], stated: float) -> float:
+    """Return that of all films' common scale: the largest that a film told, or what is stated."""
+    return max([stated, *(push.scale_sigma or 0.0 for push in pushes)])
 
 
 def _tracks(pushes: tuple[Coast, ...], time_sigma_s: float) -> Samples:

@@ -30,6 +30,8 @@ FIELDS = (
     Field("start_s", "the track counts from here, the hand gone", "time", -1e6, 1e6,
           source=DERIVED, optional=True),
     Field("end_s", "the track counts to here", "time", -1e6, 1e6, source=DERIVED, optional=True),
+    Field("scale_sigma", "standard deviation of the film's scale, relative", "count", 0.0, 0.2,
+          source=DERIVED, optional=True),
     Field("distance_sigma_m", "standard deviation of a place", "length", 0.0, 1.0, open_low=True,
           source=DERIVED, optional=True),
     Field("time_sigma_s", "standard deviation of a time", "time", 0.0, 10.0, source=DERIVED,
@@ -51,8 +53,10 @@ class Coast:
     along one line of the floor, so that its slope cancels. place: of the line, where there are more
     than one. by: "film" (track: where the robot was in every picture), "marks" (track: times at
     which it passed marks; y is 0) or "rest" (distance_m and duration_s alone). start_s, end_s: what
-    part of the track counts. distance_sigma_m, time_sigma_s: of one place and one time; None: those
-    of the set-up. file_sha256: of the file that the track came from. Raises BadInput.
+    part of the track counts. scale_sigma: of all lengths of a film, relative, where its tags tell
+    it; one scale for all films, as of one sheet of tags. distance_sigma_m, time_sigma_s: of one
+    place and one time; None: those of the set-up. file_sha256: of the file that the track came
+    from. Raises BadInput.
     """
 
     number: int
@@ -62,6 +66,7 @@ class Coast:
     turned_rad: float | None = None
     start_s: float | None = None
     end_s: float | None = None
+    scale_sigma: float | None = None
     distance_sigma_m: float | None = None
     time_sigma_s: float | None = None
     way: str = "there"

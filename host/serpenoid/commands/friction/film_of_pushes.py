@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING
 from ...show.screen import say
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from ...calibration.taking.person.push_prompt import CrawlReader, FilmReader
     from ...calibration.taking.steps import Tracked
     from ...model.gait import Gait
@@ -23,10 +20,11 @@ def film_reader(side_m: float | None = None) -> FilmReader:
     Needs the extra `video` when it is called, not before.
     """
 
-    def read(path: Path, robot: Robot) -> NDArray[np.float64]:
+    def read(path: Path, robot: Robot) -> Tracked:
         from ...video.seeing.extra import need_extra
 
         need_extra()
+        from ...calibration.taking.steps import Tracked
         from ...video.pushed import track_pushes
         from ..video import film_progress
 
@@ -35,10 +33,10 @@ def film_reader(side_m: float | None = None) -> FilmReader:
         for remark in found.remarks:
             say(f"{path.name}: {remark.name}: {remark.text}")
         say(
-            f"{path.name}: all lengths ± {100 * found.scale_sigma:.1f} %; where "
-            "film_scale_sigma_percent in session.toml is less, write this there"
+            f"{path.name}: all lengths ± {100 * found.scale_sigma:.1f} %, kept with its pushes; "
+            "the fit takes this, or film_scale_sigma_percent in session.toml where that is larger"
         )
-        return found.rows
+        return Tracked({"scale_sigma": round(found.scale_sigma, 6)}, found.rows)
 
     return read
 

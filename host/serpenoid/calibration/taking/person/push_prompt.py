@@ -21,7 +21,7 @@ from ..journal import Journal
 from ..steps import Tracked
 
 Track = tuple[NDArray[np.float64], str]
-FilmReader = Callable[[Path, Robot], NDArray[np.float64]]  # a film to its track
+FilmReader = Callable[[Path, Robot], Tracked]  # a film to its track, and cells of each push in it
 CrawlReader = Callable[[Path, Robot, Gait], Tracked]  # a film of a crawl to cells of `video`
 TEXTS = (".csv", ".txt", ".tsv", ".dat")
 FILMS = (".mp4", ".mov", ".mkv", ".avi", ".m4v", ".webm")
@@ -38,7 +38,7 @@ def named_file(text: str) -> tuple[Path, str] | None:
     return (path, unit) if path.is_file() or path.suffix.lower() in (*TEXTS, *FILMS) else None
 
 
-def no_films(path: Path, robot: Robot) -> NDArray[np.float64]:
+def no_films(path: Path, robot: Robot) -> Tracked:
     """Refuse a film, where nothing is there to measure it."""
     raise BadInput(
         f"{path}: a film itself is not taken here; mark the robot's middle link in Tracker or "
@@ -66,7 +66,8 @@ def take_track(
     else:
         sha256 = sha256_of(path)
         _refuse_taken(journal, path, sha256)
-        track = film(path, journal.session.setup.robot)
+        seen = film(path, journal.session.setup.robot)
+        track, cells = np.array(seen.samples, dtype=float), {**cells, **seen}
     return keep_pushes(journal, track, cells, file_sha256=sha256)
 
 
