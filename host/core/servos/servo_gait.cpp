@@ -141,7 +141,7 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     out.cycles = settling.cycles;
     const bool few = frames < kMany;
     const int most = options.rough ? (options.phases + 1) / 2 : options.phases;
-    const int phases = few ? most : frames < 2 * kMany ? (most + 1) / 2 : 1;
+    const int phases = few ? most : (most + 1) / 2;
     steps.set_body(settling.last.data());
     // Steps end at frames and looks of the loop, so a shorter limit alone may change little: each
     // step is cut in two.

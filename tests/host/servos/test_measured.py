@@ -12,13 +12,18 @@ import pytest
 import serpenoid as sn
 from click.testing import CliRunner
 from lab.one_joint import ROBOT, filmed_by, shown_by
+from serpenoid import _core
+from serpenoid.calibration import session_file
 from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session
 from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
 from serpenoid.lab.crawl import crawl_speed
+from serpenoid.lab.floor import Floor
 from serpenoid.lab.robot import LabRobot
+from serpenoid.periodic.servo_steady import servo_state
 from serpenoid.servos import bench_test
 from serpenoid.servos.bench_test import servo_of_test
 
@@ -29,7 +34,7 @@ GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
 @pytest.mark.parametrize("seed", [102, pytest.param(103, marks=pytest.mark.slow)])
 def test_a_bench_test_tells_the_servo(seed: int, monkeypatch) -> None:
     """It predicts the crawl's speed then, with half the doubt at most."""
-    monkeypatch.setattr(bench_test, "PARTICLES", 128)
+    monkeypatch.setattr(bench_test, "PARTICLES", 96)
     true = sn.servo().draws(1, seed)[0]
     found = servo_of_test(shown_by(true, seed), sn.servo())
     drawn = found.kind.drawn
@@ -74,21 +79,22 @@ def crawled(fit: sn.FrictionFit, gait: sn.Gait, servo: sn.Servo) -> float:
     return crawl_speed(LabRobot.whole(fit.robot, whole, servo=servo), gait)
 
 
-def with_runs(servo: sn.Servo):
-    """Return the 2005 session with runs of four gaits by a robot with this servo."""
+@pytest.fixture(scope="module")
+def crawls():
+    """Return the 2005 session with runs of three gaits by a hidden servo; its fit; the servo."""
+    true = sn.servo().draws(1, 102)[0]
     session = load_session(session_folder())
     fit = sn.fit_friction(session)
     runs = []
-    for k, (alpha, hz) in enumerate(((70, 0.25), (70, 0.5), (70, 1.0), (50, 0.7))):
+    for k, (alpha, hz) in enumerate(((70, 0.25), (70, 1.0), (50, 0.7))):
         gait = sn.Gait(math.radians(alpha), math.radians(75), math.tau * hz)
-        v = crawled(fit, gait, servo)
+        v = crawled(fit, gait, true)
         runs.append(GaitRun(300 + k, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, v, 0.01 * v))
-    return replace(session, gait_runs=tuple(runs)), fit
+    return replace(session, gait_runs=tuple(runs)), fit, true
 
 
-def test_crawls_narrow_what_servos_leave_of_the_speed() -> None:
-    true = sn.servo().draws(1, 102)[0]
-    session, fit = with_runs(true)
+def test_crawls_narrow_what_servos_leave_of_the_speed(crawls) -> None:
+    session, fit, true = crawls
     found = servo_of_session(session, sn.servo(), fit, draws=48)
     crawls = crawled(fit, GAIT, true)
     known = sn.steady_gait(fit.robot, fit.ground, GAIT, rtol=1e-3, servo=found.kind)
@@ -98,13 +104,49 @@ def test_crawls_narrow_what_servos_leave_of_the_speed() -> None:
     assert found.untold  # speeds do not tell each number
 
 
-def test_speeds_that_no_servo_makes_are_refused() -> None:
-    session, fit = with_runs(sn.servo().servo)
-    quick = tuple(replace(r, speed_m_s=3 * r.speed_m_s) for r in session.gait_runs)
+def test_speeds_that_no_servo_makes_are_refused(crawls) -> None:
+    session, fit, _ = crawls
+    quick = tuple(replace(r, speed_m_s=3 * r.speed_m_s) for r in session.gait_runs[1:])
     with pytest.raises(sn.BadInput, match=r"too few to tell a servo by"):
         servo_of_session(replace(session, gait_runs=quick), sn.servo(), fit, draws=24)
     with pytest.raises(sn.BadInput, match="no gait run and no film"):
         servo_of_session(replace(session, gait_runs=()), sn.servo(), fit, draws=24)
+
+
+def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeypatch) -> None:
+    """A slow servo, filmed by the lab; its speed alone leaves the amplitude open to 0.07."""
+    monkeypatch.setitem(servo_of_session.__kwdefaults__, "draws", 64)
+    typical = sn.servo().servo
+    slow = replace(typical, speed_limit_rad_s=5.8, damping_nms_rad=typical.damping_nms_rad * 1.2)
+    fit = sn.fit_friction(load_session(session_folder()))
+    quick = replace(GAIT, omega_rad_s=math.tau)
+    gains, v = gains_of(fit, quick, slow), crawled(fit, quick, slow)
+    film = FilmReading(
+        99, quick.alpha_rad, quick.beta_rad, quick.omega_rad_s, v, 0.01 * v, 0.0, 0.005,
+        ",".join(f"{g:.4f}" for g in gains), "0,0,0,0,0", "cd" * 32,
+    )  # fmt: skip
+    with_film = load_session(session_folder()).with_reading(VIDEO, film)
+    monkeypatch.setattr(session_file, "load_session", lambda _: with_film)
+    out = tmp_path / "slow.toml"
+    told = CliRunner().invoke(cli, ["servo", "--session", str(session_folder()), "--out", str(out)])
+    assert told.exit_code == 0, told.output
+    assert f"Written: {out}" in told.output.replace("\n", "")
+    ideal = sn.steady_gait(fit.robot, fit.ground, quick, rtol=1e-3, powers=False)
+    seen = [servo_state(ideal, one, rough=True).amplitude for one in sn.servo(out).drawn]
+    assert gains.mean() < 0.85
+    assert np.mean(seen) == pytest.approx(gains.mean(), abs=0.03)
+    assert np.std(seen) < 0.05
+
+
+def gains_of(fit: sn.FrictionFit, gait: sn.Gait, servo: sn.Servo) -> np.ndarray:
+    """Return the joints' amplitudes over the gait's, of the lab's robot after two cycles, (n-1,)"""
+    told = _core.firmware.gait_setpoints_rad(
+        gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, frames=200, joints=5
+    )
+    robot = LabRobot.whole(fit.robot, sn.Ground(*fit.whole_snake.values()), servo=servo)
+    track, joints = Floor(robot).run_servos(np.array(told))
+    wave = np.exp(-1j * gait.omega_rad_s * track.t_s[100:, None])
+    return 2 * np.abs(np.mean(joints[100:] * wave, axis=0)) / gait.alpha_rad
 
 
 def test_the_command_writes_a_file_that_others_take(tmp_path: Path, monkeypatch) -> None:
