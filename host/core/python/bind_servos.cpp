@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "python/core_model.hpp"
@@ -16,9 +17,10 @@ using namespace serpenoid;
 namespace {
 
 ServoGaitState servo_gait_of(const Model& m, const Servo& servo, const Vec3& start,
-                             const Mat3& monodromy, double longest, bool rough) {
+                             const Mat3& monodromy, double longest, bool rough,
+                             std::vector<int> watch) {
     ServoGaitOptions options;
-    options.longest = longest, options.rough = rough;
+    options.longest = longest, options.rough = rough, options.watch = std::move(watch);
     return servo_gait(m.robot, m.ground, m.gait, servo, start, monodromy, options);
 }
 
@@ -42,6 +44,7 @@ void bind_servos(nb::module_& m) {
         .def_ro("amplitude", &ServoGaitState::amplitude)
         .def_ro("lag", &ServoGaitState::lag)
         .def_ro("ripple", &ServoGaitState::ripple)
+        .def_ro("lines", &ServoGaitState::lines)
         .def_ro("cycles", &ServoGaitState::cycles)
         .def_ro("converged", &ServoGaitState::converged);
     m.def("servo_gait", &servo_gait_of, nb::call_guard<nb::gil_scoped_release>());

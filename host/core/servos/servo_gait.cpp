@@ -147,8 +147,10 @@ ServoGaitState servo_gait(const Robot& robot, const Ground& ground, const Gait& 
     // step is cut in two.
     const auto at = [&](int split) {
         ServoSteps again = steps;
-        again.take_steps(2 * longest, split);
-        return measure(again, phases, few);
+        again.take_steps(2 * longest, split), again.watch(options.watch);
+        const Mean mean = measure(again, phases, few);
+        out.lines = again.lines();
+        return mean;
     };
     int split = 2;
     Mean coarse = at(1);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include "drive/servo.hpp"
 #include "model/params.hpp"
@@ -15,13 +16,14 @@
 namespace serpenoid {
 
 struct ServoGaitOptions {
-    double longest = 2e-3;  // step, s
-    int phases = 4;         // of the frames in the gait, where they are few
-    int most_halvings = 2;  // of the step, where the speed hangs on it
-    double rtol = 1e-2;     // by how much it may, relative
-    int most_cycles = 60;   // to settle in
-    double settled = 2e-3;  // of the speed: how far from the fixed point it may be
-    bool rough = false;     // for searches: the long steps alone, half the phases, no error
+    double longest = 2e-3;     // step, s
+    int phases = 4;            // of the frames in the gait, where they are few
+    int most_halvings = 2;     // of the step, where the speed hangs on it
+    double rtol = 1e-2;        // by how much it may, relative
+    int most_cycles = 60;      // to settle in
+    double settled = 2e-3;     // of the speed: how far from the fixed point it may be
+    bool rough = false;        // for searches: the long steps alone, half the phases, no error
+    std::vector<int> watch{};  // harmonics of the gait to look for in the joints' rates
 };
 
 struct ServoGaitState {
@@ -29,6 +31,7 @@ struct ServoGaitState {
     double spread = 0;   // half the range over the phases
     double error = 0;    // estimated, of `speed`
     double turn = 0, power = 0, amplitude = 0, lag = 0, ripple = 0;  // as ServoSteps::Path
+    std::vector<double> lines{};  // rms of the rates in each watched harmonic, rad/s, last phase
     int cycles = 0;
     bool converged = false;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace serpenoid {
 
@@ -168,6 +169,7 @@ void ServoSteps::cycle() {
     path_ = {}, squares_ = work_ = 0;
     samples_.clear();
     std::fill(wave_.begin(), wave_.end(), 0.0);
+    std::fill(lines_.begin(), lines_.end(), 0.0);
     for (t_ = 0; t_ < T - 1e-9 * servo_.frame;) {
         enter();
         const double stop = std::min({T, frame_, tick_ > 0 ? update_ : T});
@@ -420,7 +422,31 @@ void ServoSteps::tally(double h) {
         const Contact& gear = contact_[2 * n_ + i];
         if (gear.dry()) work_ += gear.impulse * turns;
     }
+    double* line = lines_.data();
+    for (const int order : watched_) {
+        const double cosine = h * std::cos(order * phase), sine = h * std::sin(order * phase);
+        for (int i = 0; i + 1 < n_; ++i, line += 2) {
+            const double rate = 0.5 * (joint(before_, i) + joint(u_, i));
+            line[0] += cosine * rate, line[1] += sine * rate;
+        }
+    }
     t_ += h;
+}
+
+void ServoSteps::watch(std::vector<int> harmonics) {
+    watched_ = std::move(harmonics);
+    lines_.assign(2 * (n_ - 1) * watched_.size(), 0.0);
+}
+
+std::vector<double> ServoSteps::lines() const {
+    const double T = 2 * M_PI / gait_.omega;
+    const int each = 2 * (n_ - 1);
+    std::vector<double> rms;
+    for (std::size_t k = 0; k < watched_.size(); ++k) {
+        const double* line = &lines_[k * each];
+        rms.push_back(std::sqrt(2 * dot(line, line, each) / (n_ - 1)) / T);
+    }
+    return rms;
 }
 
 void ServoSteps::finish(double turn) {

@@ -34,6 +34,8 @@ class ServoSteps {
     void cycle();
     // Take steps of at most `longest`, each cut into so many equal ones.
     void take_steps(double longest, int split) { longest_ = longest, split_ = split; }
+    // Sum up these harmonics of the gait in the joints' rates, too.
+    void watch(std::vector<int> harmonics);
 
     // The body's state, as start() takes it, but for the momentum L in place of the rate.
     void body(double* v) const;
@@ -49,6 +51,7 @@ class ServoSteps {
         double ripple = 0;     // rms of the joints' rates beside their first harmonic, rad/s
     };
     const Path& path() const { return path_; }
+    std::vector<double> lines() const;  // rms of the rates in the watched harmonics, rad/s
 
   private:
     struct Contact {
@@ -110,6 +113,8 @@ class ServoSteps {
     };
     std::vector<Sample> samples_;
     std::vector<double> wave_;  // sums of cos, sin by joint
+    std::vector<int> watched_;
+    std::vector<double> lines_;  // the same by watched harmonic and joint
     double squares_ = 0, work_ = 0;
     Path path_;
 };

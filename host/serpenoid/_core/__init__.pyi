@@ -177,6 +177,8 @@ class ServoGaitState:
     @property
     def ripple(self) -> float: ...
     @property
+    def lines(self) -> list[float]: ...
+    @property
     def cycles(self) -> int: ...
     @property
     def converged(self) -> bool: ...
@@ -188,6 +190,7 @@ def servo_gait(
     arg3: Sequence[float],
     arg4: float,
     arg5: bool,
+    arg6: Sequence[int],
     /,
 ) -> ServoGaitState: ...
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from concurrent.futures import ThreadPoolExecutor
 
@@ -11,17 +12,20 @@ from numpy.typing import NDArray
 from ...model.drives import Servo, ServoKind
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from ...periodic.servo_steady import moved_by
-from ...periodic.steady import steady_gait
+from ...periodic.servo_steady import servo_state
+from ...periodic.steady import Steady, steady_gait
 from ...servos.bench_test import KEPT, MeasuredServo, measured_servo
+from ...servos.folded_film import Ripple, film_ripples
 from ..crawls.runs import runs_by_gait
 from ..filmed_joints import film_chi2
 from ..friction_fit import fit_friction
 from ..friction_result import FrictionFit
+from ..kinds.video import FilmReading
 from ..session import Session
 from ..speed_samples import AMPLITUDE_SIGMA, sample_speeds
 
 Array = NDArray[np.float64]
+Ripples = tuple[Ripple, ...]
 DRAWS, LEAST_DRAWS = 256, 3.0
 _GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
 _UNLIKELY = 16.0  # chi2 a gait, of the best servo
@@ -34,7 +38,7 @@ def servo_of_session(
     """Return what a session's gait runs and films leave of a kind of servo.
 
     fit: the session's own unless given. Speeds count with the doubt about friction and the joints'
-    amplitude; films also with the amplitude that they show. Raises BadInput.
+    amplitude; films also with amplitude and ripple of the joints. Raises BadInput.
     """
     fit = fit or fit_friction(session)
     runs = runs_by_gait(session)
@@ -43,11 +47,12 @@ def servo_of_session(
         raise BadInput(f"{session.where}: no gait run and no film; take one with `calibrate`")
     asked = {film.gait: film.commanded for film in films}
     gaits = [asked.get(gait, gait) for gait in runs]
-    servos = like.draws(draws, seed)
-    shares, amplitudes = _moved(fit, gaits, servos)
-    chi2 = _by_speed(fit, gaits, list(runs.values()), shares, seed)
     filmed = [list(runs).index(film.gait) for film in films]
-    chi2 = chi2 + film_chi2(films, amplitudes[:, filmed])
+    ripples = dict(zip(filmed, (_ripples(f, like.servo.frame_s) for f in films), strict=True))
+    servos = like.draws(draws, seed)
+    shares, amplitudes, uneven = _moved(fit, gaits, servos, ripples)
+    chi2 = _by_speed(fit, gaits, list(runs.values()), shares, seed)
+    chi2 = chi2 + film_chi2(films, amplitudes[:, filmed]) + uneven.sum(axis=1)
     weight = np.exp(-0.5 * (chi2 - chi2.min()))
     weight /= weight.sum()
     if (count := 1 / float(np.sum(weight**2))) < LEAST_DRAWS or chi2.min() > _UNLIKELY * len(gaits):
@@ -62,16 +67,35 @@ def servo_of_session(
     return measured_servo(like, best, kept, name, source, float(chi2.min()), len(gaits))
 
 
-def _moved(fit: FrictionFit, gaits: list[Gait], servos: list[Servo]) -> tuple[Array, Array]:
-    """Return shares of the ideal speed and of the amplitude, (servos, gaits)."""
+def _moved(
+    fit: FrictionFit, gaits: list[Gait], servos: list[Servo], ripples: dict[int, Ripples]
+) -> tuple[Array, ...]:
+    """Return (servos, gaits) shares of the ideal speed and of the amplitude, and ripples' chi2."""
     ideal = [steady_gait(fit.robot, fit.ground, g, rtol=1e-3, powers=False) for g in gaits]
 
-    def of(one: Servo) -> list[tuple[float, float]]:
-        return [moved_by(state, one, seen=False) for state in ideal]
+    def of(one: Servo) -> list[tuple[float, float, float]]:
+        return [_of_gait(state, one, ripples.get(k, ())) for k, state in enumerate(ideal)]
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         found = np.array(list(pool.map(of, servos)))
-    return found[..., 0], found[..., 1]
+    return found[..., 0], found[..., 1], found[..., 2]
+
+
+def _of_gait(ideal: Steady, servo: Servo, seen: Ripples) -> tuple[float, float, float]:
+    found = servo_state(ideal, servo, watch=[k for ripple in seen for k in ripple.harmonics])
+    chi2, lines = 0.0, found.lines
+    for ripple in seen:
+        made, lines = math.hypot(*lines[: len(ripple.harmonics)]), lines[len(ripple.harmonics) :]
+        chi2 += ripple.chi2(made)
+    return found.speed / max(ideal.speed_m_s, 1e-9), found.amplitude, chi2
+
+
+def _ripples(film: FilmReading, frame_s: float) -> Ripples:
+    """Return how unevenly the joints of a film turn, where its track tells it."""
+    if film.track is None:
+        return ()
+    rows = film.track.values
+    return film_ripples(rows[:, 0], rows[:, 4:], film.omega_rad_s, frame_s)
 
 
 def _by_speed(

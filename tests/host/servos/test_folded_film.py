@@ -1,0 +1,146 @@
+"""Run and rest of joints in films: the lab's robot, which no solver of ours moves, is filmed."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from click.testing import CliRunner
+from lab.filmed_robot import Motion, driven
+from serpenoid.calibration.kinds.tracks import Track
+from serpenoid.calibration.kinds.video import VIDEO, FilmReading
+from serpenoid.calibration.servos.from_runs import servo_of_session
+from serpenoid.calibration.session_file import load_session, read_session
+from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.commands.demo import session_folder
+from serpenoid.commands.main import cli
+from serpenoid.periodic.servo_steady import servo_state
+from serpenoid.servos.folded_film import Ripple, film_ripples
+from video.filming import Body, Film, Lens, write
+from video.lab_world import set_points
+
+ROBOT = sn.Robot(6, 0.0756, 0.076)
+WHOLE = sn.Ground(0.084, 1.2, 0.14, 0.27)
+GROUND = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
+HEAVY = sn.servo("MG996R").servo
+LIGHT = replace(HEAVY, armature_kg_m2=HEAVY.armature_kg_m2 / 40, update_hz=0.0)
+FRAME_S = 0.02
+
+
+@pytest.fixture(scope="module")
+def runs() -> dict[str, Motion]:
+    """Return the lab's motion with a heavy rotor and with a light one."""
+    servos = {"heavy": HEAVY, "light": LIGHT}
+    return {n: driven(ROBOT, WHOLE, GAIT, s, 4.4, 4.0) for n, s in servos.items()}
+
+
+def filmed(run: Motion, every: int = 5, noise_deg: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
+    """Return times and joints of each `every`-th tick, the tags' noise in them."""
+    joints = run.joints_rad[::every]
+    noise = np.random.default_rng(5).normal(size=joints.shape)
+    return run.t_s[::every], joints + math.radians(noise_deg) * noise
+
+
+def made(servo: sn.Servo, seen: tuple[Ripple, ...]) -> list[float]:
+    """Return the same ripples as the quick state has them."""
+    ideal = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, powers=False)
+    return [math.hypot(*servo_state(ideal, servo, watch=list(r.harmonics)).lines) for r in seen]
+
+
+@pytest.mark.parametrize(("name", "servo"), [("heavy", HEAVY), ("light", LIGHT)])
+def test_a_quick_film_shows_the_ripples_that_the_state_has(runs, name, servo) -> None:
+    """Two codes moved the joints; the light rotor runs and rests, the heavy one does not."""
+    clean = film_ripples(*filmed(runs[name], noise_deg=0.0), GAIT.omega_rad_s, FRAME_S)
+    slow, frames = made(servo, clean)
+    assert clean[0].rad_s == pytest.approx(slow, rel=0.05, abs=2e-3)
+    assert clean[1].rad_s == pytest.approx(frames, rel=0.1, abs=0.01)
+    assert frames > 0.3 if name == "light" else frames < 0.03
+    noisy = film_ripples(*filmed(runs[name]), GAIT.omega_rad_s, FRAME_S)
+    for ripple, true in zip(noisy, clean, strict=True):
+        assert abs(ripple.square - true.square) < 3 * ripple.sigma
+        assert ripple.harmonics == true.harmonics
+
+
+def test_a_slow_film_shows_the_gaits_own_harmonics_alone(runs) -> None:
+    t, joints = filmed(runs["heavy"], every=40)
+    joints[3, 1] = math.nan  # a tag that was not seen
+    (only,) = film_ripples(t, joints, GAIT.omega_rad_s, FRAME_S)
+    (slow,) = made(HEAVY, (only,))
+    assert max(only.harmonics) * 0.5 < 15
+    assert abs(only.square - slow**2) < 3 * only.sigma < slow**2
+
+
+def test_noise_alone_is_no_ripple() -> None:
+    t = np.arange(1000) / 240
+    sine = GAIT.alpha_rad * np.sin(GAIT.omega_rad_s * t)[:, None] * np.ones(5)
+    sine += math.radians(0.3) * np.random.default_rng(1).normal(size=sine.shape)
+    for ripple in film_ripples(t, sine, GAIT.omega_rad_s, FRAME_S):
+        assert abs(ripple.square) < 3 * ripple.sigma
+
+
+@pytest.mark.parametrize(
+    "t_s",
+    [np.arange(8) / 240, np.arange(100) / 240, np.arange(40) * 0.9],
+    ids=["few", "short", "slow"],
+)
+def test_too_few_or_too_slow_pictures_tell_nothing(t_s: np.ndarray) -> None:
+    joints = np.sin(GAIT.omega_rad_s * t_s)[:, None] * np.ones(5)
+    assert film_ripples(t_s, joints, GAIT.omega_rad_s, FRAME_S) == ()
+
+
+def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
+    """Amplitude and a speed in doubt leave both; what runs and rests inside a frame does not."""
+    session = load_session(session_folder())
+    fit = sn.fit_friction(session)
+    t, joints = filmed(runs["light"])
+    rows = np.column_stack([t, 0 * t, 0 * t, 0 * t, joints])
+    names = ("t_s", "x_m", "y_m", "heading_rad", *(f"joint{i}_rad" for i in range(1, 6)))
+    film = FilmReading(
+        99, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, 0.08, 0.05, 0.0, 0.02, "1,1,1,1,1",
+        "0,0,0,0,0", "cd" * 32, Track.of(names, rows),
+    )  # fmt: skip
+    both = sn.ServoKind("both", HEAVY, drawn=(HEAVY, LIGHT))
+    found = servo_of_session(session.with_reading(VIDEO, film), both, fit, draws=16)
+    assert set(found.kind.drawn) == {LIGHT}
+    unseen = session.with_reading(VIDEO, replace(film, track=None))
+    assert set(servo_of_session(unseen, both, fit, draws=16).kind.drawn) == {HEAVY, LIGHT}
+
+
+@pytest.mark.slow
+def test_a_film_of_240_pictures_a_second_from_pixels(tmp_path: Path) -> None:
+    """Rendered, stored as slow motion, measured by the command into a session, folded."""
+    quick = replace(GAIT, omega_rad_s=math.tau)
+    run = driven(ROBOT, WHOLE, quick, LIGHT, 2.3, 4.0)
+    centre = np.cumsum(
+        np.pad(0.038 * (np.exp(1j * run.theta_rad[:, 1:]) + np.exp(1j * run.theta_rad[:, :-1])),
+               ((0, 0), (1, 0))), axis=1,
+    )  # fmt: skip
+    centre += (run.middle_m - run.middle_m[0])[:, None] - centre.mean(axis=1, keepdims=True)
+
+    def pose(at_s: float) -> tuple[np.ndarray, np.ndarray]:
+        k = min(max(round(at_s / (run.t_s[1] - run.t_s[0])), 0), len(run.t_s) - 1)
+        return np.column_stack([centre[k].real, centre[k].imag]), run.theta_rad[k]
+
+    lens = Lens((0.1, -0.3, 0.75), (0.1, 0, 0.045), 640, 360, 620, exposure_s=0.001)
+    times = np.arange(round(2.2 * 240)) / 240
+    camera = Film(lens, Body(6), pose, up=2)
+    path = write(tmp_path / "slow.mp4", [camera.frame(t) for t in times], 8 * times)
+    folder = create_session(tmp_path / "session", default_setup("filmed"))
+    set_points(quick, 6.0, tmp_path / "run.wire")
+    typed = ["video", path, "--recording", tmp_path / "run.wire", "--session", folder, "--json"]
+    done = CliRunner().invoke(cli, [str(part) for part in typed])
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["time_scale"] == pytest.approx(1 / 8, rel=5e-3)
+    (reading,) = read_session(folder).of("video")
+    rows = reading.track.values
+    seen = film_ripples(rows[:, 0], rows[:, 4:], reading.omega_rad_s, FRAME_S)
+    true = film_ripples(run.t_s[::5], run.joints_rad[::5], quick.omega_rad_s, FRAME_S)
+    for ripple, lab in zip(seen, true, strict=True):
+        assert ripple.square == pytest.approx(lab.square, abs=3 * ripple.sigma)
+    assert seen[1].square > 4 * seen[1].sigma
