@@ -67,7 +67,8 @@ def demo(out: Path, **given: Any) -> None:
     """Go through the whole loop without a robot: treadmill, friction, speed, next reading, gait.
 
     With --session DIR or --ground FILE it is your robot, and its friction the truth that the
-    simulated treadmill has. The 2005 session follows.
+    simulated treadmill has. The 2005 session follows. There is no --servo: the simulated robot has
+    a hobby servo drawn at random, and no prediction is told which.
     """
     from .demo import run_demo
 

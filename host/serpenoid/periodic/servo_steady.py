@@ -82,6 +82,27 @@ class ServoSteady:
         """Return the upper end of the band that the servo leaves, m/s."""
         return self._end(BAND[1], 1)
 
+    @property
+    def asked_over_free_speed(self) -> float:
+        """Return the fastest rate that the gait asks of a joint over the servo's free speed."""
+        return self._asked_rad_s / self._typical.speed_limit_rad_s
+
+    @property
+    def slower_servos(self) -> float:
+        """Return the share of such servos whose free speed is less than the gait asks."""
+        kind = self.servo
+        servos = kind.draws(DRAWS) if isinstance(kind, ServoKind) else [kind]
+        return float(np.mean([one.speed_limit_rad_s < self._asked_rad_s for one in servos]))
+
+    @property
+    def _typical(self) -> Servo:
+        return self.servo.servo if isinstance(self.servo, ServoKind) else self.servo
+
+    @property
+    def _asked_rad_s(self) -> float:
+        gait = self.ideal.gait
+        return gait.alpha_rad * gait.omega_rad_s * max(gait.joint_gain or (1.0,))
+
     def _end(self, percentile: float, sign: int) -> float:
         if not self.samples_m_s:
             return max(self.speed_m_s + sign * self.spread_m_s, 0.0)
@@ -91,7 +112,8 @@ class ServoSteady:
         """Return the figures as plain numbers, for JSON."""
         names = (
             "speed_m_s", "low_m_s", "high_m_s", "spread_m_s", "error_estimate", "amplitude_ratio",
-            "lag_rad", "ripple_rad_s", "power_w", "turn_rad_per_cycle",
+            "lag_rad", "ripple_rad_s", "power_w", "turn_rad_per_cycle", "asked_over_free_speed",
+            "slower_servos",
         )  # fmt: skip
         return {"name": self.name} | {name: getattr(self, name) for name in names}
 

@@ -110,6 +110,8 @@ def with_servo(s: ServoSteady) -> None:
         ["joints: amplitude reached, lag",
          f"{s.amplitude_ratio:.0%}, {math.degrees(s.lag_rad):.0f} deg"],
         ["joints: rate beside the sine, rms", f"{s.ripple_rad_s:.2g} rad/s"],
+        ["joints: fastest rate asked", f"{s.asked_over_free_speed:.0%} of the free speed"],
+        ["such servos that are slower", f"{s.slower_servos:.0%}"],
         ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
     ]  # fmt: skip
     table(f"servos: {s.name}", ["with servos on the board's frames", "value"], rows)

@@ -11,7 +11,8 @@ import serpenoid as sn
 from periodic.servo_cases import drawn_case, full_speeds
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.periodic.servo_steady import band_end
+from serpenoid.periodic.servo_steady import band_end, with_servo
+from serpenoid.simulation.starts import start_state
 
 ROBOT = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
 GROUND = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
@@ -97,6 +98,34 @@ def test_an_uncertain_kind_leaves_a_band_around_its_typical_speed() -> None:
     assert found.low_m_s < found.speed_m_s < found.high_m_s < 1.05 * found.ideal.speed_m_s
     assert len(found.samples_m_s) == 32
     assert set(found.to_dict()) >= {"speed_m_s", "low_m_s", "high_m_s", "spread_m_s"}
+
+
+def test_a_gait_that_asks_more_than_the_free_speed_is_told() -> None:
+    """70 degrees at 1 Hz ask for 7.68 rad/s, a typical hobby servo turns at 6.98."""
+    quick = replace(GAIT, omega_rad_s=math.tau)
+    found = with_servo(sn.steady_gait(ROBOT, VISCOUS, quick), sn.servo(), draws=2)
+    assert found.asked_over_free_speed == pytest.approx(7.676 / 6.981, rel=1e-3)
+    assert 0.5 < found.slower_servos < 0.85
+    exact = replace(found, servo=replace(sn.servo().servo, speed_limit_rad_s=8.0))
+    assert exact.slower_servos == 0
+    assert exact.asked_over_free_speed < 1
+    gained = replace(found.ideal.gait, joint_gain=(1.0, 1.0, 1.2, 1.0, 1.0))
+    more = replace(exact, ideal=replace(found.ideal, gait=gained))
+    assert more.slower_servos == 1
+
+
+def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
+    """The gears' dry friction takes more of the motors' than the ground does."""
+    servo = replace(sn.servo().servo, gear_friction_nm=0.04)
+    found = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=servo)
+    scene = sn.Scene(ROBOT, GROUND, GAIT, start="steady")
+    run = sn.simulate(
+        sn.Scene(ROBOT, GROUND, GAIT, drive="servo", servo=servo, start=start_state(scene),
+                 duration_s=6.0, method="nonsmooth", dt_s=0.02, record=("energy",))
+    )  # fmt: skip
+    work, late = run.energy_j[:, 3], np.searchsorted(run.t_s, 2.0 - 1e-9)
+    full = (work[-1] - work[late]) / (run.t_s[-1] - run.t_s[late])
+    assert found.power_w == pytest.approx(full, rel=0.01)
 
 
 def test_an_exact_servos_band_is_its_spread_over_the_frames() -> None:
