@@ -55,6 +55,16 @@ def test_a_slope_beyond_friction_never_stops_it():
     assert way_m(*one(50.0, 0.5, 0.2, -0.1))[0][0] > 20.0
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_speed_below_0_that_a_fit_tries_rests_at_once() -> None:
+    stop, slopes = stop_s(*one(-0.5, 2.0, 0.1))
+    assert stop == 0.0
+    assert np.isfinite(slopes).all()
+    way, slopes, speed = way_m(*one(3.0, -0.5, 2.0, 0.1))
+    assert (way, speed) == (0.0, 0.0)
+    assert np.isfinite(slopes).all()
+
+
 def test_a_slide_takes_the_time_of_the_integration():
     c, pull = 0.4, 0.35
     t, v, x = 0.0, 0.0, 0.0

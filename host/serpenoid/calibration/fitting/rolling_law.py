@@ -21,9 +21,9 @@ _SMALL = 0.05  # below it the series are exact to 1e-10
 def stop_s(v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats]:
     """Return when a body stops, s, and that time's derivatives (3, K) by v0, c and f.
 
-    Infinite, with derivatives 0, where f is not above 0.
+    Infinite, with derivatives 0, where f is not above 0; 0, where v0 is not: a fit may try that.
     """
-    stops = f > 0.0
+    stops, v0 = f > 0.0, np.maximum(v0, 0.0)
     safe = np.where(stops, f, 1.0)
     w = np.where(stops, c * v0 / safe, 0.0)
     log, by_w = _log_over(w)
