@@ -135,6 +135,9 @@ def test_practice_on_the_floor_tells_the_friction_that_was_to_be_found(practised
         "calibrate", "practice", folder, "--on", "floor", "--seed", "6", fails=True
     )
     assert "no session of practice" in run("calibrate", "practice", folder, fails=True)
+    for more in (["--pace", "2"], ["--page"]):
+        told = run("calibrate", "practice", folder, "--on", "floor", *more, fails=True)
+        assert f"{more[0]} has no effect with --on floor" in told
 
 
 def test_advice_and_report_of_a_floor(practised, tmp_path):

@@ -56,6 +56,7 @@ def practice(
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
     if on == "floor":
+        _no_treadmill_options()
         return _on_floor(folder, seed)
     _begin(folder, seed)
     session = read_session(folder)
@@ -71,6 +72,15 @@ def practice(
         session = read_session(folder)
         if len(session.kept) >= 4:
             terminal.say(f"\n{PracticeTruth.drawn(drawn).in_words()}; `serpenoid fit {folder}`")
+
+
+def _no_treadmill_options() -> None:
+    """Refuse what was typed for a treadmill's page and clock, which pushes have not."""
+    context = click.get_current_context()
+    typed = click.core.ParameterSource.COMMANDLINE
+    for name, option in (("pace", "--pace"), ("lan", "--lan"), ("with_page", "--page")):
+        if context.params[name] and context.get_parameter_source(name) is typed:
+            raise click.UsageError(f"{option} has no effect with --on floor; leave it out")
 
 
 def _on_floor(folder: Path, seed: int | None) -> None:
