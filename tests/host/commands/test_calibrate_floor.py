@@ -48,13 +48,13 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     assert "wheels_kg = 0.0" in plan
     assert "align its links" in run("calibrate", folder, "--dry-run")
     first = run("calibrate", folder, typed=f"\n{tracks[0]} cm\nquit\n")
-    assert "Push 1 of 4, straight, THERE" in first
+    assert "Push 1 of 8, straight, THERE" in first
     assert "reading 1, there: " in first
     # a second process finds all of it, and what a kill left half written does not count
     with (folder / "readings.csv").open("a") as file:
         file.write("2,coast,2026-")
     again = run("calibrate", folder, typed=f"\n\n\n{tracks[1]} cm\nundo\n{tracks[1]} cm\nquit\n")
-    assert "Push 2 of 4, straight, BACK" in again
+    assert "Push 2 of 8, straight, BACK" in again
     assert "1 push and 0 gait runs kept" in again
     taken = run("calibrate", "push", folder, tracks[2], tracks[3], "--unit", "cm")
     assert taken.count("reading") == 2
@@ -81,18 +81,18 @@ def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path, serpenoid)
         "coast": {"distance_m": "1.1", "duration_s": "2.4"},
         "slide": {"incline_deg": "4", "distance_m": "1", "duration_s": "2.1"},
     }
-    for line in lines[:7] + lines[-7:-6]:  # straight, two of the first bend, one slide
+    for line in lines[:11] + lines[-7:-6]:  # straight, two of the first bend, one slide
         for name, value in read[line[0]].items():
             line[head.index(name)] = value
     typed.write_text("".join(",".join(line) + "\n" for line in (head, *lines)))
     status, out, err = serpenoid("calibrate", "add", str(folder), "--sheet", str(typed))
     assert status == 0, err
-    assert out.startswith("8 reading(s) added; 6 pushes")
+    assert out.startswith("12 reading(s) added; 10 pushes")
     pushes = load_session(folder).kept_pushes
-    assert [p.way for p in pushes] == ["there", "back"] * 3
+    assert [p.way for p in pushes] == ["there", "back"] * 5
     # a bend is what the protractor above it showed
-    assert [round(math.degrees(p.lambda_rad), 3) for p in pushes] == [0, 0, 0, 0, 19, 19]
-    assert {p.bend for p in pushes[4:]} == {"balanced"}
+    assert [round(math.degrees(p.lambda_rad), 3) for p in pushes] == [0] * 8 + [19, 19]
+    assert {p.bend for p in pushes[8:]} == {"balanced"}
     assert len(load_session(folder).kept_slides) == 1
 
 
@@ -105,7 +105,7 @@ def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
     run("calibrate", "new", folder, "--defaults", "--surface", "belt", "--mass-kg", "454g")
     said = run("calibrate", folder, "--on", "floor", typed="\n1.0\n2.4\n\nquit\n")
     assert "kept as reading 1" in said
-    assert "pushes, straight 1 of 4" in run("calibrate", "status", folder)
+    assert "pushes, straight 1 of 8" in run("calibrate", "status", folder)
     run("calibrate", "amend", folder, "robot.wheels_kg=36g")
     assert load_session(folder).setup.floor.wheels_kg == pytest.approx(0.036)
     run("calibrate", "add", folder, "slide", "lambda_deg=0", "incline_deg=7%", "distance_m=1",
@@ -119,6 +119,8 @@ def practised(tmp_path_factory):
     folder = tmp_path_factory.mktemp("practice") / "p"
     words = ["", *["push 0.9"] * 4, "protractor", "140", *["push 0.9"] * 4, "protractor", "90.2"]
     words += [*["push 1.0"] * 6, "crawl", "1.0", "19.4", "quit"]
+    run("calibrate", "practice", folder, "--on", "floor", "--seed", "5", typed="quit\n")
+    run("calibrate", "amend", folder, "plan.pushes=4")
     said = run("calibrate", "practice", folder, "--on", "floor", "--seed", "5",
                typed="\n".join(words) + "\n")  # fmt: skip
     return folder, said
