@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrow, Polygon, Rectangle
 
 GREEN, RED, GREY, BODY = "#009E73", "#D55E00", "#777777", "#b9c3cc"
+LETTERS_PT = 12.5  # legible on a phone
 ANGLES = np.radians([8, 30, 12, -28, -20, 14])
 
 
@@ -63,7 +64,7 @@ def _robot(ax: Axes, x: float, y: float, link: float, tags: bool = True) -> np.n
 
 
 def _say(ax: Axes, x: float, y: float, words: str, colour: str = "black", **more: Any) -> None:
-    ax.text(x, y, words, color=colour, fontsize=9, ha="center", **more)
+    ax.text(x, y, words, color=colour, fontsize=LETTERS_PT, ha="center", **more)
 
 
 def _tags(ax: Axes) -> None:
@@ -76,10 +77,10 @@ def _tags(ax: Axes) -> None:
         ax.plot([x, x], [0.8, 0.95], color="black", lw=0.7)
     _say(ax, 2.15, 0.4, "100 mm?")
     _say(ax, 7.8, 3.3, "Print at 100 %. Hold a rule against the ruler.")
-    _label(ax, 6.5, 1.6, 1.1)
-    _say(ax, 6.5, 0.4, "cut outside the white rim", GREEN)
-    ax.add_patch(Rectangle((8.75, 1.05), 1.1, 1.1, fc="black"))
-    _say(ax, 9.3, 0.4, "rim cut off: not found", RED)
+    _label(ax, 6.1, 1.6, 1.1)
+    _say(ax, 6.1, 0.4, "cut outside the white rim", GREEN)
+    ax.add_patch(Rectangle((9.65, 1.05), 1.1, 1.1, fc="black"))
+    _say(ax, 10.2, 0.4, "rim cut off: not found", RED)
 
 
 def _on_the_robot(ax: Axes) -> None:
@@ -103,7 +104,7 @@ def _tripod(ax: Axes) -> None:
         ax.plot([camera[0], x], [camera[1], 0.6], color=GREEN, lw=0.8, ls="--")
     ax.add_patch(Rectangle((5.6, 0.5), 3.4, 0.3, fc=BODY))
     ax.add_patch(FancyArrow(7.0, 1.2, 1.4, 0, width=0.03, head_width=0.18, color=GREY))
-    _say(ax, 8.4, 3.6, "On a tripod, the camera 0 to 45° from straight down.\nStabilisation off. "
+    _say(ax, 8.6, 3.3, "On a tripod, the camera 0 to 45°\nfrom straight down. Stabilisation off.\n"
          "Start it with a timer; touch nothing.")  # fmt: skip
 
 
@@ -119,8 +120,8 @@ def _frame(ax: Axes) -> None:
 
 def _light(ax: Axes) -> None:
     ax.set(xlim=(0, 12), ylim=(0, 5))
-    good = "light from the side, and much of it:\nshort exposure"
-    bad = "a lamp that the floor or a tag mirrors\ninto the camera"
+    good = "light from the side, much of it:\nshort exposure"
+    bad = "a lamp that the floor or a tag\nmirrors into the camera"
     for x, colour, words in ((3.0, GREEN, good), (9.0, RED, bad)):
         ax.plot([x - 2.4, x + 2.4], [1.2, 1.2], color="black")
         _label(ax, x, 1.75, 0.7)

@@ -20,10 +20,10 @@ Array = NDArray[np.float64]
 STEP = 0.3  # of a standard deviation: the differences by which the camera's doubt is carried on
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
 FLOOR_OFFSET_RAD = np.radians(0.01)  # a centre is a mean: it has no share of what moves
-# A codec draws each picture on the one before, and what turns lags: amplitudes come out low by
-# .1 % (rendered films coded at crf 20, beside the same pictures uncoded). The lag in pixels is the
-# larger, the less of a tag's detail a block of the codec has; the angle is that over the tag's
-# side: .07 % for tags of 28 px, .14 % of 20 px, .17 % of 15 px.
+# A codec draws each picture on the one before, and takes a little of the motion: amplitudes come
+# out low (rendered films coded at crf 20; not coded at crf 1). By .07 % for tags of 28 px, .14 % of
+# 20 px, .17 % of 15 px: what is lost in pixels grows as tags get small beside the codec's blocks,
+# and the angle is that over the tag's side.
 FLOOR_AMPLITUDE, FLOOR_AMPLITUDE_RAD, CODED_PX = 6e-4, np.radians(0.02), 28.0
 
 

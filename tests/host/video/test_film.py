@@ -10,9 +10,14 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
+from serpenoid.video.fitting.start import first_cameras
+from serpenoid.video.instrument import measure
 from serpenoid.video.measure_film import measure_film
 from serpenoid.video.motion import Motion
-from video.filming import Body, Lens
+from serpenoid.video.seeing.film import Damage
+from serpenoid.video.seeing.film import Film as File
+from video.filming import Body, Lens, write
+from video.sighted import sighted
 from video.worlds import LINK_M, SIDE_M, World, crawling, shoot
 
 
@@ -116,6 +121,28 @@ def test_the_command_tells_it_and_writes_what_was_asked_for(
     assert len(rows) == told["film"]["frames"]
     assert np.ptp(rows["joint3_rad"]) > 1.2
     assert all((tmp_path / name).stat().st_size > 5000 for name in names.values())
+
+
+def slowing(seconds: float) -> np.ndarray:
+    """Return the moments of a phone in dim light: from 30 to 15 frames/s, each off by a sixth."""
+    gaps = np.linspace(1 / 30, 1 / 15, 60) * (1 + 0.16 * (-1.0) ** np.arange(60))
+    t_s = np.cumsum(gaps)
+    return t_s[t_s < seconds] - t_s[0]
+
+
+def test_a_rate_that_varies_is_measured_by_the_files_own_times(tmp_path) -> None:
+    """The file's times come through to a tick, and with them the numbers stay what they are."""
+    t_s = slowing(2.0)
+    blank = [np.full((64, 96), 10 + 3 * k, np.uint8) for k in range(len(t_s))]
+    film = File.open(write(tmp_path / "film.mp4", blank, t_s))
+    told_s = np.array([time_s for time_s, *_ in film.frames(Damage(), threads=1)])
+    assert told_s == pytest.approx(t_s, abs=2e-5)
+    world = crawling(omega_rad_s=8.0, speed_m_s=0.08, start_m=-0.07)
+    s = sighted(world, t_s, Lens(), told_s)
+    m = measure(s, SIDE_M, first_cameras(s, LINK_M, SIDE_M)).fitted.motion
+    assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)  # 36 % off at 30 frames/s
+    assert m.omega_rad_s == pytest.approx(world.omega_rad_s, rel=5e-4)
+    assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=math.radians(0.2))
 
 
 def test_numbers_do_not_depend_on_which_way_the_camera_looks() -> None:
