@@ -20,7 +20,7 @@ from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
 from .fixed_rate import FixedRateSearch
 from .gait_cloud import GaitCloud
-from .gait_table import Candidate, refined_valleys
+from .gait_table import Candidate, FollowedValleys, refined_valleys
 from .limits import LIMIT_NAMES, GaitLimits
 from .quadratic_search import Point, minimize
 from .shape_search import COSTS, GaitShape, NearShapes, ShapeSearch, Solve, exact_solver
@@ -30,22 +30,30 @@ _MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense, and the cloud's ra
 _VALLEYS = 6  # of the cloud, followed at most
 _WITHIN, _WITHIN_DRY = 1.4, 1.6  # of the cheapest: what the cloud's coarseness may hide
 _WITHIN_OTHERS, _OTHERS_APART, _OTHERS = 1.1, 0.3, 2  # cost, e-folds of shape, how many
-_RADIUS, _RADIUS_KNOWN = 0.15, 0.08  # first box: half a step of the cloud; round a known gait
+_RADIUS, RADIUS_KNOWN = 0.15, 0.08  # first box: half a step of the cloud; round a known gait
 _NARROW = 1.2  # ratio of rates: a narrower range is searched at fixed rates
 _APART = 0.1  # e-folds of shape: two ends closer than this are one valley
 _ROUGHER = 0.3  # the same factor for the valleys of the cloud on dry ground
+_ONWARDS = 1.0  # the same for the valley of the gait of another speed
 _CLOSER = 4.0  # refinement factor for the best valley on dry ground
-_FINE_TABLES = (0.25, 4), (0.08, 4), (0.03, 3), (0.12, 8)  # e-folds of shape, steps
+_EDGE_TABLE = (0.12, 8)  # e-folds of shape either way, in so many steps; where there is an edge
+_FINE_TABLES = (0.25, 4), (0.06, 3), _EDGE_TABLE
+_NEXT_TABLES = (_EDGE_TABLE,)  # the same for a gait found from that of another speed
 _MOST_TABLES, _INSIDE = 6, 0.7  # of a width: while the best is farther out than this part of it
-_RING, _RING_AT_EDGE = 8, 32  # directions of a walk
+_RING, _RING_AT_EDGE = 16, 32  # directions of a walk
 _AT_EDGE = 0.01  # e-folds of cost: a model that expects so much more lies across an edge
-_WALK, _WALK_END, _WALK_SHRINK = 0.03, 0.002, 0.4  # e-folds of shape
+_WALK, _WALK_END, _WALK_SHRINK = 0.06, 0.002, 0.4  # e-folds of shape
 _WALK_GAIN = 1e-4  # e-folds of cost: a smaller gain ends a ring
 _SMALL_VALLEYS = 2  # followed of each table
 _ROUNDING = 1e-9  # body lengths x rate: a slower gait travels by rounding errors alone
 _AT_LIMIT = 2e-6  # e-folds of shape: last box beside a limit, on viscous ground
 _LIMITS_WORTH = 2.0  # e-folds of cost at most, for one of a limit
+_ONWARDS_GAP = 7e-3  # e-folds: single searches found so much less than one that goes on
 _DRY_GAP = 3e-3  # e-folds: brute force found so much less, so no optimum is known better
+
+
+End = tuple[Point, float]  # of a valley, and how much less there may be, e-folds
+Tables = Sequence[tuple[float, int]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +117,7 @@ class Finder:
         self.search = self.near
         if ground.smooth or not self.exact:
             self.search = ShapeSearch(robot, ground, solver, cost, limits)
+        self.followed = FollowedValleys()
         self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
         self.coarse = 1e-7 if ground.smooth and self.exact else 3e-4  # accuracy of the search
         self.least_gap = self.coarse if ground.smooth else _DRY_GAP
@@ -147,20 +156,45 @@ class Finder:
                 starts, others = [*starts, one], others + 1
         return starts
 
-    def minimize(self, speed: float, extra: Candidate | None = None) -> LeastPower:
-        """Return the cheapest gait; extra: one more start."""
-        starts = self.candidates(speed) + ([extra] if extra else [])
-        rougher = _ROUGHER if self.search is self.near else 1.0
-        followed = [
-            self.follow(s, speed, _RADIUS_KNOWN if s is extra else _RADIUS, rougher) for s in starts
-        ]
-        ends = [end for end in followed if not end[0].better[0]] or self.at_fixed_rates(speed)
+    def minimize(
+        self, speed: float, last: Candidate | None = None, radius: float = RADIUS_KNOWN
+    ) -> LeastPower:
+        """Return the cheapest gait; last: where it should be by lower speeds, this far off."""
+        if last is None:
+            ends, tried = self._from_cloud(speed)
+        else:
+            ends, tried = self._onwards(speed, last, radius)
+        ends = ends or self.at_fixed_rates(speed)
         if not ends:
-            raise self.unreachable(speed, [point for point, _ in followed])
+            raise self.unreachable(speed, tried)
+        tracked = last is not None and ends[0][0].better == min(e[0].better for e in ends)
         ends.sort(key=lambda e: e[0].value)
         if not self.ground.smooth:
-            ends[0] = self.refined(ends[0][0], speed)
+            best, gap = self.refined(ends[0][0], speed, _NEXT_TABLES if tracked else _FINE_TABLES)
+            ends[0] = best, max(gap, _ONWARDS_GAP) if tracked else gap
         return self.finish(speed, ends)
+
+    def _from_cloud(self, speed: float, best: Point | None = None) -> tuple[list[End], list[Point]]:
+        """Return the ends of the cloud's valleys and all points; best: what they must beat."""
+        ends, tried = [], []
+        rougher = _ROUGHER if self.search is self.near else 1.0
+        for start in self.candidates(speed):
+            if best is None or self.followed.worth(start, best):
+                end = self.follow(start, speed, _RADIUS, rougher)
+                self.followed.add(start, end[0])
+                tried.append(end[0])
+                ends += [] if end[0].better[0] else [end]
+        return ends, tried
+
+    def _onwards(
+        self, speed: float, last: Candidate, radius: float
+    ) -> tuple[list[End], list[Point]]:
+        """Return the end of the last gait's valley first, and others that may be cheaper now."""
+        end = self.follow(last, speed, radius, _ONWARDS if self.search is self.near else 1.0)
+        if end[0].better[0]:
+            return self._from_cloud(speed)
+        others, tried = self._from_cloud(speed, end[0])
+        return [end, *others], [end[0], *tried]
 
     def at_fixed_rates(self, speed: float) -> list[tuple[Point, float]]:
         """Return the cheapest gaits at the ends and the middle of a narrow range of rates."""
@@ -172,16 +206,17 @@ class Finder:
         found = [search.minimize(self.rtol, self.coarse) for search in searches]
         return [end for end in found if end is not None]
 
-    def refined(self, best: Point, speed: float) -> tuple[Point, float]:
+    def refined(self, best: Point, speed: float, tables: Tables = _FINE_TABLES) -> End:
         """Return the best of a dry valley, where kinks make small valleys in the large one.
 
         Fine tables of shapes show them, and the best are followed. What the last one gained, or saw
         below, may still be missing.
         """
+        best = self.walked(best, speed, _RING)
         gap = model_gap = 0.0
-        for width, half in _FINE_TABLES:
+        for width, half in tables:
             at_edge = model_gap > _AT_EDGE
-            if width == _FINE_TABLES[-1][0] and not at_edge:
+            if (width, half) == _EDGE_TABLE and not at_edge:
                 break
             before, seen = best.value, math.inf
             for _ in range(_MOST_TABLES):

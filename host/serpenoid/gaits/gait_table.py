@@ -27,6 +27,8 @@ _STILL = 1e-6  # of body length times rate: a lower speed is noise of the solver
 _ROUNDING = 1 + 1e-9  # an amplitude at its limit, after exp(log(limit))
 _FINE_WITHIN = 1.02  # of the cheapest: what lines between rates may hide
 _FINE_RTOL = 1e-3
+_SAME_START, _SAME_END = 0.25, 0.15  # e-folds of shape: one start, one valley
+_DOUBT = 0.05  # e-folds of cost: how much the factor of a valley may change with the speed
 _PENALTY = 8.0  # cost of a limit exceeded by a factor f rises as f^8, so valleys inside win
 
 
@@ -165,6 +167,34 @@ class GaitTable:
     def _candidate(self, i: int, j: int, rate: Array, watts: Array) -> Candidate:
         shape = GaitShape.of(float(self.alpha_rad[i, j]), float(self.beta_rad[i, j]))
         return Candidate(float(watts[i, j]), shape, float(rate[i, j]))
+
+
+class FollowedValleys:
+    """Remember how far below the table valleys ended at other speeds: what to follow again.
+
+    A valley's floor lies below the table's shape by a factor that changes little with the speed.
+    """
+
+    def __init__(self) -> None:
+        self._known: list[tuple[Array, float, Array]] = []  # start, e-folds below the table, end
+
+    def add(self, start: Candidate, end: Point) -> None:
+        """Keep what following a candidate led to."""
+        if np.isfinite(end.value):
+            self._known.append((np.array(start.shape), math.log(start.watts) - end.value, end.at))
+
+    def worth(self, start: Candidate, best: Point) -> bool:
+        """Tell whether a candidate may end below the best, in another valley than that."""
+        near = [
+            known for known in self._known
+            if np.abs(known[0] - np.array(start.shape)).max() < _SAME_START
+        ]  # fmt: skip
+        if not near:
+            return True
+        _, below, end = near[-1]
+        if np.abs(end - best.at).max() < _SAME_END:
+            return False
+        return math.log(start.watts) - below < best.value + _DOUBT
 
 
 def valleys(price: Array, most: int) -> list[tuple[float, list[int]]]:

@@ -11,13 +11,53 @@ import numpy as np
 
 from ..model.checks import check_number
 from ..model.errors import BadInput, NotConverged
+from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .finder import ANY, Finder, LeastPower, finder
+from .finder import ANY, RADIUS_KNOWN, Finder, LeastPower, finder
 from .gait_table import Candidate
 from .limits import GaitLimits
 from .quadratic_search import Array
 from .shape_search import GaitShape, exact_solver
+
+_ABOVE = 1e-2  # e-folds of power over its neighbours' line: such a speed is searched anew
+_RADIUS_LED = 0.005  # e-folds of shape: the first box where three optima lead
+
+
+class _Track:
+    """The optima of the last speeds, and where they lead: on smooth ground along a parabola."""
+
+    def __init__(self, smooth: bool) -> None:
+        self._smooth = smooth
+        self._at: list[tuple[float, Array]] = []  # ln speed; swing, lag and ln rate
+
+    def add(self, speed_m_s: float, gait: Gait) -> None:
+        """Keep an optimum."""
+        shape = GaitShape.of(gait.alpha_rad, gait.beta_rad)
+        self._at.append((math.log(speed_m_s), np.array([*shape, math.log(gait.omega_rad_s)])))
+
+    def only(self, speed_m_s: float) -> _Track:
+        """Return a track that knows the optimum of one speed alone, if it was found."""
+        track = _Track(self._smooth)
+        track._at = [at for at in self._at if at[0] == math.log(speed_m_s)]
+        return track
+
+    def expected(self, speed_m_s: float) -> tuple[Candidate | None, float]:
+        """Return where the optimum should be, and how far off, e-folds of shape."""
+        if not self._at:
+            return None, RADIUS_KNOWN
+        x = math.log(speed_m_s)
+        last_x, last = self._at[-1]
+        at, radius = last + np.array([0.0, 0.0, x - last_x]), RADIUS_KNOWN
+        latest = self._at[-3:]
+        if self._smooth and len(latest) > 1:
+            led = np.zeros(3)
+            for k, (xk, values) in enumerate(latest):
+                others = [xj for j, (xj, _) in enumerate(latest) if j != k]
+                led += math.prod((x - xj) / (xk - xj) for xj in others) * values
+            if np.abs(led - at)[:2].max() < RADIUS_KNOWN:
+                at, radius = led, _RADIUS_LED if len(latest) > 2 else RADIUS_KNOWN / 2
+        return Candidate(0.0, GaitShape(*at[:2].tolist()), math.exp(at[2])), radius
 
 
 class EitherWave:
@@ -33,8 +73,17 @@ class EitherWave:
         self.searches = [search(ground)]
         if ground.ratchet:
             self.searches.append(search(ground.turned_round()))
-        self.starts: list[Candidate | None] = [None] * len(self.searches)
+        self.tracks = [_Track(ground.smooth) for _ in self.searches]
         self.watts = [math.inf] * len(self.searches)
+
+    def from_speed(self, speed: float, other: float) -> LeastPower:
+        """Return the cheapest gait for a speed, begun at what was found for another one."""
+        tracks = self.tracks
+        self.tracks = [track.only(other) for track in tracks]
+        try:
+            return self.minimize(speed)
+        finally:
+            self.tracks = tracks
 
     def minimize(self, speed: float) -> LeastPower:
         """Return the cheapest gait for a speed; raises NotConverged."""
@@ -43,13 +92,12 @@ class EitherWave:
         for k, search in enumerate(self.searches):
             self.watts[k] = math.inf
             try:
-                one = search.minimize(speed, self.starts[k])
+                one = search.minimize(speed, *self.tracks[k].expected(speed))
             except NotConverged as error:
                 lost = lost or error
                 continue
             gait, self.watts[k] = one.gait, one.power_w
-            shape = GaitShape.of(gait.alpha_rad, gait.beta_rad)
-            self.starts[k] = Candidate(0.0, shape, gait.omega_rad_s)
+            self.tracks[k].add(speed, gait)
             found.append(one if k == 0 else self._turned_back(one, search))
         if not found:
             raise lost or NotConverged(f"no gait reaches {speed:g} m/s")
@@ -174,11 +222,36 @@ def power_front(
     waves = EitherWave(ground, search)
     found: dict[float, LeastPower | None] = {}
     for speed in sorted(set(speeds)):
-        try:
-            found[speed] = replace(waves.minimize(speed), formulation=formulation)
-        except NotConverged:
-            found[speed] = None
-    return tuple(found[speed] for speed in speeds)
+        found[speed] = _reached(waves, speed)
+    for speed, faster in _above_the_curve(found):
+        anew, before = _reached(waves, speed, faster), found[speed]
+        found[speed] = min((anew, before), key=lambda best: best.power_w if best else math.inf)
+    named = {v: best and replace(best, formulation=formulation) for v, best in found.items()}
+    return tuple(named[speed] for speed in speeds)
+
+
+def _reached(waves: EitherWave, speed: float, other: float | None = None) -> LeastPower | None:
+    """Return the cheapest gait, or None; other: a speed whose gait to go on from."""
+    try:
+        return waves.minimize(speed) if other is None else waves.from_speed(speed, other)
+    except NotConverged:
+        return None
+
+
+def _above_the_curve(found: dict[float, LeastPower | None]) -> list[tuple[float, float]]:
+    """Return speeds whose power lies above the line between their neighbours, and the faster one.
+
+    In logarithms power mostly bends upwards over the speed. Where it does not, the faster gait may
+    lie in another valley, which was the lowest already.
+    """
+    known = [(math.log(v), math.log(best.power_w), v) for v, best in found.items() if best]
+    return [
+        (v, faster)
+        for (x0, y0, _), (x, y, v), (x1, y1, faster) in zip(
+            known, known[1:], known[2:], strict=False
+        )
+        if y > y0 + (y1 - y0) * (x - x0) / (x1 - x0) + _ABOVE
+    ][::-1]
 
 
 def _wanted(speeds_m_s: Any) -> list[float]:

@@ -32,6 +32,7 @@ _STEEP, _STEEPEST_COST = 0.3, 4.0  # slopes of ln speed, and of ln cost over it,
 _TELLS_SLOPES = 0.003  # e-folds of rate: two states this far apart give slopes
 _ASIDE = 0.03  # e-folds of rate: a second state, where no slopes are known
 _BACK = 0.04  # e-folds of rate: back from where wheels begin to slide and speed falls
+_ENOUGH = 12  # shapes known at a speed, in place of those known at another
 _DEAR = 0.7  # e-folds of cost above the least: such ends may lie beyond a fold, none starts there
 _KNOWN = 0.2  # e-folds of shape: farther ones tell too little to start from
 _NEAR_MISS = 30  # times the accuracy asked for: a state this good still ranks shapes
@@ -163,7 +164,8 @@ class NearShapes(ShapeSearch):
         self, robot: Robot, ground: Ground, solve: Solve, cost: str, limits: GaitLimits
     ) -> None:
         super().__init__(robot, ground, solve, cost, limits)
-        self._speed_m_s, self._known, self._least = math.nan, LocalFit(2, 6), math.inf
+        self._speed_m_s, self._least = math.nan, math.inf
+        self._known, self._before = LocalFit(2, 6), LocalFit(2, 6)
 
     def points(
         self, shapes: Sequence[Array], speed_m_s: float, guess: float, rtol: float
@@ -180,14 +182,15 @@ class NearShapes(ShapeSearch):
         close: e-folds of speed that slopes put right; rough: states of one level.
         """
         if speed_m_s != self._speed_m_s:
-            self._speed_m_s, self._known, self._least = speed_m_s, LocalFit(2, 6), math.inf
+            self._to_speed(speed_m_s)
         at = np.array(shapes)
-        near = [self._known.nearest(one) < _KNOWN for one in at]
-        expected = self._known.expect(at) if any(near) else np.empty((len(at), 6))
+        known = self._best_known()
+        near = [known.nearest(one) < _KNOWN for one in at]
+        expected = known.expect(at) if any(near) else np.empty((len(at), 6))
         highest = math.log(min(self.limits.omega_high_rad_s, 1e300)) + _STEP_BLIND
         ways = [
-            _WayToSpeed(one, math.log(guess), row if known else None, highest, close)
-            for one, guess, row, known in zip(at, guesses, expected, near, strict=True)
+            _WayToSpeed(one, math.log(guess), row if told else None, highest, close)
+            for one, guess, row, told in zip(at, guesses, expected, near, strict=True)
         ]
         for _ in range(_MOST_STEPS):
             going = [way for way in ways if way.goes_on]
@@ -203,6 +206,20 @@ class NearShapes(ShapeSearch):
                 np.array([way.at for way in ended]), np.array([way.told() for way in ended])
             )
         return [self._end(way) for way in ways]
+
+    def _best_known(self) -> LocalFit:
+        few = len(self._known.at) < min(_ENOUGH, len(self._before.at))
+        return self._before if few else self._known
+
+    def _to_speed(self, speed_m_s: float) -> None:
+        """Go on to another speed: what is known starts it, its rates changed by their slopes."""
+        known = self._best_known()
+        self._before, self._known, self._least = LocalFit(2, 6), LocalFit(2, 6), math.inf
+        if len(known.at):
+            rows = known.values.copy()
+            rows[:, 0] += math.log(speed_m_s / self._speed_m_s) / np.maximum(rows[:, 4], _STEEP)
+            self._before.add(known.at, rows)
+        self._speed_m_s = speed_m_s
 
     def solved(self, point: Point, speed_m_s: float, rtol: float) -> Point:
         """Return a point again, its speed hardly missed: slopes from afar may have been wrong."""
