@@ -32,15 +32,15 @@ def crawl_speed(robot: LabRobot, gait: Gait, *, slope_rad: float = 0.0) -> float
 
 
 def filmed_crawl(
-    robot: LabRobot, gait: Gait, camera: Camera, rng: np.random.Generator
+    robot: LabRobot, gait: Gait, camera: Camera, rng: np.random.Generator, slope_rad: float = 0.0
 ) -> NDArray[np.float64]:
     """Return what a film shows of a crawl that is steady: t_s, x_m, y_m, heading_rad, joints, rad.
 
-    Whole cycles, FILMED_S at least. A row a picture.
+    Whole cycles, FILMED_S at least. A row a picture. slope_rad rises ahead of it.
     """
     before = SETTLE_S + SETTLE_CYCLES * gait.period_s
     last = before + gait.period_s * max(3, np.ceil(FILMED_S / gait.period_s))
-    track, joints = Floor(robot, 0.0, np.pi).driven(gait, last, gait.period_s / FRAMES)
+    track, joints = Floor(robot, slope_rad, np.pi).driven(gait, last, gait.period_s / FRAMES)
     t = before + np.arange(0.0, last - before, 1 / camera.rate_hz)
     t = t[rng.uniform(size=t.size) >= camera.missing]
     true = np.column_stack([track.x_m, track.y_m, track.heading_rad, joints])

@@ -52,7 +52,7 @@ class Push:
     """How a hand pushes: speed_m_s when it lets go, over reach_m.
 
     heading_rad, rate_rad_s: by how much the robot is let go crooked, and turning. direction_rad:
-    of the push in the room; turn round for the other way.
+    of the push in the room; turn round for the other way. tail_first: it rolls backwards.
     """
 
     speed_m_s: float
@@ -60,6 +60,7 @@ class Push:
     heading_rad: float = 0.0
     rate_rad_s: float = 0.0
     reach_m: float = 0.15
+    tail_first: bool = False
 
 
 class Floor:
@@ -75,9 +76,9 @@ class Floor:
         self._step_s = step_s
 
     def push(self, pose_rad: Sequence[float], push: Push) -> Track:
-        """Push the robot, head first, let it go, and follow it until it rests."""
+        """Push the robot, let it go, and follow it until it rests."""
         hand_s = 2 * push.reach_m / push.speed_m_s
-        heading = push.direction_rad + push.heading_rad
+        heading = push.direction_rad + push.heading_rad + (math.pi if push.tail_first else 0.0)
         c, s = math.cos(push.direction_rad), math.sin(push.direction_rad)
         t = np.arange(0.0, hand_s, FRAME_S)
         way = 0.5 * push.speed_m_s / hand_s * t**2 - push.reach_m

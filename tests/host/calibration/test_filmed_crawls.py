@@ -15,14 +15,18 @@ from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.crawls.result import fit_crawls
 from serpenoid.calibration.fit_file import load_fit, save_fit
 from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.friction_result import Estimate
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.speed_samples import likeliest_speed, sample_speeds, speed
 from serpenoid.calibration.taking.memory import MemoryRecord
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.procedure import next_step, progress
+from serpenoid.lab.crawl import crawl_speed
+from serpenoid.lab.robot import LabRobot
 from serpenoid.model.drives import Servo, ServoKind
 from serpenoid.model.gait import Gait
 from serpenoid.model.ground import Ground
+from serpenoid.model.robot import Robot
 
 GAIT = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
 GAINS, CENTRES_RAD, LAG_RAD = (0.95, 0.93, 0.97, 0.94, 0.96), (0.01, -0.02, 0.0, 0.03, 0.01), 0.4
@@ -130,7 +134,8 @@ def test_a_step_takes_a_crawl_from_its_track_once(tmp_path) -> None:
     plan = replace(on_place(base.procedure, "floor"), pushes=0)
     folder = create_session(tmp_path / "s", replace(base, procedure=plan))
     first, *others = (
-        crawl_csv(tmp_path / f"{k}.csv", crawled(g)) for k, g in enumerate(plan.gaits)
+        crawl_csv(tmp_path / f"{k}.csv", crawled(g, seed=k))
+        for k, g in enumerate(gait for gait in plan.gaits for _ in range(2))
     )
     wrong = tmp_path / "t.csv"
     wrong.write_text("t,x,y\n0,1,2\n")
@@ -140,8 +145,29 @@ def test_a_step_takes_a_crawl_from_its_track_once(tmp_path) -> None:
     assert "`serpenoid video --track` writes them" in heard
     assert "a film itself is not taken here" in heard
     assert "reading 1 is of this film already" in heard
+    assert "along the line of the pushes, BACK" in heard
     session = load_session(folder)
-    assert len(session.kept_films) == 3
+    assert [f.way for f in session.kept_films] == ["there", "back"] * 2
     assert next_step(session).kind == "done"
-    assert ("gait runs", "3 of 3") in progress(session)
+    assert ("gait runs", "4 of 4") in progress(session)
     assert session.kept_films[0].mean_gain == pytest.approx(np.mean(GAINS), abs=2e-3)
+
+
+def test_crawls_on_a_slope_are_put_right_by_the_slope_that_pushes_told() -> None:
+    """What the lab's robot does on 0.25 degrees, there, back or both, against the level state."""
+    body, ground, slope = Robot(6, 0.0756, 0.076), Ground.whole_body(6, *TRUTH), 0.0045
+    lab, level = LabRobot(body, (ground,)), speed(body, ground, GAIT)
+    seen = [crawl_speed(lab, GAIT, slope_rad=s) for s in (-slope, slope)]
+    assert seen[0] > 1.05 * level
+    assert seen[1] < 0.95 * level
+    for ways, found in (((1.0, 0.0), seen[0]), ((0.0, 1.0), seen[1]), ((0.5, 0.5), sum(seen) / 2)):
+        one = CrawlData((GAIT,), np.array([found]), np.array([0.001]), np.zeros(1, bool), ((1,),),
+                        (GAIT,), ways=(ways,))  # fmt: skip
+        sure = one.on_slope(body, ground, Estimate(slope, 1e-5))
+        assert sure.speed_m_s[0] == pytest.approx(level, rel=0.01)
+        loose = one.on_slope(body, ground, Estimate(slope, 0.002))
+        share = (loose.sigma_m_s / sure.sigma_m_s)[0]
+        assert share > 1.5 if ways != (0.5, 0.5) else share < 8
+    flat = CrawlData((GAIT,), np.ones(1), np.ones(1), np.zeros(1, bool), ((1,),), (GAIT,),
+                     ways=((0.0, 0.0),))  # fmt: skip
+    assert flat.on_slope(body, ground, Estimate(slope, 0.002)) is flat

@@ -30,7 +30,7 @@ from ...calibration.speed_samples import (
 )
 from ...calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
 from ...calibration.taking.memory import MemoryRecord
-from ...calibration.taking.new_session import CRAWLS, PUSHES, default_setup
+from ...calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
 from ...calibration.taking.treadmill import take_all
 from ...lab.crawl import crawl_speed
 from ...lab.recording import Camera
@@ -73,7 +73,7 @@ CASES = (
     FloorCase("film, 1 mm, pushes alone", Camera(), crawls=(), servos=SERVOS),
     FloorCase("film, 2 mm, a tenth of the pictures missing", Camera(sigma_m=0.002, missing=0.1)),
     FloorCase("film, 1 mm, wheels not weighed", Camera(), None),
-    FloorCase("by hand, with three crawls", None),
+    FloorCase("by hand, with crawls", None),
 )
 
 
@@ -113,7 +113,8 @@ def floor_setup(case: FloorCase) -> Setup:
     return replace(
         base, kind="simulated", floor=FloorTools(wheels_kg=case.wheels_kg),
         procedure=replace(
-            base.procedure, on="floor", pushes=case.pushes, gaits=case.crawls, gait_runs=1
+            base.procedure, on="floor", pushes=case.pushes, gaits=case.crawls,
+            gait_runs=CRAWL_RUNS,
         ),
     )  # fmt: skip
 
@@ -148,9 +149,11 @@ class ServoPool:
         """Return what a session's servos do to the crawls, and their shares of GAIT's speed."""
         every = self._every
         own = rng.choice(len(every.servos), SERVO_DRAWS, replace=False)
-        effects = ServoEffects(
-            tuple(every.servos[k] for k in own), every.share[own, :-1], every.amplitude[own]
+        share, amplitude = (
+            np.repeat(part, CRAWL_RUNS, axis=1)
+            for part in (every.share[own, :-1], every.amplitude[own])
         )
+        effects = ServoEffects(tuple(every.servos[k] for k in own), share, amplitude, every.sigma)
         return effects, every.share[own, -1]
 
 

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,17 +18,24 @@ from ...model.ground import Ground
 from ...model.robot import Robot
 from ...periodic.servo_steady import moved_by
 from ...periodic.steady import steady_gait
-from ..friction_result import ground_of
+from ..friction_result import Estimate, ground_of
+from ..kinds.gait import RUN_WAYS, GaitRun
+from ..kinds.video import FilmReading
 from ..session import Session
 from ..speed_samples import scaled, speed
-from .runs import runs_by_gait
+from .runs import runs_by_gait, same_gait
+from .slope import sloped_speed
 
 Array = NDArray[np.float64]
 # Of a predicted speed, relative and m/s: joints' centres and amplitudes that differ, as by 0.5 deg.
 MODEL_SIGMA, LEAST_M_S = 0.01, 0.001
+SLOPE_SIGMA = 0.2  # of what a slope does to a speed: friction is not yet as it will be fitted
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
-GAIN_SIGMA = 0.005  # of an amplitude that a servo is predicted to make
-SERVO_DRAWS = 96
+SERVO_DRAWS = 128
+SERVO_SIGMA, GRAIN = (
+    0.005,
+    0.01,
+)  # of what a servo is predicted to do; of servos of which few are drawn
 Speeds = Callable[[Array, Array], Array]  # (K, 4) frictions, (K,) amplitudes -> (K, gaits), m/s
 
 
@@ -37,13 +44,13 @@ class ServoEffects:
     """What each of S servos does to G gaits.
 
     share: of the ideal speed; where a film showed the joints, of that with the amplitude seen.
-    amplitude: made over commanded, (S, films); amplitude_sigma: what that may be off by.
+    amplitude: made over commanded, (S, films). sigma: what both may be off by, relative.
     """
 
     servos: tuple[Servo, ...]
     share: Array
     amplitude: Array
-    amplitude_sigma: float = GAIN_SIGMA
+    sigma: float = SERVO_SIGMA
 
     @classmethod
     def none(cls, gaits: int, films: int) -> ServoEffects:
@@ -58,7 +65,7 @@ class CrawlData:
     sigma_m_s: standard deviations, what the model leaves out among them. seen: the gaits whose
     joints a film showed, so that the common amplitude does not count. numbers: of the readings.
     asked: the gaits as commanded. gain, gain_sigma: of those seen, the joints' mean amplitude over
-    the commanded one.
+    the commanded one. ways: shares of a gait's runs that went there and back on a floor.
     """
 
     gaits: tuple[Gait, ...]
@@ -69,27 +76,27 @@ class CrawlData:
     asked: tuple[Gait, ...] = ()
     gain: Array = field(default_factory=lambda: np.zeros(0))
     gain_sigma: Array = field(default_factory=lambda: np.zeros(0))
+    ways: tuple[tuple[float, float], ...] = ()
 
     @classmethod
     def of(cls, session: Session) -> CrawlData:
         """Take a session's kept gait runs and films."""
         films = {film.gait: film for film in session.kept_films}
-        rows = []
-        for gait, runs in runs_by_gait(session).items():
-            weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
-            mean = float(weights @ np.array([r.speed_m_s for r in runs]) / weights.sum())
-            film = films.get(gait)
-            joints = GAIN_ELASTICITY * film.gain_sigma if film else 0.0
-            off = math.hypot(MODEL_SIGMA, joints) * mean
-            sigma = math.hypot(weights.sum() ** -0.5, off, LEAST_M_S)
-            asked = film.commanded if film else gait
-            rows.append((gait, mean, sigma, film is not None, tuple(r.number for r in runs), asked))
-        gaits, speeds, sigmas, seen, numbers, asked = zip(*rows, strict=True) if rows else ((),) * 6
-        kept = [films[gait] for gait in gaits if gait in films]
+        runs = runs_by_gait(session)
+        asked = tuple(films[gait].commanded if gait in films else gait for gait in runs)
+        times = [sum(same_gait(one, other) for other in asked) for one in asked]
+        rows = [
+            _speed_of(of, films.get(gait), n)
+            for (gait, of), n in zip(runs.items(), times, strict=True)
+        ]
+        speeds, sigmas, ways = zip(*rows, strict=True) if rows else ((),) * 3
+        kept = [films[gait] for gait in runs if gait in films]
         return cls(
-            gaits, np.array(speeds), np.array(sigmas), np.array(seen, dtype=bool), numbers, asked,
+            tuple(runs), np.array(speeds), np.array(sigmas),
+            np.array([gait in films for gait in runs], dtype=bool),
+            tuple(tuple(r.number for r in of) for of in runs.values()), asked,
             np.array([film.mean_gain for film in kept]),
-            np.array([film.gain_sigma for film in kept]),
+            np.array([film.gain_sigma for film in kept]), ways,
         )  # fmt: skip
 
     def __len__(self) -> int:
@@ -122,6 +129,51 @@ class CrawlData:
         servos = (kind.servo,) if kind.exact else tuple(kind.draws(SERVO_DRAWS, seed))
         return effects_of(robot, ground, self.asked or self.gaits, self.seen.tolist(), servos)
 
+    def on_slope(self, robot: Robot, ground: Ground, slope: Estimate) -> CrawlData:
+        """Return the speeds as they would be on level ground.
+
+        slope: of the floor, which falls towards "there". What it does to a crawl is simulated; its
+        doubt is added to the sigmas.
+        """
+        if not any(map(any, self.ways)):
+            return self
+        ends = (-1.0, 0.0, 1.0)
+        factors = np.array(
+            [[self._factor(robot, ground, k, slope.value + end * slope.sigma) for end in ends]
+             for k in range(len(self))]
+        )  # fmt: skip
+        odd, even = factors[:, 2] - factors[:, 0], factors[:, 2] + factors[:, 0] - 2 * factors[:, 1]
+        mean, spread = factors[:, 1] + even / 2, np.hypot(odd / 2, even / math.sqrt(2))
+        level = self.speed_m_s / mean
+        off = np.hypot(spread, SLOPE_SIGMA * (1.0 - mean)) / mean * level
+        return replace(self, speed_m_s=level, sigma_m_s=np.hypot(self.sigma_m_s / mean, off))
+
+    def _factor(self, robot: Robot, ground: Ground, k: int, slope_rad: float) -> float:
+        """Return the mean speed of a gait's runs over that on level ground."""
+        gait, (there, back) = self.asked[k], self.ways[k]
+        level = max(sloped_speed(robot, ground, gait, 0.0), 1e-6)
+        own = 1.0 - there - back
+        for share, slope in ((there, -slope_rad), (back, slope_rad)):
+            if share:
+                own += share * sloped_speed(robot, ground, gait, slope) / level
+        return max(own, 0.05)
+
+
+def _speed_of(
+    runs: list[GaitRun], film: FilmReading | None, films: int
+) -> tuple[float, float, tuple[float, float]]:
+    """Return the mean speed of a gait's runs, its sigma, and the shares that went there and back.
+
+    films: how many rows there are of this gait: what the model leaves out is the same in all.
+    """
+    weights = np.array([r.speed_sigma_m_s for r in runs]) ** -2.0
+    weights, sigma = weights / weights.sum(), float(weights.sum() ** -0.5)
+    mean = float(weights @ np.array([r.speed_m_s for r in runs]))
+    joints = GAIN_ELASTICITY * film.gain_sigma if film else 0.0
+    off = math.hypot(math.sqrt(films) * MODEL_SIGMA, joints) * mean
+    there, back = (float(weights[[r.way == way for r in runs]].sum()) for way in RUN_WAYS[1:])
+    return mean, math.hypot(sigma, off, LEAST_M_S), (there, back)
+
 
 def effects_of(
     robot: Robot, ground: Ground, gaits: Sequence[Gait], seen: Sequence[bool],
@@ -133,9 +185,9 @@ def effects_of(
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         found = np.array(list(pool.map(lambda job: moved_by(*job), jobs)))
     found = found.reshape(len(servos), len(gaits), 2)
-    return ServoEffects(
-        servos, np.maximum(found[..., 0], 1e-3), found[:, np.asarray(seen, dtype=bool), 1]
-    )
+    amplitude = found[:, np.asarray(seen, dtype=bool), 1]
+    sigma = SERVO_SIGMA if len(servos) == 1 else GRAIN
+    return ServoEffects(servos, np.maximum(found[..., 0], 1e-3), amplitude, sigma)
 
 
 def _or_nothing(robot: Robot, ground: Ground, gait: Gait) -> float:

@@ -86,10 +86,10 @@ class Posterior:
         ideal = self._speeds(whole, amplitude)
         predicted = np.log(ideal[:, None] * effects.share + LEAST_M_S)
         measured = data.speed_m_s + LEAST_M_S
-        crawled = (predicted - np.log(measured)) * (measured / data.sigma_m_s)
-        swung = (amplitude[:, None, None] * effects.amplitude - data.gain) / np.hypot(
-            data.gain_sigma, effects.amplitude_sigma
-        )
+        sigma = np.hypot(data.sigma_m_s, effects.sigma * data.speed_m_s)
+        crawled = (predicted - np.log(measured)) * (measured / sigma)
+        swung = amplitude[:, None, None] * effects.amplitude - data.gain
+        swung = swung / np.hypot(data.gain_sigma, effects.sigma)
         further = whole @ before.rows.T + before.values
         shape = (*crawled.shape[:2], further.shape[1])
         beside = np.broadcast_to(further[:, None], shape)

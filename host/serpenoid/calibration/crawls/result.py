@@ -52,6 +52,8 @@ def fit_crawls(
     data, open_pushes = CrawlData.of(session), other is None and session.on_floor
     _check(session, data, other)
     robot, before = session.setup.robot, _before(session, other)
+    data = data.on_slope(robot, ground_of(robot.links, np.exp(before.mean).tolist()),
+                         _slope(session, other))  # fmt: skip
     solver = speeds or data.of_robot(robot)
     at, drawn, found = np.exp(before.mean), None, effects
     # what servos leave, and what open pushes tell, depends on where the frictions are
@@ -77,6 +79,14 @@ def fit_crawls(
     ))  # fmt: skip
 
 
+def _slope(session: Session, other: FrictionFit | None) -> Estimate:
+    """Return the floor's slope as pushes told it, or as nobody knows it."""
+    told = [] if other is None else [
+        value for name, value in other.nuisances.items() if name.startswith("floor_slope_rad")
+    ]  # fmt: skip
+    return told[0] if told else Estimate(0.0, session.setup.floor.slope_sigma_rad)
+
+
 def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None:
     alone = other is None and not session.on_floor
     if len(data) < (LEAST_GAITS if alone else 1):
@@ -85,7 +95,8 @@ def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None
             f"{session.where}: {len(data)} crawl(s) cannot be fitted{least}; take crawls of other "
             "gaits, or pushes, which tell each friction"
         )
-    if other is not None and len(other.names) > 4:
+    back = any(push.facing == "back" for push in session.kept_pushes)
+    if back or (other is not None and len(other.names) > 4):
         raise BadInput(
             f"{session.where}: crawls are not fitted with frictions that differ forwards and "
             "backwards; fit without them"

@@ -104,7 +104,7 @@ def _pose(session: Session, problem: Problem, x: Floats, angle: float) -> tuple[
     bend = session.setup.procedure.bend
     share = bent_share(bend, session.setup.robot.links) if angle else 0.0
     none = np.array([-1], dtype=np.intp)
-    poses = Poses(np.array([angle]), np.array([share]), none)
+    poses = Poses(np.array([angle]), np.array([share]), none, np.zeros(1, dtype=bool))
     slope, dry, mass = (float(v[0]) for v in problem.resisting(x, poses))
     return slope / mass, dry / mass
 

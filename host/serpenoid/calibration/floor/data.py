@@ -20,11 +20,15 @@ TAPE_M = 0.005  # of a way measured from where a hand let go
 
 @dataclass(frozen=True)
 class Poses:
-    """How the robot lay in each of K readings: bend, share of bent links, posture (-1: none)."""
+    """How the robot lay in each of K readings: bend, share of bent links, posture (-1: none).
+
+    back: it rolls backwards.
+    """
 
     lambda_rad: Floats
     bent_share: Floats
     posture: Whole
+    back: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -95,17 +99,19 @@ class FloorData:
         mean, scatter = straightness_factors(setup.robot.links)
         off, cut = given.joint_sigma_rad, len(pushes)
         mass_kg = setup.robot.links * setup.robot.link_mass_kg
+        back = np.array([p.facing == "back" for p in pushes], dtype=bool)
+        ahead = np.zeros(len(slides), dtype=bool)
         places = tuple(sorted({p.place for p in pushes}))
         return cls(
             numbers=tuple(r.number for r in every),
-            poses=Poses(angles[:cut], share[:cut], posture[:cut]),
+            poses=Poses(angles[:cut], share[:cut], posture[:cut], back),
             way=np.array([1.0 if p.way == "there" else -1.0 for p in pushes]),
             place=np.array([places.index(p.place) for p in pushes], dtype=np.intp),
             places=places,
             filmed=np.array([p.by == "film" for p in pushes], dtype=bool),
             tracks=_tracks(pushes, setup.floor.push_time_sigma_s),
             rests=_rests(pushes, setup.floor.push_time_sigma_s),
-            slides=_slides(session, slides, Poses(angles[cut:], share[cut:], posture[cut:])),
+            slides=_slides(session, slides, Poses(angles[cut:], share[cut:], posture[cut:], ahead)),
             posture_lambda_rad=posture_rad,
             posture_sigma_rad=posture_sigma,
             rolling=rolling_share(setup.floor.wheels_kg, mass_kg),
@@ -116,6 +122,11 @@ class FloorData:
             mass_kg=mass_kg,
             gravity_m_s2=setup.procedure.gravity_m_s2,
         )
+
+    @property
+    def ratchet(self) -> bool:
+        """Tell whether a push tells how the robot rolls backwards."""
+        return bool(self.poses.back.any())
 
     @property
     def pushes(self) -> int:

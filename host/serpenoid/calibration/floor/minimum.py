@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...model.errors import BadInput
@@ -23,6 +25,8 @@ def least(floor: FloorData, stations: FitData | None) -> tuple[Problem, Minimum,
 
     And whether it came to rest: in a valley that the readings leave open it does not.
     """
+    if stations is not None and floor.ratchet:
+        stations = replace(stations, ratchet=True)
     blank = Problem(floor, stations, np.empty(0))
     found: list[tuple[bool, float, Problem, Floats]] = []
     for share in SHARES:
@@ -90,12 +94,14 @@ def start(problem: Problem, share: float) -> Floats:
     lam, q = poses.lambda_rad, poses.bent_share
     dry, slope = (1 - share) * brake * floor.mass_kg, share * brake * floor.mass_kg / v0
     by_ct, by_cn, by_ft0, by_fn0 = projections(q, lam)
+    ahead = ~poses.back if not poses.back.all() else poses.back
     for first, second, rows, values in (
         (0, 1, (by_ct, by_cn), slope),
         (2, 3, (by_ft0, by_fn0), dry),
     ):
         if floor.pushes:
-            fitted = np.linalg.lstsq(np.stack(rows, axis=1), values, rcond=None)[0]
+            each = np.stack(rows, axis=1)[ahead]
+            fitted = np.linalg.lstsq(each, values[ahead], rcond=None)[0]
             least_ = 0.1 * float(np.mean(values))
             x[first], x[second] = max(fitted[0], least_), max(fitted[1], least_)
         else:
@@ -139,10 +145,14 @@ def _check_told(problem: Problem, x: Floats, sigma: Floats, where: str) -> None:
     fast = float(np.max(x[problem.layout.speeds], initial=0.0)) or 0.5
     bent = any(np.any(p.bent_share > 0.0) for p in (floor.poses, floor.slides.poses))
     bent = bent or problem.stations is not None
-    pairs = (
+    pairs = [
         ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),
         ("cn and fn0", 1, 3, "pushes in the balanced bend of 45 degrees, both ways, filmed"),
-    )
+    ]
+    if problem.parameters == 6:
+        pairs.append(
+            ("ct_back and ft0_back", 4, 5, "pushes tail first, straight, both ways, filmed")
+        )
     # without any bent reading fn0 is boundless, and ft0 with it where links stand off a little
     for names, cn, fn0, cure in pairs if bent else reversed(pairs):
         force = x[cn] * fast + x[fn0]

@@ -104,7 +104,9 @@ class Problem:
     @property
     def parameters(self) -> int:
         """Return how many frictions there are."""
-        return 4 if self.stations is None else self.stations.parameters
+        if self.stations is None:
+            return 6 if self.floor.ratchet else 4
+        return self.stations.parameters
 
     @cached_property
     def layout(self) -> Layout:
@@ -160,8 +162,11 @@ class Problem:
         by_ft0, by_fn0 = 1.0 - q + q * np.cos(angle), q * np.sin(angle)
         (mean, sigma), (rolls, spread) = floor.straightness_rad, floor.rolling
         astray = (1.0 - q) * (mean + sigma * x[at.shared + ASTRAY])
-        slope = x[0] * (1.0 - q_sin2) + x[1] * q_sin2
-        dry = x[2] * by_ft0 + x[3] * (by_fn0 + astray)
+        ct, ft0 = x[0], x[2]
+        if self.parameters == 6:
+            ct, ft0 = np.where(poses.back, x[4], ct), np.where(poses.back, x[5], ft0)
+        slope = ct * (1.0 - q_sin2) + x[1] * q_sin2
+        dry = ft0 * by_ft0 + x[3] * (by_fn0 + astray)
         mass = floor.mass_kg * (1.0 + (rolls + spread * x[at.shared + ROLLING]) * (1.0 - q_sin2))
         return slope, dry, mass
 

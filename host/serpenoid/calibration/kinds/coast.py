@@ -11,6 +11,7 @@ from .station import BENDS, MAX_LAMBDA_DEG
 from .tracks import Track
 
 WAYS = ("there", "back")
+FACINGS = ("ahead", "back")  # head first; or tail first, where ratchet wheels roll backwards
 SOURCES = ("rest", "marks", "film")  # what a push is known by: tape and watch, marks passed, a film
 FIELDS = (
     Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
@@ -37,6 +38,7 @@ FIELDS = (
     Field("time_sigma_s", "standard deviation of a time", "time", 0.0, 10.0, source=DERIVED,
           optional=True),
     Word("way", WAYS),
+    Word("facing", FACINGS),
     Word("by", SOURCES, source=DERIVED),
     Word("bend", BENDS, of_plan=True),
     Word("place"),
@@ -51,7 +53,8 @@ class Coast:
 
     number: from 1, unique in a session. lambda_rad, bend: as of a station. way: "there" or "back"
     along one line of the floor, so that its slope cancels. place: of the line, where there are more
-    than one. by: "film" (track: where the robot was in every picture), "marks" (track: times at
+    than one. facing: "back" where it was pushed tail first, for the backward friction of ratchet
+    wheels. by: "film" (track: where the robot was in every picture), "marks" (track: times at
     which it passed marks; y is 0) or "rest" (distance_m and duration_s alone). start_s, end_s: what
     part of the track counts. scale_sigma: of all lengths of a film, relative, where its tags tell
     it; one scale for all films, as of one sheet of tags. distance_sigma_m, time_sigma_s: of one
@@ -70,6 +73,7 @@ class Coast:
     distance_sigma_m: float | None = None
     time_sigma_s: float | None = None
     way: str = "there"
+    facing: str = "ahead"
     by: str = "rest"
     bend: str = "zigzag"
     place: str = ""
@@ -109,7 +113,8 @@ class Coast:
 def _in_words(c: Coast) -> tuple[str, str]:
     bend = f", bend {math.degrees(c.lambda_rad):.4g}°" if c.lambda_rad else ", straight"
     where = f" at {c.place}" if c.place else ""
-    what = f"push {c.way}{where}{bend}"
+    tail = ", tail first" if c.facing == "back" else ""
+    what = f"push {c.way}{where}{bend}{tail}"
     if c.track is None:
         return what, f"{c.distance_m:.3f} m in {c.duration_s:.2f} s to rest"
     t, x, y = c.counted

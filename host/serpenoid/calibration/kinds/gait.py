@@ -8,9 +8,10 @@ from typing import Any
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from .declaration import DERIVED, PLANNED, Field, Kind, check_fields
+from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
 from .instruments import MAX_SPEED_M_S, Stopwatch
 
+RUN_WAYS = ("level", "there", "back")  # along the line of the pushes, where a floor slopes
 FIELDS = (
     Field("alpha_deg", "alpha", "angle", 0.0, 180.0, source=PLANNED),
     Field("beta_deg", "beta", "angle", -360.0, 360.0, source=PLANNED),
@@ -30,6 +31,7 @@ FIELDS = (
         "speed_sigma_m_s", "its standard deviation", "speed", 0.0, MAX_SPEED_M_S, open_low=True,
         source=DERIVED,
     ),
+    Word("way", RUN_WAYS, source=DERIVED),
 )  # fmt: skip
 
 
@@ -39,7 +41,8 @@ class GaitRun:
 
     number: from 1, unique among all readings of the session. omega_rad_s: the true rate, from the
     board's clock. speed_m_s: of the robot over ground, 0 where it got nowhere. distance_m,
-    duration_s: what it follows from, None where it was given itself. Raises BadInput.
+    duration_s: what it follows from, None where it was given itself. way: along the line of the
+    pushes, on a floor that may slope, or on level ground. Raises BadInput.
     """
 
     number: int
@@ -53,6 +56,7 @@ class GaitRun:
     time_utc: str = ""
     distance_m: float | None = None
     duration_s: float | None = None
+    way: str = "level"
 
     def __post_init__(self) -> None:
         check_fields(self, FIELDS)

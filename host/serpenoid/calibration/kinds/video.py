@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...model.errors import BadInput
 from ...model.gait import Gait
 from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
-from .gait import GaitRun
+from .gait import RUN_WAYS, GaitRun
 from .instruments import MAX_SPEED_M_S
 from .tracks import Track
 
@@ -26,6 +26,7 @@ FIELDS = (
     Word("gains", source=DERIVED),
     Word("shifts_deg", source=DERIVED),
     Word("film_sha256", source=DERIVED),
+    Word("way", RUN_WAYS, source=DERIVED),
 )  # fmt: skip
 TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 
@@ -37,7 +38,7 @@ class FilmReading:
     alpha_rad, beta_rad: commanded, or where nobody told, the mean of what was seen. omega_rad_s,
     offset_rad, speed_m_s: seen. gains, shifts_deg: of every joint beside the commanded sine, tail
     first, between commas: amplitude as a factor, phase in degrees. film_sha256: of the film's file.
-    Raises BadInput.
+    way: as of a gait run. Raises BadInput.
     """
 
     number: int
@@ -51,6 +52,7 @@ class FilmReading:
     gains: str
     shifts_deg: str
     film_sha256: str
+    way: str = "level"
     track: Track | None = None
     voided: bool = False
     comment: str = ""
@@ -93,6 +95,7 @@ class FilmReading:
         return GaitRun(
             self.number, self.alpha_rad, self.beta_rad, self.omega_rad_s, self.speed_m_s,
             self.speed_sigma_m_s, self.voided, self.comment or "film", self.time_utc,
+            way=self.way,
         )  # fmt: skip
 
 

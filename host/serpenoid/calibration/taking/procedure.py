@@ -15,11 +15,11 @@ from ...model.bends import balanced_signs, joint_multiples
 from ..kinds.belt import BELT
 from ..kinds.bend import BEND
 from ..kinds.declaration import Field
-from ..kinds.gait import GAIT
+from ..kinds.gait import GAIT, RUN_WAYS
 from ..kinds.places import drifts
 from ..kinds.station import LEAST_SLIP_M_S, STATION
 from ..kinds.zero import ZERO
-from ..session import Session, Setup
+from ..session import Procedure, Session, Setup
 from ..session_rows import Event
 from .expected import Series, expected_speed, line_of, of_bend, series_of, shown_bend
 from .floor.procedure import next_push, push_progress
@@ -338,6 +338,11 @@ def belt_range(likely_m_s: tuple[float, float]) -> str:
     return f"{low:.2f} to {high:.2f} m/s ({3.6 * low:.1f} to {3.6 * high:.1f} km/h)"
 
 
+def run_way(plan: Procedure, done: int) -> str:
+    """Return the way of a gait's next run: on a floor there and back, so that its slope cancels."""
+    return RUN_WAYS[1 + done % 2] if plan.on == "floor" else ""
+
+
 def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
     plan = session.setup.procedure
     for number, gait in enumerate(plan.gaits, 1):
@@ -350,8 +355,10 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
         if len(runs) >= plan.gait_runs or key in skipped or f"gait {number}" in skipped:
             continue
         alpha, beta = math.degrees(gait.alpha_rad), math.degrees(gait.beta_rad)
+        way = run_way(plan, len(runs))
+        where = f"along the line of the pushes, {way.upper()}" if way else "level ground"
         say = (
-            f"Gait run {len(runs) + 1} of {plan.gait_runs}, level ground of the same surface: "
+            f"Gait run {len(runs) + 1} of {plan.gait_runs}, {where}, of the same surface: "
             f"alpha {alpha:g} deg, beta {beta:g} deg, {gait.omega_rad_s / (2 * math.pi):.3g} Hz. "
             "Once it goes steadily, film it from above for two cycles at least, or time it between "
             "two marks."
@@ -361,6 +368,7 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
             "alpha_deg": round(alpha, 6),
             "beta_deg": round(beta, 6),
             "omega_rad_s": gait.omega_rad_s,
+            **({"way": way} if way else {}),
         }
         return Step(key, "gait", say, fields, gait=gait, cells=cells)
     return None

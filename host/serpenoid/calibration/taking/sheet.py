@@ -20,6 +20,7 @@ from ..kinds.rows import kind_of
 from ..kinds.table import KINDS
 from ..session import Procedure, Session
 from .expected import series_of
+from .floor.procedure import series_of_pushes
 from .journal import Journal, csv_line
 from .parse_number import read_cells
 
@@ -104,9 +105,10 @@ def _treadmill_rows(plan: Procedure) -> list[dict[str, str]]:
 
 def _floor_rows(plan: Procedure) -> list[dict[str, str]]:
     rows: list[dict[str, str]] = []
-    for bend_rad in plan.push_lambda_rad:
+    for bend_rad, facing in series_of_pushes(plan):
         rows += _check_row(bend_rad)
         push = {"kind": "coast", "lambda_deg": "" if bend_rad else "0"}
+        push |= {"facing": facing} if facing == "back" else {}
         rows += [push | {"way": way} for way in ways_of(plan)]
     return rows + [{"kind": "slide", "lambda_deg": "0"}] * SLIDES
 

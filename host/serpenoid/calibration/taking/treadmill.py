@@ -106,7 +106,8 @@ def record_step(record: Record, step: Step, cells: Cells, replaces: int = 0) -> 
     if step.kind == "straight":
         return 0
     if isinstance(cells, Tracked) and cells.kind:
-        return record.add(cells.kind, cells, replaces=replaces, samples=cells.samples)
+        way = {name: step.cells[name] for name in ("way",) if name in step.cells}
+        return record.add(cells.kind, {**cells, **way}, replaces=replaces, samples=cells.samples)
     watch = record.session.setup.stopwatch
     values = KINDS[step.kind].derive(dict(step.cells) | dict(cells), watch)
     samples = cells.samples if isinstance(cells, Tracked) else None

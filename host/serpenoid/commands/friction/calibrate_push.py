@@ -22,6 +22,8 @@ if TYPE_CHECKING:
               help="Bend of the robot, as the protractor showed it; 0 where straight.")  # fmt: skip
 @click.option("--way", type=click.Choice(["there", "back"]), default="there", show_default=True,
               help="Of the first file's first push; the next files' go in turn.")  # fmt: skip
+@click.option("--tail-first", is_flag=True,
+              help="Its wheels rolled backwards: of ratchets, which roll harder so.")  # fmt: skip
 @click.option("--unit", type=click.Choice(["m", "cm", "mm", "in"]), default="m", show_default=True,
               help="Of lengths that do not name theirs.")  # fmt: skip
 @click.option("--place", default="", help="Of the floor's line, where there is more than one.")
@@ -30,8 +32,8 @@ if TYPE_CHECKING:
     "--tag-mm", type=float, help="Side of a film's tags; by the link's length unless given."
 )
 def push(
-    folder: Path, files: tuple[Path, ...], lambda_deg: float, way: str, unit: str, place: str,
-    marks: bool, tag_mm: float | None,
+    folder: Path, files: tuple[Path, ...], lambda_deg: float, way: str, tail_first: bool, unit: str,
+    place: str, marks: bool, tag_mm: float | None,
 ) -> None:  # fmt: skip
     """Take pushes along a floor from FILES: films, tracks of Tracker or Kinovea, CSV of t, x, y.
 
@@ -52,6 +54,7 @@ def push(
             cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}
             cells |= {"place": place} if place else {}
             cells |= {"bend": plan.bend} if lambda_deg else {}
+            cells |= {"facing": "back"} if tail_first else {}
             if marks:
                 say(_marks(journal, path, unit, cells))
                 way = other_way(way)

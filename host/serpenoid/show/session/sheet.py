@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...calibration.taking.expected import Series, series_of
-from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m
+from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m, series_of_pushes
 from ...calibration.taking.procedure import bend_in_words, settle_s
 from ...calibration.taking.sheet import LINES, SLIDES, sheet_text, ways_of
 from .bend_drawing import bend_shape, bend_svg
@@ -85,17 +85,19 @@ def _floor_parts(session: Session) -> list[str]:
     )
     return [
         f"<p>{how}</p>",
-        *(_pushes(session, bend_rad) for bend_rad in session.setup.procedure.push_lambda_rad),
+        *(_pushes(session, *one) for one in series_of_pushes(session.setup.procedure)),
         f"<section><h2>Slides down a board (kind slide)</h2><p>{board}</p>{slides}</section>",
     ]
 
 
-def _pushes(session: Session, bend_rad: float) -> str:
+def _pushes(session: Session, bend_rad: float, facing: str) -> str:
     setup = session.setup
     bend, name = math.degrees(bend_rad), setup.procedure.bend
     far = f"It rolls some {expected_way_m(setup, bend_rad, SPEED_M_S):.1f} m."
     heading, check = "Pushes, straight (kind coast, lambda_deg 0)", "Links along a straightedge. "
     drawn = ""
+    if facing == "back":
+        heading = "Pushes, straight, TAIL FIRST (kind coast, lambda_deg 0, facing back)"
     if bend:
         heading = f"Pushes, bend {bend:g}° (kind coast)"
         words = bend_in_words(name, bend, setup.robot.links).replace(" deg", "°")

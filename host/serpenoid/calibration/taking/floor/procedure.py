@@ -11,8 +11,8 @@ from dataclasses import replace
 
 from ....model.bends import balanced_signs, joint_multiples
 from ...kinds.bend import BEND
-from ...kinds.coast import COAST, Coast
-from ...session import Session, Setup
+from ...kinds.coast import COAST, FACINGS, Coast
+from ...session import Procedure, Session, Setup
 from ..expected import planned_bend, shown_bend
 from ..steps import Step
 
@@ -27,9 +27,9 @@ _SAME_RAD = math.radians(0.02)
 def next_push(session: Session, skipped: frozenset[str], posed_deg: float | None) -> Step | None:
     """Return the next step of pushes, None when all are done. Parameters as of `next_step`."""
     plan = session.setup.procedure
-    for bend_rad in plan.push_lambda_rad:
-        name = bend_name(bend_rad)
-        done = of_push_bend(session, bend_rad)
+    for bend_rad, facing in series_of_pushes(plan):
+        name = series_name(bend_rad, facing)
+        done = of_push_bend(session, bend_rad, facing)
         key = f"push {name} {len(done) + 1}"
         if len(done) >= plan.pushes or key in skipped or f"pushes {name}" in skipped:
             continue
@@ -38,8 +38,20 @@ def next_push(session: Session, skipped: frozenset[str], posed_deg: float | None
         lies = posed_deg is not None and abs(posed_deg - bend_deg) <= 1e-6
         if not lies or shown_rad is None:
             return _pose(session.setup, bend_deg)
-        return _push(session, bend_rad, shown_rad, key, done)
+        return _push(session, bend_rad, shown_rad, facing, done)
     return None
+
+
+def series_of_pushes(plan: Procedure) -> list[tuple[float, str]]:
+    """Return bend and facing of the plan's pushes; straight ratchets go tail first, too."""
+    facings = [(bend, FACINGS if plan.ratchet and not bend else FACINGS[:1])
+               for bend in plan.push_lambda_rad]  # fmt: skip
+    return [(bend, facing) for bend, both in facings for facing in both]
+
+
+def series_name(bend_rad: float, facing: str) -> str:
+    """Return what events call the pushes of a bend that went one way first."""
+    return bend_name(bend_rad) + (" tail first" if facing == "back" else "")
 
 
 def bend_name(bend_rad: float) -> str:
@@ -47,10 +59,11 @@ def bend_name(bend_rad: float) -> str:
     return f"{math.degrees(bend_rad):.5g}" if bend_rad else "straight"
 
 
-def of_push_bend(session: Session, bend_rad: float) -> list[Coast]:
-    """Return the kept pushes of one of the plan's bends."""
+def of_push_bend(session: Session, bend_rad: float, facing: str = "ahead") -> list[Coast]:
+    """Return the kept pushes of one of the plan's bends, head or tail first."""
     bend = session.setup.procedure.bend
     own = [p for p in session.kept_pushes if p.bend == bend or not p.lambda_rad]
+    own = [p for p in own if p.facing == facing]
     return [p for p in own if planned_bend(session, p.lambda_rad) == bend_rad]
 
 
@@ -58,9 +71,9 @@ def push_progress(session: Session, skipped: frozenset[str]) -> list[tuple[str, 
     """Return the parts of the plan and how far each is, in words."""
     plan = session.setup.procedure
     rows = []
-    for bend_rad in plan.push_lambda_rad:
-        name = bend_name(bend_rad)
-        count = len(of_push_bend(session, bend_rad))
+    for bend_rad, facing in series_of_pushes(plan):
+        name = series_name(bend_rad, facing)
+        count = len(of_push_bend(session, bend_rad, facing))
         left_out = f"pushes {name}" in skipped or f"push {name} {count + 1}" in skipped
         state = f"{count} of {plan.pushes}{', the rest left out' if left_out else ''}"
         rows.append((f"pushes, {f'bend {name} deg' if bend_rad else name}", state))
@@ -98,8 +111,12 @@ def _in_words(setup: Setup, bend_deg: float) -> str:
     )
 
 
-def _push(session: Session, bend_rad: float, shown_rad: float, key: str, done: list[Coast]) -> Step:
+def _push(
+    session: Session, bend_rad: float, shown_rad: float, facing: str, done: list[Coast]
+) -> Step:
     plan = session.setup.procedure
+    key = f"push {series_name(bend_rad, facing)} {len(done) + 1}"
+    first = "head first" if facing == "ahead" else "TAIL FIRST, so that its wheels roll backwards"
     there = sum(p.way == "there" for p in done)
     way = "there" if there <= len(done) - there else "back"
     turn = "Turn the robot round. " if done else ""
@@ -107,13 +124,14 @@ def _push(session: Session, bend_rad: float, shown_rad: float, key: str, done: l
     bend = f", bend {math.degrees(bend_rad):g} deg" if bend_rad else ", straight"
     say = (
         f"Push {len(done) + 1} of {plan.pushes}{bend}, {way.upper()}. {turn}Push it along its own "
-        f"axis, head first, at a brisk walk ({SPEED_M_S:g} m/s; it then rolls some {far_m:.1f} m), "
+        f"axis, {first}, at a brisk walk ({SPEED_M_S:g} m/s; it then rolls some {far_m:.1f} m), "
         "let go within a hand's breadth, and leave it until it rests."
     )
     cells: dict[str, float | str] = {
         "lambda_deg": round(math.degrees(shown_rad), 4),
         "way": way,
         **({"bend": plan.bend} if bend_rad else {}),
+        **({"facing": facing} if facing == "back" else {}),
     }
     fields = COAST["distance_m"], COAST["duration_s"], COAST["turned_deg"]
     return Step(

@@ -84,6 +84,11 @@ def drawn_floor(
     )  # fmt: skip
 
 
+def uphill(step: Step, slope_rad: float) -> float:
+    """Return by what a floor that falls towards "there" rises ahead of a step's crawl."""
+    return {"there": -slope_rad, "back": slope_rad}.get(str(step.cells.get("way", "")), 0.0)
+
+
 class SimulatedFloor:
     """Do each step of the procedure against a known truth; the same seed does the same.
 
@@ -153,7 +158,13 @@ class SimulatedFloor:
         direction = 0.0 if step.cells["way"] == "there" else math.pi
         track = self.floor.push(
             self._pose,
-            Push(speed_m_s, direction, self._normal(CROOKED_RAD), self._normal(SPIN_RAD_S)),
+            Push(
+                speed_m_s,
+                direction,
+                self._normal(CROOKED_RAD),
+                self._normal(SPIN_RAD_S),
+                tail_first=step.cells.get("facing") == "back",
+            ),
         )
         if self.truth.camera is None:
             way_m, time_s = to_rest(track, self._rng)
@@ -173,9 +184,10 @@ class SimulatedFloor:
         assert gait is not None  # a gait's step has one
         self.t_s += GAIT_S
         true = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
+        rises = uphill(step, self.truth.slope_rad)
         if self.truth.camera is not None:
-            return self._filmed(gait, true, self.truth.camera)
-        speed, watch = crawl_speed(self.robot, true), self._setup.stopwatch
+            return self._filmed(gait, true, self.truth.camera, rises)
+        speed, watch = crawl_speed(self.robot, true, slope_rad=rises), self._setup.stopwatch
         distance = min(RUN_M, speed * RUN_S)
         duration = (distance / speed if speed > 0.0 else RUN_S) + self._normal(watch.time_sigma_s)
         self.t_s += duration
@@ -184,10 +196,10 @@ class SimulatedFloor:
             "duration_s": round(max(duration, 0.1), 2),
         }
 
-    def _filmed(self, gait: Gait, true: Gait, camera: Camera) -> Cells:
+    def _filmed(self, gait: Gait, true: Gait, camera: Camera, rises_rad: float) -> Cells:
         """Film a crawl, and measure the film: a scale and joints' gains are a little off."""
         self.t_s += RUN_S
         seen = replace(camera, scale=1.0 + self._normal(SPEED_OFF))
-        rows = filmed_crawl(self.robot, true, seen, self._rng)
+        rows = filmed_crawl(self.robot, true, seen, self._rng, rises_rad)
         rows[:, 4:] *= 1.0 + GAIN_OFF * self._rng.normal(size=rows.shape[1] - 4)
         return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")

@@ -20,7 +20,7 @@ from ....model.errors import BadInput
 from ....model.ground import Ground
 from ...kinds.instruments import FloorTools
 from ...session import Session, Setup
-from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S
+from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S, uphill
 from ..new_session import on_place
 from ..steps import Step
 from .practice import JOINT_RAD, drawn_friction, friction_words
@@ -158,7 +158,7 @@ class FloorTerminal:
         way = 0.0 if self._step.cells["way"] == "there" else math.pi
         push = Push(
             speed * max(1.0 + 0.1 * float(off), 0.3), way, CROOKED_RAD * float(crooked),
-            SPIN_RAD_S * float(spin),
+            SPIN_RAD_S * float(spin), tail_first=self._step.cells.get("facing") == "back",
         )  # fmt: skip
         return self._floor.push(self._pose(), push)
 
@@ -196,13 +196,21 @@ class FloorTerminal:
     def _film(self, given: str) -> str | None:
         if self._step is None or self._step.gait is None:
             return self._said("no gait is to be run now")
-        rows = filmed_crawl(self._robot, self._step.gait, Camera(), self._rng)
+        rows = filmed_crawl(
+            self._robot,
+            self._step.gait,
+            Camera(),
+            self._rng,
+            uphill(self._step, self.truth.slope_rad),
+        )
         return self._kept("crawl", [*CRAWL_COLUMNS, *joint_columns(rows.shape[1] - 4)], rows)
 
     def _crawl(self, given: str) -> None:
         if self._step is None or self._step.gait is None:
             return self._said("no gait is to be run now")
-        speed, watch = crawl_speed(self._robot, self._step.gait), self._setup.stopwatch
+        rises = uphill(self._step, self.truth.slope_rad)
+        speed = crawl_speed(self._robot, self._step.gait, slope_rad=rises)
+        watch = self._setup.stopwatch
         off = self._rng.normal(size=2)
         way_m = min(1.0, 60.0 * speed)
         time_s = way_m / speed + watch.time_sigma_s * float(off[0])

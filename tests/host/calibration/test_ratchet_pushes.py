@@ -1,0 +1,93 @@
+"""Ratchet wheels on a floor: pushed tail first, too, and both frictions fitted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import TRUTH, floor_session, floor_setup, push_track
+from serpenoid import BadInput, Ground
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.taking.floor.procedure import of_push_bend, series_of_pushes
+from serpenoid.calibration.taking.floor.simulated import FloorTruth, SimulatedFloor
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.procedure import next_step, progress
+from serpenoid.calibration.taking.sheet import sheet_text
+from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.lab.floor import Floor, Push
+from serpenoid.lab.robot import LabRobot
+
+CT_BACK, FT0_BACK = 0.3, 0.4
+
+
+def with_backward(session, ways=("there", "back"), speeds=(0.7, 0.8, 0.9, 1.0)):
+    """Return the session with straight pushes tail first, by the reference's own integration."""
+    rng, record = np.random.default_rng(9), MemoryRecord(session.setup, session)
+    for k, v0 in enumerate(speeds):
+        way = ways[k % len(ways)]
+        slope = 0.003 * (1 if way == "there" else -1)
+        whole = (CT_BACK, TRUTH[1], FT0_BACK, TRUTH[3])
+        track = push_track(v0, whole, rng, slope_rad=slope, rolling=0.0595)
+        cells = {"lambda_deg": 0.0, "facing": "back", "way": way, "by": "film",
+                 "distance_sigma_m": 0.001}  # fmt: skip
+        record.add("coast", cells, samples=track)
+    return record.session
+
+
+def test_pushes_tail_first_tell_the_backward_frictions_and_no_other() -> None:
+    session = floor_session()
+    before, fit = fit_friction(session), fit_friction(with_backward(session))
+    assert fit.names == ("ct", "cn", "ft0", "fn0", "ct_back", "ft0_back")
+    for name, true in zip(fit.names, (*TRUTH, CT_BACK, FT0_BACK), strict=True):
+        low, high = fit.intervals[name]
+        assert low < true < high
+        assert high - low < 0.35 * true
+    for name in before.names:
+        assert abs(fit.whole_snake[name] - before.whole_snake[name]) < before.parameters[name].sigma
+    assert fit.ground.ct != before.ground.ct
+    crawled = replace(with_backward(session), gait_runs=(GaitRun(99, 1.2, 1.0, 5.0, 0.1, 0.01),))
+    with pytest.raises(BadInput, match="differ forwards and backwards"):
+        fit_friction(crawled, crawls=True)
+
+
+def test_few_pushes_tail_first_are_not_enough_and_it_is_said() -> None:
+    short = with_backward(floor_session(), speeds=())
+    record = MemoryRecord(short.setup, short)
+    record.add("coast", {"lambda_deg": 0.0, "facing": "back", "way": "there",
+                         "distance_m": 0.5, "duration_s": 1.2})  # fmt: skip
+    with pytest.raises(BadInput, match=r"ct_back and ft0_back.*tail first"):
+        fit_friction(record.session)
+
+
+def test_the_plan_of_a_ratchet_asks_for_both_and_a_person_can_do_it() -> None:
+    base = floor_setup()
+    setup = replace(base, procedure=replace(base.procedure, ratchet=True, pushes=2))
+    assert series_of_pushes(setup.procedure)[:2] == [(0.0, "ahead"), (0.0, "back")]
+    assert series_of_pushes(base.procedure) == [
+        (b, "ahead") for b in base.procedure.push_lambda_rad
+    ]
+    ground = Ground((TRUTH[0], CT_BACK), TRUTH[1], (TRUTH[2], FT0_BACK), TRUTH[3])
+    taken = take_all(MemoryRecord(setup), SimulatedFloor(setup, FloorTruth(ground), 3))
+    tail = of_push_bend(taken, 0.0, "back")
+    assert [p.way for p in tail] == ["there", "back"]
+    assert max(p.counted[0][-1] for p in tail) < min(
+        p.counted[0][-1] for p in of_push_bend(taken, 0.0)
+    )  # they brake harder
+    assert ("pushes, straight", "2 of 2") in progress(taken)
+    assert sheet_text(taken).count(",back,") >= 2
+    started = MemoryRecord(setup).session
+    assert "head first" in next_step(started, posed_deg=0.0).say or next_step(started).kind
+    done = replace(taken, further=tuple(p for p in taken.further if p not in tail))
+    assert "TAIL FIRST" in next_step(done, posed_deg=0.0).say
+
+
+def test_a_robot_pushed_tail_first_rolls_backwards() -> None:
+    """In the lab: with friction forwards only, it rolls tail first for good."""
+    body = floor_setup().robot
+    robot = LabRobot.whole(body, Ground((0.0, 0.5), 1.0, (0.0, 0.5), 1.0))
+    ways = [
+        Floor(robot).push([0.0] * 5, Push(0.5, tail_first=tail)).along(0.0)[-1] for tail in (True,)
+    ]
+    assert 0.15 < ways[0] < 0.6
