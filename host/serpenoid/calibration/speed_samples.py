@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 Progress = Callable[[int], None]
 _ALIKE = 0.5  # of the median speed: a servo's share is then that of other draws, to some 0.2 %
 SERVO_LEFT = 0.5  # of the servos' doubt, after a bench test of one joint
+MODEL_SIGMA = 0.01  # of a predicted speed: joints' centres that are off, wheels that turn
 AMPLITUDE_SIGMA = 0.03  # of the joints' true over commanded amplitude, common to all gaits
 
 
@@ -136,7 +137,8 @@ def sample_speeds(
 ) -> SpeedSamples:
     """Draw speeds; amplitude_sigma: of the joints' true over commanded amplitude, common to all.
 
-    Where crawls told the amplitude and the servos, the fit's own draws of them count instead.
+    Where crawls told the amplitude and the servos, the fit's own draws of them count instead, and
+    each speed may be off by what the model leaves out.
     servo: the kind that moves the joints, one for each friction; None: they follow the gait. seen:
     gaits as films showed the joints, and as commanded; only the ripple of a servo counts there.
 
@@ -173,8 +175,11 @@ def sample_speeds(
             found.append(speeds)
             if progress is not None:
                 progress(1)
-    parts = (np.array(part, dtype=float).T for part in zip(*found, strict=True))
-    return SpeedSamples(tuple(gaits), whole, *parts, seen=seen)
+    alone, joints, both = (np.array(part, dtype=float).T for part in zip(*found, strict=True))
+    if fit.draws is not None and amplitude_sigma:  # else the amplitude's doubt is far larger
+        left = 1.0 + MODEL_SIGMA * np.random.default_rng(seed).normal(size=joints.shape)
+        joints, both = joints * left, both * left
+    return SpeedSamples(tuple(gaits), whole, alone, joints, both, seen=seen)
 
 
 def _normal_quantile(share: Array) -> Array:

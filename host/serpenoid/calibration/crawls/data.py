@@ -22,13 +22,12 @@ from ..friction_result import Estimate, ground_of
 from ..kinds.gait import RUN_WAYS, GaitRun
 from ..kinds.video import FilmReading
 from ..session import Session
-from ..speed_samples import scaled, speed
+from ..speed_samples import MODEL_SIGMA, scaled, speed
 from .runs import runs_by_gait, same_gait
 from .slope import sloped_speed
 
 Array = NDArray[np.float64]
-# Of a predicted speed, relative and m/s: joints' centres and amplitudes that differ, as by 0.5 deg.
-MODEL_SIGMA, LEAST_M_S = 0.01, 0.001
+LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
 SLOPE_SIGMA = 0.2  # of what a slope does to a speed: friction is not yet as it will be fitted
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
 SERVO_DRAWS = 128
