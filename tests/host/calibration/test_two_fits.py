@@ -63,9 +63,9 @@ def test_two_sessions_agree_and_two_robots_are_refused() -> None:
     found = two_sessions(one, other)
     assert found.p_value > 0.01
     assert "agree within" in found.verdict
-    assert "alarms" not in found.verdict
+    assert "trusted" not in found.verdict
     fit = fit_friction(one)
-    assert "not to be trusted" in two_fits(fit, replace(fit, alarms=("chi2",))).verdict
+    assert "is not to be trusted. chi2" in two_fits(fit, replace(fit, alarms=("chi2",))).verdict
     longer = replace(other.setup.robot, link_length_m=0.1)
     with pytest.raises(BadInput, match="one robot"):
         two_sessions(one, replace(other, setup=replace(other.setup, robot=longer)))

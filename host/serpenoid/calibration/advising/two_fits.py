@@ -115,10 +115,9 @@ def two_fits(first: FrictionFit, second: FrictionFit, mass_sigma: float = 0.0) -
 
 
 def _alarms(*fits: FrictionFit) -> list[str]:
-    """Say whose errors are not to be trusted, on which all of this rests."""
+    """Say whose errors are not to be trusted, on which all of this rests, and why."""
     return [
-        f"But the fit of {fit.session_name} has alarms (`serpenoid fit` tells them), so its errors "
-        "are not to be trusted."
+        f"But the fit of {fit.session_name} is not to be trusted. {' '.join(fit.alarms)}"
         for fit in fits if fit.alarms
     ]  # fmt: skip
 
