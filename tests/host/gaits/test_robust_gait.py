@@ -290,3 +290,28 @@ def test_rough_speeds_on_viscous_ground_are_exact() -> None:
     drawn = sn.Uncertainty().samples(PAPER, VISCOUS, 32)
     seen = spread.SampledSpeeds(PAPER, drawn).rough(STURDY, np.arange(32))
     assert seen == pytest.approx(spread.sampled_speeds(PAPER, STURDY, drawn), rel=1e-12)
+
+
+@pytest.mark.slow
+def test_a_robust_gait_survives_robots_drawn_and_solved_elsewhere() -> None:
+    """A plain loop: robots drawn by NumPy, each solved alone from rest, no fit between them."""
+    best = sn.robust_gait(OF_2005, BINGHAM, speed_m_s=0.1, samples=1024)
+    rng, count = np.random.default_rng(77), 1500
+    mix = [[1, -0.65, -0.32, 0.58], [-0.65, 1, 0.21, -0.57], [-0.32, 0.21, 1, -0.21]]
+    mix = np.array([*mix, [0.58, -0.57, -0.21, 1]])
+    friction = rng.multivariate_normal(np.zeros(4), mix, count) * [0.06, 0.35, 0.06, 0.13]
+    common = 0.03 * rng.normal(size=(count, 1))
+    gains = 1 + common + 0.02 * rng.normal(size=(count, 5))
+    shifts = math.radians(1.0) * rng.normal(size=(count, 5))
+    speeds = []
+    for row, gain, shift in zip(np.exp(friction), gains.tolist(), shifts.tolist(), strict=True):
+        gait = replace(best.gait, joint_gain=tuple(gain), joint_shift_rad=tuple(shift))
+        ground = sn.Ground(*(np.array([BINGHAM.ct, BINGHAM.cn, BINGHAM.ft0, BINGHAM.fn0]) * row))
+        speeds.append(sn.steady_gait(OF_2005, ground, gait, rtol=1e-4, powers=False).speed_m_s)
+    order = np.sort(speeds)
+    low, spread_ranks = 0.05 * count, math.sqrt(count * 0.05 * 0.95)
+    noise = (order[int(low + spread_ranks)] - order[int(low - spread_ranks)]) / 2
+    assert noise < 0.01 * best.checked_low_m_s
+    assert order[int(low)] == pytest.approx(best.checked_low_m_s, abs=4 * noise)
+    assert order[int(low)] > 0.09 - 4 * noise
+    assert np.median(order) > 1.04 * order[int(low)]
