@@ -113,11 +113,12 @@ IDEAL = "ideal"
 
 def take_servo(name: str | None, default: str = IDEAL) -> ServoKind | None:
     """Return the servo of --servo; None for joints that follow the gait exactly."""
-    if (name or default).lower() == IDEAL:
+    wanted = default if name is None else name
+    if wanted.lower() == IDEAL:
         return None
     from ..servos.catalogue import servo
 
-    return servo(name or default)
+    return servo(wanted)
 
 
 def _take(given: dict[str, Any], options: Mapping[str, str]) -> dict[str, Any]:

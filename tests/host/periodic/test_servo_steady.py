@@ -128,6 +128,17 @@ def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
     assert found.power_w == pytest.approx(full, rel=0.01)
 
 
+def test_the_spread_is_that_of_a_full_simulations_cycles() -> None:
+    """Half their range: frames begin elsewhere in each cycle. The claimed error has its share."""
+    quick = replace(GAIT, omega_rad_s=math.tau * 1.3)
+    found = sn.steady_gait(ROBOT, GROUND, quick, rtol=1e-3, servo=sn.Servo())
+    speeds, _ = full_speeds(found.ideal, sn.Servo(), keep=16, seconds=4)
+    assert 0.6 < found.spread_m_s / (0.5 * np.ptp(speeds)) < 1.2
+    faster = replace(GAIT, omega_rad_s=math.tau * 2.3)
+    found = sn.steady_gait(ROBOT, GROUND, faster, rtol=1e-3, servo=sn.Servo())
+    assert found.error_estimate * found.speed_m_s > 2 * found.spread_m_s / math.sqrt(12)
+
+
 def test_an_exact_servos_band_is_its_spread_over_the_frames() -> None:
     found = sn.steady_gait(ROBOT, GROUND, GAIT, servo=sn.Servo(armature_kg_m2=1e-3))
     wide = replace(found, spread_m_s=0.1 * found.speed_m_s)

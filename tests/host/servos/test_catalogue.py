@@ -35,6 +35,39 @@ def test_every_kind_is_a_servo_that_does_not_hunt() -> None:
         assert kind.servo.gear_friction_nm < 0.2 * kind.servo.torque_limit_nm
 
 
+def sheet_rows() -> list[list[str]]:
+    """Return the rows of the docs' table that have a sheet's numbers: name, kg cm, s, us, ..."""
+    text = (Path(__file__).parents[3] / "docs" / "servos.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines()]
+    return [row for row in rows if row[0] in SERVOS and len(row) == 6 and row[1]]
+
+
+@pytest.mark.parametrize("row", sheet_rows(), ids=lambda row: row[0])
+def test_a_servo_does_what_its_sheet_says(row: list[str]) -> None:
+    """A kg cm is 0.0980665 N m; 1000 us are 90 degrees, and the dead band is its whole width."""
+    servo = SERVOS[row[0]].servo
+    assert servo.torque_limit_nm == pytest.approx(float(row[1]) * 0.0980665)
+    assert math.radians(60) / servo.speed_limit_rad_s == pytest.approx(float(row[2]))
+    band_us = float(row[3].split()[0])
+    assert math.degrees(2 * servo.dead_band_rad) == pytest.approx(band_us * 90 / 1000)
+    # a motor of its own, inside the four that were identified: 18 to 51 ms, 1.5 to 13 % friction
+    line = servo.torque_limit_nm / servo.speed_limit_rad_s
+    assert 0.018 < servo.armature_kg_m2 / line < 0.051
+    assert servo.damping_nms_rad == pytest.approx(line)
+    assert 0.015 < servo.gear_friction_nm / servo.torque_limit_nm < 0.13
+
+
+def test_identified_servos_have_the_motors_line_that_was_found() -> None:
+    """S / w0 = kt^2 / R of the catalogue's table, in N m s/rad, and its time constant."""
+    found = {"XL-320": (0.0274, 41), "XL-330": (0.0391, 51), "STS3215": (0.559, 47),
+             "MX-64": (0.667, 18)}  # fmt: skip
+    for name, (line, ms) in found.items():
+        servo = SERVOS[name].servo
+        ratio = servo.torque_limit_nm / servo.speed_limit_rad_s
+        assert ratio == pytest.approx(line, rel=0.005)
+        assert 1e3 * servo.armature_kg_m2 / ratio == pytest.approx(ms, abs=0.5)
+
+
 def test_draws_have_the_sigma_and_follow_torque_and_speed() -> None:
     base = sn.Servo(2.0, 0.05, 0.4, 8.0, 0.005, 2e-3, 0.02, 4e-3)
     kind = sn.ServoKind("x", base, {"torque_limit_nm": 0.3, "armature_kg_m2": 0.4})

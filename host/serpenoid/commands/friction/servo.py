@@ -70,6 +70,7 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
     """Read a bench test's table. Raises BadInput."""
     from ...model.errors import BadInput
     from ...model.files import read_text
+    from ...model.toml_table import located
     from ...servos.bench_test import BenchTest
 
     rows = list(csv.reader(read_text(path).splitlines()))
@@ -89,7 +90,8 @@ def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
                 raise BadInput(f"{path}:{number}: {name} is no number") from error
     t, sent, seen = columns
     rad = math.radians
-    return BenchTest(t, list(map(rad, sent)), list(map(rad, seen)), sigma_rad, inertia_kg_m2)  # pyright: ignore[reportArgumentType]
+    with located(str(path)):
+        return BenchTest(t, list(map(rad, sent)), list(map(rad, seen)), sigma_rad, inertia_kg_m2)  # pyright: ignore[reportArgumentType]
 
 
 def show(found: MeasuredServo, out: Path | None) -> None:
