@@ -118,7 +118,7 @@ def _of_camera(bundle: Bundle, track: Track, fitted: Fitted, picked: NDArray[np.
     t = track.t_s - track.t_s.mean()
 
     def numbers(states: Array) -> Array:
-        phi = np.unwrap(joint_angles(states), axis=0)
+        phi = joint_angles(states)
         weights = fitted.weight[picked], fitted.path_weight[picked]
         return fit_from(t, states, phi, *weights, fitted.motion.omega_rad_s).motion.numbers()
 

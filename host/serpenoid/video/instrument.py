@@ -172,6 +172,6 @@ def _motion_of(track: frames.Track, rate: tuple[float, float] | None = None) -> 
     if rate is None:
         return motion.fit_motion(track, joints, path)
     t_s = track.t_s - track.t_s.mean()
-    phi = np.unwrap(joint_angles(track.states), axis=0)
+    phi = joint_angles(track.states)
     whole = np.ones_like(joints)
     return motion.fit_from(t_s, track.states, phi, whole, path, rate[0], free_rate=False)

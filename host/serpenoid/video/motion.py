@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting.chain import joint_angles
+from .fitting.chain import joint_angles, mean_heading
 from .fitting.frames import Track
 
 Array = NDArray[np.float64]
@@ -204,7 +204,6 @@ def fit_motion(track: Track, weight_joints: Array, weight_path: Array) -> Fitted
     """Fit rate, sines, path and turn to a track; weights (frames, joints) and (frames,)."""
     t_s, states = track.t_s - track.t_s.mean(), track.states
     phi = joint_angles(states)
-    phi = np.unwrap(phi, axis=0)
     omega = first_rate(t_s, phi, weight_joints)
     return fit_from(t_s, states, phi, weight_joints, weight_path, omega)
 
@@ -221,7 +220,7 @@ def fit_from(
     """Fit as fit_motion does, from a rate; t_s about its own middle."""
     omega, found = fit_joints(t_s, phi, weight_joints, omega, free_rate)
     rest = phi - basis(t_s, omega) @ found
-    heading = np.unwrap(states[:, 2:], axis=0).mean(axis=1)
+    heading = mean_heading(states)
     columns = np.concatenate([basis(t_s, omega), t_s[:, None]], axis=1)
     headings = _weighted(columns, heading[:, None], weight_path[:, None])
     turn = float(headings[-1, 0])

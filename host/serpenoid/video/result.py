@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting.chain import joint_angles
+from .fitting.chain import joint_angles, mean_heading
 from .instrument import HELD_SHARE, Measured
 from .seeing.watch import Watched
 
@@ -172,7 +172,7 @@ def track_rows(measured: Measured) -> tuple[list[str], Array]:
     names = ["t_s", "x_m", "y_m", "heading_rad"]
     phi = joint_angles(track.states)
     names += [f"joint{i + 1}_rad" for i in range(phi.shape[1])]
-    heading = np.unwrap(track.states[:, 2:], axis=0).mean(axis=1)
+    heading = mean_heading(track.states)
     held = np.where(measured.held, phi, np.nan)
     return names, np.column_stack([track.t_s, track.states[:, :2], heading, held])
 

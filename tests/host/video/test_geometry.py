@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 from serpenoid.video.fitting.camera import LENS, MOUNTING, Camera
-from serpenoid.video.fitting.chain import joint_angles, link_centres
+from serpenoid.video.fitting.chain import joint_angles, link_centres, mean_heading
 from serpenoid.video.motion import correlation_factor, fit_joints
 from serpenoid.video.seeing.edges import refine
 from serpenoid.video.unseen import expected_headings
@@ -37,6 +37,16 @@ def test_neighbouring_links_meet_at_their_joint() -> None:
     assert (centres + half)[:, :-1] == pytest.approx((centres - half)[:, 1:])
     assert centres.mean(axis=1) == pytest.approx(state[:, :2])
     assert joint_angles(state) == pytest.approx(np.diff(state[:, 2:], axis=1))
+
+
+def test_a_link_that_is_off_by_a_whole_turn_turns_no_robot() -> None:
+    """As one may be that no tag held for some frames: its heading came back on another branch."""
+    state = np.tile(states(6, 1), (8, 1))
+    state[:, 2:] += 3.0 + 0.2 * np.arange(8)[:, None]  # past half a turn
+    off = state.copy()
+    off[3:, 4] += 2 * np.pi
+    off[6:, 2] -= 2 * np.pi
+    assert mean_heading(off) == pytest.approx(state[:, 2:].mean(axis=1))
 
 
 def test_derivatives_are_those_of_small_steps() -> None:

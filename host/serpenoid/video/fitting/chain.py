@@ -33,3 +33,13 @@ def link_centres(states: Array, link_m: float) -> Array:
 def joint_angles(states: Array) -> Array:
     """Return phi_i = theta_{i+1} - theta_i, (..., links - 1), within half a turn."""
     return (np.diff(states[..., 2:], axis=-1) + np.pi) % (2 * np.pi) - np.pi
+
+
+def mean_heading(states: Array) -> Array:
+    """Return the mean of the links' headings over time, (frames,), without jumps of a turn.
+
+    By the joints, which bend by less than half a turn: the heading of a link that no tag holds may
+    be off by a whole one.
+    """
+    bend = np.cumsum(joint_angles(states), axis=-1).sum(axis=-1) / (states.shape[-1] - 2)
+    return np.unwrap(states[..., 2] + bend)
