@@ -114,7 +114,7 @@ def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
     names = ("t_s", "x_m", "y_m", "heading_rad", *(f"joint{i}_rad" for i in range(1, 6)))
     film = FilmReading(
         99, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, 0.08, 0.05, 0.0, 0.02, "1,1,1,1,1",
-        "0,0,0,0,0", "cd" * 32, Track.of(names, rows),
+        "0,0,0,0,0", "cd" * 32, track=Track.of(names, rows),
     )  # fmt: skip
     both = sn.ServoKind("both", HEAVY, drawn=(HEAVY, LIGHT))
     found = servo_of_session(session.with_reading(VIDEO, film), both, fit, draws=16)
