@@ -181,7 +181,7 @@ def coverage(out: Path, sessions: int, seed: int) -> None:
 def floor(out: Path, sessions: int, seed: int) -> None:
     """Tell how often 95 % intervals hold the truth, over sessions of pushes on a floor.
 
-    Filmed, and by tape and watch with three crawls: of those a fifth of the sessions.
+    Filmed, and by tape and watch: of those a fifth of the sessions.
     """
     from ..bench.calibration.floor_coverage import run_floor
 

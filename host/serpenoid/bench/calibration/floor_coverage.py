@@ -138,7 +138,7 @@ class ServoPool:
     A session has some of them, as its fit would draw its own: to solve for them takes 10 s each.
     """
 
-    def __init__(self, servos: int = 1024):
+    def __init__(self, servos: int = 512):
         robot = default_setup("floor coverage").robot
         ground = ground_of(robot.links, WHOLE.tolist())
         by_rate = sorted(CRAWLS, key=lambda gait: gait.omega_rad_s)  # as a session has them
@@ -247,7 +247,7 @@ def run_floor(
 ) -> Iterator[FloorCoverage]:
     """Judge every case, one session after the other.
 
-    Of sessions by hand a fifth, since each takes ten times as long.
+    Of sessions by hand a fifth, since their intervals are far wider.
     """
     tell("solving for the speeds that fits are judged by")
     tables = floor_tables()
