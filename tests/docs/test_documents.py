@@ -10,8 +10,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
+from serpenoid.bench.calibration.floor_coverage import CASES, drawn_person, floor_setup
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.new_session import create_session
+from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.commands.demo_parts.loop import take_session
 
 PACKAGE = ROOT / "host" / "serpenoid"
@@ -86,7 +91,16 @@ def folder(tmp_path_factory) -> Path:
         (made / name).symlink_to(ROOT / name)
     shutil.copytree(ROOT / "calibration_data", made / "calibration_data")
     take_session(made / "my-robot")
+    _push_along_floor(made / "my-floor")
     return made
+
+
+def _push_along_floor(made: Path) -> None:
+    """Take a session of pushes and filmed crawls, by the plan, in the lab."""
+    filmed = CASES[0]
+    create_session(made, floor_setup(filmed))
+    with Journal(made) as journal:
+        take_all(journal, drawn_person(filmed, np.random.default_rng(1)))
 
 
 def runnable(line: str) -> list[str]:

@@ -216,12 +216,13 @@ def test_real_speeds_tell_the_amplitude() -> None:
     assert fit.method == "joint, with crawls"
 
 
-def by_hand(speeds=(0.6, 0.9), bends_deg=(0.0, 20.0, 45.0)):
+def by_hand(speeds=(0.6, 0.9), bends_deg=(0.0, 20.0, 45.0), slope_rad=0.0):
     """Take ways and times to rest, exact ones, there and back."""
     record = MemoryRecord(floor_setup())
     for bend in bends_deg:
         for k, v0 in enumerate(speeds):
-            t, way = rolled_out(v0, TRUTH, bend_rad=math.radians(bend), rolling=0.0595)
+            t, way = rolled_out(v0, TRUTH, bend_rad=math.radians(bend), rolling=0.0595,
+                                slope_rad=slope_rad * (1, -1)[k % 2])  # fmt: skip
             cells = {"lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2],
                      "distance_m": float(way[-1]), "duration_s": float(t[-4001])}  # fmt: skip
             record.add("coast", cells)
@@ -243,14 +244,26 @@ def test_tape_and_watch_tell_frictions_with_crawls_and_not_without() -> None:
     assert fit.chi2 < 0.5 * fit.dof  # nothing errs
 
 
+def test_open_pushes_tell_crawls_the_floors_slope() -> None:
+    """By tape and watch, both ways: the slope is in the fit, and surer than before."""
+    session, true = by_hand(slope_rad=0.006), 0.006
+    speeds = small_powers(np.array([TRUTH]), np.ones(1))[0]
+    fit = fit_crawls(with_runs(session, speeds), None, None, speeds=small_powers)
+    slope = fit.nuisances["floor_slope_rad"]
+    assert slope.value == pytest.approx(true, abs=slope.sigma)
+    assert slope.sigma < 0.5 * session.setup.floor.slope_sigma_rad
+    level = fit_crawls(with_runs(by_hand(), speeds), None, None, speeds=small_powers)
+    assert abs(level.nuisances["floor_slope_rad"].value) < 0.2 * true
+
+
 def test_open_pushes_are_linear_near_any_frictions() -> None:
     """Their chi2 along the frictions is that of a fit with all else let follow."""
     session = by_hand()
     problem = Problem(FloorData.of(session), None, np.empty(0))
-    rows, values = linear_at(problem, start(problem, 0.3), np.array(TRUTH))
+    rows, values, _ = linear_at(problem, start(problem, 0.3), np.array(TRUTH))
     assert np.abs(rows @ TRUTH + values).max() < 0.02  # the truth is exact
     other = np.array(TRUTH) * [1.0, 1.0, 1.1, 1.0]
-    near, there = linear_at(problem, start(problem, 0.3), other)
+    near, there, _ = linear_at(problem, start(problem, 0.3), other)
     chi2 = [float(np.sum((a @ other + b) ** 2)) for a, b in ((rows, values), (near, there))]
     assert chi2[0] == pytest.approx(chi2[1], rel=0.2)
     assert chi2[0] > 1.0

@@ -52,15 +52,15 @@ def fit_crawls(
     data, open_pushes = CrawlData.of(session), other is None and session.on_floor
     _check(session, data, other)
     robot, before = session.setup.robot, _before(session, other)
-    data = data.on_slope(robot, ground_of(robot.links, np.exp(before.mean).tolist()),
-                         _slope(session, other))  # fmt: skip
+    taken, slope = data, _slope(session, other)
     solver = speeds or data.of_robot(robot)
     at, drawn, found = np.exp(before.mean), None, effects
     # what servos leave, and what open pushes tell, depends on where the frictions are
     for _ in range(1 + (other is None and (servo is not None or open_pushes))):
         if open_pushes:
-            before = _with_pushes(session, before, at)
+            before, slope = _with_pushes(session, before, at)
         ground = ground_of(robot.links, at.tolist())
+        data = taken.on_slope(robot, ground, slope)
         found = effects or data.effects(robot, ground, servo, seed)
         drawn = draw(Posterior(data, before, solver, found), before, COUNT, seed)
         at = drawn.best_whole
@@ -72,6 +72,9 @@ def fit_crawls(
             "independent draws; look for a crawl that was misread, or fit without crawls"
         )
     fit = _result(session, other, data, drawn, seed)
+    if open_pushes:
+        told = dict(fit.nuisances) | {"floor_slope_rad": slope}
+        fit = replace(fit, nuisances=MappingProxyType(told))
     if servo is None or servo.exact:
         return fit
     return replace(fit, servos=FittedServos(
@@ -118,11 +121,11 @@ def _before(session: Session, other: FrictionFit | None) -> Before:
     return Before(np.log(centre), np.asarray(root, dtype=np.float64), AMPLITUDE_SIGMA)
 
 
-def _with_pushes(session: Session, before: Before, at: Array) -> Before:
-    """Return what was known before with pushes and slides that leave frictions open."""
+def _with_pushes(session: Session, before: Before, at: Array) -> tuple[Before, Estimate]:
+    """Return what was known before with pushes and slides that leave frictions open; the slope."""
     problem = Problem(FloorData.of(session), None, np.empty(0))
-    rows, values = linear_at(problem, start(problem, 0.3), at)
-    return replace(before, rows=rows, values=values)
+    rows, values, slope = linear_at(problem, start(problem, 0.3), at)
+    return replace(before, rows=rows, values=values), slope
 
 
 def _result(

@@ -9,6 +9,7 @@ import numpy as np
 from ...model.errors import BadInput
 from ..fitting.data import FitData, Floats, projections
 from ..fitting.joint import Minimum
+from ..friction_result import Estimate
 from .data import FloorData
 from .problem import Problem
 
@@ -166,10 +167,11 @@ def _check_told(problem: Problem, x: Floats, sigma: Floats, where: str) -> None:
             )
 
 
-def linear_at(problem: Problem, x: Floats, whole: Floats) -> tuple[Floats, Floats]:
+def linear_at(problem: Problem, x: Floats, whole: Floats) -> tuple[Floats, Floats, Estimate]:
     """Return R (5, 4) and r (5,): the readings' chi2 near some frictions, all else let follow.
 
-    It is |R f + r|^2 over frictions f, also where they leave some open.
+    It is |R f + r|^2 over frictions f, also where they leave some open. The third is the slope of
+    the first place, rad, for these frictions.
     """
     of, x = problem.parameters, x.copy()
     x[:of] = whole
@@ -182,4 +184,9 @@ def linear_at(problem: Problem, x: Floats, whole: Floats) -> tuple[Floats, Float
     theirs, own = slopes[:, of:], np.column_stack([slopes[:, :of], r - slopes[:, :of] @ whole])
     own -= theirs @ np.linalg.lstsq(theirs, own, rcond=None)[0]
     upper = np.asarray(np.linalg.qr(own, mode="r"), dtype=np.float64)
-    return upper[:, :of], upper[:, of]
+    k, unit = problem.layout.slopes.start, problem.floor.slope_sigma_rad
+    slope = Estimate(0.0, unit)
+    if problem.layout.places:
+        sigma = float(np.linalg.pinv(theirs.T @ theirs)[k - of, k - of]) ** 0.5
+        slope = Estimate(unit * float(x[k]), unit * sigma)
+    return upper[:, :of], upper[:, of], slope
