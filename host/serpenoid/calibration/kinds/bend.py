@@ -15,6 +15,11 @@ FIELDS = (
 )
 
 
+def bend_in_words(lambda_rad: float) -> str:
+    """Return how the robot lies: ", bend 20°" or ", straight"."""
+    return f", bend {math.degrees(lambda_rad):.4g}°" if lambda_rad else ", straight"
+
+
 @dataclass(frozen=True, slots=True)
 class BendCheck:
     """The protractor held between the last two links at an end of a bent robot.

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ...model.errors import BadInput
+from .bend import bend_in_words
 from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
 from .station import BENDS, MAX_LAMBDA_DEG
 from .tracks import Track
@@ -111,7 +112,7 @@ class Coast:
 
 
 def _in_words(c: Coast) -> tuple[str, str]:
-    bend = f", bend {math.degrees(c.lambda_rad):.4g}°" if c.lambda_rad else ", straight"
+    bend = bend_in_words(c.lambda_rad)
     where = f" at {c.place}" if c.place else ""
     tail = ", tail first" if c.facing == "back" else ""
     what = f"push {c.way}{where}{bend}{tail}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from .bend import bend_in_words
 from .declaration import PLANNED, Field, Kind, Word, check_fields
 from .station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG
 
@@ -45,7 +46,7 @@ class Slide:
 
 
 def _in_words(s: Slide) -> tuple[str, str]:
-    bend = f", bend {math.degrees(s.lambda_rad):.4g}°" if s.lambda_rad else ", straight"
+    bend = bend_in_words(s.lambda_rad)
     values = f"{math.degrees(s.incline_rad):.2f}°, {s.distance_m:.3f} m in {s.duration_s:.2f} s"
     return f"slide{bend}", values
 
@@ -82,7 +83,7 @@ class BreakAway:
 
 
 def _begins(b: BreakAway) -> tuple[str, str]:
-    bend = f", bend {math.degrees(b.lambda_rad):.4g}°" if b.lambda_rad else ", straight"
+    bend = bend_in_words(b.lambda_rad)
     return f"break-away{bend}", f"{math.degrees(b.incline_rad):.2f}°"
 
 
