@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
+from .crawls.level import floor_slope, on_level
 from .crawls.runs import runs_by_gait, same_gait
 from .filmed_joints import gaits_seen, seen_on_film, servo_seen
 from .friction_fit import fit_friction
@@ -27,6 +28,10 @@ from .verdict_words import in_words
 
 NOT_MEASURED = "No gait was run yet: these are predictions. Run one, and compare again."
 NO_GAIT = "no gait run and no gait planned; give one, or take a run with `serpenoid calibrate`"
+_LEVEL = (
+    "Crawls there and back are shown as they would be on level ground: the floor falls by "
+    "{:.2f} ± {:.2f} deg towards there."
+)
 _CURVE_SAMPLES = 32
 _CURVE_POINTS, _SPRINGS_EVERY = 49, 6  # chords between them are 0.1 % off; springs take longer
 
@@ -73,7 +78,7 @@ class Comparison:
         Speed over frequency at the first gait's amplitude and phase lag: the band of friction
         alone, and the implicit model at each sixth point.
     measured
-        All runs that were kept.
+        All runs that were kept; those along a floor's slope as they would be on level ground.
     p_value
         The chance of residuals this large if model, fit and stated errors hold.
     p_friction, p_amplitude, p_servos
@@ -149,9 +154,10 @@ def compare(
     check_kind("session", session, Session)
     check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)
     fit = fit or fit_friction(session)
-    runs, wanted = runs_by_gait(session), compared_gaits(session, gaits)
-    if not wanted:
+    if not compared_gaits(session, gaits):
         raise BadInput(f"{session.where}: {NO_GAIT}")
+    session, as_taken = on_level(session, fit), session
+    runs, wanted = runs_by_gait(session), compared_gaits(session, gaits)
     servo = servo and servo_seen(servo, session.kept_films, fit, seed)
     drawn = sample_speeds(
         fit, wanted, amplitude_sigma=amplitude_sigma, servo=servo, seen=gaits_seen(session),
@@ -163,7 +169,11 @@ def compare(
     if all(p.measured_m_s is None for p in points):
         return Comparison(*common, None, None, None, "not measured", NOT_MEASURED, named)
     stated = amplitude_sigma, seed, servo
-    return Comparison(*common, *_judged(session, fit, drawn, points, stated))
+    judged = Comparison(*common, *_judged(session, fit, drawn, points, stated))
+    if session is as_taken:
+        return judged
+    falls = _LEVEL.format(*map(math.degrees, floor_slope(session, fit)))
+    return replace(judged, verdict_text=f"{judged.verdict_text} {falls}")
 
 
 def _judged(

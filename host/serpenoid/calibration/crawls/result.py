@@ -27,6 +27,7 @@ from ..friction_result import (
 from ..session import Session
 from ..speed_samples import AMPLITUDE_SIGMA
 from .data import CrawlData, ServoEffects, Speeds
+from .level import floor_slope
 from .posterior import Array, Before, Drawn, Posterior, draw
 
 # Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
@@ -52,7 +53,7 @@ def fit_crawls(
     data, open_pushes = CrawlData.of(session), other is None and session.on_floor
     _check(session, data, other)
     robot, before = session.setup.robot, _before(session, other)
-    taken, slope = data, _slope(session, other)
+    taken, slope = data, floor_slope(session, other)
     solver = speeds or data.of_robot(robot)
     at, drawn, found = np.exp(before.mean), None, effects
     # what servos leave, and what open pushes tell, depends on where the frictions are
@@ -80,14 +81,6 @@ def fit_crawls(
     return replace(fit, servos=FittedServos(
         servo.name, found.servos, tuple(drawn.servo.tolist()), drawn.best_servo
     ))  # fmt: skip
-
-
-def _slope(session: Session, other: FrictionFit | None) -> Estimate:
-    """Return the floor's slope as pushes told it, or as nobody knows it."""
-    told = [] if other is None else [
-        value for name, value in other.nuisances.items() if name.startswith("floor_slope_rad")
-    ]  # fmt: skip
-    return told[0] if told else Estimate(0.0, session.setup.floor.slope_sigma_rad)
 
 
 def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None:

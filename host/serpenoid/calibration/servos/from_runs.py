@@ -16,6 +16,7 @@ from ...periodic.servo_steady import servo_state
 from ...periodic.steady import Steady, steady_gait
 from ...servos.bench_test import KEPT, MeasuredServo, measured_servo
 from ...servos.folded_film import Ripple, film_ripples
+from ..crawls.level import on_level
 from ..crawls.runs import runs_by_gait
 from ..filmed_joints import film_chi2
 from ..friction_fit import fit_friction
@@ -41,6 +42,7 @@ def servo_of_session(
     amplitude; films also with amplitude and ripple of the joints. Raises BadInput.
     """
     fit = fit or fit_friction(session)
+    session = on_level(session, fit)
     runs = runs_by_gait(session)
     films = [film for film in session.kept_films if film.gait in runs]
     if not runs:

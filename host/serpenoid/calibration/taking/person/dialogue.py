@@ -204,9 +204,10 @@ class Dialogue:
         if named is None or step.gait is None:
             return self._by_tape(text, step)
         found = read_crawl(self.journal, named[0], step.gait, self._crawl)
+        gains = ", ".join(f"{float(gain):.3f}" for gain in str(found["gains"]).split(","))
         self.say(
             f"  {float(found['speed_m_s']):.4f} m/s; joints' amplitudes over the commanded one, "
-            f"from the tail: {found['gains']}"
+            f"from the tail: {gains}"
         )
         return found
 

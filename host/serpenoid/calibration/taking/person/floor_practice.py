@@ -145,7 +145,9 @@ class FloorTerminal:
     def _rolled(self, given: str) -> Track | None:
         """Push as told, or say why not."""
         if self._step is None or self._step.kind != "coast":
-            self._said("there is nothing to push now: do what the step says first")
+            self._said(
+                "there is nothing to push now: do what the step says first; `floor` lists the words"
+            )
             return None
         try:
             speed = float(given or SPEED)
@@ -195,7 +197,7 @@ class FloorTerminal:
 
     def _film(self, given: str) -> str | None:
         if self._step is None or self._step.gait is None:
-            return self._said("no gait is to be run now")
+            return self._said("no gait is to be run at this step; `floor` lists the words")
         rows = filmed_crawl(
             self._robot,
             self._step.gait,
@@ -207,7 +209,7 @@ class FloorTerminal:
 
     def _crawl(self, given: str) -> None:
         if self._step is None or self._step.gait is None:
-            return self._said("no gait is to be run now")
+            return self._said("no gait is to be run at this step; `floor` lists the words")
         rises = uphill(self._step, self.truth.slope_rad)
         speed = crawl_speed(self._robot, self._step.gait, slope_rad=rises)
         watch = self._setup.stopwatch
