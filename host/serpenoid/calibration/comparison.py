@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -156,7 +156,7 @@ def compare(
     fit = fit or fit_friction(session)
     if not compared_gaits(session, gaits):
         raise BadInput(f"{session.where}: {NO_GAIT}")
-    session, as_taken = on_level(session, fit), session
+    session, levelled = _levelled(session, fit)
     runs, wanted = runs_by_gait(session), compared_gaits(session, gaits)
     servo = servo and servo_seen(servo, session.kept_films, fit, seed)
     drawn = sample_speeds(
@@ -169,18 +169,25 @@ def compare(
     if all(p.measured_m_s is None for p in points):
         return Comparison(*common, None, None, None, "not measured", NOT_MEASURED, named)
     stated = amplitude_sigma, seed, servo
-    judged = Comparison(*common, *_judged(session, fit, drawn, points, stated))
-    if session is as_taken:
-        return judged
-    falls = _LEVEL.format(*map(math.degrees, floor_slope(session, fit)))
-    return replace(judged, verdict_text=f"{judged.verdict_text} {falls}")
+    return Comparison(*common, *_judged(session, fit, drawn, points, stated, levelled))
+
+
+def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
+    """Return the session on level ground, and the sentence that says so where it sloped."""
+    level = on_level(session, fit)
+    if level is session:
+        return session, ""
+    return level, " " + _LEVEL.format(*map(math.degrees, floor_slope(session, fit)))
 
 
 def _judged(
     session: Session, fit: FrictionFit, drawn: SpeedSamples, points: Sequence[ComparedGait],
-    stated: tuple[float, int, ServoKind | None],
+    stated: tuple[float, int, ServoKind | None], levelled: str,
 ) -> tuple[Any, ...]:  # fmt: skip
-    """Return what a Comparison holds from p_value on; stated: amplitude_sigma, seed and servo."""
+    """Return what a Comparison holds from p_value on; stated: amplitude_sigma, seed and servo.
+
+    levelled: a sentence to add.
+    """
     amplitude_sigma, _, servo = stated
     ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
     measured = Measured(
@@ -194,6 +201,7 @@ def _judged(
     weight_n = session.setup.weight_n
     text = in_words(found, measured, fit, amplitude_sigma, weight_n, servo)
     word, text = seen_on_film(session, fit, drawn, found.word, text)
+    text += levelled
     return found.p_value, friction, amplitude, word, text, servo and servo.name, servos
 
 

@@ -31,10 +31,8 @@ LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
 SLOPE_SIGMA = 0.2  # of what a slope does to a speed: friction is not yet as it will be fitted
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
 SERVO_DRAWS = 128
-SERVO_SIGMA, GRAIN = (
-    0.005,
-    0.01,
-)  # of what a servo is predicted to do; of servos of which few are drawn
+SERVO_SIGMA = 0.005  # relative, of what a servo is predicted to do
+GRAIN = 0.01  # the same, where few servos are drawn of many
 Speeds = Callable[[Array, Array], Array]  # (K, 4) frictions, (K,) amplitudes -> (K, gaits), m/s
 
 

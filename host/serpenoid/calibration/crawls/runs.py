@@ -30,7 +30,6 @@ def as_run(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:
 
 
 def same_gait(one: Gait, other: Gait) -> bool:
-    """Tell whether two gaits are one, but for the board's clock."""
     """Tell whether two gaits differ by no more than the board's clock does."""
     apart = abs(one.omega_rad_s - other.omega_rad_s) / one.omega_rad_s
     return replace(other, omega_rad_s=one.omega_rad_s) == one and apart < SAME_RATE
