@@ -180,6 +180,11 @@ class Session:
         """Tell whether there are readings for the fit that were not taken on a treadmill."""
         return bool(self.kept_pushes or self.kept_slides)
 
+    @property
+    def has_line(self) -> bool:
+        """Tell whether the floor has a line of pushes, planned or taken, to crawl along."""
+        return bool(self.kept_pushes) or self.setup.procedure.on == "floor"
+
     def of(self, kind: str) -> tuple[Any, ...]:
         """Return all readings of a kind, by its name, in the order they were taken."""
         declared = KINDS[kind]

@@ -20,7 +20,7 @@ from ..model.errors import BadInput
 from ..model.files import read_text
 from ..model.toml_table import Table, check_names, located
 from .kinds.declaration import Kind
-from .kinds.rows import READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
+from .kinds.rows import DOUBTFUL, READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
 from .kinds.table import KINDS
 from .kinds.tracks import FOLDER, Track, read_track
 from .session import Session, Setup, placed
@@ -162,6 +162,8 @@ def _take(row: Row, where: str, found: _Found) -> None:
         if old not in found.rows:
             raise BadInput(f"replaces is {old}, but there is no such reading before this one")
         found.voided[old] = f"redone as {number}"
+    if DOUBTFUL in words_of(row):
+        found.voided[number] = ""  # its comment says why
     _check_clock(row, where, found)
     found.rows[number] = row, where
 

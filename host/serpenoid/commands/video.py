@@ -116,6 +116,11 @@ def tags(paper: str, out: Path, **given: Any) -> None:
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     help="The run's recording (.wire): its gait, and the board's time.",
 )
+@click.option(
+    "--way",
+    type=click.Choice(["there", "back"]),
+    help="With --session on a floor: which way along the line of the pushes; else level ground.",
+)
 @click.option("--track", type=OutFile(".csv"), help="Write time, place, heading, joints.")
 @click.option("--plot", "picture", type=OutFile(*FIGURES), help="Draw what was measured.")
 @click.option("--annotate", type=OutFile(".mp4"), help="Write a film with the chain drawn in.")
@@ -123,6 +128,7 @@ def tags(paper: str, out: Path, **given: Any) -> None:
 def film(
     file: Path,
     recording: Path | None,
+    way: str | None,
     track: Path | None,
     picture: Path | None,
     annotate: Path | None,
@@ -140,6 +146,8 @@ def film(
     from ..video.measure_film import measure_film
 
     session = given["session"]
+    if way is not None:
+        _check_way(session)
     robot, side = _robot(given)
     gait = _commanded(given, recording, robot.links)
     with film_progress(file) as tell:
@@ -160,7 +168,21 @@ def film(
 
         show_film(found)
     if session is not None:
-        _record(found, session, str(file))
+        _record(found, session, file.name, way)
+
+
+def _check_way(session: Path | None) -> None:
+    """Refuse a way where no line of pushes gives it a meaning."""
+    from ..calibration.session_file import read_session
+    from ..model.errors import BadInput
+
+    if session is None:
+        raise click.UsageError("--way goes with --session: it is kept with the session's reading")
+    if not read_session(session).has_line:
+        raise BadInput(
+            f"{session} is a session at a treadmill, without pushes: --way has no line to follow; "
+            "leave --way out, the film then counts as on level ground"
+        )
 
 
 @contextmanager
@@ -215,10 +237,11 @@ def _write(
         wrote(annotate)
 
 
-def _record(found: FilmMeasurement, session: Path, name: str) -> None:
+def _record(found: FilmMeasurement, session: Path, name: str, way: str | None) -> None:
     """Write the film's numbers and its track into a session; a film that is there already is not.
 
-    A film that cannot be a reading is told, and its numbers are shown all the same.
+    way: along the line of the pushes; None: on level ground. A film that cannot be a reading is
+    told, and its numbers are shown all the same.
     """
     from ..calibration.taking.journal import Journal
     from ..model.errors import BadInput
@@ -230,9 +253,17 @@ def _record(found: FilmMeasurement, session: Path, name: str) -> None:
         say(f"serpenoid: warning: no reading: {error}", err=True)
         return
     with Journal(session) as journal:
-        same = [r for r in journal.session.of("video") if r.film_sha256 == cells["film_sha256"]]
+        same = [r for r in journal.session.kept_films if r.film_sha256 == cells["film_sha256"]]
         if same:
             say(f"{session}: reading {same[0].number} is of this film already", err=True)
             return
-        number = journal.add("video", cells, comment=Path(name).name, samples=samples)
+        cells |= {} if way is None else {"way": way}
+        number = journal.add("video", cells, comment=name, samples=samples)
+        level = way is None and journal.session.has_line
     say(f"{session}: reading {number}", err=True)
+    if level:
+        say(
+            "it counts as on level ground; if it went along the line of the pushes: serpenoid "
+            f"calibrate redo {session} {number} way=there (or back)",
+            err=True,
+        )

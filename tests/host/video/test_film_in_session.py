@@ -54,6 +54,32 @@ def test_a_film_is_kept_with_its_joints_hash_and_track(folder) -> None:
     assert film.track.columns[3:] == ("heading_rad", "joint1_rad", "joint2_rad")
 
 
+def test_a_film_is_redone_with_its_way_and_keeps_its_track(folder) -> None:
+    done = CliRunner().invoke(cli, ["calibrate", "redo", str(folder), "1", "way=there"])
+    assert done.exit_code == 0, done.output
+    old, new = read_session(folder).of("video")
+    assert (old.voided, old.way, new.way) == (True, "level", "there")
+    assert new.track.sha256 == old.track.sha256
+
+
+def test_a_film_without_its_track_is_refused_before_a_line_is_written(folder) -> None:
+    typed = [f"{name}={value}" for name, value in CELLS.items()]
+    done = CliRunner().invoke(cli, ["calibrate", "add", str(folder), "video", *typed])
+    assert done.exit_code == 1
+    assert "needs its track" in str(done.exception)
+    assert len(read_session(folder).of("video")) == 1
+
+
+def test_a_way_is_refused_where_there_is_no_line_of_pushes(folder) -> None:
+    for more, status, words in (
+        ([], 2, "--way goes with --session"),
+        (["--session", str(folder)], 1, "leave --way out"),
+    ):
+        done = CliRunner().invoke(cli, ["video", "a.mp4", "--way", "there", *more])
+        assert done.exit_code == status
+        assert words in done.output + str(done.exception)
+
+
 @pytest.mark.parametrize("bad", [[math.nan, 0, 0, 0, 1], [0, 0, 0, 0, math.inf], [0, 0, 0]])
 def test_a_track_with_a_time_or_place_that_is_no_number_is_refused(folder, bad) -> None:
     with Journal(folder) as journal, pytest.raises(sn.BadInput, match="a track"):

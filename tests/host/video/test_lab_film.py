@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
 from serpenoid.calibration.session_file import read_session
-from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.commands.main import cli
 from serpenoid.lab.robot import LabRobot
 from serpenoid.model.ground import Ground
@@ -19,6 +20,8 @@ from video.filming import Lens
 from video.lab_world import Servos, crawled, set_points
 from video.worlds import shoot
 
+SETUP = default_setup("filmed")
+ON_FLOOR = on_place(SETUP.procedure, "floor")
 GAIT = sn.Gait(math.radians(60), math.radians(75), math.tau / 1.2)
 FRICTION = Ground(0.084, 1.2, 0.14, 0.27)
 ROBOT = LabRobot.whole(Robot(6, 0.0756, 0.076), FRICTION).drawn(
@@ -41,8 +44,8 @@ def filmed(tmp_path):
         wire, film = tmp_path / "run.wire", tmp_path / "film.mp4"
         world = crawled(ROBOT, servos, GAIT, set_points(GAIT, 8.0, wire))
         shoot(world, film, LENS, seconds=2.2 * GAIT.period_s, rate_hz=20, up=2)
-        folder = create_session(tmp_path / "session", default_setup("filmed"))
-        typed = ["video", film, "--recording", wire, "--session", folder, "--json"]
+        folder = create_session(tmp_path / "session", replace(SETUP, procedure=ON_FLOOR))
+        typed = ["video", film, "--recording", wire, "--session", folder, "--way", "back", "--json"]
         done = CliRunner().invoke(cli, [str(part) for part in typed])
         assert done.exit_code == 0, done.output
         return json.loads(done.stdout), world, folder
@@ -64,6 +67,7 @@ def test_a_film_of_the_labs_robot_says_what_the_lab_knows(filmed) -> None:
     made = world.amplitude_rad / GAIT.alpha_rad
     assert reading.gait.joint_gain == pytest.approx(made, abs=0.006)
     assert reading.track.columns[-1] == "joint5_rad"
+    assert reading.gait_run.way == "back"
     assert reading.commanded.alpha_rad == pytest.approx(GAIT.alpha_rad, abs=math.radians(0.1))
 
 

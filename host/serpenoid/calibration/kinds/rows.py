@@ -19,6 +19,7 @@ READING_COLUMNS = (
     "omega_rad_s", "distance_m", "duration_s", "speed_m_s", "speed_sigma_m_s", "more", "comment",
 )  # fmt: skip
 TRACK_WORDS = ("track", "track_sha256")  # of a kind with a track, in the column `more`
+DOUBTFUL = "doubtful"  # of a reading that is void from its first line on, until it is restored
 LISTED = "listed"  # of a reading that came from a list: a hash of the list up to it
 Row = Mapping[str, str]
 
@@ -40,7 +41,7 @@ def reading_row(name: str, cells: Cells, plan: object = None) -> dict[str, str]:
         planned = {w.column: getattr(plan, w.column) for w in kind.words if w.of_plan}
         cells = planned | dict(cells)
     usual = {w.column: w.usual for w in kind.words}
-    own = {LISTED, *(f.column for f in kind.fields), *(TRACK_WORDS if kind.track else ())}
+    own = {LISTED, DOUBTFUL, *(f.column for f in kind.fields), *(TRACK_WORDS if kind.track else ())}
     unknown = next((c for c in cells if c not in own and c not in READING_COLUMNS), None)
     if unknown is not None:
         known = ", ".join(f.column for f in kind.fields)

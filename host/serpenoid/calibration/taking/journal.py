@@ -104,6 +104,13 @@ class Journal:
         self._append("readings.csv", READING_COLUMNS, [row])
         return number
 
+    def redo(self, number: int, cells: Cells, comment: str = "") -> int:
+        """Write a reading in place of another, whose track it keeps; return its number."""
+        kind, old = next(pair for pair in self.session.numbered if pair[1].number == number)
+        track = getattr(old, "track", None)
+        samples = None if track is None else track.values
+        return self.add(kind.name, cells, replaces=number, comment=comment, samples=samples)
+
     def add_once(self, listed: Sequence[Listed]) -> int:
         """Write those of a list that are not there yet, all at once; return how many.
 
@@ -131,6 +138,12 @@ class Journal:
 
     def check(self, kind: str, cells: Cells, track: Track | None = None) -> None:
         """Raise BadInput for a reading that add() would not take."""
+        declared = kind_of(kind)
+        if track is None and declared.track and not declared.track_may_miss:
+            raise BadInput(
+                f"a reading of kind {kind} needs its track, {', '.join(declared.track)}; "
+                "`serpenoid video FILE --session DIR` adds a film"
+            )
         common: dict[str, Any] = {"number": 1} | ({"track": track} if track is not None else {})
         make_reading(reading_row(kind, cells), common)
 

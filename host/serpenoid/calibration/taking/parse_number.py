@@ -18,7 +18,7 @@ from ..kinds.rows import cells_of, kind_of
 from ..session import Setup
 from .new_session import quoted
 
-_NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+))\s*(\S*)")
+_NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S*)")
 _SPELLINGS = {
     "°": "deg", "degree": "deg", "degrees": "deg", "percent": "%", "kmh": "km/h", "kph": "km/h",
     "km/hr": "km/h", "ms": "m/s", "mps": "m/s", "sec": "s", "secs": "s", "mins": "min",

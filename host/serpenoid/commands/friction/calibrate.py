@@ -210,7 +210,7 @@ def redo(folder: Path, number: int, cells: tuple[str, ...], comment: str) -> Non
             raise BadInput(f"there is no reading {number}; see `serpenoid calibrate status`")
         old = rows[number]
         values = read_cells(old["kind"], cells, journal.session.setup, old)
-        new_number = journal.add(old["kind"], values, replaces=number, comment=comment)
+        new_number = journal.redo(number, values, comment)
     say(f"reading {new_number} is kept; reading {number} is not")
 
 

@@ -4,33 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....model.errors import BadInput
 from ...floor.look import Look, look_at, pushes_in
-from ...kinds.coast import WAYS
-from ...kinds.tracks import Samples
+from ...kinds.coast import TRACK, WAYS, Coast
+from ...kinds.rows import DOUBTFUL
+from ...kinds.tracks import Track
+from ..journal import Journal
 
 Floats = NDArray[np.float64]
 Cells = Mapping[str, float | str]
-
-
-class Keeps(Protocol):
-    """Where readings go: a journal, or memory."""
-
-    def add(
-        self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "",
-        samples: Samples | None = None,
-    ) -> int:  # fmt: skip
-        """Keep a reading with its track; return its number."""
-        ...
-
-    def event(self, event: str, reading: int = 0, detail: str = "") -> None:
-        """Keep an event."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -54,7 +40,7 @@ class Kept:
 
 
 def keep_pushes(
-    keeps: Keeps,
+    journal: Journal,
     track: Floats,
     cells: Cells,
     *,
@@ -65,20 +51,41 @@ def keep_pushes(
 
     The first sound push goes the cells' way; the others there or back by where they go in the same
     picture. A push with a doubt is kept, too, but void: nothing measured is lost. sigma_m: of a
-    place, where the instrument states it; else from the track's own scatter. Raises BadInput where
-    no push is.
+    place, where the instrument states it; else from the track's own scatter. file_sha256: of a file
+    that a kill may have cut short: what it had kept is not kept twice, and tells the way. Raises
+    BadInput where no push is, or all are there.
     """
     looked = _looked_at(track)
     if not looked:
         return []
-    first = next((one for one in looked if not one[1].doubts), looked[0])
+    there = _there(journal, [rows for rows, _ in looked], file_sha256)
+    first = next((k for k, (_, look) in enumerate(looked) if not look.doubts), 0)
+    anchor = min(there, default=first)
+    way = there[anchor].way if there else str(cells.get("way", WAYS[0]))
     found = []
-    for rows, look in looked:
-        same = float(_heading(rows, look) @ _heading(*first)) >= 0.0
-        way = str(cells.get("way", WAYS[0]))
-        one_way = dict(cells) | {"way": way if same else other_way(way)}
-        found.append(_keep(keeps, rows, one_way, look, sigma_m, file_sha256))
+    for k, (rows, look) in enumerate(looked):
+        if k not in there:
+            same = float(_heading(rows, look) @ _heading(*looked[anchor])) >= 0.0
+            one_way = dict(cells) | {"way": way if same else other_way(way)}
+            found.append(_keep(journal, rows, one_way, look, sigma_m, file_sha256))
     return found
+
+
+def _there(journal: Journal, pieces: Sequence[Floats], file_sha256: str) -> dict[int, Coast]:
+    """Return which pieces of a file are readings; none where no push of it is in use.
+
+    Raises BadInput unless a piece is left to take.
+    """
+    taken = [p for p in journal.session.of("coast") if p.file_sha256 == file_sha256[:16] != ""]
+    used = [p for p in taken if not p.voided]
+    if not used:
+        return {}
+    known = {p.track.sha256: p for p in taken if p.track is not None}
+    own = [Track.of(TRACK, rows).sha256 for rows in pieces]
+    other = any(p.track is None or p.track.sha256 not in own for p in used)
+    if other or all(sha256 in known for sha256 in own):
+        raise BadInput(f"reading {used[0].number} is of this file already; it is not taken twice")
+    return {k: known[sha256] for k, sha256 in enumerate(own) if sha256 in known}
 
 
 def _looked_at(track: Floats) -> list[tuple[Floats, Look]]:
@@ -118,14 +125,13 @@ def way_after(kept: Sequence[Kept], way: str) -> str:
 
 
 def _keep(
-    keeps: Keeps, rows: Floats, cells: dict[str, float | str], look: Look, sigma_m: float | None,
-    file_sha256: str,
+    journal: Journal, rows: Floats, cells: dict[str, float | str], look: Look,
+    sigma_m: float | None, file_sha256: str,
 ) -> Kept:  # fmt: skip
     told = {k: round(v, 9) for k, v in look.cells().items()}
     if sigma_m is not None:
         told["distance_sigma_m"] = max(sigma_m, told["distance_sigma_m"])
     whole = {**cells, **told, "by": "film", "file_sha256": file_sha256[:16]}
-    number = keeps.add("coast", whole, samples=rows)
-    if look.doubts:
-        keeps.event("void", number, "; ".join(look.doubts))
+    whole |= {DOUBTFUL: "yes"} if look.doubts else {}
+    number = journal.add("coast", whole, comment="; ".join(look.doubts), samples=rows)
     return Kept(number, look, str(cells["way"]))

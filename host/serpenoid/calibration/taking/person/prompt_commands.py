@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
@@ -113,14 +112,9 @@ class PromptCommands:
 
     def _status(self, rest: str, step: Step) -> None:
         session = self._journal.session
-        for r in session.readings[-8:]:
-            state = "  facing up" if r.facing == "up" else ""
-            state += f"  void: {r.comment}" if r.voided else ""
-            self._talk.say(
-                f"  {r.number:4}  bend {math.degrees(r.lambda_rad):.4g}  incline "
-                f"{math.degrees(r.incline_rad):.2f} deg  belt {r.belt_speed_m_s:.3f}  drift "
-                f"{r.drift_in_words} m/s{state}"
-            )
+        for kind, r in session.numbered[-8:]:
+            state = f"  void: {r.comment}" if r.voided else ""
+            self._talk.say(f"  {r.number:4}  {'  '.join(kind.describe(r))}{state}")
         parts = progress(session, skipped_keys(self._journal.events))
         wide = max(len(name) for name, _ in parts)
         for name, state in parts:
@@ -154,7 +148,7 @@ class PromptCommands:
         self._talk.say(f"  reading {number} anew; Enter keeps a value as it was")
         found = self._anew(row, step)
         values = redone(row["kind"], row, found, self._journal.session.setup)
-        new = self._journal.add(row["kind"], values, replaces=number)
+        new = self._journal.redo(number, values)
         self._talk.say(f"  reading {new} is kept in place of {number}")
         raise Again
 

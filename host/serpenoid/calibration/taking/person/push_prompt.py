@@ -14,6 +14,7 @@ from ....model.errors import BadInput
 from ....model.files import read_text
 from ....model.gait import Gait
 from ....model.robot import Robot
+from ....model.toml_table import located
 from ...crawls.filmed import crawl_cells
 from ...floor.track_files import UNITS, read_track_file
 from ..floor.pushes import Cells, Kept, keep_pushes
@@ -62,13 +63,12 @@ def take_track(
     """
     if path.suffix.lower() in TEXTS or not path.is_file():
         track, sha256 = read_track(path, unit)
-        _refuse_taken(journal, path, sha256)
     else:
         sha256 = sha256_of(path)
-        _refuse_taken(journal, path, sha256)
         seen = film(path, journal.session.setup.robot)
         track, cells = np.array(seen.samples, dtype=float), {**cells, **seen}
-    return keep_pushes(journal, track, cells, file_sha256=sha256)
+    with located(str(path)):
+        return keep_pushes(journal, track, cells, file_sha256=sha256)
 
 
 def no_crawls(path: Path, robot: Robot, gait: Gait) -> Tracked:
@@ -116,9 +116,3 @@ def _crawl_rows(path: Path, joints: int) -> NDArray[np.float64]:
             f"{path}: every line must have {len(names)} cells; joints alone may be empty"
         )
     return rows
-
-
-def _refuse_taken(journal: Journal, path: Path, sha256: str) -> None:
-    there = [p.number for p in journal.session.kept_pushes if p.file_sha256 == sha256[:16]]
-    if there:
-        raise BadInput(f"{path}: reading {there[0]} is of this file already; it is not taken twice")
