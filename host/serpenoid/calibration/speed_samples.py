@@ -17,7 +17,8 @@ from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.servo_steady import ripple_share, servo_speed
+from ..periodic.drawn_states import Draw, drawn_speeds, drawn_states
+from ..periodic.servo_steady import drawn_ripple_shares, drawn_servo_speeds, servo_speed
 from ..periodic.steady import steady_gait
 from ..servos.catalogue import HOBBY
 from .friction_result import FrictionFit, band
@@ -36,11 +37,13 @@ def speed(robot: Robot, ground: Ground, gait: Gait, servo: Servo | None = None) 
     return ideal.speed_m_s if servo is None else servo_speed(ideal, servo)
 
 
-@lru_cache(maxsize=4096)
-def _driven(robot: Robot, ground: Ground, gait: Gait, servo: Servo) -> tuple[float, float]:
-    """Return the speeds with ideal joints and with a servo, m/s; several commands ask twice."""
-    ideal = steady_gait(robot, ground, gait, rtol=1e-3, powers=False)
-    return ideal.speed_m_s, servo_speed(ideal, servo)
+@lru_cache(maxsize=256)
+def _driven(
+    robot: Robot, near: Draw, draws: tuple[Draw, ...], servos: tuple[Servo, ...]
+) -> tuple[Array, Array]:
+    """Return draws' speeds with ideal joints and with servos, m/s; several commands ask twice."""
+    ideal = drawn_states(robot, near, draws)
+    return np.array([state.speed_m_s for state in ideal]), drawn_servo_speeds(ideal, servos)
 
 
 @dataclass(frozen=True)
@@ -153,21 +156,20 @@ def sample_speeds(
 
     seen = seen or {}
 
-    def of(gait: Gait) -> tuple[list[float], list[float], list[float]]:
-        alone = [speed(fit.robot, g, gait) for g in grounds]
+    def of(gait: Gait) -> tuple[Array, Array, Array]:
+        near = (fit.ground, gait)
+        alone = drawn_speeds(fit.robot, near, [(g, gait) for g in grounds])
         if servo is None and (not amplitude_sigma or gait in seen):
             return alone, alone, alone
         if gait in seen:
             asked = seen[gait]
-            states = [steady_gait(fit.robot, g, asked, rtol=1e-3, powers=False) for g in grounds]
-            left = [ripple_share(*pair) for pair in zip(states, servos, strict=True)]
-            return alone, alone, [v * share for v, share in zip(alone, left, strict=True)]
-        pairs = [(g, scaled(gait, a)) for g, a in zip(grounds, amplitudes.tolist(), strict=True)]
+            states = drawn_states(fit.robot, (fit.ground, asked), [(g, asked) for g in grounds])
+            return alone, alone, alone * drawn_ripple_shares(states, servos)
+        draws = [(g, scaled(gait, a)) for g, a in zip(grounds, amplitudes.tolist(), strict=True)]
         if servo is None:
-            joints = [speed(fit.robot, g, made) for g, made in pairs]
+            joints = drawn_speeds(fit.robot, near, draws)
             return alone, joints, joints
-        both = [_driven(fit.robot, *p, servo) for p, servo in zip(pairs, servos, strict=True)]
-        return alone, [ideal for ideal, _ in both], [moved for _, moved in both]
+        return alone, *_driven(fit.robot, near, tuple(draws), tuple(servos))
 
     found = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -9,9 +9,7 @@ anything is worth less than one that had to).
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Collection, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,11 +18,12 @@ from numpy.typing import NDArray
 
 from ..model.drives import ServoKind
 from ..model.gait import Gait
-from ..periodic.servo_steady import ripple_share, servo_speeds
+from ..periodic.drawn_states import drawn_speeds
+from ..periodic.servo_steady import drawn_ripple_shares, drawn_servo_speeds
 from ..periodic.steady import steady_gait
 from ..servos.catalogue import servo
 from .friction_result import FrictionFit, ground_of
-from .speed_samples import SpeedSamples, scaled, speed
+from .speed_samples import SpeedSamples, scaled
 
 Array = NDArray[np.float64]
 DOUBTFUL = 0.05  # a verdict's p-value
@@ -143,18 +142,18 @@ class Judge:
         if kind is None:
             return _Left(np.ones((1, len(gaits))), np.zeros((1, len(gaits))))
         servos = [kind.servo] if kind.exact else kind.draws(_SERVO_DRAWS)
-        shares = []
-        for amplitude in (1.0, _LESS):
-            made = [scaled(g, amplitude) for g in gaits]
-            ideal = [steady_gait(fit.robot, fit.ground, g, rtol=1e-3, powers=False) for g in made]
-            speeds = servo_speeds((state, one) for one in servos for state in ideal)
-            own = [max(state.speed_m_s, 1e-9) for state in ideal]
-            shares.append(np.maximum(speeds.reshape(-1, len(gaits)) / own, _LEAST_SHARE))
-        for j, command in ((j, self._drawn.seen.get(gait)) for j, gait in enumerate(gaits)):
-            if command is not None:
+        shares = [np.empty((len(servos), len(gaits))) for _ in range(2)]
+        for j, gait in enumerate(gaits):
+            if (command := self._drawn.seen.get(gait)) is not None:
                 state = steady_gait(fit.robot, fit.ground, command, rtol=1e-3, powers=False)
-                left = [max(ripple_share(state, one), _LEAST_SHARE) for one in servos]
-                shares[0][:, j] = shares[1][:, j] = left
+                left = drawn_ripple_shares([state] * len(servos), servos)
+                shares[0][:, j] = shares[1][:, j] = np.maximum(left, _LEAST_SHARE)
+                continue
+            for found, amplitude in zip(shares, (1.0, _LESS), strict=True):
+                made = scaled(gait, amplitude)
+                state = steady_gait(fit.robot, fit.ground, made, rtol=1e-3, powers=False)
+                speeds = drawn_servo_speeds([state] * len(servos), servos)
+                found[:, j] = np.maximum(speeds / max(state.speed_m_s, 1e-9), _LEAST_SHARE)
         return _Left(shares[0], np.log(shares[1] / shares[0]) / (_LESS - 1.0))
 
 
@@ -256,8 +255,7 @@ class _Loose:
         else:
             units = np.zeros((_SHARES, len(self._whole) + 1))
             units[:, -1] = np.linspace(-2.5, 2.0, _SHARES)
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return units, np.array(list(pool.map(self._ideal, units)))
+        return units, self._ideals(units, rough=True)
 
     @cached_property
     def _best_m_s(self) -> Array:
@@ -294,13 +292,17 @@ class _Loose:
         """Return the best unknowns with one of the servos, chi2, and the ideal speeds' slopes."""
         from scipy.optimize import least_squares
 
+        def all_left(units: Array) -> Array:
+            shares = np.array([self._servos.at(self._amplitude(x))[one] for x in units])
+            off = (shares * self._ideals(units) - measured.speed_m_s) / noise
+            return np.hstack([off, units])
+
         def left(x: Array) -> Array:
-            speeds = self._servos.at(self._amplitude(x))[one] * self._ideal(x)
-            return np.append((speeds - measured.speed_m_s) / noise, x)
+            return all_left(x[None])[0]
 
         def slopes(x: Array) -> Array:
-            here = left(x)
-            return np.array([left(x + s) - here for s in _STEP * np.eye(len(x))]).T / _STEP
+            here, *moved = all_left(x + _STEP * np.eye(len(x) + 1, len(x), -1))
+            return (np.array(moved) - here).T / _STEP
 
         found = least_squares(
             left, begin, ftol=1e-2, xtol=1e-2, max_nfev=_MOST_STEPS,
@@ -330,11 +332,20 @@ class _Loose:
         return float(np.clip(1.0 + self._amplitude_sigma * x[-1], 0.05, 1.5))
 
     def _ideal(self, x: Array) -> Array:
-        whole = (self._whole * np.exp(np.clip(self._root @ x[:-1], -3.0, 3.0))).tolist()
-        robot, share = self._fit.robot, self._amplitude(x)
-        ground = ground_of(robot.links, whole)
-        made = [g if g in self._seen else scaled(g, share) for g in self._gaits]
-        return np.array([speed(robot, ground, g) for g in made])
+        return self._ideals(x[None])[0]
+
+    def _ideals(self, units: Array, rough: bool = False) -> Array:
+        """Return the speeds of all gaits at some unknowns, (K, gaits), m/s."""
+        whole = self._whole * np.exp(np.clip(units[:, :-1] @ self._root.T, -3.0, 3.0))
+        robot, shares = self._fit.robot, [self._amplitude(x) for x in units]
+        grounds = [ground_of(robot.links, row) for row in whole.tolist()]
+
+        def of(gait: Gait) -> Array:
+            made = [gait if gait in self._seen else scaled(gait, share) for share in shares]
+            draws = list(zip(grounds, made, strict=True))
+            return drawn_speeds(robot, draws[0], draws, rough)
+
+        return np.array([of(gait) for gait in self._gaits]).T
 
 
 def _mean_of_logs(likely: Array) -> float:

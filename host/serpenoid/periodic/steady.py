@@ -202,21 +202,26 @@ def steady_gait(
     check_parts(robot, ground, gait)
     check_ground(ground, rtol)
     s = _core.steady(core_model(robot, ground, gait), rtol, powers, MAX_ELEMENTS)
-    error = relative_error(s.speed_error, s.speed, robot, gait)
-    found = Steady(
-        robot, ground, gait, s.speed, s.power, s.abs_power, s.positive_power, s.turn, s.chord,
-        error, s.power_error, s.positive_power_error, s.turn_error, s.direction,
-        *_settling(s, gait), s.start, s.monodromy,
-    )  # fmt: skip
+    found = from_core(robot, ground, gait, s)
     if s.converged:
         return found
     raise NotConverged(
         f"no periodic state found to rtol {rtol:g} for {gait} on {ground}: the best has a speed of "
-        f"{s.speed:.6g} m/s with an error of {error:.1g} of itself{_what_else(found, rtol)} (it is "
-        "this exception's `best`); ask for a larger rtol, or follow the motion in time with "
-        "simulate",
+        f"{s.speed:.6g} m/s with an error of {found.error_estimate:.1g} of itself"
+        f"{_what_else(found, rtol)} (it is this exception's `best`); ask for a larger rtol, or "
+        "follow the motion in time with simulate",
         best=found,
     )
+
+
+def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) -> Steady:
+    """Return the core's answer for a gait as users see it."""
+    error = relative_error(s.speed_error, s.speed, robot, gait)
+    return Steady(
+        robot, ground, gait, s.speed, s.power, s.abs_power, s.positive_power, s.turn, s.chord,
+        error, s.power_error, s.positive_power_error, s.turn_error, s.direction,
+        *_settling(s, gait), s.start, s.monodromy,
+    )  # fmt: skip
 
 
 def _what_else(best: Steady, rtol: float) -> str:

@@ -89,8 +89,9 @@ def sweep(
     powers
         Whether to compute powers; without them a sweep is faster.
     servo
-        What moves the joints, beside ideal ones: some 15 ms a gait, and 33 times that for a kind
-        that is in doubt. For one robot on one ground; solved here also where there is a scheduler.
+        What moves the joints, beside ideal ones: some 15 ms a gait, and about 15 times that for a
+        kind that is in doubt. For one robot on one ground; solved here also where there is a
+        scheduler.
     threads
         Number of threads; all processors unless given. It changes no bit of the result.
     scheduler

@@ -15,6 +15,7 @@ from serpenoid.calibration.advising.stations import places
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, speed_band
+from serpenoid.periodic import servo_steady
 
 GAIT = sn.Gait(math.radians(70), math.radians(75), 2 * math.pi * 0.25)
 
@@ -172,9 +173,9 @@ def test_advice_after_a_comparison_solves_for_no_servo_again(monkeypatch):
     plan = replace(made.setup.procedure, gaits=(replace(GAIT, omega_rad_s=math.pi),))
     run = GaitRun(900, GAIT.alpha_rad, GAIT.beta_rad, math.pi * (1 + 2e-5), 0.09, 0.02)
     made = replace(made, setup=replace(made.setup, procedure=plan), gait_runs=(run,))
-    solved, solve = [], speed_samples.servo_speed
+    solved, solve = [], servo_steady.servo_speed
     monkeypatch.setattr(
-        speed_samples, "servo_speed", lambda *pair: solved.append(pair) or solve(*pair)
+        servo_steady, "servo_speed", lambda *pair: solved.append(pair) or solve(*pair)
     )
     shown = sn.compare(made, fit := sn.fit_friction(made)).gaits[0]
     count = len(solved)

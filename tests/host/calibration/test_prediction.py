@@ -91,7 +91,10 @@ def test_the_stated_error_is_a_speed(fit) -> None:
 
 def test_drawn_amplitudes_have_the_sigma_that_was_given(fit, monkeypatch) -> None:
     """With the amplitude in place of the speed, the samples are the amplitudes themselves."""
-    monkeypatch.setattr(speed_samples, "speed", lambda robot, ground, gait, *_: gait.alpha_rad)
+    monkeypatch.setattr(
+        speed_samples, "drawn_speeds",
+        lambda robot, near, draws: np.array([gait.alpha_rad for _, gait in draws]),
+    )  # fmt: skip
     gait = sn.Gait(0.5, 1.2, 3.0)
     drawn = speed_samples.sample_speeds(fit, [gait], amplitude_sigma=0.04, count=512)
     ratio = drawn.both_m_s[:, 0] / gait.alpha_rad

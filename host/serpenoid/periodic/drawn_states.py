@@ -1,0 +1,55 @@
+"""Periodic states of draws that make one band, each begun from one that is near."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..model.core_model import core_model
+from ..model.gait import Gait
+from ..model.ground import Ground
+from ..model.robot import Robot
+from .grid import threads_to_use
+from .steady import MAX_ELEMENTS, Steady, check_ground, from_core, steady_gait
+
+Array = NDArray[np.float64]
+Draw = tuple[Ground, Gait]
+_RTOL = 1e-3
+
+
+def drawn_states(robot: Robot, near: Draw, draws: Sequence[Draw]) -> list[Steady]:
+    """Return the periodic state of each draw to 1e-3 of its speed, begun from one that is near.
+
+    Raises BadInput and NotConverged as `steady_gait` does.
+    """
+    found = _solved(robot, near, draws, rough=False)
+    return [
+        from_core(robot, *draw, s) if s.converged
+        else steady_gait(robot, *draw, rtol=_RTOL, powers=False)
+        for draw, s in zip(draws, found, strict=True)
+    ]  # fmt: skip
+
+
+def drawn_speeds(robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool = False) -> Array:
+    """Return the speeds of draws, m/s, as `drawn_states`.
+
+    rough: mostly to a thousandth or two, at a cliff far worse; for searches alone.
+    """
+    found = _solved(robot, near, draws, rough)
+    return np.array([
+        s.speed if s.converged else steady_gait(robot, *draw, rtol=_RTOL, powers=False).speed_m_s
+        for draw, s in zip(draws, found, strict=True)
+    ])  # fmt: skip
+
+
+def _solved(
+    robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool
+) -> list[_core.SteadyState]:
+    for ground, _ in (near, *draws):
+        check_ground(ground, _RTOL)
+    middle, *models = (core_model(robot, *draw) for draw in (near, *draws))
+    threads = min(threads_to_use(None), max(len(models), 1))
+    return _core.neighbours(middle, models, _RTOL, False, MAX_ELEMENTS, threads, rough=rough)

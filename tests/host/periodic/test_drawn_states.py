@@ -1,0 +1,103 @@
+"""Draws of one band, begun from one another and mostly with rough servos: as solved each alone."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid.periodic import drawn_states, servo_steady
+from serpenoid.periodic.servo_steady import drawn_servo_speeds, servo_speed, servo_speeds
+
+# robot, ground, gait and kind of servo: dry, at the cliff (some draws stick, some run), viscous
+CASES = {
+    "dry": (sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2, 0.0233, 0.045),
+            sn.Gait(1.22, 1.31, math.pi), "hobby"),
+    "dry, few links": (sn.Robot(3, 0.08, 0.07), sn.Ground(0.03, 0.5, 0.02, 0.12),
+                       sn.Gait(1.0, 1.1, 3.0), "XL-330"),
+    "cliff": (sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2, 0.0233, 0.045),
+              sn.Gait(0.7, 1.05, math.pi), "hobby"),
+    "viscous": (sn.Robot(5, 0.06, 0.06), sn.Ground(0.04, 0.8), sn.Gait(0.9, 1.1, 4.0), "MG996R"),
+}  # fmt: skip
+
+
+def drawn(name: str, count: int = 48) -> tuple:
+    robot, ground, gait, kind = CASES[name]
+    rng = np.random.default_rng(5)
+    values = np.array([ground.ct, ground.cn, ground.ft0, ground.fn0])
+    grounds = values * np.exp(0.1 * rng.normal(size=(count, 4)))
+    alphas = gait.alpha_rad * (1 + 0.03 * rng.normal(size=count))
+    draws = [
+        (sn.Ground(*row), sn.Gait(alpha, gait.beta_rad, gait.omega_rad_s))
+        for row, alpha in zip(grounds.tolist(), alphas.tolist(), strict=True)
+    ]
+    return robot, (ground, gait), draws, sn.servo(kind).draws(count, 3)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_draws_begun_from_one_that_is_near_have_the_speeds_of_each_alone(name) -> None:
+    robot, near, draws, _ = drawn(name)
+    alone = [sn.steady_gait(robot, *draw, rtol=1e-6, powers=False).speed_m_s for draw in draws]
+    # 1e-3 is asked for, and a slow gait's error is relative to a ten-thousandth of a body length
+    assert drawn_states.drawn_speeds(robot, near, draws) == pytest.approx(alone, rel=1e-3, abs=2e-7)
+    states = drawn_states.drawn_states(robot, near, draws)
+    assert [s.speed_m_s for s in states] == pytest.approx(alone, rel=1e-3, abs=2e-7)
+    assert [s.ground for s in states] == [ground for ground, _ in draws]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_band_of_rough_draws_is_that_of_fine_ones(name) -> None:
+    """Ends to a tenth of the half band: 48 draws leave each end twice that in doubt."""
+    robot, near, draws, servos = drawn(name)
+    ideal = drawn_states.drawn_states(robot, near, draws)
+    found = drawn_servo_speeds(ideal, servos)
+    true = servo_speeds(zip(ideal, servos, strict=True))
+    shares = [0.025, 0.16, 0.5, 0.84, 0.975]
+    there, here = (np.quantile(v, shares, method="weibull") for v in (true, found))
+    assert np.abs(there - here).max() < 0.05 * (there[-1] - there[0])
+    assert np.corrcoef(true, found)[0, 1] > 0.99  # each draw, too: verdicts hang on them
+
+
+checked: Any = servo_steady._checked  # states and servos are numbers here
+
+
+def fake(noise: float, factor: float, solved: list):
+    """Servos whose fine speed is known and whose rough one is off by a factor and as by noise."""
+
+    def value(state: float, servo: float, rough: bool) -> float:
+        solved.append(rough)
+        off = factor * math.exp(noise * math.sin(1e5 * state)) if rough else 1.0
+        return state * servo * off
+
+    return value
+
+
+def test_few_are_solved_finely_and_put_the_others_right() -> None:
+    solved: list[bool] = []
+    speeds = np.exp(0.2 * np.random.default_rng(2).normal(size=64))
+    found = checked(fake(0.01, 0.8, solved), speeds, [0.1] * 64)
+    assert (solved.count(True), solved.count(False)) == (64, 8)
+    assert found == pytest.approx(0.1 * speeds, rel=0.05)
+
+
+@pytest.mark.parametrize(("noise", "count"), [(0.3, 64), (0.0, 12)])
+def test_all_are_solved_finely_where_rough_ones_are_no_good_or_few_are_drawn(noise, count) -> None:
+    speeds = np.exp(0.2 * np.random.default_rng(2).normal(size=count))
+    found = checked(fake(noise, 1.0, []), speeds, [0.1] * count)
+    assert found == pytest.approx(0.1 * speeds, rel=1e-12)
+
+
+def test_servos_that_differ_by_less_than_rough_states_err_are_told_apart() -> None:
+    """A servo known to half a per cent: its band is no artefact of rough states."""
+    robot, near, draws, servos = drawn("dry", 1)
+    ideal = drawn_states.drawn_states(robot, near, draws) * 24
+    found = drawn_servo_speeds(ideal, servos * 24)
+    assert found == pytest.approx([servo_speed(ideal[0], servos[0])] * 24, rel=1e-9)
+
+
+def test_ground_without_friction_is_refused() -> None:
+    robot, near, draws, _ = drawn("viscous", 2)
+    with pytest.raises(sn.BadInput, match="no friction"):
+        drawn_states.drawn_states(robot, near, [*draws, (sn.Ground(0.0, 0.0), near[1])])
