@@ -207,7 +207,7 @@ def test_real_speeds_tell_the_amplitude() -> None:
     data = CrawlData(GAITS[:2], two, two, np.zeros(2, bool), ((1,),) * 2)
     robot = session.setup.robot
     assert robot.links * robot.link_mass_kg == pytest.approx(MASS)
-    slow = data.of_robot(robot)(np.array([TRUTH]), np.array([0.94]))[0]
+    slow = data.of_robot(robot, np.array(TRUTH))(np.array([TRUTH]), np.array([0.94]))[0]
     session = replace(session, gait_runs=with_runs(session, np.resize(slow, 6)).gait_runs[:2])
     fit = fit_friction(session, crawls=True)
     amplitude = fit.nuisances["joint_amplitude"]

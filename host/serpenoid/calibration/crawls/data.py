@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
@@ -12,28 +12,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.drives import Servo, ServoKind
-from ...model.errors import NotConverged
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...periodic.servo_steady import moved_by
 from ...periodic.steady import steady_gait
-from ..friction_result import Estimate, ground_of
+from ..friction_result import Estimate
 from ..kinds.gait import RUN_WAYS, GaitRun
 from ..kinds.video import FilmReading
 from ..session import Session
-from ..speed_samples import MODEL_SIGMA, scaled, speed
+from ..speed_samples import MODEL_SIGMA
 from .runs import runs_by_gait, same_gait
 from .slope import sloped_speed
+from .speeds import Array, Speeds, SpeedSolver
 
-Array = NDArray[np.float64]
 LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
 SLOPE_SIGMA = 0.2  # of what a slope does to a speed: friction is not yet as it will be fitted
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
 SERVO_DRAWS = 128
 SERVO_SIGMA = 0.005  # relative, of what a servo is predicted to do
 GRAIN = 0.01  # the same, where few servos are drawn of many
-Speeds = Callable[[Array, Array], Array]  # (K, 4) frictions, (K,) amplitudes -> (K, gaits), m/s
 
 
 @dataclass(frozen=True)
@@ -100,21 +98,13 @@ class CrawlData:
         """Return how many gaits there are."""
         return len(self.gaits)
 
-    def of_robot(self, robot: Robot) -> Speeds:
-        """Return what solves for the speeds of a robot whose joints follow the gait."""
+    def of_robot(self, robot: Robot, at: Array, near: bool = False) -> Speeds:
+        """Return what solves for the speeds of a robot whose joints follow the gait.
 
-        def at(pair: tuple[list[float], float]) -> list[float]:
-            ground = ground_of(robot.links, pair[0])
-            made = [g if s else scaled(g, pair[1]) for g, s in zip(self.gaits, self.seen,
-                                                                   strict=True)]  # fmt: skip
-            return [_or_nothing(robot, ground, gait) for gait in made]
-
-        def speeds(whole: Array, amplitude: Array) -> Array:
-            pairs = list(zip(whole.tolist(), amplitude.tolist(), strict=True))
-            with ThreadPoolExecutor(os.cpu_count()) as pool:
-                return np.array(list(pool.map(at, pairs)))
-
-        return speeds
+        at: frictions, whole snake, (4,), about those that will be asked for; near: some per cent.
+        """
+        asked = self.asked or self.gaits
+        return SpeedSolver(robot, self.gaits, self.seen.tolist(), asked, at, near)
 
     def effects(
         self, robot: Robot, ground: Ground, kind: ServoKind | None, seed: int = 0
@@ -185,11 +175,3 @@ def effects_of(
     amplitude = found[:, np.asarray(seen, dtype=bool), 1]
     sigma = SERVO_SIGMA if len(servos) == 1 else GRAIN
     return ServoEffects(servos, np.maximum(found[..., 0], 1e-3), amplitude, sigma)
-
-
-def _or_nothing(robot: Robot, ground: Ground, gait: Gait) -> float:
-    """Return the speed, 0 where the solver finds none: so strange frictions are not the answer."""
-    try:
-        return speed(robot, ground, gait)
-    except NotConverged:
-        return 0.0

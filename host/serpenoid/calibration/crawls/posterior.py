@@ -1,11 +1,14 @@
 """Draws of the frictions and the joints' amplitude that speeds of crawls leave, whatever its shape.
 
-The posterior is no normal cloud: speeds tell a curved valley beside a cliff, with several minima.
 Unknown are u, standard normal before the crawls: the logarithms of four frictions and the joints'
-amplitude. The minima are sought from the best of many points all over. Then points are drawn about
-them, and about the best points drawn so far, each time by Student's distribution with the curvature
-found there. Every point counts by its posterior over the mean density of all that were drawn from
-(adaptive multiple importance sampling, Cornuet et al. 2012).
+amplitude. Where pushes told the frictions, one Newton search finds the likeliest. Points are drawn
+about it, for each servo by the normal distribution that the slopes there make of it, and some from
+what was known before. Else the posterior is no normal cloud: speeds tell a curved valley beside a
+cliff, with several minima. The minima are then sought from the best of many points all over. If
+that is not enough, points are drawn about the best ones drawn so far, by the curvature found there.
+Every point counts by its posterior over the mean density of all that were drawn from (adaptive
+multiple importance sampling, Cornuet et al. 2012): the answer does not hang on where they were
+drawn.
 """
 
 from __future__ import annotations
@@ -15,15 +18,18 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .data import LEAST_M_S, CrawlData, ServoEffects, Speeds
+from .data import LEAST_M_S, CrawlData, ServoEffects
+from .speeds import Array, Speeds
 
-Array = NDArray[np.float64]
 UNKNOWNS = 5
 _FREEDOM = 4.0  # of Student's distribution: long tails cover what a curvature misses
 _STEP = 0.02  # of an unknown, for slopes
 _STARTS, _NEWTON, _ROUNDS, _CENTRES = 8, 8, 8, 24
 _ENOUGH = 300.0  # independent draws: no further round is needed
 _WIDE = 1.3  # of the widths by the curvature
+_NARROW = 0.2  # of a logarithm: frictions that are known so well leave one minimum
+_NARROW_FREEDOM, _NARROW_WIDE = 8.0, 1.1
+_DEFENSIVE = 1 / 16  # of the points about one minimum: drawn from what was known before
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,12 @@ class Before:
     amplitude_sigma: float
     rows: Array = field(default_factory=lambda: np.zeros((0, 4)))
     values: Array = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def narrow(self) -> bool:
+        """Tell whether the frictions are known so well that there is one minimum."""
+        known = np.sqrt(np.sum(self.root**2, axis=1))
+        return not len(self.rows) and float(known.max()) < _NARROW
 
     def whole(self, u: Array) -> Array:
         """Return the frictions of unknowns (K, 5)."""
@@ -100,17 +112,33 @@ class Posterior:
         own = -0.5 * np.sum(self.residuals(u) ** 2, axis=2)
         return np.asarray(own - 0.5 * np.sum(u**2, axis=1)[:, None])
 
-    def curvature(self, u: Array) -> tuple[Array, Array, Array]:
-        """Return J'J + 1 (K, 5, 5), the gradient (K, 5) and half chi2 (K,), at the best servo."""
-        count = len(u)
+    def _slopes(self, u: Array) -> tuple[Array, Array]:
+        """Return residuals, (K, servos, R), and their slopes, (K, servos, R, 5)."""
         ends = np.concatenate([u, *(u + _STEP * e for e in np.eye(UNKNOWNS))])
-        every = self.residuals(ends).reshape(UNKNOWNS + 1, count, len(self._effects.share), -1)
-        servo = np.argmin(np.sum(every[0] ** 2, axis=2), axis=1)
-        own = every[:, np.arange(count), servo]
-        slopes = np.moveaxis(own[1:] - own[0], 0, 2) / _STEP  # (K, gaits, 5)
-        normal = np.einsum("kgi,kgj->kij", slopes, slopes) + np.eye(UNKNOWNS)
-        gradient = np.einsum("kgi,kg->ki", slopes, own[0]) + u
-        return normal, gradient, 0.5 * (np.sum(own[0] ** 2, axis=1) + np.sum(u**2, axis=1))
+        every = self.residuals(ends)
+        every = every.reshape(UNKNOWNS + 1, len(u), *every.shape[1:])
+        return every[0], np.moveaxis(every[1:] - every[0], 0, -1) / _STEP
+
+    def curvature(
+        self, u: Array, servo: NDArray[np.intp] | None = None
+    ) -> tuple[Array, Array, Array]:
+        """Return J'J + 1 (K, 5, 5), the gradient (K, 5) and half chi2 (K,), at the best servo.
+
+        servo: (K,), at these instead.
+        """
+        off, slopes = self._slopes(u)
+        best = np.argmin(np.sum(off**2, axis=2), axis=1) if servo is None else servo
+        each = np.arange(len(u)), best
+        return _expanded(off[each], slopes[each], u)
+
+    def about(self, u: Array) -> tuple[Array, Array, Array]:
+        """Return each servo's normal approximation about a point (5,): weight, mean, J'J + 1."""
+        off, slopes = (part[0] for part in self._slopes(u[None]))
+        normal, gradient, cost = _expanded(off, slopes, np.broadcast_to(u, (len(off), UNKNOWNS)))
+        step = -np.linalg.solve(normal, gradient[..., None])[..., 0]
+        log = -cost - 0.5 * np.sum(step * gradient, axis=1) - 0.5 * np.linalg.slogdet(normal)[1]
+        weight = np.exp(log - log.max())
+        return weight / weight.sum(), u + step, normal
 
     def minima(self, u: Array) -> Array:
         """Return where damped Newton steps from some points end."""
@@ -133,40 +161,80 @@ class Posterior:
         return u
 
 
-def draw(posterior: Posterior, before: Before, count: int, seed: int, first: int = 512) -> Drawn:
-    """Draw from the posterior; first: points all over to begin with; count: draws given back."""
-    from scipy.special import ndtri
-    from scipy.stats import qmc
+def _expanded(off: Array, slopes: Array, u: Array) -> tuple[Array, Array, Array]:
+    """Return J'J + 1 (K, 5, 5), the gradient (K, 5) and half chi2 (K,) of residuals (K, R)."""
+    normal = np.einsum("kgi,kgj->kij", slopes, slopes) + np.eye(UNKNOWNS)
+    gradient = np.einsum("kgi,kg->ki", slopes, off) + u
+    return normal, gradient, 0.5 * (np.sum(off**2, axis=1) + np.sum(u**2, axis=1))
 
+
+def draw(posterior: Posterior, before: Before, count: int, seed: int, first: int = 512) -> Drawn:
+    """Draw from the posterior; first: points drawn at once; count: draws given back."""
     rng = np.random.default_rng(seed)
-    sobol = qmc.Sobol(UNKNOWNS, seed=seed)  # pyright: ignore[reportCallIssue]
-    u = ndtri(sobol.random(first))
-    each = posterior.by_servo(u)
-    begin = u[_apart(u, _summed(each), _STARTS)]
-    found = posterior.minima(begin)
-    costs = posterior.curvature(found)[2]
-    lost = float(np.mean(costs > costs.min() + 8.0))
-    densities, sizes = [_Mixture.normal()], [first]
-    centres = found[costs < costs.min() + 12.0]
-    weights = np.empty(0)
+    points, lost = _Points(posterior), 0.0
+    if before.narrow:
+        found = posterior.minima(np.zeros((1, UNKNOWNS)))
+        mixture = _Mixture.by_servo(posterior, found[0])
+    else:
+        mixture, lost = _all_over(points, first, seed)
     for _ in range(_ROUNDS):
-        mixture = _Mixture.about(posterior, centres)
-        fresh = mixture.draw(rng, first)
-        densities.append(mixture)
-        sizes.append(first)
-        u, each = np.concatenate([u, fresh]), np.concatenate([each, posterior.by_servo(fresh)])
-        weights = _weights(u, _summed(each), densities, sizes)
+        points.add(mixture, mixture.draw(rng, first))
+        weights = points.weights
         if 1.0 / np.sum(weights**2) > _ENOUGH:
             break
-        centres = u[rng.choice(len(weights), _CENTRES, p=weights)]
+        chosen = rng.choice(len(weights), _CENTRES, p=weights)
+        mixture = _Mixture.about(posterior, points.u[chosen], _one_each(points.each[chosen], rng))
+    u, each, weights = points.u, points.each, points.weights
     best = posterior.minima(u[[int(np.argmax(each.max(axis=1)))]])
+    by_servo = posterior.by_servo(best)[0]
     picked = _evenly(weights, count, rng)
     return Drawn(
         before.whole(u[picked]), before.amplitude(u[picked]), _one_each(each[picked], rng),
-        before.whole(best)[0], float(before.amplitude(best)[0]),
-        int(np.argmax(posterior.by_servo(best)[0])), 2 * float(posterior.curvature(best)[2][0]),
-        1.0 / float(np.sum(weights**2)), lost,
+        before.whole(best)[0], float(before.amplitude(best)[0]), int(np.argmax(by_servo)),
+        -2.0 * float(by_servo.max()), 1.0 / float(np.sum(weights**2)), lost,
     )  # fmt: skip
+
+
+class _Points:
+    """Points that were drawn so far, what they were drawn from, and their posterior by servo."""
+
+    def __init__(self, posterior: Posterior):
+        self.posterior = posterior
+        self.u, self.each = np.empty((0, UNKNOWNS)), np.empty((0, 0))
+        self._drawn_from: list[tuple[_Mixture, int]] = []
+
+    def add(self, mixture: _Mixture, u: Array) -> None:
+        """Take in points that were drawn from a mixture."""
+        each = self.posterior.by_servo(u)
+        self.u = np.concatenate([self.u, u])
+        self.each = np.concatenate([self.each.reshape(-1, each.shape[1]), each])
+        self._drawn_from.append((mixture, len(u)))
+
+    @property
+    def weights(self) -> Array:
+        """Return each point's posterior over the mean density that it was drawn from, sum 1."""
+        from scipy.special import logsumexp
+
+        sizes = np.array([size for _, size in self._drawn_from])
+        each = np.array([mixture.log_density(self.u) for mixture, _ in self._drawn_from])
+        density = logsumexp(each + np.log(sizes / sizes.sum())[:, None], axis=0)
+        weight = _summed(self.each) - np.asarray(density)
+        weight = np.exp(weight - weight.max())
+        return weight / weight.sum()
+
+
+def _all_over(points: _Points, first: int, seed: int) -> tuple[_Mixture, float]:
+    """Return what to draw from about all minima, and the share of them that is not believed."""
+    from scipy.special import ndtri
+    from scipy.stats import qmc
+
+    posterior = points.posterior
+    sobol = qmc.Sobol(UNKNOWNS, seed=seed)  # pyright: ignore[reportCallIssue]
+    points.add(_Mixture.normal(), ndtri(sobol.random(first)))
+    found = posterior.minima(points.u[_apart(points.u, _summed(points.each), _STARTS)])
+    costs = posterior.curvature(found)[2]
+    lost = float(np.mean(costs > costs.min() + 8.0))
+    return _Mixture.about(posterior, found[costs < costs.min() + 12.0]), lost
 
 
 def _summed(each: Array) -> Array:
@@ -184,24 +252,38 @@ def _one_each(log: Array, rng: np.random.Generator) -> NDArray[np.intp]:
 
 @dataclass(frozen=True)
 class _Mixture:
-    """Student's distributions about some centres, each as likely; freedom infinite: one normal."""
+    """Student's distributions about some centres; freedom infinite: normal ones.
+
+    shares: of each, all alike unless given.
+    """
 
     centres: Array
     roots: Array
     freedom: float
+    shares: Array | None = None
 
     @classmethod
     def normal(cls) -> _Mixture:
         return cls(np.zeros((1, UNKNOWNS)), np.eye(UNKNOWNS)[None], np.inf)
 
     @classmethod
-    def about(cls, posterior: Posterior, centres: Array) -> _Mixture:
-        normal, _, _ = posterior.curvature(centres)
-        roots = np.asarray(np.linalg.cholesky(np.linalg.inv(normal)), dtype=np.float64)
-        return cls(centres, _WIDE * roots, _FREEDOM)
+    def about(
+        cls, posterior: Posterior, centres: Array, servo: NDArray[np.intp] | None = None
+    ) -> _Mixture:
+        return cls(centres, _WIDE * _roots(posterior.curvature(centres, servo)[0]), _FREEDOM)
+
+    @classmethod
+    def by_servo(cls, posterior: Posterior, u: Array) -> _Mixture:
+        """Return what the slopes at a minimum make of the posterior, and a share of what was."""
+        weight, means, normal = posterior.about(u)
+        return cls(
+            np.vstack([means, np.zeros(UNKNOWNS)]),
+            np.concatenate([_NARROW_WIDE * _roots(normal), np.eye(UNKNOWNS)[None]]),
+            _NARROW_FREEDOM, np.append((1.0 - _DEFENSIVE) * weight, _DEFENSIVE),
+        )  # fmt: skip
 
     def draw(self, rng: np.random.Generator, count: int) -> Array:
-        of = rng.integers(len(self.centres), size=count)
+        of = rng.choice(len(self.centres), size=count, p=self.shares)
         wide = np.sqrt(self.freedom / rng.chisquare(self.freedom, size=count))
         units = rng.normal(size=(count, UNKNOWNS)) * wide[:, None]
         return self.centres[of] + np.einsum("kij,kj->ki", self.roots[of], units)
@@ -219,18 +301,12 @@ class _Mixture:
         else:
             head = gammaln((n + d) / 2) - gammaln(n / 2) - 0.5 * d * np.log(n * np.pi)
             each = head - volume - 0.5 * (n + d) * np.log1p(far / n)
-        return np.asarray(logsumexp(each, axis=1)) - np.log(len(self.centres))
+        shares = np.full(len(volume), 1.0 / len(volume)) if self.shares is None else self.shares
+        return np.asarray(logsumexp(each, axis=1, b=shares))
 
 
-def _weights(u: Array, log: Array, densities: list[_Mixture], sizes: list[int]) -> Array:
-    """Return each point's weight: its posterior over the mean density that it was drawn from."""
-    from scipy.special import logsumexp
-
-    shares = np.log(np.array(sizes) / sum(sizes))[:, None]
-    each = np.array([one.log_density(u) for one in densities])
-    weight = log - np.asarray(logsumexp(each + shares, axis=0))
-    weight = np.exp(weight - weight.max())
-    return weight / weight.sum()
+def _roots(normal: Array) -> Array:
+    return np.asarray(np.linalg.cholesky(np.linalg.inv(normal)), dtype=np.float64)
 
 
 def _apart(u: Array, log: Array, count: int) -> list[int]:

@@ -26,9 +26,10 @@ from ..friction_result import (
 )
 from ..session import Session
 from ..speed_samples import AMPLITUDE_SIGMA
-from .data import CrawlData, ServoEffects, Speeds
+from .data import CrawlData, ServoEffects
 from .level import floor_slope
-from .posterior import Array, Before, Drawn, Posterior, draw
+from .posterior import Before, Drawn, Posterior, draw
+from .speeds import Array, Speeds
 
 # Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
 # e or so, and no two of them alike.
@@ -54,8 +55,8 @@ def fit_crawls(
     _check(session, data, other)
     robot, before = session.setup.robot, _before(session, other)
     taken, slope = data, floor_slope(session, other)
-    solver = speeds or data.of_robot(robot)
     at, drawn, found = np.exp(before.mean), None, effects
+    solver = speeds or data.of_robot(robot, at, before.narrow)
     # what servos leave, and what open pushes tell, depends on where the frictions are
     for _ in range(1 + (other is None and (servo is not None or open_pushes))):
         if open_pushes:
