@@ -171,9 +171,11 @@ def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> 
         return np.fromiter(found, float)
 
 
-def drawn_servo_speeds(ideal: Sequence[Steady], servos: Sequence[Servo]) -> Array:
+def drawn_servo_speeds(
+    ideal: Sequence[Steady], servos: Sequence[Servo], threads: int | None = None
+) -> Array:
     """Return the speed of each draw with its servo, m/s; ideal: the draws with ideal joints."""
-    return _checked(servo_speed, ideal, servos)
+    return _checked(servo_speed, ideal, servos, threads)
 
 
 def drawn_ripple_shares(ideal: Sequence[Steady], servos: Sequence[Servo]) -> Array:
@@ -182,8 +184,9 @@ def drawn_ripple_shares(ideal: Sequence[Steady], servos: Sequence[Servo]) -> Arr
 
 
 def _checked(
-    value: Callable[[Steady, Servo, bool], float], ideal: Sequence[Steady], servos: Sequence[Servo]
-) -> Array:
+    value: Callable[[Steady, Servo, bool], float], ideal: Sequence[Steady],
+    servos: Sequence[Servo], threads: int | None = None,
+) -> Array:  # fmt: skip
     """Return a value of each draw by its servo's rough state, held to fine ones.
 
     A rough state costs a quarter of a fine one or less and is mostly 1 % off.
@@ -195,7 +198,7 @@ def _checked(
     from concurrent.futures import ThreadPoolExecutor  # slow to import
 
     def solved(which: Sequence[int], rough: bool) -> Array:
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
+        with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
             return np.array(list(pool.map(lambda k: value(ideal[k], servos[k], rough), which)))
 
     every = range(len(servos))

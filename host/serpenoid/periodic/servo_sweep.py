@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
@@ -14,8 +14,8 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .servo_steady import BAND, DRAWS, band_end, servo_state
-from .steady import steady_gait
+from .servo_steady import BAND, DRAWS, band_end, drawn_servo_speeds, servo_state
+from .steady import Steady, steady_gait
 
 Array = NDArray[np.float64]
 _RTOL = 1e-3
@@ -38,7 +38,7 @@ def servo_grid(
             ideal = steady_gait(robot, ground, Gait(*shape), rtol=_RTOL, powers=False)
         except NotConverged:
             return np.nan, np.nan, np.nan
-        return _of_gait(servo_state(ideal, one) for one in servos)
+        return _of_gait(ideal, servos)
 
     found = []
     with ThreadPoolExecutor(threads) as pool:
@@ -50,14 +50,14 @@ def servo_grid(
     return typical.reshape(size), low.reshape(size), high.reshape(size)
 
 
-def _of_gait(states: Iterator) -> tuple[float, float, float]:
+def _of_gait(ideal: Steady, servos: list[Servo]) -> tuple[float, float, float]:
     """Return the first servo's speed, and the band of the others, or its own spread."""
-    first, *others = states
+    first, others = servo_state(ideal, servos[0]), servos[1:]
     typical = first.speed if first.converged else np.nan
     if not others:
         return typical, max(typical - first.spread, 0.0), typical + first.spread
-    speeds = [state.speed for state in others if state.converged]
-    low, high = (band_end(speeds, end) for end in BAND) if speeds else (np.nan, np.nan)
+    speeds = drawn_servo_speeds([ideal] * len(others), others, threads=1)
+    low, high = (band_end(speeds.tolist(), end) for end in BAND)
     return typical, low, high
 
 
