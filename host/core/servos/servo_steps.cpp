@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
 #include <utility>
 
 namespace serpenoid {
@@ -14,38 +15,72 @@ constexpr int kAllAtOnce = 6, kMostRevisions = 60;
 constexpr double kHard = 1e3;     // times the stalled torque: what teeth can bear
 constexpr double kSpread = 1e-9;  // of the load, among more contacts than are needed to hold
 
-// In place, lower triangle, reciprocals on the diagonal.
-void cholesky(std::vector<double>& m, int size) {
-    for (int i = 0; i < size; ++i) {
-        for (int j = 0; j <= i; ++j) {
-            double sum = m[i * size + j];
-            for (int k = 0; k < j; ++k) sum -= m[i * size + k] * m[j * size + k];
-            m[i * size + j] = i == j ? 1 / std::sqrt(sum) : sum * m[j * size + j];
-        }
+// Sizes are ints, or constants for which the compiler unrolls.
+template <int Value>
+using Constant = std::integral_constant<int, Value>;
+
+// Two numbers, for the vector instructions that every processor has.
+typedef double Pair __attribute__((vector_size(16), may_alias, aligned(8)));
+Pair& pair(double* x) { return *reinterpret_cast<Pair*>(x); }
+const Pair& pair(const double* x) { return *reinterpret_cast<const Pair*>(x); }
+
+// to += a from
+template <class Size>
+INLINED void add(double* to, Size size, double a, const double* from) {
+    int i = 0;
+    for (; i + 1 < size; i += 2) pair(to + i) += a * pair(from + i);
+    if (i < size) to[i] += a * from[i];
+}
+
+template <class Size>
+INLINED double dot(const double* a, const double* b, Size size) {
+    Pair sum{};
+    int i = 0;
+    for (; i + 1 < size; i += 2) sum += pair(a + i) * pair(b + i);
+    return sum[0] + sum[1] + (i < size ? a[i] * b[i] : 0.0);
+}
+
+// In place, m = U^T U by the upper triangle; reciprocals on the diagonal.
+template <class Size>
+void cholesky(double* m, Size size) {
+    for (int k = 0; k < size; ++k) {
+        double* row = m + k * size;
+        const double inverse = 1 / std::sqrt(row[k]);
+        row[k] = inverse;
+        for (int i = k + 1; i < size; ++i) row[i] *= inverse;
+        for (int i = k + 1; i < size; ++i) add(m + i * size + i, size - i, -row[i], row + i);
     }
 }
 
-void forward(const std::vector<double>& m, int size, double* x) {
+// x becomes U^-T x.
+template <class Size>
+void forward(const double* m, Size size, double* x) {
     for (int i = 0; i < size; ++i) {
-        for (int k = 0; k < i; ++k) x[i] -= m[i * size + k] * x[k];
-        x[i] *= m[i * size + i];
+        const double* row = m + i * size;
+        x[i] *= row[i];
+        add(x + i + 1, size - i - 1, -x[i], row + i + 1);
     }
 }
 
-void backward(const std::vector<double>& m, int size, double* x) {
+// x becomes U^-1 x.
+template <class Size>
+void backward(const double* m, Size size, double* x) {
     for (int i = size; i-- > 0;) {
-        for (int k = i + 1; k < size; ++k) x[i] -= m[k * size + i] * x[k];
-        x[i] *= m[i * size + i];
+        const double* row = m + i * size;
+        x[i] = (x[i] - dot(row + i + 1, x + i + 1, size - i - 1)) * row[i];
     }
-}
-
-double dot(const double* a, const double* b, int size) {
-    double sum = 0;
-    for (int i = 0; i < size; ++i) sum += a[i] * b[i];
-    return sum;
 }
 
 }  // namespace
+
+// Links, and velocities of all that moves. Sizes of the common robot are known to the compiler.
+struct ServoSteps::AnySizes {
+    int links, all;
+};
+struct ServoSteps::SixLinks {
+    Constant<6> links;
+    Constant<8> all;
+};
 
 ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gait,
                        const Servo& servo, double longest)
@@ -87,14 +122,14 @@ ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gai
         for (int j = 0; j < n_; ++j)
             for (int k = 0; k < n_; ++k)
                 inertia_[i * n_ + j] += robot.m * lever_[k * n_ + i] * lever_[k * n_ + j];
-    const auto add = [&](double front, double back) {
+    const auto touch = [&](double front, double back) {
         contact_.push_back({std::vector<double>(size_), std::vector<double>(size_), front, back});
     };
     const WheelLaw along = WheelLaw::along(ground), across = WheelLaw::across(ground);
     for (int i = 0; i < n_; ++i)
-        add(along.dry(1), along.dry(-1)), add(across.dry(1), across.dry(-1));
-    for (int i = 0; i + 1 < n_; ++i) add(servo.gear_friction, servo.gear_friction);
-    for (int i = 0; i + 1 < n_ && play_; ++i) add(0, 0), contact_.back().teeth = true;
+        touch(along.dry(1), along.dry(-1)), touch(across.dry(1), across.dry(-1));
+    for (int i = 0; i + 1 < n_; ++i) touch(servo.gear_friction, servo.gear_friction);
+    for (int i = 0; i + 1 < n_ && play_; ++i) touch(0, 0), contact_.back().teeth = true;
 }
 
 void ServoSteps::start(double vx, double vy, double rate) {
@@ -170,34 +205,35 @@ void ServoSteps::cycle() {
     samples_.clear();
     std::fill(wave_.begin(), wave_.end(), 0.0);
     std::fill(lines_.begin(), lines_.end(), 0.0);
+    const AnySizes any{n_, size_};
     for (t_ = 0; t_ < T - 1e-9 * servo_.frame;) {
         enter();
         const double stop = std::min({T, frame_, tick_ > 0 ? update_ : T});
         const double whole = std::ceil((stop - t_) / longest_ - 1e-6);
         const int parts = split_ * std::max(1, static_cast<int>(whole));
         const double h = (stop - t_) / parts;
-        for (int p = 0; p < parts; ++p) step(h);
+        for (int p = 0; p < parts; ++p) n_ == 6 && !play_ ? step(SixLinks{}, h) : step(any, h);
         t_ = stop;
     }
     frame_ -= T, update_ -= T;
     finish(theta_[0] - heading);
 }
 
-void ServoSteps::step(double h) {
-    for (int i = 0; i < n_; ++i) {
-        theta_[i] += 0.5 * h * u_[i + 2];
-        c_[i] = std::cos(theta_[i]), s_[i] = std::sin(theta_[i]);
+template <class Sizes>
+void ServoSteps::step(Sizes sizes, double h) {
+    for (int i = 0; i < sizes.links; ++i) {
+        const double theta = theta_[i] += 0.5 * h * u_[i + 2];
+        c_[i] = std::cos(theta), s_[i] = std::sin(theta);
     }
-    for (int i = 0; i < size_; ++i) ahead_[i] = 1.5 * u_[i] - 0.5 * before_[i];
+    for (int i = 0; i < sizes.all; ++i) ahead_[i] = 1.5 * u_[i] - 0.5 * before_[i];
     before_ = u_;
-    masses(h);
+    masses(sizes, h);
     drive(h);
-    wheels(h);
+    wheels(sizes, h);
     if (play_) teeth(h);
-    cholesky(mass_, size_);
-    forward(mass_, size_, right_.data());
-    slide(h);
-    for (int i = 0; i < n_; ++i) theta_[i] += 0.5 * h * u_[i + 2];
+    cholesky(mass_.data(), sizes.all);
+    slide(sizes, h);
+    for (int i = 0; i < sizes.links; ++i) theta_[i] += 0.5 * h * u_[i + 2];
     for (int i = 0; i + 1 < n_ && play_; ++i) {
         const Contact& c = contact_[3 * n_ - 1 + i];
         const double half = 0.5 * servo_.backlash, by = rotor(u_, i) - joint(u_, i);
@@ -208,23 +244,26 @@ void ServoSteps::step(double h) {
 }
 
 // M, and M u0 with the Coriolis forces.
-void ServoSteps::masses(double h) {
+template <class Sizes>
+void ServoSteps::masses(Sizes sizes, double h) {
+    const auto n = sizes.links;
+    const auto size = sizes.all;
     std::fill(mass_.begin(), mass_.end(), 0.0);
-    mass_[0] = mass_[size_ + 1] = n_ * robot_.m;
-    double* to = &mass_[2 * size_ + 2];
+    mass_[0] = mass_[size + 1] = n_ * robot_.m;
+    double* to = &mass_[2 * size + 2];
     std::fill(right_.begin(), right_.end(), 0.0);
-    for (int i = 0; i < n_; ++i) {
+    for (int i = 0; i < n; ++i) {
         for (int j = 0; j <= i; ++j) {
-            const double a = inertia_[i * n_ + j];
-            to[i * size_ + j] = to[j * size_ + i] = a * (c_[i] * c_[j] + s_[i] * s_[j]);
+            const double a = inertia_[i * n + j];
+            to[i * size + j] = to[j * size + i] = a * (c_[i] * c_[j] + s_[i] * s_[j]);
             const double turn = h * a * (s_[i] * c_[j] - c_[i] * s_[j]);
             right_[i + 2] -= turn * ahead_[j + 2] * ahead_[j + 2];
             right_[j + 2] += turn * ahead_[i + 2] * ahead_[i + 2];
         }
-        to[i * size_ + i] += robot_.I;
+        to[i * size + i] += robot_.I;
     }
     for (int i = 0; i + 1 < n_; ++i) rotor_term(i, servo_.armature);
-    for (int i = 0; i < size_; ++i) right_[i] += dot(&mass_[i * size_], u_.data(), size_);
+    for (int i = 0; i < size; ++i) right_[i] += dot(&mass_[i * size], u_.data(), size);
 }
 
 // Add f r^2 / 2 to the quadratic form of the matrix, r the rate of a rotor.
@@ -259,14 +298,18 @@ void ServoSteps::drive(double h) {
 }
 
 // The rows of all contacts, and viscous friction.
-void ServoSteps::wheels(double h) {
-    for (int i = 0; i < n_; ++i) {
-        double *t = contact_[2 * i].row.data(), *n = contact_[2 * i + 1].row.data();
-        t[0] = c_[i], t[1] = s_[i], n[0] = -s_[i], n[1] = c_[i];
-        for (int j = 0; j < n_; ++j) {
-            const double lever = lever_[i * n_ + j];
-            t[j + 2] = lever * (s_[i] * c_[j] - c_[i] * s_[j]);
-            n[j + 2] = lever * (c_[i] * c_[j] + s_[i] * s_[j]);
+template <class Sizes>
+void ServoSteps::wheels(Sizes sizes, double h) {
+    const auto n = sizes.links;
+    for (int i = 0; i < n; ++i) {
+        double* __restrict along = contact_[2 * i].row.data();
+        double* __restrict across = contact_[2 * i + 1].row.data();
+        const double c = c_[i], s = s_[i];
+        along[0] = c, along[1] = s, across[0] = -s, across[1] = c;
+        for (int j = 0; j < n; ++j) {
+            const double lever = lever_[i * n + j];
+            along[j + 2] = lever * (s * c_[j] - c * s_[j]);
+            across[j + 2] = lever * (c * c_[j] + s * s_[j]);
         }
     }
     for (int i = 0; i + 1 < n_; ++i) {
@@ -280,14 +323,14 @@ void ServoSteps::wheels(double h) {
     for (int k = 0; k < static_cast<int>(contact_.size()); ++k) {
         Contact& contact = contact_[k];
         const double* g = contact.row.data();
-        contact.before = dot(g, u_.data(), size_);
+        contact.before = dot(g, u_.data(), sizes.all);
         if (k >= 2 * n_) continue;
         const double c = (k % 2 ? across : along).viscous(contact.before);
         if (c == 0) continue;
-        for (int i = 0; i < size_; ++i) {
-            right_[i] -= 0.5 * h * c * contact.before * g[i];
-            for (int j = 0; j <= i; ++j) mass_[i * size_ + j] += 0.5 * h * c * g[i] * g[j];
-        }
+        const double damping = 0.5 * h * c;
+        add(right_.data(), sizes.all, -damping * contact.before, g);
+        for (int i = 0; i < sizes.all; ++i)
+            add(&mass_[i * sizes.all], sizes.all, damping * g[i], g);
     }
 }
 
@@ -312,20 +355,22 @@ double ServoSteps::bound(const Contact& c, int mode, double h) const {
 }
 
 // Find the impulses of all contacts, and u1.
-void ServoSteps::slide(double h) {
-    free_ = right_;
+template <class Sizes>
+void ServoSteps::slide(Sizes sizes, double h) {
+    free_ = right_;  // without what is dry
     for (Contact& c : contact_) c.reached = false;
     for (int look = 0; look < kMostRevisions; ++look) {
         for (Contact& c : contact_) c.impulse = bound(c, c.mode, h);
-        push();
-        if (!revise(h, look < kAllAtOnce)) break;
+        push(sizes);
+        if (!revise(sizes, h, look < kAllAtOnce)) break;
     }
-    if (turn_round(h)) push();
+    if (turn_round(sizes, h)) push(sizes);
 }
 
 // u1 by the impulses of what slides, and by those that keep the rest at rest.
-void ServoSteps::push() {
-    std::fill(right_.begin(), right_.end(), 0.0);
+template <class Sizes>
+void ServoSteps::push(Sizes sizes) {
+    right_ = free_;
     resting_.clear();
     for (Contact& c : contact_) {
         if (!c.dry()) continue;
@@ -333,41 +378,43 @@ void ServoSteps::push() {
             resting_.push_back(&c);
             continue;
         }
-        for (int i = 0; i < size_; ++i) right_[i] += c.impulse * c.row[i];
+        add(right_.data(), sizes.all, c.impulse, c.row.data());
     }
-    forward(mass_, size_, right_.data());
-    for (int i = 0; i < size_; ++i) right_[i] += free_[i];
-    hold();
+    forward(mass_.data(), sizes.all, right_.data());
+    hold(sizes);
     u_ = right_;
-    backward(mass_, size_, u_.data());
+    backward(mass_.data(), sizes.all, u_.data());
 }
 
-void ServoSteps::hold() {
+template <class Sizes>
+void ServoSteps::hold(Sizes sizes) {
     const int k = static_cast<int>(resting_.size());
     if (k == 0) return;
     gram_.resize(k * k), pull_.resize(k);
     double trace = 0;
     for (int i = 0; i < k; ++i) {
         Contact& c = *resting_[i];
-        if (!c.reached) c.reach = c.row, forward(mass_, size_, c.reach.data());
+        if (!c.reached) c.reach = c.row, forward(mass_.data(), sizes.all, c.reach.data());
         c.reached = true;
         const double* a = c.reach.data();
-        pull_[i] = -dot(a, right_.data(), size_);
-        for (int j = 0; j <= i; ++j) gram_[i * k + j] = dot(a, resting_[j]->reach.data(), size_);
+        pull_[i] = -dot(a, right_.data(), sizes.all);
+        for (int j = 0; j <= i; ++j)
+            gram_[j * k + i] = dot(a, resting_[j]->reach.data(), sizes.all);
         trace += gram_[i * k + i];
     }
     for (int i = 0; i < k; ++i) gram_[i * k + i] += kSpread * trace;
-    cholesky(gram_, k);
-    forward(gram_, k, pull_.data()), backward(gram_, k, pull_.data());
+    cholesky(gram_.data(), k);
+    forward(gram_.data(), k, pull_.data()), backward(gram_.data(), k, pull_.data());
     for (int i = 0; i < k; ++i) {
         Contact& c = *resting_[i];
         c.impulse = pull_[i];
-        for (int j = 0; j < size_; ++j) right_[j] += c.impulse * c.reach[j];
+        add(right_.data(), sizes.all, c.impulse, c.reach.data());
     }
 }
 
 // Change the modes that cannot be, all or the worst; tell whether there were any.
-bool ServoSteps::revise(double h, bool all) {
+template <class Sizes>
+bool ServoSteps::revise(Sizes sizes, double h, bool all) {
     double most = 0;
     Contact* worst = nullptr;
     int to = 0;
@@ -382,7 +429,7 @@ bool ServoSteps::revise(double h, bool all) {
             if (wrong <= 1e-9) continue;
             mode = over > under ? -1 : 1;
         } else {
-            const double v = dot(c.row.data(), u_.data(), size_);
+            const double v = dot(c.row.data(), u_.data(), sizes.all);
             if (v * c.mode >= 0) continue;
             wrong = std::fabs(v) / (std::fabs(v) + std::fabs(c.before));
         }
@@ -397,11 +444,12 @@ bool ServoSteps::revise(double h, bool all) {
 }
 
 // What goes the other way at the end of the step has the mean of both ways' friction.
-bool ServoSteps::turn_round(double h) {
+template <class Sizes>
+bool ServoSteps::turn_round(Sizes sizes, double h) {
     bool any = false;
     for (Contact& c : contact_) {
         if (!c.dry() || c.teeth || c.mode * c.before >= 0) continue;
-        const double after = std::fabs(dot(c.row.data(), u_.data(), size_));
+        const double after = std::fabs(dot(c.row.data(), u_.data(), sizes.all));
         const double before = std::fabs(c.before), part = before / (before + after);
         c.impulse = part * bound(c, -c.mode, h) + (1 - part) * bound(c, c.mode, h);
         any = true;
