@@ -53,6 +53,7 @@ enum One : int {
 struct Task {
     Robot robot;
     Ground ground;
+    Slope slope;
     double smoothing;  // m/s
     int rows;
     double* memory;
@@ -62,13 +63,14 @@ struct Task {
 
 // One step from t to `end`.
 using Step = void (*)(Task&, double t, double end);
+using Steps = std::array<Step, kLaws>;  // by Law
 using Sincos = void (*)(const double* x, double* sine, double* cosine, long packs);
 
 // The kernels of one instruction set.
 struct Set {
     const char* name;
-    int width;                     // doubles a pack
-    std::array<Step, kLaws> step;  // by Law
+    int width;                  // doubles a pack
+    std::array<Steps, 2> step;  // on level and on tilted ground
     Sincos sincos;
     CycleKernel cycle;
     StageKernel stage;

@@ -38,8 +38,10 @@ kernels::Law law_of(const Ground& ground, double smoothing) {
 void PackedRun::Free::operator()(double* p) const { std::free(p); }
 
 PackedRun::PackedRun(const Robot& robot, const Ground& ground, const JointSpring& spring,
-                     double smoothing, const Gait& gait, const kernels::Set& set)
-    : step_(set.step[static_cast<int>(law_of(ground, smoothing))]), width_(set.width) {
+                     const Slope& slope, double smoothing, const Gait& gait,
+                     const kernels::Set& set)
+    : step_(set.step[slope.tilted()][static_cast<int>(law_of(ground, smoothing))]),
+      width_(set.width) {
     const int rows = (robot.n + width_ - 1) / width_;
     const std::size_t packs = kernels::kOnes + std::size_t{kernels::kRow} * rows;
     const std::size_t bytes = (packs * width_ * sizeof(double) + 63) / 64 * 64;
@@ -47,7 +49,7 @@ PackedRun::PackedRun(const Robot& robot, const Ground& ground, const JointSpring
     if (!memory_) throw std::bad_alloc();
     std::memset(memory_.get(), 0, bytes);
     const double never = std::numeric_limits<double>::quiet_NaN();
-    task_ = {robot, ground, smoothing, rows, memory_.get(), 0, never};
+    task_ = {robot, ground, slope, smoothing, rows, memory_.get(), 0, never};
     for (int i = 1; i < robot.n; ++i)
         at(kernels::kStiffness, i) = spring.k, at(kernels::kDamping, i) = spring.c;
     take_gait(gait);

@@ -18,8 +18,9 @@ std::vector<const kernels::Set*> instruction_sets();
 class PackedRun {
   public:
     // smoothing, m/s: above 0 dry friction is smoothed.
-    PackedRun(const Robot& robot, const Ground& ground, const JointSpring& spring, double smoothing,
-              const Gait& gait, const kernels::Set& set = *instruction_sets().front());
+    PackedRun(const Robot& robot, const Ground& ground, const JointSpring& spring,
+              const Slope& slope, double smoothing, const Gait& gait,
+              const kernels::Set& set = *instruction_sets().front());
     PackedRun(const PackedRun&) = delete;
     PackedRun& operator=(const PackedRun&) = delete;
 

@@ -6,7 +6,7 @@
 // v1..v4 and accelerations a1..a4 the classical method is
 //     x2 = x + h/2 v,  x3 = x + h/2 v2,  x4 = x + h v3,  x' = x + h (v + h/6 (a1 + a2 + a3)),
 //     v2 = v + h/2 a1, v3 = v + h/2 a2,  v4 = v + h a3,  v' = v + h/6 (a1 + 2 (a2 + a3) + a4).
-// Unused lanes have no joint and no velocity, and so no force.
+// Unused lanes have no joint: on level ground they rest, on tilted ground each slides by itself.
 #pragma once
 
 #include "kernels/kernel_table.hpp"
@@ -88,7 +88,7 @@ struct PackedSmoothedRatchet : PackedSmoothed<V> {
     V ct_half, ft0_half;
 };
 
-template <int W, template <class> class LawOf>
+template <int W, template <class> class LawOf, bool kTilted>
 class Stepper {
     using V = Pack<W>;
 
@@ -99,6 +99,8 @@ class Stepper {
           l(all<V>(task.robot.l)),
           per_mass(all<V>(1 / task.robot.m)),
           per_inertia(all<V>(1 / (task.robot.n * task.robot.I))),
+          weight_x(all<V>(task.robot.m * task.slope.gx)),
+          weight_y(all<V>(task.robot.m * task.slope.gy)),
           inertia(all<V>(task.robot.I)) {}
 
     void step(double t, double end) {
@@ -131,9 +133,9 @@ class Stepper {
         }
     }
 
-    // What acts on a row of links: l (cos, sin), friction, force of the joint before each.
+    // On a row of links: l (cos, sin), friction and weight, force of the joint before each.
     struct Load {
-        V arm_x, arm_y, friction_x, friction_y, force_x, force_y;
+        V arm_x, arm_y, ground_x, ground_y, force_x, force_y;
     };
     // Front ends of a row of links.
     struct Head {
@@ -152,10 +154,12 @@ class Stepper {
         const V rate_y = vy - wy - link_before(head.vy, now.vy);
         head = now;
         const V ft = law.along(fused(c, vx, s * vy)), fn = law.across(fused_less(c, vy, s * vx));
+        V ground_x = fused_less(ft, c, fn * s), ground_y = fused(ft, s, fn * c);
+        if constexpr (kTilted) ground_x = ground_x + weight_x, ground_y = ground_y + weight_y;
         return {arm_x,
                 arm_y,
-                fused_less(ft, c, fn * s),
-                fused(ft, s, fn * c),
+                ground_x,
+                ground_y,
                 fused(k[kStiffness], gap_x, k[kDamping] * rate_x),
                 fused(k[kStiffness], gap_y, k[kDamping] * rate_y)};
     }
@@ -171,8 +175,8 @@ class Stepper {
         const auto finish = [&](V* k, const Load& on, V next_x, V next_y) {
             const V qx = link_after(on.force_x, next_x), qy = link_after(on.force_y, next_y);
             couple = couple + fused_less(on.arm_x, on.force_y + qy, on.arm_y * (on.force_x + qx));
-            use(k, per_mass * (on.friction_x + (qx - on.force_x)),
-                per_mass * (on.friction_y + (qy - on.force_y)));
+            use(k, per_mass * (on.ground_x + (qx - on.force_x)),
+                per_mass * (on.ground_y + (qy - on.force_y)));
         };
         V *k = begin(), *last = end();
         for (; k != last; k += kRow) {
@@ -220,12 +224,19 @@ class Stepper {
 
     Task& q;
     LawOf<V> law;
-    V l, per_mass, per_inertia, inertia;
+    V l, per_mass, per_inertia, weight_x, weight_y, inertia;
 };
 
-template <int W, template <class> class LawOf>
+template <int W, template <class> class LawOf, bool kTilted>
 void rk4_step(Task& q, double t, double end) {
-    Stepper<W, LawOf>(q).step(t, end);
+    Stepper<W, LawOf, kTilted>(q).step(t, end);
+}
+
+template <int W, bool kTilted>
+constexpr Steps steps_of() {
+    return {rk4_step<W, PackedViscous, kTilted>, rk4_step<W, Dry, kTilted>,
+            rk4_step<W, PackedSmoothed, kTilted>, rk4_step<W, PackedRatchet, kTilted>,
+            rk4_step<W, PackedSmoothedRatchet, kTilted>};
 }
 
 template <int W>
@@ -238,13 +249,7 @@ void sincos_packs(const double* x, double* sine, double* cosine, long packs) {
 
 template <int W>
 constexpr Set set_of(const char* name, CycleKernel cycle, StageKernel stage) {
-    return {name,
-            W,
-            {rk4_step<W, PackedViscous>, rk4_step<W, Dry>, rk4_step<W, PackedSmoothed>,
-             rk4_step<W, PackedRatchet>, rk4_step<W, PackedSmoothedRatchet>},
-            sincos_packs<W>,
-            cycle,
-            stage};
+    return {name, W, {steps_of<W, false>(), steps_of<W, true>()}, sincos_packs<W>, cycle, stage};
 }
 
 }  // namespace

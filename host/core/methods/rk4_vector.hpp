@@ -15,12 +15,12 @@ class Rk4Vector final : public FixedStep {
     // Whether the kernels have all that a scene asks for.
     static bool runs(const RunRequest& q) {
         return q.method.is("rk4") && q.formulation == Formulation::implicit &&
-               q.drive == Drive::angle && q.faults.empty() && !q.slope.tilted() && !q.record_energy;
+               q.drive == Drive::angle && q.faults.empty() && !q.record_energy;
     }
 
     Rk4Vector(System& system, const RunRequest& q)
         : FixedStep(system, q.dt),
-          run_(q.robot, q.ground, q.spring, q.smoothing, q.gait),
+          run_(q.robot, q.ground, q.spring, q.slope, q.smoothing, q.gait),
           y_(run_.dim()) {}
 
     void restart(double t, const double* y) override {

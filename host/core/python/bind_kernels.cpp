@@ -41,7 +41,7 @@ auto to_numpy(const std::vector<double>& values, std::size_t rows) {
 
 // The end (4 n + 2,) of a run from such a start, with steps of dt and a shorter last one.
 auto kernel_run(const std::string& set_name, const RunRequest& q, Vector start) {
-    PackedRun run(q.robot, q.ground, q.spring, q.smoothing, q.gait, set_called(set_name));
+    PackedRun run(q.robot, q.ground, q.spring, q.slope, q.smoothing, q.gait, set_called(set_name));
     std::vector<double> y(start.data(), start.data() + start.size());
     if (start.size() != static_cast<std::size_t>(run.dim())) throw nb::value_error("start");
     run.set(y.data());

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ LINK_FIELDS = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "omega_rad_s")
 SETS = _core.instruction_sets()
 WIDTH = {"avx512": 4, "avx2": 4, "baseline": 2, "scalar": 1}
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+TILT: dict[str, Any] = {"incline_rad": 0.3, "incline_direction_rad": 2.0}
 GROUNDS = {
     "viscous": (sn.Ground(0.1, 10.0), 0.0),
     "dry": (sn.Ground(0.1, 10.0, 0.02, 0.05), 0.0),
@@ -78,7 +80,10 @@ def numpy_rate(scene: sn.Scene, gait: sn.Gait, t: float, y: np.ndarray) -> np.nd
     joint = np.zeros((n + 1, 2))
     joint[1:-1] = scene.joint_stiffness_n_m * gap + scene.joint_damping_n_s_m * gap_rate
     couple = (half * across * (joint[1:] + joint[:-1])).sum()
-    accelerations = (force + joint[1:] - joint[:-1]) / m
+    pull = -9.80665 * math.sin(scene.incline_rad)
+    uphill = scene.incline_direction_rad
+    weight = pull * np.array([math.cos(uphill), math.sin(uphill)])
+    accelerations = (force + joint[1:] - joint[:-1]) / m + weight
     spin = (couple - inertia * turn.sum()) / (n * inertia)
     return np.concatenate([y[2 * n : 4 * n], *accelerations.T, [y[4 * n + 1], spin]])
 
@@ -121,12 +126,13 @@ def test_sine_and_cosine_err_by_a_few_units(kernels: str, far: float, units: flo
 
 @pytest.mark.parametrize("kernels", SETS)
 @pytest.mark.parametrize("ground", GROUNDS)
-def test_kernels_agree_with_numpy(kernels: str, ground: str) -> None:
+@pytest.mark.parametrize("tilt", [{}, TILT], ids=["level", "tilted"])
+def test_kernels_agree_with_numpy(kernels: str, ground: str, tilt: dict[str, Any]) -> None:
     """200 steps: a few hundred roundings of 1e-16, which the springs pass on but do not grow."""
     gaits = [GAIT, sn.Gait(math.radians(170), 0.3, 7.0, -0.4), sn.Gait(0.0, 0.0, 1.0)]
     headings = [0.3, -40.0, 2e6]  # two far from 0, the last one beyond the fast sine
     for gait, heading in zip(gaits, headings, strict=True):
-        scene = scene_of(5, ground, duration_s=0.2, gait=gait)
+        scene = scene_of(5, ground, duration_s=0.2, gait=gait, **tilt)
         start = kernel_state(start_state(scene))
         start[-2] += heading
         start[10:20] += 0.1
@@ -137,7 +143,7 @@ def test_kernels_agree_with_numpy(kernels: str, ground: str) -> None:
 @pytest.mark.parametrize("links", [2, 3, 4, 5, 6, 7, 8, 9, 13, 16, 31, 50, 1000])
 def test_every_number_of_links_fits(links: int) -> None:
     """The scalar kernel knows no padding: lanes that stand for no link change nothing."""
-    scene = scene_of(links, duration_s=0.2 if links < 100 else 0.02)
+    scene = scene_of(links, duration_s=0.2 if links < 100 else 0.02, **TILT)
     start = start_state(scene_of(links, gap="zero"))
     rng = np.random.default_rng(links)
     packed = kernel_state(start) + 1e-3 * rng.normal(size=4 * links + 2)
@@ -147,12 +153,13 @@ def test_every_number_of_links_fits(links: int) -> None:
 
 
 @pytest.mark.parametrize("kernels", SETS)
-def test_rk4_of_the_kernels_has_order_four(kernels: str) -> None:
-    scene = scene_of(7, duration_s=1.0)
+@pytest.mark.parametrize("tilt", [{}, TILT], ids=["level", "tilted"])
+def test_rk4_of_the_kernels_has_order_four(kernels: str, tilt: dict[str, Any]) -> None:
+    scene = scene_of(7, duration_s=1.0, **tilt)
     start = kernel_state(start_state(scene))
     ends = [
         run_kernel(kernels, replace(scene, dt_s=1 / steps), start)
-        for steps in (1000, 2000, 4000, 32_000)
+        for steps in (1500, 3000, 6000, 32_000)
     ]
     errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(4, abs=0.2)
@@ -199,10 +206,12 @@ def test_no_code_for_newer_processors_is_shared(tmp_path: Path, name: str) -> No
 
 
 @pytest.mark.parametrize("ground", GROUNDS)
-@pytest.mark.parametrize("links", [2, 6, 9])
-def test_a_single_run_agrees_with_the_general_method(ground: str, links: int) -> None:
+@pytest.mark.parametrize(("links", "tilt"), [(2, {}), (6, {}), (6, TILT), (9, TILT)])
+def test_a_single_run_agrees_with_the_general_method(
+    ground: str, links: int, tilt: dict[str, Any]
+) -> None:
     """An energy ledger is integrated with the motion, by the general RK4 on the general model."""
-    scene = scene_of(links, ground, duration_s=0.2503, record_every=50)
+    scene = scene_of(links, ground, duration_s=0.2503, record_every=50, **tilt)
     fast, general = sn.simulate(scene), sn.simulate(replace(scene, record=("energy",)))
     assert fast.t_s.tobytes() == general.t_s.tobytes()
     for name in LINK_FIELDS:

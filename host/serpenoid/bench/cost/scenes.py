@@ -28,6 +28,7 @@ RUNGS = {
 }
 FORMULATIONS = ("explicit", "implicit")
 STEPS = 500
+_OTHERS = ("python", "board", "lab", "web")  # rooms of the core that no run needs
 # as in CMakeLists.txt; the kernels for wider vectors carry their own flags there
 FLAGS = ("-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fno-math-errno",
          "-fno-trapping-math")  # fmt: skip
@@ -64,12 +65,17 @@ def _needed() -> None:
         raise SerpenoidError("bench scenes compiles the core; run it in a checkout of the source")
 
 
+def parts() -> tuple[list[Path], list[str]]:
+    """Return the sources of the ladder's program, and where their headers are."""
+    core, firmware = SOURCE / "core", SOURCE.parent / "firmware" / "lib"
+    sources = [p for p in sorted(core.rglob("*.cpp")) if p.parent.name not in _OTHERS]
+    sources += [*sorted(firmware.glob("gait/*.cpp")), LADDER / "ladder.cpp"]
+    return sources, [f"-I{core}", f"-I{firmware / 'gait'}", f"-I{firmware / 'avr'}"]
+
+
 def build(folder: Path) -> Path:
     """Compile the core and the ladder into a folder and return the program."""
-    core, firmware = SOURCE / "core", SOURCE.parent / "firmware" / "lib"
-    sources = [p for p in sorted(core.rglob("*.cpp")) if p.parent.name != "python"]
-    sources += [*sorted(firmware.glob("gait/*.cpp")), LADDER / "ladder.cpp"]
-    include = [f"-I{core}", f"-I{firmware / 'gait'}", f"-I{firmware / 'avr'}"]
+    sources, include = parts()
     objects = []
     for source in sources:
         target = folder / f"{source.stem}.o"
