@@ -16,6 +16,7 @@ from serpenoid import _core
 from serpenoid.calibration import session_file
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
+from serpenoid.calibration.servos import from_runs
 from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session
 from serpenoid.commands.demo import session_folder
@@ -102,6 +103,27 @@ def test_crawls_narrow_what_servos_leave_of_the_speed(crawls) -> None:
     assert known.low_m_s * 0.98 < crawls < known.high_m_s * 1.02
     assert known.high_m_s - known.low_m_s < 0.75 * (before.high_m_s - before.low_m_s)
     assert found.untold  # speeds do not tell each number
+
+
+def test_servos_far_off_need_no_fine_state(crawls, monkeypatch) -> None:
+    """The same servos as if every one had been solved finely, with fewer of them solved so."""
+    session, fit, _ = crawls
+    session = replace(session, gait_runs=session.gait_runs[1:])
+    solved, solve = [], from_runs.servo_state
+    monkeypatch.setattr(
+        from_runs, "servo_state",
+        lambda ideal, one, rough, watch: solved.append(rough) or solve(ideal, one, rough, watch),
+    )  # fmt: skip
+    found = servo_of_session(session, sn.servo(), fit, draws=24)
+    few = solved.count(False)
+    monkeypatch.setattr(from_runs, "_FAR", math.inf)
+    every = servo_of_session(session, sn.servo(), fit, draws=24)
+    assert solved.count(False) - few == 24 * 2
+    assert few < 0.7 * 24 * 2
+    assert found.kind.servo == every.kind.servo
+    assert found.chi2 == pytest.approx(every.chi2, abs=0.1)
+    there, here = ([s.speed_limit_rad_s for s in m.kind.drawn] for m in (every, found))
+    assert np.mean(here) == pytest.approx(np.mean(there), rel=0.02)
 
 
 def test_speeds_that_no_servo_makes_are_refused(crawls) -> None:

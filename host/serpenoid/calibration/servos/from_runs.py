@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -30,6 +31,7 @@ Ripples = tuple[Ripple, ...]
 DRAWS, LEAST_DRAWS = 256, 3.0
 _GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
 _UNLIKELY = 16.0  # chi2 a gait, of the best servo
+_FAR = 13.0  # of chi2 from the best servo's: those beyond weigh less than 0.2 % of it each
 
 
 def servo_of_session(
@@ -52,9 +54,13 @@ def servo_of_session(
     filmed = [list(runs).index(film.gait) for film in films]
     ripples = dict(zip(filmed, (_ripples(f, like.servo.frame_s) for f in films), strict=True))
     servos = like.draws(draws, seed)
-    shares, amplitudes, uneven = _moved(fit, gaits, servos, ripples)
-    chi2 = _by_speed(fit, gaits, list(runs.values()), shares, seed)
-    chi2 = chi2 + film_chi2(films, amplitudes[:, filmed]) + uneven.sum(axis=1)
+    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, seed=seed).joints_m_s
+
+    def chi2_of(moved: Array) -> Array:
+        speed = _by_speed(drawn, list(runs.values()), moved[..., 0])
+        return speed + film_chi2(films, moved[:, filmed, 1]) + moved[..., 2].sum(axis=1)
+
+    chi2 = _solved(fit, gaits, servos, ripples, chi2_of)
     weight = np.exp(-0.5 * (chi2 - chi2.min()))
     weight /= weight.sum()
     if (count := 1 / float(np.sum(weight**2))) < LEAST_DRAWS or chi2.min() > _UNLIKELY * len(gaits):
@@ -69,22 +75,47 @@ def servo_of_session(
     return measured_servo(like, best, kept, name, source, float(chi2.min()), len(gaits))
 
 
-def _moved(
-    fit: FrictionFit, gaits: list[Gait], servos: list[Servo], ripples: dict[int, Ripples]
-) -> tuple[Array, ...]:
-    """Return (servos, gaits) shares of the ideal speed and of the amplitude, and ripples' chi2."""
+def _solved(
+    fit: FrictionFit, gaits: list[Gait], servos: list[Servo], ripples: dict[int, Ripples],
+    chi2_of: Callable[[Array], Array],
+) -> Array:  # fmt: skip
+    """Return each servo's chi2 by its fine states; inf where rough ones say that it is far off.
+
+    Rough states are a fifth of the work and tell nothing of ripples, which only add to chi2.
+    """
     ideal = [steady_gait(fit.robot, fit.ground, g, rtol=1e-3, powers=False) for g in gaits]
+    moved = _moved(ideal, servos, None)
+    solved = np.zeros(len(servos), bool)
+    chi2 = chi2_of(moved)
+    while True:
+        least = chi2[solved].min(initial=math.inf) if solved.any() else chi2.min()
+        near = np.flatnonzero(~solved & (chi2 <= least + _FAR))
+        if not near.size:
+            return np.where(solved, chi2, math.inf)
+        moved[near] = _moved(ideal, [servos[k] for k in near], ripples)
+        solved[near] = True
+        chi2 = chi2_of(moved)
+
+
+def _moved(ideal: list[Steady], servos: list[Servo], ripples: dict[int, Ripples] | None) -> Array:
+    """Return shares of the ideal speed and of the amplitude, and ripples' chi2: (servos, gaits, 3).
+
+    ripples: as films showed them; None for rough states, without.
+    """
 
     def of(one: Servo) -> list[tuple[float, float, float]]:
-        return [_of_gait(state, one, ripples.get(k, ())) for k, state in enumerate(ideal)]
+        seen = ripples or {}
+        return [
+            _of_gait(state, one, seen.get(k, ()), ripples is None) for k, state in enumerate(ideal)
+        ]
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = np.array(list(pool.map(of, servos)))
-    return found[..., 0], found[..., 1], found[..., 2]
+        return np.array(list(pool.map(of, servos)))
 
 
-def _of_gait(ideal: Steady, servo: Servo, seen: Ripples) -> tuple[float, float, float]:
-    found = servo_state(ideal, servo, watch=[k for ripple in seen for k in ripple.harmonics])
+def _of_gait(ideal: Steady, servo: Servo, seen: Ripples, rough: bool) -> tuple[float, float, float]:
+    watch = [k for ripple in seen for k in ripple.harmonics]
+    found = servo_state(ideal, servo, rough, watch)
     chi2, lines = 0.0, found.lines
     for ripple in seen:
         made, lines = math.hypot(*lines[: len(ripple.harmonics)]), lines[len(ripple.harmonics) :]
@@ -100,16 +131,16 @@ def _ripples(film: FilmReading, frame_s: float) -> Ripples:
     return film_ripples(rows[:, 0], rows[:, 4:], film.omega_rad_s, frame_s)
 
 
-def _by_speed(
-    fit: FrictionFit, gaits: list[Gait], runs: list[list], shares: Array, seed: int
-) -> Array:
-    """Return -2 log likelihood of the mean speeds with each servo, up to a constant."""
-    drawn = sample_speeds(fit, gaits, amplitude_sigma=AMPLITUDE_SIGMA, seed=seed).joints_m_s
+def _by_speed(drawn: Array, runs: list[list], shares: Array) -> Array:
+    """Return -2 log likelihood of the mean speeds with each servo, up to a constant.
+
+    drawn: (samples, gaits) speeds of ideal joints, m/s, as friction and amplitude allow.
+    """
     weights = [np.array([r.speed_sigma_m_s for r in one]) ** -2.0 for one in runs]
     speeds = np.array(
         [w @ [r.speed_m_s for r in one] / w.sum() for w, one in zip(weights, runs, strict=True)]
     )
-    centre, spread = drawn.mean(axis=0), np.cov(drawn.T).reshape((len(gaits),) * 2)
+    centre, spread = drawn.mean(axis=0), np.cov(drawn.T).reshape((len(runs),) * 2)
     noise = np.array([1 / w.sum() for w in weights]) + (_GRAIN * centre) ** 2
     each = shares[:, :, None] * spread * shares[:, None, :] + np.diag(noise)
     off = speeds - shares * centre
