@@ -268,7 +268,7 @@ bool DryMotion::extrapolate(const DryState& from, double tau, double H, double t
         step.to = row[j], step.rows = j;
         step.error[j] = error_norm(row[j], row[j - 1]) / tolerance;
         if (!(step.error[j] < 1e30)) return false;
-        if (step.error[j] <= 1) break;
+        if (step.error[j] <= 1 && (j >= order_ || !climbs_)) break;
     }
     margins(early, tau + H / step.rows, step.early);
     margins(step.to, tau + H, step.margin);

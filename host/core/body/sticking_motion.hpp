@@ -67,6 +67,10 @@ class DryMotion {
     void let_through(std::function<void()> ask) { let_through_ = std::move(ask); }
     void limit(long systems) { most_systems_ = systems; }  // of all calls together
 
+    // Take a step's rows up to the expected order, even where fewer do. Long smooth pieces at tight
+    // tolerances need that, or the order never rises. Periodic states have short pieces.
+    void climb() { climbs_ = true; }
+
   private:
     static constexpr int kMaxOrder = 8;
     struct Step {
@@ -113,6 +117,7 @@ class DryMotion {
     double step_ = 0.1, event_step_length_ = 0, shortest_event_step_ = 0, longest_event_step_ = 0,
            speed_eps_ = 0, stick_eps_ = 0;
     int order_ = 4;
+    bool climbs_ = false;
 };
 
 }  // namespace serpenoid

@@ -23,7 +23,9 @@ class SetValuedMotion : public Method {
           tolerance_(q.tolerance),
           table_(q.robot.n, q.gait),
           motion_(q.robot, q.ground, q.gait, q.slope, kLeastBend),
-          accel_(q.robot.n - 1) {}
+          accel_(q.robot.n - 1) {
+        motion_.climb();
+    }
 
     void restart(double t, const double* y) override {
         shape_at(t);
