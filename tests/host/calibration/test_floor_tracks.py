@@ -138,6 +138,16 @@ def test_a_void_push_does_not_turn_the_ways_of_the_others(tmp_path):
         assert way_after([], "there") == "there"
 
 
+def test_the_scatter_of_a_robot_at_rest_is_no_push(tmp_path):
+    rng = np.random.default_rng(8)
+    rest = np.arange(30.0, 60.0, 1 / 30)
+    still = np.column_stack([rest, np.full((len(rest), 2), 0.3)])
+    rows = np.concatenate([push_track(0.8, TRUTH, rng, sigma_m=0.0), still])
+    rows[:, 1:] += 0.002 * rng.normal(size=(len(rows), 2))
+    with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
+        assert len(keep_pushes(journal, rows, {"lambda_deg": 0.0})) == 1
+
+
 def test_pushes_all_one_way_are_told_from_the_picture(tmp_path):
     rows = several((1, 1, -1))
     with Journal(create_session(tmp_path / "s", floor_setup())) as journal:
@@ -174,6 +184,11 @@ def clock(t):
         (TRACKER, lambda t, x, y: f"{t:.4f}\t{100 * x:.4f}\t{100 * y:.4f}".replace(".", ","), "cm"),
         (COMMAS, lambda t, x, y: f"{t:.4f},{x:.6f},{y:.6f},", "m"),
         (KINOVEA_TEXT, lambda t, x, y: f"{clock(t)} {1000 * x:.2f} {1000 * y:.2f} ", "mm"),
+        (
+            KINOVEA_TEXT,
+            lambda t, x, y: f"{clock(t)} {1000 * x:.2f} {1000 * y:.2f} ".replace(".", ","),
+            "mm",
+        ),
         (KINOVEA_CSV, lambda t, x, y: f"{1000 * t:.1f};{100 * x:.4f};{100 * y:.4f}", "m"),
     ],
 )

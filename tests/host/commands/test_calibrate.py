@@ -260,3 +260,16 @@ def test_a_mistyped_command_is_no_folder(serpenoid, tmp_path, monkeypatch):
     assert "no session and no command 'statsu'; 'status'?" in err
     (tmp_path / "statsu").mkdir()
     assert "no session here" in serpenoid("calibrate", "statsu")[2]
+
+
+@pytest.mark.parametrize("more", [["--page"], ["--port", "virtual"], ["--window"]])
+def test_what_is_for_a_person_is_refused_where_nobody_is_asked(folder, serpenoid, more):
+    status, *said = serpenoid("calibrate", str(folder), "--dry-run", *more)
+    assert status == 2
+    assert f"{more[0]} has no effect with --dry-run" in " ".join(said)
+
+
+def test_a_dry_run_elsewhere_tells_the_steps_there_and_writes_nothing(folder, serpenoid):
+    before = (folder / "events.csv").read_text()
+    assert "align its links" in serpenoid("calibrate", str(folder), "--dry-run", "--on", "floor")[1]
+    assert (folder / "events.csv").read_text() == before

@@ -27,6 +27,7 @@ MOST_TURN_RAD = math.radians(10.0)
 ROUGH = 2.5  # scatters about the law, over those between neighbours: something happened
 FEWEST_M_S = 0.35  # at the start; less tells no viscous part
 LONGEST_GAP_S = 0.25
+NEAR_M = 0.02  # less is no push
 LAST = 0.6  # of the way: if the hand is there until then, little is left
 
 
@@ -61,8 +62,9 @@ class Look:
 def pushes_in(t_s: Floats, x_m: Floats, y_m: Floats) -> list[slice]:
     """Return the pieces of a track that hold a push each, with the rest about them.
 
-    A push is a stretch faster than MOVES_M_S; those with no rest between are one. Carrying the
-    robot back is one, too, and is left out by what `look_at` says of it, or by hand.
+    A push is a stretch faster than MOVES_M_S that ends NEAR_M at least from where it began; those
+    with no rest between are one. So the scatter of a robot at rest is none. Carrying the robot back
+    is one, and is left out by what `look_at` says of it, or by hand.
     """
     t, x, y = (np.asarray(v, dtype=float) for v in (t_s, x_m, y_m))
     speed = _speeds(t, x, y)
@@ -75,7 +77,11 @@ def pushes_in(t_s: Floats, x_m: Floats, y_m: Floats) -> list[slice]:
             joined[-1][1] = last
         else:
             joined.append([first, last])
-    long = [run for run in joined if t[run[1] - 1] - t[run[0]] > LEAST_S / 2]
+    long = [
+        (first, last) for first, last in joined
+        if t[last - 1] - t[first] > LEAST_S / 2
+        and math.hypot(x[last - 1] - x[first], y[last - 1] - y[first]) > NEAR_M
+    ]  # fmt: skip
     pieces = []
     for k, (first, last) in enumerate(long):
         before = (t[long[k - 1][1] - 1] + t[first]) / 2 if k else -math.inf

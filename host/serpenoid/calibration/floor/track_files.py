@@ -61,6 +61,9 @@ def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], s
 def _delimiter(lines: list[str]) -> str:
     """Return what parts the cells: tabs before semicolons before commas, which may be decimals."""
     sample = "\n".join(lines[:40])
+    named = next((line for line in lines[:20] if _TIME_NAMES.match(line)), "")
+    if "\t" not in sample and len(named.split()) > 2 and not re.search("[,;]", named):
+        return " "  # commas in it are decimals
     return next((cut for cut in "\t;," if sample.count(cut) > 2), " ")
 
 

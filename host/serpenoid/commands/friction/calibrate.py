@@ -77,15 +77,29 @@ def take(
     patience_s: float, with_page: bool, lan: bool, window: bool | None,
 ) -> None:  # fmt: skip
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
-    if on is not None and not dry_run:
-        _carry_out_on(folder, on)
-    if dry_run:
-        return _dry_run(folder)
-    if script is not None:
-        return _scripted(folder, script)
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
+    if dry_run or script is not None:
+        _nobody_there("--dry-run" if dry_run else "--script")
+    if dry_run:
+        return _dry_run(folder, on)
+    if on is not None:
+        _carry_out_on(folder, on)
+    if script is not None:
+        return _scripted(folder, script)
     return with_a_person(folder, port, patience_s, with_page, lan, window)
+
+
+def _nobody_there(given: str) -> None:
+    """Refuse what is for a person at the prompt, where nobody is asked."""
+    context = click.get_current_context()
+    typed = click.core.ParameterSource.COMMANDLINE
+    needless = {"script": "--script"} if given == "--dry-run" else {}
+    needless |= {"port": "--port", "patience_s": "--patience-s", "with_page": "--page",
+                 "window": "--window"}  # fmt: skip
+    for name, option in needless.items():
+        if context.get_parameter_source(name) is typed and context.params[name] is not False:
+            raise click.UsageError(f"{option} has no effect with {given}; leave it out")
 
 
 def _carry_out_on(folder: Path, place: str) -> None:
@@ -97,12 +111,17 @@ def _carry_out_on(folder: Path, place: str) -> None:
             journal.event("amend", detail=f'plan.on = "{place}"')
 
 
-def _dry_run(folder: Path) -> None:
-    from ...calibration.session_file import read_session
+def _dry_run(folder: Path, on: str | None) -> None:
+    from dataclasses import replace
+
+    from ...calibration.session_file import check_amendment, read_session
     from ...calibration.session_rows import events_of
     from ...calibration.taking.procedure import next_step, progress, skipped_keys
 
     session = read_session(folder)
+    if on is not None:
+        setup = check_amendment(session.setup, f'plan.on = "{on}"', folder)
+        session = replace(session, setup=setup)
     skipped = skipped_keys(events_of(session))
     for name, state in progress(session, skipped):
         say(f"{name:14} {state}")

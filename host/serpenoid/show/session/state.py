@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ...calibration.friction_result import DOUBTFUL
-from ...calibration.kinds.coast import COAST
 from ...calibration.session import Session
 from ...calibration.taking.expected import Series, line_of, of_bend, series_of
 from ...calibration.taking.procedure import belt_range, progress
@@ -75,16 +74,12 @@ def _shape(session: Session, step: Step) -> dict[str, Any] | None:
 
 
 def _last(session: Session) -> str:
-    if not session.readings:
-        pushes = session.of("coast")
-        return "none yet" if not pushes else ": ".join(
-            [str(pushes[-1].number), *COAST.describe(pushes[-1])]
-        )  # fmt: skip
-    r = session.readings[-1]
-    return (
-        f"{r.number}: {math.degrees(r.incline_rad):.2f}°, belt {r.belt_speed_m_s:.3f}, "
-        f"drift {r.drift_in_words} m/s{' (void)' if r.voided else ''}"
-    )
+    """Return the newest reading in words, and why it is void if it is."""
+    if not session.numbered:
+        return "none yet"
+    kind, made = session.numbered[-1]
+    void = f"; VOID: {made.comment}" if made.voided else ""
+    return ": ".join([str(made.number), *kind.describe(made)]) + void
 
 
 def _fit(session: Session) -> FrictionFit | None:
