@@ -103,3 +103,31 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
     assert setup.treadmill.incline_step_rad == pytest.approx(0.0087269, rel=1e-4)
     assert setup.treadmill.belt_step_m_s == pytest.approx(0.044704)
     assert setup.weighed
+
+
+def test_pushes_at_a_terminal_outlive_a_kill_and_ctrl_c(tmp_path):
+    typed = ("calibrate", "practice", str(tmp_path / "floor"), "--on", "floor", "--seed", "5")
+    with Person(*typed) as person:
+        person.sees("0 pushes and")
+        person.sees("Enter when it lies so")
+        person.presses("\n")
+        person.sees("how far it rolled")
+        person.presses("push\n")
+        person.sees("reading 1, there")
+        person.sends(signal.SIGKILL)
+        person.leaves()
+    assert len(read_session(tmp_path / "floor").of("coast")) == 1
+    with Person(*typed) as person:
+        person.sees("Is it this robot")
+        person.presses("\n")
+        person.sees("Who measures now")
+        person.presses("\n")
+        person.sees("1 push and")
+        person.sees("Enter when it lies so")
+        person.presses("\n")
+        person.sees("Push 2 of 8")
+        person.presses("push\n")
+        person.sees("reading 2, back")
+        person.sends(signal.SIGINT)
+        assert person.leaves() == 130
+    assert [p.way for p in read_session(tmp_path / "floor").of("coast")] == ["there", "back"]

@@ -235,8 +235,9 @@ def count(session: Session) -> str:
     pushes, slides = len(session.kept_pushes), len(session.kept_slides)
     taken = (*session.readings, *session.gait_runs, *session.of("coast"), *session.of("slide"))
     void = sum(r.voided for r in taken)
-    parts = [f"{stations} station{'s' * (stations != 1)}"] if stations or not pushes else []
-    parts += [f"{pushes} push{'es' * (pushes != 1)}"] if pushes else []
+    on_floor = session.has_line
+    parts = [f"{stations} station{'s' * (stations != 1)}"] if stations or not on_floor else []
+    parts += [f"{pushes} push{'es' * (pushes != 1)}"] if on_floor else []
     parts += [f"{slides} slide{'s' * (slides != 1)}"] if slides else []
     return f"{', '.join(parts)} and {runs} gait run{'s' * (runs != 1)} kept" + (
         f", {void} void" if void else ""
