@@ -263,16 +263,25 @@ def _gaits(table: Table) -> tuple[Gait, ...]:
     given = table.values["gaits"]
     where = table.where("gaits")
     if not isinstance(given, list) or not all(isinstance(g, dict) for g in given):
-        raise BadInput(f"{where}: gaits must be a list of {{alpha_deg, beta_deg, omega_rad_s}}")
+        raise BadInput(f"{where}: gaits must be a list of {{alpha_deg, beta_deg, frequency_hz}}")
     found = []
     for values in given:
         one = Table(values, table.path, table.text, table.start)
-        one.only("alpha_deg", "beta_deg", "omega_rad_s")
+        one.only("alpha_deg", "beta_deg", optional=("omega_rad_s", "frequency_hz"))
         alpha, beta = (one.number(f"{n}_deg", -360.0, 360.0) for n in ("alpha", "beta"))
         with located(where):
-            omega_rad_s = one.number("omega_rad_s", 0.0, open_low=True)
-            found.append(Gait(math.radians(alpha), math.radians(beta), omega_rad_s))
+            found.append(Gait(math.radians(alpha), math.radians(beta), _rate(one)))
     return tuple(found)
+
+
+def _rate(gait: Table) -> float:
+    """Return a planned gait's rate, rad/s, which may be given in Hz."""
+    given = [name for name in ("omega_rad_s", "frequency_hz") if name in gait.values]
+    if len(given) != 1:
+        said = " and ".join(given) or "neither"
+        raise BadInput(f"a gait wants one of omega_rad_s and frequency_hz; {said} is given")
+    rate = gait.number(given[0], 0.0, open_low=True)
+    return rate if given[0] == "omega_rad_s" else 2 * math.pi * rate
 
 
 def _uncertainty(table: Table, before: Uncertainty | None = None) -> Uncertainty:

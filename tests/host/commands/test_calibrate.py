@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from serpenoid import load_session
+from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.journal import Journal
 
 HEAD = "kind,lambda_deg,incline_deg,belt_speed_m_s\n"
@@ -97,6 +98,57 @@ def test_readings_are_added_redone_voided_and_restored(folder, serpenoid):
     gait = ("alpha_deg=70", "beta_deg=75", "omega_rad_s=3.14", "distance_m=1", "duration_s=10")
     assert serpenoid("calibrate", "add", str(folder), "gait", *gait)[0] == 0
     assert load_session(folder).gait_runs[0].speed_m_s == pytest.approx(0.1)
+    serpenoid("calibrate", "redo", str(folder), "3", "frequency_hz=0.25")
+    assert load_session(folder).kept_gait_runs[0].omega_rad_s == pytest.approx(math.pi / 2)
+
+
+GAIT = ("alpha_deg=70", "beta_deg=75", "distance_m=1", "duration_s=10")
+
+
+@pytest.mark.parametrize(("rate", "omega"), [("0.5", math.pi), ("0.5Hz", math.pi), ("2 rad/s", 2)])
+def test_a_gaits_rate_is_typed_in_hz(folder, serpenoid, rate, omega):
+    assert serpenoid("calibrate", "add", str(folder), "gait", *GAIT, f"frequency_hz={rate}")[0] == 0
+    assert load_session(folder).gait_runs[0].omega_rad_s == pytest.approx(omega)
+
+
+@pytest.mark.parametrize(
+    ("rates", "says"),
+    [
+        (("frequency_hz=1", "omega_rad_s=6.28"), "frequency_hz and omega_rad_s: one quantity"),
+        (("omega_rad_s=3", "omega_rad_s=6"), "omega_rad_s: one quantity is given twice"),
+        ((), "omega_rad_s is ''"),
+        (("frequency=1",), "omega_rad_s (or frequency_hz)"),
+        (("frequency_hz=0",), "0 rad/s cannot be"),
+    ],
+)
+def test_one_rate_is_given_and_no_more(folder, serpenoid, rates, says):
+    before = (folder / "readings.csv").read_bytes()
+    status, _, err = serpenoid("calibrate", "add", str(folder), "gait", *GAIT, *rates)
+    assert (status, says in err) == (2, True), err
+    assert (folder / "readings.csv").read_bytes() == before
+
+
+def test_a_plan_and_a_script_take_hz(folder, serpenoid, tmp_path):
+    """A planned gait, one of a list; each with exactly one rate."""
+    with Journal(folder) as journal:
+        journal.event("amend", detail="plan.gaits = [{alpha_deg=70, beta_deg=75, frequency_hz=1}]")
+    assert read_session(folder).setup.procedure.gaits[0].omega_rad_s == pytest.approx(math.tau)
+    for rates in ("", ", frequency_hz=1, omega_rad_s=6"):
+        amend = f"plan.gaits=[{{alpha_deg=70, beta_deg=75{rates}}}]"
+        status, _, err = serpenoid("calibrate", "amend", str(folder), amend)
+        assert (status, "one of omega_rad_s and frequency_hz" in err) == (2, True), err
+    row = "[[reading]]\nkind = 'gait'\nalpha_deg = 70\nbeta_deg = 75\nfrequency_hz = 0.5\n"
+    row += "speed_m_s = 0.1\nspeed_sigma_m_s = 0.01\n"
+    script = tmp_path / "script.toml"
+    for text, says in (
+        (row, ""),
+        (row + "omega_rad_s = 3\n", "one quantity is given twice"),
+        (row.replace("gait", "station"), "unknown column 'frequency_hz'"),
+    ):
+        script.write_text(text)
+        status, _, err = serpenoid("calibrate", str(folder), "--script", str(script))
+        assert (status, says in err) == (2 if says else 0, True), err
+    assert load_session(folder).gait_runs[0].omega_rad_s == pytest.approx(math.pi)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, seed
 from hypothesis import strategies as st
@@ -136,6 +137,17 @@ def test_a_board_may_have_other_numbers_of_joints(joints):
 def test_bad_commands_never_reach_the_wire(command, number):
     with pytest.raises(BadInput):
         protocol.seal(command, number)
+
+
+@pytest.mark.parametrize("value", ["3", None, [3], "9" * 5000, 3j])
+def test_what_is_no_number_is_refused_in_words(value):
+    with pytest.raises(BadInput, match="is no number, and only numbers are sent") as refused:
+        digits(value)
+    assert len(str(refused.value)) < 200
+
+
+def test_numbers_of_numpy_are_sent():
+    assert [digits(v) for v in (np.float32(0.5), np.int64(3), np.float64(-2))] == ["0.5", "3", "-2"]
 
 
 def test_thousands_of_digits_are_not_echoed():

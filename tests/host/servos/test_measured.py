@@ -213,5 +213,7 @@ def test_a_table_that_is_no_test_is_refused(tmp_path: Path, text: str, says: str
     told = CliRunner().invoke(cli, ["servo", "--test", str(table)])
     assert told.exit_code in (1, 2)
     assert says in f"{told.exception} {told.output}"
+    unsure = CliRunner().invoke(cli, ["servo", "--test", str(table), "--sigma-deg", "-1"])
+    assert "--sigma-deg is -1" in f"{unsure.exception} {unsure.output}"
     neither = CliRunner().invoke(cli, ["servo"])
     assert neither.exit_code == 2

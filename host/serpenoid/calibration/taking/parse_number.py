@@ -15,9 +15,16 @@ from typing import Any
 from ...model.errors import BadInput
 from ..kinds.declaration import DERIVED, UNITS, Field
 from ..kinds.rows import cells_of, kind_of
+from ..kinds.table import KINDS
 from ..session import Setup
 from .new_session import quoted
 
+# Other names of columns, by which people type another unit: name -> column, unit.
+OTHER_UNITS = {
+    f.sheet[0]: (f.column, f.sheet[1])
+    for kind in KINDS.values() for f in kind.numbers if f.sheet
+}  # fmt: skip
+OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
 _NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S*)")
 _SPELLINGS = {
     "°": "deg", "degree": "deg", "degrees": "deg", "percent": "%", "kmh": "km/h", "kph": "km/h",
@@ -124,17 +131,53 @@ def read_cells(
     """
     declared = kind_of(kind)
     fields = {field.column: field for field in declared.fields}
-    found: dict[str, Any] = {}
+    pairs: list[tuple[str, str]] = []
     for cell in cells:
         name, equals, text = cell.partition("=")
-        if not equals or name not in fields:
-            raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {', '.join(fields)}")
+        if not equals or OTHER_UNITS.get(name, (name,))[0] not in fields:
+            raise BadInput(f"{cell!r} is not NAME=VALUE with a name of {', '.join(_names(fields))}")
+        pairs.append((name, text))
+    found: dict[str, Any] = {}
+    for name, text in in_columns(pairs).items():
         field = fields[name]
         number = isinstance(field, Field)
         found[name] = parse_number(text, field).value if number else field.read(text)
     if old is not None:
         return redone(kind, old, found, setup)
     return completed(kind, found, setup)
+
+
+def _names(columns: Iterable[str]) -> list[str]:
+    """Return columns, each with the names for it in other units."""
+    others = {column: name for name, (column, _) in OTHER_UNITS.items()}
+    return [f"{c} (or {others[c]})" if c in others else c for c in columns]
+
+
+def in_columns(typed: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Return what was typed by column; a name of another unit puts this unit behind a bare number.
+
+    Raises BadInput where one column is given twice, by whichever names.
+    """
+    found: dict[str, tuple[str, Any]] = {}
+    for name, value in typed:
+        column, unit = OTHER_UNITS.get(name, (name, ""))
+        if column in found:
+            both = " and ".join(dict.fromkeys((found[column][0], name)))
+            raise BadInput(f"{both}: one quantity is given twice; give it once")
+        bare = unit and not re.search(r"[^\W\d_]$|%$", str(value).strip())
+        found[column] = name, f"{value} {unit}" if bare else value
+    return {column: value for column, (_, value) in found.items()}
+
+
+def listed_cells(kind: str, row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a script's cells by column, numbers of another unit converted; raises BadInput."""
+    numbers = {field.column: field for field in kind_of(kind).numbers}
+    own = {n: v for n, v in row.items() if OTHER_UNITS.get(n, (n,))[0] in numbers}
+    found = {
+        c: parse_number(v, numbers[c]).value if c not in row else v
+        for c, v in in_columns(own.items()).items()
+    }
+    return {n: v for n, v in row.items() if n not in own} | found
 
 
 def completed(kind: str, found: Mapping[str, Any], setup: Setup) -> dict[str, Any]:

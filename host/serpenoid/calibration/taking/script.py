@@ -19,7 +19,7 @@ from ...model.ground import Ground
 from ...model.toml_table import Table, located
 from ..session import Setup
 from .journal import Journal, Listed
-from .parse_number import completed
+from .parse_number import completed, listed_cells
 from .simulated import GaitSpeed, SimulatedTreadmill, Truth
 from .steps import Step
 from .treadmill import MOST_STEPS, Posture, Treadmill, take_step
@@ -105,7 +105,7 @@ def _add_listed(journal: Journal, top: Table) -> int:
         cells = dict(row)
         kind, comment = str(cells.pop("kind", "station")), str(cells.pop("comment", ""))
         with located(f"{top.path}: reading {number}"):
-            cells = completed(kind, cells, journal.session.setup)
+            cells = completed(kind, listed_cells(kind, cells), journal.session.setup)
             journal.check(kind, cells)
         made.append((kind, cells, comment))
     return journal.add_once(made)

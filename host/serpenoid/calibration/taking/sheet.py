@@ -22,14 +22,12 @@ from ..session import Procedure, Session
 from .expected import series_of
 from .floor.procedure import series_of_pushes
 from .journal import Journal, csv_line
-from .parse_number import read_cells
+from .parse_number import OTHER_UNITS, read_cells
 
-_FIELDS = [field for kind in KINDS.values() for field in kind.fields]
-OTHER_UNITS = {
-    f.sheet[0]: (f.column, f.sheet[1]) for f in _FIELDS if isinstance(f, Field) and f.sheet
+NOT_READ = {f.column for kind in KINDS.values() for f in kind.fields if f.source == PLANNED} | {
+    "kind",
+    "comment",
 }
-OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
-NOT_READ = {f.column for f in _FIELDS if f.source == PLANNED} | {"kind", "comment"}
 LINES, SLIDES = 6, 4  # to fill in, of stations a bend and of slides
 BENT = ("station", "coast")  # kinds that are bent as the check above them shows
 ON_FLOOR = ("bend", "coast", "slide", "gait")  # kinds of the sheet of a floor
@@ -151,11 +149,7 @@ def _reading(row: dict[str, str], journal: Journal) -> tuple[str, dict[str, floa
     """Return kind, values and comment of a row, checked as a journal checks them."""
     kind, comment = row.pop("kind"), row.pop("comment", "")
     kind_of(kind)
-    pairs = []
-    for name, value in row.items():
-        column, unit = OTHER_UNITS.get(name, (name, ""))
-        if value:
-            pairs.append(f"{column}={value} {unit}".rstrip())
+    pairs = [f"{name}={value}" for name, value in row.items() if value]
     values = read_cells(kind, pairs, journal.session.setup)
     journal.check(kind, values)
     return kind, values, comment

@@ -44,6 +44,7 @@ def servo(
     only their ratio, unless the joint turns a known inertia as large as the rotor's. Gait runs tell
     what the servos leave of the speed.
     """
+    from ...model.checks import check_number
     from ...servos.bench_test import servo_of_test
     from ...servos.catalogue import servo as kind_of
     from ...servos.servo_file import save_servo
@@ -52,6 +53,8 @@ def servo(
         raise click.UsageError("give --test CSV or --session DIR, one of both")
     name = "measured" if out is None else out.stem
     if table is not None:
+        check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
+        check_number("--inertia-kg-m2", inertia_kg_m2, 0.0)
         test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
         found = servo_of_test(test, kind_of(like), name=name)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 import re
 
 from ...model.errors import BadInput, DamagedLine
@@ -15,7 +16,10 @@ PULSES_US = range(500, 2501)
 
 
 def digits(value: float) -> str:
-    """Write a number as the wire takes it: at most 6 decimals, no exponent."""
+    """Write a number as the wire takes it: at most 6 decimals, no exponent. Raises BadInput."""
+    if not isinstance(value, numbers.Real):
+        shown = repr(value)[:40]
+        raise BadInput(f"{shown} is no number, and only numbers are sent; give one, such as 3")
     if not -MOST_SENT <= value <= MOST_SENT:  # NaN and integers beyond any float, too
         shown = f"{value:g}" if isinstance(value, float) else "an integer"
         raise BadInput(
