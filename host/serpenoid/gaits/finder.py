@@ -47,6 +47,7 @@ _WALK_GAIN = 1e-4  # e-folds of cost: a smaller gain ends a ring
 _SMALL_VALLEYS = 2  # followed of each table
 _ROUNDING = 1e-9  # body lengths x rate: a slower gait travels by rounding errors alone
 _AT_LIMIT = 2e-6  # e-folds of shape: last box beside a limit, on viscous ground
+_LIMIT_RTOL = 1e-9  # of speeds and powers there
 _LIMITS_WORTH = 2.0  # e-folds of cost at most, for one of a limit
 _ONWARDS_GAP = 7e-3  # e-folds: single searches found so much less than one that goes on
 _DRY_GAP = 3e-3  # e-folds: brute force found so much less, so no optimum is known better
@@ -134,8 +135,10 @@ class Finder:
         end, gap = minimize(evaluate, first, radius, self.smallest / closer, low, high)
         if self.search is self.near and end.data is not None:
             end = self.near.solved(end, speed, rtol)
-        if self.exact and self.ground.smooth and 0 <= end.margin < self.smallest:
+        if self.exact and self.ground.smooth and not end.better[0] and end.margin < self.smallest:
             # along a limit the cost is no valley: it rises with the distance from the limit
+            evaluate = partial(evaluate, rtol=max(self.rtol, _LIMIT_RTOL))
+            end = evaluate([end.at])[0]
             end, gap = minimize(evaluate, end, self.smallest, _AT_LIMIT, low, high)
             gap = max(gap, _LIMITS_WORTH * max(end.margin, 0.0))
         return end, gap

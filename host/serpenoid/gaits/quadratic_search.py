@@ -1,8 +1,8 @@
 """Minimize a function of two variables by quadratic models in a shrinking box, without gradients.
 
-A model is fitted to nine points of a box, and its lowest allowed point is tried. The box follows
-a lower point, and shrinks where there is none. Kinks and noise smaller than the box do no harm.
-The last model says how much lower the true minimum may be.
+A model is fitted to nine points of a box, and its lowest allowed point is tried, at a limit on the
+limit's own curve. The box follows a lower point, and shrinks where there is none. Kinks and noise
+smaller than the box do no harm. The last model says how much lower the true minimum may be.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ _ALLOWED = -1e-8  # margin: rounding beyond a limit
 _FAR = 0.5  # margin, e-folds: a box so far from every limit needs no model of it
 _STAR = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j], dtype=float)
 _MESH = np.stack(np.meshgrid(*[np.linspace(-1, 1, 41)] * 2), axis=-1).reshape(-1, 2)
+_LINE = np.linspace(-1, 1, 401)
+_SWAPPED = [0, 2, 1, 5, 4, 3]  # coefficients for (y, x) in place of (x, y)
 
 
 @dataclass(frozen=True)
@@ -54,19 +56,33 @@ def _terms(u: Array) -> Array:
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
 
 
-def _lowest_of_model(star: list[Point], unit: Array) -> tuple[Array, float] | None:
-    """Return the lowest allowed point of the model in the box, and its value there."""
+def _curve(margin: Array) -> Array:
+    """Return points of the box where a quadratic is 0, (K, 2): one or two on each line of it."""
+    c = margin[0] + margin[1] * _LINE + margin[3] * _LINE**2
+    b, a = margin[2] + margin[4] * _LINE, margin[5]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        q = -0.5 * (b + np.copysign(np.sqrt(b * b - 4 * a * c), b))
+        roots = np.concatenate([np.stack([_LINE, y], axis=1) for y in (q / a, c / q)])
+    return roots[np.abs(roots[:, 1]) <= 1]
+
+
+def _lowest_of_model(
+    star: list[Point], unit: Array, room: float = 0.0
+) -> tuple[Array, float] | None:
+    """Return the lowest point of the model in the box with such a margin, and its value there."""
     values = _fit(unit, np.array([p.value for p in star]))
     if values is None:
         return None
-    model = _terms(_MESH) @ values
+    at, allowed = _MESH, np.ones(len(_MESH), bool)
     margins = np.array([min(p.margin, 1e3) for p in star])
-    if margins.min() < _FAR:
-        margin = _fit(unit, margins)
-        if margin is not None:
-            model = np.where(_terms(_MESH) @ margin >= 0, model, np.inf)
+    margin = _fit(unit, margins - room) if margins.min() < _FAR else None
+    if margin is not None:
+        edges = _curve(margin), _curve(margin[_SWAPPED])[:, ::-1]
+        allowed = np.append(_terms(_MESH) @ margin >= 0, np.ones(sum(map(len, edges)), bool))
+        at = np.concatenate([_MESH, *edges])
+    model = np.where(allowed, _terms(at) @ values, np.inf)
     k = int(np.argmin(model))
-    return (_MESH[k], float(model[k])) if np.isfinite(model[k]) else None
+    return (at[k], float(model[k])) if np.isfinite(model[k]) else None
 
 
 def minimize(
@@ -88,6 +104,11 @@ def minimize(
             gap = max(best.value - found[1], 0.0)
         if found is not None and np.any(found[0]):
             star += evaluate([np.clip(best.at + radius * found[0], low, high)])
+            short = -star[-1].margin
+            if short > 0 and np.isfinite(star[-1].value):  # the limit's curve is not the model's
+                inside = _lowest_of_model(star[:-1], unit, short)
+                if inside is not None and np.any(inside[0]):
+                    star += evaluate([np.clip(best.at + radius * inside[0], low, high)])
         lowest = min(star, key=lambda p: p.better)
         gained = lowest.better < best.better
         step = np.abs(lowest.at - best.at).max()

@@ -257,22 +257,37 @@ def test_a_dry_optimum_in_the_second_best_valley_of_the_cloud() -> None:
     assert best.power_w == pytest.approx(4.572e-4, rel=3e-3)
 
 
-@pytest.mark.parametrize(("most_deg", "speed"), [(12, 0.5), (20, 0.3), (25, 0.1)])
-def test_at_a_limit_the_power_is_that_of_the_best_lag(most_deg: int, speed: float) -> None:
-    """Brute force over the lag alone, the amplitude at its limit: it was up to 1e-5 less."""
+LONG = sn.Robot(8, 0.20014022388818312, 0.07228480910928739)
+LONG_GROUND = sn.Ground(0.061499887826187066, 0.8105096797486241)
+
+
+@pytest.mark.parametrize(
+    ("robot", "ground", "most_rad", "speed", "cost"),
+    [
+        (PAPER, VISCOUS, math.radians(12), 0.5, "power"),
+        (PAPER, VISCOUS, math.radians(20), 0.3, "power"),
+        (PAPER, VISCOUS, math.radians(25), 0.1, "power"),
+        (LONG, LONG_GROUND, 0.3536142042077465, 0.078187073177679, "abs_power"),
+    ],
+)
+def test_at_a_limit_the_power_is_that_of_the_best_lag(
+    robot: sn.Robot, ground: sn.Ground, most_rad: float, speed: float, cost: str
+) -> None:
+    """Brute force over the lag alone, the amplitude at its limit: it was up to 5e-5 less."""
     from scipy.optimize import brentq, minimize_scalar
 
-    most = math.radians(most_deg)
-
     def state(lag: float, log_rate: float) -> sn.Steady:
-        return sn.steady_gait(PAPER, VISCOUS, sn.Gait(most, lag, math.exp(log_rate)), rtol=1e-10)
+        return sn.steady_gait(robot, ground, sn.Gait(most_rad, lag, math.exp(log_rate)), rtol=1e-10)
 
     def watts(lag: float) -> float:
         rate = brentq(lambda x: state(lag, x).speed_m_s / speed - 1, -3, 5, xtol=1e-13)
-        return state(lag, rate).power_w
+        return getattr(state(lag, rate), f"{cost}_w")
 
-    limits = sn.GaitLimits(joint_angle_rad=most)
-    best = sn.least_power_gait(PAPER, VISCOUS, speed_m_s=speed, limits=limits)
-    found = minimize_scalar(watts, bounds=(1.0, 1.9), method="bounded", options={"xatol": 1e-7})
+    limits = sn.GaitLimits(joint_angle_rad=most_rad)
+    best = sn.least_power_gait(robot, ground, speed_m_s=speed, cost=cost, limits=limits)
+    waves = 2 * math.pi / robot.links
+    found = minimize_scalar(
+        watts, bounds=(0.5 * waves, 1.8 * waves), method="bounded", options={"xatol": 1e-7}
+    )
     assert best.active == ("joint angle",)
     assert abs(best.power_w - found.fun) < best.power_error_w < 2e-7 * best.power_w
