@@ -28,6 +28,7 @@ from .advising.next_reading import Advice, NextReading, gaits_that_matter
 from .advising.on_floor import advise_on_floor
 from .advising.speed_slopes import SpeedSlopes, speed_slopes
 from .advising.stations import places
+from .filmed_joints import servo_seen
 from .fitting.data import FitData, Floats
 from .fitting.joint import jacobian, starting_point
 from .fitting.shared import shared_covariance
@@ -97,6 +98,7 @@ def advise(
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit = fit_friction(session)
     whole = np.array(list(fit.whole_snake.values()))
+    servo = servo and servo_seen(servo, session.kept_films, fit)
     slopes = speed_slopes(fit, wanted, samples, progress)
     ran = [_sigmas_of_runs(session, gait) if runs else [] for gait in wanted]
     readings = [

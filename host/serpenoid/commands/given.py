@@ -65,6 +65,22 @@ def session_fit(folder: Path, with_crawls: bool = True) -> FrictionFit:
     return tell_alarms(fit_friction(session))
 
 
+def servo_as_filmed(
+    kind: ServoKind | None, session: Path | None, fit: FrictionFit | None
+) -> ServoKind | None:
+    """Return the kind with the servos that a session's films leave possible, and tell it."""
+    if kind is None or session is None or fit is None:
+        return kind
+    from ..calibration.filmed_joints import servo_seen
+    from ..calibration.session_file import read_session
+
+    films = read_session(session).kept_films
+    seen = servo_seen(kind, films, fit)
+    if seen is not kind:
+        say(f"servos: those of {kind.name} that would move the joints as filmed", err=True)
+    return seen
+
+
 def predicted_band(
     fit: FrictionFit | None, robot: Robot, ground: Ground, gait: Gait,
     servo: ServoKind | None = None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -9,12 +10,14 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
+from serpenoid.calibration import session_file
+from serpenoid.calibration.advice import advise
 from serpenoid.calibration.comparison import compare
 from serpenoid.calibration.filmed_joints import servo_seen
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
-from serpenoid.calibration.speed_samples import sample_speeds, speed
+from serpenoid.calibration.speed_samples import sample_speeds, speed, speed_band
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.demo import session_folder
@@ -179,3 +182,25 @@ def test_servos_that_a_film_excludes_are_not_drawn(of_2005) -> None:
 
     assert mean(strong) > mean(weak) + 0.05
     assert servo_seen(servo("hobby"), [filmed(3.0, 0.1)], fit) == servo("hobby")
+
+
+def test_predictions_and_advice_have_the_servos_that_a_film_leaves(of_2005, monkeypatch) -> None:
+    """Joints at 0.8 of a quick gait: weak servos, which leave less of another gait's speed."""
+    session, fit = of_2005
+    weak = session.with_reading(VIDEO, replace(filmed(0.8, 0.1), omega_rad_s=8.0))
+    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    before, after = (advise(s, [gait], samples=16) for s in (session, weak))
+    assert before.band_servo_measured is not None
+    assert after.band_servo_measured is None  # they are measured, by the film
+    monkeypatch.setattr(session_file, "read_session", lambda folder: weak)
+    typed = ["steady", "--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5", "--json"]
+    told = CliRunner().invoke(cli, [*typed, "--session", str(session_folder())])
+    assert "those of hobby that would move the joints as filmed" in told.stderr
+    band = json.loads(told.stdout)["band"]
+    known = speed_band(fit, gait, servo=servo_seen(servo("hobby"), weak.kept_films, fit))
+    assert (band["low_m_s"], band["high_m_s"]) == (known.low_m_s, known.high_m_s)
+    assert band["high_m_s"] < speed_band(fit, gait).high_m_s
+    ideal = CliRunner().invoke(
+        cli, [*typed, "--session", str(session_folder()), "--servo", "ideal"]
+    )
+    assert "as filmed" not in ideal.stderr

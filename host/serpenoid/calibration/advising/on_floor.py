@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from ...model.drives import ServoKind
 from ...model.gait import Gait
 from ...servos.catalogue import HOBBY
+from ..filmed_joints import servo_seen
 from ..floor.candidates import candidates
 from ..friction_fit import fit_friction
 from ..session import Session
@@ -34,6 +35,7 @@ def advise_on_floor(
     fit = fit_friction(session)
     filmed = any(p.track is not None for p in session.kept_pushes) if by_film is None else by_film
     now, options = candidates(session, filmed)
+    servo = servo and servo_seen(servo, session.kept_films, fit)
     slopes = speed_slopes(fit, wanted, samples, progress)
     parts = band_parts(fit, wanted, servo)
     linear = slopes.band(now)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...show.screen import say
-from ..given import take_fit
+from ..given import servo_as_filmed, take_fit
 from ..options import (
     AS_JSON,
     describe,
@@ -59,8 +59,9 @@ def drive(
     Exit status 0 at the end of --duration-s, or at Ctrl-C where none was given; 130 at an earlier
     Ctrl-C, or Stop on the page.
     """
+    session = given.get("session")
     fit = take_fit(given)
-    servo = take_servo(servo_name, "hobby")
+    servo = servo_as_filmed(take_servo(servo_name, "hobby"), session, fit)
     drive_gait(make_gait(given), duration_s, port, record, as_json, fit, page=page, servo=servo)
 
 

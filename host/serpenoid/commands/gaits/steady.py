@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...model.checks import FORMULATIONS
-from ..given import predicted_band, take_fit
+from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, with_joints
 from ..options import (
     AS_JSON,
@@ -83,6 +83,7 @@ def steady(
             "--stiffness-n-m and --damping-n-s-m have no effect: the joints are pinned; give "
             "--formulation implicit too"
         )
+    session = given.get("session")
     fit = take_fit(given)
     robot, ground = robot_with_fit(given, fit)
     gait = with_joints(make_gait(given), joints, robot.links)
@@ -97,7 +98,7 @@ def steady(
             )
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
     few = robot.links <= _FEW_LINKS
-    servo = take_servo(servo_name, "hobby" if few else IDEAL)
+    servo = servo_as_filmed(take_servo(servo_name, "hobby" if few else IDEAL), session, fit)
     return _pinned(robot, ground, gait, as_json, rtol, servo, fit, differentiated)
 
 
