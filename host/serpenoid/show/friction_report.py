@@ -10,6 +10,7 @@ from ..calibration.comparison import ComparedGait, Comparison
 from .report import console, table
 
 MEASURED = ["gait", "measured", "95 % predicted", "off exact by"]
+WORTH = 0.02  # of the band: a reading that saves less is not to be taken
 
 
 def show_comparison(found: Comparison) -> None:
@@ -66,20 +67,28 @@ def two_fits_table(found: TwoFits) -> tuple[list[str], list[list[str]]]:
     return ["whole snake", "unit", found.first, found.second, "differs by (sigmas)"], rows
 
 
-def show_advice(found: Advice, most: int = 5) -> None:
-    """Print the readings that are worth most, and the best one in words."""
+def advice_table(found: Advice, most: int) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of a table of readings; minutes where they are known."""
+    timed = found.best.minutes is not None
     rows = [
-        [r.in_words(), f"{r.band_after_times:.1%}" if r.times > 1 else f"{r.band:.1%}"]
+        [r.in_words(), *([f"{r.minutes or 0:.1f}"] if timed else []), f"{r.band_after_times:.1%}"]
         for r in found.readings[:most]
     ]
+    return ["reading", *(["minutes"] if timed else []), "afterwards"], rows
+
+
+def show_advice(found: Advice, most: int = 5) -> None:
+    """Print the readings that are worth most, and the best one in words."""
     servos = "" if found.servo is None else f", servos: {found.servo}"
     table(
         f"speed is known to {found.band:.1%} (95 %, friction and joints{servos})",
-        ["reading", "afterwards"],
-        rows,
+        *advice_table(found, most),
     )
     if found.note:
         console.print(found.note, highlight=False)
     after = f"then the speed is known to {found.band_after_best:.1%}"
+    if found.measure_servo and found.band - found.band_after_best < WORTH * found.band:
+        console.print("No further push, slide or station is worth its time now.", highlight=False)
+        return
     first = "Of the readings take" if found.measure_servo else "Take next:"
     console.print(f"{first} {found.best.in_words()}; {after}.", highlight=False)

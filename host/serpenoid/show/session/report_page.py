@@ -20,6 +20,7 @@ from ...calibration.taking.procedure import step_in_words
 from ..comparison_figure import draw_comparison
 from ..friction_report import (
     MEASURED,
+    advice_table,
     measured_row,
     predicted_columns,
     predicted_row,
@@ -216,11 +217,10 @@ def _speed_table(compared: Comparison) -> str:
 
 
 def _advice(advice: Advice) -> str:
-    rows = [[r.in_words(), f"{r.band_after_times:.1%}"] for r in advice.readings[:4]]
     servos = "" if advice.servo is None else f", servos: {advice.servo}"
     now = f"<p>The speeds are known to {advice.band:.1%} (95 %, friction and joints{servos}).</p>"
     note = f"<p>{_prose(advice.note)}</p>" if advice.note else ""
-    return now + _table(["reading", "afterwards"], rows, words=True) + note
+    return now + _table(*advice_table(advice, 4), words=True) + note
 
 
 def _readings(session: Session, fit: FrictionFit) -> list[str]:
