@@ -1,0 +1,147 @@
+"""Hold runs in time, and what they claim, to the references of tests/oracle: three hard kinds.
+
+`springs`: k from 1e2 to 1e9 N/m, every method. `free`: torques and servos on dry ground, by
+events. `long`: 10 000 s on viscous ground, one cycle in long doubles, composed 5000 times.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import resource
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
+import serpenoid as sn
+from oracle import long_runs
+from serpenoid.simulation.stability import largest_step_s, stability_test
+from serpenoid.simulation.starts import start_state
+from simulation import truth_cases as tc
+
+METHODS = ("radau", "dop853", "rk4", "nonsmooth", "semi_implicit_euler", "euler", "paper")
+MOST_STEPS = 4e6
+
+
+def size(run: sn.Run) -> float:
+    """Return what a run claims to be off, in body lengths and radians."""
+    return run.error_estimate.integration.size(run.scene.robot.body_length_m)
+
+
+def stable(scene: sn.Scene) -> sn.Scene | None:
+    """Return a scene with half its largest stable step, 1 ms at most; None for too many steps."""
+    test = stability_test(scene)
+    if test is None:
+        return replace(scene, dt_s=0.01)
+    longest = min(1e-3, 0.5 * largest_step_s(test, 2e-3))
+    if longest * MOST_STEPS < scene.duration_s:
+        return None
+    return replace(scene, dt_s=scene.duration_s / math.ceil(scene.duration_s / longest))
+
+
+def springs(rounds: int) -> None:
+    """Print true error / claimed error / processor time for k x method, and the worst ratio."""
+    worst, count = 0.0, 0
+    print("| k (N/m) | the springs | " + " | ".join(METHODS) + " |")
+    for links, incline in ((6, 0.0), (2, 0.0), (2, 0.1), (6, 0.1), (20, 0.0), (20, 0.1)):
+        for k in 10.0 ** np.arange(2, 10):
+            scene = tc.hard_scene(links, k, incline)
+            truth = tc.end_on_springs(scene, start_state(scene), 80 if k < 1e6 else 20)
+            cells, soft = [], math.nan
+            for method in METHODS:
+                one = stable(replace(scene, method=method))
+                if one is None:
+                    cells.append("refused at 1 ms")
+                    continue
+                begin = time.process_time()
+                for _ in range(rounds):
+                    run = sn.simulate(one)
+                took = (time.process_time() - begin) / rounds
+                true, claim = tc.off(tc.places(run)[-1], truth, scene.robot), size(run)
+                if method == "dop853":
+                    soft = run.error_estimate.modelling.size(scene.robot.body_length_m)
+                worst, count = max(worst, max(true, 1e-10) / max(claim, 1e-10)), count + 1
+                cells.append(f"{true:.0e} / {claim:.0e} / {took * 1e3:.2g} ms")
+            print(f"| {links} links, {incline:g} rad, {k:.0e} | {soft:.1e} | " + " | ".join(cells)
+                  + " |", flush=True)  # fmt: skip
+    print(f"{count} runs: the largest true error over the claimed one is {worst:.3f}")
+
+
+def free(cases: int) -> None:
+    """Print how far runs with torques and servos are off at three tolerances."""
+    for kind in ("torque", "table", "servo", "full"):
+        far: dict[float, list[float]] = {1e-6: [], 1e-9: [], 1e-12: []}
+        ratios, failed = [], 0
+        for seed in range(cases):
+            scene = tc.free_case(kind, seed)
+            runs = [sn.simulate(replace(scene, tolerance=t)) for t in far]
+            try:
+                truth = tc.by_events(scene, runs[0])
+            except (RuntimeError, np.linalg.LinAlgError):
+                failed += 1  # of the reference: its modes did not settle
+                continue
+            for t, run in zip(far, runs, strict=True):
+                error = tc.off(tc.places(run), truth, scene.robot)
+                far[t].append(error)
+                if run.error_estimate.settled:
+                    ratios.append(max(error, 1e-9) / max(size(run), 1e-9))
+        line = "; ".join(
+            f"{t:g}: median {np.median(e):.0e}, within 1e-8 {np.mean(np.array(e) < 1e-8):.0%}"
+            for t, e in far.items()
+        )
+        print(f"{kind}: {cases - failed} cases, {line}; largest true over claimed "
+              f"{max(ratios):.2f}; no reference: {failed}", flush=True)  # fmt: skip
+
+
+def long_scene(offset_rad: float, method: str, **more: float) -> sn.Scene:
+    """Return 5000 cycles of the paper's robot, straight on or in circles."""
+    gait = sn.Gait(math.radians(30), math.radians(80), math.pi, offset_rad)
+    return sn.Scene(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait, method=method,
+                    duration_s=1e4, **more)  # fmt: skip
+
+
+def long() -> None:
+    """Print place and heading after 5000 cycles, and how far each method is off there."""
+    for offset in (0.0, math.radians(5)):
+        first = start_state(long_scene(offset, "rk4"))
+        q = np.array([first.x_m[0], first.y_m[0], first.theta_rad[0]])
+        v = np.array([first.vx_m_s[0], first.vy_m_s[0], first.omega_rad_s[0]])
+        scene = long_scene(offset, "rk4")
+        at, angle = long_runs.after(tc.params(scene), tc.gait_of(scene.gait), q, v, 5000)
+        print(f"offset {offset!r}: x {at.real!r}, y {at.imag!r}, theta {angle!r}")
+        for method, dt_s in (("collocation", 0.01), ("dop853", 0.01), ("nonsmooth", 0.01),
+                             ("rk4", 1e-3), ("rk4", 1e-2), ("semi_implicit_euler", 1e-3),
+                             ("euler", 1e-3)):  # fmt: skip
+            begin = time.process_time()
+            run = sn.simulate(long_scene(offset, method, dt_s=dt_s))
+            took, end = time.process_time() - begin, run.state()
+            gap = abs(complex(end.x_m[0], end.y_m[0]) - at)
+            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+            print(f"  {method}, dt {dt_s:g}: {gap:.1e} m, {abs(end.theta_rad[0] - angle):.1e} rad; "
+                  f"claims {run.error_estimate.integration.position_m:.1e} m, "
+                  f"{run.error_estimate.integration.angle_rad:.1e} rad; {took:.2g} s; "
+                  f"{run.t_s.size} rows, {memory} MB", flush=True)  # fmt: skip
+
+
+def main() -> None:
+    """Run what is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("what", choices=("springs", "free", "long"))
+    parser.add_argument("--cases", type=int, default=40, help="of every kind of free joints")
+    parser.add_argument("--rounds", type=int, default=1, help="runs that a time is the mean of")
+    given = parser.parse_args()
+    if given.what == "springs":
+        springs(given.rounds)
+    elif given.what == "free":
+        free(given.cases)
+    else:
+        long()
+
+
+if __name__ == "__main__":
+    main()

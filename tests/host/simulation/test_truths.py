@@ -1,0 +1,113 @@
+"""Hard springs, free joints on dry ground and long runs, held to references of their own.
+
+The references (tests/oracle: springs_collocation, contact_modes, long_runs) share neither code nor
+coordinates with the package. `studies/truths.py` holds many more cases to them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle import long_runs
+from serpenoid.simulation.starts import start_state
+
+from . import truth_cases as tc
+
+pytestmark = pytest.mark.skipif(
+    np.finfo(np.longdouble).eps > 1e-18, reason="needs x86: its long doubles"
+)
+# Link 1 after 5000 cycles: `python studies/truths.py long`.
+TURNS = math.radians(5)
+FAR = {
+    0.0: (1752.6358080603447, 596.7484966851941, 0.010406698199251545),
+    TURNS: (0.11333064151366411, 0.04626531328087621, 1401.2554193242975),
+}
+
+
+@pytest.mark.parametrize(
+    ("links", "k", "method", "dt_s"),
+    [
+        (2, 1e9, "radau", 0.05),
+        (3, 1e9, "radau", 0.05),
+        (2, 1e7, "dop853", 0.05),
+        (3, 1e6, "rk4", 2.5e-4),
+        (2, 1e6, "paper", 2.5e-4),
+        (2, 1e8, "nonsmooth", 2.5e-5),
+    ],
+)
+def test_hard_springs_and_what_runs_claim(links: int, k: float, method: str, dt_s: float) -> None:
+    scene = tc.hard_scene(links, k, 0.1, method=method, dt_s=dt_s, duration_s=0.25)
+    run = sn.simulate(scene)
+    truth = tc.end_on_springs(scene, start_state(scene), 6)
+    error = tc.off(tc.places(run)[-1], truth, scene.robot)
+    claim = run.error_estimate.integration.size(scene.robot.body_length_m)
+    assert error < (1e-5 if method == "nonsmooth" else 1e-7)
+    assert error <= 1.1 * claim + 1e-11
+
+
+def test_the_reference_tells_the_exact_model_as_springs_harden() -> None:
+    """Its distance from the exact model falls as 1/k; Richardson takes away what is left."""
+    exact = sn.simulate(
+        replace(tc.hard_scene(2, 1e6), formulation="explicit", method="collocation",
+                tolerance=1e-12, duration_s=0.25)
+    )  # fmt: skip
+    ends = []
+    for k in (1e5, 1e6, 1e7):
+        scene = tc.hard_scene(2, k, duration_s=0.25)
+        ends.append(tc.end_on_springs(scene, start_state(scene), 6))
+    goal, robot = tc.places(exact)[-1], exact.scene.robot
+    far = [tc.off(end, goal, robot) for end in ends]
+    assert far[0] / far[1] == pytest.approx(10, rel=0.05)
+    assert far[1] / far[2] == pytest.approx(10, rel=0.05)
+    assert tc.off((10 * ends[2] - ends[1]) / 9, goal, robot) < 0.01 * far[2]
+
+
+@pytest.mark.parametrize(
+    ("kind", "seed"),
+    [("torque", 0), ("torque", 5), ("table", 0), ("servo", 2), ("full", 0), ("full", 7)],
+)
+def test_torques_and_servos_on_dry_ground(kind: str, seed: int) -> None:
+    """Wheels and gears that stick and slip, by events: to 1e-8, and to what runs claim."""
+    scene = tc.free_case(kind, seed, duration_s=0.2)
+    loose, tight = (sn.simulate(replace(scene, tolerance=t)) for t in (1e-6, 1e-11))
+    truth = tc.by_events(scene, loose)
+    assert tc.off(tc.places(tight), truth, scene.robot) < 1e-8
+    claim = loose.error_estimate.integration.size(scene.robot.body_length_m)
+    assert tc.off(tc.places(loose), truth, scene.robot) <= 1.5 * claim + 1e-9
+
+
+def long_run(offset_rad: float, method: str, cycles: int, **more: float) -> sn.Run:
+    gait = sn.Gait(math.radians(30), math.radians(80), math.pi, offset_rad)
+    return sn.simulate(
+        sn.Scene(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait, method=method,
+                 duration_s=2.0 * cycles, **more)
+    )  # fmt: skip
+
+
+def test_one_cycle_by_momenta() -> None:
+    run = long_run(0.1, "collocation", 1, tolerance=1e-12)
+    first, last = run.state(0), run.state()
+    place = np.array([first.x_m[0], first.y_m[0], first.theta_rad[0]])
+    rates = np.array([first.vx_m_s[0], first.vy_m_s[0], first.omega_rad_s[0]])
+    at, angle = long_runs.after(tc.params(run.scene), tc.gait_of(run.scene.gait), place, rates, 1)
+    assert abs(complex(last.x_m[0], last.y_m[0]) - at) < 1e-12
+    assert last.theta_rad[0] == pytest.approx(angle, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("method", "offset"),
+    [("collocation", 0.0), ("collocation", TURNS), ("dop853", 0.0), ("nonsmooth", TURNS)],
+)
+def test_five_thousand_cycles(method: str, offset: float) -> None:
+    """Straight on for 1.8 km, or 223 times round: as far off as claimed, in a bounded record."""
+    run = long_run(offset, method, 5000, dt_s=0.5)
+    x, y, theta = FAR[offset]
+    end, claim = run.state(), run.error_estimate.integration
+    assert run.t_s.size == 20_001
+    assert math.hypot(end.x_m[0] - x, end.y_m[0] - y) <= 1.1 * claim.position_m + 1e-9
+    assert abs(end.theta_rad[0] - theta) <= 1.1 * claim.angle_rad + 1e-9
+    assert claim.position_m < 1e-3

@@ -1,0 +1,145 @@
+"""Scenes for the references of tests/oracle: hard springs, free joints on dry ground."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import serpenoid as sn
+from numpy.random import Generator
+from oracle import contact_modes as cm
+from oracle import springs_collocation as sc
+from oracle.params import Gait, Params
+from serpenoid._core.firmware import gait_setpoints_rad
+
+GRAVITY_M_S2 = 9.80665
+Array = np.ndarray
+PAPER_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
+
+
+def params(scene: sn.Scene) -> Params:
+    """Return a scene's robot and ground as the references take them."""
+    robot, ground = scene.robot, scene.ground
+    down = -GRAVITY_M_S2 * math.sin(scene.incline_rad)
+    way = scene.incline_direction_rad
+    return Params(
+        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
+        ground.ct_forward, ground.cn, ground.ft0_forward, ground.fn0,
+        (down * math.cos(way), down * math.sin(way)), ground.ct_backward, ground.ft0_backward,
+    )  # fmt: skip
+
+
+def gait_of(gait: sn.Gait) -> Gait:
+    """Return a gait as the references take it."""
+    return Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad)
+
+
+def hard_scene(links: int, k: float, incline_rad: float = 0.0, **more: Any) -> sn.Scene:
+    """Return a second of the paper's robot on springs of k N/m with dampers of 1 N s/m."""
+    fields = {"duration_s": 1.0, "dt_s": 1e-3, "ground": sn.Ground(0.1, 10.0), **more}
+    return sn.Scene(
+        sn.Robot(links, 1.0, 0.12), gait=PAPER_GAIT, formulation="implicit",
+        joint_stiffness_n_m=k, incline_rad=incline_rad, **fields,
+    )  # fmt: skip
+
+
+def end_on_springs(scene: sn.Scene, start: sn.LinkState, steps: int = 20) -> Array:
+    """Return the links' places (x, y, theta), (n, 3), at the end of a scene on springs."""
+    springs = sc.Springs(
+        params(scene), scene.joint_stiffness_n_m, scene.joint_damping_n_s_m, gait_of(scene.gait)
+    )
+    q = np.concatenate([start.x_m, start.y_m, start.theta_rad])
+    v = np.concatenate([start.vx_m_s, start.vy_m_s, start.omega_rad_s])
+    return sc.run(springs, q, v, scene.duration_s, steps)[0].astype(float).reshape(3, -1).T
+
+
+def places(run: sn.Run) -> Array:
+    """Return (x, y, theta) of all links at the recorded times, (T, n, 3)."""
+    return np.stack([run.x_m, run.y_m, run.theta_rad], axis=2)
+
+
+def off(found: Array, truth: Array, robot: sn.Robot) -> float:
+    """Return the largest error in body lengths and radians of places (..., n, 3)."""
+    gap = found - truth
+    centre = np.hypot(gap[..., 0], gap[..., 1]).max() / robot.body_length_m
+    return float(max(centre, abs(gap[..., 2]).max()))
+
+
+def world(scene: sn.Scene) -> cm.World:
+    """Return a scene with torques or servos as the event-driven reference takes it."""
+    p, gait = params(scene), scene.gait
+    if scene.servo is not None:
+        setpoints = gait_setpoints_rad(
+            gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, offset_rad=gait.offset_rad,
+            joints=p.links - 1, frames=int(scene.duration_s / scene.servo.frame_s) + 2,
+        )  # fmt: skip
+        return cm.World(p, cm.ServoDrive(scene.servo, np.asarray(setpoints), scene.servo.frame_s))
+    if isinstance(scene.torque, sn.TorqueTable):
+        return cm.World(p, cm.Drive(scene.torque.t_s, scene.torque.torque_nm))
+    return cm.World(p, cm.Drive(np.zeros(1), np.asarray(scene.torque)[None]))
+
+
+def by_events(scene: sn.Scene, run: sn.Run, rtol: float = 1e-12) -> Array:
+    """Return the places (T, n, 3) at a run's times by the event-driven reference."""
+    first = run.state(0)
+    q = np.stack([first.x_m, first.y_m, first.theta_rad], axis=1).ravel()
+    v = np.stack([first.vx_m_s, first.vy_m_s, first.omega_rad_s], axis=1).ravel()
+    rows = list(cm.run(world(scene), np.concatenate([q, v]), run.t_s, rtol=rtol))
+    return np.array(rows)[:, : q.size].reshape(len(rows), -1, 3)
+
+
+def free_case(kind: str, seed: int, duration_s: float = 0.6) -> sn.Scene:
+    """Return a random robot of two to four links on dry ground, its joints driven by `kind`.
+
+    "torque": constant torques; "table": torques in time; "servo": springs and dampers within
+    limits; "full": with rotor, gear, held duty and a supply that sags. Two links start bent: a
+    straight pair is a singular pose, in which four resting wheels do not hold the joint.
+    """
+    rng = np.random.default_rng([seed, ("torque", "table", "servo", "full").index(kind)])
+    n = int(rng.integers(2, 5))
+    robot = sn.Robot(n, 10 ** rng.uniform(-1.4, -0.3), rng.uniform(0.05, 0.12))
+    weight = 9.81 * robot.link_mass_kg
+    ct, cn = 10 ** rng.uniform(-3, -1), 10 ** rng.uniform(-2, 0)
+    ft0, fn0 = weight * 10 ** rng.uniform(-3, -1.3), weight * 10 ** rng.uniform(-1.3, -0.2)
+    ground = sn.Ground(ct, cn, ft0, fn0)
+    if rng.random() < 0.3:
+        back = 10 ** rng.uniform(0.1, 1.0)
+        ground = sn.Ground((ct, back * ct), cn, (ft0, back * ft0), fn0)
+    bent = 0.3 if n == 2 else 0.0
+    gait = sn.Gait(rng.uniform(0.1, 1.2), rng.uniform(0.3, 1.8), rng.uniform(1, 6), bent)
+    incline = {"incline_rad": float(rng.choice([0, 0, 0.05])),
+               "incline_direction_rad": float(rng.uniform(-3, 3))}  # fmt: skip
+    drive = _drive(kind, robot, fn0 * robot.link_length_m * n / 2, rng)
+    return sn.Scene(robot, ground, gait, method="nonsmooth", duration_s=duration_s, dt_s=0.01,
+                    **incline, **drive)  # fmt: skip
+
+
+def _drive(kind: str, robot: sn.Robot, size_nm: float, rng: Generator) -> dict[str, Any]:
+    joints = robot.links - 1
+    if kind == "torque":
+        torque = rng.normal(size=joints) * size_nm * 10 ** rng.uniform(-1, 0)
+        return {"drive": "torque", "torque": torque}
+    if kind == "table":
+        t_s = np.sort(rng.uniform(0, 0.6, 4))
+        rows = rng.normal(size=(4, joints)) * size_nm * 10 ** rng.uniform(-1, 0.3)
+        return {"drive": "torque", "torque": sn.TorqueTable(t_s, rows)}
+    stiff = robot.inertia_kg_m2 * 10 ** rng.uniform(2, 4)
+    limit = stiff * rng.uniform(0.05, 1)
+    more = _gear(robot, limit, rng) if kind == "full" else {}
+    servo = sn.Servo(stiff, stiff * rng.uniform(0.01, 0.1), limit, **more)
+    return {"drive": "servo", "servo": servo}
+
+
+def _gear(robot: sn.Robot, limit_nm: float, rng: Generator) -> dict[str, float]:
+    def or_none(value: float, share: float) -> float:
+        return value if rng.random() < share else 0.0
+
+    return {
+        "armature_kg_m2": or_none(robot.inertia_kg_m2 * 10 ** rng.uniform(-2, 0), 0.7),
+        "gear_friction_nm": or_none(limit_nm * rng.uniform(0, 0.1), 0.6),
+        "gear_damping_nms_rad": or_none(0.01 * limit_nm, 0.5),
+        "update_hz": float(rng.choice([0, 50, 200])),
+        "supply_sag": float(rng.choice([0, 0.05])),
+        "dead_band_rad": float(rng.choice([0, 0.01, 0.03])),
+    }
