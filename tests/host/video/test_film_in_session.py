@@ -184,7 +184,9 @@ def test_servos_that_a_film_excludes_are_not_drawn(of_2005) -> None:
     assert servo_seen(servo("hobby"), [filmed(3.0, 0.1)], fit) == servo("hobby")
 
 
-def test_predictions_and_advice_have_the_servos_that_a_film_leaves(of_2005, monkeypatch) -> None:
+def test_predictions_and_advice_have_the_servos_that_a_film_leaves(
+    of_2005, monkeypatch, serpenoid
+) -> None:
     """Joints at 0.8 of a quick gait: weak servos, which leave less of another gait's speed."""
     session, fit = of_2005
     weak = session.with_reading(VIDEO, replace(filmed(0.8, 0.1), omega_rad_s=8.0))
@@ -194,13 +196,11 @@ def test_predictions_and_advice_have_the_servos_that_a_film_leaves(of_2005, monk
     assert after.band_servo_measured is None  # they are measured, by the film
     monkeypatch.setattr(session_file, "read_session", lambda folder: weak)
     typed = ["steady", "--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5", "--json"]
-    told = CliRunner().invoke(cli, [*typed, "--session", str(session_folder())])
-    assert "those of hobby that would move the joints as filmed" in told.stderr
-    band = json.loads(told.stdout)["band"]
+    _, out, err = serpenoid(*typed, "--session", str(session_folder()))
+    assert "those of hobby that would move the joints as filmed" in err
+    band = json.loads(out)["band"]
     known = speed_band(fit, gait, servo=servo_seen(servo("hobby"), weak.kept_films, fit))
     assert (band["low_m_s"], band["high_m_s"]) == (known.low_m_s, known.high_m_s)
     assert band["high_m_s"] < speed_band(fit, gait).high_m_s
-    ideal = CliRunner().invoke(
-        cli, [*typed, "--session", str(session_folder()), "--servo", "ideal"]
-    )
-    assert "as filmed" not in ideal.stderr
+    ideal = serpenoid(*typed, "--session", str(session_folder()), "--servo", "ideal")
+    assert "as filmed" not in ideal[2]
