@@ -26,7 +26,9 @@ from ..options import (
 )
 
 if TYPE_CHECKING:
+    from ...calibration.advising.speed_doubts import SpeedDoubts
     from ...calibration.friction_result import FrictionFit
+    from ...calibration.speed_samples import SpeedBand
     from ...model.drives import ServoKind
     from ...model.gait import Gait
     from ...model.ground import Ground
@@ -139,9 +141,11 @@ def _pinned(
         moved = beside_servo(s, servo)
         margins = interruptible(lambda: gait_margins(robot, ground, gait))
         band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo))
+        doubts = _doubts(s, fit, band)
     if as_json:
         values = {"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()}
         values |= {"band": band.to_dict()} if band else {}
+        values |= {"doubts": doubts.to_dict()} if doubts else {}
         return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
     report.steady(s)
     if moved is not None:
@@ -150,7 +154,18 @@ def _pinned(
         gait_report.sensitivities(s.sensitivities)
     if band is not None:
         report.console.print(f"predicted: {band.in_words()}", highlight=False)
+    if doubts is not None:
+        report.console.print(doubts.in_words(), highlight=False)
     return gait_report.margins(margins)
+
+
+def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> SpeedDoubts | None:
+    """Return what each friction leaves of the speed, where a fit and derivatives are there."""
+    if fit is None or band is None or s.sensitivities is None or not s.sensitivities.at[0] > 0:
+        return None
+    from ...calibration.advising.speed_doubts import speed_doubts
+
+    return speed_doubts(fit, s.sensitivities, band)
 
 
 def beside_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:
