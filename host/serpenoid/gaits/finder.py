@@ -118,6 +118,7 @@ class Finder:
         self.search = self.near
         if ground.smooth or not self.exact:
             self.search = ShapeSearch(robot, ground, solver, cost, limits)
+            self.search.in_threads = not (ground.smooth and self.exact)
         self.followed = FollowedValleys()
         self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
         self.coarse = 1e-7 if ground.smooth and self.exact else 3e-4  # accuracy of the search
@@ -125,7 +126,7 @@ class Finder:
         self.smallest = 0.002 if ground.smooth and self.exact else 0.012
 
     def follow(
-        self, start: Candidate, speed: float, radius: float, closer: float = 1.0
+        self, start: Candidate, radius: float, speed: float, closer: float = 1.0
     ) -> tuple[Point, float]:
         """Return the lowest point of a candidate's valley; closer: refinement factor."""
         low, high = self.search.bounds()
@@ -182,8 +183,10 @@ class Finder:
         ends, tried = [], []
         rougher = _ROUGHER if self.search is self.near else 1.0
         for start in self.candidates(speed):
-            if best is None or self.followed.worth(start, best):
-                end = self.follow(start, speed, _RADIUS, rougher)
+            steps = self.cloud.steps_at(start.shape) if self.ground.smooth else np.zeros(2)
+            if best is None or self.followed.worth(start, best, steps):
+                led = self.followed.led(start) if self.ground.smooth else None
+                end = self.follow(*(led or (start, _RADIUS)), speed=speed, closer=rougher)
                 self.followed.add(start, end[0])
                 tried.append(end[0])
                 ends += [] if end[0].better[0] else [end]
@@ -193,7 +196,7 @@ class Finder:
         self, speed: float, last: Candidate, radius: float
     ) -> tuple[list[End], list[Point]]:
         """Return the end of the last gait's valley first, and others that may be cheaper now."""
-        end = self.follow(last, speed, radius, _ONWARDS if self.search is self.near else 1.0)
+        end = self.follow(last, radius, speed, _ONWARDS if self.search is self.near else 1.0)
         if end[0].better[0]:
             return self._from_cloud(speed)
         others, tried = self._from_cloud(speed, end[0])
@@ -227,7 +230,7 @@ class Finder:
                 starts = refined_valleys(self.near, best, speed, width, half, _SMALL_VALLEYS)
                 seen = math.log(starts[0].watts) if starts else math.inf
                 for start in starts:
-                    point, lower = self.follow(start, speed, width / 6, closer=_CLOSER)
+                    point, lower = self.follow(start, width / 6, speed, closer=_CLOSER)
                     if point.better < best.better:
                         best, model_gap = point, lower
                 if np.abs(best.at - middle).max() < _INSIDE * width:

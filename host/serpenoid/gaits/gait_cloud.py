@@ -14,6 +14,7 @@ from ..model.robot import Robot
 from ..periodic.sweep import sweep
 from .gait_table import Array, GaitTable
 from .limits import GaitLimits
+from .shape_search import GaitShape
 
 _SWINGS = np.radians([6.0, 11, 17, 24, 31, 38, 46, 55, 66, 80])  # amplitudes of the headings
 _SLOWER = np.array([0.2, 0.4, 0.6, 0.8])  # of the least of them: where servos are slow
@@ -60,6 +61,13 @@ class GaitCloud(GaitTable):
         if not ground.smooth:
             self._reach_cheap_shapes(speeds)
             self._fill_between(speeds)
+
+    def steps_at(self, shape: GaitShape) -> Array:
+        """Return the largest steps of swing and lag beside a shape of the table, e-folds."""
+        swings = np.log(self.alpha_rad[:, 0] / (2 * np.sin(self.beta_rad[0, 0] / 2)))
+        here = int(np.abs(swings - shape.swing).argmin())
+        beside = swings[max(here - 1, 0) : here + 2]
+        return np.array([np.diff(beside).max(), np.diff(np.log(self.beta_rad[0])).max()])
 
     def _grow(self, rates: NDArray[Any], shapes: NDArray[np.bool_] | None = None) -> None:
         self.add_rates(np.unique(np.minimum(rates, self.limits.omega_high_rad_s)), shapes)

@@ -28,6 +28,7 @@ _ROUNDING = 1 + 1e-9  # an amplitude at its limit, after exp(log(limit))
 _FINE_WITHIN = 1.02  # of the cheapest: what lines between rates may hide
 _FINE_RTOL = 1e-3
 _SAME_START, _SAME_END = 0.25, 0.15  # e-folds of shape: one start, one valley
+_LEAST_LED = 0.005  # e-folds of shape: the least first box at a valley's last end
 _DOUBT = 0.05  # e-folds of cost: how much the factor of a valley may change with the speed
 _PENALTY = 8.0  # cost of a limit exceeded by a factor f rises as f^8, so valleys inside win
 
@@ -169,6 +170,14 @@ class GaitTable:
         return Candidate(float(watts[i, j]), shape, float(rate[i, j]))
 
 
+class _Valley(NamedTuple):
+    """Hold a valley's start and end, e-folds of shape, and how far the end lies below the table."""
+
+    start: Array
+    below: float
+    end: Array
+
+
 class FollowedValleys:
     """Remember how far below the table valleys ended at other speeds: what to follow again.
 
@@ -176,25 +185,47 @@ class FollowedValleys:
     """
 
     def __init__(self) -> None:
-        self._known: list[tuple[Array, float, Array]] = []  # start, e-folds below the table, end
+        self._known: list[_Valley] = []
 
     def add(self, start: Candidate, end: Point) -> None:
         """Keep what following a candidate led to."""
         if np.isfinite(end.value):
-            self._known.append((np.array(start.shape), math.log(start.watts) - end.value, end.at))
+            below = math.log(start.watts) - end.value
+            self._known.append(_Valley(np.array(start.shape), below, end.at))
 
-    def worth(self, start: Candidate, best: Point) -> bool:
-        """Tell whether a candidate may end below the best, in another valley than that."""
-        near = [
-            known for known in self._known
-            if np.abs(known[0] - np.array(start.shape)).max() < _SAME_START
-        ]  # fmt: skip
+    def worth(self, start: Candidate, best: Point, steps: Array) -> bool:
+        """Tell whether a candidate may end below the best, in another valley than that.
+
+        steps: of the table, e-folds of shape; a dearer candidate nearer to the best than that lies
+        in its valley.
+        """
+        off = np.abs(best.at - np.array(start.shape))
+        if np.all(off < steps) and math.log(start.watts) > best.value:
+            return False
+        near = self._near(start)
         if not near:
             return True
-        _, below, end = near[-1]
-        if np.abs(end - best.at).max() < _SAME_END:
+        if np.abs(near[-1].end - best.at).max() < _SAME_END:
             return False
-        return math.log(start.watts) - below < best.value + _DOUBT
+        return math.log(start.watts) - near[-1].below < best.value + _DOUBT
+
+    def led(self, start: Candidate) -> tuple[Candidate, float] | None:
+        """Return where a valley ended last, and the first box there; None where that may mislead.
+
+        The box is as large as the end's last step, twice.
+        """
+        near = self._near(start)
+        if len(near) < 2:
+            return None
+        step = float(np.abs(near[-1].end - near[-2].end).max())
+        if step > _SAME_END:
+            return None
+        shape = GaitShape(*near[-1].end.tolist())
+        return start._replace(shape=shape), max(2 * step, _LEAST_LED)
+
+    def _near(self, start: Candidate) -> list[_Valley]:
+        at = np.array(start.shape)
+        return [known for known in self._known if np.abs(known.start - at).max() < _SAME_START]
 
 
 def valleys(price: Array, most: int) -> list[tuple[float, list[int]]]:

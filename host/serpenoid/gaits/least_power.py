@@ -21,7 +21,9 @@ from .quadratic_search import Array
 from .shape_search import GaitShape, exact_solver
 
 _ABOVE = 1e-2  # e-folds of power over its neighbours' line: such a speed is searched anew
-_RADIUS_LED = 0.005  # e-folds of shape: the first box where three optima lead
+_RADIUS_LED = 0.005  # e-folds of shape: the least first box where optima lead
+_FAR_LED = 0.3  # the same: they lead no farther from the last one
+_MISSES = 2.0  # first box over the last miss
 
 
 class _Track:
@@ -30,11 +32,14 @@ class _Track:
     def __init__(self, smooth: bool) -> None:
         self._smooth = smooth
         self._at: list[tuple[float, Array]] = []  # ln speed; swing, lag and ln rate
+        self._led = np.full(3, np.inf)  # where the last optimum was expected
+        self._missed = math.inf  # by so much of swing or lag
 
     def add(self, speed_m_s: float, gait: Gait) -> None:
         """Keep an optimum."""
         shape = GaitShape.of(gait.alpha_rad, gait.beta_rad)
         self._at.append((math.log(speed_m_s), np.array([*shape, math.log(gait.omega_rad_s)])))
+        self._missed = float(np.abs(self._led - self._at[-1][1])[:2].max())
 
     def only(self, speed_m_s: float) -> _Track:
         """Return a track that knows the optimum of one speed alone, if it was found."""
@@ -55,8 +60,9 @@ class _Track:
             for k, (xk, values) in enumerate(latest):
                 others = [xj for j, (xj, _) in enumerate(latest) if j != k]
                 led += math.prod((x - xj) / (xk - xj) for xj in others) * values
-            if np.abs(led - at)[:2].max() < RADIUS_KNOWN:
-                at, radius = led, _RADIUS_LED if len(latest) > 2 else RADIUS_KNOWN / 2
+            if np.abs(led - at)[:2].max() < _FAR_LED:
+                at, radius = led, min(max(_MISSES * self._missed, _RADIUS_LED), RADIUS_KNOWN)
+        self._led = at
         return Candidate(0.0, GaitShape(*at[:2].tolist()), math.exp(at[2])), radius
 
 

@@ -88,6 +88,8 @@ class ShapeSearch:
         self.robot, self.ground, self.solve, self.cost = robot, ground, solve, cost
         self.limits = limits
         self.evaluations = 0
+        self.in_threads = True
+        self._slope = 1.0  # of ln speed against ln rate, as it was last
 
     def at_speed(self, shape: GaitShape, speed_m_s: float, guess: float, rtol: float) -> Any | None:
         """Return the state of a shape at the rate that gives the speed, or None if none does.
@@ -106,9 +108,13 @@ class ShapeSearch:
                 return None
             self.evaluations += 1
             y = math.log(max(state.speed_m_s, 1e-300) / speed_m_s)
+            slope = self._slope
+            if last is not None and x != last[0]:
+                slope = (y - last[1]) / (x - last[0])
             if abs(y) <= 2 * rtol:
                 return state
-            slope = 1.0 if last is None or x == last[0] else (y - last[1]) / (x - last[0])
+            if abs(y) < _CLOSE and slope > _LEAST_SLOPE and not self.in_threads:
+                self._slope = slope
             step = -y / slope if slope > _LEAST_SLOPE else -math.copysign(_STEP_BLIND, y)
             last = (x, y)
             x += min(max(step, -_LARGEST_STEP), _LARGEST_STEP)
@@ -143,8 +149,12 @@ class ShapeSearch:
     def points(
         self, shapes: Sequence[Array], speed_m_s: float, guess: float, rtol: float
     ) -> list[Point]:
-        """Return many points, on two threads or as many as there are processors."""
-        return on_threads(lambda at: self.point(at, speed_m_s, guess, rtol), shapes)
+        """Return many points; in threads where a state takes more than starting a thread does."""
+
+        def solve(at: Array) -> Point:
+            return self.point(at, speed_m_s, guess, rtol)
+
+        return on_threads(solve, shapes) if self.in_threads else [solve(at) for at in shapes]
 
     def bounds(self) -> tuple[Array, Array]:
         """Return the least and greatest coordinates that are searched."""
