@@ -79,7 +79,7 @@ def _speeds(states: list[Any]) -> Array:
 def _solve(
     robot: Robot, gait: Gait, samples: Sequence[Sample], rough: bool, starts: list[Any]
 ) -> list[Any]:
-    models = [core_model(robot, sample.ground, sample.gait(gait)) for sample in samples]
+    models = [core_model(robot, s.ground, gait, (s.joint_gain, s.joint_shift_rad)) for s in samples]
     threads = min(threads_to_use(None), len(models))
     return _core.neighbours(
         models[0], models, _RTOL, False, MAX_ELEMENTS, threads, rough=rough, starts=starts
@@ -97,7 +97,7 @@ class SampledSpeeds:
     ) -> None:
         self.robot, self.samples, self.shares, self.solved = robot, samples, shares, 0
         self.dry = any(not sample.ground.smooth for sample in samples)
-        traits = np.array([_traits(robot, sample) for sample in samples])
+        traits = np.array([_traits(sample) for sample in samples])
         spread = traits.std(axis=0)
         varied = spread > 1e-9
         unit = (traits[:, varied] - traits[:, varied].mean(axis=0)) / spread[varied]
@@ -149,12 +149,12 @@ class SampledSpeeds:
         return _solve(self.robot, gait, [self.samples[i] for i in which], rough, starts)
 
 
-def _traits(robot: Robot, sample: Sample) -> list[float]:
+def _traits(sample: Sample) -> list[float]:
     """Return the numbers in which samples differ: logarithms of frictions; gains and shifts."""
-    g, gait = sample.ground, sample.gait(Gait(1.0, 1.0, 1.0))
+    g = sample.ground
     frictions = (g.ct_forward, g.ct_backward, g.cn, g.ft0_forward, g.ft0_backward, g.fn0)
-    gain, shift = gait.joint_factors(robot.links - 1)
-    return [*np.log(np.maximum(frictions, 1e-300)), *gain, *shift]
+    logs = np.log(np.maximum(frictions, 1e-300)).tolist()
+    return [*logs, *sample.joint_gain, *sample.joint_shift_rad]
 
 
 def driven_speeds(robot: Robot, gait: Gait, samples: Sequence[Sample]) -> Array:

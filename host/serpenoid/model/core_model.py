@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
 from .. import _core
 from .checks import check_kind
 from .gait import Gait
 from .ground import Ground
 from .robot import Robot
+
+Factors = Sequence[float] | NDArray[np.float64]
 
 
 def check_parts(robot: object, ground: object, gait: object = None) -> None:
@@ -28,13 +35,20 @@ def friction_numbers(ground: Ground) -> tuple[float, float, float, float, float,
     )  # fmt: skip
 
 
-def core_model(robot: Robot, ground: Ground, gait: Gait) -> _core.Model:
-    """Hand the three to the compiled core (which counts length by halves, as the paper does)."""
+def core_model(
+    robot: Robot, ground: Ground, gait: Gait, joints: tuple[Factors, Factors] | None = None
+) -> _core.Model:
+    """Hand the three to the compiled core (which counts length by halves, as the paper does).
+
+    joints: gains and shifts of the joints, rad, in place of the gait's.
+    """
     model = _core.Model(
         robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
         *friction_numbers(ground),
         gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad,
     )  # fmt: skip
-    if gait.joint_gain or gait.joint_shift_rad:
+    if joints is not None:
+        model.set_joints(*(np.array(factors, float) for factors in joints))
+    elif gait.joint_gain or gait.joint_shift_rad:
         model.set_joints(*gait.joint_factors(robot.links - 1))
     return model

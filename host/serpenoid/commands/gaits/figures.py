@@ -40,8 +40,8 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
 
     Writes Figs. 6 to 13 and 15 to 17, fronts of least-power and robust gaits, the cliff of a
     fragile and a robust gait, the robot crawling (SVG; GIF for slides), a data file beside each,
-    claims.json and index.html. About a minute. Joints follow the gait exactly, as the paper's do,
-    so there is no --servo; the speeds of Fig. 17 have the band of any hobby servo beside them.
+    claims.json and index.html. Some ten seconds. Joints follow the gait exactly, as the paper's
+    do, so there is no --servo; the speeds of Fig. 17 have the band of any hobby servo beside them.
     """
     from ...gaits.paper_study import Reading, as_dict
     from ...show.gaits.paper_page import claim_table, write_page
