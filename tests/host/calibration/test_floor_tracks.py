@@ -194,12 +194,21 @@ def clock(t):
 )
 def test_files_of_tracker_and_kinovea_are_read(tmp_path, text, row, unit):
     rows = push_track(0.8, TRUTH, np.random.default_rng(1))
+    true_s = rows[:, 0].copy()
     rows[:, 0] = np.round(rows[:, 0], 2)
     path = tmp_path / "track.txt"
     path.write_text(text.format(rows="\n".join(row(*r) for r in rows)))
     found, digest = read_track_file(path, unit)
-    np.testing.assert_allclose(found, rows, atol=2e-5)
+    np.testing.assert_allclose(found[:, 1:], rows[:, 1:], atol=2e-5)
+    assert np.ptp(found[:, 0] - true_s) < 1e-3  # pictures come evenly; hundredths are undone
     assert len(digest) == 64
+
+
+def test_times_that_no_even_pictures_explain_stay_as_they_are(tmp_path):
+    at = np.round(np.cumsum(np.random.default_rng(2).uniform(0.02, 0.06, 50)), 2)
+    path = tmp_path / "track.csv"
+    path.write_text("t,x,y\n" + "\n".join(f"{t:.2f},{t:.4f},0" for t in at))
+    assert read_track_file(path)[0][:, 0].tolist() == at.tolist()
 
 
 def test_files_that_are_no_track_are_told(tmp_path):

@@ -19,6 +19,7 @@ _TIMES = {"s": 1.0, "ms": 0.001, "min": 60.0}
 _CLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[:.](\d+)")
 _UNIT = re.compile(r"[(\[]\s*(\w+)\s*[)\]]")
 _TIME_NAMES = re.compile(r"(?i)^#?(t|time|t_s|timestamp)\b")
+GRAIN_S = 0.01  # of Kinovea's clock
 MOST_BYTES = 20_000_000
 
 
@@ -27,7 +28,8 @@ def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], s
 
     Columns are told by their names: a time (t, time, ...), then the first x and the first y after
     it; y may be missing. Units may stand in the names, as in `Time (ms)` and `x (cm)`; else times
-    are s, or a clock as Kinovea's h:mm:ss:cc, and lengths are `unit`. Rows with an empty place are
+    are s, or a clock as Kinovea's h:mm:ss:cc, and lengths are `unit`. Times in whole hundredths
+    become those of even pictures where they can be. Rows with an empty place are
     left out. Raises BadInput, naming the line.
     """
     check_choice("unit", unit, tuple(UNITS))
@@ -51,11 +53,28 @@ def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], s
         raise BadInput(f"{path}: {len(rows)} place(s) in it; is it a track of time, x and y?")
     (_, in_s), *places = columns
     found = np.array(rows)
-    found[:, 0] *= in_s or 1.0
+    found[:, 0] = _unrounded(found[:, 0] * (in_s or 1.0))
     for k, (_, in_m) in enumerate(places, 1):
         found[:, k] *= in_m or UNITS[unit]
     digest = hashlib.sha256(text.encode()).hexdigest()
     return found[np.concatenate([[True], np.diff(found[:, 0]) > 0.0])], digest
+
+
+def _unrounded(t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return times as they were before a clock of whole hundredths cut them, s.
+
+    Pictures come evenly, pictures without a place counted. Where no even line is within a hundredth
+    of all times, or a picture is as short as that, they stay as they are.
+    """
+    steps = np.diff(t)
+    whole = np.abs(100 * t - np.round(100 * t)).max(initial=0.0) < 1e-6
+    if not whole or len(t) < 10 or np.median(steps) < 2 * GRAIN_S:
+        return t
+    one = steps[steps < 1.5 * np.median(steps)].mean()
+    count = np.concatenate([[0.0], np.cumsum(np.round(steps / one))])
+    slope, start = np.polyfit(count, t, 1).tolist()
+    even: NDArray[np.float64] = start + slope * count
+    return even if np.ptp(t - even) <= 1.2 * GRAIN_S else t
 
 
 def _delimiter(lines: list[str]) -> str:
