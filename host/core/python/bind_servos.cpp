@@ -44,6 +44,8 @@ void bind_servos(nb::module_& m) {
         .def_ro("amplitude", &ServoGaitState::amplitude)
         .def_ro("lag", &ServoGaitState::lag)
         .def_ro("ripple", &ServoGaitState::ripple)
+        .def_ro("gain", &ServoGaitState::gain)
+        .def_ro("shift", &ServoGaitState::shift)
         .def_ro("lines", &ServoGaitState::lines)
         .def_ro("cycles", &ServoGaitState::cycles)
         .def_ro("converged", &ServoGaitState::converged);

@@ -95,8 +95,10 @@ class Mean {
         ++count_;
         sum_.speed += p.speed, sum_.turn += p.turn, sum_.power += p.power;
         sum_.amplitude += p.amplitude, sum_.lag += p.lag, sum_.ripple += p.ripple;
+        sum_.gain = p.gain, sum_.shift = p.shift;
     }
     void report(ServoGaitState& to) const {
+        to.gain = sum_.gain, to.shift = sum_.shift;
         to.speed = sum_.speed / count_, to.turn = sum_.turn / count_;
         to.power = sum_.power / count_, to.amplitude = sum_.amplitude / count_;
         to.lag = sum_.lag / count_, to.ripple = sum_.ripple / count_;

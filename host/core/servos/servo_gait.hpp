@@ -31,6 +31,7 @@ struct ServoGaitState {
     double spread = 0;   // half the range over the phases
     double error = 0;    // estimated, of `speed`
     double turn = 0, power = 0, amplitude = 0, lag = 0, ripple = 0;  // as ServoSteps::Path
+    std::vector<double> gain{}, shift{};  // of each joint, as ServoSteps::Path, last phase
     std::vector<double> lines{};  // rms of the rates in each watched harmonic, rad/s, last phase
     int cycles = 0;
     bool converged = false;

@@ -506,13 +506,19 @@ void ServoSteps::finish(double turn) {
     }
     path_.speed = std::hypot(x, y) / T, path_.turn = turn, path_.power = work_ / T;
     double along = 0, across = 0, waves = 0, asked = 0;
+    path_.gain.assign(n_ - 1, 1.0), path_.shift.assign(n_ - 1, 0.0);
     for (int i = 0; i + 1 < n_; ++i) {
         // rates a cos + b sin, over those of the gait: omega alpha gain cos(phase + lead)
         const double a = wave_[2 * i] * 2 / T, b = wave_[2 * i + 1] * 2 / T;
         const double want = gait_.omega * gait_.alpha;
         const double cosine = want * table_.cosine(i), sine = -want * table_.sine(i);
-        along += a * cosine + b * sine, across += b * cosine - a * sine;
-        waves += a * a + b * b, asked += cosine * cosine + sine * sine;
+        const double with = a * cosine + b * sine, beside = b * cosine - a * sine;
+        const double square = cosine * cosine + sine * sine;
+        along += with, across += beside, waves += a * a + b * b, asked += square;
+        if (square > 0) {
+            path_.gain[i] = std::hypot(a, b) / std::sqrt(square);
+            path_.shift[i] = -std::atan2(beside, with);
+        }
     }
     if (asked > 0) path_.amplitude = std::sqrt(waves / asked);
     path_.lag = std::atan2(across, along);

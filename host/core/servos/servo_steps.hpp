@@ -49,6 +49,7 @@ class ServoSteps {
         double amplitude = 0;  // first harmonic of the joints over that of the gait, mean
         double lag = 0;        // rad, of the first harmonic
         double ripple = 0;     // rms of the joints' rates beside their first harmonic, rad/s
+        std::vector<double> gain, shift;  // of each joint: amplitude over the gait's, phase, rad
     };
     const Path& path() const { return path_; }
     std::vector<double> lines() const;  // rms of the rates in the watched harmonics, rad/s

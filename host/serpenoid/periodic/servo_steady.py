@@ -16,6 +16,7 @@ from ..model.checks import check_kind
 from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
 from ..model.errors import NotConverged
+from ..model.gait import Gait
 from .steady import Steady, relative_error, steady_gait
 
 Array = NDArray[np.float64]
@@ -150,16 +151,30 @@ def ripple_share(ideal: Steady, servo: Servo, rough: bool = False) -> float:
 def moved_by(ideal: Steady, servo: Servo, seen: bool, rough: bool = False) -> tuple[float, float]:
     """Return the share of the ideal speed that a servo leaves, and of the joints' amplitude.
 
-    seen: the amplitude that the servo makes was seen, and it is not lost again: its speed is held
-    to that of ideal joints that make this amplitude.
+    seen: a film showed each joint's amplitude and phase, so that they are not counted again: the
+    speed is held to that of ideal joints which make the same ones.
     """
     moved = servo_state(ideal, servo, rough)
     speed_m_s = ideal.speed_m_s
     if seen:
-        made = replace(ideal.gait, alpha_rad=ideal.gait.alpha_rad * moved.amplitude)
+        made = as_made(ideal.gait, moved)
         found = steady_gait(ideal.robot, ideal.ground, made, rtol=1e-3, powers=False)
         speed_m_s = found.speed_m_s
     return moved.speed / max(speed_m_s, 1e-9), moved.amplitude
+
+
+def as_made(gait: Gait, moved: Any) -> Gait:
+    """Return the sines that a servo makes of a gait; moved: its state there.
+
+    The joints' mean lag is left out: it shifts the whole motion in time.
+    """
+    shift = np.array(moved.shift)
+    gain, own = gait.joint_factors(len(shift))
+    gain = np.clip(gain * np.array(moved.gain), 0.0, 2.0)
+    turned = np.exp(1j * (own + shift))
+    mean = np.angle(turned @ gain) if gain.any() else 0.0
+    shifts = np.angle(turned * np.exp(-1j * mean))
+    return replace(gait, joint_gain=tuple(gain.tolist()), joint_shift_rad=tuple(shifts.tolist()))
 
 
 def servo_speeds(pairs: Iterable[tuple[Steady, Servo]], rough: bool = False) -> Array:

@@ -11,7 +11,14 @@ import serpenoid as sn
 from periodic.servo_cases import drawn_case, full_speeds
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.periodic.servo_steady import band_end, with_servo
+from serpenoid.model.drives import Servo
+from serpenoid.periodic.servo_steady import (
+    as_made,
+    band_end,
+    ripple_share,
+    servo_state,
+    with_servo,
+)
 from serpenoid.simulation.starts import start_state
 
 ROBOT = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
@@ -37,6 +44,34 @@ def test_a_creeping_robot_has_an_honest_error() -> None:
     speeds, _ = full_speeds(found.ideal, servo, keep=4)
     assert found.speed_m_s == pytest.approx(speeds.mean(), rel=0.02)
     assert abs(found.speed_m_s / speeds.mean() - 1) < found.error_estimate < 0.05
+
+
+def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() -> None:
+    """A motor near its limits: the middle joint lags 12 degrees more than the mean one."""
+    weak = Servo(
+        stiffness_nm_rad=0.346, damping_nms_rad=0.0161, torque_limit_nm=0.0997,
+        speed_limit_rad_s=6.21, dead_band_rad=0.007, armature_kg_m2=4.2e-4,
+        gear_friction_nm=0.003, gear_damping_nms_rad=4.8e-4, supply_sag=0.04,
+    )  # fmt: skip
+    gait = sn.Gait(math.radians(70), math.radians(60), math.tau * 0.8)
+    ideal = sn.steady_gait(ROBOT, GROUND, gait, rtol=1e-4)
+    made = as_made(gait, servo_state(ideal, weak))
+    period = gait.period_s
+    run = sn.simulate(sn.Scene(
+        ROBOT, GROUND, gait, drive="servo", servo=weak, duration_s=12 * period, dt_s=period / 50,
+        tolerance=1e-5,
+    ))  # fmt: skip
+    late = run.t_s > 4 * period - 1e-9
+    joints = np.diff(run.theta_rad, axis=1)[late][:-1]
+    wave = 2 * np.exp(-1j * gait.omega_rad_s * run.t_s[late][:-1]) @ joints / len(joints)
+    wave *= 1j * np.exp(-1j * gait.beta_rad * np.arange(5)) / gait.alpha_rad
+    shifts = np.angle(wave / wave.mean())
+    assert made.joint_gain == pytest.approx(np.abs(wave), abs=0.005)
+    assert made.joint_shift_rad == pytest.approx(shifts, abs=math.radians(0.5))
+    assert np.ptp(shifts) > math.radians(10)
+    share = ripple_share(ideal, weak)  # of joints as they are: little is left for a ripple to take
+    assert share == pytest.approx(1.0, abs=0.02)
+    assert servo_state(ideal, weak).speed < 0.95 * ideal.speed_m_s
 
 
 @pytest.mark.slow
