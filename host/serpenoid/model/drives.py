@@ -223,7 +223,7 @@ class ServoKind:
         """Return a servo that does not hunt by itself: such ones are not sold."""
         drawn = self._draw(rng)
         for _ in range(_TRIES):
-            if loop_radius(drawn) < _HUNTS:
+            if not hunts(drawn):
                 break
             drawn = self._draw(rng)
         return drawn
@@ -249,6 +249,24 @@ class ServoKind:
         values = {name: getattr(self.servo, name) * factor[name] for name in UNCERTAIN}
         values["supply_sag"] = min(values["supply_sag"], 1.0)
         return replace(self.servo, **values)
+
+    def units_of(self, servo: Servo) -> list[float]:
+        """Return by how many sigma a servo's UNCERTAIN fields lie off: the inverse of `at`."""
+        log = {
+            name: math.log(getattr(servo, name) / getattr(self.servo, name))
+            if self.sigma.get(name) and getattr(self.servo, name) else 0.0
+            for name in UNCERTAIN
+        }  # fmt: skip
+        torque, line = log["torque_limit_nm"], -log["speed_limit_rad_s"]
+        for names, common in ((_WITH_TORQUE, torque), (_WITH_LINE, torque + line)):
+            for name in names:
+                log[name] -= common
+        return [log[n] / self.sigma[n] if self.sigma.get(n) else 0.0 for n in UNCERTAIN]
+
+
+def hunts(servo: Servo) -> bool:
+    """Tell whether a servo hunts by itself; such ones are not sold."""
+    return loop_radius(servo) >= _HUNTS
 
 
 def loop_radius(servo: Servo) -> float:

@@ -10,8 +10,9 @@ import pytest
 from calibration.floor_sessions import TRUTH, floor_setup
 from scipy.special import ndtri
 from scipy.stats import qmc
-from serpenoid.calibration.crawls.data import CrawlData, ServoEffects
+from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Before, Posterior, draw
+from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.friction_result import ground_of
 from serpenoid.calibration.speed_samples import speed
 from serpenoid.model.gait import Gait

@@ -11,9 +11,10 @@ from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, 
 from scipy.stats import multivariate_t
 from serpenoid import BadInput
 from serpenoid.calibration import speed_samples
-from serpenoid.calibration.crawls.data import CrawlData, ServoEffects
+from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Before, Posterior, _Mixture, draw
 from serpenoid.calibration.crawls.result import fit_crawls
+from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
 from serpenoid.calibration.floor.data import FloorData
 from serpenoid.calibration.floor.minimum import linear_at, start

@@ -11,9 +11,10 @@ from calibration.floor_sessions import TRUTH, floor_session
 from calibration.test_dialogue import talk
 from serpenoid import BadInput
 from serpenoid.calibration.comparison import compare
-from serpenoid.calibration.crawls.data import CrawlData, ServoEffects
+from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.filmed import crawl_cells
 from serpenoid.calibration.crawls.result import fit_crawls
+from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import Estimate

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...calibration.crawls.data import SERVO_DRAWS, ServoEffects, effects_of
 from ...calibration.crawls.result import fit_crawls
+from ...calibration.crawls.servos import SERVO_DRAWS, ServoEffects, effects_of, together
 from ...calibration.friction_fit import fit_friction
 from ...calibration.friction_result import NAMES, FrictionFit, band, ground_of
 from ...calibration.kinds.instruments import FloorTools
@@ -34,7 +34,7 @@ from ...calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, defaul
 from ...calibration.taking.treadmill import take_all
 from ...lab.crawl import crawl_speed
 from ...lab.recording import Camera
-from ...model.drives import ServoKind
+from ...model.drives import Servo, ServoKind
 from ...model.errors import SerpenoidError
 from ...model.gait import Gait
 from .coverage import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
@@ -135,26 +135,33 @@ def drawn_person(
 class ServoPool:
     """Many servos, and what each does to CRAWLS, filmed, and to GAIT on the ground of WHOLE_2005.
 
-    A session has some of them, as its fit would draw its own: to solve for them takes 10 s each.
+    A session has some of them, as its fit would draw its own: their states take seconds.
     """
 
     def __init__(self, servos: int = 512):
-        robot = default_setup("floor coverage").robot
-        ground = ground_of(robot.links, WHOLE.tolist())
+        self._robot = robot = default_setup("floor coverage").robot
+        self._ground = ground = ground_of(robot.links, WHOLE.tolist())
         by_rate = sorted(CRAWLS, key=lambda gait: gait.omega_rad_s)  # as a session has them
         seen = [*(True for _ in by_rate), False]
         self._every = effects_of(robot, ground, (*by_rate, GAIT), seen, tuple(SERVOS.draws(servos)))
 
-    def some(self, rng: np.random.Generator) -> tuple[ServoEffects, NDArray[np.float64]]:
-        """Return what a session's servos do to the crawls, and their shares of GAIT's speed."""
-        every = self._every
+    def some(self, rng: np.random.Generator) -> tuple[ServoEffects, ServoEffects]:
+        """Return what a session's servos do to the crawls, and to GAIT."""
+        every, films = self._every, np.repeat(np.arange(len(CRAWLS)), CRAWL_RUNS)
         own = rng.choice(len(every.servos), SERVO_DRAWS, replace=False)
-        share, amplitude = (
-            np.repeat(part, CRAWL_RUNS, axis=1)
-            for part in (every.share[own, :-1], every.amplitude[own])
-        )
-        effects = ServoEffects(tuple(every.servos[k] for k in own), share, amplitude, every.sigma)
-        return effects, every.share[own, -1]
+        return every.some(own, films, films), every.some(own, [len(CRAWLS)], [])
+
+    def shares(self, fit: FrictionFit, first: ServoEffects, count: int) -> NDArray[np.float64]:
+        """Return what each draw's servo leaves of GAIT's speed; first: the session's servos."""
+        assert fit.servos is not None
+        assert fit.draws is not None
+        index, effects = np.array(fit.servos.index[:count]), first
+        if further := fit.servos.drawn[len(first.servos) :]:
+            effects = together(first, self._on_gait(further))
+        return effects.shares(fit.draws[:count, 4])[np.arange(count), index, 0]
+
+    def _on_gait(self, servos: tuple[Servo, ...]) -> ServoEffects:
+        return effects_of(self._robot, self._ground, (GAIT,), [False], servos)
 
 
 @dataclass(frozen=True)
@@ -173,7 +180,7 @@ def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> l
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
     person = drawn_person(case, rng, amplitude)
     taken = take_all(MemoryRecord(floor_setup(case)), person)
-    effects, shares = tables.pool.some(rng)
+    effects, on_gait = tables.pool.some(rng)
     try:
         fit = fit_friction(taken) if case.camera or not case.crawls else None
         if case.crawls:
@@ -182,7 +189,7 @@ def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> l
     except SerpenoidError:
         return None
     assert fit is not None  # of pushes, crawls or both
-    bands = _bands(fit, shares, rng, tables)
+    bands = _bands(fit, on_gait, rng, tables)
     ends = np.vstack([[fit.intervals[name] for name in NAMES], *bands])
     crawls = crawl_speed(person.robot, scaled(GAIT, amplitude))
     true = np.append(WHOLE, [float(tables.speed(WHOLE[None, :])[0]), crawls])
@@ -205,15 +212,16 @@ def _unseen(
 
 
 def _bands(
-    fit: FrictionFit, shares: NDArray[np.float64], rng: np.random.Generator, tables: FloorTables
+    fit: FrictionFit, on_gait: ServoEffects, rng: np.random.Generator, tables: FloorTables
 ) -> list[tuple[float, float]]:
     """Return the bands of GAIT's speed, of frictions alone and of a driven robot.
 
-    shares: of the ideal speed, what each of the fit's servos leaves.
+    on_gait: what the session's first servos do to GAIT.
     """
     if fit.draws is not None:  # wider than the tables
         drawn = sample_speeds(fit, [GAIT], amplitude_sigma=AMPLITUDE_SIGMA, count=_SPEED_SAMPLES)
-        by_servo = 1.0 if fit.servos is None else shares[list(fit.servos.index[:_SPEED_SAMPLES])]
+        told = fit.servos is not None
+        by_servo = tables.pool.shares(fit, on_gait, _SPEED_SAMPLES) if told else 1.0
         return [band(drawn.friction_m_s[:, 0]), band(by_servo * drawn.joints_m_s[:, 0])]
     whole = fit.sample_whole(_SPEED_SAMPLES)
     amplitudes = 1.0 + AMPLITUDE_SIGMA * rng.normal(size=_SPEED_SAMPLES)

@@ -3,54 +3,28 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.drives import Servo, ServoKind
+from ...model.drives import ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ...periodic.servo_steady import moved_by
-from ...periodic.steady import steady_gait
 from ..friction_result import Estimate
 from ..kinds.gait import RUN_WAYS, GaitRun
 from ..kinds.video import FilmReading
 from ..session import Session
 from ..speed_samples import MODEL_SIGMA
 from .runs import runs_by_gait, same_gait
+from .servos import SERVO_DRAWS, ServoEffects, effects_of
 from .slope import sloped_speed
 from .speeds import Array, Speeds, SpeedSolver
 
 LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
 SLOPE_SIGMA = 0.2  # of what a slope does to a speed: friction is not yet as it will be fitted
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
-SERVO_DRAWS = 128
-SERVO_SIGMA = 0.005  # relative, of what a servo is predicted to do
-GRAIN = 0.01  # the same, where few servos are drawn of many
-
-
-@dataclass(frozen=True)
-class ServoEffects:
-    """What each of S servos does to G gaits.
-
-    share: of the ideal speed; where a film showed the joints, of that with the amplitude seen.
-    amplitude: made over commanded, (S, films). sigma: what both may be off by, relative.
-    """
-
-    servos: tuple[Servo, ...]
-    share: Array
-    amplitude: Array
-    sigma: float = SERVO_SIGMA
-
-    @classmethod
-    def none(cls, gaits: int, films: int) -> ServoEffects:
-        """Return those of joints that follow the gait."""
-        return cls((), np.ones((1, gaits)), np.ones((1, films)), 0.0)
 
 
 @dataclass(frozen=True)
@@ -137,7 +111,7 @@ class CrawlData:
 
     def _factor(self, robot: Robot, ground: Ground, k: int, slope_rad: float) -> float:
         """Return the mean speed of a gait's runs over that on level ground."""
-        gait, (there, back) = self.asked[k], self.ways[k]
+        gait, (there, back) = self.gaits[k], self.ways[k]
         level = max(sloped_speed(robot, ground, gait, 0.0), 1e-6)
         own = 1.0 - there - back
         for share, slope in ((there, -slope_rad), (back, slope_rad)):
@@ -160,18 +134,3 @@ def _speed_of(
     off = math.hypot(math.sqrt(films) * MODEL_SIGMA, joints) * mean
     there, back = (float(weights[[r.way == way for r in runs]].sum()) for way in RUN_WAYS[1:])
     return mean, math.hypot(sigma, off, LEAST_M_S), (there, back)
-
-
-def effects_of(
-    robot: Robot, ground: Ground, gaits: Sequence[Gait], seen: Sequence[bool],
-    servos: tuple[Servo, ...],
-) -> ServoEffects:  # fmt: skip
-    """Return what some servos do to commanded gaits; seen: those whose joints a film showed."""
-    ideal = [steady_gait(robot, ground, g, rtol=1e-3, powers=False) for g in gaits]
-    jobs = [(state, one, film) for one in servos for state, film in zip(ideal, seen, strict=True)]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = np.array(list(pool.map(lambda job: moved_by(*job), jobs)))
-    found = found.reshape(len(servos), len(gaits), 2)
-    amplitude = found[:, np.asarray(seen, dtype=bool), 1]
-    sigma = SERVO_SIGMA if len(servos) == 1 else GRAIN
-    return ServoEffects(servos, np.maximum(found[..., 0], 1e-3), amplitude, sigma)

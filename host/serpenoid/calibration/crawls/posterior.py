@@ -18,7 +18,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .data import LEAST_M_S, CrawlData, ServoEffects
+from .data import LEAST_M_S, CrawlData
+from .servos import ServoEffects
 from .speeds import Array, Speeds
 
 UNKNOWNS = 5
@@ -86,6 +87,8 @@ class Posterior:
 
     def __init__(self, data: CrawlData, before: Before, speeds: Speeds, effects: ServoEffects):
         self._data, self._before, self._speeds, self._effects = data, before, speeds, effects
+        known = effects.log_weight
+        self._log_weight = np.zeros(len(effects.share)) if known is None else known
 
     def residuals(self, u: Array) -> Array:
         """Return (K, servos, gaits, films and further rows): predicted less measured, in sigmas.
@@ -96,11 +99,11 @@ class Posterior:
         data, before, effects = self._data, self._before, self._effects
         whole, amplitude = before.whole(u), before.amplitude(u)
         ideal = self._speeds(whole, amplitude)
-        predicted = np.log(ideal[:, None] * effects.share + LEAST_M_S)
+        predicted = np.log(ideal[:, None] * effects.shares(amplitude) + LEAST_M_S)
         measured = data.speed_m_s + LEAST_M_S
         sigma = np.hypot(data.sigma_m_s, effects.sigma * data.speed_m_s)
         crawled = (predicted - np.log(measured)) * (measured / sigma)
-        swung = amplitude[:, None, None] * effects.amplitude - data.gain
+        swung = effects.gains(amplitude) - data.gain
         swung = swung / np.hypot(data.gain_sigma, effects.sigma)
         further = whole @ before.rows.T + before.values
         shape = (*crawled.shape[:2], further.shape[1])
@@ -109,7 +112,7 @@ class Posterior:
 
     def by_servo(self, u: Array) -> Array:
         """Return the logarithm of the posterior with each servo, (K, servos), up to a constant."""
-        own = -0.5 * np.sum(self.residuals(u) ** 2, axis=2)
+        own = -0.5 * np.sum(self.residuals(u) ** 2, axis=2) + self._log_weight
         return np.asarray(own - 0.5 * np.sum(u**2, axis=1)[:, None])
 
     def _slopes(self, u: Array) -> tuple[Array, Array]:
@@ -131,12 +134,20 @@ class Posterior:
         each = np.arange(len(u)), best
         return _expanded(off[each], slopes[each], u)
 
+    def left(self, u: Array) -> Array:
+        """Return what each servo leaves, in sigmas, once the unknowns at a point (5,) follow."""
+        off, slopes = (part[0] for part in self._slopes(u[None]))
+        normal, gradient, _ = _expanded(off, slopes, np.broadcast_to(u, (len(off), UNKNOWNS)))
+        step = -np.linalg.solve(normal, gradient[..., None])[..., 0]
+        return np.column_stack([off + np.einsum("kgi,ki->kg", slopes, step), u + step])
+
     def about(self, u: Array) -> tuple[Array, Array, Array]:
         """Return each servo's normal approximation about a point (5,): weight, mean, J'J + 1."""
         off, slopes = (part[0] for part in self._slopes(u[None]))
         normal, gradient, cost = _expanded(off, slopes, np.broadcast_to(u, (len(off), UNKNOWNS)))
         step = -np.linalg.solve(normal, gradient[..., None])[..., 0]
-        log = -cost - 0.5 * np.sum(step * gradient, axis=1) - 0.5 * np.linalg.slogdet(normal)[1]
+        log = self._log_weight - cost - 0.5 * np.sum(step * gradient, axis=1)
+        log = log - 0.5 * np.linalg.slogdet(normal)[1]
         weight = np.exp(log - log.max())
         return weight / weight.sum(), u + step, normal
 
@@ -186,12 +197,12 @@ def draw(posterior: Posterior, before: Before, count: int, seed: int, first: int
         mixture = _Mixture.about(posterior, points.u[chosen], _one_each(points.each[chosen], rng))
     u, each, weights = points.u, points.each, points.weights
     best = posterior.minima(u[[int(np.argmax(each.max(axis=1)))]])
-    by_servo = posterior.by_servo(best)[0]
+    likely = posterior.by_servo(best)[0]
     picked = _evenly(weights, count, rng)
     return Drawn(
         before.whole(u[picked]), before.amplitude(u[picked]), _one_each(each[picked], rng),
-        before.whole(best)[0], float(before.amplitude(best)[0]), int(np.argmax(by_servo)),
-        -2.0 * float(by_servo.max()), 1.0 / float(np.sum(weights**2)), lost,
+        before.whole(best)[0], float(before.amplitude(best)[0]), int(np.argmax(likely)),
+        2.0 * float(posterior.curvature(best)[2][0]), 1.0 / float(np.sum(weights**2)), lost,
     )  # fmt: skip
 
 

@@ -7,8 +7,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ...model.drives import ServoKind
+from ...model.drives import Servo, ServoKind
 from ...model.errors import BadInput, NotConverged
+from ...model.robot import Robot
 from ..fitting.shared import shared_covariance
 from ..floor.data import FloorData
 from ..floor.minimum import linear_at, start
@@ -26,9 +27,10 @@ from ..friction_result import (
 )
 from ..session import Session
 from ..speed_samples import AMPLITUDE_SIGMA
-from .data import CrawlData, ServoEffects
+from .data import CrawlData
 from .level import floor_slope
-from .posterior import Before, Drawn, Posterior, draw
+from .posterior import UNKNOWNS, Before, Drawn, Posterior, draw
+from .servos import ServoEffects, effects_of, with_near_ones
 from .speeds import Array, Speeds
 
 # Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
@@ -64,6 +66,8 @@ def fit_crawls(
         ground = ground_of(robot.links, at.tolist())
         data = taken.on_slope(robot, ground, slope)
         found = effects or data.effects(robot, ground, servo, seed)
+        if servo is not None and before.narrow and not servo.exact and not servo.drawn:
+            found = _near_servos(data, before, solver, found, robot, servo, seed)
         drawn = draw(Posterior(data, before, solver, found), before, COUNT, seed)
         at = drawn.best_whole
     assert drawn is not None  # the loop runs once at least
@@ -82,6 +86,24 @@ def fit_crawls(
     return replace(fit, servos=FittedServos(
         servo.name, found.servos, tuple(drawn.servo.tolist()), drawn.best_servo
     ))  # fmt: skip
+
+
+def _near_servos(
+    data: CrawlData, before: Before, speeds: Speeds, effects: ServoEffects, robot: Robot,
+    kind: ServoKind, seed: int,
+) -> ServoEffects:  # fmt: skip
+    """Return the servos with others near those that explain the crawls, where few of them do."""
+    ground = ground_of(robot.links, np.exp(before.mean).tolist())
+    asked, seen = data.asked or data.gaits, data.seen.tolist()
+
+    def left(found: ServoEffects) -> Array:
+        posterior = Posterior(data, before, speeds, found)
+        return posterior.left(posterior.minima(np.zeros((1, UNKNOWNS)))[0])
+
+    def solve(servos: tuple[Servo, ...]) -> ServoEffects:
+        return effects_of(robot, ground, asked, seen, servos)
+
+    return with_near_ones(effects, kind, left, solve, seed)
 
 
 def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None:

@@ -1,0 +1,97 @@
+"""Servos that crawls tell: drawn anew near those that explain what was seen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from calibration.floor_sessions import TRUTH, floor_setup
+from serpenoid.calibration.crawls.data import CrawlData
+from serpenoid.calibration.crawls.servos import ServoEffects, alike, effects_of, with_near_ones
+from serpenoid.calibration.crawls.slope import sloped_speed
+from serpenoid.calibration.friction_result import Estimate, ground_of
+from serpenoid.calibration.speed_samples import scaled
+from serpenoid.model.drives import UNCERTAIN
+from serpenoid.model.gait import Gait
+from serpenoid.servos.catalogue import HOBBY
+
+ROBOT = floor_setup().robot
+GROUND = ground_of(ROBOT.links, TRUTH)
+FAST = Gait(math.radians(80), math.radians(75), 2 * math.pi * 0.8)
+SEEN = np.array([0.62, 0.55])  # a weak servo, of which few are drawn
+
+
+def moved(servos):
+    """Return what servos do to two gaits in a world of closed form: no solver, weak ones fail."""
+    speed, torque = (np.array([getattr(s, n) for s in servos])
+                     for n in ("speed_limit_rad_s", "torque_limit_nm"))  # fmt: skip
+    weak = np.stack([1.0 / (1.0 + np.exp(2.5 - 0.6 * speed)), np.tanh(1.6 * torque**0.7)], axis=1)
+    return ServoEffects(tuple(servos), np.ones((len(servos), 2)), weak)
+
+
+def off(effects):
+    return (effects.amplitude - SEEN) / 0.01
+
+
+def test_units_are_what_a_servo_is_made_of() -> None:
+    units = np.random.default_rng(1).normal(size=len(UNCERTAIN))
+    known = [x if HOBBY.sigma.get(name) else 0.0 for name, x in zip(UNCERTAIN, units, strict=True)]
+    assert HOBBY.units_of(HOBBY.at(known)) == pytest.approx(known, abs=1e-9)
+
+
+def test_servos_near_the_best_leave_the_answer_of_many_plain_draws() -> None:
+    many = moved(HOBBY.draws(12000, 5))
+    weight = np.exp(-0.5 * np.sum(off(many) ** 2, axis=1))
+    assert weight.sum() ** 2 / np.sum(weight**2) > 15
+    first = moved(HOBBY.draws(128, 0))
+    assert alike(-0.5 * np.sum(off(first) ** 2, axis=1)) < 4
+
+    found = with_near_ones(first, HOBBY, off, moved, 3)
+    assert found.servos[:128] == first.servos
+    assert found.log_weight is not None
+    log = found.log_weight - 0.5 * np.sum(off(found) ** 2, axis=1)
+    assert alike(log) > 10
+    near = np.exp(log - log.max())
+    kinds = np.exp(found.log_weight)  # by these alone, they are such servos as are sold
+    units = np.array([HOBBY.units_of(one) for one in found.servos])[:, :2]
+    plain = np.array([HOBBY.units_of(one) for one in many.servos])[:, :2]
+    assert kinds.mean() == pytest.approx(1.0, abs=0.3)
+    assert abs(units.mean(axis=0) - plain.mean(axis=0)).max() > 0.35
+    assert np.average(units, axis=0, weights=kinds) == pytest.approx(plain.mean(axis=0), abs=0.25)
+    for name, worst in (("speed_limit_rad_s", 0.5), ("torque_limit_nm", 0.5), ("stiffness_nm_rad",
+                                                                               0.6)):  # fmt: skip
+        want, told = (np.log([getattr(s, name) for s in e.servos]) for e in (many, found))
+        mean = np.average(want, weights=weight)
+        sd = math.sqrt(np.average((want - mean) ** 2, weights=weight))
+        assert np.average(told, weights=near) == pytest.approx(mean, abs=worst * sd), name
+        own = np.average(told, weights=near)
+        assert math.sqrt(np.average((told - own) ** 2, weights=near)) > 0.6 * sd, name
+
+
+def test_a_weak_servo_does_not_follow_a_larger_amplitude() -> None:
+    """What a servo does to joints 3 % further, from its powers, against its own state there."""
+    weak = replace(HOBBY.servo, speed_limit_rad_s=4.0)
+    here = effects_of(ROBOT, GROUND, (FAST,), [True], (weak,))
+    there = effects_of(ROBOT, GROUND, (scaled(FAST, 1.03),), [True], (weak,))
+    assert here.amplitude[0, 0] < 0.8
+    gains, shares = here.gains(np.array([1.03])), here.shares(np.array([1.03]))
+    assert gains[0, 0, 0] == pytest.approx(1.03 * there.amplitude[0, 0], rel=2e-3)
+    assert shares[0, 0, 0] == pytest.approx(there.share[0, 0], rel=5e-3)
+    assert abs(gains[0, 0, 0] / here.amplitude[0, 0] - 1.03) > 0.01  # not as ideal joints would
+
+
+def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:
+    """Joints that made 0.7 of their amplitude: a slope slows them more than commanded ones."""
+    asked = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
+    gait = replace(asked, joint_gain=(0.7,) * 5, joint_shift_rad=(0.0,) * 5)
+    data = CrawlData((gait,), np.array([0.1]), np.array([0.001]), np.ones(1, bool), ((1,),),
+                     (asked,), np.array([0.7]), np.array([0.003]), ((1.0, 0.0),))  # fmt: skip
+    level = data.on_slope(ROBOT, GROUND, Estimate(0.003, 1e-6)).speed_m_s[0]
+    slower, commanded = (
+        sloped_speed(ROBOT, GROUND, g, -0.003) / sloped_speed(ROBOT, GROUND, g, 0.0)
+        for g in (gait, asked)
+    )
+    assert level == pytest.approx(0.1 / slower, rel=1e-6)
+    assert abs(slower - 1.0) > 1.5 * abs(commanded - 1.0)
