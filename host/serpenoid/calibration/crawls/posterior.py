@@ -287,6 +287,8 @@ class _Mixture:
     def by_servo(cls, posterior: Posterior, u: Array) -> _Mixture:
         """Return what the slopes at a minimum make of the posterior, and a share of what was."""
         weight, means, normal = posterior.about(u)
+        counts = weight > 1e-6 * weight.max()
+        weight, means, normal = weight[counts] / weight[counts].sum(), means[counts], normal[counts]
         return cls(
             np.vstack([means, np.zeros(UNKNOWNS)]),
             np.concatenate([_NARROW_WIDE * _roots(normal), np.eye(UNKNOWNS)[None]]),
