@@ -19,7 +19,9 @@ from serpenoid.calibration.crawls.servos import (
 from serpenoid.calibration.crawls.slope import sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
 from serpenoid.calibration.speed_samples import scaled
-from serpenoid.model.drives import UNCERTAIN
+from serpenoid.lab.crawl import crawl_speed
+from serpenoid.lab.robot import LabRobot
+from serpenoid.model.drives import UNCERTAIN, Servo
 from serpenoid.model.gait import Gait
 from serpenoid.servos.catalogue import HOBBY
 
@@ -101,3 +103,25 @@ def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:
     )
     assert level == pytest.approx(0.1 / slower, rel=1e-6)
     assert abs(slower - 1.0) > 1.5 * abs(commanded - 1.0)
+
+
+def test_a_slope_with_a_weak_servo_is_that_of_the_lab() -> None:
+    """The lab has its own servos, steps and contacts; joints as filmed feel half of the slope."""
+    weak = Servo(
+        stiffness_nm_rad=3.43, damping_nms_rad=0.0876, torque_limit_nm=0.435,
+        speed_limit_rad_s=4.96, dead_band_rad=0.003, armature_kg_m2=0.0015,
+        gear_friction_nm=0.011, gear_damping_nms_rad=0.0044, update_hz=50.0, supply_sag=0.07,
+    )  # fmt: skip
+    gait, slope = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8), 0.005
+    lab = LabRobot(ROBOT, (GROUND,), servo=weak)
+    there, level = (crawl_speed(lab, gait, slope_rad=s) for s in (-slope, 0.0))
+    back = crawl_speed(lab, gait, slope_rad=slope)
+    data = CrawlData(
+        (gait, gait), np.array([there, back]), np.full(2, 0.001), np.zeros(2, bool),
+        ((1,), (2,)), (gait, gait), ways=((1.0, 0.0), (0.0, 1.0)),
+    )  # fmt: skip
+    known = Estimate(slope, 1e-6)
+    put_right = data.on_slope(ROBOT, GROUND, known, weak).speed_m_s
+    assert put_right == pytest.approx([level, level], rel=0.02)
+    ideal = data.on_slope(ROBOT, GROUND, known).speed_m_s
+    assert np.ptp(ideal) > 0.05 * level

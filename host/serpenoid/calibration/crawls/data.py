@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.drives import ServoKind
+from ...model.drives import Servo, ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
@@ -16,7 +16,7 @@ from ..friction_result import Estimate
 from ..kinds.gait import RUN_WAYS, GaitRun
 from ..kinds.video import FilmReading
 from ..session import Session
-from ..speed_samples import MODEL_SIGMA
+from ..speed_samples import MODEL_SIGMA, scaled
 from .runs import runs_by_gait, same_gait
 from .servos import SERVO_DRAWS, ServoEffects, effects_of
 from .slope import sloped_speed
@@ -24,6 +24,7 @@ from .speeds import Array, Speeds, SpeedSolver
 
 LEAST_M_S = 0.001  # of a predicted speed, beside MODEL_SIGMA
 SLOPE_SIGMA = 0.2  # of what a slope does to a speed: friction is not yet as it will be fitted
+Crawl = tuple[Robot, Ground, Gait, Servo | None]
 GAIN_ELASTICITY = 1.5  # about: per cent of speed for one of amplitude
 
 
@@ -90,18 +91,24 @@ class CrawlData:
         servos = (kind.servo,) if kind.exact else tuple(kind.draws(SERVO_DRAWS, seed))
         return effects_of(robot, ground, self.asked or self.gaits, self.seen.tolist(), servos)
 
-    def on_slope(self, robot: Robot, ground: Ground, slope: Estimate) -> CrawlData:
+    def on_slope(
+        self, robot: Robot, ground: Ground, slope: Estimate, servo: Servo | None = None,
+        amplitude: float = 1.0,
+    ) -> CrawlData:  # fmt: skip
         """Return the speeds as they would be on level ground.
 
         slope: of the floor, which falls towards "there". What it does to a crawl is simulated; its
-        doubt is added to the sigmas.
+        doubt is added to the sigmas. servo, amplitude: what moves the joints, and their amplitude
+        over the commanded one; None: joints do what was seen. A weak servo's crawl can feel a slope
+        twice as much.
         """
-        if not any(map(any, self.ways)):
+        if not any(self.sloped):
             return self
-        ends = (-1.0, 0.0, 1.0)
+        ends, asked = (-1.0, 0.0, 1.0), self.asked or self.gaits
+        moved = self.gaits if servo is None else tuple(scaled(g, amplitude) for g in asked)
         factors = np.array(
-            [[self._factor(robot, ground, k, slope.value + end * slope.sigma) for end in ends]
-             for k in range(len(self))]
+            [[self._factor((robot, ground, gait, servo), ways, slope.value + end * slope.sigma)
+              for end in ends] for gait, ways in zip(moved, self.ways, strict=True)]
         )  # fmt: skip
         odd, even = factors[:, 2] - factors[:, 0], factors[:, 2] + factors[:, 0] - 2 * factors[:, 1]
         mean, spread = factors[:, 1] + even / 2, np.hypot(odd / 2, even / math.sqrt(2))
@@ -109,14 +116,20 @@ class CrawlData:
         off = np.hypot(spread, SLOPE_SIGMA * (1.0 - mean)) / mean * level
         return replace(self, speed_m_s=level, sigma_m_s=np.hypot(self.sigma_m_s / mean, off))
 
-    def _factor(self, robot: Robot, ground: Ground, k: int, slope_rad: float) -> float:
+    @property
+    def sloped(self) -> list[bool]:
+        """Return of each gait whether it ran there or back on a floor."""
+        return [any(ways) for ways in self.ways]
+
+    @staticmethod
+    def _factor(crawl: Crawl, ways: tuple[float, float], slope_rad: float) -> float:
         """Return the mean speed of a gait's runs over that on level ground."""
-        gait, (there, back) = self.gaits[k], self.ways[k]
-        level = max(sloped_speed(robot, ground, gait, 0.0), 1e-6)
-        own = 1.0 - there - back
-        for share, slope in ((there, -slope_rad), (back, slope_rad)):
+        robot, ground, gait, servo = crawl
+        level = max(sloped_speed(robot, ground, gait, 0.0, servo), 1e-6)
+        own = 1.0 - sum(ways)
+        for share, slope in zip(ways, (-slope_rad, slope_rad), strict=True):
             if share:
-                own += share * sloped_speed(robot, ground, gait, slope) / level
+                own += share * sloped_speed(robot, ground, gait, slope, servo) / level
         return max(own, 0.05)
 
 

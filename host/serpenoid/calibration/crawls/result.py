@@ -8,7 +8,8 @@ from types import MappingProxyType
 import numpy as np
 
 from ...model.drives import Servo, ServoKind
-from ...model.errors import BadInput, NotConverged
+from ...model.errors import BadInput, Diverged, NotConverged
+from ...model.ground import Ground
 from ...model.robot import Robot
 from ..fitting.shared import shared_covariance
 from ..floor.data import FloorData
@@ -59,14 +60,19 @@ def fit_crawls(
     taken, slope = data, floor_slope(session, other)
     at, drawn, found = np.exp(before.mean), None, effects
     solver = speeds or data.of_robot(robot, at, before.narrow)
-    # what servos leave, and what open pushes tell, depends on where the frictions are
-    for _ in range(1 + (other is None and (servo is not None or open_pushes))):
+    near = servo is not None and before.narrow and not servo.exact and not servo.drawn
+    leads = servo is not None and any(data.sloped)  # what a slope does depends on the servo, too
+    passes = 1 + (leads or (other is None and (servo is not None or open_pushes)))
+    for last in range(2 - passes, 2):  # what all this does depends on where the frictions are
         if open_pushes:
             before, slope = _with_pushes(session, before, at)
         ground = ground_of(robot.links, at.tolist())
-        data = taken.on_slope(robot, ground, slope)
-        found = effects or data.effects(robot, ground, servo, seed)
-        if servo is not None and before.narrow and not servo.exact and not servo.drawn:
+        data = _on_level(taken, robot, ground, slope, drawn if leads else None, found)
+        if effects is None and (found is None or not before.narrow):
+            found = data.effects(robot, ground, servo, seed)
+        assert found is not None
+        if last and near:
+            assert servo is not None
             found = _near_servos(data, before, solver, found, robot, servo, seed)
         drawn = draw(Posterior(data, before, solver, found), before, COUNT, seed)
         at = drawn.best_whole
@@ -86,6 +92,20 @@ def fit_crawls(
     return replace(fit, servos=FittedServos(
         servo.name, found.servos, tuple(drawn.servo.tolist()), drawn.best_servo
     ))  # fmt: skip
+
+
+def _on_level(
+    data: CrawlData, robot: Robot, ground: Ground, slope: Estimate, drawn: Drawn | None,
+    effects: ServoEffects | None,
+) -> CrawlData:  # fmt: skip
+    """Return the crawls on level ground, as the likeliest servo drawn so far moves them."""
+    if drawn is not None and effects is not None and effects.servos:
+        servo, amplitude = effects.servos[drawn.best_servo], drawn.best_amplitude
+        try:
+            return data.on_slope(robot, ground, slope, servo, amplitude)
+        except (Diverged, NotConverged):
+            pass  # as the films showed the joints
+    return data.on_slope(robot, ground, slope)
 
 
 def _near_servos(
