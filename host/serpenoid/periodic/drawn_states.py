@@ -33,15 +33,24 @@ def drawn_states(robot: Robot, near: Draw, draws: Sequence[Draw]) -> list[Steady
     ]  # fmt: skip
 
 
-def drawn_speeds(robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool = False) -> Array:
+def drawn_speeds(
+    robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool = False,
+    unfound_m_s: float | None = None,
+) -> Array:  # fmt: skip
     """Return the speeds of draws, m/s, as `drawn_states`.
 
-    rough: mostly to a thousandth or two, at a cliff far worse; for searches alone.
+    rough: mostly to a thousandth or two, at a cliff far worse; for searches alone. unfound_m_s:
+    stands for a state that was not found; None: such a state is solved for alone, or NotConverged.
     """
+
+    def alone(draw: Draw) -> float:
+        if unfound_m_s is not None:
+            return unfound_m_s
+        return steady_gait(robot, *draw, rtol=_RTOL, powers=False).speed_m_s
+
     found = _solved(robot, near, draws, rough)
     return np.array([
-        s.speed if s.converged else steady_gait(robot, *draw, rtol=_RTOL, powers=False).speed_m_s
-        for draw, s in zip(draws, found, strict=True)
+        s.speed if s.converged else alone(draw) for draw, s in zip(draws, found, strict=True)
     ])  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -101,3 +102,18 @@ def test_ground_without_friction_is_refused() -> None:
     robot, near, draws, _ = drawn("viscous", 2)
     with pytest.raises(sn.BadInput, match="no friction"):
         drawn_states.drawn_states(robot, near, [*draws, (sn.Ground(0.0, 0.0), near[1])])
+
+
+def test_a_state_not_found_is_solved_for_alone_unless_a_speed_stands_for_it(monkeypatch) -> None:
+    robot, near, draws, _ = drawn("dry", 3)
+    whole = drawn_states._solved
+
+    def without_the_second(*given: Any) -> list[Any]:
+        first, _, third = whole(*given)
+        return [first, SimpleNamespace(converged=False, speed=math.nan), third]
+
+    every = drawn_states.drawn_speeds(robot, near, draws)
+    monkeypatch.setattr(drawn_states, "_solved", without_the_second)
+    assert drawn_states.drawn_speeds(robot, near, draws) == pytest.approx(every, rel=2e-3)
+    some = drawn_states.drawn_speeds(robot, near, draws, unfound_m_s=0.0)
+    assert some.tolist() == [every[0], 0.0, every[2]]

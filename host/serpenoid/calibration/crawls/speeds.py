@@ -13,19 +13,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import _core
-from ...model.core_model import core_model
 from ...model.gait import Gait
 from ...model.robot import Robot
-from ...periodic.grid import threads_to_use
-from ...periodic.steady import MAX_ELEMENTS
+from ...periodic.drawn_states import drawn_speeds
 from ..friction_result import ground_of
 from ..speed_samples import scaled
 from .runs import same_gait
 
 Array = NDArray[np.float64]
 Speeds = Callable[[Array, Array], Array]  # (K, 4) frictions, (K,) amplitudes -> (K, gaits), m/s
-RTOL = 1e-3
 _ALIKE = 0.02  # of gain, or rad of shift: films whose joints differ by more have their own states
 
 
@@ -65,16 +61,12 @@ class SpeedSolver:
         return np.stack(columns, axis=1)[:, self._group] * self._ratio
 
     def _solve(self, gaits: Sequence[Gait], whole: Sequence[Array] | Array) -> Array:
-        robot, links = self._robot, self._robot.links
-        middle = core_model(robot, ground_of(links, self._at.tolist()), gaits[0])
-        models = [
-            core_model(robot, ground_of(links, own.tolist()), gait)
-            for own, gait in zip(whole, gaits, strict=True)
+        links = self._robot.links
+        near = ground_of(links, self._at.tolist()), gaits[0]
+        draws = [
+            (ground_of(links, own.tolist()), gait) for own, gait in zip(whole, gaits, strict=True)
         ]
-        states = _core.neighbours(
-            middle, models, RTOL, False, MAX_ELEMENTS, min(threads_to_use(None), len(models))
-        )
-        return np.array([state.speed if state.converged else 0.0 for state in states])
+        return drawn_speeds(self._robot, near, draws, unfound_m_s=0.0)
 
 
 def _groups(gaits: Sequence[Gait], seen: Sequence[bool], asked: Sequence[Gait]) -> list[list[int]]:
