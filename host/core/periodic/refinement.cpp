@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kEarlier = 0.05;  // of the change before: one change may be small by luck
 
+constexpr double kSpikes = 0.6;  // the same for positive power by steps
+
 // The derivative over a period in (Vx, Vy, L), of that of the image by p.
 Mat3 monodromy_of(Mat3 M, const CycleMap& map) {
     for (int i = 0; i < 2; ++i) M[3 * i + 2] /= map.nm(), M[6 + i] *= map.nm();
@@ -77,7 +79,8 @@ void Refinement::add_positive(const JointWork& work, double mismatch, SteadyStat
         next.positive_power += work.positive[i] / time;
         change += std::fabs(work.positive[i] - positive_[i]) / time;
     }
-    const double earlier = map_.measures_derivative() ? kEarlier : 0;
+    // spikes of torque that steps hit or miss make levels agree by luck
+    const double earlier = map_.measures_derivative() ? kSpikes : 0;
     next.positive_power_error =
         change + earlier * positive_change_ + (mismatch + work.doubtful) / time;
     positive_change_ = first_ ? 0 : change;

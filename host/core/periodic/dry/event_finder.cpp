@@ -29,9 +29,10 @@ void EventFinder::set_margins(const SlidingMode& mode) {
     for (int a = 0; a < mode.count; ++a) {
         const int wheel = mode.stuck[a];
         const double unit = piece_.grip(wheel) / force_eps_, bound = piece_.law(wheel).bound;
+        const double side = std::copysign(1 / bound, piece_.stage_force(s - 1, a));
         for (int j = 0; j <= s; ++j) {
             const double f = j == 0 ? piece_.stuck_force(a, 0) : piece_.stage_force(j - 1, a);
-            margin_[wheel].at[j] = unit * (1 - std::fabs(f) / bound);
+            margin_[wheel].at[j] = unit * (1 - side * f);
         }
     }
 }
@@ -57,6 +58,18 @@ double EventFinder::end_of_wheel(const double* m, double first) const {
     return found;
 }
 
+// The first end of rest: at the bound on the side of the piece's end, or at the other one, which is
+// looked for only where the force changes its sign.
+double EventFinder::end_of_rest(int wheel, double first) const {
+    const double* m = margin_[wheel].at;
+    const double far = 2 * piece_.grip(wheel) / force_eps_;  // from one bound to the other
+    const double end = lowest_[wheel] < kBeyond ? end_of_wheel(m, first) : first;
+    if (*std::max_element(m, m + s + 1) <= far / 2) return end;
+    SlidingPiece::Lanes other{};
+    for (int j = 0; j <= s; ++j) other.at[j] = far - m[j];
+    return end_of_wheel(other.at, end);
+}
+
 // Where a sliding wheel really stops: over a long piece its speed is no polynomial.
 double EventFinder::sharpen(int wheel, double sign, double x) {
     const Polynomial p(margin_[wheel].at);
@@ -74,8 +87,11 @@ ModeEvent EventFinder::first(const SlidingMode& mode, double h) {
     piece_.lowest(margin_.data(), lowest_.data());
     ModeEvent first;
     for (int wheel = 0; wheel < wheels_; ++wheel) {
-        if (!piece_.law(wheel).has_modes() || lowest_[wheel] >= kBeyond) continue;
-        const double at = end_of_wheel(margin_[wheel].at, first.at);
+        if (!piece_.law(wheel).has_modes()) continue;
+        const bool rests = mode.sign[wheel] == 0;
+        if (!rests && lowest_[wheel] >= kBeyond) continue;
+        const double at =
+            rests ? end_of_rest(wheel, first.at) : end_of_wheel(margin_[wheel].at, first.at);
         if (at < first.at) first = {at, wheel, mode.sign[wheel] != 0};
     }
     if (!first.sliding) return first;

@@ -2,7 +2,8 @@
 // zero, or the force on a wheel that sticks reaches its bound.
 //
 // The margin of a wheel is its speed, or its force's distance from the bound, in units of the aim;
-// an event is aimed at a margin of -1, a little beyond the end of the mode.
+// an event is aimed at a margin of -1, a little beyond the end of the mode. The force may pass from
+// one bound to the other within a piece: its margin is that of the bound on the side of the end.
 #pragma once
 
 #include <vector>
@@ -35,6 +36,7 @@ class EventFinder {
   private:
     void set_margins(const SlidingMode& mode);
     double end_of_wheel(const double* margins, double first) const;
+    double end_of_rest(int wheel, double first) const;
     double sharpen(int wheel, double sign, double x);
 
     int wheels_;
