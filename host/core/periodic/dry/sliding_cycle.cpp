@@ -13,21 +13,25 @@ namespace {
 
 constexpr int s = SlidingPiece::kStages;
 using Rule = SlidingPiece::Rule;
-using Stages = std::array<double, s>;
+using Nodes = std::array<double, s + 1>;  // of the start and the stages
 
-// Integral from 0 to x of the polynomial through values at the stages, as weights.
-Stages weights_to(double x) {
+// Integral from 0 to x, as weights: of the polynomial through the stages over the whole piece,
+// where that is of order 2s - 1, and through the start, too, over a part.
+Nodes weights_to(double x) {
     const Rule& rule = Rule::get();
-    Stages b{};
+    Nodes b{};
     if (x == 1) {
-        for (int k = 0; k < s; ++k) b[k] = rule.a[(s - 1) * s + k];
+        for (int k = 0; k < s; ++k) b[k + 1] = rule.a[(s - 1) * s + k];
         return b;
     }
-    const Gauss<3>& gauss = Gauss<3>::get();  // exact for degree 5 > s - 1
+    const Gauss<3>& gauss = Gauss<3>::get();  // exact for degree s
+    b[0] = x;
     for (int q = 0; q < 3; ++q) {
-        const double z = x * gauss.c[q];
-        const auto w = rule.dense(z);
-        for (int k = 0; k < s; ++k) b[k] += x * gauss.b[q] * w[k] * rule.c[k] / z;
+        const auto w = rule.dense(x * gauss.c[q]);
+        for (int k = 0; k < s; ++k) {
+            const double part = x * gauss.b[q] * w[k];
+            b[k + 1] += part, b[0] -= part;
+        }
     }
     return b;
 }
@@ -198,29 +202,29 @@ std::pair<double, Vec3> SlidingCycle::dissipation(const SlidingPiece::Node& k,
 // Integrals over the first x of a piece of h, and the state there.
 void SlidingCycle::accumulate(double h, double x) {
     const Rule& rule = Rule::get();
-    const Stages b = weights_to(x);
+    const Nodes b = weights_to(x);
     const double dt = h / omega_;
     const CycleState from = now_;
-    std::array<Mat3, s> by;  // u at the stages by the first p
-    for (int j = 0; j < s; ++j) {
-        const double unit[3] = {1 / nm_, 1 / nm_, piece_.node(j + 1).iJ};
-        by[j] = rows_by(piece_.stage_tangent(j), from);
+    std::array<Mat3, s + 1> by;  // u at the start and the stages by the first p
+    for (int j = 0; j <= s; ++j) {
+        const double unit[3] = {1 / nm_, 1 / nm_, piece_.node(j).iJ};
+        by[j] = rows_by(j > 0 ? piece_.stage_tangent(j - 1) : identity3(), from);
         for (int i = 0; i < 9; ++i) by[j][i] *= unit[i / 3];
     }
-    for (int j = 0; j < s; ++j) {
+    for (int j = x == 1; j <= s; ++j) {
         const double w = dt * b[j];
-        const Vec3& u = piece_.stage_velocity(j);
+        const Vec3& u = piece_.velocity_at(j);
         double turn = from.theta;
         Vec3 turn_by = from.by_start[3];
-        for (int k = 0; k < s; ++k) {
-            const double a = dt * rule.a[j * s + k];
-            turn += a * piece_.stage_velocity(k)[2];
-            for (int c = 0; c < 3; ++c) turn_by[c] += a * by[k][6 + c];
+        for (int k = 0; j > 0 && k < s; ++k) {
+            const double a = dt * rule.a[(j - 1) * s + k];
+            turn += a * piece_.velocity_at(k + 1)[2];
+            for (int c = 0; c < 3; ++c) turn_by[c] += a * by[k + 1][6 + c];
         }
-        const double heading = turn - spin_ * (tau_ + h * rule.c[j]);
+        const double heading = turn - spin_ * (tau_ + (j > 0 ? h * rule.c[j - 1] : 0));
         const double cn = std::cos(heading), sn = std::sin(heading);
         const double vx = cn * u[0] - sn * u[1], vy = sn * u[0] + cn * u[1];
-        const auto [watts, watts_by] = dissipation(piece_.node(j + 1), u);
+        const auto [watts, watts_by] = dissipation(piece_.node(j), u);
         now_.theta += w * u[2], now_.x += w * vx, now_.y += w * vy;
         now_.dissipated += w * watts;
         for (int c = 0; c < 3; ++c) {

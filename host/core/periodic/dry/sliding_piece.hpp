@@ -86,7 +86,7 @@ class SlidingPiece {
     double stuck_force(int a, double x) const;  // lambda of the a-th stuck wheel
 
     const Vec3& stage(int j) const { return Y_[j]; }
-    const Vec3& stage_velocity(int j) const { return u_[j + 1]; }
+    const Vec3& velocity_at(int node) const { return u_[node]; }  // of the start (0), the stages
     const Mat3& stage_tangent(int j) const { return T_[j]; }
     double stage_force(int j, int a) const { return lambda_[j][a]; }
     // Every wheel's speed at the start and the stages.
