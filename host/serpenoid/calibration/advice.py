@@ -132,7 +132,8 @@ def _ranked(
     last = total[0].band_after_times
     after = last if then is None else band_parts(then, wanted, servo, before=fit).whole
     notes = filter(None, (_ratchet_note(session, fit), servo_note(parts, servo, after)))
-    return Advice(wanted, now, after, tuple(total), " ".join(notes), *servo_fields(servo, parts))
+    fields = servo_fields(servo, parts)
+    return Advice(wanted, now, after, tuple(total), " ".join(notes), *fields, fit.alarms)
 
 
 def _after(session: Session, fit: FrictionFit, told: NextReading) -> FrictionFit | None:

@@ -90,6 +90,8 @@ class Comparison:
         The verdict in words.
     servo
         Name of the kind of servo; None for joints that follow the gait.
+    fit_alarms
+        Why the friction fit that this rests on is not to be trusted.
     """
 
     session: str
@@ -104,10 +106,11 @@ class Comparison:
     verdict_text: str
     servo: str | None = None
     p_servos: float | None = None
+    fit_alarms: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures by name."""
-        return asdict(self)
+        """Return the figures by name; fit_alarms only where there are any."""
+        return {k: v for k, v in asdict(self).items() if k != "fit_alarms" or v}
 
 
 def compare(
@@ -167,9 +170,12 @@ def compare(
     curve, named = _curve(fit, wanted, seed, progress), servo and servo.name
     common = (session.setup.name, amplitude_sigma, points, curve, session.kept_crawls)
     if all(p.measured_m_s is None for p in points):
-        return Comparison(*common, None, None, None, "not measured", NOT_MEASURED, named)
-    stated = amplitude_sigma, seed, servo
-    return Comparison(*common, *_judged(session, fit, drawn, points, stated, levelled))
+        none = (None,) * 3
+        judged: tuple[Any, ...] = (*none, "not measured", NOT_MEASURED, named, None)
+    else:
+        stated = amplitude_sigma, seed, servo
+        judged = _judged(session, fit, drawn, points, stated, levelled)
+    return Comparison(*common, *judged, fit_alarms=fit.alarms)
 
 
 def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:

@@ -53,7 +53,9 @@ class SpeedBand:
     This is the one band of every predicted speed: draws of the frictions that the readings allow,
     each with joints whose amplitude is off by AMPLITUDE_SIGMA and with a servo of its own, and the
     draws' quantiles by `band`. low_friction_m_s, high_friction_m_s: the narrower one, of friction
-    alone and ideal joints. servo: the kind of servo; None: joints that follow the gait.
+    alone and ideal joints; low_joints_m_s, high_joints_m_s: that with the amplitude's doubt. servo:
+    the kind of servo; None: joints that follow the gait. filmed: the joints are as a film showed
+    them, so that their amplitude is in no doubt.
     """
 
     speed_m_s: float
@@ -61,7 +63,10 @@ class SpeedBand:
     high_m_s: float
     low_friction_m_s: float
     high_friction_m_s: float
+    low_joints_m_s: float
+    high_joints_m_s: float
     servo: str | None = None
+    filmed: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
@@ -70,22 +75,33 @@ class SpeedBand:
     def in_words(self) -> str:
         """Return the speed with its band."""
         ends = f"{self.low_m_s:.4f} to {self.high_m_s:.4f}"
-        joints = "joints" if self.servo is None else f"joints, servos: {self.servo}"
-        return f"{self.speed_m_s:.4f} m/s, {ends} (95 %, friction and {joints})"
+        joints = ", joints as filmed" if self.filmed else " and joints"
+        joints += "" if self.servo is None else f", servos: {self.servo}"
+        return f"{self.speed_m_s:.4f} m/s, {ends} (95 %, friction{joints})"
 
 
 def speed_band(
     fit: FrictionFit, gait: Gait, count: int = 64, amplitude_sigma: float = AMPLITUDE_SIGMA,
-    servo: ServoKind | None = HOBBY,
+    servo: ServoKind | None = HOBBY, commanded: Gait | None = None,
 ) -> SpeedBand:  # fmt: skip
     """Predict one gait's speed by the exact model, with the band that fit and joints leave it.
 
     servo: the kind that moves the joints, any hobby servo unless given; None: they follow the gait.
+    commanded: what the robot is told, where a film showed that its joints do `gait`. Then their
+    amplitude is in no doubt, and of a servo only the ripple counts.
     """
-    drawn = sample_speeds(fit, [gait], amplitude_sigma=amplitude_sigma, servo=servo, count=count)
-    ends = (*band(drawn.both_m_s[:, 0]), *band(drawn.friction_m_s[:, 0]))
-    best = likeliest_speed(fit, gait, servo)
-    return SpeedBand(best, *ends, servo and servo.name)
+    seen = {} if commanded is None else {gait: commanded}
+    drawn = sample_speeds(
+        fit, [gait], amplitude_sigma=amplitude_sigma, servo=servo, seen=seen, count=count
+    )
+    each = drawn.both_m_s, drawn.friction_m_s, drawn.joints_m_s
+    ends = [end for speeds in each for end in band(speeds[:, 0])]
+    if commanded is None:
+        best = likeliest_speed(fit, gait, servo)
+    else:
+        best = speed(fit.robot, fit.ground, gait) * float(np.median(drawn.shares))
+    filmed = commanded is not None
+    return SpeedBand(best, *ends, servo=servo and servo.name, filmed=filmed)
 
 
 def likeliest_speed(fit: FrictionFit, gait: Gait, servo: ServoKind | None) -> float:
@@ -148,12 +164,8 @@ def sample_speeds(
     progress is called with the gaits done. As many threads as the machine has cores.
     """
     whole, grounds = fit.sample_whole(count, seed), fit.sample(count, seed)
-    drawn = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
     servos = [] if servo is None else fit.sample_servos(servo, count, seed)
-    amplitudes = fit.sample_amplitudes(count) if amplitude_sigma else None
-    if amplitudes is None:
-        amplitudes = 1.0 + amplitude_sigma * _normal_quantile(drawn)
-
+    amplitudes = drawn_amplitudes(fit, amplitude_sigma, count, seed)
     seen = seen or {}
 
     def of(gait: Gait) -> tuple[Array, Array, Array]:
@@ -184,10 +196,18 @@ def sample_speeds(
     return SpeedSamples(tuple(gaits), whole, alone, joints, both, seen=seen)
 
 
-def _normal_quantile(share: Array) -> Array:
+def drawn_amplitudes(fit: FrictionFit, sigma: float, count: int, seed: int = 2005) -> Array:
+    """Return draws of the joints' amplitude over the commanded one: the fit's own, if crawls told.
+
+    sigma: else its standard deviation; 0: it is in no doubt, whatever crawls told.
+    """
     from scipy.special import ndtri
 
-    return ndtri(share)
+    told = fit.sample_amplitudes(count) if sigma else None
+    if told is not None:
+        return told
+    evenly = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)
+    return 1.0 + sigma * ndtri(evenly)
 
 
 @dataclass(frozen=True)

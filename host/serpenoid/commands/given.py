@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,8 +69,13 @@ def session_fit(folder: Path, with_crawls: bool = True) -> FrictionFit:
 def servo_as_filmed(
     kind: ServoKind | None, session: Path | None, fit: FrictionFit | None
 ) -> ServoKind | None:
-    """Return the kind with the servos that a session's films leave possible, and tell it."""
-    if kind is None or session is None or fit is None:
+    """Return the kind with the servos that a fit's crawls or a session's films leave; tell it."""
+    if kind is None or fit is None:
+        return kind
+    if fit.servos is not None and fit.servos.kind == kind.name:
+        say(f"servos: those of {kind.name} that the fit's crawls leave possible", err=True)
+        return replace(kind, drawn=tuple(fit.sample_servos(kind, len(fit.servos.index))))
+    if session is None:
         return kind
     from ..calibration.filmed_joints import servo_seen
     from ..calibration.session_file import read_session
@@ -83,14 +89,17 @@ def servo_as_filmed(
 
 def predicted_band(
     fit: FrictionFit | None, robot: Robot, ground: Ground, gait: Gait,
-    servo: ServoKind | None = None,
+    servo: ServoKind | None = None, commanded: Gait | None = None,
 ) -> SpeedBand | None:  # fmt: skip
-    """Return the one 95 % band of a gait's speed; None where robot and ground are not a fit's."""
+    """Return the one 95 % band of a gait's speed; None where robot and ground are not a fit's.
+
+    commanded: as for `speed_band`.
+    """
     if fit is None or (robot, ground) != (fit.robot, fit.ground):
         return None
     from ..calibration.speed_samples import speed_band
 
-    return speed_band(fit, gait, servo=servo)
+    return speed_band(fit, gait, servo=servo, commanded=commanded)
 
 
 def tell_alarms(fit: FrictionFit, more: list[str] | None = None) -> FrictionFit:

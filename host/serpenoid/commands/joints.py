@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ..calibration.kinds.video import FilmReading
     from ..model.gait import Gait
 
+_SAME_RAD, _SAME_RATE = 1e-3, 0.01
 joints_option = click.option(
     "--joints", type=click.Path(file_okay=False, path_type=Path), metavar="SESSION",
     help="Session with a film: its joints' gains and phases, in place of the commanded ones.",
@@ -40,3 +41,10 @@ def with_joints(gait: Gait, session: Path | None, links: int) -> Gait:
         return gait
     seen = latest_film(session, links).gait
     return replace(gait, joint_gain=seen.joint_gain, joint_shift_rad=seen.joint_shift_rad)
+
+
+def was_filmed(gait: Gait, session: Path, links: int) -> bool:
+    """Tell whether a session's latest film shows this commanded gait; its board's clock errs."""
+    seen = latest_film(session, links).commanded
+    apart = abs(seen.alpha_rad - gait.alpha_rad), abs(seen.beta_rad - gait.beta_rad)
+    return max(apart) < _SAME_RAD and abs(seen.omega_rad_s / gait.omega_rad_s - 1.0) < _SAME_RATE

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 import serpenoid as sn
+from serpenoid.calibration.advising import speed_doubts as room
 from serpenoid.calibration.advising.speed_doubts import speed_doubts
-from serpenoid.calibration.speed_samples import SpeedBand, speed_band
+from serpenoid.calibration.speed_samples import MODEL_SIGMA, SpeedBand, speed_band
 from serpenoid.commands.demo import session_folder
 
 
@@ -24,12 +25,12 @@ def doubts(fit: sn.FrictionFit, hz: float) -> Any:
     gait = sn.Gait(math.radians(70), math.radians(75), math.tau * hz)
     state = sn.steady_gait(fit.robot, fit.ground, gait, sensitivities=True)
     assert state.sensitivities is not None
-    return speed_doubts(fit, state.sensitivities, speed_band(fit, gait, servo=None))
+    return speed_doubts(fit, gait, state.sensitivities, speed_band(fit, gait, servo=None))
 
 
-def speed_at(fit: sn.FrictionFit, hz: float, whole: np.ndarray) -> float:
+def speed_at(fit: sn.FrictionFit, hz: float, whole: np.ndarray, amplitude: float = 1.0) -> float:
     ground = sn.Ground.whole_body(fit.robot.links, *whole.tolist())
-    gait = sn.Gait(math.radians(70), math.radians(75), math.tau * hz)
+    gait = sn.Gait(amplitude * math.radians(70), math.radians(75), math.tau * hz)
     return sn.steady_gait(fit.robot, ground, gait, rtol=1e-7, powers=False).speed_m_s
 
 
@@ -42,10 +43,16 @@ def test_each_friction_is_worth_what_a_step_of_it_changes(fit) -> None:
         step = 0.01 * sigma[k] * np.eye(4)[k]
         ends = [speed_at(fit, 1.0, whole + sign * step) for sign in (1, -1)]
         assert found.each[name] == pytest.approx(abs(ends[0] - ends[1]) / 0.02 / here, rel=0.03)
+    ends = [speed_at(fit, 1.0, whole, 1 + 3e-4 * sign) for sign in (1, -1)]
+    expected = abs(ends[0] - ends[1]) / 0.02 / here
+    assert found.each["amplitude"] == pytest.approx(expected, rel=0.03)
     # the largest part first, and all of them together as draws say
     assert found.straight
     first = max(found.each, key=found.each.__getitem__)
-    assert f"derivatives): {first} ±" in found.in_words()
+    assert found.rows()[0][0] == f"{first} alone"
+    assert found.each_drawn[first] == pytest.approx(found.each[first], rel=0.1)
+    assert found.shares["servos"] == 0  # there are none, and no row of them
+    assert [row[0] for row in found.rows()[5:]] == ["all frictions", "with the joints' amplitude"]
     assert "mislead" not in found.in_words()
 
 
@@ -53,29 +60,75 @@ def test_near_a_cliff_it_says_that_derivatives_mislead(fit) -> None:
     """Wheels that hold now slip at a little less grip: the speed's slope tells nothing of it."""
     found = doubts(fit, 0.25)
     assert found.drawn > 5 * found.together
+    assert found.each["fn0"] < found.each["amplitude"]  # the least grip is far from this
+    assert found.rows()[0][0] == "fn0 alone"  # but not from what the readings allow
+    assert found.each_drawn["fn0"] > 5 * found.each["fn0"]
     assert not found.straight
     assert "Derivatives mislead here: the draws count." in found.in_words()
 
 
-def test_a_ratchets_frictions_both_ways_and_one_that_is_0() -> None:
-    values = {"ct": 0.1, "cn": 1.0, "ft0": 0.0, "fn0": 0.3, "ct_back": 0.2, "ft0_back": 0.4}
-    parts = {"ct_forward": 1.0, "ct_backward": 2.0, "cn": 3.0, "ft0_backward": 4.0, "fn0": 5.0}
-    covariance = np.diag([1e-4 * v**2 for v in values.values()])
-    fit: Any = SimpleNamespace(names=tuple(values), whole_snake=values, covariance=covariance)
+VALUES = {"ct": 0.1, "cn": 1.0, "ft0": 0.0, "fn0": 0.3, "ct_back": 0.2, "ft0_back": 0.4}
+PARTS = {"ct_forward": 1.0, "ct_backward": 2.0, "cn": 3.0, "ft0_backward": 4.0, "fn0": 5.0,
+         "alpha_rad": 6.0}  # fmt: skip
+
+
+@pytest.fixture
+def told(monkeypatch) -> Any:
+    """Return the doubts of a ratchet fit whose frictions are known to 1 %, but for what changes."""
+    monkeypatch.setattr(room, "_alone", lambda *_: np.zeros((7, 64)))
+    covariance = np.diag([1e-4 * v**2 for v in VALUES.values()])
     found: Any = SimpleNamespace(
-        names=tuple(parts), elasticities=lambda: np.array(list(parts.values())), at=[0.1]
+        names=tuple(PARTS), elasticities=lambda: np.array(list(PARTS.values())), at=[0.1]
     )
-    told = speed_doubts(fit, found, SpeedBand(0.1, 0.09, 0.11, 0.09, 0.11))
+
+    def of(filmed: bool = False, draws: np.ndarray | None = None) -> room.SpeedDoubts:
+        fit: Any = SimpleNamespace(
+            names=tuple(VALUES), whole_snake=VALUES, covariance=covariance, draws=draws
+        )
+        ends = (0.07, 0.13, 0.09, 0.11, 0.08, 0.12)
+        return speed_doubts(fit, sn.Gait(1, 1, 1), found, SpeedBand(0.1, *ends, filmed=filmed))
+
+    return of
+
+
+def test_a_ratchets_frictions_both_ways_and_one_that_is_0(told) -> None:
     each = {"ct": 0.01, "cn": 0.03, "ft0": 0.0, "fn0": 0.05, "ct_back": 0.02, "ft0_back": 0.04}
-    assert told.each == pytest.approx(each)
-    assert told.together == pytest.approx(0.01 * math.sqrt(1 + 4 + 9 + 16 + 25))
+    assert told().each == pytest.approx(each | {"amplitude": 0.18})
+    together = 1 + 4 + 9 + 16 + 25
+    assert told().together == pytest.approx(0.01 * math.sqrt(together))
+    assert told().with_amplitude == pytest.approx(0.01 * math.sqrt(together + 18**2))
+
+
+def test_friction_amplitude_and_servos_are_shares_of_one_variance(told) -> None:
+    assert told().shares == pytest.approx({"friction": 1 / 9, "amplitude": 3 / 9, "servos": 5 / 9})
+    assert told().in_words().startswith("most of it: servos, 56 % of the variance by draws")
+
+
+def test_an_amplitude_that_a_film_showed_is_in_no_doubt(told) -> None:
+    assert told(filmed=True).each["amplitude"] == 0
+    assert told(filmed=True).with_amplitude == told().together
+
+
+def test_what_crawls_told_of_friction_and_amplitude_together_counts(told) -> None:
+    """Crawls know a speed better than what makes it: more grip goes with less amplitude."""
+    rng = np.random.default_rng(3)
+    grip = rng.normal(size=4096)
+    draws = np.tile([*VALUES.values(), 1.0], (4096, 1))
+    draws[:, 3] *= 1 + 0.06 * grip  # of fn0, whose elasticity is 5
+    draws[:, 6] *= 1 - 0.05 * grip  # of the amplitude, whose is 6
+    assert told(draws=draws).each["amplitude"] == pytest.approx(0.3, rel=0.05)
+    assert told(draws=draws).with_amplitude == pytest.approx(MODEL_SIGMA, rel=1e-6)
 
 
 def test_the_command_tells_it_with_a_fit_and_derivatives_alone(serpenoid) -> None:
-    typed = ("steady", "--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "1", "--servo",
-             "ideal", "--json", "--sensitivities")  # fmt: skip
+    typed = ("steady", "--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "1",
+             "--json", "--sensitivities")  # fmt: skip
     session = ("--session", str(session_folder()))
     told = json.loads(serpenoid(*typed, *session)[1])["doubts"]
-    assert set(told) == {"each", "together", "drawn", "straight"}
+    assert set(told["each"]) == set(told["each_drawn"]) == {"ct", "cn", "ft0", "fn0", "amplitude"}
+    assert told["shares"]["servos"] > 0.5  # any hobby servo: the slow ones lose most of the speed
+    assert told["straight"]
+    words = serpenoid(*(word for word in typed if word != "--json"), *session)[1]
+    assert "most of it: servos" in words
     for other in (typed, (*typed[:-1], *session), (*typed, *session, "--fn0", "0.05")):
         assert "doubts" not in json.loads(serpenoid(*other)[1])

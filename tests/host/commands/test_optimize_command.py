@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
+from serpenoid.calibration.friction_result import Estimate, FittedServos
+from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
 from serpenoid.gaits import paper_study
 from serpenoid.show.gaits import crawl
@@ -243,3 +247,38 @@ def test_a_stale_fit_is_told_once(tmp_path: Path) -> None:
         file.write(last.replace(",kept,", ",void,") + "\n")
     words = run("optimize", "--ground", str(fit), "--ft0", "0", "--fn0", "0", "--speed", "0.1")
     assert words.stderr.count("is older than the readings") == 1
+
+
+@pytest.mark.parametrize("crawls", [False, True])
+def test_robust_samples_are_those_that_crawls_in_the_fit_leave(
+    monkeypatch: pytest.MonkeyPatch, crawls: bool
+) -> None:
+    """Their servos and the joints' amplitude, in place of any hobby servo and 3 %."""
+    fit = sn.fit_friction(sn.load_session(session_folder()))
+    kept = tuple(sn.servo("hobby").draws(3, 1))
+    if crawls:
+        fit = replace(
+            fit, draws=np.column_stack([fit.sample_whole(64), np.full(64, 0.9)]),
+            nuisances=MappingProxyType({"joint_amplitude": Estimate(0.9, 0.018)}),
+            servos=FittedServos("hobby", kept, (0, 1, 1, 2), 1),
+        )  # fmt: skip
+    asked: list[sn.Uncertainty] = []
+
+    def robust_gait(*_: object, uncertainty: sn.Uncertainty, **__: object) -> None:
+        asked.append(uncertainty)
+        raise sn.NotConverged("asked enough")
+
+    monkeypatch.setattr("serpenoid.gaits.robust.robust_gait", robust_gait)
+    monkeypatch.setattr("serpenoid.commands.given.session_fit", lambda folder: fit)
+    words = ["optimize", "--session", str(session_folder()), "--robust", "--speed", "0.05"]
+    done = CliRunner().invoke(cli, words, standalone_mode=False)
+    assert "asked enough" in str(done.exception)
+    known = ["--common-amplitude-sigma", "0.01"]
+    CliRunner().invoke(cli, [*words, *known], standalone_mode=False)
+    first, other = asked
+    assert first.servo is not None
+    assert sorted(map(kept.index, first.servo.drawn)) == ([0, 1, 1, 2] if crawls else [])
+    assert ("that the fit's crawls leave" in done.stderr) is crawls
+    assert first.common_amplitude == pytest.approx(0.02 if crawls else 0.03)
+    assert first.joint_gain == ((0.9,) * 5 if crawls else ())
+    assert (other.common_amplitude, other.joint_gain) == (0.01, first.joint_gain)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from serpenoid.calibration.advice import advise
 from serpenoid.calibration.comparison import compare
 from serpenoid.calibration.filmed_joints import servo_seen
 from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.friction_result import Estimate
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
 from serpenoid.calibration.speed_samples import sample_speeds, speed, speed_band
@@ -117,6 +119,28 @@ def test_the_verdict_is_amplitude_because_it_was_seen(of_2005) -> None:
     assert "shows joints at 80.0 ± 0.1 % of the commanded amplitude" in found.verdict_text
     assert found.gaits[0].residual_m_s == pytest.approx(0.0, abs=1e-4)
     assert found.gaits[0].low_all_m_s == pytest.approx(found.gaits[0].low_m_s)
+
+
+def test_a_filmed_amplitude_is_in_no_doubt_again(of_2005, folder, serpenoid) -> None:
+    """Of the gait that was filmed; a film of another one leaves the amplitude's doubt."""
+    _, fit = of_2005
+    typed = ["steady", "--beta-deg", "80", "--omega-rad-s", "3.01", "--joints", str(folder),
+             "--session", str(session_folder()), "--json", "--alpha-deg"]  # fmt: skip
+    band, other = (json.loads(serpenoid(*typed, alpha)[1])["band"] for alpha in ("50", "52"))
+    assert (band["filmed"], other["filmed"]) == (True, False)
+    ends = [(band[f"low_{name}m_s"], band[f"high_{name}m_s"]) for name in ("friction_", "")]
+    assert ends[0] == ends[1]
+    assert other["high_m_s"] != other["high_friction_m_s"]
+    # crawls in the fit told of the same joints: their amplitude does not count twice
+    gait = sn.Gait(math.radians(50), math.radians(80), 3.0, joint_gain=(0.93,) * 5)
+    draws = np.column_stack([fit.sample_whole(64), np.full(64, 0.9)])
+    of_crawls = replace(
+        fit, draws=draws, nuisances=MappingProxyType({"joint_amplitude": Estimate(0.9, 0.01)})
+    )
+    told = replace(gait, joint_gain=())
+    made = speed_band(of_crawls, gait, servo=None, commanded=told).speed_m_s
+    assert made == pytest.approx(speed(fit.robot, fit.ground, gait), rel=1e-6)
+    assert speed_band(of_crawls, gait, servo=None).speed_m_s != pytest.approx(made, rel=0.05)
 
 
 def test_joints_that_do_as_told_are_no_cause(of_2005) -> None:

@@ -81,6 +81,8 @@ class Advice:
     band_servo_measured
         The relative band once one joint was measured in a bench test (`serpenoid servo --test`);
         None for ideal joints.
+    fit_alarms
+        Why the friction fit that this rests on is not to be trusted.
     """
 
     gaits: tuple[Gait, ...]
@@ -90,6 +92,7 @@ class Advice:
     note: str = ""
     servo: str | None = None
     band_servo_measured: float | None = None
+    fit_alarms: tuple[str, ...] = ()
 
     @property
     def best(self) -> NextReading:
@@ -103,7 +106,7 @@ class Advice:
         return measured is not None and measured < self.band_after_best
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures by name."""
+        """Return the figures by name; fit_alarms only where there are any."""
         return {
             "gaits": [asdict(g) for g in self.gaits],
             "band": self.band,
@@ -113,7 +116,7 @@ class Advice:
             "band_servo_measured": self.band_servo_measured,
             "measure_servo": self.measure_servo,
             "readings": [asdict(r) | {"in_words": r.in_words()} for r in self.readings],
-        }
+        } | ({"fit_alarms": list(self.fit_alarms)} if self.fit_alarms else {})
 
 
 def gaits_that_matter(session: Session, gaits: Sequence[Gait]) -> tuple[Gait, ...]:

@@ -50,4 +50,5 @@ def advise_on_floor(
     rows.sort(key=lambda r: (r.band - parts.whole) / (r.minutes or 1.0))
     after = rows[0].band
     note = " ".join(filter(None, (NOTE, servo_note(parts, servo, after))))
-    return Advice(wanted, parts.whole, after, tuple(rows), note, *servo_fields(servo, parts))
+    fields = servo_fields(servo, parts)
+    return Advice(wanted, parts.whole, after, tuple(rows), note, *fields, fit.alarms)

@@ -1,56 +1,90 @@
-"""What each friction's doubt leaves of a speed, by the speed's derivatives, held to draws."""
+"""What makes a speed's interval wide: each doubt by the speed's derivatives, held to draws."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from ...model.gait import Gait
+from ...periodic.drawn_states import drawn_speeds
 from ...periodic.sensitivities import Sensitivities
-from ..friction_result import FrictionFit
-from ..speed_samples import SpeedBand
+from ..fitting.data import Floats
+from ..friction_result import FrictionFit, ground_of
+from ..friction_result import band as speed_interval
+from ..speed_samples import AMPLITUDE_SIGMA, MODEL_SIGMA, SpeedBand, drawn_amplitudes, scaled
 
 _Z95 = 1.959964
+_DRAWS = 64
 _STRAIGHT = 0.25  # by which slopes and draws may differ
 
 
 @dataclass(frozen=True)
 class SpeedDoubts:
-    """Hold standard deviations of a gait's speed, relative, as friction alone leaves them.
+    """Hold standard deviations of a gait's speed, relative, that a fit leaves.
 
-    each: of every friction alone, by the derivatives. together: of all, with their correlations.
-    drawn: half of the 95 % interval of frictions that were drawn and solved for, over 1.96.
+    each: of every friction alone and of the joints' common amplitude alone, by the derivatives;
+    each_drawn: half of the 95 % interval of draws that were solved for, over 1.96. together, drawn:
+    the same of all frictions, with their correlations; with_amplitude, drawn_amplitude: with the
+    amplitude besides; drawn_servos: with the servos besides, which have no derivatives.
     """
 
     each: dict[str, float]
+    each_drawn: dict[str, float]
     together: float
+    with_amplitude: float
     drawn: float
+    drawn_amplitude: float
+    drawn_servos: float
 
     @property
     def straight(self) -> bool:
         """Tell whether the derivatives hold over the whole doubt: draws say the same."""
-        return abs(self.together - self.drawn) <= _STRAIGHT * self.drawn
+        pairs = (self.together, self.drawn), (self.with_amplitude, self.drawn_amplitude)
+        return all(abs(slopes - draws) <= _STRAIGHT * draws for slopes, draws in pairs)
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Return what friction, amplitude and servos are of the variance, by draws; sum 1."""
+        steps = np.diff([0.0, self.drawn**2, self.drawn_amplitude**2, self.drawn_servos**2])
+        shares = np.maximum(steps, 0.0) / max(np.maximum(steps, 0.0).sum(), 1e-300)
+        return dict(zip(("friction", "amplitude", "servos"), shares.tolist(), strict=True))
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
-        return asdict(self) | {"straight": self.straight}
+        return asdict(self) | {"shares": self.shares, "straight": self.straight}
+
+    def rows(self) -> list[list[str]]:
+        """Return a table: the doubt, the speed's by derivatives, and by draws; largest first."""
+        rows = [
+            (f"{name} alone", self.each[name], share)
+            for name, share in sorted(self.each_drawn.items(), key=lambda part: -part[1])
+        ]
+        rows += [
+            ("all frictions", self.together, self.drawn),
+            ("with the joints' amplitude", self.with_amplitude, self.drawn_amplitude),
+        ]
+        told = [[name, _percent(slopes), _percent(draws)] for name, slopes, draws in rows]
+        ideal = self.drawn_servos == self.drawn_amplitude
+        return told if ideal else [*told, ["with servos", "", _percent(self.drawn_servos)]]
 
     def in_words(self) -> str:
-        """Return the frictions, the largest part first."""
-        parts = sorted(self.each.items(), key=lambda part: -part[1])
-        told = ", ".join(f"{name} {_percent(share)}" for name, share in parts)
-        whole = f"together {_percent(self.together)}, draws {_percent(self.drawn)}"
-        mislead = "" if self.straight else " Derivatives mislead here: the draws count."
-        return f"of it friction's doubt (1 sigma, by derivatives): {told}; {whole}.{mislead}"
+        """Return what makes most of the interval, and whether the derivatives can be believed."""
+        first = max(self.shares, key=self.shares.__getitem__)
+        told = f"most of it: {first}, {100 * self.shares[first]:.0f} % of the variance by draws"
+        return told + ("" if self.straight else ". Derivatives mislead here: the draws count.")
 
 
 def _percent(share: float) -> str:
     return f"±{100 * share:.0f} %" if share >= 1.0 else f"±{100 * share:.2g} %"
 
 
-def speed_doubts(fit: FrictionFit, found: Sensitivities, band: SpeedBand) -> SpeedDoubts:
-    """Return what a fit's frictions leave of the speed whose derivatives and band were found.
+def speed_doubts(
+    fit: FrictionFit, gait: Gait, found: Sensitivities, band: SpeedBand
+) -> SpeedDoubts:
+    """Return what a fit leaves of the speed of a gait whose derivatives and band were found.
 
     A friction that has no derivative (it is 0) counts as 0 in the derivatives, not in the draws.
     """
@@ -59,12 +93,45 @@ def speed_doubts(fit: FrictionFit, found: Sensitivities, band: SpeedBand) -> Spe
     ratchet = len(fit.names) > 4
     slope = np.array([elasticity.get(_of_link(name, ratchet), 0.0) for name in fit.names])
     slope = np.divide(slope, whole, out=np.zeros_like(slope), where=whole > 0.0)
-    each = np.abs(slope) * np.sqrt(np.diag(fit.covariance))
-    drawn = (band.high_friction_m_s - band.low_friction_m_s) / (2 * _Z95 * found.at[0])
-    return SpeedDoubts(
-        dict(zip(fit.names, each.tolist(), strict=True)),
-        float(np.sqrt(slope @ fit.covariance @ slope)), float(drawn),
+    slope = np.append(slope, elasticity.get("alpha_rad", 0.0))
+    covariance, names = _covariance(fit, band.filmed), (*fit.names, "amplitude")
+    each = np.abs(slope) * np.sqrt(np.diag(covariance))
+    friction = slope[:-1] @ covariance[:-1, :-1] @ slope[:-1]
+    left_out = 0.0 if fit.draws is None else MODEL_SIGMA**2
+    ends = (
+        *map(speed_interval, _alone(fit, gait, band.filmed)),
+        (band.low_friction_m_s, band.high_friction_m_s),
+        (band.low_joints_m_s, band.high_joints_m_s), (band.low_m_s, band.high_m_s),
     )  # fmt: skip
+    drawn = [(high - low) / (2 * _Z95 * float(found.at[0])) for low, high in ends]
+    return SpeedDoubts(
+        dict(zip(names, each.tolist(), strict=True)), dict(zip(names, drawn[:-3], strict=True)),
+        math.sqrt(friction), math.sqrt(slope @ covariance @ slope + left_out), *drawn[-3:],
+    )  # fmt: skip
+
+
+def _alone(fit: FrictionFit, gait: Gait, filmed: bool) -> Floats:
+    """Return speeds of draws of each friction, and of the amplitude, the others as fitted."""
+    whole, links = fit.sample_whole(_DRAWS), fit.robot.links
+    centre = np.array(list(fit.whole_snake.values()))
+    draws = []
+    for k in range(len(centre)):
+        rows = np.where(np.arange(len(centre)) == k, whole, centre)
+        draws += [(ground_of(links, row), gait) for row in rows.tolist()]
+    amplitudes = np.ones(_DRAWS) if filmed else drawn_amplitudes(fit, AMPLITUDE_SIGMA, _DRAWS)
+    draws += [(fit.ground, scaled(gait, a)) for a in amplitudes.tolist()]
+    return drawn_speeds(fit.robot, (fit.ground, gait), draws).reshape(-1, _DRAWS)
+
+
+def _covariance(fit: FrictionFit, filmed: bool) -> Floats:
+    """Return the covariance of a fit's frictions and the joints' common amplitude."""
+    size = len(fit.names) + 1
+    found = np.zeros((size, size))
+    if fit.draws is not None and not filmed:
+        return np.cov(fit.draws.T)
+    found[:-1, :-1] = fit.covariance
+    found[-1, -1] = 0.0 if filmed else AMPLITUDE_SIGMA**2
+    return found
 
 
 def _of_link(name: str, ratchet: bool) -> str:

@@ -13,7 +13,7 @@ import click
 from ...model.checks import FORMULATIONS, check_number
 from ...model.errors import NotConverged
 from ...show.screen import say
-from ..given import predicted_band, take_fit
+from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, latest_film
 from ..options import (
     AS_JSON,
@@ -184,12 +184,14 @@ class _Asked:
         if self.robust and self.formulation == "implicit":
             raise click.UsageError("--robust runs on the exact model; leave --formulation out")
         self.limits = _limits(given, send)
-        fit = take_fit(given)
+        session, fit = given.get("session"), take_fit(given)
         self.fit = _as_measured(given, fit, self.robust)
-        uncertainty, joints = _uncertainty(given, self.fit), given.pop("joints")
+        joints = given.pop("joints")
+        uncertainty = _uncertainty(given, self.fit, filmed=joints is not None)
         # a film has shown what servos make of the joints
         ideal = self.fit is None or joints is not None
-        self.servo = take_servo(servo_name, IDEAL if ideal else "hobby")
+        servo = take_servo(servo_name, IDEAL if ideal else "hobby")
+        self.servo = servo_as_filmed(servo, session, self.fit)
         uncertainty = replace(uncertainty, servo=self.servo)
         self.robot: Robot
         self.ground: Ground
@@ -274,8 +276,11 @@ def _as_measured(
     return None
 
 
-def _uncertainty(given: dict[str, Any], fit: FrictionFit | None) -> Uncertainty:
-    """Take the doubt about servos, and about friction from a fit where there is one."""
+def _uncertainty(given: dict[str, Any], fit: FrictionFit | None, filmed: bool) -> Uncertainty:
+    """Take the doubt about servos, and about friction from a fit where there is one.
+
+    filmed: a film shows the joints; else crawls in the fit tell their common amplitude, too.
+    """
     from ...gaits.uncertainty import Uncertainty
 
     lag = given.pop("lag_sigma_deg")
@@ -289,6 +294,10 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None) -> Uncertainty:
     changes: dict[str, Any] = {k: v for k, v in taken.items() if v is not None}
     if fit is not None:
         changes["grounds"] = fit.sample(_GROUNDS)
+        if fit.draws is not None and not filmed:
+            value, sigma = fit.nuisances["joint_amplitude"]
+            known = {"common_amplitude": sigma / value}
+            changes = known | changes | {"joint_gain": (value,) * (fit.robot.links - 1)}
     return Uncertainty(**changes)
 
 

@@ -10,7 +10,7 @@ import click
 
 from ...model.checks import FORMULATIONS
 from ..given import predicted_band, servo_as_filmed, take_fit
-from ..joints import joints_option, with_joints
+from ..joints import joints_option, was_filmed, with_joints
 from ..options import (
     AS_JSON,
     IDEAL,
@@ -59,7 +59,7 @@ _FEW_LINKS = 20  # to ask servos about without being asked: the work grows as th
     "--sensitivities",
     "differentiated",
     is_flag=True,
-    help="What 1 % of each parameter changes (ideal joints).",
+    help="What 1 % of each parameter changes (ideal joints); with a fit, what each doubt leaves.",
 )
 @AS_JSON
 def steady(
@@ -88,7 +88,8 @@ def steady(
     session = given.get("session")
     fit = take_fit(given)
     robot, ground = robot_with_fit(given, fit)
-    gait = with_joints(make_gait(given), joints, robot.links)
+    told = make_gait(given)
+    gait = with_joints(told, joints, robot.links)
     if joints is not None and servo_name is None:
         servo_name = IDEAL  # the film shows what servos make of it
     if formulation == "implicit":
@@ -101,7 +102,8 @@ def steady(
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
     few = robot.links <= _FEW_LINKS
     servo = servo_as_filmed(take_servo(servo_name, "hobby" if few else IDEAL), session, fit)
-    return _pinned(robot, ground, gait, as_json, rtol, servo, fit, differentiated)
+    commanded = told if joints and was_filmed(told, joints, robot.links) else None
+    return _pinned(robot, ground, gait, as_json, rtol, servo, fit, differentiated, commanded)
 
 
 def _on_springs(
@@ -126,9 +128,12 @@ def _on_springs(
 
 def _pinned(
     robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float,
-    servo: ServoKind | None, fit: FrictionFit | None, differentiated: bool,
+    servo: ServoKind | None, fit: FrictionFit | None, differentiated: bool, commanded: Gait | None,
 ) -> None:  # fmt: skip
-    """Tell the periodic state of the exact model, servos' speed, and how near a cliff is."""
+    """Tell the periodic state of the exact model, servos' speed, and how near a cliff is.
+
+    commanded: the gait as told, where a film showed what its joints do.
+    """
     from ...gaits.margins import gait_margins
     from ...periodic.steady_gait import steady_gait
     from ...show import report
@@ -140,7 +145,7 @@ def _pinned(
         )
         moved = beside_servo(s, servo)
         margins = interruptible(lambda: gait_margins(robot, ground, gait))
-        band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo))
+        band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
         doubts = _doubts(s, fit, band)
     if as_json:
         values = {"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()}
@@ -155,17 +160,17 @@ def _pinned(
     if band is not None:
         report.console.print(f"predicted: {band.in_words()}", highlight=False)
     if doubts is not None:
-        report.console.print(doubts.in_words(), highlight=False)
+        gait_report.doubts(doubts)
     return gait_report.margins(margins)
 
 
 def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> SpeedDoubts | None:
-    """Return what each friction leaves of the speed, where a fit and derivatives are there."""
+    """Return what each doubt leaves of the speed, where a fit and derivatives are there."""
     if fit is None or band is None or s.sensitivities is None or not s.sensitivities.at[0] > 0:
         return None
     from ...calibration.advising.speed_doubts import speed_doubts
 
-    return speed_doubts(fit, s.sensitivities, band)
+    return speed_doubts(fit, s.gait, s.sensitivities, band)
 
 
 def beside_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:

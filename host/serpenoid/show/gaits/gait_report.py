@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..report import console, notices, table
 
 if TYPE_CHECKING:
+    from ...calibration.advising.speed_doubts import SpeedDoubts
     from ...gaits.finder import LeastPower
     from ...gaits.margins import Margins
     from ...gaits.robust import RobustGait
@@ -70,6 +71,13 @@ def sensitivities(found: Sensitivities) -> None:
     columns = ["parameter", "more by", "speed, %", "power, %", "power+, %", "turn, deg"]
     table("what a little more of each changes; ideal joints, others kept", columns, rows)
     console.print("power+: without regeneration; turn: in a cycle", highlight=False)
+
+
+def doubts(found: SpeedDoubts) -> None:
+    """Print what makes a predicted speed's interval wide."""
+    columns = ["in doubt", "by derivatives", "by draws"]
+    table("what that leaves of the predicted speed, 1 sigma", columns, found.rows())
+    console.print(found.in_words(), highlight=False)
 
 
 def robust(found: RobustGait) -> None:
