@@ -12,15 +12,20 @@ EventStep::EventStep(const CycleMap& map, SlidingPiece& piece)
 }
 
 // Wheels of a straight chain have one and the same kink, where an active-set method could cycle:
-// each kink is moved by its own 1e-13 or less of the speed scale.
-void EventStep::set_kinks(double h) {
+// each kink is moved by its own 1e-13 or less of the speed scale. The wheel that stopped is a
+// little beyond rest, and those that stick drift a little between the stages. The step would take
+// that for a force, and a wheel that rests near its bound would slide on: their kinks are where
+// they are.
+void EventStep::set_kinks(double h, const SlidingMode& before, const ModeEvent& event) {
     const double speed = scale_[0] / nm_;
     kinks_.clear(), wheel_of_kink_.clear();
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
         if (!piece_.law(wheel).has_modes()) continue;
         const WheelDirection g = piece_.row(wheel, 1);
+        const bool rests = event.wheel >= 0 && (before.sign[wheel] == 0 || wheel == event.wheel);
+        const double own = rests ? direction_[wheel] : 0;
         kinks_.push_back({{g.x, g.y, g.r},
-                          omega_ * g.e + 1e-13 * speed * apart_[kinks_.size()],
+                          omega_ * g.e - own + 1e-13 * speed * apart_[kinks_.size()],
                           h * piece_.law(wheel).bound});
         wheel_of_kink_.push_back(wheel);
     }
@@ -52,7 +57,8 @@ double EventStep::dissipation(const Vec3& u) const {
     return watts;
 }
 
-bool EventStep::take(CycleState& state, double tau, double dtau, double spin, SlidingMode& mode) {
+bool EventStep::take(CycleState& state, double tau, double dtau, double spin,
+                     const SlidingMode& before, const ModeEvent& event, SlidingMode& mode) {
     const double h = dtau / omega_;
     piece_.set_nodes(tau, tau + dtau);
     const Vec3 u0 = piece_.velocity(piece_.node(0), state.p);
@@ -60,7 +66,7 @@ bool EventStep::take(CycleState& state, double tau, double dtau, double spin, Sl
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel)
         direction_.push_back(piece_.row(wheel, 0).speed(u0.data(), omega_));
     piece_.sum_nodes(direction_);
-    set_kinks(h);
+    set_kinks(h, before, event);
     if (!solve(state.p, u0, h)) return false;
     const Vec3& u = convex_.minimum();
     const SlidingPiece::Node& k = piece_.node(1);
@@ -87,9 +93,9 @@ void EventStep::set_mode(SlidingMode& mode) const {
     }
 }
 
-// Put the wheels that stick at rest to the last digit. The step leaves 1e-11 of the scale of their
-// speeds, which over a short piece would be taken for a force. Wheels of a straight chain have one
-// and the same row: those stay as they are.
+// Put the wheels that stick at rest to the last digit. What the step leaves would be taken for a
+// force over a short piece. Wheels of a straight chain have one and the same row: those stay as
+// they are.
 void EventStep::put_at_rest(const SlidingMode& mode, CycleState& state) const {
     const SlidingPiece::Node& k = piece_.node(1);
     const double mass[3] = {nm_, nm_, k.J};
@@ -112,7 +118,7 @@ void EventStep::put_at_rest(const SlidingMode& mode, CycleState& state) const {
         for (int a = 0; a < mode.count; ++a) p[i] += pull[a] * row[a][i];
         moved = std::max(moved, std::fabs(p[i] - state.p[i]) / scale_[i]);
     }
-    if (moved < 1e-8) state.p = p;
+    if (moved < farthest_) state.p = p;
 }
 
 }  // namespace serpenoid

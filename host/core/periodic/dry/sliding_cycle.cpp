@@ -65,6 +65,7 @@ SlidingCycle::SlidingCycle(const Robot& robot, const Ground& ground, const Gait&
 void SlidingCycle::aim(double tolerance) {
     const double speed_eps = std::max(0.01 * tolerance, 1e-12) * scale_[0] / nm_;
     events_.aim(speed_eps, std::max(0.1 * tolerance, 1e-7));
+    event_step_.aim(std::max(10 * tolerance, 1e-8));
     longest_step_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
     shortest_step_ = std::clamp(20 * speed_eps * nm_ * omega_ / least_dry_, 1e-7, longest_step_);
 }
@@ -128,11 +129,11 @@ SlidingCycle::Piece SlidingCycle::solve_piece(double h) {
 
 // Find the mode that follows an event.
 bool SlidingCycle::change_mode(const ModeEvent& event) {
-    sign_before_ = mode_.sign;
+    before_ = mode_;
     if (!event_step(event)) return false;
     if (saltation_.waits) {
         const WheelDirection g = piece_.row(event.wheel, 0);
-        const double sign = sign_before_[event.wheel];
+        const double sign = before_.sign[event.wheel];
         saltation_.gradient = {sign * g.x / nm_, sign * g.y / nm_, sign * g.r * piece_.node(0).iJ};
     }
     if (event.wheel >= 0) note_changes();
@@ -149,7 +150,7 @@ bool SlidingCycle::event_step(const ModeEvent& event) {
     for (int attempt = 0; attempt < 6; ++attempt) {
         now_ = before;
         const double dtau = std::min(length, span() - from);
-        if (!event_step_.take(now_, from, dtau, spin_, mode_)) return false;
+        if (!event_step_.take(now_, from, dtau, spin_, before_, event, mode_)) return false;
         tau_ = dtau == span() - from ? span() : from + dtau;
         const bool changed = event.wheel < 0 || mode_.sign[event.wheel] != was;
         if (changed || length >= longest_step_ || attempt == 5) {
@@ -164,8 +165,8 @@ bool SlidingCycle::event_step(const ModeEvent& event) {
 void SlidingCycle::note_changes() {
     int slid = 0;
     for (int wheel = 0; wheel < piece_.wheels(); ++wheel) {
-        if (mode_.sign[wheel] == sign_before_[wheel]) continue;
-        slid += sign_before_[wheel] != 0;
+        if (mode_.sign[wheel] == before_.sign[wheel]) continue;
+        slid += before_.sign[wheel] != 0;
         meter_.changed(wheel);
     }
     simultaneous_ = simultaneous_ || slid > 1;

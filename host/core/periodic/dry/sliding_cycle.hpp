@@ -48,8 +48,7 @@ class SlidingCycle : public CycleMap {
     EventFinder events_;
     EventStep event_step_;
     WorkMeter meter_;
-    SlidingMode mode_;
-    std::vector<double> sign_before_;  // of every wheel before an event
+    SlidingMode mode_, before_;  // now, and before an event
     // of the cycle that is followed
     CycleState now_;
     Saltation saltation_;
