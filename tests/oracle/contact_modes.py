@@ -343,14 +343,12 @@ def _slack(force: Array, ahead: Array, back: Array) -> Array:
     return np.where(force > 0, back - force, ahead + force) / np.maximum(ahead, back)
 
 
-def run(
-    world: World, y: Array, times_s: Array, *, rtol: float = 1e-12, longest_s: float = 0.01
-) -> Iterator[Array]:
-    """Yield (q, v), all links' (x, y, theta) and rates, at the times, from y at t = 0."""
-    end = float(times_s[-1])
-    ends = [0.0, *world.drive.breaks(end), end]
-    due, mode = list(times_s), None
-    for start, stop in pairwise(ends):
+def pieces(
+    world: World, y: Array, end_s: float, *, rtol: float = 1e-12, longest_s: float = 0.01
+) -> Iterator[tuple[float, Callable[[float], Array], Mode]]:
+    """Yield each smooth piece from y at t = 0 on: its end, its dense output (q, v), its mode."""
+    mode = None
+    for start, stop in pairwise([0.0, *world.drive.breaks(end_s), end_s]):
         q, v = np.split(y, 2)
         world.drive.enter(start, world.turns @ q, world.turns @ v)
         if mode is None:
@@ -359,11 +357,19 @@ def run(
             resting = np.flatnonzero(mode.slide == 0)
             mode = world.choose(start, y, mode.slide, resting, world.region(y))
         for piece in _pieces(world, start, stop, y, mode, rtol, longest_s):
-            until, track, y, mode = piece
-            while due and due[0] <= until:
-                yield track(due.pop(0))
-    if due:
-        yield y
+            until, track, y, after = piece
+            yield until, track, mode
+            mode = after
+
+
+def run(
+    world: World, y: Array, times_s: Array, *, rtol: float = 1e-12, longest_s: float = 0.01
+) -> Iterator[Array]:
+    """Yield (q, v), all links' (x, y, theta) and rates, at the times, from y at t = 0."""
+    due = list(times_s)
+    for until, track, _ in pieces(world, y, due[-1], rtol=rtol, longest_s=longest_s):
+        while due and due[0] <= until:
+            yield track(due.pop(0))
 
 
 def _pieces(

@@ -28,9 +28,9 @@ class Method {
     virtual double time() const = 0;
     virtual const double* state() const = 0;
 
-    // The state at a time within the last step. A method without dense output is asked for the
-    // ends of its steps only: it is never stepped over a time that is recorded.
-    virtual bool has_dense() const { return false; }
+    // The state at a time within the last step, and its order. A method without dense output (0) is
+    // asked for the ends of its steps only: it is never stepped over a time that is recorded.
+    virtual int dense_order() const { return 0; }
     virtual void dense(double t, double* y) const = 0;
 
     // Put into the chain and the joints, at the present state, the forces that the method finds and

@@ -111,17 +111,17 @@ class SignChanges {
   public:
     static constexpr int kMost = 2 * s;
 
-    explicit SignChanges(const NodePolynomial<s>& p) : p_(p), first_(p(-1)) {
+    explicit SignChanges(const NodePolynomial<s>& p) : first_(p(-1)) {
         if (p.one_sign()) return;
         const auto& z = points();
         double z0 = z[0], v0 = first_, z1 = z[1], v1 = p(z1);
         for (int k = 2; k <= 2 * s + 2; ++k) {
             const double z2 = z[k], v2 = p(z2);
-            dip(z0, v0, z1, v1, z2, v2);
-            between(z0, v0, z1, v1);
+            dip(p, z0, v0, z1, v1, z2, v2);
+            between(p, z0, v0, z1, v1);
             z0 = z1, v0 = v1, z1 = z2, v1 = v2;
         }
-        between(z0, v0, z1, v1);
+        between(p, z0, v0, z1, v1);
     }
 
     double first() const { return first_; }  // the value at -1
@@ -143,28 +143,53 @@ class SignChanges {
         return all;
     }
 
-    void between(double a, double fa, double b, double fb) {
-        if ((fa > 0) != (fb > 0) && count < kMost) at[count++] = bracketed_root(p_, a, fa, b, fb);
+    using P = NodePolynomial<s>;
+    void between(const P& p, double a, double fa, double b, double fb) {
+        if ((fa > 0) != (fb > 0) && count < kMost) at[count++] = bracketed_root(p, a, fa, b, fb);
     }
 
     // Three values of one sign, the middle one nearest to zero: look at the bottom of the parabola.
-    void dip(double a, double fa, double& m, double& fm, double b, double fb) {
+    void dip(const P& p, double a, double fa, double& m, double& fm, double b, double fb) {
         if ((fa > 0) != (fm > 0) || (fm > 0) != (fb > 0)) return;
         const double s0 = (fm - fa) / (m - a), s1 = (fb - fm) / (b - m), sign = fm > 0 ? 1 : -1;
         if (sign * s0 >= 0 || sign * s1 <= 0) return;
         const double curvature = (s1 - s0) / (b - a);
-        const double z = (a + m) / 2 - s0 / (2 * curvature), v = p_(z);
+        const double z = (a + m) / 2 - s0 / (2 * curvature), v = p(z);
         if (!(z > a && z < b) || (v > 0) == (fm > 0)) return;
         if (z > m) {
             m = z, fm = v;  // the gaps on both sides find their roots
         } else if (count + 2 <= kMost) {
-            at[count++] = bracketed_root(p_, a, fa, z, v);
-            at[count++] = bracketed_root(p_, z, v, m, fm);
+            at[count++] = bracketed_root(p, a, fa, z, v);
+            at[count++] = bracketed_root(p, z, v, m, fm);
         }
     }
 
-    const NodePolynomial<s>& p_;
     double first_;
+};
+
+// The positive part of the polynomial through values at the Gauss nodes, on [-1, 1].
+template <int s>
+class PositivePart {
+  public:
+    explicit PositivePart(const std::array<double, s>& values)
+        : p_(values), changes_(p_), from_(p_.primitive(-1)) {}
+
+    // Its integral from -1 to z.
+    double until(double z) const {
+        double sum = 0, from = from_;
+        bool positive = changes_.first() > 0;
+        for (int k = 0; k < changes_.count && changes_.at[k] < z; ++k, positive = !positive) {
+            const double to = p_.primitive(changes_.at[k]);
+            if (positive) sum += to - from;
+            from = to;
+        }
+        return positive ? sum + p_.primitive(z) - from : sum;
+    }
+
+  private:
+    NodePolynomial<s> p_;
+    SignChanges<s> changes_;
+    double from_;
 };
 
 // Mean of max(-a b, 0) over an element: both by their values at the nodes. b changes sign once, at

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "methods/method.hpp"
+#include "run/positive_work.hpp"
 #include "scene/energy_ledger.hpp"
 #include "scene/run_request.hpp"
 #include "scene/system.hpp"
@@ -12,8 +13,10 @@ namespace serpenoid {
 
 class Recorder {
   public:
-    Recorder(const RunRequest& q, System& system, Method& method, const EnergyLedger* ledger)
-        : q_(q), system_(system), method_(method), ledger_(ledger) {}
+    // `ledger`, `positive`: null where there is none.
+    Recorder(const RunRequest& q, System& system, Method& method, const EnergyLedger* ledger,
+             const PositiveWork* positive)
+        : q_(q), system_(system), method_(method), ledger_(ledger), positive_(positive) {}
 
     void note(double t, const double* y, RunResult& out) {
         const bool forces = q_.record_joints || q_.record_friction;
@@ -28,6 +31,7 @@ class Recorder {
         if (ledger_) {
             double row[EnergyLedger::kColumns];
             ledger_->row(y, row);
+            if (positive_) row[EnergyLedger::kColumns - 1] = positive_->until(t);
             out.energy.insert(out.energy.end(), row, row + EnergyLedger::kColumns);
         }
     }
@@ -50,6 +54,7 @@ class Recorder {
     System& system_;
     Method& method_;
     const EnergyLedger* ledger_;
+    const PositiveWork* positive_;
 };
 
 }  // namespace serpenoid

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "run/make_method.hpp"
+#include "run/positive_work.hpp"
 #include "run/recorder.hpp"
 #include "scene/energy_ledger.hpp"
 #include "scene/make_system.hpp"
@@ -31,13 +32,16 @@ bool finite(const double* y, int dim) {
 // Steps from one jump to the next and notes the times of the grid.
 class Run {
   public:
-    Run(const RunRequest& q, System& system, Method& method, Recorder& recorder)
+    // `positive`: null where none is to be found.
+    Run(const RunRequest& q, System& system, Method& method, Recorder& recorder,
+        PositiveWork* positive)
         : q_(q),
           system_(system),
           method_(method),
           recorder_(recorder),
+          positive_(positive),
           y_(system.dim()),
-          dense_(method.has_dense()),
+          dense_(method.dense_order() > 0),
           steps_unchecked_(std::clamp(512L / q.robot.n, 1L, 64L)),
           unchecked_(steps_unchecked_),
           due_(recorded(1)) {
@@ -75,6 +79,7 @@ class Run {
             if (!step.ok) return give_up(t, step.why);
             if (const double e = method_.local_error(); e == e) out_.error += e;
             ++out_.steps;
+            if (positive_) positive_->step();
             if (--unchecked_ == 0 && !checked(t)) return;
             if (due_ <= t && !note_until(t)) return;
         }
@@ -120,6 +125,7 @@ class Run {
     System& system_;
     Method& method_;
     Recorder& recorder_;
+    PositiveWork* positive_;
     std::vector<double> y_;
     RunResult out_;
     std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
@@ -132,15 +138,17 @@ class Run {
 
 RunResult simulate(const RunRequest& q) {
     std::unique_ptr<System> system = make_system(q);
-    const EnergyLedger* ledger = nullptr;
+    EnergyLedger* ledger = nullptr;
     if (q.record_energy) {
         auto with = std::make_unique<EnergyLedger>(std::move(system), q);
         ledger = with.get();
         system = std::move(with);
     }
     const std::unique_ptr<Method> method = make_method(q, *system);
-    Recorder recorder(q, *system, *method, ledger);
-    return Run(q, *system, *method, recorder).go();
+    std::unique_ptr<PositiveWork> positive;
+    if (ledger && method->dense_order() > 0) positive = make_positive_work(*ledger, *method);
+    Recorder recorder(q, *system, *method, ledger, positive.get());
+    return Run(q, *system, *method, recorder, positive.get()).go();
 }
 
 }  // namespace serpenoid

@@ -4,11 +4,13 @@
 // with joints = -sum T_i phi_i', friction = -sum f_i . v_i >= 0, dampers = what the joint forces do
 // beside the springs, sum (F_i - k Delta_i) . Delta_i' (which is c sum |Delta_i'|^2, but for the
 // paper's scheme).
-// The fourth integral is that of sum P_i^+, the energy of servos that do not regenerate.
+// The fourth integral is that of sum P_i^+, the energy of servos that do not regenerate. It has
+// kinks, and is left to run/positive_work.hpp where a method has dense output.
 #pragma once
 
 #include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "model/implicit_model.hpp"
 #include "scene/run_request.hpp"
@@ -33,6 +35,14 @@ class EnergyLedger final : public System {
         inner_->set(from, y);
         std::fill_n(y + inner_->dim(), 4, 0.0);
     }
+    void leave_positive() { positive_ = false; }
+
+    // P_i of every joint.
+    void powers(double t, const double* y, std::vector<double>& power) {
+        inner_->forces(t, y);
+        for (std::size_t i = 0; i < power.size(); ++i) power[i] = joint_power(i);
+    }
+
     void fill(double t, const double* y) override { inner_->fill(t, y); }
     void forces(double t, const double* y) override { inner_->forces(t, y); }
     void rate(double t, const double* y, double* dy) override {
@@ -41,7 +51,7 @@ class EnergyLedger final : public System {
         const Chain& k = chain;
         double *to = dy + inner_->dim(), joint = 0, spent = 0, lost = 0, damped = 0;
         for (int i = 0; i + 1 < k.n(); ++i) {
-            const double power = -joints.T[i] * (k.omega[i + 1] - k.omega[i]);
+            const double power = joint_power(i);
             const Gap g = gap(k, robot_.l, i);
             joint += power, spent += std::max(power, 0.0);
             if (spring_.c == 0) continue;
@@ -51,7 +61,7 @@ class EnergyLedger final : public System {
         for (int i = 0; i < k.n(); ++i)
             lost -= (k.fx[i] - robot_.m * slope_.gx) * k.vx[i] +
                     (k.fy[i] - robot_.m * slope_.gy) * k.vy[i];
-        to[0] = joint, to[1] = lost, to[2] = damped, to[3] = spent;
+        to[0] = joint, to[1] = lost, to[2] = damped, to[3] = positive_ ? spent : 0;
     }
     std::vector<int> rate_of() const override {
         std::vector<int> of = inner_->rate_of();
@@ -80,10 +90,14 @@ class EnergyLedger final : public System {
     }
 
   private:
+    double joint_power(std::size_t i) const {
+        return -joints.T[i] * (chain.omega[i + 1] - chain.omega[i]);
+    }
     std::unique_ptr<System> inner_;
     Robot robot_;
     Slope slope_;
     JointSpring spring_;
+    bool positive_ = true;
 };
 
 }  // namespace serpenoid

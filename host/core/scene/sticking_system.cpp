@@ -166,6 +166,7 @@ void StickingSystem::find(double t, double* y) {
         } else {
             contacts_[w].sign = v > 0 || (v == 0 && contacts_[w].sign >= 0) ? 1 : -1;
         }
+        contacts_[w].wrong = 0;
     }
     known_ = true;
     resting_.clear();
@@ -179,10 +180,13 @@ void StickingSystem::find(double t, double* y) {
     for (std::size_t i = 0; i < slow.size(); ++i) {
         Contact& w = contacts_[slow[i]];
         w.share = share[i];
-        if (std::fabs(share[i]) == 1)
+        if (std::fabs(share[i]) == 1) {
             w.sign = share[i] > 0 ? -1 : 1;
-        else
+            // impulses cannot take the speed of more contacts than there are freedoms
+            w.wrong = std::max(0.0, -w.sign * speed(w));
+        } else {
             resting_.push_back(slow[i]);
+        }
     }
 }
 
@@ -191,7 +195,8 @@ void StickingSystem::margins(double t, const double* y, std::vector<double>& mar
     margin.assign(contacts_.size(), 0.0);
     for (std::size_t w = 0; w < contacts_.size(); ++w)
         if (contacts_[w].sign != 0)
-            margin[w] = 1 + contacts_[w].sign * speed(contacts_[w]) / (kBackwards * at_rest_);
+            margin[w] = 1 + (contacts_[w].sign * speed(contacts_[w]) + contacts_[w].wrong) /
+                                (kBackwards * at_rest_);
     for (std::size_t i = 0; i < resting_.size(); ++i) {
         contacts_[resting_[i]].share = share_[i];
         margin[resting_[i]] =

@@ -62,6 +62,7 @@ class StickingSystem final : public System, public Modes {
         double grip;       // friction_law.hpp
         int sign = 0;      // 0 rests, else which way it slides
         double share = 0;  // of the bound, while it rests
+        double wrong = 0;  // speed against its sign at the start of the mode, m/s
     };
     double speed(const Contact& w) const;
     double acceleration(const Contact& w) const;

@@ -12,26 +12,31 @@ class Difference:
 
     position_m: of any link's centre. angle_rad: of any link. mean_speed: of the centre of mass from
     start to end, relative to the other run: nan where both rest, inf where only the other does. A
-    run rests that goes less than 1e-4 of its body's length a period.
+    run rests that goes less than 1e-4 of its body's length a period. energy_j: of each column
+    of the energy ledger (Run.energy_j), by its name; None where one of the two did not record it.
     """
 
     position_m: float
     angle_rad: float
     mean_speed: float
+    energy_j: dict[str, float] | None = None
 
     def scaled(self, factor: float) -> Difference:
-        """Return all three times a factor."""
+        """Return all of them times a factor."""
         return Difference(
-            factor * self.position_m, factor * self.angle_rad, factor * self.mean_speed
-        )
+            factor * self.position_m, factor * self.angle_rad, factor * self.mean_speed,
+            self.energy_j and {name: factor * size for name, size in self.energy_j.items()},
+        )  # fmt: skip
 
     def beside(self, other: Difference) -> Difference:
         """Return the same with another difference's sizes added to each size, signs kept."""
         speed, more = self.mean_speed, abs(other.mean_speed)
+        doubt = other.energy_j or {}
         return Difference(
             self.position_m + other.position_m,
             self.angle_rad + other.angle_rad,
             speed + (more if speed >= 0 else -more),
+            self.energy_j and {k: size + doubt.get(k, 0.0) for k, size in self.energy_j.items()},
         )
 
     def size(self, body_m: float) -> float:

@@ -19,7 +19,7 @@ from ..model.errors import Diverged, StepTooLarge
 from .error import Difference, RunError
 from .methods import objection
 from .related_scenes import FinerScenes, exact_scene, finer_scenes
-from .run import Run
+from .run import ENERGY_COLUMNS, Run
 from .scene import Scene
 
 Array = NDArray[np.float64]
@@ -69,7 +69,18 @@ def _apart(run: Run, other: Run) -> tuple[Array, Array, Array]:
 def difference(run: Run, other: Run) -> Difference:
     """Return how far two runs are apart at the times that both recorded."""
     _, position, angle = _apart(run, other)
-    return Difference(float(position.max()), float(angle.max()), _share_of_speed(run, other))
+    return Difference(
+        float(position.max()), float(angle.max()), _share_of_speed(run, other), _energy(run, other)
+    )
+
+
+def _energy(run: Run, other: Run) -> dict[str, float] | None:
+    """Return how far each column of two energy ledgers is apart at most, J, or None."""
+    if not (run.energy_j.size and other.energy_j.size):
+        return None
+    a, b = _common(run, other)
+    most = abs(run.energy_j[a] - other.energy_j[b]).max(axis=0)
+    return dict(zip(ENERGY_COLUMNS, most.tolist(), strict=True))
 
 
 def _share_of_speed(run: Run, other: Run) -> float:

@@ -24,11 +24,18 @@ def follows_gait(scene: Scene) -> bool:
 
 def exact_scene(scene: Scene, tolerance: float) -> Scene:
     """Return a scene in the explicit formulation, by the most accurate method for it."""
+    record = _ledger(scene)
     if scene.law == "dry":
         method = "nonsmooth"
     else:
-        method = "collocation" if plain(scene) and scene.law == "viscous" else "dop853"
-    return replace(scene, formulation="explicit", tolerance=tolerance, record=(), method=method)
+        fast = plain(scene) and scene.law == "viscous" and not record
+        method = "collocation" if fast else "dop853"
+    return replace(scene, formulation="explicit", tolerance=tolerance, record=record, method=method)
+
+
+def _ledger(scene: Scene) -> tuple[str, ...]:
+    """Return what another run must record to be compared with one: energies, or nothing."""
+    return tuple(one for one in scene.record if one == "energy")
 
 
 def largest_stable_step_s(scene: Scene) -> float:
@@ -59,7 +66,7 @@ class FinerScenes:
 
 def finer_scenes(scene: Scene) -> Iterator[FinerScenes]:
     """Yield pairs of scenes to hold a run against, the best first; a later one if one gives up."""
-    bare = replace(scene, record=())
+    bare = replace(scene, record=_ledger(scene))
     if scene.adaptive:
         yield from _by_tolerance(bare, scene.tolerance)
         return
@@ -93,7 +100,7 @@ def _by_tolerance(scene: Scene, tolerance: float) -> Iterator[FinerScenes]:
     if scene.formulation == "explicit" and exact.method != scene.method:
         yield _pair(exact, tight, tightest)
     if scene.method == "radau":  # of low order: each digit is dear
-        tight, tightest = max(tolerance / 10, _LEAST), max(tolerance / 1000, _LEAST)
+        tight, tightest = max(tolerance / 10, 10 * _LEAST), max(tolerance / 1000, _LEAST)
     yield _pair(scene, tight, tightest)
 
 

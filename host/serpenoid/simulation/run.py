@@ -61,10 +61,8 @@ class Run:
     energy_j : (T, 7)
         J, columns ENERGY_COLUMNS; empty unless "energy" is recorded. Three stores, then what
         joints, friction and dampers did since t = 0, and the work of joints that do not regenerate.
-        This last one has a kink wherever a joint's power changes its sign. Adaptive methods step
-        over kinks: expect up to 3e-3 of it at tolerance 1e-6, and up to 3e-5 even at 1e-12;
-        error_estimate does not count that; take `steady_gait`'s positive_power_w, or rk4 with
-        short steps.
+        This last one has a kink wherever a joint's power changes its sign. Adaptive methods find
+        the kinks; fixed steps run over them. error_estimate tells how far any column is off.
     judge
         Finds the run's error.
     picked

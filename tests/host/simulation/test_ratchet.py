@@ -102,6 +102,17 @@ def test_every_method_comes_to_the_same_motion(name: str) -> None:
         assert max(off.position_m, off.angle_rad) < within
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-7, 3e-10])
+def test_more_wheels_stop_at_once_than_there_are_freedoms(tolerance: float) -> None:
+    """A lag of 60 degrees: five wheels across stop within an instant, on three freedoms."""
+    scene = sn.Scene(OF_2005, GROUNDS["dry"], GAIT, method="nonsmooth", start="steady",
+                     duration_s=GAIT.period_s / 2, tolerance=1e-10)  # fmt: skip
+    off = difference(
+        sn.simulate(replace(scene, tolerance=tolerance, record=("energy",))), sn.simulate(scene)
+    )
+    assert max(off.position_m, off.angle_rad) < 10 * tolerance
+
+
 @pytest.mark.parametrize("drive", ["angle", "torque", "limp"])
 @pytest.mark.parametrize("name", GROUNDS)
 def test_energy_is_kept_and_friction_only_takes(name: str, drive: str) -> None:

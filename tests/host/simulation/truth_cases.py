@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import serpenoid as sn
 from numpy.random import Generator
 from oracle import contact_modes as cm
+from oracle import joint_work as jw
 from oracle import springs_collocation as sc
 from oracle.params import Gait, Params
 from serpenoid._core.firmware import gait_setpoints_rad
+from serpenoid.simulation.starts import start_state
 
 GRAVITY_M_S2 = 9.80665
 Array = np.ndarray
@@ -67,7 +70,7 @@ def off(found: Array, truth: Array, robot: sn.Robot) -> float:
 
 
 def world(scene: sn.Scene) -> cm.World:
-    """Return a scene with torques or servos as the event-driven reference takes it."""
+    """Return a scene of the exact model as the event-driven reference takes it."""
     p, gait = params(scene), scene.gait
     if scene.servo is not None:
         setpoints = gait_setpoints_rad(
@@ -75,18 +78,30 @@ def world(scene: sn.Scene) -> cm.World:
             joints=p.links - 1, frames=int(scene.duration_s / scene.servo.frame_s) + 2,
         )  # fmt: skip
         return cm.World(p, cm.ServoDrive(scene.servo, np.asarray(setpoints), scene.servo.frame_s))
+    if scene.drive == "angle":
+        still = cm.Drive(np.zeros(1), np.zeros((1, p.links - 1)))
+        return jw.GaitWorld(p, still, gait_of(gait))
     if isinstance(scene.torque, sn.TorqueTable):
         return cm.World(p, cm.Drive(scene.torque.t_s, scene.torque.torque_nm))
     return cm.World(p, cm.Drive(np.zeros(1), np.asarray(scene.torque)[None]))
 
 
+def packed(state: sn.LinkState) -> Array:
+    """Return a state as the event-driven reference takes it: (x, y, theta) by links, then rates."""
+    places = np.stack([state.x_m, state.y_m, state.theta_rad], axis=1).ravel()
+    rates = np.stack([state.vx_m_s, state.vy_m_s, state.omega_rad_s], axis=1).ravel()
+    return np.concatenate([places, rates])
+
+
 def by_events(scene: sn.Scene, run: sn.Run, rtol: float = 1e-12) -> Array:
     """Return the places (T, n, 3) at a run's times by the event-driven reference."""
-    first = run.state(0)
-    q = np.stack([first.x_m, first.y_m, first.theta_rad], axis=1).ravel()
-    v = np.stack([first.vx_m_s, first.vy_m_s, first.omega_rad_s], axis=1).ravel()
-    rows = list(cm.run(world(scene), np.concatenate([q, v]), run.t_s, rtol=rtol))
-    return np.array(rows)[:, : q.size].reshape(len(rows), -1, 3)
+    rows = np.array(list(cm.run(world(scene), packed(run.state(0)), run.t_s, rtol=rtol)))
+    return rows[:, : rows.shape[1] // 2].reshape(len(rows), -1, 3)
+
+
+def work_by_events(scene: sn.Scene, rtol: float = 1e-12) -> float:
+    """Return the positive work of a scene's joints, J, by the event-driven reference."""
+    return jw.positive_work(world(scene), packed(start_state(scene)), scene.duration_s, rtol)
 
 
 def free_case(kind: str, seed: int, duration_s: float = 0.6) -> sn.Scene:
@@ -113,6 +128,42 @@ def free_case(kind: str, seed: int, duration_s: float = 0.6) -> sn.Scene:
     drive = _drive(kind, robot, fn0 * robot.link_length_m * n / 2, rng)
     return sn.Scene(robot, ground, gait, method="nonsmooth", duration_s=duration_s, dt_s=0.01,
                     **incline, **drive)  # fmt: skip
+
+
+WORK_KINDS = ("viscous", "dry", "springs", "viscous servo", "dry servo", "dry torques")
+
+
+def work_case(seed: int) -> sn.Scene:
+    """Return a random scene for the positive work, of the kind WORK_KINDS[seed % 6]."""
+    rng, kind = np.random.default_rng([seed, 6]), WORK_KINDS[seed % 6]
+    n = int(rng.integers(3, 9))
+    robot = sn.Robot(n, 10 ** rng.uniform(-1.2, 0), rng.uniform(0.05, 0.15))
+    ct, weight = 10 ** rng.uniform(-2, -0.5), 9.81 * robot.link_mass_kg
+    dry = (weight * 10 ** rng.uniform(-2.5, -1.5), weight * 10 ** rng.uniform(-1.2, -0.4))
+    ground = sn.Ground(ct, ct * 10 ** rng.uniform(0.5, 2), *(dry if "dry" in kind else ()))
+    gait = sn.Gait(rng.uniform(0.2, 1.0), rng.uniform(0.5, 2.1), rng.uniform(1, 8))
+    more: dict[str, Any] = {"method": "nonsmooth" if "dry" in kind else "dop853"}
+    if "servo" in kind:
+        stiff = robot.inertia_kg_m2 * 10 ** rng.uniform(2.5, 3.5)
+        servo = sn.Servo(stiff, 0.05 * stiff, stiff * rng.uniform(0.3, 1))
+        more |= {"drive": "servo", "servo": servo}
+    elif "torques" in kind:
+        rows = rng.normal(size=(3, n - 1)) * 0.7 * ground.fn0 * robot.link_length_m
+        more |= {"drive": "torque", "torque": sn.TorqueTable(np.array([0, 0.2, 0.5]), rows)}
+    elif kind == "springs":
+        more |= {"formulation": "implicit", "joint_stiffness_n_m": 10 ** rng.uniform(2.5, 5),
+                 "method": ("radau", "dop853")[seed // 6 % 2]}  # fmt: skip
+    return sn.Scene(robot, ground, gait, duration_s=0.5, dt_s=0.01, record=("energy",), **more)
+
+
+def true_work(scene: sn.Scene) -> float:
+    """Return the positive work of a scene's joints, J: by events, or on springs by fine steps."""
+    if scene.formulation == "explicit":
+        return work_by_events(scene)
+    run = sn.simulate(
+        replace(scene, method="rk4", dt_s=1e-5, record=("joints",), record_every=2)
+    )  # fmt: skip
+    return sum(jw.positive_part_of(run.t_s, power) for power in run.joint_power_w.T)
 
 
 def _drive(kind: str, robot: sn.Robot, size_nm: float, rng: Generator) -> dict[str, Any]:

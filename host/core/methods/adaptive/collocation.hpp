@@ -27,7 +27,7 @@ class Collocation final : public Method {
     StepOutcome step(double t_limit) override;
     double time() const override { return t_; }
     const double* state() const override;
-    bool has_dense() const override { return true; }
+    int dense_order() const override { return 7; }
     void dense(double t, double* y) const override;
     double local_error() const override { return error_ * tolerance_; }
 

@@ -31,7 +31,7 @@ class Dop853 final : public Method {
     StepOutcome step(double t_limit) override;
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }
-    bool has_dense() const override { return true; }
+    int dense_order() const override { return 7; }
     void dense(double t, double* y) const override;
     double local_error() const override { return error_ * tolerance_; }
 

@@ -101,7 +101,7 @@ class Radau final : public Method {
 
     double time() const override { return t_; }
     const double* state() const override { return y_.data(); }
-    bool has_dense() const override { return true; }
+    int dense_order() const override { return 3; }
     double local_error() const override { return error_; }
 
     // Through the stages: of order 3, as the error estimate is.

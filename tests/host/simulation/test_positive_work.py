@@ -1,0 +1,103 @@
+"""The ledger's positive work, whose integrand has kinks: its error, its order, its claim, its cost.
+
+References: the event-driven one of tests/oracle (joint_work.py), splines of joint powers, and the
+periodic state. `studies/truths.py work` holds 48 random scenes to them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from oracle.joint_work import positive_part_of
+from serpenoid.simulation.run import ENERGY_COLUMNS
+
+from . import truth_cases as tc
+
+POSITIVE = ENERGY_COLUMNS.index("positive_work_j")
+PAPER = sn.Scene(
+    sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), tc.PAPER_GAIT, method="dop853", duration_s=2.0,
+    dt_s=0.01, record=("energy",),
+)  # fmt: skip
+
+
+def positive(scene: sn.Scene, tolerance: float) -> sn.Run:
+    return sn.simulate(replace(scene, tolerance=tolerance, record=("energy",)))
+
+
+def claim(run: sn.Run) -> float:
+    energy = run.error_estimate.integration.energy_j
+    assert energy is not None
+    return energy["positive_work_j"]
+
+
+@pytest.mark.parametrize("name", ["viscous", "dry", "torque", "table", "servo", "full"])
+def test_against_events(name: str) -> None:
+    """A slow reference with its own equations: to 1e-9, and loose runs to what they claim."""
+    if name in ("viscous", "dry"):
+        ground = sn.Ground(0.1, 10.0) if name == "viscous" else sn.Ground(0.1, 1.0, 0.1, 0.5)
+        scene = replace(PAPER, robot=sn.Robot(4, 1.0, 0.12), ground=ground, duration_s=0.3,
+                        method="dop853" if name == "viscous" else "nonsmooth")  # fmt: skip
+    else:
+        scene = tc.free_case(name, 7 if name == "full" else 2, duration_s=0.2)
+    truth = tc.work_by_events(scene)
+    assert truth > 0
+    assert positive(scene, 1e-12).energy_j[-1, POSITIVE] == pytest.approx(truth, rel=1e-9)
+    for tolerance in (1e-6, 1e-9):
+        run = positive(scene, tolerance)
+        error = abs(run.energy_j[-1, POSITIVE] - truth)
+        assert error <= 1.1 * claim(run) + 1e-10 * truth
+
+
+@pytest.mark.parametrize("method", ["radau", "dop853"])
+def test_springs_at_every_recorded_time(method: str) -> None:
+    soft = replace(PAPER, formulation="implicit", joint_stiffness_n_m=1e4, duration_s=0.5)
+    dense = sn.simulate(replace(soft, method="rk4", dt_s=5e-5, record=("joints",), record_every=1))
+    run = positive(replace(soft, method=method), 1e-11)
+    loose = positive(replace(soft, method=method), 1e-7)
+    for at in (7, 23, 50):
+        rows = slice(0, 200 * at + 1)
+        truth = sum(positive_part_of(dense.t_s[rows], p) for p in dense.joint_power_w[rows].T)
+        assert run.energy_j[at, POSITIVE] == pytest.approx(truth, rel=1e-9)
+        assert abs(loose.energy_j[at, POSITIVE] - truth) <= 1.1 * claim(loose) + 1e-9 * truth
+
+
+@pytest.mark.parametrize("dry", [False, True])
+def test_the_periodic_state_has_the_same_positive_power(dry: bool) -> None:
+    ground = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27) if dry else PAPER.ground
+    robot = sn.Robot(6, 0.0756, 0.076) if dry else PAPER.robot
+    gait = replace(tc.PAPER_GAIT, alpha_rad=math.radians(70)) if dry else tc.PAPER_GAIT
+    steady = sn.steady_gait(robot, ground, gait, rtol=1e-7 if dry else 1e-10)
+    period = gait.period_s
+    run = sn.simulate(
+        replace(PAPER, robot=robot, ground=ground, gait=gait, start="steady", tolerance=1e-12,
+                method="nonsmooth" if dry else "dop853", duration_s=3 * period, dt_s=period)
+    )  # fmt: skip
+    power = (run.energy_j[-1, POSITIVE] - run.energy_j[-2, POSITIVE]) / period
+    assert power == pytest.approx(steady.positive_power_w, rel=1e-8 if dry else 1e-9)
+
+
+def test_convergence_is_that_of_smooth_work() -> None:
+    """Seven, as the dense output has; steps that shrink at kinks got to four."""
+    truth = positive(PAPER, 1e-13).energy_j[-1, POSITIVE]
+    runs = [positive(PAPER, tolerance) for tolerance in (1e-6, 1e-8, 1e-10, 1e-12)]
+    errors = [abs(run.energy_j[-1, POSITIVE] / truth - 1) for run in runs]
+    order = np.polyfit(np.log([run.steps for run in runs]), np.log(errors), 1)[0]
+    assert order < -6
+    assert errors[-1] < 1e-9
+
+
+def test_kinks_do_not_shorten_steps() -> None:
+    with_ledger = positive(PAPER, 1e-12)
+    without = sn.simulate(replace(PAPER, tolerance=1e-12, record=()))
+    assert with_ledger.steps <= 1.2 * without.steps
+
+
+def test_joints_that_hardly_move_and_joints_at_rest() -> None:
+    straight = replace(PAPER, gait=sn.Gait(0.0, 1.0, 3.0))
+    assert positive(straight, 1e-9).energy_j[-1, POSITIVE] == 0.0
+    little = positive(replace(PAPER, gait=sn.Gait(1e-4, 1.0, 3.0)), 1e-10)
+    assert np.all(np.diff(little.energy_j[:, POSITIVE]) >= -1e-16)
