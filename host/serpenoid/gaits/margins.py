@@ -87,6 +87,15 @@ class Margins:
             told.append(f"13 % less fn0 costs {100 * self.grip_loss:.0f} %")
         return f"this gait stands at a cliff: {', '.join(told)}; see `optimize --robust`"
 
+    def in_sigmas(self, amplitude_sigma: float, grip_sigma: float) -> dict[str, float]:
+        """Return both margins over what is known of amplitude and fn0 to one sigma, relative."""
+        return {
+            f"{name}_sigmas": margin / sigma if sigma > 0 else math.inf
+            for name, margin, sigma in (
+                ("amplitude", self.amplitude, amplitude_sigma), ("grip", self.grip, grip_sigma),
+            )
+        }  # fmt: skip
+
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name, for JSON."""
         return asdict(self) | {"near_cliff": self.near_cliff, "below_cliff": self.below_cliff}

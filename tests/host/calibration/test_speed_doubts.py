@@ -124,11 +124,17 @@ def test_the_command_tells_it_with_a_fit_and_derivatives_alone(serpenoid) -> Non
     typed = ("steady", "--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "1",
              "--json", "--sensitivities")  # fmt: skip
     session = ("--session", str(session_folder()))
-    told = json.loads(serpenoid(*typed, *session)[1])["doubts"]
+    answer = json.loads(serpenoid(*typed, *session)[1])
+    told, margins = answer["doubts"], answer["margins"]
+    fn0 = sn.fit_friction(sn.load_session(session_folder())).parameters["fn0"]
+    assert margins["grip_sigmas"] == pytest.approx(margins["grip"] * fn0.value / fn0.sigma)
+    assert margins["amplitude_sigmas"] == pytest.approx(margins["amplitude"] / 0.03)
     assert set(told["each"]) == set(told["each_drawn"]) == {"ct", "cn", "ft0", "fn0", "amplitude"}
     assert told["shares"]["servos"] > 0.5  # any hobby servo: the slow ones lose most of the speed
     assert told["straight"]
     words = serpenoid(*(word for word in typed if word != "--json"), *session)[1]
     assert "most of it: servos" in words
     for other in (typed, (*typed[:-1], *session), (*typed, *session, "--fn0", "0.05")):
-        assert "doubts" not in json.loads(serpenoid(*other)[1])
+        found = json.loads(serpenoid(*other)[1])
+        assert "doubts" not in found
+        assert ("grip_sigmas" in found["margins"]) is (other == (*typed[:-1], *session))

@@ -94,7 +94,7 @@ def speed_doubts(
     slope = np.array([elasticity.get(_of_link(name, ratchet), 0.0) for name in fit.names])
     slope = np.divide(slope, whole, out=np.zeros_like(slope), where=whole > 0.0)
     slope = np.append(slope, elasticity.get("alpha_rad", 0.0))
-    covariance, names = _covariance(fit, band.filmed), (*fit.names, "amplitude")
+    covariance, names = known_covariance(fit, band.filmed), (*fit.names, "amplitude")
     each = np.abs(slope) * np.sqrt(np.diag(covariance))
     friction = slope[:-1] @ covariance[:-1, :-1] @ slope[:-1]
     left_out = 0.0 if fit.draws is None else MODEL_SIGMA**2
@@ -123,8 +123,11 @@ def _alone(fit: FrictionFit, gait: Gait, filmed: bool) -> Floats:
     return drawn_speeds(fit.robot, (fit.ground, gait), draws).reshape(-1, _DRAWS)
 
 
-def _covariance(fit: FrictionFit, filmed: bool) -> Floats:
-    """Return the covariance of a fit's frictions and the joints' common amplitude."""
+def known_covariance(fit: FrictionFit, filmed: bool) -> Floats:
+    """Return the covariance of a fit's frictions and the joints' common amplitude.
+
+    filmed: a film showed the joints, so that their amplitude is in no doubt.
+    """
     size = len(fit.names) + 1
     found = np.zeros((size, size))
     if fit.draws is not None and not filmed:
@@ -132,6 +135,13 @@ def _covariance(fit: FrictionFit, filmed: bool) -> Floats:
     found[:-1, :-1] = fit.covariance
     found[-1, -1] = 0.0 if filmed else AMPLITUDE_SIGMA**2
     return found
+
+
+def margin_sigmas(fit: FrictionFit, filmed: bool) -> tuple[float, float]:
+    """Return the relative standard deviations of the joints' common amplitude and of fn0."""
+    sigma = np.sqrt(np.diag(known_covariance(fit, filmed)))
+    fn0 = max(fit.whole_snake["fn0"], 1e-300)
+    return float(sigma[-1]), float(sigma[fit.names.index("fn0")]) / fn0
 
 
 def _of_link(name: str, ratchet: bool) -> str:

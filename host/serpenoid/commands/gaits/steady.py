@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ...calibration.advising.speed_doubts import SpeedDoubts
     from ...calibration.friction_result import FrictionFit
     from ...calibration.speed_samples import SpeedBand
+    from ...gaits.margins import Margins
     from ...model.drives import ServoKind
     from ...model.gait import Gait
     from ...model.ground import Ground
@@ -146,9 +147,10 @@ def _pinned(
         moved = beside_servo(s, servo)
         margins = interruptible(lambda: gait_margins(robot, ground, gait))
         band = interruptible(lambda: predicted_band(fit, robot, ground, gait, servo, commanded))
-        doubts = _doubts(s, fit, band)
+        doubts, sigmas = _doubts(s, fit, band), _margins_in_sigmas(margins, fit, band)
     if as_json:
-        values = {"gait": describe(gait)} | s.to_dict() | {"margins": margins.to_dict()}
+        told = margins.to_dict() | (sigmas or {})
+        values = {"gait": describe(gait)} | s.to_dict() | {"margins": told}
         values |= {"band": band.to_dict()} if band else {}
         values |= {"doubts": doubts.to_dict()} if doubts else {}
         return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
@@ -161,7 +163,18 @@ def _pinned(
         report.console.print(f"predicted: {band.in_words()}", highlight=False)
     if doubts is not None:
         gait_report.doubts(doubts)
-    return gait_report.margins(margins)
+    return gait_report.margins(margins, sigmas)
+
+
+def _margins_in_sigmas(
+    margins: Margins, fit: FrictionFit | None, band: SpeedBand | None
+) -> dict[str, float] | None:
+    """Return the margins over what a fit leaves in doubt, None without one."""
+    if fit is None or band is None:
+        return None
+    from ...calibration.advising.speed_doubts import margin_sigmas
+
+    return margins.in_sigmas(*margin_sigmas(fit, band.filmed))
 
 
 def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> SpeedDoubts | None:

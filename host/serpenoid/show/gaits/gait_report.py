@@ -97,16 +97,21 @@ def robust(found: RobustGait) -> None:
     console.print(f"taken as uncertain: {found.uncertainty.in_words()}", highlight=False)
 
 
-def margins(found: Margins) -> None:
-    """Print how far the cliff is, and warn beside it."""
+def margins(found: Margins, sigmas: dict[str, float] | None = None) -> None:
+    """Print how far the cliff is, and warn beside it; sigmas: `Margins.in_sigmas`, with a fit."""
     rows = [
         ["amplitude may fall by, for a tenth of the speed", _percent(found.amplitude)],
         ["fn0 may fall by, for a tenth of the speed", _percent(found.grip)],
         ["speed lost with 10 % less amplitude", _lost(found.amplitude_loss)],
         ["speed lost with 13 % less fn0", _lost(found.grip_loss)],
     ]
+    columns = ["", "value"]
+    if sigmas is not None:
+        columns.append("in sigmas")
+        known = [f"{share:.2g}" if math.isfinite(share) else "" for share in sigmas.values()]
+        rows = [[*row, told] for row, told in zip(rows, [*known, "", ""], strict=True)]
     if found.travels:
-        table("margins", ["", "value"], rows)
+        table("margins", columns, rows)
     if found.warning:
         notices.print(f"serpenoid: warning: {found.warning}")
 
