@@ -88,7 +88,10 @@ class Margins:
         return f"this gait stands at a cliff: {', '.join(told)}; see `optimize --robust`"
 
     def in_sigmas(self, amplitude_sigma: float, grip_sigma: float) -> dict[str, float]:
-        """Return both margins over what is known of amplitude and fn0 to one sigma, relative."""
+        """Return both margins in standard deviations, by name.
+
+        amplitude_sigma, grip_sigma: of the joints' amplitude and of fn0, relative.
+        """
         return {
             f"{name}_sigmas": margin / sigma if sigma > 0 else math.inf
             for name, margin, sigma in (
