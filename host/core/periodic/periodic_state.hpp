@@ -11,10 +11,12 @@
 namespace serpenoid {
 
 struct SteadyOptions {
-    double rtol;         // of the speed, and of the powers when they are asked for
-    bool powers;         // also the means of |P_i| and P_i^+, which need every joint torque
-    int max_elements;    // of the finest mesh
-    bool rough = false;  // dry ground: the first tolerance will do, whose errors are not known
+    double rtol;       // of the speed, and of the powers when they are asked for
+    bool powers;       // also the means of |P_i| and P_i^+, which need every joint torque
+    int max_elements;  // of the finest mesh
+    // Dry ground: the first tolerance will do, whose errors are not known. Viscous ground: the
+    // multipliers need not be known.
+    bool rough = false;
 };
 
 // Speeds in m/s, powers in W, averaged over a period once the start is forgotten.

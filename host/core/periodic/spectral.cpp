@@ -233,7 +233,8 @@ bool SpectralViscous::settle(int k, const double* omega, int count, const Steady
             const auto judge = [&](const Solution& fine) {
                 SteadyState state = state_of(k, options, omega[j], coarse[j], fine, j);
                 const bool known = multipliers(k, omega[j], coarse[j], fine, state);
-                state.converged = known && Acceptance(options, robot_, ground_, omega[j])(state);
+                state.converged = (known || options.rough) &&
+                                  Acceptance(options, robot_, ground_, omega[j])(state);
                 return state;
             };
             to[j] = judge(found[j]);

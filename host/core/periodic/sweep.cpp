@@ -9,12 +9,11 @@
 #include <condition_variable>
 #include <mutex>
 #include <numeric>
-#include <optional>
 #include <thread>
+#include <utility>
 
+#include "periodic/at_speed.hpp"
 #include "periodic/dry.hpp"
-#include "periodic/spectral.hpp"
-#include "periodic/viscous.hpp"
 
 namespace serpenoid {
 
@@ -35,32 +34,16 @@ void solve_rates(Solver&& solver, const std::vector<double>& omegas, const Stead
     for (const double omega : omegas) put(solver.solve(omega, options), to), to += kSweepColumns;
 }
 
-// Rates in packs, in this order; those that no pack resolves one by one, by elements.
+// Rates in this order, so that packs start from rates beside theirs.
 void solve_viscous(const SweepShape& k, const std::vector<double>& omegas,
                    const std::vector<std::size_t>& order, const SteadyOptions& options,
                    double* to) {
-    std::optional<SteadyViscous> by_elements;
-    const auto each = [&](std::size_t i) {
-        if (!by_elements) by_elements.emplace(k.robot, k.ground, k.gait);
-        return by_elements->solve(omegas[i], options);
-    };
-    if (k.gait.offset != 0) {
-        for (std::size_t i = 0; i < omegas.size(); ++i) put(each(i), to + i * kSweepColumns);
-        return;
-    }
-    SpectralViscous packs(k.robot, k.ground, k.gait);
-    std::array<SteadyState, SpectralViscous::kWidest> found;
-    std::array<double, SpectralViscous::kWidest> rates;
-    const std::size_t width = packs.width();
-    for (std::size_t first = 0; first < order.size(); first += width) {
-        const std::size_t count = std::min(width, order.size() - first);
-        for (std::size_t j = 0; j < count; ++j) rates[j] = omegas[order[first + j]];
-        packs.solve(rates.data(), static_cast<int>(count), options, found.data());
-        for (std::size_t j = 0; j < count; ++j) {
-            const std::size_t i = order[first + j];
-            put(found[j].converged ? found[j] : each(i), to + i * kSweepColumns);
-        }
-    }
+    std::vector<double> rates;
+    for (const std::size_t i : order) rates.push_back(omegas[i]);
+    std::vector<SteadyState> found(rates.size());
+    RatesOfShape(k.robot, k.ground, k.gait)
+        .solve(rates.data(), static_cast<int>(rates.size()), options, found.data());
+    for (std::size_t j = 0; j < order.size(); ++j) put(found[j], to + order[j] * kSweepColumns);
 }
 
 // The rates whose states the others are begun from come first: each the one that is farthest, as a
@@ -84,9 +67,25 @@ std::vector<std::size_t> spread(const std::vector<double>& omegas) {
     return order;
 }
 
+// Do `count` tasks in this thread; a task returns the number of gaits it solved.
+void in_turn(std::size_t count, const std::function<bool(long)>& go_on,
+             const std::function<long(std::size_t)>& task) {
+    using Clock = std::chrono::steady_clock;
+    long done = 0;
+    auto told = Clock::now();
+    for (std::size_t k = 0; k < count; ++k) {
+        done += task(k);
+        if (Clock::now() - told < std::chrono::milliseconds(100)) continue;
+        if (!go_on(std::exchange(done, 0))) return;
+        told = Clock::now();
+    }
+    go_on(done);
+}
+
 // Share `count` tasks out to threads; a task returns the number of gaits it solved.
 void share_out(std::size_t count, int threads, const std::function<bool(long)>& go_on,
                const std::function<long(std::size_t)>& task) {
+    if (threads <= 1) return in_turn(count, go_on, task);
     using namespace std::chrono_literals;
     std::atomic<std::size_t> next = 0;
     std::atomic<long> done = 0;
@@ -119,12 +118,9 @@ void share_out(std::size_t count, int threads, const std::function<bool(long)>& 
 SteadyState steady_state(const SweepShape& k, const SteadyOptions& options) {
     const double omega = k.gait.omega;
     if (!k.ground.smooth()) return SteadyDry(k.robot, k.ground, k.gait).solve(omega, options);
-    if (k.gait.offset == 0) {
-        SteadyState found;
-        SpectralViscous(k.robot, k.ground, k.gait).solve(&omega, 1, options, &found);
-        if (found.converged) return found;
-    }
-    return SteadyViscous(k.robot, k.ground, k.gait).solve(omega, options);
+    SteadyState found;
+    RatesOfShape(k.robot, k.ground, k.gait).solve(&omega, 1, options, &found);
+    return found;
 }
 
 void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<double>& omegas,

@@ -20,16 +20,23 @@ from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
 from .fixed_rate import FixedRateSearch
 from .gait_cloud import GaitCloud
-from .gait_table import Candidate, FollowedValleys, refined_valleys
+from .gait_table import FollowedValleys, Optimum, refined_valleys
 from .limits import LIMIT_NAMES, GaitLimits
-from .quadratic_search import Point, minimize
-from .shape_search import COSTS, GaitShape, NearShapes, ShapeSearch, Solve, exact_solver
+from .quadratic_search import Point, Valley, minimize
+from .shape_search import (
+    COSTS,
+    Candidate,
+    GaitShape,
+    NearShapes,
+    ShapeSearch,
+    SmoothShapes,
+    Solve,
+    exact_solver,
+)
 
 ANY = GaitLimits()
 _MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense, and the cloud's rates would not end
-_VALLEYS = 6  # of the cloud, followed at most
-_WITHIN, _WITHIN_DRY = 1.4, 1.6  # of the cheapest: what the cloud's coarseness may hide
-_WITHIN_OTHERS, _OTHERS_APART, _OTHERS = 1.1, 0.3, 2  # cost, e-folds of shape, how many
+_LAST_SMOOTH = 0.006  # e-folds of shape: last box on viscous ground, away from limits
 _RADIUS, RADIUS_KNOWN = 0.15, 0.08  # first box: half a step of the cloud; round a known gait
 _NARROW = 1.2  # ratio of rates: a narrower range is searched at fixed rates
 _APART = 0.1  # e-folds of shape: two ends closer than this are one valley
@@ -53,7 +60,6 @@ _ONWARDS_GAP = 7e-3  # e-folds: single searches found so much less than one that
 _DRY_GAP = 3e-3  # e-folds: brute force found so much less, so no optimum is known better
 
 
-End = tuple[Point, float]  # of a valley, and how much less there may be, e-folds
 Tables = Sequence[tuple[float, int]]
 
 
@@ -117,48 +123,35 @@ class Finder:
         self.near = NearShapes(robot, ground, solver, cost, limits)  # on dry ground
         self.search = self.near
         if ground.smooth or not self.exact:
-            self.search = ShapeSearch(robot, ground, solver, cost, limits)
-            self.search.in_threads = not (ground.smooth and self.exact)
+            kind = SmoothShapes if self.exact else ShapeSearch
+            self.search = kind(robot, ground, solver, cost, limits)
         self.followed = FollowedValleys()
+        self.optimum = Optimum(math.nan, np.zeros(3))  # found last
         self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
         self.coarse = 1e-7 if ground.smooth and self.exact else 3e-4  # accuracy of the search
         self.least_gap = self.coarse if ground.smooth else _DRY_GAP
         self.smallest = 0.002 if ground.smooth and self.exact else 0.012
 
-    def follow(
-        self, start: Candidate, radius: float, speed: float, closer: float = 1.0
-    ) -> tuple[Point, float]:
+    def follow(self, start: Candidate, radius: float, speed: float, closer: float = 1.0) -> Valley:
         """Return the lowest point of a candidate's valley; closer: refinement factor."""
         low, high = self.search.bounds()
         rtol = max(self.rtol, self.coarse / closer)
+        if isinstance(self.search, SmoothShapes):
+            valley = self.search.lowest(start, radius, _LAST_SMOOTH, speed, rtol)
+            if valley is not None:
+                return valley
         evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
         first = evaluate([np.array(start.shape)])[0]
-        end, gap = minimize(evaluate, first, radius, self.smallest / closer, low, high)
+        end, gap, _ = minimize(evaluate, first, radius, self.smallest / closer, low, high)
         if self.search is self.near and end.data is not None:
             end = self.near.solved(end, speed, rtol)
         if self.exact and self.ground.smooth and not end.better[0] and end.margin < self.smallest:
             # along a limit the cost is no valley: it rises with the distance from the limit
             evaluate = partial(evaluate, rtol=max(self.rtol, _LIMIT_RTOL))
             end = evaluate([end.at])[0]
-            end, gap = minimize(evaluate, end, self.smallest, _AT_LIMIT, low, high)
+            end, gap, _ = minimize(evaluate, end, self.smallest, _AT_LIMIT, low, high)
             gap = max(gap, _LIMITS_WORTH * max(end.margin, 0.0))
-        return end, gap
-
-    def candidates(self, speed: float) -> list[Candidate]:
-        """Return the cloud's valleys that may hold the minimum.
-
-        A narrow dry valley may cross the cloud between its shapes: then other cheap shapes lie in
-        it, too.
-        """
-        if self.ground.smooth:
-            return self.cloud.candidates(speed, _VALLEYS, _WITHIN)
-        starts = self.cloud.candidates(speed, _VALLEYS, _WITHIN_DRY)
-        others = 0
-        for one in self.cloud.shapes_within(speed, _WITHIN_OTHERS):
-            apart = [np.abs(np.subtract(one.shape, start.shape)).max() for start in starts]
-            if others < _OTHERS and min(apart, default=0) > _OTHERS_APART:
-                starts, others = [*starts, one], others + 1
-        return starts
+        return Valley(end, gap)
 
     def minimize(
         self, speed: float, last: Candidate | None = None, radius: float = RADIUS_KNOWN
@@ -171,38 +164,43 @@ class Finder:
         ends = ends or self.at_fixed_rates(speed)
         if not ends:
             raise self.unreachable(speed, tried)
-        tracked = last is not None and ends[0][0].better == min(e[0].better for e in ends)
-        ends.sort(key=lambda e: e[0].value)
+        tracked = last is not None and ends[0].end.better == min(e.end.better for e in ends)
+        ends.sort(key=lambda e: e.end.value)
         if not self.ground.smooth:
-            best, gap = self.refined(ends[0][0], speed, _NEXT_TABLES if tracked else _FINE_TABLES)
-            ends[0] = best, max(gap, _ONWARDS_GAP) if tracked else gap
+            tables = _NEXT_TABLES if tracked else _FINE_TABLES
+            best, gap, _ = self.refined(ends[0].end, speed, tables)
+            ends[0] = Valley(best, max(gap, _ONWARDS_GAP) if tracked else gap)
+        self.optimum = Optimum.of(ends[0], speed, self.search.cost)
         return self.finish(speed, ends)
 
-    def _from_cloud(self, speed: float, best: Point | None = None) -> tuple[list[End], list[Point]]:
+    def _from_cloud(
+        self, speed: float, best: Point | None = None
+    ) -> tuple[list[Valley], list[Point]]:
         """Return the ends of the cloud's valleys and all points; best: what they must beat."""
         ends, tried = [], []
         rougher = _ROUGHER if self.search is self.near else 1.0
-        for start in self.candidates(speed):
+        x = math.log(speed)
+        for start in self.cloud.starts(speed):
             steps = self.cloud.steps_at(start.shape) if self.ground.smooth else np.zeros(2)
-            if best is None or self.followed.worth(start, best, steps):
-                led = self.followed.led(start) if self.ground.smooth else None
-                end = self.follow(*(led or (start, _RADIUS)), speed=speed, closer=rougher)
-                self.followed.add(start, end[0])
-                tried.append(end[0])
-                ends += [] if end[0].better[0] else [end]
+            if best is None or self.followed.worth(start, best, steps, x):
+                led = self.followed.led(start, x)
+                valley = self.follow(*(led or (start, _RADIUS)), speed=speed, closer=rougher)
+                self.followed.add(start, Optimum.of(valley, speed, self.search.cost))
+                tried.append(valley.end)
+                ends += [] if valley.end.better[0] else [valley]
         return ends, tried
 
     def _onwards(
         self, speed: float, last: Candidate, radius: float
-    ) -> tuple[list[End], list[Point]]:
+    ) -> tuple[list[Valley], list[Point]]:
         """Return the end of the last gait's valley first, and others that may be cheaper now."""
-        end = self.follow(last, radius, speed, _ONWARDS if self.search is self.near else 1.0)
-        if end[0].better[0]:
+        valley = self.follow(last, radius, speed, _ONWARDS if self.search is self.near else 1.0)
+        if valley.end.better[0]:
             return self._from_cloud(speed)
-        others, tried = self._from_cloud(speed, end[0])
-        return [end, *others], [end[0], *tried]
+        others, tried = self._from_cloud(speed, valley.end)
+        return [valley, *others], [valley.end, *tried]
 
-    def at_fixed_rates(self, speed: float) -> list[tuple[Point, float]]:
+    def at_fixed_rates(self, speed: float) -> list[Valley]:
         """Return the cheapest gaits at the ends and the middle of a narrow range of rates."""
         low, high = self.limits.omega_low_rad_s, self.limits.omega_high_rad_s
         if not 0 < high <= _NARROW * low:
@@ -210,9 +208,9 @@ class Finder:
         rates = np.unique([low, math.sqrt(low * high), high])
         searches = [FixedRateSearch(self.search, float(rate), speed) for rate in rates]
         found = [search.minimize(self.rtol, self.coarse) for search in searches]
-        return [end for end in found if end is not None]
+        return [Valley(*end) for end in found if end is not None]
 
-    def refined(self, best: Point, speed: float, tables: Tables = _FINE_TABLES) -> End:
+    def refined(self, best: Point, speed: float, tables: Tables = _FINE_TABLES) -> Valley:
         """Return the best of a dry valley, where kinks make small valleys in the large one.
 
         Fine tables of shapes show them, and the best are followed. What the last one gained, or saw
@@ -230,7 +228,7 @@ class Finder:
                 starts = refined_valleys(self.near, best, speed, width, half, _SMALL_VALLEYS)
                 seen = math.log(starts[0].watts) if starts else math.inf
                 for start in starts:
-                    point, lower = self.follow(start, width / 6, speed, closer=_CLOSER)
+                    point, lower, _ = self.follow(start, width / 6, speed, closer=_CLOSER)
                     if point.better < best.better:
                         best, model_gap = point, lower
                 if np.abs(best.at - middle).max() < _INSIDE * width:
@@ -239,7 +237,7 @@ class Finder:
             gap = before - best.value
             if self.exact:  # the tables are the exact model's
                 gap = max(gap, best.value - seen)
-        return best, gap
+        return Valley(best, gap)
 
     def walked(self, best: Point, speed: float, directions: int) -> Point:
         """Return the end of steps to the lowest point of ever smaller rings: along edges and kinks.
@@ -265,15 +263,15 @@ class Finder:
                 radius *= _WALK_SHRINK
         return best
 
-    def finish(self, speed: float, ends: list[tuple[Point, float]]) -> LeastPower:
+    def finish(self, speed: float, ends: list[Valley]) -> LeastPower:
         """Solve the best once more, to the accuracy that was asked for."""
-        (best, gap), search = ends[0], self.search
+        (best, gap, _), search = ends[0], self.search
         rough: Any = best.data
         state = (
             search.at_speed(GaitShape(*best.at), speed, rough.gait.omega_rad_s, self.rtol) or rough
         )
         watts = search.watts(state)
-        apart = [p for p, _ in ends[1:] if np.abs(p.at - best.at).max() > _APART]
+        apart = [p for p, *_ in ends[1:] if np.abs(p.at - best.at).max() > _APART]
         exact, own = self.exact_state(state), _numerical(state, search.cost)
         gap = max(gap, self.least_gap) + 3 * abs(
             state.speed_m_s / speed - 1

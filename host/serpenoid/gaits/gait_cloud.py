@@ -14,8 +14,11 @@ from ..model.robot import Robot
 from ..periodic.sweep import sweep
 from .gait_table import Array, GaitTable
 from .limits import GaitLimits
-from .shape_search import GaitShape
+from .shape_search import Candidate, GaitShape
 
+_VALLEYS = 6  # of the cloud, followed at most
+_WITHIN, _WITHIN_DRY = 1.4, 1.6  # of the cheapest: what the cloud's coarseness may hide
+_WITHIN_OTHERS, _OTHERS_APART, _OTHERS = 1.1, 0.3, 2  # cost, e-folds of shape, how many
 _SWINGS = np.radians([6.0, 11, 17, 24, 31, 38, 46, 55, 66, 80])  # amplitudes of the headings
 _SLOWER = np.array([0.2, 0.4, 0.6, 0.8])  # of the least of them: where servos are slow
 _RATE_STEP = 1.9  # from one rate to the next: log-log lines between them err by a few per cent
@@ -134,6 +137,22 @@ class GaitCloud(GaitTable):
             fast = (f < 1) & np.isnan(rate)
             rate = np.where(fast, f * self.omega_rad_s[0], rate)
             return rate, np.where(fast, f**2 * self.cost_w[:, :, 0], watts)
+
+    def starts(self, speed: float) -> list[Candidate]:
+        """Return the valleys that may hold the minimum.
+
+        A narrow dry valley may cross the cloud between its shapes: then other cheap shapes lie in
+        it, too.
+        """
+        if self.ground.smooth:
+            return self.candidates(speed, _VALLEYS, _WITHIN)
+        starts = self.candidates(speed, _VALLEYS, _WITHIN_DRY)
+        others = 0
+        for one in self.shapes_within(speed, _WITHIN_OTHERS):
+            apart = [np.abs(np.subtract(one.shape, start.shape)).max() for start in starts]
+            if others < _OTHERS and min(apart, default=0) > _OTHERS_APART:
+                starts, others = [*starts, one], others + 1
+        return starts
 
     def fastest(self) -> tuple[float, float, float, float]:
         """Return speed, alpha, beta and rate of the fastest gait found within the limits."""

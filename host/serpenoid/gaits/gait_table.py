@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,10 +14,11 @@ from ..model.core_model import core_model
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..periodic.at_speed import SpeedState
 from ..periodic.steady import MAX_ELEMENTS
 from .limits import GaitLimits
-from .quadratic_search import Point
-from .shape_search import COSTS, GaitShape, NearShapes, on_threads
+from .quadratic_search import Point, Valley
+from .shape_search import COSTS, Candidate, GaitShape, NearShapes, on_threads
 
 Array = NDArray[np.float64]
 # Solves one column of a table: amplitudes (A,), one lag, rates (W,) -> speed and cost, (A, W).
@@ -28,17 +29,12 @@ _ROUNDING = 1 + 1e-9  # an amplitude at its limit, after exp(log(limit))
 _FINE_WITHIN = 1.02  # of the cheapest: what lines between rates may hide
 _FINE_RTOL = 1e-3
 _SAME_START, _SAME_END = 0.25, 0.15  # e-folds of shape: one start, one valley
-_LEAST_LED = 0.005  # e-folds of shape: the least first box at a valley's last end
+_LEAST_LED, _FAR_LED = 0.006, 0.3  # e-folds of shape: the least first box; optima lead no farther
+_BENDS = 0.06  # e-folds of shape for one of speed: what a tangent alone may miss
+_BENT, _BENT_KNOWN = 0.5, 0.03  # e-folds of cost, for one of speed squared: doubt of a slope
+_LEAST_DOUBT = 1e-3  # e-folds of cost
 _DOUBT = 0.05  # e-folds of cost: how much the factor of a valley may change with the speed
 _PENALTY = 8.0  # cost of a limit exceeded by a factor f rises as f^8, so valleys inside win
-
-
-class Candidate(NamedTuple):
-    """Hold a shape of a table, the rate that should give the speed, and its cost in W."""
-
-    watts: float
-    shape: GaitShape
-    omega_rad_s: float
 
 
 class GaitTable:
@@ -90,7 +86,12 @@ class GaitTable:
                     alpha, float(self.beta_rad[0, j]), rates[:count]
                 )
 
-        on_threads(solve, range(self.alpha_rad.shape[1]))
+        columns = range(self.alpha_rad.shape[1])
+        if self.ground.smooth:  # they take less than starting threads does
+            for j in columns:
+                solve(j)
+        else:
+            on_threads(solve, columns)
         self.omega_rad_s = np.concatenate([self.omega_rad_s, rates])
         self.speed_m_s = np.concatenate([self.speed_m_s, speed], axis=2)
         self.cost_w = np.concatenate([self.cost_w, cost], axis=2)
@@ -114,7 +115,7 @@ class GaitTable:
         models = [core_model(self.robot, self.ground, Gait(float(a), beta, 1.0)) for a in alpha]
         table = _core.sweep(
             models, rates.tolist(), self._rtol, self.cost != "power", MAX_ELEMENTS, 1, None,
-            rough=not self.ground.smooth,
+            rough=True,
         )  # fmt: skip
         v, watts, good = table[..., 0], table[..., 1 + COSTS.index(self.cost)], table[..., 10] > 0.5
         v = np.where(v > _STILL * rates * self.robot.links * self.robot.link_length_m, v, 0.0)
@@ -126,17 +127,22 @@ class GaitTable:
         Straight lines in log-log between the two rates that enclose the speed; the lowest such
         pair of rates counts.
         """
+        if self.omega_rad_s.size < 2:
+            return np.full(self.alpha_rad.shape, np.nan), np.full(self.alpha_rad.shape, np.nan)
         x = np.log(self.omega_rad_s)
-        rate, watts = np.full((2, *self.alpha_rad.shape), np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
             y, q = np.log(self.speed_m_s / speed_m_s), np.log(self.cost_w)
-            for k in range(x.size - 2, -1, -1):
-                here = (y[:, :, k] <= 0) & (y[:, :, k + 1] >= 0) & np.isfinite(q[:, :, k])
-                f = np.clip(-y[:, :, k] / (y[:, :, k + 1] - y[:, :, k]), 0, 1)
-                f = np.where(np.isfinite(f), f, 1.0)
-                rate = np.where(here, np.exp(x[k] + f * (x[k + 1] - x[k])), rate)
-                line = q[:, :, k] + f * (q[:, :, k + 1] - q[:, :, k])
-                watts = np.where(here, np.exp(line), watts)
+            here = (y[:, :, :-1] <= 0) & (y[:, :, 1:] >= 0) & np.isfinite(q[:, :, :-1])
+            k = here.argmax(axis=2)[:, :, None]
+            (y0, y1), (q0, q1) = (
+                [np.take_along_axis(of, at, axis=2)[:, :, 0] for at in (k, k + 1)] for of in (y, q)
+            )
+            f = np.clip(-y0 / (y1 - y0), 0, 1)
+            f = np.where(np.isfinite(f), f, 1.0)
+            x0, x1 = x[k[:, :, 0]], x[k[:, :, 0] + 1]
+            rate, watts = np.exp(x0 + f * (x1 - x0)), np.exp(q0 + f * (q1 - q0))
+        none = ~here.any(axis=2)
+        rate[none] = watts[none] = np.nan
         return rate, watts
 
     def candidates(self, speed_m_s: float, most: int, within: float) -> list[Candidate]:
@@ -170,12 +176,59 @@ class GaitTable:
         return Candidate(float(watts[i, j]), shape, float(rate[i, j]))
 
 
+class Optimum(NamedTuple):
+    """Hold a valley's lowest point at a speed.
+
+    at: swing, lag and ln rate. tangent: its change with ln speed. slope: of ln cost, likewise.
+    None where they are not known.
+    """
+
+    log_speed: float
+    at: Array
+    value: float = math.nan
+    slope: float | None = None
+    tangent: Array | None = None
+
+    @classmethod
+    def of(cls, valley: Valley, speed_m_s: float, cost: str) -> Optimum:
+        """Return a valley's lowest point with what is known of its change with the speed."""
+        end, _, tangent = valley
+        state: Any = end.data
+        rate = math.log(state.gait.omega_rad_s) if state is not None else math.nan
+        slope = state.slopes[1 + COSTS.index(cost)] if isinstance(state, SpeedState) else None
+        return cls(math.log(speed_m_s), np.append(end.at, rate), end.value, slope, tangent)
+
+
+def led(known: Sequence[Optimum], log_speed: float) -> tuple[Array, float] | None:
+    """Return where the optima of other speeds lead, and how far off that may be, e-folds of shape.
+
+    The tangent of the last leads, or the cubic by the last two with their tangents. Their parabola
+    leads elsewhere: so far off may it be.
+    """
+    x, last, _, _, tangent = known[-1]
+    if tangent is None:
+        return None
+    earlier = known[-2].tangent if len(known) > 1 else None
+    ahead = log_speed - x
+    at, doubt = last + ahead * tangent, _BENDS * abs(ahead)
+    if earlier is not None:
+        step = x - known[-2].log_speed
+        bend = (tangent - earlier) / (2 * step)
+        parabola = at + ahead**2 * bend
+        twist = known[-2].at - (last - step * tangent + step**2 * bend)
+        at = parabola - twist * ahead**2 / step**2 * (2 * ahead / step + 3)
+        doubt = float(np.abs(at - parabola)[:2].max())
+    if np.abs(at - last)[:2].max() > _FAR_LED:
+        return None
+    return at, max(doubt, _LEAST_LED)
+
+
 class _Valley(NamedTuple):
-    """Hold a valley's start and end, e-folds of shape, and how far the end lies below the table."""
+    """Hold a valley's start, e-folds of shape, its end, and how far that is below the table."""
 
     start: Array
     below: float
-    end: Array
+    end: Optimum
 
 
 class FollowedValleys:
@@ -187,13 +240,13 @@ class FollowedValleys:
     def __init__(self) -> None:
         self._known: list[_Valley] = []
 
-    def add(self, start: Candidate, end: Point) -> None:
+    def add(self, start: Candidate, end: Optimum) -> None:
         """Keep what following a candidate led to."""
         if np.isfinite(end.value):
             below = math.log(start.watts) - end.value
-            self._known.append(_Valley(np.array(start.shape), below, end.at))
+            self._known.append(_Valley(np.array(start.shape), below, end))
 
-    def worth(self, start: Candidate, best: Point, steps: Array) -> bool:
+    def worth(self, start: Candidate, best: Point, steps: Array, log_speed: float) -> bool:
         """Tell whether a candidate may end below the best, in another valley than that.
 
         steps: of the table, e-folds of shape; a dearer candidate nearer to the best than that lies
@@ -205,27 +258,42 @@ class FollowedValleys:
         near = self._near(start)
         if not near:
             return True
-        if np.abs(near[-1].end - best.at).max() < _SAME_END:
+        if np.abs(near[-1].end.at[:2] - best.at).max() < _SAME_END:
             return False
-        return math.log(start.watts) - near[-1].below < best.value + _DOUBT
+        least = _least_value([valley.end for valley in near], log_speed)
+        if least is None:
+            least = math.log(start.watts) - near[-1].below - _DOUBT
+        return least < best.value
 
-    def led(self, start: Candidate) -> tuple[Candidate, float] | None:
-        """Return where a valley ended last, and the first box there; None where that may mislead.
-
-        The box is as large as the end's last step, twice.
-        """
+    def led(self, start: Candidate, log_speed: float) -> tuple[Candidate, float] | None:
+        """Return where a valley's ends lead, and the first box there; None: not known."""
         near = self._near(start)
-        if len(near) < 2:
+        found = led([valley.end for valley in near], log_speed) if near else None
+        if found is None:
             return None
-        step = float(np.abs(near[-1].end - near[-2].end).max())
-        if step > _SAME_END:
-            return None
-        shape = GaitShape(*near[-1].end.tolist())
-        return start._replace(shape=shape), max(2 * step, _LEAST_LED)
+        at, radius = found
+        return Candidate(start.watts, GaitShape(*at[:2].tolist()), math.exp(at[2])), radius
 
     def _near(self, start: Candidate) -> list[_Valley]:
         at = np.array(start.shape)
-        return [known for known in self._known if np.abs(known.start - at).max() < _SAME_START]
+        near = [known for known in self._known if np.abs(known.start - at).max() < _SAME_START]
+        return [
+            known for known in near
+            if np.abs(known.end.at[:2] - near[-1].end.at[:2]).max() < _SAME_END
+        ]  # fmt: skip
+
+
+def _least_value(known: Sequence[Optimum], log_speed: float) -> float | None:
+    """Return what a valley's ln cost is at another speed at least, by its slopes; None: unknown."""
+    last = known[-1]
+    if last.slope is None:
+        return None
+    ahead, bend, doubt = log_speed - last.log_speed, 0.0, _BENT
+    if len(known) > 1 and (before := known[-2]).slope is not None:
+        bend = (last.slope - before.slope) / (last.log_speed - before.log_speed)
+        doubt = _BENT_KNOWN + abs(bend) / 4
+    value = last.value + ahead * (last.slope + ahead * bend / 2)
+    return value - doubt * ahead**2 - _LEAST_DOUBT
 
 
 def valleys(price: Array, most: int) -> list[tuple[float, list[int]]]:

@@ -11,58 +11,48 @@ import numpy as np
 
 from ..model.checks import check_number
 from ..model.errors import BadInput, NotConverged
-from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from .finder import ANY, RADIUS_KNOWN, Finder, LeastPower, finder
-from .gait_table import Candidate
+from .gait_table import Optimum, led
 from .limits import GaitLimits
 from .quadratic_search import Array
-from .shape_search import GaitShape, exact_solver
+from .shape_search import Candidate, GaitShape, exact_solver
 
 _ABOVE = 1e-2  # e-folds of power over its neighbours' line: such a speed is searched anew
-_RADIUS_LED = 0.005  # e-folds of shape: the least first box where optima lead
-_FAR_LED = 0.3  # the same: they lead no farther from the last one
-_MISSES = 2.0  # first box over the last miss
 
 
 class _Track:
-    """The optima of the last speeds, and where they lead: on smooth ground along a parabola."""
+    """The optima of the last speeds, and where they lead."""
 
-    def __init__(self, smooth: bool) -> None:
-        self._smooth = smooth
-        self._at: list[tuple[float, Array]] = []  # ln speed; swing, lag and ln rate
+    def __init__(self) -> None:
+        self._known: list[Optimum] = []
         self._led = np.full(3, np.inf)  # where the last optimum was expected
-        self._missed = math.inf  # by so much of swing or lag
+        self._missed = 0.0  # by so much of swing or lag, where tangents led
 
-    def add(self, speed_m_s: float, gait: Gait) -> None:
+    def add(self, best: Optimum) -> None:
         """Keep an optimum."""
-        shape = GaitShape.of(gait.alpha_rad, gait.beta_rad)
-        self._at.append((math.log(speed_m_s), np.array([*shape, math.log(gait.omega_rad_s)])))
-        self._missed = float(np.abs(self._led - self._at[-1][1])[:2].max())
+        self._known.append(best)
+        missed = float(np.abs(self._led - best.at)[:2].max())
+        self._missed = missed if math.isfinite(missed) else 0.0
 
     def only(self, speed_m_s: float) -> _Track:
         """Return a track that knows the optimum of one speed alone, if it was found."""
-        track = _Track(self._smooth)
-        track._at = [at for at in self._at if at[0] == math.log(speed_m_s)]
+        track = _Track()
+        track._known = [one for one in self._known if one.log_speed == math.log(speed_m_s)]
         return track
 
     def expected(self, speed_m_s: float) -> tuple[Candidate | None, float]:
         """Return where the optimum should be, and how far off, e-folds of shape."""
-        if not self._at:
+        if not self._known:
             return None, RADIUS_KNOWN
-        x = math.log(speed_m_s)
-        last_x, last = self._at[-1]
-        at, radius = last + np.array([0.0, 0.0, x - last_x]), RADIUS_KNOWN
-        latest = self._at[-3:]
-        if self._smooth and len(latest) > 1:
-            led = np.zeros(3)
-            for k, (xk, values) in enumerate(latest):
-                others = [xj for j, (xj, _) in enumerate(latest) if j != k]
-                led += math.prod((x - xj) / (xk - xj) for xj in others) * values
-            if np.abs(led - at)[:2].max() < _FAR_LED:
-                at, radius = led, min(max(_MISSES * self._missed, _RADIUS_LED), RADIUS_KNOWN)
-        self._led = at
+        last, x = self._known[-1], math.log(speed_m_s)
+        at, radius = last.at + np.array([0.0, 0.0, x - last.log_speed]), RADIUS_KNOWN
+        self._led = np.full(3, np.inf)
+        found = led(self._known, x)
+        if found is not None:
+            at, doubt = found
+            radius, self._led = min(max(self._missed, doubt), RADIUS_KNOWN), at
         return Candidate(0.0, GaitShape(*at[:2].tolist()), math.exp(at[2])), radius
 
 
@@ -79,7 +69,7 @@ class EitherWave:
         self.searches = [search(ground)]
         if ground.ratchet:
             self.searches.append(search(ground.turned_round()))
-        self.tracks = [_Track(ground.smooth) for _ in self.searches]
+        self.tracks = [_Track() for _ in self.searches]
         self.watts = [math.inf] * len(self.searches)
 
     def from_speed(self, speed: float, other: float) -> LeastPower:
@@ -102,8 +92,8 @@ class EitherWave:
             except NotConverged as error:
                 lost = lost or error
                 continue
-            gait, self.watts[k] = one.gait, one.power_w
-            self.tracks[k].add(speed, gait)
+            self.watts[k] = one.power_w
+            self.tracks[k].add(search.optimum)
             found.append(one if k == 0 else self._turned_back(one, search))
         if not found:
             raise lost or NotConverged(f"no gait reaches {speed:g} m/s")

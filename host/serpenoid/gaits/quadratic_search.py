@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,17 @@ class Point:
         """Return the key that orders points: allowed ones first, by value; others by margin."""
         allowed = self.margin >= _ALLOWED and np.isfinite(self.value)
         return (not allowed, self.value if allowed else -self.margin)
+
+
+class Valley(NamedTuple):
+    """Hold a valley's lowest point, and how much less there may be, e-folds.
+
+    tangent: how its swing, lag and ln rate change with ln speed, where that is known.
+    """
+
+    end: Point
+    gap: float
+    tangent: Array | None = None
 
 
 Evaluate = Callable[[Sequence[Array]], list[Point]]
@@ -87,11 +99,11 @@ def _lowest_of_model(
 
 def minimize(
     evaluate: Evaluate, start: Point, radius: float, smallest: float, low: Array, high: Array
-) -> tuple[Point, float]:
+) -> Valley:
     """Return the lowest allowed point near a start, and how much lower the minimum may be.
 
     evaluate: takes points and returns Points. radius, smallest: half of the first and of the last
-    box. low, high: bounds. The second value comes from the last model, or where there was none
+    box. low, high: bounds. The gap comes from the last model, or where there was none
     from what the last box gained.
     """
     best, gap = start, np.inf
@@ -122,4 +134,4 @@ def minimize(
             or (not best.better[0] and worth < _WORTHWHILE * radius**2)
         ):
             radius *= _SHRINK
-    return best, gap
+    return Valley(best, gap)

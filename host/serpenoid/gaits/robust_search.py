@@ -22,7 +22,7 @@ from .uncertainty import SERVOS
 
 if TYPE_CHECKING:
     from .finder import Finder
-    from .gait_table import Candidate
+    from .shape_search import Candidate
 
 KEEP = 0.9
 _RANKED = 32  # samples by which the shapes of the cloud are ranked
@@ -152,7 +152,7 @@ class RobustSearch:
                 return start
             state: Any = best.data
             rate, (low, high) = state.gait.omega_rad_s, self.search.bounds()
-            found, _ = minimize(
+            found, *_ = minimize(
                 lambda shapes, rate=rate: [self.at(s, rate) for s in shapes],
                 best, radius, smallest, low, high,
             )  # fmt: skip

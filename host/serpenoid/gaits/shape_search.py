@@ -14,10 +14,11 @@ from ..model.errors import NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..periodic.at_speed import SpeedSolver, SpeedState
 from ..periodic.near_states import LocalFit, NearState, solve_near
 from ..periodic.steady import steady_gait
 from .limits import GaitLimits, peak_torque_nm
-from .quadratic_search import Array, Point
+from .quadratic_search import Array, Point, Valley
 
 Solve = Callable[[Gait, float], Any]  # a gait, an accuracy -> .speed_m_s, .power_w ...
 COSTS = ("power", "abs_power", "positive_power")
@@ -64,6 +65,14 @@ class GaitShape(NamedTuple):
         return min(math.exp(self.lag), math.pi)
 
 
+class Candidate(NamedTuple):
+    """Hold a shape, the rate that should give the speed, and its cost in W."""
+
+    watts: float
+    shape: GaitShape
+    omega_rad_s: float
+
+
 def exact_solver(robot: Robot, ground: Ground, powers: bool) -> Solve:
     """Return a function that solves a gait by the exact model; it accepts a near miss."""
 
@@ -88,8 +97,6 @@ class ShapeSearch:
         self.robot, self.ground, self.solve, self.cost = robot, ground, solve, cost
         self.limits = limits
         self.evaluations = 0
-        self.in_threads = True
-        self._slope = 1.0  # of ln speed against ln rate, as it was last
 
     def at_speed(self, shape: GaitShape, speed_m_s: float, guess: float, rtol: float) -> Any | None:
         """Return the state of a shape at the rate that gives the speed, or None if none does.
@@ -108,13 +115,11 @@ class ShapeSearch:
                 return None
             self.evaluations += 1
             y = math.log(max(state.speed_m_s, 1e-300) / speed_m_s)
-            slope = self._slope
+            slope = 1.0
             if last is not None and x != last[0]:
                 slope = (y - last[1]) / (x - last[0])
             if abs(y) <= 2 * rtol:
                 return state
-            if abs(y) < _CLOSE and slope > _LEAST_SLOPE and not self.in_threads:
-                self._slope = slope
             step = -y / slope if slope > _LEAST_SLOPE else -math.copysign(_STEP_BLIND, y)
             last = (x, y)
             x += min(max(step, -_LARGEST_STEP), _LARGEST_STEP)
@@ -149,18 +154,60 @@ class ShapeSearch:
     def points(
         self, shapes: Sequence[Array], speed_m_s: float, guess: float, rtol: float
     ) -> list[Point]:
-        """Return many points; in threads where a state takes more than starting a thread does."""
-
-        def solve(at: Array) -> Point:
-            return self.point(at, speed_m_s, guess, rtol)
-
-        return on_threads(solve, shapes) if self.in_threads else [solve(at) for at in shapes]
+        """Return many points; guess: the rate, about."""
+        return on_threads(lambda at: self.point(at, speed_m_s, guess, rtol), shapes)
 
     def bounds(self) -> tuple[Array, Array]:
         """Return the least and greatest coordinates that are searched."""
         n = self.robot.links
         low = np.array([math.log(math.radians(1.0)), math.log(min(0.08, 0.8 / n))])
         return low, np.array([math.log(math.radians(150.0)), math.log(math.pi)])
+
+
+class SmoothShapes(ShapeSearch):
+    """Costs of shapes on viscous ground, many in one call of the core.
+
+    tangent: the change of the last lowest point's swing, lag and ln rate with ln speed, or None.
+    """
+
+    def __init__(
+        self, robot: Robot, ground: Ground, solve: Solve, cost: str, limits: GaitLimits
+    ) -> None:
+        super().__init__(robot, ground, solve, cost, limits)
+        self._solver = SpeedSolver(robot, ground, cost)
+
+    def points(
+        self, shapes: Sequence[Array], speed_m_s: float, guess: float, rtol: float
+    ) -> list[Point]:
+        """Return many points; guess: the rate, about."""
+        beta = np.minimum(np.exp([at[1] for at in shapes]), math.pi)
+        alpha = 2 * np.exp([at[0] for at in shapes]) * np.sin(beta / 2)
+        highest = self.limits.omega_high_rad_s
+        states = self._solver.solve(alpha, beta, guess, speed_m_s, highest, rtol)
+        self.evaluations += len(states)
+        return [self._point(*both) for both in zip(shapes, states, strict=True)]
+
+    def _point(self, at: Array, state: SpeedState | None) -> Point:
+        if state is None:
+            return Point(at, math.inf, -1.0)
+        torque = self.torque_nm(state.gait) if self.limits.servo_torque_nm < math.inf else 0.0
+        left = self.limits.left(state.alpha_rad, state.alpha_rad, state.omega_rad_s, torque)
+        value = math.log(max(self.watts(state), 1e-300))
+        return Point(at, value, min(left.values(), default=math.inf), state)
+
+    def lowest(
+        self, start: Candidate, radius: float, smallest: float, speed_m_s: float, rtol: float
+    ) -> Valley | None:
+        """Return the lowest point of a start's valley, or None where it is not clear of limits."""
+        found = self._solver.lowest(
+            (start.shape.swing, start.shape.lag, math.log(start.omega_rad_s), radius, smallest),
+            self.bounds(), speed_m_s, self.limits.omega_high_rad_s, rtol,
+        )  # fmt: skip
+        self.evaluations += found.shapes
+        if found.state is None:
+            return None
+        end = self._point(np.array(found.shape), found.state)
+        return Valley(end, found.gap, found.tangent) if end.margin > smallest else None
 
 
 class NearShapes(ShapeSearch):
