@@ -60,7 +60,7 @@ class RobustGait:
         The same over other samples, which had no part in the choice, m/s.
     speeds_m_s : (S,)
         Speeds of the samples that chose the gait, m/s: near the percentile to 3e-3 or better, the
-        others rough, without a bound.
+        others rough, without a bound, and partly from a rate up to 3 % away.
     fragile, fragile_low_m_s
         The least-power gait for the same speed, and its 5th percentile, m/s.
     active
@@ -244,18 +244,20 @@ def _finished(
     robot = search.robot
     exact = exact_solver(robot, ground, powers=True)(gait, 1e-4)
     fresh = uncertainty.samples(robot, ground, len(drawn), seed + 1, skip=len(drawn))
-    chosen = SampledSpeeds(robot, drawn, shares)
-    speeds = _all_speeds(chosen, gait, len(drawn))
+    chosen = work.robots
+    like = None if best.turned else chosen
+    speeds = _all_speeds(chosen, best.gait, len(drawn))
     if shares is None:
-        checked = _all_speeds(SampledSpeeds(robot, fresh), gait, len(fresh))
+        checked = _all_speeds(SampledSpeeds(robot, fresh, like=like), gait, len(fresh))
     else:
         checked = driven_speeds(robot, gait, fresh[:_DRIVEN])
-    slow = _all_speeds(chosen, fragile.gait, min(_OF_FRAGILE, len(drawn)))
+    few = drawn[:_OF_FRAGILE]
+    slow = _all_speeds(SampledSpeeds(robot, few, shares, like), fragile.gait, len(few))
     return RobustGait(
         gait, search.watts(exact), exact.speed_m_s, work.wanted, search.cost, exact, uncertainty,
         low_speed(speeds, speeds.size), low_speed(checked, checked.size), speeds, fragile,
         low_speed(slow, slow.size), search.limits.active(gait, search.torque_nm(best.gait)),
-        work.robots.solved + chosen.solved + checked.size + search.evaluations,
+        chosen.solved + slow.size + checked.size + search.evaluations,
     )  # fmt: skip
 
 

@@ -9,14 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..model.gait import Gait
+from ..periodic.near_states import LocalFit
 from .quadratic_search import Array, Point, minimize
-from .sampled_speeds import (
-    Places,
-    SampledSpeeds,
-    low_speed,
-    percentile_rank,
-    smooth_low_speed,
-)
+from .sampled_speeds import FollowedSamples, Places, SampledSpeeds, low_speed, percentile_rank
 from .shape_search import GaitShape
 from .uncertainty import SERVOS
 
@@ -32,6 +27,7 @@ _ROUNDS = 3
 _GUESS = 3e-3  # accuracy of the nominal speed from which the rate is guessed
 _STEP, _SERVO_STEP = 0.4, 0.15  # of ln rate; servos have a fastest rate, soon overstepped
 _MOST_OVER = 2.5  # a shape that needs so many times its nominal rate is given up
+_BESIDE = 0.1  # e-folds of shape: the rates of shapes so near tell that of one
 _NEAR = 0.03  # of the low speed: closer than this the rate is corrected by the slope known
 
 
@@ -44,26 +40,36 @@ class RobustSearch:
         self.cloud = found.cloud
         self.slope = 1.3  # of ln low speed against ln rate, where it was looked at last
         self.nominal = 0.0  # speed, m/s, of the last gait that was just fast enough
+        self.rates = LocalFit(2, 1)  # ln rates that shapes needed
         self.follow_all(np.arange(0))
 
     def follow_all(self, drawn: Places) -> None:
         """Go on with all of these samples."""
-        self.drawn_count, self.followed = drawn.size, drawn
+        self._follow(drawn, drawn.size)
 
-    def follow_slowest(self, drawn: Places, gait: Gait) -> None:
-        """Go on with those samples that are slowest under a gait."""
-        self.follow_all(drawn)
-        slowest = np.argsort(self.robots.rough(gait, drawn))[: max(drawn.size // _KEPT, 12)]
-        self.followed = drawn[slowest]
+    def _follow(self, which: Places, count: int) -> None:
+        self.followed, self.drawn_count = which, count
+        self.low = FollowedSamples(self.robots, which, count)
+
+    def follow_slowest(self, drawn: Places, gait: Gait, count: int = 0) -> Places:
+        """Go on with those samples that are slowest under a gait; return twice as many of them.
+
+        count: of all samples, of which the drawn are those that may be slow.
+        """
+        count = count or drawn.size
+        order = drawn[np.argsort(self.robots.ranked(gait, drawn))]
+        kept = max(count // _KEPT, 12)
+        self._follow(order[:kept], count)
+        return order[: 2 * kept]
 
     def off(self, gait: Gait, exact: bool = False) -> float:
         """Return ln of the low speed over what it must be; exact: of the percentile itself."""
         if exact:
             rank = percentile_rank(self.drawn_count)
             speeds = self.robots.near_percentile(gait, self.followed, rank)
+            low = low_speed(speeds, self.drawn_count)
         else:
-            speeds = self.robots.rough(gait, self.followed)
-        low = (low_speed if exact else smooth_low_speed)(speeds, self.drawn_count)
+            low = self.low.low(gait)
         return math.log(max(low, 1e-6 * self.goal) / self.goal)
 
     def rate(self, gait: Gait, near: float = _NEAR, exact: bool = False) -> float | None:
@@ -92,9 +98,10 @@ class RobustSearch:
         shape, nowhere = GaitShape(*at), Point(at, math.inf, -1.0)
         if not 0 < shape.alpha_rad <= math.pi:
             return nowhere
-        rate = self.rate(Gait(shape.alpha_rad, shape.beta_rad, self.guess(shape, guess)))
+        rate = self.rate(Gait(shape.alpha_rad, shape.beta_rad, self.guess(at, guess)))
         if rate is None:
             return nowhere
+        self.rates.add(at[None], np.array([[math.log(rate)]]))
         state = self.search.solve(Gait(shape.alpha_rad, shape.beta_rad, rate), 1e-3)
         self.nominal = state.speed_m_s
         if state.speed_m_s < self.wanted:  # as it is thought to be it must make the speed, too
@@ -107,11 +114,16 @@ class RobustSearch:
         margin = min(self.search.margins(state.gait).values(), default=math.inf)
         return Point(at, math.log(max(watts, 1e-300)), margin, state)
 
-    def guess(self, shape: GaitShape, omega_rad_s: float) -> float:
-        """Return the rate at which a shape is nominally as fast as the last one had to be."""
+    def guess(self, at: Array, omega_rad_s: float) -> float:
+        """Return the rate that shapes beside this one lead to expect.
+
+        Where none is known: that at which it is nominally as fast as the last one had to be.
+        """
+        if self.rates.nearest(at) < _BESIDE:
+            return math.exp(float(self.rates.expect(at[None])[0, 0]))
         if not self.nominal:
             return omega_rad_s
-        state = self.search.at_speed(shape, self.nominal, omega_rad_s, _GUESS)
+        state = self.search.at_speed(GaitShape(*at), self.nominal, omega_rad_s, _GUESS)
         return omega_rad_s if state is None else state.gait.omega_rad_s
 
     def coarse(self, drawn: Places) -> Point | None:
@@ -146,7 +158,7 @@ class RobustSearch:
 
         At the best other samples may be slow: then the search goes on with those.
         """
-        best = self.anew(start, drawn)
+        best, slow = self.anew(start, drawn, drawn.size)
         for _ in range(_ROUNDS):
             if not math.isfinite(best.value):
                 return start
@@ -156,13 +168,17 @@ class RobustSearch:
                 lambda shapes, rate=rate: [self.at(s, rate) for s in shapes],
                 best, radius, smallest, low, high,
             )  # fmt: skip
-            start, best = best, self.anew(found, drawn)
+            among = slow if radius < _BESIDE else drawn
+            start, (best, slow) = best, self.anew(found, among, drawn.size)
             if best.value < found.value + _DRIFT:
                 break
         return min(start, best, key=lambda point: point.better)
 
-    def anew(self, point: Point, drawn: Places) -> Point:
-        """Return a point by the samples that are slowest there, and go on with those."""
+    def anew(self, point: Point, drawn: Places, count: int) -> tuple[Point, Places]:
+        """Return a point by the samples that are slowest there, and go on with those.
+
+        The second value is as of `follow_slowest`.
+        """
         state: Any = point.data
-        self.follow_slowest(drawn, state.gait)
-        return self.at(point.at, state.gait.omega_rad_s)
+        slow = self.follow_slowest(drawn, state.gait, count)
+        return self.at(point.at, state.gait.omega_rad_s), slow
