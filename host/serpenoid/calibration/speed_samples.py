@@ -117,8 +117,8 @@ def likeliest_speed(fit: FrictionFit, gait: Gait, servo: ServoKind | None) -> fl
 
 
 def scaled(gait: Gait, amplitude: float) -> Gait:
-    """Return the gait as joints run it that reach this share of their amplitude."""
-    return replace(gait, alpha_rad=gait.alpha_rad * amplitude)
+    """Return the gait as joints run it that reach this share of their amplitude, at most pi."""
+    return replace(gait, alpha_rad=min(gait.alpha_rad * amplitude, math.pi))
 
 
 @dataclass(frozen=True)

@@ -118,6 +118,19 @@ def test_what_crawls_told_of_friction_and_amplitude_together_counts(told) -> Non
     draws[:, 6] *= 1 - 0.05 * grip  # of the amplitude, whose is 6
     assert told(draws=draws).each["amplitude"] == pytest.approx(0.3, rel=0.05)
     assert told(draws=draws).with_amplitude == pytest.approx(MODEL_SIGMA, rel=1e-6)
+    assert told(draws=draws).rows()[-2][0] == "with the joints' amplitude and the model's 1 %"
+    assert told().rows()[-2][0] == "with the joints' amplitude"
+
+
+def test_a_gait_at_the_end_of_its_range_has_a_band(fit) -> None:
+    """Joints that go further than told stop at half a turn."""
+    gait = sn.Gait(math.pi, math.radians(75), math.pi)
+    state = sn.steady_gait(fit.robot, fit.ground, gait, sensitivities=True)
+    assert state.sensitivities is not None
+    band = speed_band(fit, gait, servo=None, count=16)
+    found = speed_doubts(fit, gait, state.sensitivities, band)
+    assert found.each["amplitude"] == 0  # no derivative: one side is shut
+    assert found.each_drawn["amplitude"] > 0
 
 
 def test_the_command_tells_it_with_a_fit_and_derivatives_alone(serpenoid) -> None:

@@ -28,7 +28,8 @@ class SpeedDoubts:
     each: of every friction alone and of the joints' common amplitude alone, by the derivatives;
     each_drawn: half of the 95 % interval of draws that were solved for, over 1.96. together, drawn:
     the same of all frictions, with their correlations; with_amplitude, drawn_amplitude: with the
-    amplitude besides; drawn_servos: with the servos besides, which have no derivatives.
+    amplitude besides; drawn_servos: with the servos besides, which have no derivatives. model: what
+    the model leaves out, which counts with the amplitude where crawls are fitted, else 0.
     """
 
     each: dict[str, float]
@@ -38,12 +39,15 @@ class SpeedDoubts:
     drawn: float
     drawn_amplitude: float
     drawn_servos: float
+    model: float = 0.0
 
     @property
     def straight(self) -> bool:
         """Tell whether the derivatives hold over the whole doubt: draws say the same."""
-        pairs = (self.together, self.drawn), (self.with_amplitude, self.drawn_amplitude)
-        return all(abs(slopes - draws) <= _STRAIGHT * draws for slopes, draws in pairs)
+        joints = self.each["amplitude"], self.each_drawn["amplitude"]
+        friction = self.together, self.drawn
+        pairs = friction, np.hypot(friction, joints)
+        return all(bool(abs(slopes - draws) <= _STRAIGHT * draws) for slopes, draws in pairs)
 
     @property
     def shares(self) -> dict[str, float]:
@@ -64,20 +68,28 @@ class SpeedDoubts:
         ]
         rows += [
             ("all frictions", self.together, self.drawn),
-            ("with the joints' amplitude", self.with_amplitude, self.drawn_amplitude),
+            (f"with {self._joints}", self.with_amplitude, self.drawn_amplitude),
         ]
         told = [[name, _percent(slopes), _percent(draws)] for name, slopes, draws in rows]
         ideal = self.drawn_servos == self.drawn_amplitude
         return told if ideal else [*told, ["with servos", "", _percent(self.drawn_servos)]]
 
+    @property
+    def _joints(self) -> str:
+        beside = f" and the model's {100 * self.model:.2g} %" if self.model else ""
+        return "the joints' amplitude" + beside
+
     def in_words(self) -> str:
         """Return what makes most of the interval, and whether the derivatives can be believed."""
         first = max(self.shares, key=self.shares.__getitem__)
-        told = f"most of it: {first}, {100 * self.shares[first]:.0f} % of the variance by draws"
+        named = self._joints if first == "amplitude" else first
+        told = f"most of it: {named}, {100 * self.shares[first]:.0f} % of the variance by draws"
         return told + ("" if self.straight else ". Derivatives mislead here: the draws count.")
 
 
 def _percent(share: float) -> str:
+    if share < 1e-6:
+        return "0"
     return f"±{100 * share:.0f} %" if share >= 1.0 else f"±{100 * share:.2g} %"
 
 
@@ -97,7 +109,7 @@ def speed_doubts(
     covariance, names = known_covariance(fit, band.filmed), (*fit.names, "amplitude")
     each = np.abs(slope) * np.sqrt(np.diag(covariance))
     friction = slope[:-1] @ covariance[:-1, :-1] @ slope[:-1]
-    left_out = 0.0 if fit.draws is None else MODEL_SIGMA**2
+    left_out = 0.0 if fit.draws is None else MODEL_SIGMA
     ends = (
         *map(speed_interval, _alone(fit, gait, band.filmed)),
         (band.low_friction_m_s, band.high_friction_m_s),
@@ -106,7 +118,8 @@ def speed_doubts(
     drawn = [(high - low) / (2 * _Z95 * float(found.at[0])) for low, high in ends]
     return SpeedDoubts(
         dict(zip(names, each.tolist(), strict=True)), dict(zip(names, drawn[:-3], strict=True)),
-        math.sqrt(friction), math.sqrt(slope @ covariance @ slope + left_out), *drawn[-3:],
+        math.sqrt(friction), math.sqrt(slope @ covariance @ slope + left_out**2), *drawn[-3:],
+        model=left_out,
     )  # fmt: skip
 
 
