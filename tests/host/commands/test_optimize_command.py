@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -17,6 +20,7 @@ from serpenoid.calibration.friction_result import Estimate, FittedServos
 from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
 from serpenoid.gaits import paper_study
+from serpenoid.show import report
 from serpenoid.show.gaits import crawl
 
 
@@ -53,6 +57,29 @@ def test_several_speeds_are_a_front() -> None:
     run("optimize", "--robot", "paper", "--speed", "0.1,0.2", "--plot", "cliff.png", code=2)
     run("optimize", "--robot", "paper", "--speed", "0.1,0.2", "--send", code=2)
     run("optimize", "--robot", "paper", "--speed", "fast", code=2)
+
+
+def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch) -> None:
+    # Otherwise nobody takes it away, and the terminal is left without a cursor.
+    shown: list[str] = []
+
+    @contextmanager
+    def busy(what: str) -> Iterator[None]:
+        assert threading.current_thread() is threading.main_thread()
+        shown.append(what)
+        yield
+
+    monkeypatch.setattr(report, "busy", busy)
+    words = ("optimize", "--robot", "paper", "--speed")
+    run(*words, "0.1")
+    run(*words, "0.1,0.2")
+    monkeypatch.setattr("serpenoid.gaits.robust.robust_gait", unreachable)
+    run(*words, "0.1,0.2", "--robust", code=1)
+    assert shown == ["searching"] * 2 + [f"searching, speed {k} of 2" for k in (1, 2)]
+
+
+def unreachable(*_: object, **__: object) -> None:
+    raise sn.NotConverged("no gait reaches it")
 
 
 def test_a_front_by_springs_and_one_of_robust_gaits() -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from ...model.ground import Ground
     from ...model.robot import Robot
 
+_Found = TypeVar("_Found")
 _OF_A_FIT = ("links", "mass_kg", "length_m", "inertia_kg_m2", "ct", "cn", "ft0", "fn0")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
@@ -103,7 +105,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     if len(wanted) > 1:
         return _show_front(ask, wanted, as_json)
     servo = ask.servo
-    found = interruptible(lambda: ask.find(wanted[0]))
+    found = _searched(lambda: ask.find(wanted[0]))
     report_as = _robust_dict if ask.robust else _plain_dict
     from ...gaits.margins import gait_margins
     from ...show import report
@@ -202,37 +204,46 @@ class _Asked:
         """Search for one speed."""
         from ...gaits.least_power import least_power_gait
         from ...gaits.robust import robust_gait
-        from ...show import report
 
-        with report.busy("searching"):
-            if self.robust:
-                return robust_gait(
-                    self.robot, self.ground, speed_m_s=speed, uncertainty=self.uncertainty,
-                    cost=self.cost, limits=self.limits,
-                )  # fmt: skip
-            return least_power_gait(
-                self.robot, self.ground, speed_m_s=speed, cost=self.cost, limits=self.limits,
-                formulation=self.formulation,
+        if self.robust:
+            return robust_gait(
+                self.robot, self.ground, speed_m_s=speed, uncertainty=self.uncertainty,
+                cost=self.cost, limits=self.limits,
             )  # fmt: skip
+        return least_power_gait(
+            self.robot, self.ground, speed_m_s=speed, cost=self.cost, limits=self.limits,
+            formulation=self.formulation,
+        )  # fmt: skip
 
     def front(self, speeds: list[float]) -> Sequence[LeastPower | RobustGait | None]:
         """Search for many speeds; None for one that no gait reaches."""
         from ...gaits.least_power import power_front
-        from ...show import report
 
         if self.robust:
-            return [self._find_or_none(speed) for speed in speeds]
-        with report.busy("searching"):
-            return power_front(
+            return [
+                _searched(partial(self._find_or_none, speed), f", speed {k} of {len(speeds)}")
+                for k, speed in enumerate(speeds, 1)
+            ]
+        return _searched(
+            lambda: power_front(
                 self.robot, self.ground, speeds_m_s=speeds, cost=self.cost, limits=self.limits,
                 formulation=self.formulation,
-            )  # fmt: skip
+            )
+        )  # fmt: skip
 
     def _find_or_none(self, speed: float) -> LeastPower | RobustGait | None:
         try:
             return self.find(speed)
         except NotConverged:
             return None
+
+
+def _searched(work: Callable[[], _Found], which: str = "") -> _Found:
+    """Return work() and show that it goes on; Ctrl-C ends both, so this thread shows it."""
+    from ...show import report
+
+    with report.busy(f"searching{which}"):
+        return interruptible(work)
 
 
 def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
@@ -346,7 +357,7 @@ def _print(found: Any, margins: Any) -> None:
 def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:
     from ...show.gaits import gait_report
 
-    front = interruptible(lambda: ask.front(speeds))
+    front = ask.front(speeds)
     if all(best is None for best in front):
         raise NotConverged(
             f"no gait reaches {min(speeds):g} m/s within the limits; ask for less speed"
