@@ -12,7 +12,7 @@ import numpy as np
 
 from ..model.checks import FORMULATIONS, check_choice, check_number
 from ..model.core_model import check_parts
-from ..model.errors import BadInput, NotConverged
+from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
@@ -41,16 +41,19 @@ _RADIUS, RADIUS_KNOWN = 0.15, 0.08  # first box: half a step of the cloud; round
 _NARROW = 1.2  # ratio of rates: a narrower range is searched at fixed rates
 _APART = 0.1  # e-folds of shape: two ends closer than this are one valley
 _ROUGHER = 0.3  # the same factor for the valleys of the cloud on dry ground
-_ONWARDS = 1.0  # the same for the valley of the gait of another speed
+_ONWARDS = 0.4  # the same for the valley of the gait of another speed
 _CLOSER = 4.0  # refinement factor for the best valley on dry ground
 _EDGE_TABLE = (0.12, 8)  # e-folds of shape either way, in so many steps; where there is an edge
 _FINE_TABLES = (0.25, 4), (0.06, 3), _EDGE_TABLE
+_OTHER_TABLES = _FINE_TABLES[1:]  # the same where another valley is cheaper than at that speed
 _NEXT_TABLES = (_EDGE_TABLE,)  # the same for a gait found from that of another speed
 _MOST_TABLES, _INSIDE = 6, 0.7  # of a width: while the best is farther out than this part of it
-_RING, _RING_AT_EDGE = 16, 32  # directions of a walk
+_RING, _RING_AT_EDGE, _RING_NEXT = 16, 32, 8  # directions of a walk; of one from another speed
 _AT_EDGE = 0.01  # e-folds of cost: a model that expects so much more lies across an edge
 _WALK, _WALK_END, _WALK_SHRINK = 0.06, 0.002, 0.4  # e-folds of shape
+_WALK_NEXT = 0.02  # the first ring of a gait from another speed
 _WALK_GAIN = 1e-4  # e-folds of cost: a smaller gain ends a ring
+_SAME_END = 0.15  # e-folds of shape: two ends of one valley
 _SMALL_VALLEYS = 2  # followed of each table
 _ROUNDING = 1e-9  # body lengths x rate: a slower gait travels by rounding errors alone
 _AT_LIMIT = 2e-6  # e-folds of shape: last box beside a limit, on viscous ground
@@ -132,8 +135,14 @@ class Finder:
         self.least_gap = self.coarse if ground.smooth else _DRY_GAP
         self.smallest = 0.002 if ground.smooth and self.exact else 0.012
 
-    def follow(self, start: Candidate, radius: float, speed: float, closer: float = 1.0) -> Valley:
-        """Return the lowest point of a candidate's valley; closer: refinement factor."""
+    def follow(
+        self, start: Candidate, radius: float, speed: float, closer: float = 1.0,
+        beat: Point | None = None,
+    ) -> Valley:  # fmt: skip
+        """Return the lowest point of a candidate's valley; closer: refinement factor.
+
+        beat: the lowest point of another valley. A way into that one, or too far above, ends.
+        """
         low, high = self.search.bounds()
         rtol = max(self.rtol, self.coarse / closer)
         if isinstance(self.search, SmoothShapes):
@@ -142,7 +151,7 @@ class Finder:
                 return valley
         evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
         first = evaluate([np.array(start.shape)])[0]
-        end, gap, _ = minimize(evaluate, first, radius, self.smallest / closer, low, high)
+        end, gap, _ = minimize(evaluate, first, radius, self.smallest / closer, low, high, beat)
         if self.search is self.near and end.data is not None:
             end = self.near.solved(end, speed, rtol)
         if self.exact and self.ground.smooth and not end.better[0] and end.margin < self.smallest:
@@ -154,22 +163,23 @@ class Finder:
         return Valley(end, gap)
 
     def minimize(
-        self, speed: float, last: Candidate | None = None, radius: float = RADIUS_KNOWN
+        self, speed: float, last: Sequence[Candidate] = (), radius: float = RADIUS_KNOWN
     ) -> LeastPower:
         """Return the cheapest gait; last: where it should be by lower speeds, this far off."""
-        if last is None:
-            ends, tried = self._from_cloud(speed)
-        else:
+        if last:
             ends, tried = self._onwards(speed, last, radius)
+        else:
+            ends, tried = self._from_cloud(speed)
         ends = ends or self.at_fixed_rates(speed)
         if not ends:
             raise self.unreachable(speed, tried)
-        tracked = last is not None and ends[0].end.better == min(e.end.better for e in ends)
+        first = ends[0].end.at
         ends.sort(key=lambda e: e.end.value)
         if not self.ground.smooth:
-            tables = _NEXT_TABLES if tracked else _FINE_TABLES
+            tracked = np.abs(ends[0].end.at - first).max() < _SAME_END
+            tables = (_NEXT_TABLES if tracked else _OTHER_TABLES) if last else _FINE_TABLES
             best, gap, _ = self.refined(ends[0].end, speed, tables)
-            ends[0] = Valley(best, max(gap, _ONWARDS_GAP) if tracked else gap)
+            ends[0] = Valley(best, max(gap, _ONWARDS_GAP) if last else gap)
         self.optimum = Optimum.of(ends[0], speed, self.search.cost)
         return self.finish(speed, ends)
 
@@ -184,17 +194,22 @@ class Finder:
             steps = self.cloud.steps_at(start.shape) if self.ground.smooth else np.zeros(2)
             if best is None or self.followed.worth(start, best, steps, x):
                 led = self.followed.led(start, x)
-                valley = self.follow(*(led or (start, _RADIUS)), speed=speed, closer=rougher)
+                valley = self.follow(*(led or (start, _RADIUS)), speed, rougher, best)
                 self.followed.add(start, Optimum.of(valley, speed, self.search.cost))
                 tried.append(valley.end)
                 ends += [] if valley.end.better[0] else [valley]
         return ends, tried
 
     def _onwards(
-        self, speed: float, last: Candidate, radius: float
+        self, speed: float, last: Sequence[Candidate], radius: float
     ) -> tuple[list[Valley], list[Point]]:
         """Return the end of the last gait's valley first, and others that may be cheaper now."""
-        valley = self.follow(last, radius, speed, _ONWARDS if self.search is self.near else 1.0)
+        start, closer = last[0], 1.0
+        if self.search is self.near:
+            shapes, rates = [np.array(one.shape) for one in last], [one.omega_rad_s for one in last]
+            points = self.near.rated(shapes, speed, rates, self.coarse / _ONWARDS)
+            start, closer = last[min(range(len(last)), key=lambda k: points[k].better)], _ONWARDS
+        valley = self.follow(start, radius, speed, closer)
         if valley.end.better[0]:
             return self._from_cloud(speed)
         others, tried = self._from_cloud(speed, valley.end)
@@ -216,7 +231,7 @@ class Finder:
         Fine tables of shapes show them, and the best are followed. What the last one gained, or saw
         below, may still be missing.
         """
-        best = self.walked(best, speed, _RING)
+        best = self.walked(best, speed, _RING_NEXT if tables is _NEXT_TABLES else _RING)
         gap = model_gap = 0.0
         for width, half in tables:
             at_edge = model_gap > _AT_EDGE
@@ -247,7 +262,7 @@ class Finder:
         turns = 2 * math.pi * np.arange(directions) / directions
         ring = np.stack([np.cos(turns), np.sin(turns)], axis=1)
         low, high = self.search.bounds()
-        radius = _WALK
+        radius = _WALK_NEXT if directions == _RING_NEXT else _WALK
         while radius >= _WALK_END:
             state: Any = best.data
             points = self.search.points(
@@ -351,7 +366,6 @@ def finder(
             1e-4 if springs else 1e-5 if not ground.smooth else 1e-10 if cost == "power" else 1e-8
         )
     check_ground(ground, rtol)
-    _check_rolling(ground)
 
     def soft(gait: Gait, rtol: float) -> Any:
         found = steady_springs(
@@ -361,20 +375,6 @@ def finder(
         return _Soft(gait, **{k: v for k, v in found.to_dict().items() if k in _Soft.__slots__})
 
     return Finder(robot, ground, cost, limits, soft if springs else None, speeds, rtol)
-
-
-def _check_rolling(ground: Ground) -> None:
-    """Refuse wheels without rolling friction that grip dryly: no gait has the least power.
-
-    They follow the wave as a train follows its rails, at omega link_length_m / beta however small
-    alpha is, and no friction does any work.
-    """
-    if ground.ct_forward == ground.ft0_forward == 0.0 < ground.fn0:
-        raise BadInput(
-            "ct and ft0 are both 0: the wheels roll for nothing, and fn0 holds them sideways. The "
-            "less the joints bend, the less power it takes, so no gait takes least; give the "
-            "measured ct or ft0, even if it is small"
-        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.sweep import sweep
@@ -49,6 +50,7 @@ class GaitCloud(GaitTable):
     def __init__(
         self, robot: Robot, ground: Ground, cost: str, limits: GaitLimits, speeds: Sequence[float]
     ) -> None:
+        _check_rolling(ground)
         n, rates = robot.links, _VISCOUS if ground.smooth else _DRY
         least_lag = min(math.radians(22), 2.2 / n)  # a third of a wave on the body
         lags = np.geomspace(least_lag, math.radians(165), 12 if n <= 8 else 18)
@@ -185,6 +187,20 @@ class GaitCloud(GaitTable):
         v = np.where(allowed & np.isfinite(self.speed_m_s), self.speed_m_s, 0.0)
         i, j, k = np.unravel_index(int(np.argmax(v)), v.shape)
         return v[i, j, k], self.alpha_rad[i, j], self.beta_rad[i, j], rate[i, j, k]
+
+
+def _check_rolling(ground: Ground) -> None:
+    """Refuse wheels without rolling friction that grip dryly: no gait has the least power.
+
+    They follow the wave as a train follows its rails, at omega link_length_m / beta however small
+    alpha is, and no friction does any work.
+    """
+    if ground.ct_forward == ground.ft0_forward == 0.0 < ground.fn0:
+        raise BadInput(
+            "ct and ft0 are both 0: the wheels roll for nothing, and fn0 holds them sideways. The "
+            "less the joints bend, the less power it takes, so no gait takes least; give the "
+            "measured ct or ft0, even if it is small"
+        )
 
 
 def _every_second(shape: tuple[int, ...]) -> NDArray[np.bool_]:

@@ -19,6 +19,7 @@ from .limits import GaitLimits
 from .quadratic_search import Array
 from .shape_search import Candidate, GaitShape, exact_solver
 
+_STILL, _FAR_LED = 0.03, 0.3  # e-folds of shape: an optimum that moves so much is led on
 _ABOVE = 1e-2  # e-folds of power over its neighbours' line: such a speed is searched anew
 
 
@@ -42,10 +43,13 @@ class _Track:
         track._known = [one for one in self._known if one.log_speed == math.log(speed_m_s)]
         return track
 
-    def expected(self, speed_m_s: float) -> tuple[Candidate | None, float]:
-        """Return where the optimum should be, and how far off, e-folds of shape."""
+    def expected(self, speed_m_s: float) -> tuple[list[Candidate], float]:
+        """Return where the optimum should be, and how far off, e-folds of shape.
+
+        Where no tangent leads: the last, and the end of the line through the last two.
+        """
         if not self._known:
-            return None, RADIUS_KNOWN
+            return [], RADIUS_KNOWN
         last, x = self._known[-1], math.log(speed_m_s)
         at, radius = last.at + np.array([0.0, 0.0, x - last.log_speed]), RADIUS_KNOWN
         self._led = np.full(3, np.inf)
@@ -53,7 +57,15 @@ class _Track:
         if found is not None:
             at, doubt = found
             radius, self._led = min(max(self._missed, doubt), RADIUS_KNOWN), at
-        return Candidate(0.0, GaitShape(*at[:2].tolist()), math.exp(at[2])), radius
+        places = [at]
+        if found is None and len(self._known) > 1:
+            before = self._known[-2]
+            move = (
+                (last.at - before.at) / (last.log_speed - before.log_speed) * (x - last.log_speed)
+            )
+            places += [last.at + move] if _STILL < np.abs(move[:2]).max() < _FAR_LED else []
+        told = [Candidate(0.0, GaitShape(*of[:2].tolist()), math.exp(of[2])) for of in places]
+        return told, radius
 
 
 class EitherWave:

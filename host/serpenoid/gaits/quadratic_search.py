@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 _SHRINK = 0.4  # of the box, where it finds nothing lower
+_INTO, _LOWER = 0.1, 1e-3  # of coordinates, of the value: so near to another search's end
+_HOPELESS = 0.03  # of the value: so far above it
 _WORTHWHILE = 1e-3  # of radius^2, in e-folds of the value: a smaller gain shrinks the box
 _ALLOWED = -1e-8  # margin: rounding beyond a limit
 _FAR = 0.5  # margin, e-folds: a box so far from every limit needs no model of it
@@ -97,14 +99,25 @@ def _lowest_of_model(
     return (at[k], float(model[k])) if np.isfinite(model[k]) else None
 
 
+def _hopeless(point: Point, beat: Point | None) -> bool:
+    """Tell whether a search leads to the end of another, or far above it."""
+    if beat is None or point.better[0]:
+        return False
+    above = point.value - beat.value
+    into = np.abs(point.at - beat.at).max() < _INTO and above > -_LOWER
+    return bool(into or above > _HOPELESS)
+
+
 def minimize(
-    evaluate: Evaluate, start: Point, radius: float, smallest: float, low: Array, high: Array
-) -> Valley:
+    evaluate: Evaluate, start: Point, radius: float, smallest: float, low: Array, high: Array,
+    beat: Point | None = None,
+) -> Valley:  # fmt: skip
     """Return the lowest allowed point near a start, and how much lower the minimum may be.
 
     evaluate: takes points and returns Points. radius, smallest: half of the first and of the last
-    box. low, high: bounds. The gap comes from the last model, or where there was none
-    from what the last box gained.
+    box. low, high: bounds. beat: the end of another search, if any; this one ends where it
+    leads there, or stays far above. The gap comes from the last model, or where there was none from
+    what the last box gained.
     """
     best, gap = start, np.inf
     while radius >= smallest * (1 - 1e-9):
@@ -128,6 +141,8 @@ def minimize(
         if found is None and np.isfinite(worth):  # beside an edge too few points have a value
             gap = max(worth, 0.0)
         best = lowest
+        if _hopeless(best, beat):
+            break
         if (
             not gained
             or step < 0.5 * radius
