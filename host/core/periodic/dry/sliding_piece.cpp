@@ -9,6 +9,7 @@ namespace serpenoid {
 namespace {
 
 constexpr int s = SlidingPiece::kStages;
+constexpr double kBend = 10;       // times the curvature that Newton's last two steps show
 constexpr double kBetween = 0.73;  // fraction of a piece that is farthest from its stages
 
 // Rate of the polynomial at stage j, times h: sum_k of this times (Y_k - p0). Inverse of a.
@@ -197,10 +198,13 @@ bool SlidingPiece::solve(const SlidingMode& mode, double tau, double h, const Ve
     double size = HUGE_VAL;
     for (int i = 0; i < 12; ++i) {
         const bool near = i > 0;  // the equations are almost linear: one step comes close
+        const double before = size;
         if (!step()) return false;
         size = std::max({change_[0] / scale[0], change_[1] / scale[1], change_[2] / scale[2]});
         if (!(size < 1e12)) return false;
-        if (near && size < 0.1 && size * size < close) {
+        // the next step would be this one squared, times the curvature
+        const double bend = std::min(kBend * size / (before * before), 1.0);
+        if (near && size < 0.1 && bend * size * size < close) {
             velocities();
             stuck_forces(mode);
             return true;

@@ -70,17 +70,18 @@ void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
             continue;
         }
         const StagePolynomial<SlidingPiece::kStages> p(events_.margins(wheel));
-        Stretch<SlidingPiece::kStages> whole{0, 1, p.bernstein()};
-        if (x < 1) whole = whole.cut(x);
-        if (!fresh_[wheel])
+        if (!fresh_[wheel]) {
+            Stretch<SlidingPiece::kStages> whole{0, 1, p.bernstein()};
+            if (x < 1) whole = whole.cut(x);
             work_.doubtful += piece_.law(wheel).bound * reach_ * h * whole.below(kSlow, kFinest);
+        }
         if (p(x) >= kSlow) fresh_[wheel] = 0;
     }
 }
 
 // The integrals between two fractions of a piece, `wide` apart.
 void WorkMeter::add_part(double tau, double h, double from, double wide) {
-    constexpr int g = 5;
+    constexpr int g = 4;  // phases: one pack of them
     const double span = h * wide;
     const Gauss<g>& rule = Gauss<g>::get();
     double x_of[g];
