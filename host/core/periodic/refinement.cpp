@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kEarlier = 0.05;  // of the change before: one change may be small by luck
 
-constexpr double kSpikes = 0.6;  // the same for positive power by steps
+constexpr double kLeastSettling = 4;  // levels may agree by luck
+constexpr double kSpikes = 0.6;       // the same for positive power by steps
 
 // The derivative over a period in (Vx, Vy, L), of that of the image by p.
 Mat3 monodromy_of(Mat3 M, const CycleMap& map) {
@@ -122,7 +123,8 @@ void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) 
     const LevelChange change(next, coarse_);
     bound_errors(change, before_, rule, options_.rtol, next);
     // derivatives jump where the sequence of modes does: one change tells little of the next
-    next.slowest_error = 5 * change.slowest + 0.3 * before_.slowest;
+    next.slowest_error = std::max(5 * change.slowest + 0.3 * before_.slowest,
+                                  kLeastSettling * options_.rtol * std::fabs(next.slowest));
     if (orbit.end.simultaneous_events)
         next.slowest_error = std::max(next.slowest_error, std::fabs(next.slowest));
 }

@@ -28,6 +28,9 @@ MAX_ELEMENTS = 1024
 _SMOOTH = 1e-2  # both sides agree to this part of the derivative: it is smooth
 _UNSEEN = 0.1  # of a jump: what the mean of both sides may be off by
 _SAME_JUMP = 0.75  # a smooth function's jump halves with the step
+_CURVED = 3e-6  # of a derivative: the square of a step, which the jump of an odd one does not show
+_AHEAD = 1.5  # of the last change of a side: what is left of it falls with the step or its root
+_LEFT = 2.5  # and the error of that
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,10 +48,12 @@ class Sensitivities:
     errors
         (P, Q): estimated errors of derivatives. Where a wheel's mode changes at the point, half of
         the jump.
-    sides
-        (P, Q, 2): the derivatives towards less and towards more of the parameter.
+    sides, side_errors
+        (P, Q, 2): the derivatives towards less and towards more of the parameter, and their
+        estimated errors. Both sides are the derivative unless there is a kink.
     kinks
-        (P,): whether the two sides differ: a wheel starts or stops to stick at the point.
+        (P,): whether the two sides of a quantity differ by more than 1 %: a wheel's mode changes
+        at the point, or nearer to it than 2e-5 of the parameter (or rad).
     at
         (Q,): the quantities themselves.
 
@@ -62,6 +67,7 @@ class Sensitivities:
     derivatives: Array
     errors: Array
     sides: Array
+    side_errors: Array
     kinks: NDArray[np.bool_]
     at: Array
 
@@ -79,6 +85,7 @@ class Sensitivities:
                     "derivative": self.derivatives[k, q].item(),
                     "error": self.errors[k, q].item(),
                     "sides": self.sides[k, q].tolist(),
+                    "side_errors": self.side_errors[k, q].tolist(),
                 }
                 for q, quantity in enumerate(QUANTITIES)
             }
@@ -87,7 +94,7 @@ class Sensitivities:
 
 
 @dataclass(frozen=True)
-class _Parameter:
+class Parameter:
     """A number of robot, ground or gait: its value, its step, and the parts with another value."""
 
     name: str
@@ -116,29 +123,32 @@ def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
     """
     if gait.alpha_rad == 0:
         raise BadInput("alpha_rad is 0: a robot that does not move has no sensitivities")
-    parameters = [p for p in _parameters(robot, ground, gait) if p.inside]
-    steps = np.array([p.step for p in parameters])
-    sides, errors, at = _differences((robot, ground, gait), parameters, steps)
-    jumps = _jumps(sides)
-    changes = _UNSEEN * jumps
-    kinked = np.zeros(jumps.shape, bool)
+    here, moved = (robot, ground, gait), parameters(robot, ground, gait)
+    steps = np.array([p.step for p in moved])
+    sides, noise, at = _differences(here, moved, steps)
+    changes, side_changes = _UNSEEN * _jumps(sides), np.zeros_like(sides)
+    kinked = np.zeros(changes.shape, bool)
     for _ in range(_HALVINGS):
-        rough = np.flatnonzero((jumps > _allowed(sides, errors)).any(axis=1))
+        rough = np.flatnonzero((_jumps(sides) > _allowed(sides, noise)).any(axis=1))
         if not rough.size:
             break
         steps[rough] /= 2
-        near, near_errors, _ = _differences(
-            (robot, ground, gait), [parameters[k] for k in rough], steps[rough]
-        )
-        now = _jumps(near)
-        kinked[rough] = now > _SAME_JUMP * jumps[rough]
-        changes[rough] = abs(near.mean(axis=2) - sides[rough].mean(axis=2)) + _UNSEEN * now
-        sides[rough], errors[rough], jumps[rough] = near, near_errors, now
-    kinked &= jumps > _allowed(sides, errors)
+        near, near_noise, _ = _differences(here, [moved[k] for k in rough], steps[rough])
+        far = sides[rough]
+        kinked[rough] = _jumps(near) > _SAME_JUMP * _jumps(far)
+        changes[rough] = abs(near.mean(axis=2) - far.mean(axis=2)) + _UNSEEN * _jumps(near)
+        side_changes[rough] = near - far
+        sides[rough], noise[rough] = near, near_noise
+    jumps, found = _jumps(sides), sides.mean(axis=2)
+    kinks = np.asarray((kinked & (jumps > _allowed(sides, noise))).any(axis=1))
+    errors = noise[..., 1] + np.where(kinks[:, None], jumps / 2, changes) + _CURVED * abs(found)
+    apart = kinks[:, None, None]  # then all quantities' sides are told as they are
     return Sensitivities(
-        tuple(p.name for p in parameters), np.array([p.value for p in parameters]),
-        sides.mean(axis=2), errors + np.where(kinked, jumps / 2, changes), sides,
-        np.asarray(kinked.any(axis=1)), at,
+        tuple(p.name for p in moved), np.array([p.value for p in moved]), found, errors,
+        np.where(apart, sides + _AHEAD * side_changes, found[..., None]),
+        np.where(apart, _LEFT * (abs(side_changes) + noise[..., :1]),
+                 (errors + jumps / 2)[..., None]),
+        kinks, at,
     )  # fmt: skip
 
 
@@ -146,19 +156,20 @@ def _jumps(sides: Array) -> Array:
     return abs(sides[..., 1] - sides[..., 0])
 
 
-def _allowed(sides: Array, errors: Array) -> Array:
+def _allowed(sides: Array, noise: Array) -> Array:
     """Return how much the sides may differ where nothing is wrong."""
-    return _SMOOTH * abs(sides).max(axis=2) + 2 * errors
+    return _SMOOTH * abs(sides).max(axis=2) + 2 * noise[..., 0]
 
 
-def _differences(here: Parts, parameters: list[_Parameter], steps: Array) -> tuple[Array, ...]:
-    """Return differences to both sides, (P, Q, 2), their errors, (P, Q), and the state here, (Q,).
+def _differences(here: Parts, moved: list[Parameter], steps: Array) -> tuple[Array, ...]:
+    """Return differences to both sides, their noise, both (P, Q, 2), and the state here, (Q,).
 
-    Raises NotConverged where a state beside this one has no solution.
+    Noise is what the claims of the states make of either side, and of the mean of both: the state
+    here counts in a side alone. Raises NotConverged where a state beside this one has no solution.
     """
     parts = [here] + [
         p.moved(p.value + sign * step)
-        for p, step in zip(parameters, steps, strict=True)
+        for p, step in zip(moved, steps, strict=True)
         for sign in (-1, 1)
     ]
     models = [core_model(*each) for each in parts]
@@ -170,12 +181,19 @@ def _differences(here: Parts, parameters: list[_Parameter], steps: Array) -> tup
     claims = np.array(
         [[s.speed_error, s.power_error, s.positive_power_error, s.turn_error] for s in states]
     )
-    moved, claimed = (v[1:].reshape(-1, 2, len(QUANTITIES)) for v in (values, claims))
-    sides = (moved - values[0]) * np.array([-1, 1])[:, None] / steps[:, None, None]
-    return (sides.transpose(0, 2, 1), claimed.sum(axis=1) / (2 * steps[:, None]), values[0])
+    beside, claimed = (v[1:].reshape(-1, 2, len(QUANTITIES)) for v in (values, claims))
+    sides = (beside - values[0]) * np.array([-1, 1])[:, None] / steps[:, None, None]
+    mean = claimed.mean(axis=1) / steps[:, None]
+    noise = np.stack([mean + claims[0] / steps[:, None], mean], axis=2)
+    return sides.transpose(0, 2, 1), noise, values[0]
 
 
-def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[_Parameter]:
+def parameters(robot: Robot, ground: Ground, gait: Gait) -> list[Parameter]:
+    """Return the parameters of a state that have room on both sides."""
+    return [p for p in _parameters(robot, ground, gait) if p.inside]
+
+
+def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[Parameter]:
     joints = robot.links - 1
     factors = gait.joint_factors(joints)
     for name in ("alpha_rad", "beta_rad", "omega_rad_s", "offset_rad"):
@@ -185,7 +203,7 @@ def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[_Parameter
         ("joint_gain", "joint_shift_rad"), factors, (0.0, 1.0), strict=True
     ):
         for k, value in enumerate(values.tolist()):
-            yield _Parameter(
+            yield Parameter(
                 f"{name}[{k}]", value, _STEP * max(abs(value), angle),
                 partial(_with_joint, robot, ground, gait, name, values, k),
             )  # fmt: skip
@@ -195,10 +213,10 @@ def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[_Parameter
         yield _one(name, robot, lambda r: (r, ground, gait), 0.0)
 
 
-def _one(name: str, part: Any, parts: Callable[[Any], Parts], least: float) -> _Parameter:
+def _one(name: str, part: Any, parts: Callable[[Any], Parts], least: float) -> Parameter:
     """Return the parameter that is an attribute of a part."""
     value = float(getattr(part, name))
-    return _Parameter(
+    return Parameter(
         name, value, _STEP * max(abs(value), least), lambda v: parts(replace(part, **{name: v}))
     )
 
@@ -211,7 +229,7 @@ def _with_joint(
     return robot, ground, replace(gait, **{name: tuple(changed.tolist())})
 
 
-def _frictions(robot: Robot, ground: Ground, gait: Gait, name: str) -> Iterator[_Parameter]:
+def _frictions(robot: Robot, ground: Ground, gait: Gait, name: str) -> Iterator[Parameter]:
     """Give a friction, or both ways of a ratchet's, where it is not 0."""
     value = getattr(ground, name)
     if not isinstance(value, tuple):
@@ -219,7 +237,7 @@ def _frictions(robot: Robot, ground: Ground, gait: Gait, name: str) -> Iterator[
         return
     for way, word in enumerate(("forward", "backward")):
         if value[way] > 0:
-            yield _Parameter(
+            yield Parameter(
                 f"{name}_{word}", value[way], _STEP * value[way],
                 lambda v, way=way: (
                     robot,

@@ -170,6 +170,15 @@ def test_a_kink_is_told_with_both_sides(monkeypatch) -> None:
     assert found.errors[k, 0] >= 0.5 * abs(above - below)
 
 
+@pytest.mark.parametrize("links", [3, 4, 6, 7])
+def test_viscous_ground_has_no_kinks(links: int) -> None:
+    """Noise of the state itself grows as the step is halved, as a jump's share does not."""
+    gait = replace(GAIT, alpha_rad=math.radians(30), beta_rad=math.radians(80))
+    found = differentiate(sn.Robot(links, 1.0, 0.12), VISCOUS, gait)
+    assert not found.kinks.any()
+    assert (found.sides == found.derivatives[..., None]).all()
+
+
 def test_errors_of_the_states_are_in_those_of_the_derivatives(monkeypatch) -> None:
     """A difference of two speeds, each known to e, over a step h is known to e / h."""
     alter_states(monkeypatch, lambda s, first: {"speed_error": 1e-3})

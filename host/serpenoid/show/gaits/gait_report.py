@@ -57,20 +57,35 @@ def no_servo(gait: Gait) -> None:
 
 
 def sensitivities(found: Sensitivities) -> None:
-    """Print what 1 % more of each parameter changes; of an angle, what 1 deg more changes."""
+    """Print what 1 % more of each parameter changes; of an angle, what 1 deg more changes.
+
+    At a kink less changes other things than more, and has a row of its own.
+    """
     rows = []
     for k, name in enumerate(found.names):
         angle = name.endswith("_rad") or "_rad[" in name
         step = math.radians(1) if angle else 0.01 * found.values[k]
         size = [*(100 * step / found.at[:3]), math.degrees(step)]
-        by = [found.derivatives[k, q] * size[q] for q in range(4)]
-        known = [found.errors[k, q] * size[q] for q in range(4)]
-        changes = [f"{v:+.2g}" if abs(v) > e else "0" for v, e in zip(by, known, strict=True)]
-        rows.append([name + (" (kink)" if found.kinks[k] else ""), "1 deg" if angle else "1 %"])
-        rows[-1] += changes
+        for sign in (-1, 1) if found.kinks[k] else (1,):
+            by, known = found.derivatives[k], found.errors[k]
+            if found.kinks[k]:
+                by, known = (v[k, :, (sign + 1) // 2] for v in (found.sides, found.side_errors))
+            changes = [
+                f"{sign * v * one:+.2g}" if abs(v) > e else "0"
+                for v, e, one in zip(by, known, size, strict=True)
+            ]
+            more = "" if sign > 0 else "-"
+            label = name + (" (kink)" if found.kinks[k] else "")
+            rows.append([label, more + ("1 deg" if angle else "1 %"), *changes])
     columns = ["parameter", "more by", "speed, %", "power, %", "power+, %", "turn, deg"]
     table("what a little more of each changes; ideal joints, others kept", columns, rows)
     console.print("power+: without regeneration; turn: in a cycle", highlight=False)
+    if found.kinks.any():
+        console.print(
+            "kink: a wheel starts or stops to rest here, so that less changes other things than "
+            "more; each row holds to its side",
+            highlight=False,
+        )
 
 
 def doubts(found: SpeedDoubts) -> None:

@@ -1,0 +1,108 @@
+"""Dry gaits whose speed or power was further off than it said, and a part of the paper's grid."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import serpenoid as sn
+from serpenoid import _core
+from serpenoid.model.core_model import core_model
+from serpenoid.periodic.sensitivities import differentiate
+
+OF_2005 = sn.Robot(6, 0.0756, 0.076)
+BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+
+# Robot, ground, gait, rtol; speed and net power at 1e-9. Speeds of the first three were 15, 3 and 4
+# times their claim off, the power of the fourth 11 times: a resting wheel's force passes from one
+# bound to the other within a piece. The last two, 2 and 1.3 times: an event cuts a piece short.
+HARD = [
+    ((9, 0.5131544978002305, 0.14833315797880398),
+     (0.0, 0.0, 0.10175649059713314, 1.08602129209057),
+     (0.11408283476101277, 0.4420847102336956, 0.20062763649845713, -0.19205090942071296),
+     1e-5, 0.0083599961502, 0.04500996748),
+    ((3, 0.3389533788443953, 0.057275731889018466),
+     (0.0, 0.0, 0.011658444391235789, 0.6671256614831048),
+     (0.5273826702402663, 0.9696492078777852, 0.2020897480772051),
+     1e-5, 0.008974084757, 0.00036518318033),
+    ((4, 0.3248062760351153, 0.021546932973357788),
+     (0.0013455479707570016, 0.16368305532264643, 0.01953053926317083, 2.058190810751769),
+     (0.3097491496735238, 0.3066852026360859, 0.23153445160465488, -0.2805449465773469),
+     1e-5, 0.010993455647, 0.0012153673069),
+    ((3, 0.012683949873244265, 0.020712632786311823),
+     (0.0, 0.0, 0.0003866968469080135, 0.011228044412786947),
+     (1.00581568648254, 1.6767844232529399, 0.626151295056427, -0.15953074141795032),
+     1e-4, 0.0043761480065, 6.0873748974e-06),
+    ((11, 0.11919548880674491, 0.030644144275688175),
+     ((3.9558354778772464e-05, 0.0005088073858031246), 0.0021145871008656043,
+      (0.005412601585982025, 0.0055409230148363575), 0.5053272376992466),
+     (1.142589672077694, 1.3130368745409557, 0.3824556935740943),
+     1e-5, 0.0054992466308, 0.00064860141911),
+    ((8, 0.08398886348595604, 0.04034873554651857),
+     (0.00017048265775396085, 0.005939752904081671, 0.01875599193778298, 0.3057516404051476),
+     (1.3855602210718392, 0.8642570794745832, 0.34537949732995277),
+     1e-3, 0.0053012450643, 0.0022515739459),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", HARD, ids=lambda c: str(c[0][0]))
+def test_what_was_further_off_than_it_said(case: tuple) -> None:
+    robot, ground, gait, rtol, speed, power = case
+    s = sn.steady_gait(sn.Robot(*robot), sn.Ground(*ground), sn.Gait(*gait), rtol=rtol)
+    assert abs(s.speed_m_s - speed) <= 0.5 * s.error_estimate * speed
+    assert abs(s.power_w - power) <= 0.5 * s.power_error_w
+    assert abs(s.speed_m_s - speed) <= 3e-3 * rtol * speed
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta", "omega", "rtol"), [(40, 85, 8, 1e-4), (15, 25, 6, 1e-3), (15, 90, 4, 1e-5)]
+)
+def test_a_short_rest_near_the_bound_is_seen(
+    alpha: float, beta: float, omega: float, rtol: float
+) -> None:
+    """A wheel rests for 1e-3 rad: it slid on, and the speed was up to 7 times its claim off.
+
+    Other code (event functions, Dormand-Prince) finds 0.00205337376766 m/s for the first.
+    """
+    gait = sn.Gait(math.radians(alpha), math.radians(beta), float(omega))
+    tight = _core.steady(core_model(OF_2005, BINGHAM, gait), 1e-9, True, 1024)
+    s = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=rtol)
+    assert abs(s.speed_m_s - tight.speed) <= 0.9 * s.error_estimate * tight.speed
+    assert abs(s.power_w - tight.power) <= s.power_error_w
+    if omega == 8:
+        assert tight.speed == pytest.approx(0.00205337376766, rel=1e-9)
+
+
+def test_claims_hold_on_a_part_of_the_grid() -> None:
+    rng = np.random.default_rng(3)
+    axes = np.radians(np.arange(5, 76, 5)), np.radians(np.arange(20, 91, 5)), np.arange(1.0, 21.0)
+    for _ in range(40):
+        alpha, beta, omega = (float(rng.choice(axis)) for axis in axes)
+        gait = sn.Gait(alpha, beta, omega)
+        tight = _core.steady(core_model(OF_2005, BINGHAM, gait), 1e-8, True, 1024)
+        for rtol in (1e-4, 1e-6):
+            s = _core.steady(core_model(OF_2005, BINGHAM, gait), rtol, True, 1024)
+            for name in ("speed", "power", "positive_power"):
+                claims = getattr(s, f"{name}_error") + getattr(tight, f"{name}_error")
+                assert abs(getattr(s, name) - getattr(tight, name)) <= 1.2 * claims, (gait, name)
+
+
+def test_at_a_kink_either_side_is_told() -> None:
+    """A wheel just rests for a moment: slopes of tight solutions at ever smaller steps."""
+    robot = sn.Robot(4, 0.8959753194665062, 0.11449974952753592)
+    ground = sn.Ground(
+        0.03194286533884961, 2.3488956713548883, 0.7162086592020847, 3.275844670696158
+    )
+    gait = sn.Gait(1.223308166518118, 1.4531583908504635, 5.225083217087462, -0.12678797430575386)
+    found = differentiate(robot, ground, gait)
+    k = found.names.index("omega_rad_s")
+    assert found.kinks[k]
+    for q, less, more in ((0, 0.03934, 0.03728), (3, -0.0037, 0.030672)):
+        room = found.side_errors[k, q] + 2e-3 * abs(more - less)
+        assert (abs(found.sides[k, q] - (less, more)) <= room).all()
+        assert found.side_errors[k, q].max() < 0.1 * abs(more - less)
+        assert found.errors[k, q] >= 0.49 * abs(more - less)
+    j = found.names.index("cn")
+    assert not found.kinks[j]
+    assert (found.sides[j] == found.derivatives[j, :, None]).all()
