@@ -76,7 +76,7 @@ std::optional<CycleEnd> SlidingCycle::follow(const Vec3& p, const Following& how
     for (int i = 0; i < 3; ++i) now_.by_start[i][i] = 1;
     tau_ = 0, tolerance_ = how.tolerance, spin_ = how.spin;
     simultaneous_ = false, saltation_.waits = false, step_length_ = skipped_ = 0;
-    meter_.start(how.work);
+    meter_.start(how.work, how.tolerance);
     aim(how.tolerance);
     piece_length_ = std::max(piece_length_, 1e-3);  // it may have broken off at a very short one
     event_step_.forget();

@@ -24,8 +24,10 @@ WorkMeter::WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece,
     for (int i = 0; i + 1 < robot.n; ++i) lag_.push_back(table.lag(i));
 }
 
-void WorkMeter::start(bool wanted) {
+void WorkMeter::start(bool wanted, double tolerance) {
+    constexpr double kOrder = 8;  // of the Gauss points
     wanted_ = wanted;
+    longest_ = std::clamp(0.21 * std::pow(tolerance / 6e-7, 1 / kOrder), 0.02, 0.4);
     work_.net = work_.doubtful = 0;
     work_.positive.assign(wanted ? lag_.size() : 0, 0.0);
     std::fill(fresh_.begin(), fresh_.end(), 0);
@@ -45,12 +47,11 @@ void WorkMeter::add_event_steps(double skipped) {
 // by themselves. Torques are no polynomials: they are taken at Gauss points of short parts.
 void WorkMeter::add(const SlidingMode& mode, double tau, double h, double x, double skipped) {
     constexpr double kFarthest = 0.1;  // of the part that is used
-    constexpr double kLongest = 0.25;  // rad
     if (!wanted_) return;
     const bool extended = skipped <= kFarthest * h * x;
     if (!extended) add_event_steps(skipped);
     const double start = extended ? -skipped / h : 0;
-    const int parts = static_cast<int>(std::ceil(h * (x - start) / kLongest));
+    const int parts = static_cast<int>(std::ceil(h * (x - start) / longest_));
     for (int k = 0; k < parts; ++k)
         add_part(tau, h, start + (x - start) * k / parts, (x - start) / parts);
     add_doubt(mode, h, x);

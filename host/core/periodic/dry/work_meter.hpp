@@ -13,7 +13,7 @@ class WorkMeter {
   public:
     WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece, const EventFinder& events);
 
-    void start(bool wanted);
+    void start(bool wanted, double tolerance);
 
     // Add the first x of the piece, which begins at tau and is h long. `skipped` of phase before it
     // went by in event steps.
@@ -36,6 +36,7 @@ class WorkMeter {
     std::vector<SlidingPiece::Lanes> torque_, rate_;
     std::vector<char> fresh_;  // wheels whose sliding has just begun
     JointWork work_;
+    double longest_ = 0;  // part of a piece, rad
     bool wanted_ = false;
 };
 
