@@ -82,8 +82,8 @@ def sensitivities(found: Sensitivities) -> None:
     console.print("power+: without regeneration; turn: in a cycle", highlight=False)
     if found.kinks.any():
         console.print(
-            "kink: a wheel starts or stops to rest here, so that less changes other things than "
-            "more; each row holds to its side",
+            "kink: at this point a wheel begins or ceases to rest, so a little less and a little "
+            "more each have a row",
             highlight=False,
         )
 
