@@ -42,7 +42,7 @@ def dry_products() -> int:
     """Return the multiply-adds of following half a cycle once, from the right start.
 
     A half cycle has 19 pieces between changes of mode (mean of the last pass over the grid at
-    1e-4; the solver makes 3.1 passes a gait). Each piece needs one evaluation of its five stages
+    1e-4; the solver makes 2.9 passes a gait). Each piece needs one evaluation of its five stages
     and one Newton step, with four right sides for the derivative. It then needs the test whether
     a wheel's mode ends, integrals, joint powers, and the convex step to the next mode: some 7000.
     """

@@ -131,7 +131,7 @@ class SampledSpeeds:
         if not self.dry:
             self.solve(gait, which, False, None)
             return self._speeds[which] * self._left(gait, which)
-        before = self._begin(which)
+        before = self.begin(which)
         for count, rows in self._stages(which.size, before is not None):
             self.solve(gait, which[rows], True, self._expected(which, before, count, rows))
         return self._speeds[which] * self._left(gait, which)
@@ -186,7 +186,7 @@ class SampledSpeeds:
             return np.ones(which.size)
         return self.shares.of(gait, [self.samples[i] for i in which])
 
-    def _begin(self, which: Places) -> Array | None:
+    def begin(self, which: Places) -> Array | None:
         """Return starts: those of the gaits before, and a fit's for samples without one."""
         starts, like = self.starts[which].copy(), self._like
         new, known = np.isnan(starts).any(axis=1), np.isfinite(like.starts).all(axis=1)

@@ -286,6 +286,46 @@ def test_the_percentile_needs_only_the_samples_near_it(gait: sn.Gait) -> None:
     assert robots.solved < 2.5 * 256  # all roughly, twice, and some more finely
 
 
+def test_samples_that_are_followed_have_the_percentile_of_all() -> None:
+    """From shape to shape near a cliff, against every sample solved; few of them were."""
+    drawn = sn.Uncertainty().samples(OF_2005, BINGHAM, 1024)
+    robots, everyone = spread.SampledSpeeds(OF_2005, drawn), np.arange(1024)
+    slow = np.argsort(robots.rough(STURDY, everyone))[:170]
+    followed = spread.FollowedSamples(robots, slow, 1024)
+    followed.low(STURDY)
+    before, off = robots.solved, []
+    for alpha, beta, rate in (
+        (-2, 0, 1.0),
+        (0, 3, 1.1),
+        (3, -2, 1.0),
+        (-4, 2, 1.15),
+        (-1, 1, 1.05),
+    ):
+        gait = sn.Gait(
+            STURDY.alpha_rad + alpha * D, STURDY.beta_rad + beta * D, rate * STURDY.omega_rad_s
+        )
+        full = spread.sampled_speeds(OF_2005, gait, [drawn[i] for i in slow])
+        off.append(followed.low(gait) / spread.smooth_low_speed(full, 1024) - 1)
+    assert np.abs(off).max() < 2e-3
+    assert robots.solved - before < 0.8 * 5 * slow.size
+
+
+def test_a_fit_tells_where_other_samples_begin() -> None:
+    """States solved from where others lead to expect them are near that, and as solved alone."""
+    stated, everyone = sn.Uncertainty(), np.arange(64)
+    seen = spread.SampledSpeeds(OF_2005, stated.samples(OF_2005, BINGHAM, 512))
+    seen.rough(STURDY, np.arange(512))
+    others = stated.samples(OF_2005, BINGHAM, 64, seed=9)
+    led, alone = (spread.SampledSpeeds(OF_2005, others, like=like) for like in (seen, None))
+    begun = led.begin(everyone)
+    assert begun is not None
+    assert alone.begin(everyone) is None
+    speeds = [robots.rough(STURDY, everyone) for robots in (led, alone)]
+    assert speeds[0] == pytest.approx(speeds[1], rel=0.03)
+    assert np.median(np.abs(speeds[0] / speeds[1] - 1)) < 5e-4
+    assert (np.std(begun - led.starts, axis=0) < 0.6 * np.std(led.starts, axis=0)).all()
+
+
 def test_rough_speeds_on_viscous_ground_are_exact() -> None:
     drawn = sn.Uncertainty().samples(PAPER, VISCOUS, 32)
     seen = spread.SampledSpeeds(PAPER, drawn).rough(STURDY, np.arange(32))
