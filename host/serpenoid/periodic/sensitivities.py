@@ -174,13 +174,9 @@ def _differences(here: Parts, moved: list[Parameter], steps: Array) -> tuple[Arr
     ]
     models = [core_model(*each) for each in parts]
     states = _core.neighbours(models[0], models, _RTOL, True, MAX_ELEMENTS, 1)
-    for name, state in zip(["", *(p.name for p in moved for _ in "-+")], states, strict=True):
+    for each, state in zip(parts, states, strict=True):
         if not state.converged:
-            where = f"where {name} is a little off" if name else f"to rtol {_RTOL:g}"
-            raise NotConverged(
-                f"no sensitivities: no periodic state was found {where}; ask for the gait's own "
-                "state alone, without sensitivities"
-            )
+            raise NotConverged(f"no periodic state beside this gait, for {each}")
     values = np.array([[s.speed, s.power, s.positive_power, s.turn] for s in states])
     claims = np.array(
         [[s.speed_error, s.power_error, s.positive_power_error, s.turn_error] for s in states]

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
-from serpenoid import _core
 from serpenoid.commands.main import cli
 from serpenoid.model.errors import BadInput
 from serpenoid.periodic.sensitivities import _STEP, QUANTITIES, Sensitivities, differentiate
@@ -205,12 +204,3 @@ def test_what_cannot_be_differentiated_is_named() -> None:
     found = differentiate(OF_2005, sn.Ground(0.1, 10.0), replace(GAIT, alpha_rad=math.pi))
     assert "alpha_rad" not in found.names
     assert "fn0" not in found.names
-
-
-def test_the_parameter_whose_neighbour_is_lost_is_named(monkeypatch) -> None:
-    def lost(_: object, models: list[object], *__: object) -> list[SimpleNamespace]:
-        return [SimpleNamespace(converged=k != 3) for k in range(len(models))]
-
-    monkeypatch.setattr(_core, "neighbours", lost)
-    with pytest.raises(sn.NotConverged, match="where beta_rad is a little off"):
-        differentiate(OF_2005, DRY, GAIT)
