@@ -167,20 +167,21 @@ def _differences(here: Parts, moved: list[Parameter], steps: Array) -> tuple[Arr
     Noise is what the claims of the states make of either side, and of the mean of both: the state
     here counts in a side alone. Raises NotConverged where a state beside this one has no solution.
     """
-    parts = [here] + [
-        p.moved(p.value + sign * step)
-        for p, step in zip(moved, steps, strict=True)
-        for sign in (-1, 1)
+    at = [
+        (p, p.value + sign * step) for p, step in zip(moved, steps, strict=True) for sign in (-1, 1)
     ]
-    models = [core_model(*each) for each in parts]
+    models = [core_model(*here), *(core_model(*p.moved(value)) for p, value in at)]
     states = _core.neighbours(models[0], models, _RTOL, True, MAX_ELEMENTS, 1)
-    for each, state in zip(parts, states, strict=True):
-        if not state.converged:
-            raise NotConverged(f"no periodic state beside this gait, for {each}")
     values = np.array([[s.speed, s.power, s.positive_power, s.turn] for s in states])
     claims = np.array(
         [[s.speed_error, s.power_error, s.positive_power_error, s.turn_error] for s in states]
     )
+    for (p, value), claim in zip(at, claims[1:], strict=True):
+        if not np.isfinite(claim).all():
+            raise NotConverged(
+                f"no periodic state found beside this gait, at {p.name} = {value:.9g}: there are "
+                "no derivatives; ask for the state without sensitivities"
+            )
     beside, claimed = (v[1:].reshape(-1, 2, len(QUANTITIES)) for v in (values, claims))
     sides = (beside - values[0]) * np.array([-1, 1])[:, None] / steps[:, None, None]
     mean = claimed.mean(axis=1) / steps[:, None]

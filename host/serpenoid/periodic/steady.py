@@ -205,6 +205,12 @@ def steady_gait(
     found = from_core(robot, ground, gait, s)
     if s.converged:
         return found
+    if math.isinf(found.error_estimate):
+        raise NotConverged(
+            f"no periodic state found for {gait} on {ground}, nor anything near one; follow the "
+            "motion in time with simulate",
+            best=found,
+        )
     raise NotConverged(
         f"no periodic state found to rtol {rtol:g} for {gait} on {ground}: the best has a speed of "
         f"{s.speed:.6g} m/s with an error of {found.error_estimate:.1g} of itself"

@@ -198,6 +198,20 @@ def test_the_steady_state_takes_them_along() -> None:
     assert told["fn0"]["speed_m_s"]["derivative"] > 0
 
 
+def test_a_gait_that_goes_nowhere_has_derivatives() -> None:
+    """States beside it have a speed of nothing, known to 1e-11 m/s and not to 1e-7 of itself."""
+    found = differentiate(OF_2005, DRY, replace(GAIT, alpha_rad=math.radians(30), beta_rad=0.0))
+    by = dict(zip(found.names, found.derivatives, strict=True))
+    assert abs(by["alpha_rad"][0]) < 1e-6
+    assert by["alpha_rad"][1] > 0.05
+
+
+def test_a_state_that_is_not_found_names_its_parameter(monkeypatch) -> None:
+    alter_states(monkeypatch, lambda s, first: {"speed_error": math.inf if s is not first else 0.0})
+    with pytest.raises(sn.NotConverged, match=r"at alpha_rad = 1\.046.*without sensitivities"):
+        differentiate(OF_2005, DRY, GAIT)
+
+
 def test_what_cannot_be_differentiated_is_named() -> None:
     with pytest.raises(BadInput, match="does not move"):
         differentiate(OF_2005, DRY, replace(GAIT, alpha_rad=0.0))

@@ -136,6 +136,7 @@ def _pinned(
     commanded: the gait as told, where a film showed what its joints do.
     """
     from ...gaits.margins import gait_margins
+    from ...periodic.steady import speed_floor_m_s
     from ...periodic.steady_gait import steady_gait
     from ...show import report
     from ...show.gaits import gait_report
@@ -158,7 +159,8 @@ def _pinned(
     if moved is not None:
         report.with_servo(moved)
     if s.sensitivities is not None:
-        gait_report.sensitivities(s.sensitivities)
+        floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
+        gait_report.sensitivities(s.sensitivities, floor_m_s)
     if band is not None:
         report.console.print(f"predicted: {band.in_words()}", highlight=False)
     if doubts is not None:

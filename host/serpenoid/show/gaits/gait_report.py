@@ -56,16 +56,18 @@ def no_servo(gait: Gait) -> None:
         )
 
 
-def sensitivities(found: Sensitivities) -> None:
+def sensitivities(found: Sensitivities, floor_m_s: float) -> None:
     """Print what 1 % more of each parameter changes; of an angle, what 1 deg more changes.
 
-    At a kink less changes other things than more, and has a row of its own.
+    At a kink less changes other things than more, and has a row of its own. A gait whose speed is
+    below floor_m_s has none to take per cents of.
     """
-    rows = []
+    rows, travels = [], found.at[0] > floor_m_s
     for k, name in enumerate(found.names):
         angle = name.endswith("_rad") or "_rad[" in name
         step = math.radians(1) if angle else 0.01 * found.values[k]
         size = [*(100 * step / found.at[:3]), math.degrees(step)]
+        size[0] = size[0] if travels else 1000 * step
         for sign in (-1, 1) if found.kinks[k] else (1,):
             by, known = found.derivatives[k], found.errors[k]
             if found.kinks[k]:
@@ -77,7 +79,8 @@ def sensitivities(found: Sensitivities) -> None:
             more = "" if sign > 0 else "-"
             label = name + (" (kink)" if found.kinks[k] else "")
             rows.append([label, more + ("1 deg" if angle else "1 %"), *changes])
-    columns = ["parameter", "more by", "speed, %", "power, %", "power+, %", "turn, deg"]
+    speed = "speed, %" if travels else "speed, mm/s"
+    columns = ["parameter", "more by", speed, "power, %", "power+, %", "turn, deg"]
     table("what a little more of each changes; ideal joints, others kept", columns, rows)
     console.print("power+: without regeneration; turn: in a cycle", highlight=False)
     if found.kinks.any():
