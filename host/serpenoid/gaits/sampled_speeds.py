@@ -216,9 +216,9 @@ class SampledSpeeds:
         told: there are starts, and of a fit only the mean serves, which says how all have moved.
         """
         counts = [0, 1] if told else [0, 1, *self._counts()]
-        ends = [_FIRST, *(_FOR_FIT * count for count in counts[2:]), size]
+        ends = [_FIRST, *(max(_FIRST, _FOR_FIT * count) for count in counts[2:]), size]
         for count, (first, last) in zip(counts, pairwise([0, *ends]), strict=True):
-            if first < size:
+            if first < min(last, size):
                 yield count, slice(first, min(last, size))
 
     def _expected(

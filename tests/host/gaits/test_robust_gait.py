@@ -326,6 +326,15 @@ def test_a_fit_tells_where_other_samples_begin() -> None:
     assert (np.std(begun - led.starts, axis=0) < 0.6 * np.std(led.starts, axis=0)).all()
 
 
+def test_without_doubt_robustness_costs_nothing() -> None:
+    """All samples are the same robot: no trait tells them apart, and none is slower."""
+    known = sn.Uncertainty(friction=(0, 0, 0, 0), amplitude=0, common_amplitude=0, lag_rad=0)
+    best = sn.robust_gait(OF_2005, BINGHAM, speed_m_s=0.05, uncertainty=known, samples=64)
+    assert best.premium == pytest.approx(0, abs=5e-3)
+    assert best.speeds_m_s == pytest.approx(np.full(64, 0.05), rel=2e-3)
+    assert best.checked_low_m_s == pytest.approx(0.05, rel=2e-3)
+
+
 def test_rough_speeds_on_viscous_ground_are_exact() -> None:
     drawn = sn.Uncertainty().samples(PAPER, VISCOUS, 32)
     seen = spread.SampledSpeeds(PAPER, drawn).rough(STURDY, np.arange(32))
