@@ -113,9 +113,9 @@ def robust_gait(
 ) -> RobustGait:
     """Find the least power at which 95 % of the sampled robots keep 90 % of the speed.
 
-    On the nominal ground the gait makes at least the wanted speed. Speeds are solved for sampled
-    robots; as many other samples check the gait. On a ratchet, waves from tail to head (beta below
-    0) are searched too.
+    On the nominal ground the gait makes at least the wanted speed, to 1e-5 of it. Speeds are solved
+    for sampled robots; as many other samples check the gait. On a ratchet, waves from tail to head
+    (beta below 0) are searched too.
 
     Parameters
     ----------
