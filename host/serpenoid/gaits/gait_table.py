@@ -129,18 +129,18 @@ class GaitTable:
         """
         if self.omega_rad_s.size < 2:
             return np.full(self.alpha_rad.shape, np.nan), np.full(self.alpha_rad.shape, np.nan)
+        slow, cost = self.speed_m_s <= speed_m_s, self.cost_w[:, :, :-1]
+        here = slow[:, :, :-1] & (self.speed_m_s >= speed_m_s)[:, :, 1:]
+        here &= (cost > 0) & (cost < np.inf)
+        i, j = np.indices(self.alpha_rad.shape)
+        k = here.argmax(axis=2)
         x = np.log(self.omega_rad_s)
         with np.errstate(divide="ignore", invalid="ignore"):
-            y, q = np.log(self.speed_m_s / speed_m_s), np.log(self.cost_w)
-            here = (y[:, :, :-1] <= 0) & (y[:, :, 1:] >= 0) & np.isfinite(q[:, :, :-1])
-            k = here.argmax(axis=2)[:, :, None]
-            (y0, y1), (q0, q1) = (
-                [np.take_along_axis(of, at, axis=2)[:, :, 0] for at in (k, k + 1)] for of in (y, q)
-            )
+            y0, y1 = (np.log(self.speed_m_s[i, j, of] / speed_m_s) for of in (k, k + 1))
+            q0, q1 = (np.log(self.cost_w[i, j, of]) for of in (k, k + 1))
             f = np.clip(-y0 / (y1 - y0), 0, 1)
             f = np.where(np.isfinite(f), f, 1.0)
-            x0, x1 = x[k[:, :, 0]], x[k[:, :, 0] + 1]
-            rate, watts = np.exp(x0 + f * (x1 - x0)), np.exp(q0 + f * (q1 - q0))
+            rate, watts = np.exp(x[k] + f * (x[k + 1] - x[k])), np.exp(q0 + f * (q1 - q0))
         none = ~here.any(axis=2)
         rate[none] = watts[none] = np.nan
         return rate, watts

@@ -20,6 +20,7 @@ from .quadratic_search import Array
 from .shape_search import Candidate, GaitShape, exact_solver
 
 _STILL, _FAR_LED = 0.03, 0.3  # e-folds of shape: an optimum that moves so much is led on
+_JOINS = 0.05  # e-folds of shape: tangents that lead so near to one another
 _ABOVE = 1e-2  # e-folds of power over its neighbours' line: such a speed is searched anew
 
 
@@ -42,6 +43,15 @@ class _Track:
         track = _Track()
         track._known = [one for one in self._known if one.log_speed == math.log(speed_m_s)]
         return track
+
+    def joins(self, speed_m_s: float, other: float) -> bool:
+        """Tell whether the tangents at two speeds show that one valley holds both optima."""
+        known = {one.log_speed: one for one in self._known}
+        first, second = (known.get(math.log(v)) for v in (speed_m_s, other))
+        if not (first and second) or first.tangent is None or second.tangent is None:
+            return False
+        move = (second.log_speed - first.log_speed) * (first.tangent + second.tangent) / 2
+        return bool(np.abs(second.at - first.at - move)[:2].max() < _JOINS)
 
     def expected(self, speed_m_s: float) -> tuple[list[Candidate], float]:
         """Return where the optimum should be, and how far off, e-folds of shape.
@@ -232,6 +242,8 @@ def power_front(
     for speed in sorted(set(speeds)):
         found[speed] = _reached(waves, speed)
     for speed, faster in _above_the_curve(found):
+        if all(track.joins(speed, faster) for track in waves.tracks):
+            continue
         anew, before = _reached(waves, speed, faster), found[speed]
         found[speed] = min((anew, before), key=lambda best: best.power_w if best else math.inf)
     named = {v: best and replace(best, formulation=formulation) for v, best in found.items()}
