@@ -93,7 +93,8 @@ class LeastPower:
     basins
         Number of separate valleys of shapes that were searched.
     runner_up_w
-        Power of the second best valley, W; inf if there was one valley.
+        Power of the second best valley, W; inf if there was one valley. Of a front: as low as that
+        valley was followed.
     evaluations
         Periodic states solved in the search, without those of tables.
     """
