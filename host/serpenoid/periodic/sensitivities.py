@@ -30,7 +30,7 @@ _UNSEEN = 0.1  # of a jump: what the mean of both sides may be off by
 _SAME_JUMP = 0.75  # a smooth function's jump halves with the step
 _CURVED = 3e-6  # of a derivative: the square of a step, which the jump of an odd one does not show
 _AHEAD = 1.5  # of the last change of a side: what is left of it falls with the step or its root
-_LEFT = 2.5  # and the error of that
+_LEFT = 4.0  # and the error of that, also where the kink is a little aside
 
 
 @dataclass(frozen=True, slots=True)

@@ -101,7 +101,7 @@ def test_at_a_kink_either_side_is_told() -> None:
     for q, less, more in ((0, 0.03934, 0.03728), (3, -0.0037, 0.030672)):
         room = found.side_errors[k, q] + 2e-3 * abs(more - less)
         assert (abs(found.sides[k, q] - (less, more)) <= room).all()
-        assert found.side_errors[k, q].max() < 0.1 * abs(more - less)
+        assert found.side_errors[k, q].max() < 0.2 * abs(more - less)
         assert found.errors[k, q] >= 0.49 * abs(more - less)
     j = found.names.index("cn")
     assert not found.kinks[j]
