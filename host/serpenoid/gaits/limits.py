@@ -75,7 +75,11 @@ class GaitLimits:
     def left(
         self, bend_rad: float, alpha_rad: float, omega_rad_s: float, torque_nm: float
     ) -> dict[str, float]:
-        """Return by how many e-folds these are below each limit."""
+        """Return by how many e-folds these are below each limit.
+
+        bend_rad, alpha_rad: most that a joint bends, and its amplitude, rad. omega_rad_s: the rate,
+        rad/s. torque_nm: most that a servo holds, N m.
+        """
         used = {
             "joint_angle_rad": (bend_rad, self.joint_angle_rad),
             "servo_speed_rad_s": (alpha_rad * omega_rad_s, self.servo_speed_rad_s),
