@@ -2,7 +2,8 @@
 
 `springs`: k from 1e2 to 1e9 N/m, every method. `free`: torques and servos on dry ground, by
 events. `long`: 10 000 s on viscous ground, one cycle in long doubles, composed 5000 times.
-`work`: the positive work of random scenes with every kind of drive, joint and ground.
+`dry-springs`: springs on dry ground, by events. `far`: long runs on dry ground, on springs and with
+servos. `work`: the positive work of random scenes with every kind of drive, joint and ground.
 """
 
 from __future__ import annotations
@@ -130,6 +131,49 @@ def long() -> None:
                   f"{run.t_s.size} rows, {memory} MB", flush=True)  # fmt: skip
 
 
+def dry_springs() -> None:
+    """Print true and claimed error of springs on dry ground, by stiffness and links."""
+    for links in (2, 3, 6):
+        for k in 10.0 ** np.arange(2, 10):
+            lasts = 0.25 if k < 1e6 else 0.05 if k < 1e9 else 0.01
+            scene = tc.hard_scene(links, k, ground=sn.Ground(0.1, 1.0, 0.3, 1.0), duration_s=lasts)
+            one = stable(replace(scene, method="nonsmooth"))
+            assert one is not None
+            run = sn.simulate(one)
+            rtol = 1e-12 if k < 1e8 else 1e-10 if k < 1e9 else 1e-9  # rounding shakes such springs
+            truth = tc.by_events(one, replace(run, t_s=run.t_s[-1:]), rtol)[-1]
+            true = tc.off(tc.places(run)[-1], truth, one.robot)
+            print(f"{links} links, {k:.0e} N/m, {lasts} s, dt {one.dt_s:.1g}: {true:.1e}, claims "
+                  f"{size(run):.1e}, settled {run.error_estimate.settled}", flush=True)  # fmt: skip
+
+
+def far(seconds: float) -> None:
+    """Print how far long runs on dry ground, on springs and with servos are off at their end."""
+    soft, hard = {"joint_stiffness_n_m": 1e3}, {"joint_stiffness_n_m": 1e5}
+    for kind, more in (
+        ("dry", {"tolerance": 1e-5}), ("dry", {}), ("dry", {"tolerance": 1e-7}),
+        ("springs", {"method": "radau", **soft}), ("springs", {"method": "dop853", **soft}),
+        ("springs", {"method": "rk4", "dt_s": 0.01, **soft}),
+        ("springs", {"method": "radau", **hard}),
+        ("servo", {}), ("servo", {"tolerance": 1e-8}), ("servo dry", {}),
+        ("servo dry", {"tolerance": 1e-8}),
+    ):  # fmt: skip
+        for offset in (0.0, math.radians(5)):
+            period = 2.0 if kind in ("dry", "springs") else 0.4
+            cycles = round(seconds / period)
+            scene = tc.far_scene(kind, cycles, offset, **{"dt_s": period / 4, **more})
+            at, angle, gone = tc.far_truth(scene, cycles)
+            begin = time.process_time()
+            run = sn.simulate(scene)
+            took, end, said = time.process_time() - begin, run.state(), run.error_estimate
+            off_m = abs(complex(end.x_m[0], end.y_m[0]) - at)
+            claim = said.integration
+            print(f"{kind} {more}, bend {offset:.2g}: {off_m:.1e} m, "
+                  f"{abs(end.theta_rad[0] - angle):.1e} rad; claims {claim.position_m:.1e} m, "
+                  f"{claim.angle_rad:.1e} rad, settled {said.settled}; {took:.2g} s; "
+                  f"reference: {gone} cycles", flush=True)  # fmt: skip
+
+
 def work(cases: int) -> None:
     """Print how far the positive work is off at three tolerances, and the largest true/claimed."""
     column = ENERGY_COLUMNS.index("positive_work_j")
@@ -160,15 +204,20 @@ def work(cases: int) -> None:
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("springs", "free", "long", "work"))
+    parser.add_argument("what", choices=("springs", "dry-springs", "free", "long", "far", "work"))
     parser.add_argument("--cases", type=int, default=40,
                         help="of every kind of free joints; of the work in all")  # fmt: skip
     parser.add_argument("--rounds", type=int, default=1, help="runs that a time is the mean of")
+    parser.add_argument("--seconds", type=float, default=1e4, help="of the runs of far")
     given = parser.parse_args()
     if given.what == "springs":
         springs(given.rounds)
     elif given.what == "free":
         free(given.cases)
+    elif given.what == "dry-springs":
+        dry_springs()
+    elif given.what == "far":
+        far(given.seconds)
     elif given.what == "work":
         work(given.cases)
     else:

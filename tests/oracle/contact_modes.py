@@ -287,18 +287,24 @@ class World:
         push = self.pushes(t, q, v, Mode(slide, region), touch)
         inner = np.linalg.cholesky(free.T @ self.mass @ free)
         ways = touch[resting] @ free
-        # shift the accelerations so that what the contacts' rows turn is in them
-        shift = -np.linalg.lstsq(ways, touch[resting] @ first + bias[resting], rcond=1e-11)[0]
-        first = first + free @ shift
+        # shift the accelerations so that what the contacts' rows turn is in them, but for what no
+        # motion can take up: in a singular pose, where a contact must reverse
+        turning = touch[resting] @ first + bias[resting]
+        shift = -np.linalg.lstsq(ways, turning, rcond=1e-11)[0]
+        first, turning = first + free @ shift, turning + ways @ shift
         load = np.linalg.solve(inner, free.T @ (push - self.mass @ first))
         answer = np.linalg.solve(inner, ways.T)
         scale = np.maximum(np.maximum(self.ahead, self.back)[resting], 1e-300)
         low, high = -self.ahead[resting] / scale, self.back[resting] / scale
         part = np.zeros(resting.size)
         if resting.size:
-            part = lsq_linear(
-                answer * scale, -load, (low - 1e-300, high + 1e-300), method="bvls", tol=1e-15
-            ).x
+            rows, goal = answer * scale, -load
+            if abs(turning).max() > 1e-9 * (1 + abs(bias).max()):
+                soft = 1e-5 * np.linalg.norm(rows)
+                rows = np.vstack([rows, soft * np.eye(resting.size)])
+                goal = np.append(goal, -scale * turning / soft)
+            limits = (low - 1e-300, high + 1e-300)
+            part = lsq_linear(rows, goal, limits, method="bvls", tol=1e-15).x
         slide[resting[part >= high - 1e-9]] = -1
         slide[resting[part <= low + 1e-9]] = 1
         stays = np.flatnonzero(slide == 0)

@@ -2,8 +2,8 @@
 
 A run is compared with a much finer one, by another method where one runs the scene. Their
 difference is the run's error, even if its steps are too long to show an order. A third run
-between the two checks the finest, and their difference is added. Where that is not small the
-figures are no bound: RunError.settled then says so, and chaos is named.
+between the two checks the finest, and their difference is added. Where that is not small, a finer
+run yet is tried; else the figures are no bound: RunError.settled then says so, and chaos is named.
 """
 
 from __future__ import annotations
@@ -122,12 +122,20 @@ def _held_against(run: Run, finer: Run, finest: Run, how: FinerScenes) -> RunErr
 
 
 def _integration(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
+    found, finest, of = None, None, None
     for how in finer_scenes(run.scene):
+        if found is not None and how.finer is not of:
+            break  # a pair for want of the one before
         try:
-            return _held_against(run, simulate(how.finer), simulate(how.finest), how)
+            finer = finest if finest is not None and how.finer is of else simulate(how.finer)
+            finest, of = simulate(how.finest), how.finest
         except (Diverged, StepTooLarge):
             continue
-    return RunError(_UNKNOWN, None, "integration: no finer run comes to its end", False, 0.0)
+        found = _held_against(run, finer, finest, how)
+        if found.settled or found.chaotic:
+            break
+    word = "integration: no finer run comes to its end"
+    return found or RunError(_UNKNOWN, None, word, False, 0.0)
 
 
 def estimate(run: Run, simulate: Callable[[Scene], Run]) -> RunError:

@@ -113,10 +113,29 @@ def test_runs_that_stay_near_are_not_called_chaotic() -> None:
     run = sn.simulate(sn.Scene(sn.Robot(3, 0.1, 0.1), sn.Ground(0.1, 1.0), sn.Gait(0.5, 1.0, 3.0),
                                method="dop853", duration_s=1.0, dt_s=0.1))  # fmt: skip
     for apart_rad, chaotic in ((0.003, False), (0.3, True)):
-        others = [replace(run, theta_rad=run.theta_rad + k * apart_rad) for k in (1, 2)]
+        others = [replace(run, theta_rad=run.theta_rad + k * apart_rad) for k in (1, 2, 1)]
         found = estimate(run, lambda _, left=others: left.pop())
         assert not found.settled
         assert found.chaotic == chaotic
+
+
+def test_where_finer_runs_disagree_a_closer_one_is_asked() -> None:
+    """The run at 1e-8 was off by more than this one; those at 1e-10 and 1e-11 agree."""
+    run = sn.simulate(sn.Scene(sn.Robot(3, 0.1, 0.1), sn.Ground(0.1, 1.0), sn.Gait(0.5, 1.0, 3.0),
+                               method="dop853", duration_s=1.0, dt_s=0.1))  # fmt: skip
+    off = {1e-8: 0.009, 1e-10: 0.001, 1e-11: 0.0011}
+    asked: list[float] = []
+
+    def other(scene: sn.Scene) -> sn.Run:
+        asked.append(scene.tolerance)
+        if scene.method == "collocation":
+            return replace(run, theta_rad=run.theta_rad + off[float(f"{scene.tolerance:.3g}")])
+        raise AssertionError(scene.method)
+
+    found = estimate(run, other)
+    assert asked == pytest.approx([1e-8, 1e-10, 1e-11])
+    assert found.settled
+    assert found.integration.angle_rad == pytest.approx(0.0012)
 
 
 @pytest.mark.parametrize("method", ["collocation", "nonsmooth"])

@@ -22,6 +22,11 @@ pytestmark = pytest.mark.skipif(
 )
 # Link 1 after 5000 cycles: `python studies/truths.py long`.
 TURNS = math.radians(5)
+DRY_CYCLES = 60  # by tc.far_truth
+FAR_DRY = {
+    0.0: (7.899060148354895, 9.208333343160035, 0.0611180395688667),
+    TURNS: (-0.04168477392518902, -0.05596362568897478, 18.80935828283074),
+}
 FAR = {
     0.0: (1752.6358080603447, 596.7484966851941, 0.010406698199251545),
     TURNS: (0.11333064151366411, 0.04626531328087621, 1401.2554193242975),
@@ -80,6 +85,22 @@ def test_torques_and_servos_on_dry_ground(kind: str, seed: int) -> None:
     assert tc.off(tc.places(loose), truth, scene.robot) <= 1.5 * claim + 1e-9
 
 
+@pytest.mark.parametrize(
+    ("links", "k", "lasts_s", "dt_s"),
+    [(2, 1e4, 0.1, 1e-3), (3, 1e7, 0.01, 1e-4), (2, 1e9, 0.002, 1e-5)],
+)
+def test_springs_on_dry_ground(links: int, k: float, lasts_s: float, dt_s: float) -> None:
+    """Wheels that rest and slide while springs ring, by events: as far off as runs claim."""
+    scene = tc.hard_scene(links, k, ground=sn.Ground(0.1, 1.0, 0.3, 1.0), method="nonsmooth",
+                          duration_s=lasts_s, dt_s=dt_s)  # fmt: skip
+    run = sn.simulate(scene)
+    truth = tc.by_events(scene, replace(run, t_s=run.t_s[-1:]), 1e-11 if k < 1e8 else 1e-9)
+    error = tc.off(tc.places(run)[-1:], truth, scene.robot)
+    assert error < 1e-5
+    assert run.error_estimate.settled
+    assert error <= 1.1 * run.error_estimate.integration.size(scene.robot.body_length_m) + 1e-11
+
+
 def long_run(offset_rad: float, method: str, cycles: int, **more: float) -> sn.Run:
     gait = sn.Gait(math.radians(30), math.radians(80), math.pi, offset_rad)
     return sn.simulate(
@@ -111,3 +132,28 @@ def test_five_thousand_cycles(method: str, offset: float) -> None:
     assert math.hypot(end.x_m[0] - x, end.y_m[0] - y) <= 1.1 * claim.position_m + 1e-9
     assert abs(end.theta_rad[0] - theta) <= 1.1 * claim.angle_rad + 1e-9
     assert claim.position_m < 1e-3
+
+
+@pytest.mark.parametrize("offset", FAR_DRY)
+def test_many_cycles_on_dry_ground(offset: float) -> None:
+    """The 2005 robot forgets its start in three cycles; the others are composed."""
+    x, y, theta = FAR_DRY[offset]
+    run = sn.simulate(tc.far_scene("dry", DRY_CYCLES, offset, tolerance=1e-7, dt_s=0.5))
+    end, said = run.state(), run.error_estimate
+    assert said.settled
+    assert math.hypot(end.x_m[0] - x, end.y_m[0] - y) <= 1.1 * said.integration.position_m
+    assert abs(end.theta_rad[0] - theta) <= 1.1 * said.integration.angle_rad
+    assert said.integration.position_m < 1e-3
+
+
+@pytest.mark.slow
+def test_a_long_way_on_dry_ground_is_told_by_closer_runs() -> None:
+    """The run at 1e-8 is further off than that at 1e-6: those at 1e-10 and 1e-11 agree."""
+    scene = tc.far_scene("dry", 1200, tolerance=1e-6, dt_s=0.5)
+    at, _, computed = tc.far_truth(scene, 1200)
+    assert computed < 6
+    run = sn.simulate(scene)
+    end, said = run.state(), run.error_estimate
+    assert said.settled
+    assert abs(complex(end.x_m[0], end.y_m[0]) - at) <= 1.1 * said.integration.position_m
+    assert said.integration.position_m < 1e-3

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import serpenoid as sn
 from numpy.random import Generator
+from oracle import composed, implicit
 from oracle import contact_modes as cm
 from oracle import joint_work as jw
 from oracle import springs_collocation as sc
@@ -70,7 +72,7 @@ def off(found: Array, truth: Array, robot: sn.Robot) -> float:
 
 
 def world(scene: sn.Scene) -> cm.World:
-    """Return a scene of the exact model as the event-driven reference takes it."""
+    """Return a scene as the event-driven reference takes it."""
     p, gait = params(scene), scene.gait
     if scene.servo is not None:
         setpoints = gait_setpoints_rad(
@@ -78,8 +80,11 @@ def world(scene: sn.Scene) -> cm.World:
             joints=p.links - 1, frames=int(scene.duration_s / scene.servo.frame_s) + 2,
         )  # fmt: skip
         return cm.World(p, cm.ServoDrive(scene.servo, np.asarray(setpoints), scene.servo.frame_s))
+    still = cm.Drive(np.zeros(1), np.zeros((1, p.links - 1)))
+    if scene.formulation == "implicit":
+        stiffness, damping = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
+        return cm.SpringWorld(p, still, gait_of(gait), stiffness, damping)
     if scene.drive == "angle":
-        still = cm.Drive(np.zeros(1), np.zeros((1, p.links - 1)))
         return jw.GaitWorld(p, still, gait_of(gait))
     if isinstance(scene.torque, sn.TorqueTable):
         return cm.World(p, cm.Drive(scene.torque.t_s, scene.torque.torque_nm))
@@ -102,6 +107,58 @@ def by_events(scene: sn.Scene, run: sn.Run, rtol: float = 1e-12) -> Array:
 def work_by_events(scene: sn.Scene, rtol: float = 1e-12) -> float:
     """Return the positive work of a scene's joints, J, by the event-driven reference."""
     return jw.positive_work(world(scene), packed(start_state(scene)), scene.duration_s, rtol)
+
+
+def far_scene(kind: str, cycles: int, offset_rad: float = 0.0, **more: Any) -> sn.Scene:
+    """Return many cycles of 2 s (servos: 0.4 s, whole frames): "dry", "springs" or "servo [dry]".
+
+    "dry" is the 2005 robot; the others have three links.
+    """
+    if kind == "springs":
+        gait = replace(PAPER_GAIT, omega_rad_s=math.pi)
+        return sn.Scene(
+            sn.Robot(3, 1.0, 0.12), sn.Ground(0.1, 10.0), replace(gait, offset_rad=offset_rad),
+            formulation="implicit", start="steady", duration_s=2.0 * cycles, **more,
+        )  # fmt: skip
+    links, period = (6, 2.0) if kind == "dry" else (3, 0.4)
+    dry = (0.14, 0.27) if "dry" in kind else ()
+    ground = sn.Ground.whole_body(links, 0.084, 1.2, *dry)
+    alpha, beta = (70, 75) if kind == "dry" else (40, 90)
+    gait = sn.Gait(math.radians(alpha), math.radians(beta), 2 * math.pi / period, offset_rad)
+    if kind != "dry":
+        more |= {"drive": "servo", "servo": sn.Servo(0.1, 0.004, 0.2)}
+    more = {"method": "nonsmooth" if dry else "dop853", **more}
+    return sn.Scene(
+        sn.Robot(links, 0.0756, 0.076), ground, gait, duration_s=period * cycles, **more
+    )
+
+
+def far_truth(scene: sn.Scene, cycles: int, rtol: float = 1e-12) -> tuple[complex, float, int]:
+    """Return place, m, and angle of link 1 after many cycles of a far scene, and those computed."""
+    period = scene.gait.period_s
+    start = packed(sn.simulate(replace(scene, duration_s=period)).state(0))
+    return composed.after(_cycle(scene, rtol), start, cycles)
+
+
+def _cycle(scene: sn.Scene, rtol: float) -> Callable[[Array], Array]:
+    period, p = scene.gait.period_s, params(scene)
+    if scene.formulation == "explicit":
+        events = world(replace(scene, duration_s=2 * period))
+        return lambda y: next(cm.run(events, y, np.array([period]), rtol=rtol))
+    spring = implicit.Spring(scene.joint_stiffness_n_m, scene.joint_damping_n_s_m)
+    gait = gait_of(scene.gait)
+    rate = implicit.gait_rate(p, spring, gait)
+
+    def cycle(y: Array) -> Array:
+        pose, rates = y.reshape(2, p.links, 3)
+        end = implicit.integrate(rate, implicit.pack(pose, rates), np.array([period]), rtol=rtol)[0]
+        n = p.links  # the shape is that of the start again
+        places = np.column_stack([end[: 2 * n].reshape(n, 2), pose[:, 2] + end[2 * n] - pose[0, 2]])
+        speeds = end[2 * n + 1 : 4 * n + 1].reshape(n, 2)
+        turning = rates[:, 2] + end[-1] - rates[0, 2]
+        return np.concatenate([places.ravel(), np.column_stack([speeds, turning]).ravel()])
+
+    return cycle
 
 
 def free_case(kind: str, seed: int, duration_s: float = 0.6) -> sn.Scene:
