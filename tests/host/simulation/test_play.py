@@ -71,8 +71,11 @@ def test_a_hair_of_play_is_none() -> None:
 
 
 def test_the_speed_is_that_of_the_quick_state() -> None:
-    """Which has other coordinates and teeth that are rigid; 3 degrees halve the speed."""
-    servo = loose(3.0)
+    """Which has other coordinates and teeth that are rigid; 2.5 degrees halve the speed.
+
+    With 2 or 3 degrees the motion is irregular, and mostly settles to no speed.
+    """
+    servo = loose(2.5)
     quick = sn.steady_gait(ROBOT, DRY, GAIT, rtol=1e-3, servo=servo)
     full, _ = full_speeds(quick.ideal, servo, keep=4, seconds=6)
     assert quick.speed_m_s == pytest.approx(full.mean(), rel=0.04)  # cycles differ by 2 %
