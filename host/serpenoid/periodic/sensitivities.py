@@ -26,7 +26,8 @@ _HALVINGS = 6
 _RTOL = 1e-7
 MAX_ELEMENTS = 1024
 _SMOOTH = 1e-2  # both sides agree to this part of the derivative: it is smooth
-_UNSEEN = 0.1  # of a jump: what the mean of both sides may be off by
+_UNSEEN = 0.1  # of a jump: what the mean of both sides may be off by where nothing has kinks
+_BENT = 0.5  # and elsewhere: a kink within the step puts the mean off by half the jump
 _SAME_JUMP = 0.75  # a smooth function's jump halves with the step
 _CURVED = 3e-6  # of a derivative: the square of a step, which the jump of an odd one does not show
 _AHEAD = 1.5  # of the last change of a side: what is left of it falls with the step or its root
@@ -126,7 +127,8 @@ def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
     here, moved = (robot, ground, gait), parameters(robot, ground, gait)
     steps = np.array([p.step for p in moved])
     sides, noise, at = _differences(here, moved, steps)
-    changes, side_changes = _UNSEEN * _jumps(sides), np.zeros_like(sides)
+    unseen = _UNSEEN if ground.smooth else _BENT
+    changes, side_changes = unseen * _jumps(sides), np.zeros_like(sides)
     kinked = np.zeros(changes.shape, bool)
     for _ in range(_HALVINGS):
         rough = np.flatnonzero((_jumps(sides) > _allowed(sides, noise)).any(axis=1))
@@ -136,7 +138,7 @@ def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
         near, near_noise, _ = _differences(here, [moved[k] for k in rough], steps[rough])
         far = sides[rough]
         kinked[rough] = _jumps(near) > _SAME_JUMP * _jumps(far)
-        changes[rough] = abs(near.mean(axis=2) - far.mean(axis=2)) + _UNSEEN * _jumps(near)
+        changes[rough] = abs(near.mean(axis=2) - far.mean(axis=2)) + unseen * _jumps(near)
         side_changes[rough] = near - far
         sides[rough], noise[rough] = near, near_noise
     jumps, found = _jumps(sides), sides.mean(axis=2)
