@@ -123,7 +123,9 @@ def test_thirty_gaits_equal_the_package(page, tmp_path) -> None:
         wanted = sn.steady_gait(robot, ground, gait)
         assert found["speed"] == pytest.approx(wanted.speed_m_s, rel=1e-9), s
         assert found["power"] == pytest.approx(wanted.power_w, rel=1e-9), s
-        assert found["positivePower"] == pytest.approx(wanted.positive_power_w, rel=1e-9), s
+        # the last digits of a piece's length may decide how often it is halved for joint work
+        claim = wanted.positive_power_error_w
+        assert found["positivePower"] == pytest.approx(wanted.positive_power_w, abs=claim), s
 
 
 def test_the_torque_is_that_of_a_run(page, tmp_path) -> None:
