@@ -119,7 +119,10 @@ def compare(seed: int, count: int) -> tuple[int, int]:
             if name not in found.names or found.kinks[found.names.index(name)]:
                 continue
             k = found.names.index(name)
-            other = elsewhere(*parts, name)
+            try:
+                other = elsewhere(*parts, name)
+            except sn.NotConverged:  # one in thousands, at the least rtol
+                continue
             room = 2 * found.errors[k] + 2e-3 * abs(other)
             held += 1
             off += bool((abs(found.derivatives[k, :3] - other[:3]) > room[:3]).any())
