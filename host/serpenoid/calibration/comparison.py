@@ -167,14 +167,10 @@ def compare(
         count=samples, seed=seed, progress=progress,
     )  # fmt: skip
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
-    curve, named = _curve(fit, wanted, seed, progress), servo and servo.name
+    curve = _curve(fit, wanted, seed, progress)
     common = (session.setup.name, amplitude_sigma, points, curve, session.kept_crawls)
-    if all(p.measured_m_s is None for p in points):
-        none = (None,) * 3
-        judged: tuple[Any, ...] = (*none, "not measured", NOT_MEASURED, named, None)
-    else:
-        stated = amplitude_sigma, seed, servo
-        judged = _judged(session, fit, drawn, points, stated, levelled)
+    stated = amplitude_sigma, seed, servo
+    judged = _judged(session, fit, drawn, points, stated, levelled)
     return Comparison(*common, *judged, fit_alarms=fit.alarms)
 
 
@@ -195,7 +191,10 @@ def _judged(
     levelled: a sentence to add.
     """
     amplitude_sigma, _, servo = stated
+    named = servo and servo.name
     ran = [j for j, p in enumerate(points) if p.measured_m_s is not None]
+    if not ran:
+        return None, None, None, "not measured", NOT_MEASURED, named, None
     measured = Measured(
         tuple(drawn.gaits[j] for j in ran),
         np.array([points[j].measured_m_s for j in ran], dtype=float),
@@ -208,7 +207,7 @@ def _judged(
     text = in_words(found, measured, fit, amplitude_sigma, weight_n, servo)
     word, text = seen_on_film(session, fit, drawn, found.word, text)
     text += levelled
-    return found.p_value, friction, amplitude, word, text, servo and servo.name, servos
+    return found.p_value, friction, amplitude, word, text, named, servos
 
 
 def compared_gaits(session: Session, more: Sequence[Gait] = ()) -> list[Gait]:
