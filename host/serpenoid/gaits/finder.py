@@ -16,6 +16,7 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..periodic.at_speed import COSTS
 from ..periodic.steady import Steady, check_ground
 from ..simulation.steady_springs import steady_springs
 from .fixed_rate import FixedRateSearch
@@ -24,7 +25,6 @@ from .gait_table import FollowedValleys, Optimum, refined_valleys
 from .limits import LIMIT_NAMES, GaitLimits
 from .quadratic_search import Point, Valley, minimize
 from .shape_search import (
-    COSTS,
     Candidate,
     GaitShape,
     NearShapes,

@@ -14,11 +14,11 @@ from ..model.core_model import core_model
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.at_speed import SpeedState
+from ..periodic.at_speed import COSTS, SpeedState
 from ..periodic.steady import MAX_ELEMENTS
 from .limits import GaitLimits
 from .quadratic_search import Point, Valley
-from .shape_search import COSTS, Candidate, GaitShape, NearShapes, on_threads
+from .shape_search import Candidate, GaitShape, NearShapes, on_threads
 
 Array = NDArray[np.float64]
 # Solves one column of a table: amplitudes (A,), one lag, rates (W,) -> speed and cost, (A, W).

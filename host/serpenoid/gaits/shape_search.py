@@ -21,7 +21,6 @@ from .limits import GaitLimits, peak_torque_nm
 from .quadratic_search import Array, Point, Valley
 
 Solve = Callable[[Gait, float], Any]  # a gait, an accuracy -> .speed_m_s, .power_w ...
-COSTS = ("power", "abs_power", "positive_power")
 _MOST_STEPS = 40  # secants; usual are 4 to 6
 _FAR, _FAR_DRY = 9.0, 4.0  # e-folds of rate from the guess; a dry table's guess is near
 _LARGEST_STEP = 1.1  # e-folds of rate: a factor of 3

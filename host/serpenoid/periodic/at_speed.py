@@ -15,7 +15,7 @@ from ..model.robot import Robot
 from .steady import MAX_ELEMENTS
 
 Array = NDArray[np.float64]
-_COSTS = ("power", "abs_power", "positive_power")
+COSTS = ("power", "abs_power", "positive_power")  # mean powers that a search makes least
 _SPREAD = 0.1  # e-folds of rate: so far off may a guess be
 _FASTEST = 1e300  # rad/s, in place of no limit
 
@@ -62,7 +62,7 @@ class SpeedSolver:
 
     def __init__(self, robot: Robot, ground: Ground, cost: str) -> None:
         self._model = core_model(robot, ground, Gait(1.0, 1.0, 1.0))
-        self._cost, self._powers = _COSTS.index(cost), cost != "power"
+        self._cost, self._powers = COSTS.index(cost), cost != "power"
 
     def solve(
         self, alpha_rad: Array, beta_rad: Array, guess: float, speed_m_s: float, highest: float,
