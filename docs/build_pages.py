@@ -183,8 +183,10 @@ def pictures(folder: Path) -> None:
         back = '<p><a href="../index.html">← the documentation</a></p>\n<h1>'
         study.write_text(study.read_text(encoding="utf-8").replace("<h1>", back), encoding="utf-8")
         for name, draw in (
-            ("coverage", coverage_figure), ("advise", advised_figure), ("verdict", verdict_figure),
-        ):  # fmt: skip
+            ("coverage", coverage_figure),
+            ("advise", advised_figure),
+            ("verdict", verdict_figure),
+        ):
             draw(json.loads((STORED / f"{name}.json").read_text()), folder / f"{name}.png")
         servo_figure(folder / "servos.png")
         for name in ("accuracy", "stability"):
@@ -213,8 +215,12 @@ def main() -> None:
     there = build_playground.build(OUT / "pages" / "playground")
     front = PLAYGROUND if there else NO_PLAYGROUND
     (OUT / "front.md").write_text(front, encoding="utf-8")
-    for name, text in (("commands", command_page()), ("json_keys", json_page()),
-                       ("errors", error_page()), ("api", api_page())):  # fmt: skip
+    for name, text in (
+        ("commands", command_page()),
+        ("json_keys", json_page()),
+        ("errors", error_page()),
+        ("api", api_page()),
+    ):
         (OUT / f"{name}.md").write_text(text, encoding="utf-8")
 
 

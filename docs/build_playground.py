@@ -28,13 +28,29 @@ CORE, FIRMWARE, PARTS = (
 )
 # Not in a browser: Python's glue, boards, other processors' kernels, what the page does not ask.
 LEFT_OUT = ("python", "board", "lab")
-FLAGS = ["-std=c++20", "-O2", "-DNDEBUG", "-fexceptions", "-ffp-contract=off", "-fno-math-errno",
-         f"-I{CORE}", f"-I{FIRMWARE / 'gait'}", f"-I{FIRMWARE / 'avr'}"]  # fmt: skip
-LINK = ["-sMODULARIZE=1", "-sEXPORT_NAME=serpenoidCore", "-sSINGLE_FILE=1",
-        "-sALLOW_MEMORY_GROWTH=1", "-sENVIRONMENT=web,worker,node", "-sFILESYSTEM=0",
-        "-O2", "-fexceptions",
-        "-sEXPORTED_FUNCTIONS=_serpenoid_steady,_serpenoid_servo,_serpenoid_motion,_malloc,_free",
-        "-sEXPORTED_RUNTIME_METHODS=HEAPF64"]  # fmt: skip
+FLAGS = [
+    "-std=c++20",
+    "-O2",
+    "-DNDEBUG",
+    "-fexceptions",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    f"-I{CORE}",
+    f"-I{FIRMWARE / 'gait'}",
+    f"-I{FIRMWARE / 'avr'}",
+]
+LINK = [
+    "-sMODULARIZE=1",
+    "-sEXPORT_NAME=serpenoidCore",
+    "-sSINGLE_FILE=1",
+    "-sALLOW_MEMORY_GROWTH=1",
+    "-sENVIRONMENT=web,worker,node",
+    "-sFILESYSTEM=0",
+    "-O2",
+    "-fexceptions",
+    "-sEXPORTED_FUNCTIONS=_serpenoid_steady,_serpenoid_servo,_serpenoid_motion,_malloc,_free",
+    "-sEXPORTED_RUNTIME_METHODS=HEAPF64",
+]
 
 
 def _run(command: list[str]) -> None:

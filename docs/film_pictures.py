@@ -18,9 +18,12 @@ ANGLES = np.radians([8, 30, 12, -28, -20, 14])
 def draw(folder: Path) -> None:
     """Draw all five into a folder."""
     for name, picture in (
-        ("tags", _tags), ("robot", _on_the_robot), ("tripod", _tripod), ("frame", _frame),
+        ("tags", _tags),
+        ("robot", _on_the_robot),
+        ("tripod", _tripod),
+        ("frame", _frame),
         ("light", _light),
-    ):  # fmt: skip
+    ):
         fig = Figure(figsize=(7.2, 3.0), dpi=110, constrained_layout=True)
         ax = fig.subplots()
         ax.set_aspect("equal")
@@ -42,8 +45,17 @@ def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0) -> Non
     put(side * square, "black", lw=0)
     for cell in ((-0.25, 0.08), (0.08, 0.25), (0.08, -0.08), (-0.08, -0.25)):
         put(side * (square / 6 + cell), "white", lw=0)
-    tip = np.array([[0.54, 0.03], [0.6, 0.03], [0.6, 0.07], [0.65, 0], [0.6, -0.07], [0.6, -0.03],
-                    [0.54, -0.03]])  # fmt: skip
+    tip = np.array(
+        [
+            [0.54, 0.03],
+            [0.6, 0.03],
+            [0.6, 0.07],
+            [0.65, 0],
+            [0.6, -0.07],
+            [0.6, -0.03],
+            [0.54, -0.03],
+        ]
+    )
     put(side * tip, GREY, lw=0)
 
 
@@ -104,8 +116,13 @@ def _tripod(ax: Axes) -> None:
         ax.plot([camera[0], x], [camera[1], 0.6], color=GREEN, lw=0.8, ls="--")
     ax.add_patch(Rectangle((5.6, 0.5), 3.4, 0.3, fc=BODY))
     ax.add_patch(FancyArrow(7.0, 1.2, 1.4, 0, width=0.03, head_width=0.18, color=GREY))
-    _say(ax, 8.6, 3.3, "On a tripod, the camera 0 to 45°\nfrom straight down. Stabilisation off.\n"
-         "Start it with a timer; touch nothing.")  # fmt: skip
+    _say(
+        ax,
+        8.6,
+        3.3,
+        "On a tripod, the camera 0 to 45°\nfrom straight down. Stabilisation off.\n"
+        "Start it with a timer; touch nothing.",
+    )
 
 
 def _frame(ax: Axes) -> None:
@@ -114,8 +131,14 @@ def _frame(ax: Axes) -> None:
     _robot(ax, 1.2, 1.4, 0.75)
     ax.add_patch(FancyArrow(5.9, 2.0, 1.2, 0.1, width=0.03, head_width=0.2, color=GREY))
     _say(ax, 4.3, 3.9, "1080p, 30 frames/s or more")
-    _say(ax, 10.0, 3.2, "The whole robot, all\nthe time; two periods\nor more; tags 33 px\n"
-         "wide or more; a floor\nwith some pattern", va="center")  # fmt: skip
+    _say(
+        ax,
+        10.0,
+        3.2,
+        "The whole robot, all\nthe time; two periods\nor more; tags 33 px\n"
+        "wide or more; a floor\nwith some pattern",
+        va="center",
+    )
 
 
 def _light(ax: Axes) -> None:

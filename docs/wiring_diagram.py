@@ -39,32 +39,46 @@ def dot(x: float, y: float, colour: str) -> str:
 
 def supply() -> str:
     """Return supply, fuse and switch, capacitor, and the two star points."""
-    return "".join([
-        line([(170, 60), (PLUS_X, 60), (PLUS_X, 110)], RED, 4),
-        line([(170, 100), (MINUS_X, 100), (MINUS_X, 135)], BLACK, 4),
-        box(40, 40, 130, 80, "supply", "5 to 6 V"),
-        box(220, 45, 70, 30, "fuse"),
-        box(320, 45, 80, 30, "switch"),
-        dot(PLUS_X, 110, RED), dot(MINUS_X, 135, BLACK),
-        text(PLUS_X - 10, 122, "star +", 13, "end"),
-        line([(PLUS_X, 110), (640, 110), (640, 40), (680, 40)], RED),
-        line([(MINUS_X, 135), (670, 135), (670, 80), (680, 80)], BLACK),
-        box(680, 30, 130, 60, "capacitor", "1000 µF, 10 V"),
-        text(MINUS_X + 12, 155, "star ground", 13),
-    ])  # fmt: skip
+    return "".join(
+        [
+            line([(170, 60), (PLUS_X, 60), (PLUS_X, 110)], RED, 4),
+            line([(170, 100), (MINUS_X, 100), (MINUS_X, 135)], BLACK, 4),
+            box(40, 40, 130, 80, "supply", "5 to 6 V"),
+            box(220, 45, 70, 30, "fuse"),
+            box(320, 45, 80, 30, "switch"),
+            dot(PLUS_X, 110, RED),
+            dot(MINUS_X, 135, BLACK),
+            text(PLUS_X - 10, 122, "star +", 13, "end"),
+            line([(PLUS_X, 110), (640, 110), (640, 40), (680, 40)], RED),
+            line([(MINUS_X, 135), (670, 135), (670, 80), (680, 80)], BLACK),
+            box(680, 30, 130, 60, "capacitor", "1000 µF, 10 V"),
+            text(MINUS_X + 12, 155, "star ground", 13),
+        ]
+    )
 
 
 def board() -> str:
     """Return the board, its one wire to the star ground and its cable to the computer."""
     bottom = TOP + STEP * len(PINS) - 30
-    return "".join([
-        line([(MINUS_X, 135), (BOARD_X + 75, 135), (BOARD_X + 75, TOP - 30)], BLACK),
-        line([(MINUS_X, 135), (MINUS_X, TOP + STEP * 4 + 20)], BLACK),
-        text(BOARD_X + 90, 153, "GND, a wire of its own", 13),
-        box(BOARD_X, TOP - 30, 150, bottom - TOP + 30, "Uno, Nano", "or Mega", "", "5 V pin: free"),
-        line([(BOARD_X, TOP + 20), (20, TOP + 20)], BLACK, 5),
-        text(8, TOP + 10, "USB", 13),
-    ])  # fmt: skip
+    return "".join(
+        [
+            line([(MINUS_X, 135), (BOARD_X + 75, 135), (BOARD_X + 75, TOP - 30)], BLACK),
+            line([(MINUS_X, 135), (MINUS_X, TOP + STEP * 4 + 20)], BLACK),
+            text(BOARD_X + 90, 153, "GND, a wire of its own", 13),
+            box(
+                BOARD_X,
+                TOP - 30,
+                150,
+                bottom - TOP + 30,
+                "Uno, Nano",
+                "or Mega",
+                "",
+                "5 V pin: free",
+            ),
+            line([(BOARD_X, TOP + 20), (20, TOP + 20)], BLACK, 5),
+            text(8, TOP + 10, "USB", 13),
+        ]
+    )
 
 
 def joint(number: int) -> str:

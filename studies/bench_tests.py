@@ -27,12 +27,15 @@ def ratios(servo: sn.Servo) -> dict[str, float]:
     """Return what an unloaded joint can tell: all over the torque, and the speed."""
     line = servo.torque_limit_nm / servo.speed_limit_rad_s
     return {
-        "torque": servo.torque_limit_nm, "speed": servo.speed_limit_rad_s,
+        "torque": servo.torque_limit_nm,
+        "speed": servo.speed_limit_rad_s,
         "stiffness": servo.stiffness_nm_rad / servo.torque_limit_nm,
-        "damping": servo.damping_nms_rad / line, "rotor": servo.armature_kg_m2 / line,
+        "damping": servo.damping_nms_rad / line,
+        "rotor": servo.armature_kg_m2 / line,
         "gear friction": servo.gear_friction_nm / servo.torque_limit_nm,
-        "gear damping": servo.gear_damping_nms_rad / line, "dead band": servo.dead_band_rad,
-    }  # fmt: skip
+        "gear damping": servo.gear_damping_nms_rad / line,
+        "dead band": servo.dead_band_rad,
+    }
 
 
 def off(true: sn.Servo, found: tuple[sn.Servo, ...]) -> dict[str, tuple[float, float]]:

@@ -36,9 +36,15 @@ def gaits(*rows: tuple[float, float, float]) -> tuple[Gait, ...]:
 
 BESIDE = gaits((70, 60, 0.8), (80, 75, 0.4))
 ALONE = gaits(
-    (80, 75, 0.4), (70, 75, 0.5), (80, 60, 0.25), (70, 60, 0.8), (50, 45, 0.7), (85, 75, 0.6),
-    (60, 60, 0.3), (75, 90, 0.35),
-)  # fmt: skip
+    (80, 75, 0.4),
+    (70, 75, 0.5),
+    (80, 60, 0.25),
+    (70, 60, 0.8),
+    (50, 45, 0.7),
+    (85, 75, 0.6),
+    (60, 60, 0.3),
+    (75, 90, 0.35),
+)
 
 
 def one(alone: bool, number: int) -> list[float] | None:
@@ -46,9 +52,11 @@ def one(alone: bool, number: int) -> list[float] | None:
     rng = np.random.default_rng([20, number, alone])
     setup = floor_setup(CASES[0])
     plan = replace(
-        setup.procedure, gaits=ALONE if alone else BESIDE, gait_runs=1,
+        setup.procedure,
+        gaits=ALONE if alone else BESIDE,
+        gait_runs=1,
         pushes=0 if alone else setup.procedure.pushes,
-    )  # fmt: skip
+    )
     setup = replace(setup, procedure=plan)
     friction = {k: v * math.exp(SPREAD * rng.normal()) for k, v in CENTRE.items()}
     amplitude = 1.0 + AMPLITUDE_SIGMA * float(rng.normal())
@@ -69,9 +77,7 @@ def one(alone: bool, number: int) -> list[float] | None:
     moved = crawl_speed(person.robot, scaled(gait, amplitude))
     low, high = band(sample_speeds(fit, [gait], amplitude_sigma=AMPLITUDE_SIGMA).both_m_s[:, 0])
     told = [speed(fit.robot, fit.ground, scaled(gait, fit.nuisances["joint_amplitude"].value))]
-    told += [
-        speed(f.robot, f.ground, scaled(gait, a)) for f in fits[1:] for a in (1.0, amplitude)
-    ]  # fmt: skip
+    told += [speed(f.robot, f.ground, scaled(gait, a)) for f in fits[1:] for a in (1.0, amplitude)]
     off = [abs(v / moved - 1.0) for v in told]
     return [*held, low <= moved <= high, *(ends[:, 1] / ends[:, 0]), (high - low) / moved / 2, *off]
 

@@ -59,9 +59,11 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     made, rng = world(), np.random.default_rng(7)
     body = Body(
-        6, mount_m=rng.normal(size=(6, 3)) * [0.002, 0.002, 0.001],
-        turn_rad=np.radians(1.5) * rng.normal(size=6), slope=0.02 * rng.normal(size=(6, 2)),
-    )  # fmt: skip
+        6,
+        mount_m=rng.normal(size=(6, 3)) * [0.002, 0.002, 0.001],
+        turn_rad=np.radians(1.5) * rng.normal(size=6),
+        slope=0.02 * rng.normal(size=(6, 2)),
+    )
     shoot(made, FOLDER / "film.mp4", LENS, body, SECONDS, crf=24)
     (FOLDER / "truth.json").write_text(json.dumps(truth(made), indent=2) + "\n")
 

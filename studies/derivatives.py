@@ -38,8 +38,14 @@ def drawn(rng: np.random.Generator, kind: str) -> Parts:
         gait = sn.Gait(gait.alpha_rad, gait.beta_rad, omega, rng.uniform(-0.3, 0.3))
     if rng.random() < 0.5:
         gain, shift = rng.uniform(0.8, 1.2, links - 1), rng.normal(0, 0.1, links - 1)
-        gait = sn.Gait(gait.alpha_rad, gait.beta_rad, omega, gait.offset_rad,
-                       tuple(gain.tolist()), tuple(shift.tolist()))  # fmt: skip
+        gait = sn.Gait(
+            gait.alpha_rad,
+            gait.beta_rad,
+            omega,
+            gait.offset_rad,
+            tuple(gain.tolist()),
+            tuple(shift.tolist()),
+        )
     return sn.Robot(links, mass, log(0.03, 0.2)), ground, gait
 
 
@@ -47,11 +53,14 @@ def tight(parts: list[Parts], kind: str) -> Array:
     """Return speed, powers and turn of states near the first one, (N, Q), NaN where not found."""
     models = [core_model(*each) for each in parts]
     states = _core.neighbours(models[0], models, TIGHT[kind], True, 1024, 1)
-    return np.array([
-        [s.speed, s.power, s.positive_power, s.turn] if s.speed_error < 1e-6 * s.speed + 1e-9
-        else [np.nan] * 4
-        for s in states
-    ])  # fmt: skip
+    return np.array(
+        [
+            [s.speed, s.power, s.positive_power, s.turn]
+            if s.speed_error < 1e-6 * s.speed + 1e-9
+            else [np.nan] * 4
+            for s in states
+        ]
+    )
 
 
 @dataclass
@@ -72,8 +81,9 @@ class Count:
             )
 
 
-def one_sided(parts: Parts, move: Callable[[float], Parts], value: float, step: float,
-              kind: str) -> tuple[Array, Array]:  # fmt: skip
+def one_sided(
+    parts: Parts, move: Callable[[float], Parts], value: float, step: float, kind: str
+) -> tuple[Array, Array]:
     """Return derivatives to both sides, (2, Q), and their doubts.
 
     Beside a kink a difference over h is off by the root of h where a wheel rests for a moment, by h

@@ -47,25 +47,36 @@ def plain(rng: np.random.Generator, links: int = 6, tilt_deg: float | None = Non
     speed = rng.uniform(0.04, 0.1)
     seconds = rng.uniform(2.05, 2.5) * math.tau / omega
     world = crawling(
-        int(rng.integers(1 << 30)), links, speed, rng.uniform(28, 45), omega,
+        int(rng.integers(1 << 30)),
+        links,
+        speed,
+        rng.uniform(28, 45),
+        omega,
         -0.5 * speed * seconds,
-    )  # fmt: skip
+    )
     body = Body(
-        links, mount_m=rng.normal(size=(links, 3)) * [0.002, 0.002, 0.001],
-        turn_rad=np.radians(1.5) * rng.normal(size=links), slope=0.02 * rng.normal(size=(links, 2)),
-    )  # fmt: skip
+        links,
+        mount_m=rng.normal(size=(links, 3)) * [0.002, 0.002, 0.001],
+        turn_rad=np.radians(1.5) * rng.normal(size=links),
+        slope=0.02 * rng.normal(size=(links, 2)),
+    )
     tilt = math.radians(rng.uniform(5, 45) if tilt_deg is None else tilt_deg)
     around, far = rng.uniform(0, math.tau), rng.uniform(0.7, 1.2) * links / 6
-    eye = far * np.array([math.sin(tilt) * math.cos(around), math.sin(tilt) * math.sin(around),
-                          math.cos(tilt)])  # fmt: skip
+    eye = far * np.array(
+        [math.sin(tilt) * math.cos(around), math.sin(tilt) * math.sin(around), math.cos(tilt)]
+    )
     lens = Lens(
-        tuple(eye + np.array([0, 0, body.height_m])), (0.0, 0.0, body.height_m),
-        2 * round(320 * max(1, links / 6)), 2 * round(240 * max(1, links / 6)),
+        tuple(eye + np.array([0, 0, body.height_m])),
+        (0.0, 0.0, body.height_m),
+        2 * round(320 * max(1, links / 6)),
+        2 * round(240 * max(1, links / 6)),
         rng.uniform(26, 31) / body.side_m * far,
-        k1=rng.uniform(-0.1, 0.1), k2=rng.uniform(-0.03, 0.03),
-        middle_px=tuple(3 * rng.normal(size=2)), rolling_s=rng.uniform(0, 0.02),
+        k1=rng.uniform(-0.1, 0.1),
+        k2=rng.uniform(-0.03, 0.03),
+        middle_px=tuple(3 * rng.normal(size=2)),
+        rolling_s=rng.uniform(0, 0.02),
         noise=rng.uniform(1, 3),
-    )  # fmt: skip
+    )
     return Scene(world, body, lens, seconds)
 
 
@@ -73,10 +84,16 @@ def larger(scene: Scene, factor: float) -> Scene:
     """Return a scene in a picture of so many times the pixels a side."""
     lens = scene.lens
     x, y = lens.middle_px
-    return replace(scene, lens=replace(
-        lens, width=2 * round(lens.width * factor / 2), height=2 * round(lens.height * factor / 2),
-        focal_px=lens.focal_px * factor, middle_px=(x * factor, y * factor),
-    ))  # fmt: skip
+    return replace(
+        scene,
+        lens=replace(
+            lens,
+            width=2 * round(lens.width * factor / 2),
+            height=2 * round(lens.height * factor / 2),
+            focal_px=lens.focal_px * factor,
+            middle_px=(x * factor, y * factor),
+        ),
+    )
 
 
 def slow_shutter(rng: np.random.Generator) -> Scene:
@@ -119,9 +136,14 @@ def shot(scene: Scene, path: Path, seed: int) -> Path:
     t_s = np.arange(0, scene.seconds, 1 / 30)
     t_s = t_s + 0.001 * rng.normal(size=len(t_s))
     camera = Film(
-        scene.lens, scene.body, scene.world.pose, seed, scene.glare, steps=scene.steps,
+        scene.lens,
+        scene.body,
+        scene.world.pose,
+        seed,
+        scene.glare,
+        steps=scene.steps,
         up=3 if scene.lens.width < 2000 else 2,
-    )  # fmt: skip
+    )
     if scene.shown is not None:
         for link in set(range(scene.body.links)) - set(scene.shown):
             camera.bits[link][:] = 90
@@ -179,12 +201,16 @@ def measured(
                 _noted(out, {"world": world, "film": k, "refused": words})
                 continue
             size, z = errors(found, scene.world)
-            _noted(out, {
-                "world": world, "film": k,
-                "errors": {name: value.tolist() for name, value in size.items()},
-                "in_sigmas": {name: value.tolist() for name, value in z.items()},
-                "remarks": [remark.name for remark in found.run.remarks],
-            })  # fmt: skip
+            _noted(
+                out,
+                {
+                    "world": world,
+                    "film": k,
+                    "errors": {name: value.tolist() for name, value in size.items()},
+                    "in_sigmas": {name: value.tolist() for name, value in z.items()},
+                    "remarks": [remark.name for remark in found.run.remarks],
+                },
+            )
             lost = 1 - found.watched.sightings.seen.mean()
             print(
                 f"{world} {k}: {len(found.measured.track.t_s)} frames, {100 * lost:.0f} % of the "

@@ -77,17 +77,41 @@ def main() -> None:
     """Print cost and floor of both grids, of one gait, and of a sweep to a file."""
     each = product_s()
     step = "one Newton step and the powers"
-    print(line("viscous grid", processor_s(lambda: grid("viscous"), 25),
-               GAITS * viscous_products() * each, step))  # fmt: skip
-    print(line("dry grid", processor_s(lambda: grid("dry"), 1), GAITS * dry_products() * each,
-               "following half a cycle once"))  # fmt: skip
-    print(line("one viscous gait", alone_s("viscous"), viscous_products(powers=False) * each,
-               "one Newton step, as if one of four in a vector"))  # fmt: skip
+    print(
+        line(
+            "viscous grid",
+            processor_s(lambda: grid("viscous"), 25),
+            GAITS * viscous_products() * each,
+            step,
+        )
+    )
+    print(
+        line(
+            "dry grid",
+            processor_s(lambda: grid("dry"), 1),
+            GAITS * dry_products() * each,
+            "following half a cycle once",
+        )
+    )
+    print(
+        line(
+            "one viscous gait",
+            alone_s("viscous"),
+            viscous_products(powers=False) * each,
+            "one Newton step, as if one of four in a vector",
+        )
+    )
     with tempfile.TemporaryDirectory() as folder:
         sweep = ["-m", "serpenoid", "sweep", "--robot", "paper", "--threads", "1"]
         took_s = process_s([*sweep, "--out", f"{folder}/grid.csv"])
-    print(line("viscous grid to a file", took_s, process_s(["-c", "import numpy"]),
-               "a process that imports NumPy"))  # fmt: skip
+    print(
+        line(
+            "viscous grid to a file",
+            took_s,
+            process_s(["-c", "import numpy"]),
+            "a process that imports NumPy",
+        )
+    )
 
 
 if __name__ == "__main__":

@@ -52,8 +52,9 @@ def fronts(cases: list[Case], repeats: int) -> None:
     for name, robot, ground, low, high, cost in cases:
         speeds = np.geomspace(low, high, SPEEDS).tolist()
         front = partial(sn.power_front, robot, ground, speeds_m_s=speeds, cost=cost)
-        singles = [partial(sn.power_front, robot, ground, speeds_m_s=[v], cost=cost)
-                   for v in speeds]  # fmt: skip
+        singles = [
+            partial(sn.power_front, robot, ground, speeds_m_s=[v], cost=cost) for v in speeds
+        ]
         one = float(np.median([seconds(single, 1) for single in singles]))
         all_ten = seconds(front, repeats)
         print(f"{name:32} {1e3 * one:9.1f} {1e3 * all_ten:10.1f} {all_ten / one:10.2f}", flush=True)

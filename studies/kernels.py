@@ -61,23 +61,30 @@ def show(problem: Problem) -> None:
         method="rk4", dt_s=DT_S, duration_s=steps * DT_S, record_every=steps, start=problem.start
     )
     request, start, p = core_request(scene), problem.start.packed(), q.parameters(problem)
-    took = interleaved_s({
-        "Numba RK4": lambda: q.rk4(True, problem.first, p, DT_S, steps),
-        "serpenoid RK4": lambda: _core.run(request, start, None),
-    }, ROUNDS)  # fmt: skip
+    took = interleaved_s(
+        {
+            "Numba RK4": lambda: q.rk4(True, problem.first, p, DT_S, steps),
+            "serpenoid RK4": lambda: _core.run(request, start, None),
+        },
+        ROUNDS,
+    )
     print(f"\n{problem.title}; per step, medians of {ROUNDS} interleaved rounds")
     for name, one_s in took.items():
         print(f"  {name:14s} {one_s / steps * 1e9:8.1f} ns  {took['Numba RK4'] / one_s:5.2f} x")
     floor_s = operations(links) / matrix_product_rate()
-    print(f"  floor {floor_s * 1e9:.1f} ns: {operations(links)} operations at the rate of a matrix "
-          "product.\n  A run cannot reach it: each stage waits for the sum over links of the stage "
-          "before,\n  and only one operation in three is fused.")  # fmt: skip
+    print(
+        f"  floor {floor_s * 1e9:.1f} ns: {operations(links)} operations at the rate of a matrix "
+        "product.\n  A run cannot reach it: each stage waits for the sum over links of the stage "
+        "before,\n  and only one operation in three is fused."
+    )
 
 
 def main() -> None:
     """Print the table for the paper's snake, and for a long one."""
-    print(f"{platform.processor() or platform.machine()}, Python {platform.python_version()}, "
-          f"{_core.instruction_sets()[0]}")  # fmt: skip
+    print(
+        f"{platform.processor() or platform.machine()}, Python {platform.python_version()}, "
+        f"{_core.instruction_sets()[0]}"
+    )
     for name in ("paper6_k1e3", "n50_k1e5"):
         show(next(p for p in problems() if p.name == name))
 

@@ -57,9 +57,16 @@ def _rod(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait) -> tuple[Any, Any]:
     modulus = STIFFNESS_NM * length / (math.pi * radius**4 / 4)
     density = robot.link_mass_kg / (math.pi * radius**2 * length)
     rod = ea.CosseratRod.straight_rod(
-        n, np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]), n * length, radius,
-        density, youngs_modulus=modulus, shear_modulus=modulus / 3,
-    )  # fmt: skip
+        n,
+        np.zeros(3),
+        np.array([1.0, 0, 0]),
+        np.array([0, 0, 1.0]),
+        n * length,
+        radius,
+        density,
+        youngs_modulus=modulus,
+        shear_modulus=modulus / 3,
+    )
     lag = gait.beta_rad * np.arange(n - 1)
 
     class Wheels(ea.NoForces):

@@ -30,9 +30,16 @@ def scene(links: int, formulation: str, case: str) -> sn.Scene:
             "locked": dict.fromkeys(range(3, links, 3), 0.1),
         }
     return sn.Scene(
-        sn.Robot(links, 1.0, 0.12), GROUND, GAIT, formulation=formulation, **drive, dt_s=1e-5,
-        duration_s=steps * 1e-5, record_every=steps, gap="zero",
-    )  # fmt: skip
+        sn.Robot(links, 1.0, 0.12),
+        GROUND,
+        GAIT,
+        formulation=formulation,
+        **drive,
+        dt_s=1e-5,
+        duration_s=steps * 1e-5,
+        record_every=steps,
+        gap="zero",
+    )
 
 
 def per_link_step_ns(formulation: str, case: str, repeats: int = 9) -> list[float]:

@@ -58,8 +58,9 @@ def rank(session: Session, gait: Gait) -> list[float]:
     bends = [math.radians(bend) for bend in advice.LAMBDAS_DEG]
     every = places(session, whole, bends)
     ways: list[Callable[[], SpeedSlopes]] = [
-        lambda: speed_slopes(fit, [gait], 48), lambda: by_derivatives(fit, gait)
-    ]  # fmt: skip
+        lambda: speed_slopes(fit, [gait], 48),
+        lambda: by_derivatives(fit, gait),
+    ]
     told, seconds = [], []
     for way in ways:
         begun = time.process_time()

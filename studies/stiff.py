@@ -97,15 +97,19 @@ def report(problem: Problem) -> float:
             solvers[name](hits[name])
             taken.append(time.process_time() - begin)
     median = {name: statistics.median(taken) for name, taken in times.items()}
-    print(f"\nk = {problem.stiffness_n_m:g} N/m, c = {problem.damping_n_s_m:g} N s/m, 6 links, 1 s",
-          flush=True)  # fmt: skip
+    print(
+        f"\nk = {problem.stiffness_n_m:g} N/m, c = {problem.damping_n_s_m:g} N s/m, 6 links, 1 s",
+        flush=True,
+    )
     for name, hit in found.items():
         if isinstance(hit, str):
             print(f"  {name:20s} {hit}")
             continue
         ratio = median[name] / median["radau"]
-        print(f"  {name:20s} {median[name] * 1e3:9.3f} ms   tolerance {hit[0]:.0e}   "
-              f"error {hit[1]:.1e}   {ratio:8.1f} x")  # fmt: skip
+        print(
+            f"  {name:20s} {median[name] * 1e3:9.3f} ms   tolerance {hit[0]:.0e}   "
+            f"error {hit[1]:.1e}   {ratio:8.1f} x"
+        )
     return min(t for name, t in median.items() if "radau" not in name) / median["radau"]
 
 
@@ -115,9 +119,16 @@ def links() -> None:
     for n in (6, 20, 100, 1000):
         gait = sn.Gait(np.pi / 6, 4 * np.pi / max(n - 1, 9), 5.0)
         scene = sn.Scene(
-            sn.Robot(n, 1.0, 0.12), PAPER_GROUND, gait, formulation="implicit",
-            joint_stiffness_n_m=1e7, method="radau", duration_s=0.01, tolerance=1e-2, dt_s=0.01,
-        )  # fmt: skip
+            sn.Robot(n, 1.0, 0.12),
+            PAPER_GROUND,
+            gait,
+            formulation="implicit",
+            joint_stiffness_n_m=1e7,
+            method="radau",
+            duration_s=0.01,
+            tolerance=1e-2,
+            dt_s=0.01,
+        )
         steps = 8000 // n
         request = core_request(scene)
         request.tolerance, request.dt_s, request.duration_s = 0.0, 1e-4, steps * 1e-4

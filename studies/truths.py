@@ -70,8 +70,12 @@ def springs(rounds: int) -> None:
                     soft = run.error_estimate.modelling.size(scene.robot.body_length_m)
                 worst, count = max(worst, max(true, 1e-10) / max(claim, 1e-10)), count + 1
                 cells.append(f"{true:.0e} / {claim:.0e} / {took * 1e3:.2g} ms")
-            print(f"| {links} links, {incline:g} rad, {k:.0e} | {soft:.1e} | " + " | ".join(cells)
-                  + " |", flush=True)  # fmt: skip
+            print(
+                f"| {links} links, {incline:g} rad, {k:.0e} | {soft:.1e} | "
+                + " | ".join(cells)
+                + " |",
+                flush=True,
+            )
     print(f"{count} runs: the largest true error over the claimed one is {worst:.3f}")
 
 
@@ -97,15 +101,19 @@ def free(cases: int) -> None:
             f"{t:g}: median {np.median(e):.0e}, within 1e-8 {np.mean(np.array(e) < 1e-8):.0%}"
             for t, e in far.items()
         )
-        print(f"{kind}: {cases - failed} cases, {line}; largest true over claimed "
-              f"{max(ratios):.2f}; no reference: {failed}", flush=True)  # fmt: skip
+        print(
+            f"{kind}: {cases - failed} cases, {line}; largest true over claimed "
+            f"{max(ratios):.2f}; no reference: {failed}",
+            flush=True,
+        )
 
 
 def long_scene(offset_rad: float, method: str, **more: float) -> sn.Scene:
     """Return 5000 cycles of the paper's robot, straight on or in circles."""
     gait = sn.Gait(math.radians(30), math.radians(80), math.pi, offset_rad)
-    return sn.Scene(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait, method=method,
-                    duration_s=1e4, **more)  # fmt: skip
+    return sn.Scene(
+        sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait, method=method, duration_s=1e4, **more
+    )
 
 
 def long() -> None:
@@ -117,18 +125,27 @@ def long() -> None:
         scene = long_scene(offset, "rk4")
         at, angle = long_runs.after(tc.params(scene), tc.gait_of(scene.gait), q, v, 5000)
         print(f"offset {offset!r}: x {at.real!r}, y {at.imag!r}, theta {angle!r}")
-        for method, dt_s in (("collocation", 0.01), ("dop853", 0.01), ("nonsmooth", 0.01),
-                             ("rk4", 1e-3), ("rk4", 1e-2), ("semi_implicit_euler", 1e-3),
-                             ("euler", 1e-3)):  # fmt: skip
+        for method, dt_s in (
+            ("collocation", 0.01),
+            ("dop853", 0.01),
+            ("nonsmooth", 0.01),
+            ("rk4", 1e-3),
+            ("rk4", 1e-2),
+            ("semi_implicit_euler", 1e-3),
+            ("euler", 1e-3),
+        ):
             begin = time.process_time()
             run = sn.simulate(long_scene(offset, method, dt_s=dt_s))
             took, end = time.process_time() - begin, run.state()
             gap = abs(complex(end.x_m[0], end.y_m[0]) - at)
             memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
-            print(f"  {method}, dt {dt_s:g}: {gap:.1e} m, {abs(end.theta_rad[0] - angle):.1e} rad; "
-                  f"claims {run.error_estimate.integration.position_m:.1e} m, "
-                  f"{run.error_estimate.integration.angle_rad:.1e} rad; {took:.2g} s; "
-                  f"{run.t_s.size} rows, {memory} MB", flush=True)  # fmt: skip
+            print(
+                f"  {method}, dt {dt_s:g}: {gap:.1e} m, {abs(end.theta_rad[0] - angle):.1e} rad; "
+                f"claims {run.error_estimate.integration.position_m:.1e} m, "
+                f"{run.error_estimate.integration.angle_rad:.1e} rad; {took:.2g} s; "
+                f"{run.t_s.size} rows, {memory} MB",
+                flush=True,
+            )
 
 
 def dry_springs() -> None:
@@ -143,21 +160,29 @@ def dry_springs() -> None:
             rtol = 1e-12 if k < 1e8 else 1e-10 if k < 1e9 else 1e-9  # rounding shakes such springs
             truth = tc.by_events(one, replace(run, t_s=run.t_s[-1:]), rtol)[-1]
             true = tc.off(tc.places(run)[-1], truth, one.robot)
-            print(f"{links} links, {k:.0e} N/m, {lasts} s, dt {one.dt_s:.1g}: {true:.1e}, claims "
-                  f"{size(run):.1e}, settled {run.error_estimate.settled}", flush=True)  # fmt: skip
+            print(
+                f"{links} links, {k:.0e} N/m, {lasts} s, dt {one.dt_s:.1g}: {true:.1e}, claims "
+                f"{size(run):.1e}, settled {run.error_estimate.settled}",
+                flush=True,
+            )
 
 
 def far(seconds: float) -> None:
     """Print how far long runs on dry ground, on springs and with servos are off at their end."""
     soft, hard = {"joint_stiffness_n_m": 1e3}, {"joint_stiffness_n_m": 1e5}
     for kind, more in (
-        ("dry", {"tolerance": 1e-5}), ("dry", {}), ("dry", {"tolerance": 1e-7}),
-        ("springs", {"method": "radau", **soft}), ("springs", {"method": "dop853", **soft}),
+        ("dry", {"tolerance": 1e-5}),
+        ("dry", {}),
+        ("dry", {"tolerance": 1e-7}),
+        ("springs", {"method": "radau", **soft}),
+        ("springs", {"method": "dop853", **soft}),
         ("springs", {"method": "rk4", "dt_s": 0.01, **soft}),
         ("springs", {"method": "radau", **hard}),
-        ("servo", {}), ("servo", {"tolerance": 1e-8}), ("servo dry", {}),
+        ("servo", {}),
+        ("servo", {"tolerance": 1e-8}),
+        ("servo dry", {}),
         ("servo dry", {"tolerance": 1e-8}),
-    ):  # fmt: skip
+    ):
         for offset in (0.0, math.radians(5)):
             period = 2.0 if kind in ("dry", "springs") else 0.4
             cycles = round(seconds / period)
@@ -168,10 +193,13 @@ def far(seconds: float) -> None:
             took, end, said = time.process_time() - begin, run.state(), run.error_estimate
             off_m = abs(complex(end.x_m[0], end.y_m[0]) - at)
             claim = said.integration
-            print(f"{kind} {more}, bend {offset:.2g}: {off_m:.1e} m, "
-                  f"{abs(end.theta_rad[0] - angle):.1e} rad; claims {claim.position_m:.1e} m, "
-                  f"{claim.angle_rad:.1e} rad, settled {said.settled}; {took:.2g} s; "
-                  f"reference: {gone} cycles", flush=True)  # fmt: skip
+            print(
+                f"{kind} {more}, bend {offset:.2g}: {off_m:.1e} m, "
+                f"{abs(end.theta_rad[0] - angle):.1e} rad; claims {claim.position_m:.1e} m, "
+                f"{claim.angle_rad:.1e} rad, settled {said.settled}; {took:.2g} s; "
+                f"reference: {gone} cycles",
+                flush=True,
+            )
 
 
 def work(cases: int) -> None:
@@ -195,18 +223,22 @@ def work(cases: int) -> None:
                 ratios.append(
                     max(found[-1] * truth, rounding) / max(claim["positive_work_j"], rounding)
                 )
-        line = "; ".join(f"{t:g}: median {np.median(e):.0e}, largest {max(e):.0e}"
-                         for t, e in far.items())  # fmt: skip
-        print(f"{kind}: {len(far[1e-6])} cases, {line}; largest true over claimed "
-              f"{max(ratios):.2f}", flush=True)  # fmt: skip
+        line = "; ".join(
+            f"{t:g}: median {np.median(e):.0e}, largest {max(e):.0e}" for t, e in far.items()
+        )
+        print(
+            f"{kind}: {len(far[1e-6])} cases, {line}; largest true over claimed {max(ratios):.2f}",
+            flush=True,
+        )
 
 
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what", choices=("springs", "dry-springs", "free", "long", "far", "work"))
-    parser.add_argument("--cases", type=int, default=40,
-                        help="of every kind of free joints; of the work in all")  # fmt: skip
+    parser.add_argument(
+        "--cases", type=int, default=40, help="of every kind of free joints; of the work in all"
+    )
     parser.add_argument("--rounds", type=int, default=1, help="runs that a time is the mean of")
     parser.add_argument("--seconds", type=float, default=1e4, help="of the runs of far")
     given = parser.parse_args()

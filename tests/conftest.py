@@ -21,8 +21,15 @@ for taste in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "
 os.environ["MPLBACKEND"] = "agg"
 
 # What CI need not have; make installs all the rest.
-OPTIONAL = ("needs a real robot", "an optional peer", "needs actionlint", "needs x86",
-            "needs a Python with tkinter", "needs Linux", "needs a system with")  # fmt: skip
+OPTIONAL = (
+    "needs a real robot",
+    "an optional peer",
+    "needs actionlint",
+    "needs x86",
+    "needs a Python with tkinter",
+    "needs Linux",
+    "needs a system with",
+)
 Report = TypeVar("Report", pytest.TestReport, pytest.CollectReport)
 
 

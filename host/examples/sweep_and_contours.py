@@ -11,8 +11,10 @@ found = sn.sweep(
 )
 speed = np.where(found.converged, found.speed_m_s, np.nan)[:, :, 0]
 i, j = np.unravel_index(np.nanargmax(speed), speed.shape)
-print(f"fastest at 5 rad/s: {speed[i, j]:.3f} m/s, "
-      f"alpha {alpha_deg[i]:g} deg, beta {beta_deg[j]:g} deg")  # fmt: skip
+print(
+    f"fastest at 5 rad/s: {speed[i, j]:.3f} m/s, "
+    f"alpha {alpha_deg[i]:g} deg, beta {beta_deg[j]:g} deg"
+)
 
 figure = Figure(figsize=(6, 4.5), layout="constrained")
 ax = figure.subplots()

@@ -65,21 +65,48 @@ def cortex(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[bytes
         folders = [f"-I{folder}" for folder in LIBRARIES.iterdir()]
         sources = [HERE / "cortex.cpp", *sorted(LIBRARIES.glob("*/*.cpp"))]
         subprocess.run(
-            ["arm-none-eabi-gcc", f"-mcpu={core}", *FLAGS.split(), *LINK.split(), *folders,
-             f"-DSERPENOID_JOINTS={joints}", "-T", HERE / "cortex.ld", *sources, "-o", elf, "-lm"],
+            [
+                "arm-none-eabi-gcc",
+                f"-mcpu={core}",
+                *FLAGS.split(),
+                *LINK.split(),
+                *folders,
+                f"-DSERPENOID_JOINTS={joints}",
+                "-T",
+                HERE / "cortex.ld",
+                *sources,
+                "-o",
+                elf,
+                "-lm",
+            ],
             check=True,
-        )  # fmt: skip
+        )
         return elf
 
     def play(core: str, script: bytes, joints: int = 5) -> list[bytes]:
         elf = built(core, joints)
         (elf.parent / "script").write_bytes(script)
         subprocess.run(
-            ["qemu-system-arm", "-M", "mps2-an385", "-display", "none", "-serial", "none",
-             "-monitor", "none", "-semihosting-config", "enable=on,target=native",
-             "-kernel", elf],
-            check=True, cwd=elf.parent, stdin=subprocess.DEVNULL, timeout=LONG_S,
-        )  # fmt: skip
+            [
+                "qemu-system-arm",
+                "-M",
+                "mps2-an385",
+                "-display",
+                "none",
+                "-serial",
+                "none",
+                "-monitor",
+                "none",
+                "-semihosting-config",
+                "enable=on,target=native",
+                "-kernel",
+                elf,
+            ],
+            check=True,
+            cwd=elf.parent,
+            stdin=subprocess.DEVNULL,
+            timeout=LONG_S,
+        )
         return (elf.parent / "said").read_bytes().split(b"\0")[:-1]
 
     return play

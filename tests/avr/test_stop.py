@@ -37,8 +37,15 @@ def load(name: str, number: int, rng: random.Random) -> list[tuple[float, bytes]
     }[name]
 
 
-LOADS = ("pings at 600/s", "pings as fast as they go", "gaits at 300/s", "status at 50/s",
-         "queued reports", "random bytes", "a line without end")  # fmt: skip
+LOADS = (
+    "pings at 600/s",
+    "pings as fast as they go",
+    "gaits at 300/s",
+    "status at 50/s",
+    "queued reports",
+    "random bytes",
+    "a line without end",
+)
 
 
 def gait_running(start, name: str) -> Dialogue:

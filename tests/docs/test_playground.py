@@ -97,14 +97,22 @@ def states(count: int) -> list[dict[str, float]]:
     rng, drawn = np.random.default_rng(22), []
     for k in range(count):
         dry, viscous = k % 3 != 0, k % 3 != 1
-        drawn.append({
-            "links": int(rng.integers(3, 10)), "mass": rng.uniform(0.03, 0.2),
-            "length": rng.uniform(0.05, 0.12), "whole": k % 2,
-            "ct": rng.uniform(0.02, 0.2) * viscous, "cn": rng.uniform(0.5, 5) * viscous,
-            "ft0": rng.uniform(0.02, 0.2) * dry, "fn0": rng.uniform(0.3, 1.0) * dry,
-            "alpha": rng.uniform(15, 75), "beta": rng.uniform(30, 120), "hz": rng.uniform(0.2, 1),
-            "offset": rng.uniform(-10, 10) * (k % 5 == 0),
-        })  # fmt: skip
+        drawn.append(
+            {
+                "links": int(rng.integers(3, 10)),
+                "mass": rng.uniform(0.03, 0.2),
+                "length": rng.uniform(0.05, 0.12),
+                "whole": k % 2,
+                "ct": rng.uniform(0.02, 0.2) * viscous,
+                "cn": rng.uniform(0.5, 5) * viscous,
+                "ft0": rng.uniform(0.02, 0.2) * dry,
+                "fn0": rng.uniform(0.3, 1.0) * dry,
+                "alpha": rng.uniform(15, 75),
+                "beta": rng.uniform(30, 120),
+                "hz": rng.uniform(0.2, 1),
+                "offset": rng.uniform(-10, 10) * (k % 5 == 0),
+            }
+        )
     return drawn
 
 
@@ -132,9 +140,17 @@ def test_the_torque_is_that_of_a_run(page, tmp_path) -> None:
     drawn = states(6)
     for s, found in zip(drawn, asked(TORQUE, drawn, tmp_path), strict=True):
         robot, ground, gait = parts(s)
-        scene = sn.Scene(robot, ground, gait, method="nonsmooth" if ground.dry else "dop853",
-                         start="steady", dt_s=gait.period_s / 480, duration_s=gait.period_s,
-                         record=("joints",), record_every=1)  # fmt: skip
+        scene = sn.Scene(
+            robot,
+            ground,
+            gait,
+            method="nonsmooth" if ground.dry else "dop853",
+            start="steady",
+            dt_s=gait.period_s / 480,
+            duration_s=gait.period_s,
+            record=("joints",),
+            record_every=1,
+        )
         wanted = np.abs(sn.simulate(scene).joint_torque_nm).max()
         assert found == pytest.approx(wanted, rel=1e-3), s
 
@@ -156,10 +172,18 @@ def test_a_fit_is_drawn_from_as_the_package_does(page, fitted, tmp_path) -> None
     assert found == pytest.approx(fit.sample_whole(), rel=1e-5)
 
 
-@pytest.mark.parametrize("hash_text", [
-    "", "#", "#&&==&%", "#alpha=1e999&beta=NaN&hz=-1&ct=", "#links=99&mass=0&inertia=-3",
-    "#servo=%3Cscript%3E&alpha=", "#servo=constructor&alpha=0x10x",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "hash_text",
+    [
+        "",
+        "#",
+        "#&&==&%",
+        "#alpha=1e999&beta=NaN&hz=-1&ct=",
+        "#links=99&mass=0&inertia=-3",
+        "#servo=%3Cscript%3E&alpha=",
+        "#servo=constructor&alpha=0x10x",
+    ],
+)
 def test_a_link_of_nonsense_leaves_what_was(page, tmp_path, hash_text: str) -> None:
     (found,) = asked(LINK, [hash_text], tmp_path)
     (wanted,) = asked(LINK, ["#alpha=70"], tmp_path)
@@ -265,12 +289,15 @@ def test_a_wrong_file_is_refused_in_words_and_changes_nothing(browser, text: str
 BIG = {"links": 40, "link_mass_kg": 0.1, "link_length_m": 0.1, "link_inertia_kg_m2": 1e-4}
 
 
-@pytest.mark.parametrize(("changed", "said"), [
-    ({"robot": None}, "no fit"),
-    ({"robot": BIG}, "links 40; the page takes 2 to 12"),
-    ({"covariance": {"order": [], "values": []}}, "covariance is not complete"),
-    ({"covariance": {"order": 3, "values": None}}, "no fit"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"robot": None}, "no fit"),
+        ({"robot": BIG}, "links 40; the page takes 2 to 12"),
+        ({"covariance": {"order": [], "values": []}}, "covariance is not complete"),
+        ({"covariance": {"order": 3, "values": None}}, "no fit"),
+    ],
+)
 def test_a_damaged_fit_is_refused(browser, fitted, changed: dict, said: str) -> None:
     before = browser.runs("return toHash(state)")
     damaged = json.dumps(json.loads((fitted / "fit.json").read_text()) | changed)
@@ -369,10 +396,24 @@ def test_the_keyboard_reaches_everything_and_moves_it(page) -> None:
                 assert visitor.text("#play") == "Play"
             if reached[-1] == "BODY":
                 break
-    order = [reached.index(name) for name in (
-        "home", "play", "preset", "n-alpha", "r-alpha", "n-ct", "servo", "file", "folder", "mode",
-        "map", "command", "python",
-    )]  # fmt: skip
+    order = [
+        reached.index(name)
+        for name in (
+            "home",
+            "play",
+            "preset",
+            "n-alpha",
+            "r-alpha",
+            "n-ct",
+            "servo",
+            "file",
+            "folder",
+            "mode",
+            "map",
+            "command",
+            "python",
+        )
+    ]
     assert order == sorted(order)  # as the page is read
 
 

@@ -13,17 +13,45 @@ from serpenoid.robot import Robot as Board
 
 # A name's ending, and the word that a docstring has for it.
 UNITS = {
-    "m": "m", "s": "s", "rad": "rad", "kg": "kg", "w": "W", "j": "J", "n": "N", "nm": "N m",
-    "hz": "Hz", "m_s": "m/s", "rad_s": "rad/s", "rad_s2": "rad/s^2", "m_s2": "m/s^2",
-    "n_m": "N/m", "n_s_m": "N s/m", "kg_m2": "kg m^2", "nm_rad": "N m/rad",
-    "nms_rad": "N m s/rad", "rad_per_cycle": "rad", "deg": "degrees", "us": "us",
-}  # fmt: skip
+    "m": "m",
+    "s": "s",
+    "rad": "rad",
+    "kg": "kg",
+    "w": "W",
+    "j": "J",
+    "n": "N",
+    "nm": "N m",
+    "hz": "Hz",
+    "m_s": "m/s",
+    "rad_s": "rad/s",
+    "rad_s2": "rad/s^2",
+    "m_s2": "m/s^2",
+    "n_m": "N/m",
+    "n_s_m": "N s/m",
+    "kg_m2": "kg m^2",
+    "nm_rad": "N m/rad",
+    "nms_rad": "N m s/rad",
+    "rad_per_cycle": "rad",
+    "deg": "degrees",
+    "us": "us",
+}
 ENDING = re.compile(rf"_({'|'.join(sorted(UNITS, key=len, reverse=True))})$")
 NUMBER = re.compile(r"float|NDArray|Array")
 NO_NUMBER = re.compile(r"bool|Callable|LinkState|TorqueTable|^'?Mapping")
 INSIDE = {"table"}  # a dict of a study's chunk
-PLAIN = ("relative", "factor", "sigma", "standard deviation", "chance", "multiplier", "share",
-         "less 1", "chi2", "of the speed", "PROTOCOL.md")  # fmt: skip
+PLAIN = (
+    "relative",
+    "factor",
+    "sigma",
+    "standard deviation",
+    "chance",
+    "multiplier",
+    "share",
+    "less 1",
+    "chi2",
+    "of the speed",
+    "PROTOCOL.md",
+)
 PUBLIC = {name: getattr(sn, name) for name in sn.__all__ if callable(getattr(sn, name))}
 PUBLIC = {n: o for n, o in PUBLIC.items() if not (inspect.isclass(o) and issubclass(o, Exception))}
 PUBLIC["robot.Robot"] = Board

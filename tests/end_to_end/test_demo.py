@@ -14,11 +14,19 @@ def test_demo(tmp_path) -> None:
     out = tmp_path / "demo"
     done = subprocess.run(
         [sys.executable, "-m", "serpenoid", "demo", "--out", str(out)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
-    for name in ("friction.png", "speed.png", "path.png", "comparison.png", "film.png",
-                 "floor.png"):  # fmt: skip
+    for name in (
+        "friction.png",
+        "speed.png",
+        "path.png",
+        "comparison.png",
+        "film.png",
+        "floor.png",
+    ):
         assert (out / name).read_bytes()[:4] == b"\x89PNG"
     found = json.loads((out / "demo.json").read_text())
     values = {n.removesuffix("_whole"): p["value"] for n, p in found["fit"]["parameters"].items()}
@@ -63,7 +71,9 @@ def test_demo_into_a_file_is_refused(tmp_path) -> None:
     blocked.write_text("")
     done = subprocess.run(
         [sys.executable, "-m", "serpenoid", "demo", "--out", str(blocked)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 2
     assert "Traceback" not in done.stderr

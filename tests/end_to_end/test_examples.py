@@ -26,7 +26,9 @@ def test_example(path: Path, tmp_path) -> None:
 def test_scene(path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "serpenoid", "simulate", "--scene", str(path), "--json"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["displacement_m"] > 0.1

@@ -45,9 +45,17 @@ def script(tmp_path) -> Path:
 
 def test_pyright_strict(script) -> None:
     done = subprocess.run(
-        [Path(sys.executable).with_name("pyright"), "--pythonpath", sys.executable, "-p",
-         str(script.parent)], capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [
+            Path(sys.executable).with_name("pyright"),
+            "--pythonpath",
+            sys.executable,
+            "-p",
+            str(script.parent),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stdout
     assert "1 file" in done.stdout or "0 errors" in done.stdout
 
@@ -55,6 +63,9 @@ def test_pyright_strict(script) -> None:
 def test_mypy_strict(script) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--strict", "--python-executable", sys.executable, script],
-        cwd=script.parent, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        cwd=script.parent,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stdout

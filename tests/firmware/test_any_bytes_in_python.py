@@ -39,8 +39,22 @@ MOTIONS = [
     st.tuples(st.just("pose"), st.just("bent"), ANGLE),
     st.tuples(st.just("pose"), ANGLE, ANGLE, ANGLE, ANGLE, ANGLE),
 ]
-WORDS = ["hello", "bye", "ping", "help", "status", "pose straight", "stop", "!", "idle", "set",
-         "trim", "save", "load", "defaults"]  # fmt: skip
+WORDS = [
+    "hello",
+    "bye",
+    "ping",
+    "help",
+    "status",
+    "pose straight",
+    "stop",
+    "!",
+    "idle",
+    "set",
+    "trim",
+    "save",
+    "load",
+    "defaults",
+]
 MOTION = st.one_of(*MOTIONS).map(" ".join)
 BODY = MOTION | st.one_of(*FIELDS).map(" ".join) | st.sampled_from(WORDS)
 

@@ -29,9 +29,15 @@ def write_gait() -> None:
     edges = [k * TURN // 8 + d for k in range(8) for d in (-1, 0, 1)]
     rows = []
     for alpha, beta, offset in (
-        (90.0, 75.0, 0.0), (70.0, 75.0, 0.0), (30.0, 80.0, 5.5), (14.25, -69.125, -12.0),
-        (0.5, 180.0, 0.0), (0.0, 20.0, 3.0), (45.123, -180.0, 0.0), (89.999, 0.001, 0.0),
-    ):  # fmt: skip
+        (90.0, 75.0, 0.0),
+        (70.0, 75.0, 0.0),
+        (30.0, 80.0, 5.5),
+        (14.25, -69.125, -12.0),
+        (0.5, 180.0, 0.0),
+        (0.0, 20.0, 3.0),
+        (45.123, -180.0, 0.0),
+        (89.999, 0.001, 0.0),
+    ):
         for phase in [p % TURN for p in edges] + [rng.randrange(TURN) for _ in range(40)]:
             for joint in range(5):
                 value = setpoint_deg(alpha, beta, offset, phase, joint)

@@ -35,9 +35,13 @@ class Browser:
     """One window; `with Browser() as browser:`."""
 
     def __init__(
-        self, width: int = 1100, height: int = 900, dark: bool = False, paper: bool = False,
+        self,
+        width: int = 1100,
+        height: int = 900,
+        dark: bool = False,
+        paper: bool = False,
         still: bool = False,
-    ):  # fmt: skip
+    ):
         self._chromium, self._driver = programs()
         self._size = width, height
         self._dark, self._paper, self._still = dark, paper, still
@@ -52,8 +56,12 @@ class Browser:
         options = {"binary": self._chromium, "args": flags}
         wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
         self._base += "/" + self._begin(wanted)
-        metrics = {"width": self._size[0], "height": self._size[1], "deviceScaleFactor": 1,
-                   "mobile": self._size[0] < 500 or self._paper}  # fmt: skip
+        metrics = {
+            "width": self._size[0],
+            "height": self._size[1],
+            "deviceScaleFactor": 1,
+            "mobile": self._size[0] < 500 or self._paper,
+        }
         self._devtools("Emulation.setDeviceMetricsOverride", metrics)
         features = [{"name": "prefers-color-scheme", "value": "dark" if self._dark else "light"}]
         if self._still:

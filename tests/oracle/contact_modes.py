@@ -249,9 +249,9 @@ class World:
         up, down = self.back[resting], self.ahead[resting]
         goal = np.append(np.zeros(k), 1.0)
         equal = np.hstack([free.T @ touch[resting].T, np.zeros((free.shape[1], 1))])
-        within = np.vstack([
-            np.hstack([np.eye(k), -up[:, None]]), np.hstack([-np.eye(k), -down[:, None]])
-        ])  # fmt: skip
+        within = np.vstack(
+            [np.hstack([np.eye(k), -up[:, None]]), np.hstack([-np.eye(k), -down[:, None]])]
+        )
         found = linprog(goal, within, np.zeros(2 * k), equal, need, (None, None), method="highs")
         return 1 - found.fun if found.status == 0 else -1.0
 
@@ -386,9 +386,14 @@ def _pieces(
     while t < stop:
         y = world.settle(t, y, mode.slide)
         solver = DOP853(
-            lambda s, z, held=mode: world.rate(s, z, held), t, y, stop,
-            max_step=longest_s, rtol=rtol, atol=rtol / 100,
-        )  # fmt: skip
+            lambda s, z, held=mode: world.rate(s, z, held),
+            t,
+            y,
+            stop,
+            max_step=longest_s,
+            rtol=rtol,
+            atol=rtol / 100,
+        )
         began, armed = t, world.alarms(t, y, mode) > AT_REST_M_S
         ended = None
         while solver.status == "running" and ended is None:

@@ -323,10 +323,12 @@ def follow(
 def positive_work(snake: Snake, step: Step) -> float:
     """Return the integral of sum P_i^+ over a step, J; a power that changes sign by its quartic."""
     places = (NODES + 1) / 2
-    values = np.array([
-        snake.powers(step.at(snake, x), step.start_s + x * step.length_s, step.mode)
-        for x in places
-    ])  # fmt: skip
+    values = np.array(
+        [
+            snake.powers(step.at(snake, x), step.start_s + x * step.length_s, step.mode)
+            for x in places
+        ]
+    )
     total = step.length_s / 2 * (WEIGHTS @ np.maximum(values, 0))
     fine = np.linspace(-1, 1, 401)
     for joint in np.flatnonzero((values > 0).any(0) & (values < 0).any(0)):

@@ -30,9 +30,11 @@ class GaitWorld(World):
         phi, rate, second = self.gait.angles(t, self.p.links - 1)
         gap, rows, opening, bend = super().closing(t, q, v)
         return (
-            np.concatenate([gap, self.turns @ q - phi]), np.vstack([rows, self.turns]),
-            np.concatenate([opening, rate]), np.concatenate([bend, -second]),
-        )  # fmt: skip
+            np.concatenate([gap, self.turns @ q - phi]),
+            np.vstack([rows, self.turns]),
+            np.concatenate([opening, rate]),
+            np.concatenate([bend, -second]),
+        )
 
     def joint_powers(self, t: float, y: Array, mode: Mode) -> Array:
         """Return what each joint gives, W: the multiplier of its angle times its rate."""

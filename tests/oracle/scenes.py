@@ -35,10 +35,18 @@ def params_of(scene: sn.Scene) -> Params:
         -pull * math.sin(scene.incline_direction_rad),
     )
     return Params(
-        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
-        ground.ct_forward, ground.cn, ground.ft0_forward, ground.fn0, gravity,
-        ground.ct_backward, ground.ft0_backward,
-    )  # fmt: skip
+        robot.links,
+        robot.link_mass_kg,
+        robot.link_length_m / 2,
+        robot.inertia_kg_m2,
+        ground.ct_forward,
+        ground.cn,
+        ground.ft0_forward,
+        ground.fn0,
+        gravity,
+        ground.ct_backward,
+        ground.ft0_backward,
+    )
 
 
 def servo_duties(servo: sn.Servo, error_rad: Array, rate: Array) -> Array:
@@ -144,8 +152,12 @@ class SlowScene:
         keep = slice(1) if self.pinned else slice(None)
         free = ~self.driven
         z = [start.x_m[keep], start.y_m[keep], start.theta_rad[:1], np.diff(start.theta_rad)[free]]
-        rate = [start.vx_m_s[keep], start.vy_m_s[keep], start.omega_rad_s[:1],
-                np.diff(start.omega_rad_s)[free]]  # fmt: skip
+        rate = [
+            start.vx_m_s[keep],
+            start.vy_m_s[keep],
+            start.omega_rad_s[:1],
+            np.diff(start.omega_rad_s)[free],
+        ]
         return np.concatenate([*z, *rate, np.zeros(4)])
 
     def torque(self, t_s: float, pose: Array, rates: Array) -> Array:
@@ -193,8 +205,12 @@ class SlowScene:
         free = ~self.driven
         keep = slice(1) if self.pinned else slice(None)
         size = (len(y) - 4) // 2
-        accel = [m.accel_m_s2[keep, 0], m.accel_m_s2[keep, 1], m.theta_ddot[:1],
-                 np.diff(m.theta_ddot)[free]]  # fmt: skip
+        accel = [
+            m.accel_m_s2[keep, 0],
+            m.accel_m_s2[keep, 1],
+            m.theta_ddot[:1],
+            np.diff(m.theta_ddot)[free],
+        ]
         power = -m.torque_n_m * np.diff(rates[:, 2])
         damped = 0.0
         if not self.pinned:

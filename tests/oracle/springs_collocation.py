@@ -88,8 +88,11 @@ class Springs:
                 self.gait.beta_rad
             )
             g, w = Long(self.gait.alpha_rad), Long(self.gait.omega_rad_s)
-            rows = (g * np.sin(phase) + self.gait.offset_rad, g * w * np.cos(phase),
-                    -g * w * w * np.sin(phase))  # fmt: skip
+            rows = (
+                g * np.sin(phase) + self.gait.offset_rad,
+                g * w * np.cos(phase),
+                -g * w * w * np.sin(phase),
+            )
             out[:, 2 * self.p.links + 1 :] = np.cumsum(rows, axis=1)
         return out[0], out[1], out[2]
 

@@ -74,9 +74,14 @@ def rates(case: Case, t_s: float, y: Array) -> tuple[Array, Array, Array]:
     turning = (couple.sum(1) - inertia * s2.sum()) / (n * inertia)
     torque = np.cumsum(inertia * (turning[:, None] + s2) - couple, 1)[:, :-1]
     dy = np.concatenate(
-        [velocity.reshape(len(y), -1), y[:, -1:], acceleration.reshape(len(y), -1),
-         turning[:, None]], 1,
-    )  # fmt: skip
+        [
+            velocity.reshape(len(y), -1),
+            y[:, -1:],
+            acceleration.reshape(len(y), -1),
+            turning[:, None],
+        ],
+        1,
+    )
     return dy, -torque * np.diff(s1), np.sum(ground * velocity, (1, 2))
 
 
@@ -218,9 +223,17 @@ def draw(rng: np.random.Generator, most: int) -> Case:
     stiffness = mass * omega**2 * log(30, 1e4)  # the softest modes: pi / n sqrt(k/m), about
     damping = math.sqrt(stiffness * mass) * log(0.01, 0.5)
     return Case(
-        links, mass, log(0.02, 0.1), cn * log(0.01, 0.5), cn, rng.uniform(0.2, 1.0),
-        rng.uniform(0.5, 1.8), omega, stiffness, damping,
-    )  # fmt: skip
+        links,
+        mass,
+        log(0.02, 0.1),
+        cn * log(0.01, 0.5),
+        cn,
+        rng.uniform(0.2, 1.0),
+        rng.uniform(0.5, 1.8),
+        omega,
+        stiffness,
+        damping,
+    )
 
 
 def main() -> None:

@@ -14,8 +14,16 @@ from . import symbolic as sy
 
 ROBOT, GROUND = sn.Robot(3, 0.0756, 0.076), sn.Ground(0.1, 1.0)
 GAIT = sn.Gait(0.9, 1.2, 4.0, offset_rad=0.1)
-SERVO = sn.Servo(0.4, 0.02, 50.0, 100.0, 0.0, armature_kg_m2=1.5e-3, gear_friction_nm=0.02,
-                 gear_damping_nms_rad=5e-3)  # fmt: skip
+SERVO = sn.Servo(
+    0.4,
+    0.02,
+    50.0,
+    100.0,
+    0.0,
+    armature_kg_m2=1.5e-3,
+    gear_friction_nm=0.02,
+    gear_damping_nms_rad=5e-3,
+)
 Q = np.array([0.1, -0.2, 0.3, -0.4, 0.7])
 QD = np.array([0.05, -0.03, 1.1, -0.7, 0.4])
 J, RATIO = sp.symbols("J ratio", positive=True)
@@ -27,9 +35,7 @@ def rotor_terms() -> list[sp.Expr]:
     The motor of a joint sits on the link behind it. Its rotor (inertia J / ratio^2) turns with that
     link, and ratio times as fast as the joint besides.
     """
-    spins = [
-        sy.theta_d[j] + RATIO * (sy.theta_d[j + 1] - sy.theta_d[j]) for j in range(sy.N - 1)
-    ]  # fmt: skip
+    spins = [sy.theta_d[j] + RATIO * (sy.theta_d[j + 1] - sy.theta_d[j]) for j in range(sy.N - 1)]
     kinetic = sum(J / RATIO**2 * spin**2 / 2 for spin in spins)
     return [sy.rate(kinetic.diff(rate)) for rate in sy.qd]
 
@@ -44,9 +50,12 @@ def accelerations(ratio: float) -> np.ndarray:
     torque = s.stiffness_nm_rad * (np.array(goal) - angle) - s.damping_nms_rad * rate
     torque -= s.gear_damping_nms_rad * rate + s.gear_friction_nm * np.sign(rate)
     known = {
-        sy.m: ROBOT.link_mass_kg, sy.ell: ROBOT.link_length_m / 2, sy.I_c: ROBOT.inertia_kg_m2,
-        J: s.armature_kg_m2, RATIO: ratio,
-    }  # fmt: skip
+        sy.m: ROBOT.link_mass_kg,
+        sy.ell: ROBOT.link_length_m / 2,
+        sy.I_c: ROBOT.inertia_kg_m2,
+        J: s.armature_kg_m2,
+        RATIO: ratio,
+    }
     known |= dict.fromkeys(sy.C_t, GROUND.ct) | dict.fromkeys(sy.C_n, GROUND.cn)
     known |= dict(zip(sy.q, Q, strict=True)) | dict(zip(sy.qd, QD, strict=True))
     # T_i acts on link i from link i+1: a torque that opens the joint turns link i backwards
@@ -64,10 +73,18 @@ def by_the_core(servo: sn.Servo) -> np.ndarray:
     dt = 1e-6
     run = sn.simulate(
         sn.Scene(
-            ROBOT, GROUND, GAIT, drive="servo", servo=servo, dt_s=dt, duration_s=2 * dt,
-            record_every=1, start=sn.LinkState.joined(ROBOT, Q, QD), method="rk4",
+            ROBOT,
+            GROUND,
+            GAIT,
+            drive="servo",
+            servo=servo,
+            dt_s=dt,
+            duration_s=2 * dt,
+            record_every=1,
+            start=sn.LinkState.joined(ROBOT, Q, QD),
+            method="rk4",
         )
-    )  # fmt: skip
+    )
     v = np.column_stack([run.vx_m_s[:, 0], run.vy_m_s[:, 0], run.omega_rad_s])
     return (-3 * v[0] + 4 * v[1] - v[2]) / (2 * dt)
 

@@ -92,8 +92,11 @@ def random_scene(kind: str, rng: Generator) -> Scene:
         more |= {"method": str(rng.choice(_BY_STEP)), "dt_s": float(step)}
     if kind == "angle" and rng.random() < 0.4:
         method = str(rng.choice(["collocation", "nonsmooth"]))
-        more |= {"method": method, "tolerance": float(10 ** rng.uniform(-9, -3)),
-                 "incline_rad": 0.0}  # fmt: skip
+        more |= {
+            "method": method,
+            "tolerance": float(10 ** rng.uniform(-9, -3)),
+            "incline_rad": 0.0,
+        }
     return Scene(robot, ground, gait, **more)
 
 
@@ -145,8 +148,11 @@ def _joint_drive(kind: str, robot: Robot, rng: Generator) -> dict[str, Any]:
         return {"limp": (int(rng.integers(1, joints + 1)),)}
     if kind == "springs":
         k = robot.link_mass_kg * 10 ** rng.uniform(2.5, 4)
-        return {"formulation": "implicit", "joint_stiffness_n_m": k,
-                "joint_damping_n_s_m": k * 10 ** rng.uniform(-3.5, -2)}  # fmt: skip
+        return {
+            "formulation": "implicit",
+            "joint_stiffness_n_m": k,
+            "joint_damping_n_s_m": k * 10 ** rng.uniform(-3.5, -2),
+        }
     return {}
 
 
@@ -242,10 +248,12 @@ def judge_state(kind: str, robot: Robot, ground: Ground, gait: Gait, rtol: float
         truths = np.vstack([_settled(found, math.ceil(cycles), t) for t in (1e-12, 1e-11)])
     except (Diverged, BadInput, NotConverged):
         return None
-    claims = np.array([
-        found.error_estimate,
-        *(getattr(found, f"{name}_error_w") / _size(truths[1][1:]) for name in _POWERS),
-    ])  # fmt: skip
+    claims = np.array(
+        [
+            found.error_estimate,
+            *(getattr(found, f"{name}_error_w") / _size(truths[1][1:]) for name in _POWERS),
+        ]
+    )
     told = np.array([found.chord_m_s, *(getattr(found, f"{name}_w") for name in _POWERS)])
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
     scale = np.array([max(truths[1][0], floor), *[_size(truths[1][1:])] * 3])
@@ -265,11 +273,20 @@ def _size(powers: Array) -> float:
 def _settled(found: Steady, cycles: int, tolerance: float) -> Array:
     """Return chord speed, m/s, and the three powers, W, of a run's last two cycles, (2, 4)."""
     gait, period = found.gait, found.gait.period_s
-    run = simulate(Scene(
-        found.robot, found.ground, gait, start="steady", dt_s=period, record_every=1,
-        duration_s=cycles * period, record=("energy",), tolerance=tolerance,
-        method="dop853" if found.ground.smooth else "nonsmooth",
-    ))  # fmt: skip
+    run = simulate(
+        Scene(
+            found.robot,
+            found.ground,
+            gait,
+            start="steady",
+            dt_s=period,
+            record_every=1,
+            duration_s=cycles * period,
+            record=("energy",),
+            tolerance=tolerance,
+            method="dop853" if found.ground.smooth else "nonsmooth",
+        )
+    )
     work, positive = (
         np.diff(run.energy_j[-3:, ENERGY_COLUMNS.index(name)]) / period
         for name in ("joint_work_j", "positive_work_j")
@@ -307,15 +324,17 @@ def coverage_rows(runs: list[Judged]) -> list[dict[str, float | str]]:
     for kind in (*dict.fromkeys(r.kind for r in runs), "all"):
         some = [r for r in runs if kind in (r.kind, "all")]
         ratio = np.array([r.ratio for r in some if r.settled and not math.isnan(r.true)])
-        rows.append({
-            "kind": kind,
-            "runs": sum(r.judged for r in some),
-            "within_estimate": float(np.mean(ratio <= 1)) if ratio.size else math.nan,
-            "within_3": float(np.mean(ratio <= 3)) if ratio.size else math.nan,
-            "worst_ratio": float(ratio.max()) if ratio.size else math.nan,
-            "median_ratio": float(np.median(ratio)) if ratio.size else math.nan,
-            "warned": sum(not r.settled for r in some),
-            "unwarned_misses": sum(not r.kept for r in some),
-            "given_up": sum(not r.judged for r in some),
-        })  # fmt: skip
+        rows.append(
+            {
+                "kind": kind,
+                "runs": sum(r.judged for r in some),
+                "within_estimate": float(np.mean(ratio <= 1)) if ratio.size else math.nan,
+                "within_3": float(np.mean(ratio <= 3)) if ratio.size else math.nan,
+                "worst_ratio": float(ratio.max()) if ratio.size else math.nan,
+                "median_ratio": float(np.median(ratio)) if ratio.size else math.nan,
+                "warned": sum(not r.settled for r in some),
+                "unwarned_misses": sum(not r.kept for r in some),
+                "given_up": sum(not r.judged for r in some),
+            }
+        )
     return rows

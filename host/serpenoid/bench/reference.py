@@ -60,17 +60,25 @@ def solve(problem: Problem) -> Array:
 
     p = parameters(problem)
     out = solve_ivp(
-        lambda t, y: rate_array(problem.implicit, t, y, p), (0, problem.duration_s),
-        problem.first, "DOP853", rtol=1e-13, atol=1e-15,
-    )  # fmt: skip
+        lambda t, y: rate_array(problem.implicit, t, y, p),
+        (0, problem.duration_s),
+        problem.first,
+        "DOP853",
+        rtol=1e-13,
+        atol=1e-15,
+    )
     return out.y[:, -1]
 
 
 def keep(problem: Problem, end: Array, known_to: float) -> None:
     """Write a problem's reference into the file."""
     kept = json.loads(FILE.read_text()) if FILE.exists() else {}
-    kept[problem.name] = {"problem": told(problem), "first": problem.first.tolist(),
-                          "end": list(end), "known_to": known_to}  # fmt: skip
+    kept[problem.name] = {
+        "problem": told(problem),
+        "first": problem.first.tolist(),
+        "end": list(end),
+        "known_to": known_to,
+    }
     FILE.write_text(json.dumps(kept, indent=1) + "\n")
 
 

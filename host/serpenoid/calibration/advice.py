@@ -112,9 +112,13 @@ def advise(
 
 
 def _ranked(
-    session: Session, fit: FrictionFit, wanted: tuple[Gait, ...], readings: list[NextReading],
-    bands: tuple[float, float], servo: ServoKind | None,
-) -> Advice:  # fmt: skip
+    session: Session,
+    fit: FrictionFit,
+    wanted: tuple[Gait, ...],
+    readings: list[NextReading],
+    bands: tuple[float, float],
+    servo: ServoKind | None,
+) -> Advice:
     """Return the readings, best first; bands: by slopes now, with and without the runs taken."""
     if not readings:
         raise BadInput(
@@ -124,10 +128,14 @@ def _ranked(
     with_runs, linear = bands
     parts = band_parts(fit, wanted, servo)
     now = parts.with_friction(with_runs / linear)
-    total = [replace(
-        r, band=parts.with_friction(r.band / linear),
-        band_after_times=parts.with_friction(r.band_after_times / linear),
-    ) for r in sorted(readings, key=lambda r: r.band)]  # fmt: skip
+    total = [
+        replace(
+            r,
+            band=parts.with_friction(r.band / linear),
+            band_after_times=parts.with_friction(r.band_after_times / linear),
+        )
+        for r in sorted(readings, key=lambda r: r.band)
+    ]
     then = _after(session, fit, total[0])
     last = total[0].band_after_times
     after = last if then is None else band_parts(then, wanted, servo, before=fit).whole
@@ -143,11 +151,15 @@ def _after(session: Session, fit: FrictionFit, told: NextReading) -> FrictionFit
     first = max(r.number for r in session.readings) + 1
     more = (
         Reading(
-            first + k, told.lambda_rad or 0.0, told.incline_rad or 0.0, told.belt_speed_m_s or 0.0,
-            facing=told.facing, bend=told.bend or "zigzag",
+            first + k,
+            told.lambda_rad or 0.0,
+            told.incline_rad or 0.0,
+            told.belt_speed_m_s or 0.0,
+            facing=told.facing,
+            bend=told.bend or "zigzag",
         )
         for k in range(told.times)
-    )  # fmt: skip
+    )
     values = np.array(list(fit.whole_snake.values()))
     before = _covariance(session, values)
     covariance = _covariance(replace(session, readings=(*session.readings, *more)), values)
@@ -211,10 +223,16 @@ def _station(
             break
     times = _worth(bands)
     return NextReading(
-        "station", bands[0], times, bands[times - 1],
-        lambda_rad=series.lambda_rad, incline_rad=incline, belt_speed_m_s=slip,
-        facing=series.facing, bend=series.bend if series.lambda_rad else "",
-    )  # fmt: skip
+        "station",
+        bands[0],
+        times,
+        bands[times - 1],
+        lambda_rad=series.lambda_rad,
+        incline_rad=incline,
+        belt_speed_m_s=slip,
+        facing=series.facing,
+        bend=series.bend if series.lambda_rad else "",
+    )
 
 
 def _worth(bands: list[float]) -> int:
@@ -237,6 +255,11 @@ def _gait_run(
         bands.append(slopes.band(covariance, more))
     times = _worth(bands)
     return NextReading(
-        "gait", bands[0], times, bands[times - 1], alpha_rad=gait.alpha_rad,
-        beta_rad=gait.beta_rad, frequency_hz=gait.omega_rad_s / (2 * math.pi),
-    )  # fmt: skip
+        "gait",
+        bands[0],
+        times,
+        bands[times - 1],
+        alpha_rad=gait.alpha_rad,
+        beta_rad=gait.beta_rad,
+        frequency_hz=gait.omega_rad_s / (2 * math.pi),
+    )

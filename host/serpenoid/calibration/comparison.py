@@ -163,9 +163,15 @@ def compare(
     runs, wanted = runs_by_gait(session), compared_gaits(session, gaits)
     servo = servo and servo_seen(servo, session.kept_films, fit, seed)
     drawn = sample_speeds(
-        fit, wanted, amplitude_sigma=amplitude_sigma, servo=servo, seen=gaits_seen(session),
-        count=samples, seed=seed, progress=progress,
-    )  # fmt: skip
+        fit,
+        wanted,
+        amplitude_sigma=amplitude_sigma,
+        servo=servo,
+        seen=gaits_seen(session),
+        count=samples,
+        seed=seed,
+        progress=progress,
+    )
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
     curve = _curve(fit, wanted, seed, progress)
     common = (session.setup.name, amplitude_sigma, points, curve, session.kept_crawls)
@@ -183,9 +189,13 @@ def _levelled(session: Session, fit: FrictionFit) -> tuple[Session, str]:
 
 
 def _judged(
-    session: Session, fit: FrictionFit, drawn: SpeedSamples, points: Sequence[ComparedGait],
-    stated: tuple[float, int, ServoKind | None], levelled: str,
-) -> tuple[Any, ...]:  # fmt: skip
+    session: Session,
+    fit: FrictionFit,
+    drawn: SpeedSamples,
+    points: Sequence[ComparedGait],
+    stated: tuple[float, int, ServoKind | None],
+    levelled: str,
+) -> tuple[Any, ...]:
     """Return what a Comparison holds from p_value on; stated: amplitude_sigma, seed and servo.
 
     levelled: a sentence to add.
@@ -242,11 +252,20 @@ def _point(
         measured = float(weights @ np.array([r.speed_m_s for r in runs]) / weights.sum())
         sigma = float(weights.sum() ** -0.5)
     return ComparedGait(
-        gait.alpha_rad, gait.beta_rad, gait.omega_rad_s / (2 * math.pi), exact,
+        gait.alpha_rad,
+        gait.beta_rad,
+        gait.omega_rad_s / (2 * math.pi),
+        exact,
         _by_springs(fit, gait) if springs else None,
-        low, high, low_all, high_all, tuple(r.number for r in runs), measured, sigma,
+        low,
+        high,
+        low_all,
+        high_all,
+        tuple(r.number for r in runs),
+        measured,
+        sigma,
         None if measured is None else measured - exact,
-    )  # fmt: skip
+    )
 
 
 def _curve(

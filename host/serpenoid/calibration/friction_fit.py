@@ -51,9 +51,13 @@ METHODS = ("joint", "robust", "naive")
 
 
 def fit_friction(
-    session: Session, *, method: str = "joint", crawls: bool = False,
-    servo: ServoKind | None = None, seed: int = 2005,
-) -> FrictionFit:  # fmt: skip
+    session: Session,
+    *,
+    method: str = "joint",
+    crawls: bool = False,
+    servo: ServoKind | None = None,
+    seed: int = 2005,
+) -> FrictionFit:
     """Fit ct, cn, ft0 and fn0 to a session's kept readings: stations, pushes and slides together.
 
     Readings taken facing up the belt tell ct and ft0 backwards: the ground is then a ratchet.

@@ -75,9 +75,13 @@ def predict(
     low, high = band(drawn.both_m_s)
     low_ideal, high_ideal = band(drawn.joints_m_s)
     springs = steady_springs(
-        robot, fit.ground, gait, joint_stiffness_n_m=STIFFNESS_N_M,
-        joint_damping_n_s_m=DAMPING_N_S_M, rtol=SPRINGS_RTOL,
-    )  # fmt: skip
+        robot,
+        fit.ground,
+        gait,
+        joint_stiffness_n_m=STIFFNESS_N_M,
+        joint_damping_n_s_m=DAMPING_N_S_M,
+        rtol=SPRINGS_RTOL,
+    )
     return SpeedPoint(
         frequency_hz=gait.omega_rad_s / (2 * math.pi),
         explicit_m_s=s.speed_m_s,
@@ -119,10 +123,16 @@ def one_cycle(robot: Robot, ground: Ground, gait: Gait, cycles: int = 3) -> tupl
     s = steady_gait(robot, ground, gait)
     run = simulate(
         Scene(
-            robot, ground, gait, start="steady", dt_s=gait.period_s / 600, record_every=5,
-            method="rk4" if ground.smooth else "nonsmooth", duration_s=cycles * gait.period_s,
+            robot,
+            ground,
+            gait,
+            start="steady",
+            dt_s=gait.period_s / 600,
+            record_every=5,
+            method="rk4" if ground.smooth else "nonsmooth",
+            duration_s=cycles * gait.period_s,
         )
-    )  # fmt: skip
+    )
     return s, run
 
 

@@ -325,18 +325,33 @@ class Session:
         """Return a hash of all that a friction fit rests on: robot, gravity, zeros, stations."""
         setup = self.setup
         rests_on = [
-            repr(setup.robot), setup.procedure.gravity_m_s2, repr(self.zero), self.mass_sigma,
+            repr(setup.robot),
+            setup.procedure.gravity_m_s2,
+            repr(self.zero),
+            self.mass_sigma,
             self.belt_scale,
-            [[r.lambda_rad, r.incline_rad, r.belt_speed_m_s, r.drift_m_s,
-              repr(self.uncertainty_of(r)), self.grade_step_of(r),
-              *(["up"] if r.facing == "up" else []), *([r.bend] if r.bend != "zigzag" else []),
-              *([r.places, repr(r.watch or setup.stopwatch)] if r.places else [])]
-             for r in self.kept],
-            *(repr(r) for kind, r in self.numbered
-              if kind.fitted and not kind.part and not r.voided),
+            [
+                [
+                    r.lambda_rad,
+                    r.incline_rad,
+                    r.belt_speed_m_s,
+                    r.drift_m_s,
+                    repr(self.uncertainty_of(r)),
+                    self.grade_step_of(r),
+                    *(["up"] if r.facing == "up" else []),
+                    *([r.bend] if r.bend != "zigzag" else []),
+                    *([r.places, repr(r.watch or setup.stopwatch)] if r.places else []),
+                ]
+                for r in self.kept
+            ],
+            *(
+                repr(r)
+                for kind, r in self.numbered
+                if kind.fitted and not kind.part and not r.voided
+            ),
             *([self.zeros_rad(self.kept)] if self.zero_drifts else []),
             *([repr(setup.floor)] if self.on_floor else []),
-        ]  # fmt: skip
+        ]
         return hashlib.sha256(json.dumps(rests_on).encode()).hexdigest()
 
     @property

@@ -27,22 +27,34 @@ from .session_rows import change_of, read_format_2, time_of
 
 FORMAT = 2
 COLUMNS = (
-    "reading", "time_utc", "lambda_deg", "incline_deg", "belt_speed_m_s", "drift_m_s", "status",
+    "reading",
+    "time_utc",
+    "lambda_deg",
+    "incline_deg",
+    "belt_speed_m_s",
+    "drift_m_s",
+    "status",
     "comment",
-)  # fmt: skip
+)
 STATUSES = ("kept", "void")
 _SIGMAS = (
-    "incline_sigma_deg", "incline_zero_sigma_deg", "belt_speed_sigma_m_s", "lambda_sigma_deg",
-)  # fmt: skip
+    "incline_sigma_deg",
+    "incline_zero_sigma_deg",
+    "belt_speed_sigma_m_s",
+    "lambda_sigma_deg",
+)
 _SHARED = {  # optional, since sessions of before do not state them: key -> field, its unit in SI
     "belt_scale_sigma_percent": ("belt_scale_sigma", 0.01),
     "mass_sigma_percent": ("mass_sigma", 0.01),
     "joint_sigma_deg": ("joint_sigma_rad", math.radians(1.0)),
 }
 _STEPS = (
-    "incline_step_percent", "belt_speed_step_m_s", "belt_speed_least_m_s", "distance_sigma_m",
+    "incline_step_percent",
+    "belt_speed_step_m_s",
+    "belt_speed_least_m_s",
+    "distance_sigma_m",
     "time_sigma_s",
-)  # fmt: skip
+)
 _FLOOR = {  # optional, of pushes and slides: key -> field of FloorTools, its unit in SI
     "film_scale_sigma_percent": ("film_scale_sigma", 0.01),
     "push_time_sigma_s": ("push_time_sigma_s", 1.0),

@@ -28,9 +28,19 @@ from .session import Session, Setup, placed
 TORN = "#torn"
 EVENT_COLUMNS = ("time_utc", "event", "reading", "detail")
 EVENTS = (
-    "start", "end", "pause", "resume", "amend", "void", "restore", "undo", "skip", "unskip", "note",
+    "start",
+    "end",
+    "pause",
+    "resume",
+    "amend",
+    "void",
+    "restore",
+    "undo",
+    "skip",
+    "unskip",
+    "note",
     "connect",
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)

@@ -81,9 +81,13 @@ class SpeedBand:
 
 
 def speed_band(
-    fit: FrictionFit, gait: Gait, count: int = 64, amplitude_sigma: float = AMPLITUDE_SIGMA,
-    servo: ServoKind | None = HOBBY, commanded: Gait | None = None,
-) -> SpeedBand:  # fmt: skip
+    fit: FrictionFit,
+    gait: Gait,
+    count: int = 64,
+    amplitude_sigma: float = AMPLITUDE_SIGMA,
+    servo: ServoKind | None = HOBBY,
+    commanded: Gait | None = None,
+) -> SpeedBand:
     """Predict one gait's speed by the exact model, with the band that fit and joints leave it.
 
     servo: the kind that moves the joints, any hobby servo unless given; None: they follow the gait.
@@ -238,9 +242,11 @@ class BandParts:
 
 
 def band_parts(
-    fit: FrictionFit, gaits: Sequence[Gait], servo: ServoKind | None,
+    fit: FrictionFit,
+    gaits: Sequence[Gait],
+    servo: ServoKind | None,
     before: FrictionFit | None = None,
-) -> BandParts:  # fmt: skip
+) -> BandParts:
     """Return the parts of the band that fit, joints and servos leave, by samples as `compare`.
 
     before: a fit of the same values that knows less. Each draw's servo leaves the same share of the

@@ -83,10 +83,12 @@ def of_gaits(drawn: SpeedSamples, index: Sequence[int]) -> SpeedSamples:
     """Return the draws of some of the gaits."""
     own = list(index)
     return replace(
-        drawn, gaits=tuple(drawn.gaits[j] for j in own),
-        friction_m_s=drawn.friction_m_s[:, own], joints_m_s=drawn.joints_m_s[:, own],
+        drawn,
+        gaits=tuple(drawn.gaits[j] for j in own),
+        friction_m_s=drawn.friction_m_s[:, own],
+        joints_m_s=drawn.joints_m_s[:, own],
         both_m_s=drawn.both_m_s[:, own],
-    )  # fmt: skip
+    )
 
 
 class Judge:
@@ -230,9 +232,14 @@ class _Loose:
     """
 
     def __init__(
-        self, fit: FrictionFit, gaits: tuple[Gait, ...], freed: float, amplitude_sigma: float,
-        servos: _Left, seen: Collection[Gait] = (),
-    ):  # fmt: skip
+        self,
+        fit: FrictionFit,
+        gaits: tuple[Gait, ...],
+        freed: float,
+        amplitude_sigma: float,
+        servos: _Left,
+        seen: Collection[Gait] = (),
+    ):
         self._fit, self._gaits, self._freed, self._seen = fit, gaits, freed, seen
         self._servos = servos
         self._amplitude_sigma = amplitude_sigma
@@ -282,9 +289,11 @@ class _Loose:
                 likely = self._likely(measured, noise, found, at)
         shares = np.exp(self._root @ found[:-1]).tolist()
         return Cause(
-            float(chdtrc(len(self._gaits), chi2)), _mean_of_logs(likely),
-            dict(zip(self._fit.names, shares, strict=True)), self._amplitude(found),
-        )  # fmt: skip
+            float(chdtrc(len(self._gaits), chi2)),
+            _mean_of_logs(likely),
+            dict(zip(self._fit.names, shares, strict=True)),
+            self._amplitude(found),
+        )
 
     def _closest(
         self, measured: Measured, noise: Array, one: int, begin: Array
@@ -305,9 +314,13 @@ class _Loose:
             return (np.array(moved) - here).T / _STEP
 
         found = least_squares(
-            left, begin, ftol=1e-2, xtol=1e-2, max_nfev=_MOST_STEPS,
+            left,
+            begin,
+            ftol=1e-2,
+            xtol=1e-2,
+            max_nfev=_MOST_STEPS,
             jac=slopes,  # pyright: ignore[reportArgumentType]
-        )  # fmt: skip
+        )
         x = found.x
         share, bends = self._servos.at(self._amplitude(x))[one], self._servos.by_amplitude[one]
         at = found.jac[: len(noise)] * (noise / share)[:, None]  # of the ideal speeds

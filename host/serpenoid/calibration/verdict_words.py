@@ -17,9 +17,13 @@ _LEAST_PULL = 2e-3  # of the weight: a tenth of a degree
 
 
 def in_words(
-    verdict: Verdict, measured: Measured, fit: FrictionFit, amplitude_sigma: float, weight_n: float,
+    verdict: Verdict,
+    measured: Measured,
+    fit: FrictionFit,
+    amplitude_sigma: float,
+    weight_n: float,
     servo: ServoKind | None = None,
-) -> str:  # fmt: skip
+) -> str:
     """Return what was found and what to do about it."""
     typical = None if servo is None else servo.servo
     best = np.array([speed(fit.robot, fit.ground, g, typical) for g in measured.gaits])

@@ -12,11 +12,19 @@ from ..show.screen import say
 from .group import Commands
 from .paths import OutFolder
 
-OUT = click.option("--out", type=OutFolder(), show_default=True,
-                   default=Path("bench-out"), help="Folder for figures and numbers.")  # fmt: skip
+OUT = click.option(
+    "--out",
+    type=OutFolder(),
+    show_default=True,
+    default=Path("bench-out"),
+    help="Folder for figures and numbers.",
+)
 SEED = click.option("--seed", type=int, default=1, show_default=True, help="Of what is drawn.")
-PAGE = click.option("--page", type=click.Path(exists=True, dir_okay=False, path_type=Path),
-                    help="A Markdown page whose table between the markers is renewed.")  # fmt: skip
+PAGE = click.option(
+    "--page",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="A Markdown page whose table between the markers is renewed.",
+)
 
 
 @click.group(name="bench", cls=Commands)
@@ -96,8 +104,13 @@ def scenes(out: Path) -> None:
 
 @BENCH_GROUP.command()
 @OUT
-@click.option("--runs", type=click.IntRange(1), default=100, show_default=True,
-              help="Random runs of every kind.")  # fmt: skip
+@click.option(
+    "--runs",
+    type=click.IntRange(1),
+    default=100,
+    show_default=True,
+    help="Random runs of every kind.",
+)
 @SEED
 def errors(out: Path, runs: int, seed: int) -> None:
     """Hold what random runs say of their own error against the truth; exit status 1 below 99 %."""
@@ -137,8 +150,13 @@ def steady(out: Path, quick: bool) -> None:
 
 
 def _sessions(usual: int, least: int = 1) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    return click.option("--sessions", type=click.IntRange(least), default=usual, show_default=True,
-                        help="Simulated sessions of each kind.")  # fmt: skip
+    return click.option(
+        "--sessions",
+        type=click.IntRange(least),
+        default=usual,
+        show_default=True,
+        help="Simulated sessions of each kind.",
+    )
 
 
 def _written(found: Iterable[Any], path: Path) -> list[dict[str, Any]]:

@@ -55,8 +55,12 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     _speed_table(points)
     state, run = one_cycle(PATH_ROBOT, PATH_GROUND, PATH_GAIT)
     files = [out / name for name in ("friction.png", "speed.png", "path.png", "demo.json")]
-    plot.friction_lines(session, fit, files[0], "the readings are regenerated from the two lines "
-                        "that the paper prints: its own are lost")  # fmt: skip
+    plot.friction_lines(
+        session,
+        fit,
+        files[0],
+        "the readings are regenerated from the two lines that the paper prints: its own are lost",
+    )
     plot.speed_against_frequency(
         points, f"2005 robot, α = {ALPHA_DEG:g}°, β = {BETA_DEG:g}° (Fig. 17)", files[1]
     )
@@ -70,13 +74,24 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
 
 def _speed_table(points: list[SpeedPoint]) -> None:
     rows = [
-        [f"{p.frequency_hz:.1f}", f"{p.explicit_m_s:.4f}",
-         f"{p.low_ideal_m_s:.3f} to {p.high_ideal_m_s:.3f}", f"{p.low_m_s:.3f} to {p.high_m_s:.3f}",
-         f"{p.implicit_m_s:.4f}", f"{100 * (p.implicit_m_s / p.explicit_m_s - 1):+.1f} %"]
+        [
+            f"{p.frequency_hz:.1f}",
+            f"{p.explicit_m_s:.4f}",
+            f"{p.low_ideal_m_s:.3f} to {p.high_ideal_m_s:.3f}",
+            f"{p.low_m_s:.3f} to {p.high_m_s:.3f}",
+            f"{p.implicit_m_s:.4f}",
+            f"{100 * (p.implicit_m_s / p.explicit_m_s - 1):+.1f} %",
+        ]
         for p in points
-    ]  # fmt: skip
-    columns = ["frequency (Hz)", "ideal joints (m/s)", "95 %", "95 %, any hobby servo",
-               "implicit (m/s)", "off by"]  # fmt: skip
+    ]
+    columns = [
+        "frequency (Hz)",
+        "ideal joints (m/s)",
+        "95 %",
+        "95 %, any hobby servo",
+        "implicit (m/s)",
+        "off by",
+    ]
     report.table(f"speed at alpha {ALPHA_DEG:g} deg, beta {BETA_DEG:g} deg", columns, rows)
 
 

@@ -51,8 +51,10 @@ def session_fit(folder: Path, with_crawls: bool = True) -> FrictionFit:
         try:
             kept = load_fit(folder)
             if not with_crawls and kept.draws is not None:
-                say("note: fit.json has crawls in it, so it is no test of them: fitted without",
-                    err=True)  # fmt: skip
+                say(
+                    "note: fit.json has crawls in it, so it is no test of them: fitted without",
+                    err=True,
+                )
             elif rests_on(kept, session):
                 return tell_alarms(kept)
             elif kept.draws is not None:
@@ -88,9 +90,13 @@ def servo_as_filmed(
 
 
 def predicted_band(
-    fit: FrictionFit | None, robot: Robot, ground: Ground, gait: Gait,
-    servo: ServoKind | None = None, commanded: Gait | None = None,
-) -> SpeedBand | None:  # fmt: skip
+    fit: FrictionFit | None,
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    servo: ServoKind | None = None,
+    commanded: Gait | None = None,
+) -> SpeedBand | None:
     """Return the one 95 % band of a gait's speed; None where robot and ground are not a fit's.
 
     commanded: as for `speed_band`.

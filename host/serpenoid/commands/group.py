@@ -15,8 +15,10 @@ from ..model.errors import SerpenoidError
 from .options import as_typed, options_of
 
 _WRONG_TYPE = re.compile(r"('[^']*') is not a valid (float|integer)(?: range)?\.")
-_WANTED = {"float": "no number; type one such as 0.5, without a unit",
-           "integer": "no whole number; type one such as 6"}  # fmt: skip
+_WANTED = {
+    "float": "no number; type one such as 0.5, without a unit",
+    "integer": "no whole number; type one such as 6",
+}
 _IN_FILE = re.compile(r".+\.(toml|csv|json):(\d+:)? ")  # its keys are no options
 _CURES = {
     errno.ENOSPC: "make room and try again",

@@ -14,9 +14,11 @@ if TYPE_CHECKING:
 
 _SAME_RAD, _SAME_RATE = 1e-3, 0.01
 joints_option = click.option(
-    "--joints", type=click.Path(file_okay=False, path_type=Path), metavar="SESSION",
+    "--joints",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="SESSION",
     help="Session with a film: its joints' gains and phases, in place of the commanded ones.",
-)  # fmt: skip
+)
 
 
 def latest_film(session: Path, links: int) -> FilmReading:

@@ -60,8 +60,13 @@ def cli() -> None:
 
 
 @cli.command()
-@click.option("--out", type=OutFolder(), default=Path("demo-out"),
-              show_default=True, help="Folder for figures and figures' numbers.")  # fmt: skip
+@click.option(
+    "--out",
+    type=OutFolder(),
+    default=Path("demo-out"),
+    show_default=True,
+    help="Folder for figures and figures' numbers.",
+)
 @fit_options
 def demo(out: Path, **given: Any) -> None:
     """Go through the whole loop without a robot: treadmill, friction, speed, next reading, gait.

@@ -34,8 +34,12 @@ PRESETS = {
     "paper": (1.0, 0.12, 0.1, 10.0, 0.0, 0.0),
     "2005": (0.0756, 0.076, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6),
 }
-_ROBOT = {"links": "links", "link_mass_kg": "mass_kg", "link_length_m": "length_m",
-          "link_inertia_kg_m2": "inertia_kg_m2"}  # fmt: skip
+_ROBOT = {
+    "links": "links",
+    "link_mass_kg": "mass_kg",
+    "link_length_m": "length_m",
+    "link_inertia_kg_m2": "inertia_kg_m2",
+}
 _DEGREES = {"alpha": (0.0, 180.0), "beta": (-360.0, 360.0), "offset": (-180.0, 180.0)}  # Gait's
 _LONG_M, _HEAVY_KG = 3.0, 50.0  # of one link: beyond what anybody puts on wheels
 _FAST_RAD_S = 60.0  # ten waves a second
@@ -72,42 +76,69 @@ def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
     return add
 
 
-fit_options = stacked([
-    click.option("--session", type=click.Path(path_type=Path),
-                 help="Calibration session whose robot and fitted friction to take."),
-    click.option("--ground", "ground_file", type=click.Path(path_type=Path),
-                 help="fit.json whose robot and friction to take."),
-])  # fmt: skip
+fit_options = stacked(
+    [
+        click.option(
+            "--session",
+            type=click.Path(path_type=Path),
+            help="Calibration session whose robot and fitted friction to take.",
+        ),
+        click.option(
+            "--ground",
+            "ground_file",
+            type=click.Path(path_type=Path),
+            help="fit.json whose robot and friction to take.",
+        ),
+    ]
+)
 
-robot_options = stacked([
-    click.option("--robot", "preset", type=click.Choice(list(PRESETS)),
-                 help="Robot and ground to start from; 2005 unless given."),
-    fit_options,
-    click.option("--links", type=int, help="Number of links; 6 unless given."),
-    click.option("--mass-kg", type=float, help="Mass of a link."),
-    click.option("--length-m", type=float, help="Length of a link, joint to joint."),
-    click.option("--inertia-kg-m2", type=float, help="Of a link; a uniform rod's unless given."),
-    click.option("--ct", type=BOTH_WAYS,
-                 help="Viscous friction along a link, N s/m; ratchet: forwards,backwards."),
-    click.option("--cn", type=float, help="Viscous friction across a link, N s/m."),
-    click.option("--ft0", type=BOTH_WAYS,
-                 help="Dry friction along a link, N; ratchet: forwards,backwards."),
-    click.option("--fn0", type=float, help="Dry friction across a link, N."),
-])  # fmt: skip
+robot_options = stacked(
+    [
+        click.option(
+            "--robot",
+            "preset",
+            type=click.Choice(list(PRESETS)),
+            help="Robot and ground to start from; 2005 unless given.",
+        ),
+        fit_options,
+        click.option("--links", type=int, help="Number of links; 6 unless given."),
+        click.option("--mass-kg", type=float, help="Mass of a link."),
+        click.option("--length-m", type=float, help="Length of a link, joint to joint."),
+        click.option(
+            "--inertia-kg-m2", type=float, help="Of a link; a uniform rod's unless given."
+        ),
+        click.option(
+            "--ct",
+            type=BOTH_WAYS,
+            help="Viscous friction along a link, N s/m; ratchet: forwards,backwards.",
+        ),
+        click.option("--cn", type=float, help="Viscous friction across a link, N s/m."),
+        click.option(
+            "--ft0",
+            type=BOTH_WAYS,
+            help="Dry friction along a link, N; ratchet: forwards,backwards.",
+        ),
+        click.option("--fn0", type=float, help="Dry friction across a link, N."),
+    ]
+)
 
-gait_options = stacked([
-    click.option("--alpha-deg", type=float, help="Amplitude of the joints."),
-    click.option("--beta-deg", type=float, help="Phase lag joint to joint."),
-    click.option("--omega-rad-s", type=float, help="Angular rate; or give --frequency-hz."),
-    click.option("--frequency-hz", type=float, help="Gait frequency."),
-    click.option("--offset-deg", type=float, help="Bend of every joint: steers."),
-])  # fmt: skip
+gait_options = stacked(
+    [
+        click.option("--alpha-deg", type=float, help="Amplitude of the joints."),
+        click.option("--beta-deg", type=float, help="Phase lag joint to joint."),
+        click.option("--omega-rad-s", type=float, help="Angular rate; or give --frequency-hz."),
+        click.option("--frequency-hz", type=float, help="Gait frequency."),
+        click.option("--offset-deg", type=float, help="Bend of every joint: steers."),
+    ]
+)
 
 
 servo_option = click.option(
-    "--servo", "servo_name", metavar="NAME|FILE|ideal",
+    "--servo",
+    "servo_name",
+    metavar="NAME|FILE|ideal",
     help="Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
-)  # fmt: skip
+)
 IDEAL = "ideal"
 
 
@@ -280,11 +311,16 @@ def show_json(values: dict[str, Any]) -> None:
     say(json.dumps(finite(told), indent=2, allow_nan=False))
 
 
-_TYPED = {"link_mass_kg": "--mass-kg", "link_length_m": "--length-m",
-           "link_inertia_kg_m2": "--inertia-kg-m2", "speed_m_s": "--speed-m-s",
-           "joint_stiffness_n_m": "--stiffness-n-m",
-           "joint_damping_n_s_m": "--damping-n-s-m", "amplitude": "--amplitude-sigma",
-           "common_amplitude": "--common-amplitude-sigma"}  # fmt: skip
+_TYPED = {
+    "link_mass_kg": "--mass-kg",
+    "link_length_m": "--length-m",
+    "link_inertia_kg_m2": "--inertia-kg-m2",
+    "speed_m_s": "--speed-m-s",
+    "joint_stiffness_n_m": "--stiffness-n-m",
+    "joint_damping_n_s_m": "--damping-n-s-m",
+    "amplitude": "--amplitude-sigma",
+    "common_amplitude": "--common-amplitude-sigma",
+}
 
 
 def as_typed(text: str, options: dict[str, str]) -> str:

@@ -57,41 +57,83 @@ def _pairs(parts: list[str]) -> list[tuple[str, float]]:
     return [(name.strip(), float(value)) for name, value in halves]
 
 
-scene_options = stacked([
-    click.option("--formulation", type=click.Choice(FORMULATIONS),
-                 help="Exact model (explicit, unless given), or the paper's springs."),
-    click.option("--stiffness-n-m", "joint_stiffness_n_m", type=float,
-                 help="Implicit: k of the joints; 1000."),
-    click.option("--damping-n-s-m", "joint_damping_n_s_m", type=float,
-                 help="Implicit: c of the joints; 1."),
-    click.option("--smoothing-m-s", type=float, help="Width over which dry friction is smoothed."),
-    click.option("--incline-deg", type=float, help="Slope of the ground."),
-    click.option("--incline-direction-deg", type=float, help="Uphill, from the x axis."),
-    click.option("--drive", type=click.Choice(DRIVES), help="What moves the joints; angle."),
-    click.option("--servo", metavar="[FIELD=VALUE,...]", is_flag=False, flag_value="none",
-                 callback=_reader(lambda parts: dict(_pairs(parts)), "FIELD=VALUE,..."),
-                 help="Servos follow the gait: default ones, or stiffness_nm_rad=3,..."),
-    click.option("--torque-nm", metavar="T1,T2,...",
-                 callback=_reader(lambda parts: [float(part) for part in parts], "0.1,0.2"),
-                 help="Constant torque of every joint, in place of the gait."),
-    click.option("--limp", metavar="2,4", help="Joints without torque; from 1, at the tail.",
-                 callback=_reader(lambda parts: tuple(int(part) for part in parts), "2,4")),
-    click.option("--locked-deg", "locked", metavar="3=10,5=-20",
-                 help="Joints that stay at an angle.",
-                 callback=_reader(lambda parts: {int(n): math.radians(v) for n, v in _pairs(parts)},
-                                  "3=10,5=-20")),
-    click.option("--method", type=click.Choice(list(METHODS)),
-                 help="nonsmooth on dry ground, else rk4, unless given."),
-    click.option("--dt-s", type=float, help="Time step; 0.001."),
-    click.option("--tolerance", type=float, help="Of methods that pick their steps; 1e-7."),
-    click.option("--duration-s", type=float, help="Length of the run; 10."),
-    click.option("--start", type=click.Choice(STARTS), help="State at time 0; zero_momentum."),
-    click.option("--gap", type=click.Choice(GAPS), help="Implicit: how the joints start open."),
-    click.option("--record", metavar="joints,friction,energy", callback=_reader(tuple, "energy"),
-                 help="What to keep beside the motion."),
-    click.option("--record-every", type=int,
-                 help="Time steps between records; 1, more where that is beyond 20 000 rows."),
-])  # fmt: skip
+scene_options = stacked(
+    [
+        click.option(
+            "--formulation",
+            type=click.Choice(FORMULATIONS),
+            help="Exact model (explicit, unless given), or the paper's springs.",
+        ),
+        click.option(
+            "--stiffness-n-m",
+            "joint_stiffness_n_m",
+            type=float,
+            help="Implicit: k of the joints; 1000.",
+        ),
+        click.option(
+            "--damping-n-s-m",
+            "joint_damping_n_s_m",
+            type=float,
+            help="Implicit: c of the joints; 1.",
+        ),
+        click.option(
+            "--smoothing-m-s", type=float, help="Width over which dry friction is smoothed."
+        ),
+        click.option("--incline-deg", type=float, help="Slope of the ground."),
+        click.option("--incline-direction-deg", type=float, help="Uphill, from the x axis."),
+        click.option("--drive", type=click.Choice(DRIVES), help="What moves the joints; angle."),
+        click.option(
+            "--servo",
+            metavar="[FIELD=VALUE,...]",
+            is_flag=False,
+            flag_value="none",
+            callback=_reader(lambda parts: dict(_pairs(parts)), "FIELD=VALUE,..."),
+            help="Servos follow the gait: default ones, or stiffness_nm_rad=3,...",
+        ),
+        click.option(
+            "--torque-nm",
+            metavar="T1,T2,...",
+            callback=_reader(lambda parts: [float(part) for part in parts], "0.1,0.2"),
+            help="Constant torque of every joint, in place of the gait.",
+        ),
+        click.option(
+            "--limp",
+            metavar="2,4",
+            help="Joints without torque; from 1, at the tail.",
+            callback=_reader(lambda parts: tuple(int(part) for part in parts), "2,4"),
+        ),
+        click.option(
+            "--locked-deg",
+            "locked",
+            metavar="3=10,5=-20",
+            help="Joints that stay at an angle.",
+            callback=_reader(
+                lambda parts: {int(n): math.radians(v) for n, v in _pairs(parts)}, "3=10,5=-20"
+            ),
+        ),
+        click.option(
+            "--method",
+            type=click.Choice(list(METHODS)),
+            help="nonsmooth on dry ground, else rk4, unless given.",
+        ),
+        click.option("--dt-s", type=float, help="Time step; 0.001."),
+        click.option("--tolerance", type=float, help="Of methods that pick their steps; 1e-7."),
+        click.option("--duration-s", type=float, help="Length of the run; 10."),
+        click.option("--start", type=click.Choice(STARTS), help="State at time 0; zero_momentum."),
+        click.option("--gap", type=click.Choice(GAPS), help="Implicit: how the joints start open."),
+        click.option(
+            "--record",
+            metavar="joints,friction,energy",
+            callback=_reader(tuple, "energy"),
+            help="What to keep beside the motion.",
+        ),
+        click.option(
+            "--record-every",
+            type=int,
+            help="Time steps between records; 1, more where that is beyond 20 000 rows.",
+        ),
+    ]
+)
 
 # Options that are angles; the values of all others are fields of Scene as they stand.
 _ANGLES = {"incline_deg": (0.0, 90.0), "incline_direction_deg": (-360.0, 360.0)}

@@ -75,8 +75,10 @@ def _free_name() -> Path:
 
 def _gait_words(gait: Gait) -> str:
     bent = f", bent by {math.degrees(gait.offset_rad):.3g}°" if gait.offset_rad else ""
-    return (f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
-            f"ω = {gait.omega_rad_s:.3g} rad/s{bent}")  # fmt: skip
+    return (
+        f"α = {math.degrees(gait.alpha_rad):.3g}°, β = {math.degrees(gait.beta_rad):.3g}°, "
+        f"ω = {gait.omega_rad_s:.3g} rad/s{bent}"
+    )
 
 
 def _scene(path: Path, given: dict[str, Any]) -> tuple[Gait, str, str, dict[str, Any]]:
@@ -105,8 +107,10 @@ def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[s
     stream = _virtual_stream() if what == "virtual" else load_stream(Path(what))
     gait, shown = interruptible(lambda: of_recording(stream, robot, ground))
     title = "the virtual robot" if what == "virtual" else Path(what).name
-    about = (f"{_gait_words(gait)}; the path is predicted for the {whose} "
-             "from the set-points that the firmware told")  # fmt: skip
+    about = (
+        f"{_gait_words(gait)}; the path is predicted for the {whose} "
+        "from the set-points that the firmware told"
+    )
     return gait, title, about, shown
 
 

@@ -113,11 +113,22 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         wanted = finite_vector("action", action, self.robot.links - 1)
         torque = -self.torque_nm * np.clip(wanted, -1.0, 1.0)
         before = self._state
-        run = simulate(Scene(
-            self.robot, self.ground, STRAIGHT, drive="torque", torque=torque, start=before,
-            method="rk4", dt_s=self.control_s / self.steps, duration_s=self.control_s,
-            record_every=self.steps, smoothing_m_s=self.smoothing_m_s, record=("energy",),
-        ))  # fmt: skip
+        run = simulate(
+            Scene(
+                self.robot,
+                self.ground,
+                STRAIGHT,
+                drive="torque",
+                torque=torque,
+                start=before,
+                method="rk4",
+                dt_s=self.control_s / self.steps,
+                duration_s=self.control_s,
+                record_every=self.steps,
+                smoothing_m_s=self.smoothing_m_s,
+                record=("energy",),
+            )
+        )
         self._state = run.state()
         self._t_s += self.control_s
         way_m, work_j = (
@@ -141,8 +152,13 @@ class SnakeEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         s = self._state
         heading = math.atan2(np.sin(s.theta_rad).mean(), np.cos(s.theta_rad).mean())
         moving = [s.vx_m_s.mean(), s.vy_m_s.mean(), s.omega_rad_s.mean()]
-        seen = [math.cos(heading), math.sin(heading), *moving,
-                *np.diff(s.theta_rad), *np.diff(s.omega_rad_s)]  # fmt: skip
+        seen = [
+            math.cos(heading),
+            math.sin(heading),
+            *moving,
+            *np.diff(s.theta_rad),
+            *np.diff(s.omega_rad_s),
+        ]
         return np.array(seen, dtype=np.float32)
 
 

@@ -82,17 +82,27 @@ def _link(parent: ET.Element, robot: Robot, link: int) -> ET.Element:
         ET.SubElement(body, "joint", name="turn", type="hinge", axis="0 0 1")
     else:
         ET.SubElement(
-            body, "joint", name=f"joint{link - 1}", type="hinge", axis="0 0 1",
+            body,
+            "joint",
+            name=f"joint{link - 1}",
+            type="hinge",
+            axis="0 0 1",
             pos=f"{-length / 2!r} 0 0",
-        )  # fmt: skip
+        )
     ET.SubElement(
-        body, "inertial", pos="0 0 0", mass=f"{robot.link_mass_kg!r}",
+        body,
+        "inertial",
+        pos="0 0 0",
+        mass=f"{robot.link_mass_kg!r}",
         diaginertia=f"{inertia!r} {inertia!r} {inertia!r}",
-    )  # fmt: skip
+    )
     ET.SubElement(
-        body, "geom", type="capsule", size=f"{length / 10!r}",
+        body,
+        "geom",
+        type="capsule",
+        size=f"{length / 10!r}",
         fromto=f"{-0.4 * length!r} 0 0 {0.4 * length!r} 0 0",
-    )  # fmt: skip
+    )
     ET.SubElement(body, "site", name=f"wheels{link}")
     return body
 
@@ -100,6 +110,12 @@ def _link(parent: ET.Element, robot: Robot, link: int) -> ET.Element:
 def _drag(actuators: ET.Element, site: str, ground: Ground) -> None:
     for name, axis, c in (("along", "1 0 0", ground.ct_forward), ("across", "0 1 0", ground.cn)):
         ET.SubElement(
-            actuators, "general", name=f"{site}_{name}", site=site, gear=f"{axis} 0 0 0",
-            gainprm="0", biastype="affine", biasprm=f"0 0 {-c!r}",
-        )  # fmt: skip
+            actuators,
+            "general",
+            name=f"{site}_{name}",
+            site=site,
+            gear=f"{axis} 0 0 0",
+            gainprm="0",
+            biastype="affine",
+            biasprm=f"0 0 {-c!r}",
+        )

@@ -118,9 +118,15 @@ class Finder:
     """Finds the cheapest gaits of one robot on one ground, for any speed, from one cloud."""
 
     def __init__(
-        self, robot: Robot, ground: Ground, cost: str, limits: GaitLimits, solve: Solve | None,
-        speeds: Sequence[float], rtol: float,
-    ) -> None:  # fmt: skip
+        self,
+        robot: Robot,
+        ground: Ground,
+        cost: str,
+        limits: GaitLimits,
+        solve: Solve | None,
+        speeds: Sequence[float],
+        rtol: float,
+    ) -> None:
         self.robot, self.ground, self.limits, self.rtol = robot, ground, limits, rtol
         self.exact = solve is None
         solver = solve or exact_solver(robot, ground, powers=cost != "power")
@@ -137,9 +143,13 @@ class Finder:
         self.smallest = 0.002 if ground.smooth and self.exact else 0.012
 
     def follow(
-        self, start: Candidate, radius: float, speed: float, closer: float = 1.0,
+        self,
+        start: Candidate,
+        radius: float,
+        speed: float,
+        closer: float = 1.0,
         beat: Point | None = None,
-    ) -> Valley:  # fmt: skip
+    ) -> Valley:
         """Return the lowest point of a candidate's valley; closer: refinement factor.
 
         beat: the lowest point of another valley. A way into that one, or too far above, ends.
@@ -267,9 +277,11 @@ class Finder:
         while radius >= _WALK_END:
             state: Any = best.data
             points = self.search.points(
-                list(np.clip(best.at + radius * ring, low, high)), speed,
-                state.gait.omega_rad_s, max(self.rtol, self.coarse / _CLOSER),
-            )  # fmt: skip
+                list(np.clip(best.at + radius * ring, low, high)),
+                speed,
+                state.gait.omega_rad_s,
+                max(self.rtol, self.coarse / _CLOSER),
+            )
             lowest = min([best, *points], key=lambda p: p.better)
             if lowest is not best and self.search is self.near:
                 lowest = self.near.solved(lowest, speed, self.coarse / _CLOSER)
@@ -293,12 +305,19 @@ class Finder:
             state.speed_m_s / speed - 1
         )  # power goes as speed^2
         return LeastPower(
-            state.gait, watts, state.speed_m_s, search.cost, exact, limits=self.limits,
+            state.gait,
+            watts,
+            state.speed_m_s,
+            search.cost,
+            exact,
+            limits=self.limits,
             active=self.limits.active(state.gait, search.torque_nm(state.gait)),
-            power_error_w=own + watts * min(gap, 1.0), solved_error_w=own,
-            basins=1 + len(apart), evaluations=search.evaluations,
+            power_error_w=own + watts * min(gap, 1.0),
+            solved_error_w=own,
+            basins=1 + len(apart),
+            evaluations=search.evaluations,
             runner_up_w=watts * math.exp(apart[0].value - best.value) if apart else math.inf,
-        )  # fmt: skip
+        )
 
     def exact_state(self, state: Any) -> Steady:
         """Return the exact model's state of a gait with all powers, which a search leaves out."""
@@ -350,10 +369,16 @@ def _numerical(state: Any, cost: str) -> float:
 
 
 def finder(
-    robot: Robot, ground: Ground, speeds: Sequence[float], cost: str, limits: GaitLimits,
-    rtol: float | None = None, formulation: str = "explicit", stiffness: float = 1e3,
+    robot: Robot,
+    ground: Ground,
+    speeds: Sequence[float],
+    cost: str,
+    limits: GaitLimits,
+    rtol: float | None = None,
+    formulation: str = "explicit",
+    stiffness: float = 1e3,
     damping: float = 1.0,
-) -> Finder:  # fmt: skip
+) -> Finder:
     """Check what is asked for and return a Finder for it."""
     check_parts(robot, ground)
     for speed in speeds:
@@ -370,9 +395,13 @@ def finder(
 
     def soft(gait: Gait, rtol: float) -> Any:
         found = steady_springs(
-            robot, ground, gait, joint_stiffness_n_m=stiffness, joint_damping_n_s_m=damping,
+            robot,
+            ground,
+            gait,
+            joint_stiffness_n_m=stiffness,
+            joint_damping_n_s_m=damping,
             rtol=rtol,
-        )  # fmt: skip
+        )
         return _Soft(gait, **{k: v for k, v in found.to_dict().items() if k in _Soft.__slots__})
 
     return Finder(robot, ground, cost, limits, soft if springs else None, speeds, rtol)

@@ -83,9 +83,15 @@ class FixedRateSearch:
 
         search = self.search
         table = GaitTable(
-            search.robot, search.ground, search.cost, search.limits, np.exp(mesh[:, :, 0]),
-            np.exp(mesh[:, :, 1]), rtol, column,
-        )  # fmt: skip
+            search.robot,
+            search.ground,
+            search.cost,
+            search.limits,
+            np.exp(mesh[:, :, 0]),
+            np.exp(mesh[:, :, 1]),
+            rtol,
+            column,
+        )
         table.add_rates(np.array([self.omega_rad_s]))
         miss, watts = table.speed_m_s[:, :, 0] - self.speed_m_s, table.cost_w[:, :, 0]
         found = [c for axis in (0, 1) for c in _on_edges(mesh, miss, watts, axis)]
@@ -125,9 +131,11 @@ class FixedRateSearch:
 def _on_edges(mesh: Array, miss: Array, watts: Array, axis: int) -> list[_Crossing]:
     """Return where the edges along an axis cross zero, by straight lines."""
     one, other = (slice(None, -1), slice(1, None))
-    first, second = ((one, slice(None)), (other, slice(None))) if axis == 0 else (
-        (slice(None), one), (slice(None), other)
-    )  # fmt: skip
+    first, second = (
+        ((one, slice(None)), (other, slice(None)))
+        if axis == 0
+        else ((slice(None), one), (slice(None), other))
+    )
     crossed = miss[first] * miss[second] <= 0
     part = (miss[first] / (miss[first] - miss[second] + 1e-300))[crossed]
     cost = watts[first][crossed] * (1 - part) + watts[second][crossed] * part

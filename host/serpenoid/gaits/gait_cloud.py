@@ -173,9 +173,15 @@ class GaitCloud(GaitTable):
             top = min(limits.servo_speed_rad_s / alpha, limits.omega_high_rad_s)
             rates, beta = np.array([0.25, 0.5, 1.0]) * top, float(self.beta_rad[0, j])
             found = sweep(
-                self.robot, self.ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=rates,
-                rtol=1e-3, powers=False, threads=1,
-            )  # fmt: skip
+                self.robot,
+                self.ground,
+                alpha_rad=alpha,
+                beta_rad=beta,
+                omega_rad_s=rates,
+                rtol=1e-3,
+                powers=False,
+                threads=1,
+            )
             v = np.where(found.converged, found.speed_m_s, 0.0)[0, 0]
             k = int(v.argmax())
             best = max(best, (float(v[k]), float(alpha), beta, float(rates[k])))

@@ -60,9 +60,16 @@ class GaitTable:
     """
 
     def __init__(
-        self, robot: Robot, ground: Ground, cost: str, limits: GaitLimits, alpha_rad: Array,
-        beta_rad: Array, rtol: float, column: Column | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        robot: Robot,
+        ground: Ground,
+        cost: str,
+        limits: GaitLimits,
+        alpha_rad: Array,
+        beta_rad: Array,
+        rtol: float,
+        column: Column | None = None,
+    ) -> None:
         self.robot, self.ground, self.cost, self.limits = robot, ground, cost, limits
         self.alpha_rad, self.beta_rad = np.broadcast_arrays(alpha_rad, beta_rad)
         self.omega_rad_s = np.empty(0)
@@ -114,9 +121,15 @@ class GaitTable:
         """Return speed and cost by the exact model; on dry ground rough ones."""
         models = [core_model(self.robot, self.ground, Gait(float(a), beta, 1.0)) for a in alpha]
         table = _core.sweep(
-            models, rates.tolist(), self._rtol, self.cost != "power", MAX_ELEMENTS, 1, None,
+            models,
+            rates.tolist(),
+            self._rtol,
+            self.cost != "power",
+            MAX_ELEMENTS,
+            1,
+            None,
             rough=True,
-        )  # fmt: skip
+        )
         v, watts, good = table[..., 0], table[..., 1 + COSTS.index(self.cost)], table[..., 10] > 0.5
         v = np.where(v > _STILL * rates * self.robot.links * self.robot.link_length_m, v, 0.0)
         return np.where(good, v, np.nan), np.where(good, watts, np.nan)
@@ -153,10 +166,15 @@ class GaitTable:
         """
         rate, watts = self.at_speed(speed_m_s)
         with np.errstate(invalid="ignore", divide="ignore"):
-            excess = np.log(np.maximum.reduce([
-                self.alpha_rad * rate / self.limits.servo_speed_rad_s,
-                self.limits.omega_low_rad_s / rate, rate / self.limits.omega_high_rad_s,
-            ]))  # fmt: skip
+            excess = np.log(
+                np.maximum.reduce(
+                    [
+                        self.alpha_rad * rate / self.limits.servo_speed_rad_s,
+                        self.limits.omega_low_rad_s / rate,
+                        rate / self.limits.omega_high_rad_s,
+                    ]
+                )
+            )
         price = np.where(np.isnan(watts), np.inf, watts * np.exp(_PENALTY * np.maximum(excess, 0)))
         picked = valleys(price, most)
         return [
@@ -278,9 +296,10 @@ class FollowedValleys:
         at = np.array(start.shape)
         near = [known for known in self._known if np.abs(known.start - at).max() < _SAME_START]
         return [
-            known for known in near
+            known
+            for known in near
             if np.abs(known.end.at[:2] - near[-1].end.at[:2]).max() < _SAME_END
-        ]  # fmt: skip
+        ]
 
 
 def _least_value(known: Sequence[Optimum], log_speed: float) -> float | None:
@@ -301,8 +320,10 @@ def valleys(price: Array, most: int) -> list[tuple[float, list[int]]]:
     padded = np.pad(price, 1, constant_values=np.inf)
     around = [
         padded[1 + i : 1 + i + price.shape[0], 1 + j : 1 + j + price.shape[1]]
-        for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j
-    ]  # fmt: skip
+        for i in (-1, 0, 1)
+        for j in (-1, 0, 1)
+        if i or j
+    ]
     local = np.isfinite(price) & (price <= np.min(around, axis=0))
     return sorted(zip(price[local].tolist(), np.argwhere(local).tolist(), strict=True))[:most]
 
@@ -324,17 +345,16 @@ def refined_valleys(
         here = places[np.abs(places).max(axis=1) == ring]
         shapes = best.at + here * (width / half)
         inside = ((shapes >= low) & (shapes <= high)).all(axis=1)
-        found = search.points(
-            list(shapes[inside]), speed_m_s, state.gait.omega_rad_s, _FINE_RTOL
-        )  # fmt: skip
+        found = search.points(list(shapes[inside]), speed_m_s, state.gait.omega_rad_s, _FINE_RTOL)
         for (i, j), point in zip((here[inside] + half).tolist(), found, strict=True):
             points[i, j] = point
             if not point.better[0]:
                 price[i, j] = math.exp(point.value)
     return [
-        _of_point(points[i, j]) for cost, (i, j) in valleys(price, most)
+        _of_point(points[i, j])
+        for cost, (i, j) in valleys(price, most)
         if cost <= _FINE_WITHIN * price.min()
-    ]  # fmt: skip
+    ]
 
 
 def _of_point(point: Point) -> Candidate:

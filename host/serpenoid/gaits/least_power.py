@@ -186,9 +186,16 @@ def least_power_gait(
 
     def search(on: Ground) -> Finder:
         return finder(
-            robot, on, [speed_m_s], cost, limits, rtol, formulation, joint_stiffness_n_m,
+            robot,
+            on,
+            [speed_m_s],
+            cost,
+            limits,
+            rtol,
+            formulation,
+            joint_stiffness_n_m,
             joint_damping_n_s_m,
-        )  # fmt: skip
+        )
 
     return replace(EitherWave(ground, search).minimize(float(speed_m_s)), formulation=formulation)
 
@@ -233,9 +240,16 @@ def power_front(
 
     def search(on: Ground) -> Finder:
         return finder(
-            robot, on, speeds, cost, limits, rtol, formulation, joint_stiffness_n_m,
+            robot,
+            on,
+            speeds,
+            cost,
+            limits,
+            rtol,
+            formulation,
+            joint_stiffness_n_m,
             joint_damping_n_s_m,
-        )  # fmt: skip
+        )
 
     waves = EitherWave(ground, search)
     found: dict[float, LeastPower | None] = {}

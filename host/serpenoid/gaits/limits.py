@@ -112,9 +112,16 @@ class GaitLimits:
 def peak_torque_nm(robot: Robot, ground: Ground, gait: Gait, steps: int = 240) -> float:
     """Return the largest joint torque of a cycle of the periodic state, exact model, N m."""
     scene = Scene(
-        robot, ground, gait, start="steady", method="rk4" if ground.smooth else "nonsmooth",
-        dt_s=gait.period_s / steps, duration_s=gait.period_s, record=("joints",), record_every=1,
-    )  # fmt: skip
+        robot,
+        ground,
+        gait,
+        start="steady",
+        method="rk4" if ground.smooth else "nonsmooth",
+        dt_s=gait.period_s / steps,
+        duration_s=gait.period_s,
+        record=("joints",),
+        record_every=1,
+    )
     try:
         run = simulate(scene)
     except StepTooLarge:  # a gait so slow that friction holds it: steps are not what limits it

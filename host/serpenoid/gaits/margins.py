@@ -95,9 +95,10 @@ class Margins:
         return {
             f"{name}_sigmas": margin / sigma if sigma > 0 else math.inf
             for name, margin, sigma in (
-                ("amplitude", self.amplitude, amplitude_sigma), ("grip", self.grip, grip_sigma),
+                ("amplitude", self.amplitude, amplitude_sigma),
+                ("grip", self.grip, grip_sigma),
             )
-        }  # fmt: skip
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name, for JSON."""
@@ -216,9 +217,16 @@ def cliff_around(
     joints = robot.links - 1
     of_all = math.hypot(uncertainty.common_amplitude, uncertainty.amplitude / math.sqrt(joints))
     return Cliff(
-        robot, ground, gait, grip, amplitude, factor, speeds, speed((1.0, 1.0)),
+        robot,
+        ground,
+        gait,
+        grip,
+        amplitude,
+        factor,
+        speeds,
+        speed((1.0, 1.0)),
         (of_all, _sigma(uncertainty, grip)),
-    )  # fmt: skip
+    )
 
 
 def _sigma(uncertainty: Uncertainty, grip: str) -> float:

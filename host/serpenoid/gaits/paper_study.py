@@ -107,9 +107,15 @@ def compare_formulations(gap: str = "zero") -> Comparison:
 def compare_torque_driven() -> float:
     """Return the largest error of the tail's angle when both are driven by one list of torques."""
     scene = Scene(
-        THREE, GROUND, THREE_GAIT, method="rk4", dt_s=1e-3, duration_s=10.0, record_every=1,
+        THREE,
+        GROUND,
+        THREE_GAIT,
+        method="rk4",
+        dt_s=1e-3,
+        duration_s=10.0,
+        record_every=1,
         record=("joints",),
-    )  # fmt: skip
+    )
     run = simulate(scene)
     table = TorqueTable(run.t_s, run.joint_torque_nm)
     driven = replace(scene, drive="torque", torque=table, record=(), start=run.state(0))
@@ -120,9 +126,13 @@ def compare_torque_driven() -> float:
 def papers_sweep(powers: bool) -> Sweep:
     """Solve the paper's 4500 gaits."""
     return sweep(
-        ROBOT, GROUND, alpha_rad=np.arange(5, 76, 5) * D, beta_rad=np.arange(20, 91, 5) * D,
-        omega_rad_s=np.arange(1.0, 21.0), powers=powers,
-    )  # fmt: skip
+        ROBOT,
+        GROUND,
+        alpha_rad=np.arange(5, 76, 5) * D,
+        beta_rad=np.arange(20, 91, 5) * D,
+        omega_rad_s=np.arange(1.0, 21.0),
+        powers=powers,
+    )
 
 
 def papers_front(reading: Reading) -> list[LeastPower]:
@@ -144,10 +154,15 @@ def along_x(gait: Gait) -> float:
     start = math.ceil(8 * settled.settling_time_s / gait.period_s)
     run = simulate(
         Scene(
-            ROBOT, GROUND, gait, method="rk4", dt_s=gait.period_s / 400, record_every=400,
+            ROBOT,
+            GROUND,
+            gait,
+            method="rk4",
+            dt_s=gait.period_s / 400,
+            record_every=400,
             duration_s=(start + cycles) * gait.period_s,
         )
-    )  # fmt: skip
+    )
     x, y = run.x_m.mean(axis=1)[[start, -1]], run.y_m.mean(axis=1)[[start, -1]]
     return abs(x[1] - x[0]) / math.hypot(x[1] - x[0], y[1] - y[0])
 
@@ -164,19 +179,30 @@ def robust_front(
 def cloud_2005(powers: bool) -> Sweep:
     """Solve a grid of gaits of the 2005 robot on its measured, dry ground."""
     return sweep(
-        OF_2005, BINGHAM, alpha_rad=np.arange(30, 106, 5) * D, beta_rad=np.arange(40, 111, 5) * D,
-        omega_rad_s=np.geomspace(0.7, 12, 12), rtol=1e-3, powers=powers,
-    )  # fmt: skip
+        OF_2005,
+        BINGHAM,
+        alpha_rad=np.arange(30, 106, 5) * D,
+        beta_rad=np.arange(40, 111, 5) * D,
+        omega_rad_s=np.geomspace(0.7, 12, 12),
+        rtol=1e-3,
+        powers=powers,
+    )
 
 
 def path_run(gait: Gait, cycles: int) -> Run:
     """Return a run of the periodic state (Figs. 12 and 13)."""
     return simulate(
         Scene(
-            ROBOT, GROUND, gait, start="steady", method="rk4", dt_s=gait.period_s / 600,
-            record_every=5, duration_s=cycles * gait.period_s,
+            ROBOT,
+            GROUND,
+            gait,
+            start="steady",
+            method="rk4",
+            dt_s=gait.period_s / 600,
+            record_every=5,
+            duration_s=cycles * gait.period_s,
         )
-    )  # fmt: skip
+    )
 
 
 def dearer(front: Sequence[LeastPower], speed_m_s: float, cost: str) -> float:
@@ -214,9 +240,16 @@ def finer_step(dt_s: float = 2.5e-4) -> float:
     worst = 0.0
     for formulation in ("explicit", "implicit"):
         scene = Scene(
-            THREE, GROUND, THREE_GAIT, formulation=formulation, method="rk4", dt_s=1e-3,
-            duration_s=10.0, record_every=10, start="link1_at_rest",
-        )  # fmt: skip
+            THREE,
+            GROUND,
+            THREE_GAIT,
+            formulation=formulation,
+            method="rk4",
+            dt_s=1e-3,
+            duration_s=10.0,
+            record_every=10,
+            start="link1_at_rest",
+        )
         run = simulate(scene)
         fine = simulate(replace(scene, dt_s=dt_s, record_every=round(1e-2 / dt_s)))
         for x, y in (("x_m", "y_m"), ("vx_m_s", "vy_m_s")):
@@ -253,28 +286,47 @@ def _formulations(c: Comparison, opened: Comparison) -> list[Claim]:
     ]
     steady = "steady --robot paper --alpha-deg 30 --beta-deg 80 --omega-rad-s 20"
     return [
-        Claim("Fig. 6", "error of the tail's angle of order 1e-3 rad",
-              f"{theta:.1e} rad at most, at {when:.3g} s, while the springs ring, as all gaps are "
-              f"closed at first; {smooth:.1e} rad from gaps opened by the forces they carry",
-              _verdict([abs(math.log10(theta / 1e-3))], 0.5), "figures (fig6-7.csv)"),
-        Claim("Fig. 7", "errors of the velocities as small",
-              f"{late:.1e} m/s once settled, but {early:.1e} m/s in the first 0.2 s: from closed "
-              "gaps the joints' springs ring", _verdict([late / 1e-3, early / 1e-3], 3.0),
-              "figures (fig6-7.csv)"),
-        Claim("text", "a step below 1 ms changes displacements and velocities by at most 0.1 %",
-              f"a quarter of it changes them by {100 * finer:.1g} % at most, by RK4",
-              _verdict([finer], 1e-3),
-              "simulate --robot paper --links 3 --alpha-deg 30 --beta-deg 90 --omega-rad-s 3 "
-              "--formulation implicit --method rk4 --dt-s 0.00025"),
-        Claim("Figs. 6, 7", "both formulations are mathematically equivalent",
-              f"driven by one list of torques they part by {torque:.2g} rad in 10 s",
-              _verdict([torque / 3e-3], 1.0), "figures (claims.json)"),
-        Claim("the search", "k = 1000 N/m stands for a pinned joint",
-              "speed off by " + ", ".join(f"{100 * e:+.0f} %" for e in off)
-              + " at 5, 10, 20 rad/s: the joints' resonances lie inside the grid",
-              _verdict([abs(e) for e in off], 0.01),
-              f"{steady} --formulation implicit"),
-    ]  # fmt: skip
+        Claim(
+            "Fig. 6",
+            "error of the tail's angle of order 1e-3 rad",
+            f"{theta:.1e} rad at most, at {when:.3g} s, while the springs ring, as all gaps are "
+            f"closed at first; {smooth:.1e} rad from gaps opened by the forces they carry",
+            _verdict([abs(math.log10(theta / 1e-3))], 0.5),
+            "figures (fig6-7.csv)",
+        ),
+        Claim(
+            "Fig. 7",
+            "errors of the velocities as small",
+            f"{late:.1e} m/s once settled, but {early:.1e} m/s in the first 0.2 s: from closed "
+            "gaps the joints' springs ring",
+            _verdict([late / 1e-3, early / 1e-3], 3.0),
+            "figures (fig6-7.csv)",
+        ),
+        Claim(
+            "text",
+            "a step below 1 ms changes displacements and velocities by at most 0.1 %",
+            f"a quarter of it changes them by {100 * finer:.1g} % at most, by RK4",
+            _verdict([finer], 1e-3),
+            "simulate --robot paper --links 3 --alpha-deg 30 --beta-deg 90 --omega-rad-s 3 "
+            "--formulation implicit --method rk4 --dt-s 0.00025",
+        ),
+        Claim(
+            "Figs. 6, 7",
+            "both formulations are mathematically equivalent",
+            f"driven by one list of torques they part by {torque:.2g} rad in 10 s",
+            _verdict([torque / 3e-3], 1.0),
+            "figures (claims.json)",
+        ),
+        Claim(
+            "the search",
+            "k = 1000 N/m stands for a pinned joint",
+            "speed off by "
+            + ", ".join(f"{100 * e:+.0f} %" for e in off)
+            + " at 5, 10, 20 rad/s: the joints' resonances lie inside the grid",
+            _verdict([abs(e) for e in off], 0.01),
+            f"{steady} --formulation implicit",
+        ),
+    ]
 
 
 def _optima(front: Sequence[LeastPower], reading: Reading) -> list[Claim]:
@@ -294,24 +346,44 @@ def _optima(front: Sequence[LeastPower], reading: Reading) -> list[Claim]:
     told = f"other valleys of shapes cost {100 * second:.2g} % more at least"
     flat = ": the valley is flat" if max(low, high) < _FLAT else ""
     return [
-        Claim("Fig. 8", "for each speed one gait costs least",
-              f"{so}, its shape inside the grid at {sum(inside)} of {len(inside)} speeds; "
-              + (told if second < math.inf else "no other valley of shapes was found"),
-              _held([a and b for a, b in zip(inside, alone, strict=True)]), command),
-        Claim("Fig. 9", "the optimum's rate is nearly linear in speed",
-              f"rate over speed varies by {100 * bend:.0f} % from {speed[0]:g} to {speed[-1]:g}"
-              " m/s",
-              _verdict([bend], 0.3), command),
-        Claim("Fig. 10", "beta is 80 deg at every speed",
-              f"{min(beta):.1f} to {max(beta):.1f} deg; (30, 80) deg costs {100 * low:.1f} % more "
-              f"at 0.1 m/s and {100 * high:.1f} % at 0.5{flat}",
-              _verdict([abs(b - 80) for b in beta], _NEAR_DEG), command),
-        Claim("Fig. 11", "alpha is 30 deg at every speed",
-              f"{alpha[2]:.1f} deg at {speed[2]:g} m/s, {alpha[-1]:.1f} at {speed[-1]:g}",
-              _verdict([abs(a - 30) for a in alpha], _NEAR_DEG), command),
-        Claim("text", "1.3 waves on the body", f"{min(waves):.2f} to {max(waves):.2f}",
-              _verdict([abs(w - 1.3) for w in waves], _NEAR_WAVES), command),
-    ]  # fmt: skip
+        Claim(
+            "Fig. 8",
+            "for each speed one gait costs least",
+            f"{so}, its shape inside the grid at {sum(inside)} of {len(inside)} speeds; "
+            + (told if second < math.inf else "no other valley of shapes was found"),
+            _held([a and b for a, b in zip(inside, alone, strict=True)]),
+            command,
+        ),
+        Claim(
+            "Fig. 9",
+            "the optimum's rate is nearly linear in speed",
+            f"rate over speed varies by {100 * bend:.0f} % from {speed[0]:g} to {speed[-1]:g} m/s",
+            _verdict([bend], 0.3),
+            command,
+        ),
+        Claim(
+            "Fig. 10",
+            "beta is 80 deg at every speed",
+            f"{min(beta):.1f} to {max(beta):.1f} deg; (30, 80) deg costs {100 * low:.1f} % more "
+            f"at 0.1 m/s and {100 * high:.1f} % at 0.5{flat}",
+            _verdict([abs(b - 80) for b in beta], _NEAR_DEG),
+            command,
+        ),
+        Claim(
+            "Fig. 11",
+            "alpha is 30 deg at every speed",
+            f"{alpha[2]:.1f} deg at {speed[2]:g} m/s, {alpha[-1]:.1f} at {speed[-1]:g}",
+            _verdict([abs(a - 30) for a in alpha], _NEAR_DEG),
+            command,
+        ),
+        Claim(
+            "text",
+            "1.3 waves on the body",
+            f"{min(waves):.2f} to {max(waves):.2f}",
+            _verdict([abs(w - 1.3) for w in waves], _NEAR_WAVES),
+            command,
+        ),
+    ]
 
 
 def _verdict(off: Sequence[float], allowed: float) -> str:
@@ -339,24 +411,42 @@ def _experiment(bands: Sequence[tuple[float, float, float]]) -> list[Claim]:
     grows = wide[1] > wide[0], part[1] > part[0]
     command = "steady --robot 2005 --alpha-deg 70 --beta-deg 75 --frequency-hz"
     return [
-        Claim("Figs. 15, 16", "friction is a line with an offset, Eqs. 59 and 62",
-              "the lines are given back from readings made of them; the paper's points are lost",
-              "not comparable", "demo"),
-        Claim("Fig. 17", "predicted and measured speeds match",
-              f"{speed:.3f} m/s predicted at 0.5 Hz; the paper's points are lost",
-              "not comparable", f"{command} 0.5"),
-        Claim("Fig. 17", "doubt about the normal friction is amplified at higher frequencies",
-              f"the band of speeds is {wide[0]:.3f} m/s wide at {slow:g} Hz, {wide[1]:.3f} at "
-              f"{fast:g}; of the speed that is ±{part[0]:.0f} % and ±{part[1]:.0f} %: "
-              f"{'high' if grows[1] else 'low'} frequencies suffer most", _held(grows), "demo"),
-        Claim("outlook", "static friction along the links matters little",
-              "without it the speed rises by "
-              + ", ".join(f"{100 * v:.0f} %" for _, v, _ in free) + " at "
-              + ", ".join(f"{f:g}" for f, _, _ in free) + " Hz, and the power falls by "
-              f"{-100 * max(p for *_, p in free):.0f} to {-100 * min(p for *_, p in free):.0f} %",
-              _verdict([max(abs(v), abs(p)) for _, v, p in free], 0.05),
-              f"{command} 1 --ft0 0"),
-    ]  # fmt: skip
+        Claim(
+            "Figs. 15, 16",
+            "friction is a line with an offset, Eqs. 59 and 62",
+            "the lines are given back from readings made of them; the paper's points are lost",
+            "not comparable",
+            "demo",
+        ),
+        Claim(
+            "Fig. 17",
+            "predicted and measured speeds match",
+            f"{speed:.3f} m/s predicted at 0.5 Hz; the paper's points are lost",
+            "not comparable",
+            f"{command} 0.5",
+        ),
+        Claim(
+            "Fig. 17",
+            "doubt about the normal friction is amplified at higher frequencies",
+            f"the band of speeds is {wide[0]:.3f} m/s wide at {slow:g} Hz, {wide[1]:.3f} at "
+            f"{fast:g}; of the speed that is ±{part[0]:.0f} % and ±{part[1]:.0f} %: "
+            f"{'high' if grows[1] else 'low'} frequencies suffer most",
+            _held(grows),
+            "demo",
+        ),
+        Claim(
+            "outlook",
+            "static friction along the links matters little",
+            "without it the speed rises by "
+            + ", ".join(f"{100 * v:.0f} %" for _, v, _ in free)
+            + " at "
+            + ", ".join(f"{f:g}" for f, _, _ in free)
+            + " Hz, and the power falls by "
+            f"{-100 * max(p for *_, p in free):.0f} to {-100 * min(p for *_, p in free):.0f} %",
+            _verdict([max(abs(v), abs(p)) for _, v, p in free], 0.05),
+            f"{command} 1 --ft0 0",
+        ),
+    ]
 
 
 def as_dict(found: Sequence[Claim], reading: Reading) -> dict[str, Any]:

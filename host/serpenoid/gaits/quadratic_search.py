@@ -109,9 +109,14 @@ def _hopeless(point: Point, beat: Point | None) -> bool:
 
 
 def minimize(
-    evaluate: Evaluate, start: Point, radius: float, smallest: float, low: Array, high: Array,
+    evaluate: Evaluate,
+    start: Point,
+    radius: float,
+    smallest: float,
+    low: Array,
+    high: Array,
     beat: Point | None = None,
-) -> Valley:  # fmt: skip
+) -> Valley:
     """Return the lowest allowed point near a start, and how much lower the minimum may be.
 
     evaluate: takes points and returns Points. radius, smallest: half of the first and of the last

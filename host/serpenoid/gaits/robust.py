@@ -236,9 +236,14 @@ def _settled(work: RobustSearch, best: Point, drawn: Places) -> Point | None:
 
 
 def _finished(
-    best: _Found, ground: Ground, fragile: LeastPower, drawn: list[Sample],
-    uncertainty: Uncertainty, seed: int, shares: ServoShares | None,
-) -> RobustGait:  # fmt: skip
+    best: _Found,
+    ground: Ground,
+    fragile: LeastPower,
+    drawn: list[Sample],
+    uncertainty: Uncertainty,
+    seed: int,
+    shares: ServoShares | None,
+) -> RobustGait:
     """Solve the gait once more, and look at all samples and at fresh ones."""
     gait, work, search = best.as_sent, best.work, best.work.search
     robot = search.robot
@@ -254,11 +259,21 @@ def _finished(
     few = drawn[:_OF_FRAGILE]
     slow = _all_speeds(SampledSpeeds(robot, few, shares, like), fragile.gait, len(few))
     return RobustGait(
-        gait, search.watts(exact), exact.speed_m_s, work.wanted, search.cost, exact, uncertainty,
-        low_speed(speeds, speeds.size), low_speed(checked, checked.size), speeds, fragile,
-        low_speed(slow, slow.size), search.limits.active(gait, search.torque_nm(best.gait)),
+        gait,
+        search.watts(exact),
+        exact.speed_m_s,
+        work.wanted,
+        search.cost,
+        exact,
+        uncertainty,
+        low_speed(speeds, speeds.size),
+        low_speed(checked, checked.size),
+        speeds,
+        fragile,
+        low_speed(slow, slow.size),
+        search.limits.active(gait, search.torque_nm(best.gait)),
         chosen.solved + slow.size + checked.size + search.evaluations,
-    )  # fmt: skip
+    )
 
 
 def _all_speeds(robots: SampledSpeeds, gait: Gait, count: int) -> NDArray[np.float64]:

@@ -166,8 +166,12 @@ class RobustSearch:
             rate, (low, high) = state.gait.omega_rad_s, self.search.bounds()
             found, *_ = minimize(
                 lambda shapes, rate=rate: [self.at(s, rate) for s in shapes],
-                best, radius, smallest, low, high,
-            )  # fmt: skip
+                best,
+                radius,
+                smallest,
+                low,
+                high,
+            )
             among = slow if radius < _BESIDE else drawn
             start, (best, slow) = best, self.anew(found, among, drawn.size)
             if best.value < found.value + _DRIFT:

@@ -109,9 +109,12 @@ class SampledSpeeds:
     """
 
     def __init__(
-        self, robot: Robot, samples: Sequence[Sample], shares: ServoShares | None = None,
+        self,
+        robot: Robot,
+        samples: Sequence[Sample],
+        shares: ServoShares | None = None,
         like: SampledSpeeds | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.robot, self.samples, self.shares, self.solved = robot, samples, shares, 0
         self.dry = any(not sample.ground.smooth for sample in samples)
         traits = np.array([_traits(sample) for sample in samples])

@@ -200,8 +200,11 @@ class SmoothShapes(ShapeSearch):
         """Return the lowest point of a start's valley, or None where it is not clear of limits."""
         found = self._solver.lowest(
             (start.shape.swing, start.shape.lag, math.log(start.omega_rad_s), radius, smallest),
-            self.bounds(), speed_m_s, self.limits.omega_high_rad_s, rtol,
-        )  # fmt: skip
+            self.bounds(),
+            speed_m_s,
+            self.limits.omega_high_rad_s,
+            rtol,
+        )
         self.evaluations += found.shapes
         if found.state is None:
             return None
@@ -230,9 +233,14 @@ class NearShapes(ShapeSearch):
         return self.rated(shapes, speed_m_s, [guess] * len(shapes), rtol)
 
     def rated(
-        self, shapes: Sequence[Array], speed_m_s: float, guesses: Sequence[float], rtol: float,
-        close: float = _CLOSE, rough: bool = True,
-    ) -> list[Point]:  # fmt: skip
+        self,
+        shapes: Sequence[Array],
+        speed_m_s: float,
+        guesses: Sequence[float],
+        rtol: float,
+        close: float = _CLOSE,
+        rough: bool = True,
+    ) -> list[Point]:
         """Return many points; guesses: a rate for each shape, for where nothing is known near.
 
         close: e-folds of speed that slopes put right; rough: states of one level.
@@ -290,9 +298,14 @@ class NearShapes(ShapeSearch):
         gaits = [Gait(*way.angles, math.exp(way.x)) for way in ways]
         starts = [way.start for way in ways if way.start is not None]
         found = solve_near(
-            self.robot, self.ground, gaits, starts or None, rtol, self.cost != "power",
+            self.robot,
+            self.ground,
+            gaits,
+            starts or None,
+            rtol,
+            self.cost != "power",
             rough=rough,
-        )  # fmt: skip
+        )
         self.evaluations += len(ways)
         for way, state in zip(ways, found, strict=True):
             way.go(state, self._speed_m_s, 0.0 if state is None else self.watts(state))

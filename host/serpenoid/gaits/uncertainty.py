@@ -20,12 +20,14 @@ Array = NDArray[np.float64]
 SERVOS = 96  # drawn of a kind
 FRICTION = ("ct", "cn", "ft0", "fn0")
 # How the errors of the four hang together after a session with one bend of 7.5 deg.
-_AFTER_A_SESSION = np.array([
-    [1.0, -0.65, -0.32, 0.58],
-    [-0.65, 1.0, 0.21, -0.57],
-    [-0.32, 0.21, 1.0, -0.21],
-    [0.58, -0.57, -0.21, 1.0],
-])  # fmt: skip
+_AFTER_A_SESSION = np.array(
+    [
+        [1.0, -0.65, -0.32, 0.58],
+        [-0.65, 1.0, 0.21, -0.57],
+        [-0.32, 0.21, 1.0, -0.21],
+        [0.58, -0.57, -0.21, 1.0],
+    ]
+)
 
 
 @dataclass(frozen=True)
@@ -121,10 +123,12 @@ class Uncertainty:
     def in_words(self) -> str:
         """Return the statement in one line."""
         friction = (
-            f"{len(self.grounds)} sampled frictions" if self.grounds else ", ".join(
+            f"{len(self.grounds)} sampled frictions"
+            if self.grounds
+            else ", ".join(
                 f"{n} ± {100 * s:.3g} %" for n, s in zip(FRICTION, self.friction, strict=True)
             )
-        )  # fmt: skip
+        )
         return (
             f"{friction}; amplitude ± {100 * self.common_amplitude:.3g} % common and "
             f"± {100 * self.amplitude:.3g} % of each joint; phase ± "
@@ -149,9 +153,11 @@ class Sample:
     def turned_round(self) -> Sample:
         """Return the same robot with its tail called head; it runs the gait with beta negated."""
         return Sample(
-            self.ground.turned_round(), self.joint_gain[::-1], self.joint_shift_rad[::-1],
+            self.ground.turned_round(),
+            self.joint_gain[::-1],
+            self.joint_shift_rad[::-1],
             self.servo,
-        )  # fmt: skip
+        )
 
 
 def _scaled(ground: Ground, factors: Sequence[float]) -> Ground:

@@ -83,9 +83,13 @@ class Belt:
         self._chain.aim(self._joints(), LEAD_RATE_RAD_S)
 
     def put(
-        self, across_m: float = 0.0, heading_rad: float = 0.0, facing: str = "down",
-        push_m_s: float = 0.0, push_rad_s: float = 0.0,
-    ) -> None:  # fmt: skip
+        self,
+        across_m: float = 0.0,
+        heading_rad: float = 0.0,
+        facing: str = "down",
+        push_m_s: float = 0.0,
+        push_rad_s: float = 0.0,
+    ) -> None:
         """Let the robot go in the middle of the belt, held still before but for the push."""
         self._speed = self._wanted
         self._facing_rad = math.pi if facing == "up" else 0.0

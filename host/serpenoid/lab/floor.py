@@ -67,9 +67,14 @@ class Floor:
     """Hold a floor, or a board: it falls by slope_rad towards slope_direction_rad of the room."""
 
     def __init__(
-        self, robot: LabRobot, slope_rad: float = 0.0, slope_direction_rad: float = 0.0, *,
-        gravity_m_s2: float = 9.81, step_s: float = STEP_S,
-    ):  # fmt: skip
+        self,
+        robot: LabRobot,
+        slope_rad: float = 0.0,
+        slope_direction_rad: float = 0.0,
+        *,
+        gravity_m_s2: float = 9.81,
+        step_s: float = STEP_S,
+    ):
         self.robot = robot
         pull = gravity_m_s2 * math.sin(slope_rad)
         self._pull = pull * math.cos(slope_direction_rad), pull * math.sin(slope_direction_rad)
@@ -152,9 +157,12 @@ class Floor:
         return chain
 
     def _roll(
-        self, pose_rad: Sequence[float], heading_rad: float, rates: tuple[float, float, float],
+        self,
+        pose_rad: Sequence[float],
+        heading_rad: float,
+        rates: tuple[float, float, float],
         as_far_as_m: float = math.inf,
-    ) -> Array:  # fmt: skip
+    ) -> Array:
         """Return rows t, x, y, heading until the robot rests, or has gone so far."""
         joints = self.robot.true_joints(pose_rad)
         chain = self._placed(joints, heading_rad, rates)

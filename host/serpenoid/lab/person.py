@@ -110,10 +110,15 @@ class Person:
     """Work at a belt; the same seed does the same."""
 
     def __init__(
-        self, belt: Belt, rng: np.random.Generator, habits: Habits = Habits(),
-        display: Display = Display(), ruler_m: Instrument = RULER_M,
-        clock_s: Instrument = CLOCK_S, told: Told | None = None,
-    ):  # fmt: skip
+        self,
+        belt: Belt,
+        rng: np.random.Generator,
+        habits: Habits = Habits(),
+        display: Display = Display(),
+        ruler_m: Instrument = RULER_M,
+        clock_s: Instrument = CLOCK_S,
+        told: Told | None = None,
+    ):
         self.belt, self.rng, self.habits, self.display = belt, rng, habits, display
         self.ruler_m, self.clock_s = ruler_m, clock_s
         self.facing = "down"
@@ -217,9 +222,12 @@ class Person:
         off_m_s = self.display.scatter_m_s * float(rng.normal())
         belt.run(max(shown_m_s * self.display.scale + off_m_s, 0.0))
         belt.put(
-            0.01 * float(rng.normal()), habits.let_go_rad * float(rng.normal()), self.facing,
-            habits.let_go_m_s * float(rng.normal()), habits.let_go_rad_s * float(rng.normal()),
-        )  # fmt: skip
+            0.01 * float(rng.normal()),
+            habits.let_go_rad * float(rng.normal()),
+            self.facing,
+            habits.let_go_m_s * float(rng.normal()),
+            habits.let_go_rad_s * float(rng.normal()),
+        )
         belt.steer(self.helm.offset_rad if not habits.steers else self.helm.trim_rad)
 
     def _held(self, shown: float, seen: list[Sight], drift: float, waited_s: float) -> Held:

@@ -35,11 +35,18 @@ class PracticeTreadmill:
     """
 
     def __init__(
-        self, robot: LabRobot, set_points: SetPoints, display: Display = DISPLAY,
-        inclinometer_rad: Instrument = INCLINOMETER_RAD, *,
-        grade_step: float = 0.005, deck_rad: float = 0.0, protractor_rad: float = 0.007,
-        seed: int = 0, pace: float = 1.0,
-    ):  # fmt: skip
+        self,
+        robot: LabRobot,
+        set_points: SetPoints,
+        display: Display = DISPLAY,
+        inclinometer_rad: Instrument = INCLINOMETER_RAD,
+        *,
+        grade_step: float = 0.005,
+        deck_rad: float = 0.0,
+        protractor_rad: float = 0.007,
+        seed: int = 0,
+        pace: float = 1.0,
+    ):
         self.belt = Belt(robot)
         self._set_points, self._display = set_points, display
         self._inclinometer_rad, self._protractor_rad = inclinometer_rad, protractor_rad
@@ -58,11 +65,15 @@ class PracticeTreadmill:
             "slower": lambda: self.set_belt(self._shown_steps - 1),
             "steeper": lambda: self.set_grade(self._grade + 1),
             "flatter": lambda: self.set_grade(self._grade - 1),
-            "put": self.put, "put_up": lambda: self.put("up"), "take": self.take,
-            "mark": self.mark, "inclinometer": self.inclinometer,
-            "turned": lambda: self.inclinometer(turned=True), "protractor": self.protractor,
+            "put": self.put,
+            "put_up": lambda: self.put("up"),
+            "take": self.take,
+            "mark": self.mark,
+            "inclinometer": self.inclinometer,
+            "turned": lambda: self.inclinometer(turned=True),
+            "protractor": self.protractor,
             "turns": self.turns,
-        }  # fmt: skip
+        }
 
     def start(self) -> PracticeTreadmill:
         """Let time pass from now on."""
@@ -143,9 +154,12 @@ class PracticeTreadmill:
             normal = self._rng.normal(size=4)
             self._facing, self._lies, self._mark = facing, True, None
             self.belt.put(
-                0.01 * normal[0], LET_GO_RAD * normal[1], facing, LET_GO_M_S * normal[2],
+                0.01 * normal[0],
+                LET_GO_RAD * normal[1],
+                facing,
+                LET_GO_M_S * normal[2],
                 LET_GO_RAD_S * normal[3],
-            )  # fmt: skip
+            )
             return f"the robot is on the belt, head {'up' if facing == 'up' else 'down'}hill"
 
     def take(self) -> str:
@@ -232,10 +246,12 @@ class PracticeTreadmill:
             ends = np.stack([np.append(x - c, x[-1] + c[-1]), np.append(y - s, y[-1] + s[-1])])
             grade = 100 * self._grade * self._grade_step
             return {
-                "chain": np.round(ends.T, 4).tolist(), "lies": self._lies,
-                "moved_m": round(self.belt.moved_m, 4), "belt": self.belt_in_words(),
-                "incline": f"{grade:.1f} %", "tilt_deg": round(math.degrees(self._incline_rad), 2),
-                "watch_s": None if self._mark is None
-                else round(self.belt.t_s - self._mark[0], 1),
+                "chain": np.round(ends.T, 4).tolist(),
+                "lies": self._lies,
+                "moved_m": round(self.belt.moved_m, 4),
+                "belt": self.belt_in_words(),
+                "incline": f"{grade:.1f} %",
+                "tilt_deg": round(math.degrees(self._incline_rad), 2),
+                "watch_s": None if self._mark is None else round(self.belt.t_s - self._mark[0], 1),
                 "look": self._where(),
-            }  # fmt: skip
+            }

@@ -59,9 +59,11 @@ def film(track: Track, camera: Camera, rng: np.random.Generator, rest_s: float =
 
 
 def to_rest(
-    track: Track, rng: np.random.Generator, tape_m: Instrument = TAPE_M,
+    track: Track,
+    rng: np.random.Generator,
+    tape_m: Instrument = TAPE_M,
     watch_s: Instrument = WATCH_S,
-) -> tuple[float, float]:  # fmt: skip
+) -> tuple[float, float]:
     """Return distance, m, and time, s, from the hand to rest, by tape and watch."""
     start = [np.interp(track.released_s, track.t_s, way) for way in (track.x_m, track.y_m)]
     way = float(np.hypot(track.x_m[-1] - start[0], track.y_m[-1] - start[1]))

@@ -30,9 +30,13 @@ def check_parts(robot: object, ground: object, gait: object = None) -> None:
 def friction_numbers(ground: Ground) -> tuple[float, float, float, float, float, float]:
     """Return ct, cn, ft0, fn0, and what ct and ft0 are backwards, as the core takes them."""
     return (
-        ground.ct_forward, ground.cn, ground.ft0_forward, ground.fn0,
-        ground.ct_backward, ground.ft0_backward,
-    )  # fmt: skip
+        ground.ct_forward,
+        ground.cn,
+        ground.ft0_forward,
+        ground.fn0,
+        ground.ct_backward,
+        ground.ft0_backward,
+    )
 
 
 def core_model(
@@ -43,10 +47,16 @@ def core_model(
     joints: gains and shifts of the joints, rad, in place of the gait's.
     """
     model = _core.Model(
-        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
+        robot.links,
+        robot.link_mass_kg,
+        robot.link_length_m / 2,
+        robot.inertia_kg_m2,
         *friction_numbers(ground),
-        gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad,
-    )  # fmt: skip
+        gait.alpha_rad,
+        gait.beta_rad,
+        gait.omega_rad_s,
+        gait.offset_rad,
+    )
     if joints is not None:
         model.set_joints(*(np.array(factors, float) for factors in joints))
     elif gait.joint_gain or gait.joint_shift_rad:

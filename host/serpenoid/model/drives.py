@@ -21,8 +21,14 @@ from .vectors import number_array
 _WITH_TORQUE = ("stiffness_nm_rad", "gear_friction_nm")
 _WITH_LINE = ("damping_nms_rad", "gear_damping_nms_rad", "armature_kg_m2")
 _HUNTS, _TRIES = 0.97, 1000
-UNCERTAIN = ("torque_limit_nm", "speed_limit_rad_s", *_WITH_TORQUE, *_WITH_LINE, "dead_band_rad",
-             "supply_sag")  # fmt: skip
+UNCERTAIN = (
+    "torque_limit_nm",
+    "speed_limit_rad_s",
+    *_WITH_TORQUE,
+    *_WITH_LINE,
+    "dead_band_rad",
+    "supply_sag",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,9 +260,10 @@ class ServoKind:
         """Return by how many sigma a servo's UNCERTAIN fields lie off: the inverse of `at`."""
         log = {
             name: math.log(getattr(servo, name) / getattr(self.servo, name))
-            if self.sigma.get(name) and getattr(self.servo, name) else 0.0
+            if self.sigma.get(name) and getattr(self.servo, name)
+            else 0.0
             for name in UNCERTAIN
-        }  # fmt: skip
+        }
         torque, line = log["torque_limit_nm"], -log["speed_limit_rad_s"]
         for names, common in ((_WITH_TORQUE, torque), (_WITH_LINE, torque + line)):
             for name in names:

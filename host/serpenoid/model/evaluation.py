@@ -133,8 +133,11 @@ def acceleration(
     request = _core.RunRequest(core_model(robot, ground, Gait(0.0, 0.0, 1.0)))
     request.formulation = getattr(_core.Formulation, formulation)
     request.drive = _core.Drive.torque if torque else _core.Drive.angle
-    given = {"joint_stiffness_n_m": joint_stiffness_n_m, "joint_damping_n_s_m": joint_damping_n_s_m,
-             "smoothing_m_s": smoothing_m_s}  # fmt: skip
+    given = {
+        "joint_stiffness_n_m": joint_stiffness_n_m,
+        "joint_damping_n_s_m": joint_damping_n_s_m,
+        "smoothing_m_s": smoothing_m_s,
+    }
     for field, value in given.items():
         setattr(request, field, check_number(field, value, 0.0))
     out: dict[str, Any] = _core.evaluate(

@@ -107,9 +107,15 @@ def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[np.generic]]:
     except BadInput:
         raise
     except (
-        zipfile.BadZipFile, zlib.error, ValueError, EOFError, OSError, MemoryError,
-        NotImplementedError, RuntimeError,
-    ) as error:  # fmt: skip
+        zipfile.BadZipFile,
+        zlib.error,
+        ValueError,
+        EOFError,
+        OSError,
+        MemoryError,
+        NotImplementedError,
+        RuntimeError,
+    ) as error:
         raise BadInput(f"{path} is damaged ({error})") from None
 
 

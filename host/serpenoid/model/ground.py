@@ -86,9 +86,12 @@ class Ground:
     ) -> Ground:
         """Return ground with ct, cn, ft0 and fn0 each times a factor, both ways alike."""
         return replace(
-            self, ct=_times(self.ct, ct), cn=self.cn * cn, ft0=_times(self.ft0, ft0),
+            self,
+            ct=_times(self.ct, ct),
+            cn=self.cn * cn,
+            ft0=_times(self.ft0, ft0),
             fn0=self.fn0 * fn0,
-        )  # fmt: skip
+        )
 
     def turned_round(self) -> Ground:
         """Return ground for wheels that are mounted the other way round."""

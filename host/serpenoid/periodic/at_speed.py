@@ -65,34 +65,59 @@ class SpeedSolver:
         self._cost, self._powers = COSTS.index(cost), cost != "power"
 
     def solve(
-        self, alpha_rad: Array, beta_rad: Array, guess: float, speed_m_s: float, highest: float,
+        self,
+        alpha_rad: Array,
+        beta_rad: Array,
+        guess: float,
+        speed_m_s: float,
+        highest: float,
         rtol: float,
-    ) -> list[SpeedState | None]:  # fmt: skip
+    ) -> list[SpeedState | None]:
         """Return a state for each shape, or None where no rate near the guess gives the speed.
 
         guess, highest: rates, rad/s; shapes whose amplitude is none, or beyond pi, have no state.
         """
         count = alpha_rad.size
         found = _core.at_speed(
-            self._model, alpha_rad.tolist(), beta_rad.tolist(), [guess] * count, [_SPREAD] * count,
-            speed_m_s, min(highest, _FASTEST), rtol, self._powers, MAX_ELEMENTS,
-        )  # fmt: skip
+            self._model,
+            alpha_rad.tolist(),
+            beta_rad.tolist(),
+            [guess] * count,
+            [_SPREAD] * count,
+            speed_m_s,
+            min(highest, _FASTEST),
+            rtol,
+            self._powers,
+            MAX_ELEMENTS,
+        )
         shapes = zip(alpha_rad.tolist(), beta_rad.tolist(), found.tolist(), strict=True)
         return [None if row[0] != row[0] else _state(a, b, speed_m_s, row) for a, b, row in shapes]
 
     def lowest(
-        self, start: tuple[float, float, float, float, float], bounds: tuple[Array, Array],
-        speed_m_s: float, highest: float, rtol: float,
-    ) -> LowestShape:  # fmt: skip
+        self,
+        start: tuple[float, float, float, float, float],
+        bounds: tuple[Array, Array],
+        speed_m_s: float,
+        highest: float,
+        rtol: float,
+    ) -> LowestShape:
         """Return the shape of least cost in the valley of a start.
 
         start: swing, lag, ln rate; half of the first and of the last box. bounds: of swing and lag.
         """
         low, high = (bound.tolist() for bound in bounds)
         shapes, *found = _core.lowest_shape(
-            self._model, start, low, high, self._cost, speed_m_s, min(highest, _FASTEST), rtol,
-            self._powers, MAX_ELEMENTS,
-        )  # fmt: skip
+            self._model,
+            start,
+            low,
+            high,
+            self._cost,
+            speed_m_s,
+            min(highest, _FASTEST),
+            rtol,
+            self._powers,
+            MAX_ELEMENTS,
+        )
         if not found:
             return LowestShape(shapes)
         swing, lag, gap, tangent, row = found

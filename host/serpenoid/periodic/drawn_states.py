@@ -27,16 +27,20 @@ def drawn_states(robot: Robot, near: Draw, draws: Sequence[Draw]) -> list[Steady
     """
     found = _solved(robot, near, draws, rough=False)
     return [
-        from_core(robot, *draw, s) if s.converged
+        from_core(robot, *draw, s)
+        if s.converged
         else steady_gait(robot, *draw, rtol=_RTOL, powers=False)
         for draw, s in zip(draws, found, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def drawn_speeds(
-    robot: Robot, near: Draw, draws: Sequence[Draw], rough: bool = False,
+    robot: Robot,
+    near: Draw,
+    draws: Sequence[Draw],
+    rough: bool = False,
     unfound_m_s: float | None = None,
-) -> Array:  # fmt: skip
+) -> Array:
     """Return the speeds of draws, m/s, as `drawn_states`.
 
     rough: mostly to a thousandth or two, at a cliff far worse; for searches alone. unfound_m_s:
@@ -49,9 +53,9 @@ def drawn_speeds(
         return steady_gait(robot, *draw, rtol=_RTOL, powers=False).speed_m_s
 
     found = _solved(robot, near, draws, rough)
-    return np.array([
-        s.speed if s.converged else alone(draw) for draw, s in zip(draws, found, strict=True)
-    ])  # fmt: skip
+    return np.array(
+        [s.speed if s.converged else alone(draw) for draw, s in zip(draws, found, strict=True)]
+    )
 
 
 def _solved(

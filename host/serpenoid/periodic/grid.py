@@ -26,9 +26,17 @@ CHUNK = 4096  # shapes handed to the core at a time: what bounds the memory besi
 MOST_GAITS = 10**12
 AXES = ("alpha_rad", "beta_rad", "omega_rad_s")
 FIELDS = (
-    "speed_m_s", "power_w", "abs_power_w", "positive_power_w", "turn_rad_per_cycle",
-    "error_estimate", "power_error_w", "positive_power_error_w", "settling_time_s", "converged",
-)  # fmt: skip
+    "speed_m_s",
+    "power_w",
+    "abs_power_w",
+    "positive_power_w",
+    "turn_rad_per_cycle",
+    "error_estimate",
+    "power_error_w",
+    "positive_power_error_w",
+    "settling_time_s",
+    "converged",
+)
 
 
 @dataclass(frozen=True)
@@ -113,9 +121,14 @@ class Grid:
         for at in range(first, last, CHUNK):
             models = self.models(at, min(at + CHUNK, last))
             table[at - first : at - first + len(models)] = _core.sweep(
-                models, list(self.omega_rad_s), self.rtol, self.powers, MAX_ELEMENTS,
-                min(threads, len(models)), progress,
-            )  # fmt: skip
+                models,
+                list(self.omega_rad_s),
+                self.rtol,
+                self.powers,
+                MAX_ELEMENTS,
+                min(threads, len(models)),
+                progress,
+            )
         return table
 
     def named(self, table: Array, first: int = 0) -> dict[str, NDArray[Any]]:
@@ -129,9 +142,17 @@ class Grid:
         with np.errstate(divide="ignore"):
             settling = np.where(slowest < 0, -2 * math.pi / w / slowest, math.inf)
         values = (
-            speed, power, absolute, positive, turn, error / np.maximum(speed, floors), power_error,
-            positive_error, settling, table[..., 10] > 0.5,
-        )  # fmt: skip
+            speed,
+            power,
+            absolute,
+            positive,
+            turn,
+            error / np.maximum(speed, floors),
+            power_error,
+            positive_error,
+            settling,
+            table[..., 10] > 0.5,
+        )
         return dict(zip(FIELDS, values, strict=True))
 
 

@@ -38,28 +38,50 @@ class NearState(NamedTuple):
 
 
 def solve_near(
-    robot: Robot, ground: Ground, gaits: Sequence[Gait], starts: Sequence[Array] | None,
-    rtol: float, powers: bool, rough: bool,
-) -> list[NearState | None]:  # fmt: skip
+    robot: Robot,
+    ground: Ground,
+    gaits: Sequence[Gait],
+    starts: Sequence[Array] | None,
+    rtol: float,
+    powers: bool,
+    rough: bool,
+) -> list[NearState | None]:
     """Solve gaits from starts over their rates, (3,) each, or where None from the first one's.
 
     rough: one level, good to a thousandth or so. None in place of a state that was not found.
     """
     models = [core_model(robot, ground, gait) for gait in gaits]
-    begin = [] if starts is None else [
-        (gait.omega_rad_s * start).tolist() for gait, start in zip(gaits, starts, strict=True)
-    ]  # fmt: skip
+    begin = (
+        []
+        if starts is None
+        else [
+            (gait.omega_rad_s * start).tolist() for gait, start in zip(gaits, starts, strict=True)
+        ]
+    )
     found = _core.neighbours(
-        models[0], models, rtol, powers, MAX_ELEMENTS, min(threads_to_use(None), len(models)),
-        rough=rough, starts=begin,
-    )  # fmt: skip
+        models[0],
+        models,
+        rtol,
+        powers,
+        MAX_ELEMENTS,
+        min(threads_to_use(None), len(models)),
+        rough=rough,
+        starts=begin,
+    )
     return [
         NearState(
-            gait, s.speed, s.power, s.abs_power, s.positive_power,
-            s.speed_error / max(s.speed, 1e-300), np.array(s.start) / gait.omega_rad_s,
-        ) if s.converged else None
+            gait,
+            s.speed,
+            s.power,
+            s.abs_power,
+            s.positive_power,
+            s.speed_error / max(s.speed, 1e-300),
+            np.array(s.start) / gait.omega_rad_s,
+        )
+        if s.converged
+        else None
         for gait, s in zip(gaits, found, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 class LocalFit:

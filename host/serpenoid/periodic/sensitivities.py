@@ -146,12 +146,17 @@ def differentiate(robot: Robot, ground: Ground, gait: Gait) -> Sensitivities:
     errors = noise[..., 1] + np.where(kinks[:, None], jumps / 2, changes) + _CURVED * abs(found)
     apart = kinks[:, None, None]  # then all quantities' sides are told as they are
     return Sensitivities(
-        tuple(p.name for p in moved), np.array([p.value for p in moved]), found, errors,
+        tuple(p.name for p in moved),
+        np.array([p.value for p in moved]),
+        found,
+        errors,
         np.where(apart, sides + _AHEAD * side_changes, found[..., None]),
-        np.where(apart, _LEFT * (abs(side_changes) + noise[..., :1]),
-                 (errors + jumps / 2)[..., None]),
-        kinks, at,
-    )  # fmt: skip
+        np.where(
+            apart, _LEFT * (abs(side_changes) + noise[..., :1]), (errors + jumps / 2)[..., None]
+        ),
+        kinks,
+        at,
+    )
 
 
 def _jumps(sides: Array) -> Array:
@@ -207,9 +212,11 @@ def _parameters(robot: Robot, ground: Ground, gait: Gait) -> Iterator[Parameter]
     ):
         for k, value in enumerate(values.tolist()):
             yield Parameter(
-                f"{name}[{k}]", value, _STEP * max(abs(value), angle),
+                f"{name}[{k}]",
+                value,
+                _STEP * max(abs(value), angle),
                 partial(_with_joint, robot, ground, gait, name, values, k),
-            )  # fmt: skip
+            )
     for name in ("ct", "cn", "ft0", "fn0"):
         yield from _frictions(robot, ground, gait, name)
     for name in ("link_mass_kg", "link_inertia_kg_m2", "link_length_m"):
@@ -241,10 +248,12 @@ def _frictions(robot: Robot, ground: Ground, gait: Gait, name: str) -> Iterator[
     for way, word in enumerate(("forward", "backward")):
         if value[way] > 0:
             yield Parameter(
-                f"{name}_{word}", value[way], _STEP * value[way],
+                f"{name}_{word}",
+                value[way],
+                _STEP * value[way],
                 lambda v, way=way: (
                     robot,
                     replace(ground, **{name: tuple(v if k == way else value[k] for k in (0, 1))}),
                     gait,
                 ),
-            )  # fmt: skip
+            )

@@ -117,10 +117,19 @@ class ServoSteady:
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON."""
         names = (
-            "speed_m_s", "low_m_s", "high_m_s", "spread_m_s", "error_estimate", "amplitude_ratio",
-            "lag_rad", "ripple_rad_s", "power_w", "turn_rad_per_cycle", "asked_over_free_speed",
+            "speed_m_s",
+            "low_m_s",
+            "high_m_s",
+            "spread_m_s",
+            "error_estimate",
+            "amplitude_ratio",
+            "lag_rad",
+            "ripple_rad_s",
+            "power_w",
+            "turn_rad_per_cycle",
+            "asked_over_free_speed",
             "slower_servos",
-        )  # fmt: skip
+        )
         return {"name": self.name} | {name: getattr(self, name) for name in names}
 
 
@@ -199,9 +208,11 @@ def drawn_ripple_shares(ideal: Sequence[Steady], servos: Sequence[Servo]) -> Arr
 
 
 def _checked(
-    value: Callable[[Steady, Servo, bool], float], ideal: Sequence[Steady],
-    servos: Sequence[Servo], threads: int | None = None,
-) -> Array:  # fmt: skip
+    value: Callable[[Steady, Servo, bool], float],
+    ideal: Sequence[Steady],
+    servos: Sequence[Servo],
+    threads: int | None = None,
+) -> Array:
     """Return a value of each draw by its servo's rough state, held to fine ones.
 
     A rough state costs a quarter of a fine one or less and is mostly 1 % off.

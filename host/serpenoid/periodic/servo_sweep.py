@@ -22,9 +22,13 @@ _RTOL = 1e-3
 
 
 def servo_grid(
-    robot: Robot, ground: Ground, axes: tuple[Array, Array, Array], servo: Servo | ServoKind,
-    threads: int, progress: Callable[[int], None] | None = None,
-) -> tuple[Array, Array, Array]:  # fmt: skip
+    robot: Robot,
+    ground: Ground,
+    axes: tuple[Array, Array, Array],
+    servo: Servo | ServoKind,
+    threads: int,
+    progress: Callable[[int], None] | None = None,
+) -> tuple[Array, Array, Array]:
     """Return speed of the typical servo, and ends of the band of DRAWS drawn ones, m/s.
 
     axes: alpha_rad, beta_rad, omega_rad_s; the answers are indexed so. NaN where the motion with

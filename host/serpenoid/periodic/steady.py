@@ -145,11 +145,22 @@ class Steady:
         """Return the figures as plain numbers, for JSON."""
         multipliers = self.floquet_multipliers
         names = (
-            "speed_m_s", "power_w", "abs_power_w", "positive_power_w", "turn_rad_per_cycle",
-            "chord_m_s", "radius_m", "error_estimate", "power_error_w", "abs_power_error_w",
-            "positive_power_error_w", "turn_error_rad", "radius_error_m", "settling_time_s",
+            "speed_m_s",
+            "power_w",
+            "abs_power_w",
+            "positive_power_w",
+            "turn_rad_per_cycle",
+            "chord_m_s",
+            "radius_m",
+            "error_estimate",
+            "power_error_w",
+            "abs_power_error_w",
+            "positive_power_error_w",
+            "turn_error_rad",
+            "radius_error_m",
+            "settling_time_s",
             "settling_error",
-        )  # fmt: skip
+        )
         found = {name: getattr(self, name) for name in names} | {
             "floquet_multipliers": [[m.real, m.imag] for m in multipliers.tolist()]
         }
@@ -224,10 +235,24 @@ def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) ->
     """Return the core's answer for a gait as users see it."""
     error = relative_error(s.speed_error, s.speed, robot, gait)
     return Steady(
-        robot, ground, gait, s.speed, s.power, s.abs_power, s.positive_power, s.turn, s.chord,
-        error, s.power_error, s.positive_power_error, s.turn_error, s.direction,
-        *_settling(s, gait), s.start, s.monodromy,
-    )  # fmt: skip
+        robot,
+        ground,
+        gait,
+        s.speed,
+        s.power,
+        s.abs_power,
+        s.positive_power,
+        s.turn,
+        s.chord,
+        error,
+        s.power_error,
+        s.positive_power_error,
+        s.turn_error,
+        s.direction,
+        *_settling(s, gait),
+        s.start,
+        s.monodromy,
+    )
 
 
 def _what_else(best: Steady, rtol: float) -> str:

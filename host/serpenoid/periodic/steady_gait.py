@@ -21,18 +21,36 @@ if TYPE_CHECKING:
 
 @overload
 def steady_gait(
-    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
-    servo: None = None, sensitivities: bool = ...,
-) -> Steady: ...  # fmt: skip
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    *,
+    rtol: float = ...,
+    powers: bool = ...,
+    servo: None = None,
+    sensitivities: bool = ...,
+) -> Steady: ...
 @overload
 def steady_gait(
-    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = ..., powers: bool = ...,
-    servo: Servo | ServoKind, sensitivities: bool = ...,
-) -> ServoSteady: ...  # fmt: skip
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    *,
+    rtol: float = ...,
+    powers: bool = ...,
+    servo: Servo | ServoKind,
+    sensitivities: bool = ...,
+) -> ServoSteady: ...
 def steady_gait(
-    robot: Robot, ground: Ground, gait: Gait, *, rtol: float = 1e-6, powers: bool = True,
-    servo: Servo | ServoKind | None = None, sensitivities: bool = False,
-) -> Steady | ServoSteady:  # fmt: skip
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    *,
+    rtol: float = 1e-6,
+    powers: bool = True,
+    servo: Servo | ServoKind | None = None,
+    sensitivities: bool = False,
+) -> Steady | ServoSteady:
     """Solve for the periodic state of a gait: joints that follow it exactly, or moved by servos.
 
     Parameters

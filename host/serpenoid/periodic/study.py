@@ -73,11 +73,16 @@ class Study:
         """Return what the head of the folder says: the grid, and how it is cut into chunks."""
         grid = self.grid
         return {
-            "format": FORMAT, "robots": [asdict(r) for r in grid.robots],
-            "grounds": [asdict(g) for g in grid.grounds], "alpha_rad": list(grid.alpha_rad),
-            "beta_rad": list(grid.beta_rad), "omega_rad_s": list(grid.omega_rad_s),
-            "rtol": grid.rtol, "powers": grid.powers, "shapes": self.length,
-        }  # fmt: skip
+            "format": FORMAT,
+            "robots": [asdict(r) for r in grid.robots],
+            "grounds": [asdict(g) for g in grid.grounds],
+            "alpha_rad": list(grid.alpha_rad),
+            "beta_rad": list(grid.beta_rad),
+            "omega_rad_s": list(grid.omega_rad_s),
+            "rtol": grid.rtol,
+            "powers": grid.powers,
+            "shapes": self.length,
+        }
 
     @cached_property
     def _hash(self) -> NDArray[np.uint8]:
@@ -108,12 +113,17 @@ class Study:
         part = self.path(chunk).with_suffix(f".{os.getpid()}.part")
         with part.open("wb") as file:
             np.savez(
-                file, allow_pickle=False, study_sha256=self._hash,
-                first_and_last=np.array(chunk), robot=robot, ground=ground,
+                file,
+                allow_pickle=False,
+                study_sha256=self._hash,
+                first_and_last=np.array(chunk),
+                robot=robot,
+                ground=ground,
                 alpha_rad=np.array(self.grid.alpha_rad)[alpha],
                 beta_rad=np.array(self.grid.beta_rad)[beta],
-                omega_rad_s=np.array(self.grid.omega_rad_s), **self.grid.named(table, first),
-            )  # fmt: skip
+                omega_rad_s=np.array(self.grid.omega_rad_s),
+                **self.grid.named(table, first),
+            )
         part.replace(self.path(chunk))
 
 

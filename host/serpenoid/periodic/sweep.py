@@ -131,9 +131,12 @@ def _check_servo(servo: object, robot: object, ground: object) -> None:
 
 
 def _moved_by(
-    servo: Servo | ServoKind | None, grid: Grid, axes: tuple[Array, Array, Array], threads: int,
+    servo: Servo | ServoKind | None,
+    grid: Grid,
+    axes: tuple[Array, Array, Array],
+    threads: int,
     progress: Callable[[int], None] | None,
-) -> tuple[Array, ...]:  # fmt: skip
+) -> tuple[Array, ...]:
     """Return what a Sweep holds of servos; () without any."""
     if servo is None:
         return ()

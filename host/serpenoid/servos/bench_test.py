@@ -23,9 +23,18 @@ Array = NDArray[np.float64]
 PARTICLES, MOVES, KEPT = 192, 4, 48
 _STEP_S, _MOST_STEPS, _MOST_DELAY_S = 1e-3, 20_000, 0.03
 _HUNTS, _STRIDE, _MOST_POWERS = 1.0, 0.6, 40
-_FIELDS = ("stiffness_nm_rad", "damping_nms_rad", "torque_limit_nm", "speed_limit_rad_s",
-           "dead_band_rad", "armature_kg_m2", "gear_friction_nm", "gear_damping_nms_rad",
-           "update_hz", "supply_sag")  # fmt: skip
+_FIELDS = (
+    "stiffness_nm_rad",
+    "damping_nms_rad",
+    "torque_limit_nm",
+    "speed_limit_rad_s",
+    "dead_band_rad",
+    "armature_kg_m2",
+    "gear_friction_nm",
+    "gear_damping_nms_rad",
+    "update_hz",
+    "supply_sag",
+)
 
 
 @dataclass(frozen=True)
@@ -76,10 +85,13 @@ class MeasuredServo:
         """Return plain values."""
         servo = {name: getattr(self.kind.servo, name) for name in _FIELDS}
         return {
-            "name": self.kind.name, "servo": servo, "chi2": self.chi2, "readings": self.readings,
+            "name": self.kind.name,
+            "servo": servo,
+            "chi2": self.chi2,
+            "readings": self.readings,
             "told": {n: {"before": a, "after": b} for n, (a, b) in self.told.items()},
             "untold": list(self.untold),
-        }  # fmt: skip
+        }
 
 
 def moved(test: BenchTest, servos: list[Servo], delay_s: Array) -> Array:
@@ -219,9 +231,14 @@ def servo_of_test(
 
 
 def measured_servo(
-    like: ServoKind, best: Servo, kept: tuple[Servo, ...], name: str, source: str, chi2: float,
+    like: ServoKind,
+    best: Servo,
+    kept: tuple[Servo, ...],
+    name: str,
+    source: str,
+    chi2: float,
     readings: int,
-) -> MeasuredServo:  # fmt: skip
+) -> MeasuredServo:
     """Return the kind that some servos make, and which fields the measurement has told."""
     names = [n for n in UNCERTAIN if like.sigma.get(n, 0.0) > 0]
     before = _sigmas(like.draws(512), names)

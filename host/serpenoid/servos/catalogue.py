@@ -28,13 +28,26 @@ from .servo_file import load_servo
 _MOTOR_S, _FRICTION, _FULL_RAD = 0.037, 0.035, 0.17
 _KG_CM = 0.0980665  # N m
 _ANALOGUE, _DIGITAL = 50.0, 300.0  # looks a second
-_UNMEASURED = {"stiffness_nm_rad": 0.5, "armature_kg_m2": 0.5, "gear_friction_nm": 0.9,
-               "gear_damping_nms_rad": 1.0, "dead_band_rad": 0.5, "supply_sag": 0.7}  # fmt: skip
+_UNMEASURED = {
+    "stiffness_nm_rad": 0.5,
+    "armature_kg_m2": 0.5,
+    "gear_friction_nm": 0.9,
+    "gear_damping_nms_rad": 1.0,
+    "dead_band_rad": 0.5,
+    "supply_sag": 0.7,
+}
 _SHEET = {"torque_limit_nm": 0.2, "speed_limit_rad_s": 0.12}
 _TYPICAL = {"torque_limit_nm": 0.35, "speed_limit_rad_s": 0.2, "dead_band_rad": 0.7}
-_MEASURED = {"torque_limit_nm": 0.1, "speed_limit_rad_s": 0.1, "armature_kg_m2": 0.15,
-             "gear_friction_nm": 0.3, "gear_damping_nms_rad": 0.5, "stiffness_nm_rad": 0.4,
-             "dead_band_rad": 0.5, "supply_sag": 0.7}  # fmt: skip
+_MEASURED = {
+    "torque_limit_nm": 0.1,
+    "speed_limit_rad_s": 0.1,
+    "armature_kg_m2": 0.15,
+    "gear_friction_nm": 0.3,
+    "gear_damping_nms_rad": 0.5,
+    "stiffness_nm_rad": 0.4,
+    "dead_band_rad": 0.5,
+    "supply_sag": 0.7,
+}
 
 
 def _of_sheet(
@@ -48,10 +61,17 @@ def _of_sheet(
     line = torque / speed
     band = math.radians(0.09 * band_us / 2)  # 1000 us are 90 degrees
     servo = Servo(
-        torque / _FULL_RAD, line, torque, speed, band, armature_kg_m2=_MOTOR_S * line,
-        gear_friction_nm=_FRICTION * torque, gear_damping_nms_rad=0.1 * line, update_hz=update_hz,
+        torque / _FULL_RAD,
+        line,
+        torque,
+        speed,
+        band,
+        armature_kg_m2=_MOTOR_S * line,
+        gear_friction_nm=_FRICTION * torque,
+        gear_damping_nms_rad=0.1 * line,
+        update_hz=update_hz,
         supply_sag=0.04,
-    )  # fmt: skip
+    )
     sheet = _SHEET if source else _TYPICAL
     return ServoKind(name, servo, _UNMEASURED | sheet, (), source or "typical, no source")
 
@@ -62,9 +82,17 @@ def _identified(
     """Return a kind that BAM has identified (M1), with its loop's default gain."""
     torque, speed = kt * volt / ohm, volt / kt
     servo = Servo(
-        torque / 0.2, torque / speed, torque, speed, 0.003, armature_kg_m2=rotor,
-        gear_friction_nm=dry, gear_damping_nms_rad=viscous, update_hz=1000.0, supply_sag=0.04,
-    )  # fmt: skip
+        torque / 0.2,
+        torque / speed,
+        torque,
+        speed,
+        0.003,
+        armature_kg_m2=rotor,
+        gear_friction_nm=dry,
+        gear_damping_nms_rad=viscous,
+        update_hz=1000.0,
+        supply_sag=0.04,
+    )
     return ServoKind(name, servo, _MEASURED, (), f"github.com/Rhoban/bam, M1, at {volt:g} V")
 
 

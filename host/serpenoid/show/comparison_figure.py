@@ -52,14 +52,28 @@ def _predicted(ax: Axes, found: Comparison) -> None:
     f, exact, low, high, implicit = _columns(
         found.curve, "frequency_hz", "exact_m_s", "low_m_s", "high_m_s", "implicit_m_s"
     )
-    ax.fill_between(f, low, high, color=BLUE, alpha=0.18, lw=0,
-                    label="95 % of the frictions that the fit allows")  # fmt: skip
+    ax.fill_between(
+        f,
+        low,
+        high,
+        color=BLUE,
+        alpha=0.18,
+        lw=0,
+        label="95 % of the frictions that the fit allows",
+    )
     ax.plot(f, exact, color=BLUE, label="exact model")
     ax.plot(f, implicit, ".", color=ORANGE, ms=6, label="implicit model, k = 1000 N/m")
     f, low, high = _columns(found.gaits, "frequency_hz", "low_all_m_s", "high_all_m_s")
     servos = "" if found.servo is None else f", servos: {found.servo}"
-    ax.vlines(f, low, high, color=GREY, lw=6, alpha=0.35,
-              label=f"with the joints' amplitude, {found.amplitude_sigma:.0%}{servos}")  # fmt: skip
+    ax.vlines(
+        f,
+        low,
+        high,
+        color=GREY,
+        lw=6,
+        alpha=0.35,
+        label=f"with the joints' amplitude, {found.amplitude_sigma:.0%}{servos}",
+    )
 
 
 def _measured(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
@@ -78,8 +92,15 @@ def _residuals(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
     ran = tuple(p for p in gaits if p.measured_m_s is not None)
     if not ran:
         ax.set_yticks([])
-        ax.text(0.5, 0.5, "no gait run measured yet", transform=ax.transAxes, ha="center",
-                va="bottom", color=GREY)  # fmt: skip
+        ax.text(
+            0.5,
+            0.5,
+            "no gait run measured yet",
+            transform=ax.transAxes,
+            ha="center",
+            va="bottom",
+            color=GREY,
+        )
         return
     names = ("frequency_hz", "residual_m_s", "sigma_m_s", "exact_m_s", "low_all_m_s")
     f, residual, sigma, exact, low = _columns(ran, *names)

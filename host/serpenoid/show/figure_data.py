@@ -45,8 +45,10 @@ def write_friction(session: Session, fit: FrictionFit, path: Path) -> None:
     for part, points in voided_points(session, fit).items():
         rows += [[part, "voided", *row, "", ""] for row in np.column_stack(points).tolist()]
     for part, slope, rest in (
-        ("straight", "ct", "ft0"), ("back", "ct_back", "ft0_back"), ("bent", "cn", "fn0"),
-    ):  # fmt: skip
+        ("straight", "ct", "ft0"),
+        ("back", "ct_back", "ft0_back"),
+        ("bent", "cn", "fn0"),
+    ):
         if len(kept[part][0]):
             rows += [[part, "line", *row] for row in line(fit, slope, rest, kept[part][0]).tolist()]
     header = ["part", "kind", "speed_m_s", "force_n", "sigma_speed_m_s", "sigma_force_n"]

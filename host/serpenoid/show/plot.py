@@ -81,8 +81,19 @@ def _backwards(
     """Draw what was read facing up the belt, and its line."""
     (v, force), (dv, df) = points, errors
     _line(ax, fit, "ct_back", "ft0_back", v, ORANGE)
-    ax.errorbar(v, force, df, dv, fmt="s", color="black", mfc="white", ms=4, lw=0, elinewidth=1,
-                label="facing up: wheels roll backwards")  # fmt: skip
+    ax.errorbar(
+        v,
+        force,
+        df,
+        dv,
+        fmt="s",
+        color="black",
+        mfc="white",
+        ms=4,
+        lw=0,
+        elinewidth=1,
+        label="facing up: wheels roll backwards",
+    )
     law = (
         f"$F_t = {fit.parameters['ct_back'].value:.3g}\\,v_t "
         f"+ {fit.parameters['ft0_back'].value:.3g}$ N backwards"
@@ -111,8 +122,18 @@ def draw_friction(
     for ax, (part, title, axis, slope, rest, colour) in zip(axes, parts, strict=True):
         (v, force), (dv, df) = kept[part], errors[part]
         _line(ax, fit, slope, rest, v, colour)
-        ax.errorbar(v, force, df, dv, fmt="o", color="black", ms=4, lw=0, elinewidth=1,
-                    label=f"readings, {session.setup.kind}, ± 1 sigma")  # fmt: skip
+        ax.errorbar(
+            v,
+            force,
+            df,
+            dv,
+            fmt="o",
+            color="black",
+            ms=4,
+            lw=0,
+            elinewidth=1,
+            label=f"readings, {session.setup.kind}, ± 1 sigma",
+        )
         if len(voided[part][0]):
             ax.plot(*voided[part], "x", color=GREY, ms=7, label="voided")
         law = (
@@ -123,8 +144,11 @@ def draw_friction(
         if part == "straight" and len(kept["back"][0]):
             _backwards(ax, fit, kept["back"], errors["back"])
             ax.set_ylim(top=1.25 * ax.get_ylim()[1])  # room for two laws
-        ax.set(title=title, xlabel=f"speed $v_{axis}$ (m/s)",
-               ylabel=f"friction $F_{axis}$ of the whole snake (N)")  # fmt: skip
+        ax.set(
+            title=title,
+            xlabel=f"speed $v_{axis}$ (m/s)",
+            ylabel=f"friction $F_{axis}$ of the whole snake (N)",
+        )
         ax.set_xlim(left=0)
         ax.set_ylim(bottom=0)
     axes[0].legend(loc="lower right", fontsize=8)
@@ -133,8 +157,10 @@ def draw_friction(
     p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
     fig.suptitle(
         f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",
-        fontsize=10, x=0.01, ha="left",
-    )  # fmt: skip
+        fontsize=10,
+        x=0.01,
+        ha="left",
+    )
     fig.supxlabel(
         "band: 95 % interval of the line" + (f"; {note}" if note else ""), fontsize=8, color=GREY
     )
@@ -144,20 +170,43 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
     """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
     f, exact, low, high, low_ideal, high_ideal, implicit = (
         np.array([getattr(p, name) for p in points])
-        for name in ("frequency_hz", "explicit_m_s", "low_m_s", "high_m_s", "low_ideal_m_s",
-                     "high_ideal_m_s", "implicit_m_s")
-    )  # fmt: skip
+        for name in (
+            "frequency_hz",
+            "explicit_m_s",
+            "low_m_s",
+            "high_m_s",
+            "low_ideal_m_s",
+            "high_ideal_m_s",
+            "implicit_m_s",
+        )
+    )
     with figure(7.2, 5.8) as (fig, _unused):
         fig.clear()
         top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
-        top.fill_between(f, low_ideal, high_ideal, color=BLUE, alpha=0.2, lw=0,
-                         label="95 %, ideal joints, by friction and amplitude")  # fmt: skip
+        top.fill_between(
+            f,
+            low_ideal,
+            high_ideal,
+            color=BLUE,
+            alpha=0.2,
+            lw=0,
+            label="95 %, ideal joints, by friction and amplitude",
+        )
         if not (np.array_equal(low, low_ideal) and np.array_equal(high, high_ideal)):
-            top.fill_between(f, low, high, color=GREY, alpha=0.25, lw=0,
-                             label="95 %, with servos besides")  # fmt: skip
+            top.fill_between(
+                f, low, high, color=GREY, alpha=0.25, lw=0, label="95 %, with servos besides"
+            )
         top.plot(f, exact, color=BLUE, label="exact model (explicit), ideal joints")
-        top.plot(f, implicit, "o", mfc="white", color=ORANGE, ms=6, mew=1.6,
-                 label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m")  # fmt: skip
+        top.plot(
+            f,
+            implicit,
+            "o",
+            mfc="white",
+            color=ORANGE,
+            ms=6,
+            mew=1.6,
+            label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m",
+        )
         top.set(title=title, ylabel="speed (m/s)")
         top.set_ylim(bottom=0)
         top.legend(loc="upper left")
@@ -187,9 +236,13 @@ def along_travel(run: Run) -> Run:
     rx, ry = run.x_m - x[0], run.y_m - y[0]
     vx, vy = run.vx_m_s, run.vy_m_s
     return replace(
-        run, x_m=c * rx + s * ry, y_m=-s * rx + c * ry, theta_rad=run.theta_rad - angle,
-        vx_m_s=c * vx + s * vy, vy_m_s=-s * vx + c * vy,
-    )  # fmt: skip
+        run,
+        x_m=c * rx + s * ry,
+        y_m=-s * rx + c * ry,
+        theta_rad=run.theta_rad - angle,
+        vx_m_s=c * vx + s * vy,
+        vy_m_s=-s * vx + c * vy,
+    )
 
 
 def path_and_poses(run: Run, title: str, path: Path) -> None:
@@ -202,8 +255,10 @@ def path_and_poses(run: Run, title: str, path: Path) -> None:
         _paths(top, run)
         top.set_title(f"{cycles} cycles, y enlarged three times (Fig. 12)")
         _poses(bottom, run)
-        bottom.set_title("six poses of one cycle to scale, x as y, set apart downwards; "
-                         "the dot is the head (Fig. 13)")  # fmt: skip
+        bottom.set_title(
+            "six poses of one cycle to scale, x as y, set apart downwards; "
+            "the dot is the head (Fig. 13)"
+        )
         fig.suptitle(
             f"{title}: {robot_words(run.scene.robot, run.scene.ground)}",
             fontsize=10,
@@ -240,9 +295,15 @@ def _paths(ax: Axes, run: Run) -> None:
         ax.plot(x, y, color=colour, lw=width)
         line = {"arrowstyle": "-", "color": colour, "lw": 0.7} if side == "center" else None
         ax.annotate(
-            name, (x[end], y[end]), xytext=shift, textcoords="offset points", color=colour,
-            va="center", ha=side, arrowprops=line,
-        )  # fmt: skip
+            name,
+            (x[end], y[end]),
+            xytext=shift,
+            textcoords="offset points",
+            color=colour,
+            va="center",
+            ha=side,
+            arrowprops=line,
+        )
     ax.set(xlabel="x (m)", ylabel="y (m)")
     ax.margins(x=0.07)
     ax.set_ylim(1.2 * float(run.y_m.min()), 2.2 * float(run.y_m.max()))

@@ -44,9 +44,11 @@ def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
 
     errors = screen(stderr=True)
     columns = (
-        bars.TextColumn("{task.description}"), bars.BarColumn(), bars.MofNCompleteColumn(),
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.MofNCompleteColumn(),
         bars.TimeRemainingColumn(),
-    )  # fmt: skip
+    )
     with bars.Progress(
         *columns, console=errors, transient=True, disable=not errors.is_terminal
     ) as bar:

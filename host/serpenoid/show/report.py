@@ -40,9 +40,11 @@ def _bar(columns: tuple[ProgressColumn, ...]) -> Progress:
 def simulated_time(duration_s: float, what: str) -> Iterator[Callable[[float], None]]:
     """Show how far a run is; gives a function that takes the simulated time."""
     columns = (
-        TextColumn("{task.description}"), BarColumn(),
-        TextColumn("{task.completed:.4g} of {task.total:g} s"), TimeRemainingColumn(),
-    )  # fmt: skip
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.4g} of {task.total:g} s"),
+        TimeRemainingColumn(),
+    )
     with _bar(columns) as bar:
         task = bar.add_task(what, total=duration_s)
         yield lambda t_s: bar.update(task, completed=t_s)
@@ -107,13 +109,15 @@ def with_servo(s: ServoSteady) -> None:
         ["speed, ideal joints", f"{s.ideal.speed_m_s:.4g} m/s"],
         ["speed, typical servo", f"{s.speed_m_s:.4g} m/s"],
         ["speed, 95 % of such servos", band],
-        ["joints: amplitude reached, lag",
-         f"{s.amplitude_ratio:.0%}, {math.degrees(s.lag_rad):.0f} deg"],
+        [
+            "joints: amplitude reached, lag",
+            f"{s.amplitude_ratio:.0%}, {math.degrees(s.lag_rad):.0f} deg",
+        ],
         ["joints: rate beside the sine, rms", f"{s.ripple_rad_s:.2g} rad/s"],
         ["joints: fastest rate asked", f"{s.asked_over_free_speed:.0%} of the free speed"],
         ["such servos that are slower", f"{s.slower_servos:.0%}"],
         ["error of the speed, estimated", f"{s.error_estimate:.1g} relative"],
-    ]  # fmt: skip
+    ]
     table(f"servos: {s.name}", ["with servos on the board's frames", "value"], rows)
 
 

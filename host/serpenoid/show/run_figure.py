@@ -55,8 +55,11 @@ def scene_words(scene: Scene) -> str:
         parts.append(f"slope of {math.degrees(scene.incline_rad):.3g}°")
     parts += [f"joint {j} limp" for j in scene.limp]
     parts += [f"joint {j} locked" for j in scene.locked]
-    how = [f"drive: {scene.drive}", f"start: {start.replace('_', ' ')}",
-           f"{scene.formulation} model, {scene.method}"]  # fmt: skip
+    how = [
+        f"drive: {scene.drive}",
+        f"start: {start.replace('_', ' ')}",
+        f"{scene.formulation} model, {scene.method}",
+    ]
     return "; ".join(parts) + "\n" + "; ".join(how)
 
 

@@ -65,11 +65,14 @@ def _recorded(run: Run) -> dict[str, Any]:
 def _error_rows(error: RunError) -> list[list[str]]:
     parts = {"integration": error.integration, "modelling (springs)": error.modelling}
     return [
-        [f"error by {name}",
-         f"{part.position_m:.2g} m, {part.angle_rad:.2g} rad, mean speed {_share(part.mean_speed)}"]
+        [
+            f"error by {name}",
+            f"{part.position_m:.2g} m, {part.angle_rad:.2g} rad, "
+            f"mean speed {_share(part.mean_speed)}",
+        ]
         for name, part in parts.items()
         if part is not None
-    ]  # fmt: skip
+    ]
 
 
 def _share(relative: float) -> str:
@@ -89,9 +92,11 @@ def show_run(run: Run, summary: dict[str, Any]) -> None:
     scene, speed = run.scene, summary["speed_over_last_period_m_s"]
     rows = [
         ["displacement of the centre of mass", f"{summary['displacement_m']:.6g} m"],
-        ["speed over the last period",
-         f"{speed:.6g} m/s" if speed is not None else _why_no_speed(run)],
-    ]  # fmt: skip
+        [
+            "speed over the last period",
+            f"{speed:.6g} m/s" if speed is not None else _why_no_speed(run),
+        ],
+    ]
     if run.joint_torque_nm.size:
         most = max(summary["largest_joint_torque_nm"])
         rows.append(["largest torque of a joint", f"{most:.4g} N m"])

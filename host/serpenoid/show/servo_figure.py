@@ -47,9 +47,17 @@ def _rates(ax: Axes) -> None:
         (servo().servo, BLUE, "typical hobby servo"),
     ):
         run = simulate(
-            Scene(_ROBOT, _GROUND, _GAIT, drive="servo", servo=one, dt_s=5e-4, record_every=1,
-                  duration_s=_FROM_S + _SHOWN_S)
-        )  # fmt: skip
+            Scene(
+                _ROBOT,
+                _GROUND,
+                _GAIT,
+                drive="servo",
+                servo=one,
+                dt_s=5e-4,
+                record_every=1,
+                duration_s=_FROM_S + _SHOWN_S,
+            )
+        )
         rate = np.diff(run.omega_rad_s, axis=1)[:, _JOINT]
         shown = run.t_s >= _FROM_S
         ax.plot(1e3 * (run.t_s[shown] - _FROM_S), rate[shown], color=colour, label=label, lw=1.3)
@@ -71,8 +79,15 @@ def _speeds(ax: Axes, ideal: Steady) -> None:
         ripple = [s.ripple_rad_s for s in found]
         ax.plot(ripple, share, "o", ms=4, color=colour, label=f"frames of {1e3 * frame_s:g} ms")
     quick = with_servo(ideal, Servo())
-    ax.plot(quick.ripple_rad_s, quick.speed_m_s / ideal.speed_m_s, "x", ms=8, mew=2, color=RED,
-            label="servo without a rotor")  # fmt: skip
+    ax.plot(
+        quick.ripple_rad_s,
+        quick.speed_m_s / ideal.speed_m_s,
+        "x",
+        ms=8,
+        mew=2,
+        color=RED,
+        label="servo without a rotor",
+    )
     ax.set(title="Speed over that of ideal joints", ylabel="share", xscale="log", ylim=(0.5, 1.05))
     ax.set_xlabel("ripple of the joints' rates, rms (rad/s)")
     ax.legend(loc="lower left", fontsize=8)

@@ -24,9 +24,11 @@ class Difference:
     def scaled(self, factor: float) -> Difference:
         """Return all of them times a factor."""
         return Difference(
-            factor * self.position_m, factor * self.angle_rad, factor * self.mean_speed,
+            factor * self.position_m,
+            factor * self.angle_rad,
+            factor * self.mean_speed,
             self.energy_j and {name: factor * size for name, size in self.energy_j.items()},
-        )  # fmt: skip
+        )
 
     def beside(self, other: Difference) -> Difference:
         """Return the same with another difference's sizes added to each size, signs kept."""

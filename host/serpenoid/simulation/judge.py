@@ -147,9 +147,13 @@ def estimate(run: Run, simulate: Callable[[Scene], Run]) -> RunError:
     word = f"modelling: difference to the explicit formulation by {exact.method}"
     springs = difference(run, simulate(exact))
     return RunError(
-        found.integration, springs, f"{found.how}; {word}",
-        found.settled, found.believed_s, found.chaotic,
-    )  # fmt: skip
+        found.integration,
+        springs,
+        f"{found.how}; {word}",
+        found.settled,
+        found.believed_s,
+        found.chaotic,
+    )
 
 
 def _unsettled(run: Run, error: RunError) -> str:

@@ -98,9 +98,12 @@ def _pair(scene: Scene, tight: float, tightest: float) -> FinerScenes:
         least = _least_tolerance(scene)
         tight, tightest = max(tight, 10 * least), max(tightest, least)
     return FinerScenes(
-        replace(scene, tolerance=tight), replace(scene, tolerance=tightest), 1.0, tight,
+        replace(scene, tolerance=tight),
+        replace(scene, tolerance=tightest),
+        1.0,
+        tight,
         f"runs by {scene.method} at tolerance {tight:.3g} and {tightest:.3g}",
-    )  # fmt: skip
+    )
 
 
 def _with_closer(pair: FinerScenes) -> Iterator[FinerScenes]:

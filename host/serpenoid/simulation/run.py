@@ -18,14 +18,21 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 ENERGY_COLUMNS = (
-    "kinetic_j", "springs_j", "height_j", "joint_work_j", "friction_heat_j", "damper_heat_j",
+    "kinetic_j",
+    "springs_j",
+    "height_j",
+    "joint_work_j",
+    "friction_heat_j",
+    "damper_heat_j",
     "positive_work_j",
-)  # fmt: skip
+)
 
 _CSV_GROUPS = (
-    ("x_m", "y_m", "theta_rad"), ("vx_m_s", "vy_m_s", "omega_rad_s"),
-    ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"), ("friction_x_n", "friction_y_n"),
-)  # fmt: skip
+    ("x_m", "y_m", "theta_rad"),
+    ("vx_m_s", "vy_m_s", "omega_rad_s"),
+    ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"),
+    ("friction_x_n", "friction_y_n"),
+)
 
 
 class Judge(Protocol):
@@ -129,8 +136,10 @@ class Run:
         recorded ones is interpolated. Empty for a run shorter than a period.
         """
         late = self.t_s[self.t_s >= self.t_s[0] + period_s * (1 - 1e-9)]
-        ways = [np.interp(late, self.t_s, v) - np.interp(late - period_s, self.t_s, v)
-                for v in self.centre_m.T]  # fmt: skip
+        ways = [
+            np.interp(late, self.t_s, v) - np.interp(late - period_s, self.t_s, v)
+            for v in self.centre_m.T
+        ]
         return np.hypot(*ways) / period_s
 
     def picked_because(self, picked: str) -> Run:

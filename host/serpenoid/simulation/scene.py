@@ -24,8 +24,12 @@ MAX_LINK_STEPS = 10**11
 LEAST_SMOOTHING_M_S = 1e-12  # far below what any wheel shows, far above what overflows
 MAX_RECORDED_BYTES = 4_000_000_000
 DEFAULT_ROWS = 20_000
-_FIRMWARE_LIMITS = {"alpha_rad": math.pi / 2, "beta_rad": math.pi, "offset_rad": math.pi / 2,
-                    "omega_rad_s": 50.0}  # fmt: skip
+_FIRMWARE_LIMITS = {
+    "alpha_rad": math.pi / 2,
+    "beta_rad": math.pi,
+    "offset_rad": math.pi / 2,
+    "omega_rad_s": 50.0,
+}
 
 
 @dataclass(frozen=True, slots=True)

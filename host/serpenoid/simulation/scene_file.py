@@ -30,8 +30,15 @@ _HEAD = """\
 _PARTS = {"robot": Robot, "ground": Ground, "gait": Gait, "servo": Servo}
 # Where a file's key is not the field's name: its unit is spelt out.
 _KEYS = {"ct": "ct_n_s_m", "cn": "cn_n_s_m", "ft0": "ft0_n", "fn0": "fn0_n", "locked": "locked_rad"}
-_ANGLES = ("alpha_rad", "beta_rad", "offset_rad", "incline_rad", "incline_direction_rad",
-           "dead_band_rad", "locked_rad")  # fmt: skip
+_ANGLES = (
+    "alpha_rad",
+    "beta_rad",
+    "offset_rad",
+    "incline_rad",
+    "incline_direction_rad",
+    "dead_band_rad",
+    "locked_rad",
+)
 
 
 def load_scene(path: str | Path) -> Scene:

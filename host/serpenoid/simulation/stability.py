@@ -198,8 +198,10 @@ def modes(scene: Scene, any_shape: bool = False) -> tuple[Array, Array]:
         nu = nu / (1 + scene.servo.armature_kg_m2 * nu)  # rotors turn with their joints
         gear = scene.servo.gear_damping_nms_rad
         stiff += [scene.servo.stiffness_nm_rad * nu, 0 * nu]
-        damped += [(scene.servo.damping_nms_rad + gear) * nu,
-                   (_motor_line(scene.servo, scene.gait) + gear) * nu]  # fmt: skip
+        damped += [
+            (scene.servo.damping_nms_rad + gear) * nu,
+            (_motor_line(scene.servo, scene.gait) + gear) * nu,
+        ]
     return np.concatenate(stiff), np.concatenate(damped)
 
 

@@ -68,8 +68,10 @@ def check_imposed(scene: Scene, start: LinkState) -> None:
     for i in range(scene.robot.links - 1):
         if (scene.drive != "angle" or i + 1 in scene.limp) and i + 1 not in scene.locked:
             continue
-        found = (start.theta_rad[i + 1] - start.theta_rad[i],
-                 start.omega_rad_s[i + 1] - start.omega_rad_s[i])  # fmt: skip
+        found = (
+            start.theta_rad[i + 1] - start.theta_rad[i],
+            start.omega_rad_s[i + 1] - start.omega_rad_s[i],
+        )
         for what, unit, has, wants in zip(
             ("angle", "rate"), ("rad", "rad/s"), found, (phi[i], rate[i]), strict=True
         ):
@@ -100,9 +102,16 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
     if scene.drive != "angle":
         h = min(h, 1e-5)
     exact = replace(
-        scene, formulation="explicit", method=_FOLLOWS[scene.law], start=start, dt_s=h,
-        duration_s=4 * h, tolerance=1e-9,        record=("joints",), record_every=1,
-    )  # fmt: skip
+        scene,
+        formulation="explicit",
+        method=_FOLLOWS[scene.law],
+        start=start,
+        dt_s=h,
+        duration_s=4 * h,
+        tolerance=1e-9,
+        record=("joints",),
+        record_every=1,
+    )
     out = run_core(exact, start)
     force = np.stack([out["joint_force_x_n"], out["joint_force_y_n"]], axis=2)  # (5, n-1, 2)
     rate = np.tensordot(_FORWARD, force, axes=1) / h
@@ -114,10 +123,13 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
         return values + shift - shift.mean()
 
     return LinkState(
-        opened(start.x_m, gap[:, 0]), opened(start.y_m, gap[:, 1]), start.theta_rad,
-        opened(start.vx_m_s, gap_rate[:, 0]), opened(start.vy_m_s, gap_rate[:, 1]),
+        opened(start.x_m, gap[:, 0]),
+        opened(start.y_m, gap[:, 1]),
+        start.theta_rad,
+        opened(start.vx_m_s, gap_rate[:, 0]),
+        opened(start.vy_m_s, gap_rate[:, 1]),
         start.omega_rad_s,
-    )  # fmt: skip
+    )
 
 
 def start_state(scene: Scene) -> LinkState:

@@ -154,19 +154,30 @@ def steady_springs(
     exact = steady_gait(robot, ground, gait, powers=False)
     scene = _cycle_scene(
         Scene(
-            robot, ground, gait, formulation="implicit", start="steady",
-            joint_stiffness_n_m=joint_stiffness_n_m, joint_damping_n_s_m=joint_damping_n_s_m,
+            robot,
+            ground,
+            gait,
+            formulation="implicit",
+            start="steady",
+            joint_stiffness_n_m=joint_stiffness_n_m,
+            joint_damping_n_s_m=joint_damping_n_s_m,
             method="rk4" if ground.smooth else "nonsmooth",
         )
-    )  # fmt: skip
+    )
     floor = speed_floor_m_s(robot, gait.omega_rad_s)
     settled = _settle(scene, rtol, floor)
     (net, absolute, positive), errors, steps = _last_cycle(scene, settled)
     return SteadySprings(
-        settled.speed_m_s, net, absolute, positive,
-        (settled.change_m_s + steps) / max(settled.speed_m_s, floor), errors[0], errors[2],
-        settled.speed_m_s / max(exact.speed_m_s, floor) - 1, settled.cycles,
-    )  # fmt: skip
+        settled.speed_m_s,
+        net,
+        absolute,
+        positive,
+        (settled.change_m_s + steps) / max(settled.speed_m_s, floor),
+        errors[0],
+        errors[2],
+        settled.speed_m_s / max(exact.speed_m_s, floor) - 1,
+        settled.cycles,
+    )
 
 
 def _last_cycle(scene: Scene, settled: _Settled) -> tuple[list[float], list[float], float]:

@@ -64,9 +64,16 @@ def push_track(v0, whole, rng, sigma_m=0.001, direction_rad=0.3, **world):
 
 
 def floor_session(
-    seed=1, *, slope_rad=0.003, rolling=0.0595, bends_deg=(0.0, 20.0, 45.0),
-    speeds=(0.6, 0.7, 0.9, 1.0), sigma_m=0.001, ways=("there", "back"), setup=None,
-):  # fmt: skip
+    seed=1,
+    *,
+    slope_rad=0.003,
+    rolling=0.0595,
+    bends_deg=(0.0, 20.0, 45.0),
+    speeds=(0.6, 0.7, 0.9, 1.0),
+    sigma_m=0.001,
+    ways=("there", "back"),
+    setup=None,
+):
     """Take a session of filmed pushes; rolling 0.75 * 36 g / 454 g."""
     rng = np.random.default_rng(seed)
     record = MemoryRecord(setup or floor_setup())
@@ -82,7 +89,12 @@ def floor_session(
                 rolling=rolling,
                 slope_rad=slope_rad * (1 if way == "there" else -1),
             )
-            cells = {"lambda_deg": bend, "bend": "balanced", "way": way, "by": "film",
-                     "distance_sigma_m": sigma_m}  # fmt: skip
+            cells = {
+                "lambda_deg": bend,
+                "bend": "balanced",
+                "way": way,
+                "by": "film",
+                "distance_sigma_m": sigma_m,
+            }
             record.add("coast", cells, samples=track)
     return record.session

@@ -121,16 +121,24 @@ def _spoil(world, rows, rng):
 
 def _session(world, rows, checks, zeros):
     unit = Uncertainty(
-        float(np.radians(world.steps_deg) / np.sqrt(12)), float(np.radians(0.1)),
-        world.speed_sigma, float(np.radians(world.bend_sigma_deg)),
-    )  # fmt: skip
+        float(np.radians(world.steps_deg) / np.sqrt(12)),
+        float(np.radians(0.1)),
+        world.speed_sigma,
+        float(np.radians(world.bend_sigma_deg)),
+    )
     plan = Procedure(
         tuple(map(float, np.radians((0.0, *world.bends_deg)))), 0.03, 0.005, world.top_m_s, G
     )
     setup = Setup(
-        "plain", "simulated", "a test", "none", Robot(6, world.mass_kg / 6, 0.076), plan, unit,
+        "plain",
+        "simulated",
+        "a test",
+        "none",
+        Robot(6, world.mass_kg / 6, 0.076),
+        plan,
+        unit,
         treadmill=TreadmillSteps(incline_step_rad=world.grade or 1e-4),
-    )  # fmt: skip
+    )
     return Session(
         setup, tuple(Reading(*row) for row in rows), zeros=tuple(zeros), bends=tuple(checks)
     )

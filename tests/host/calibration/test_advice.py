@@ -67,9 +67,15 @@ def test_advise_promises_what_compare_then_shows(weak):
     assert told.band == pytest.approx(shown(weak), rel=1e-6)
     best, whole = told.best, weak.readings
     more = [
-        Reading(len(whole) + 1 + k, best.lambda_rad, best.incline_rad, best.belt_speed_m_s,
-                bend=best.bend or "zigzag") for k in range(best.times)
-    ]  # fmt: skip
+        Reading(
+            len(whole) + 1 + k,
+            best.lambda_rad,
+            best.incline_rad,
+            best.belt_speed_m_s,
+            bend=best.bend or "zigzag",
+        )
+        for k in range(best.times)
+    ]
     assert told.band_after_best == pytest.approx(
         shown(replace(weak, readings=(*whole, *more))), rel=0.25
     )
@@ -136,8 +142,9 @@ def test_the_bend_that_the_robot_lies_in_stands_for_one_as_good(weak):
     bent = weak.setup.procedure.bend
     lies = replace(last, lambda_rad=math.radians(15.2), bend=bent)
     session = replace(weak, readings=(*others, lies))
-    whole = np.array([WHOLE_BODY_2005.ct, WHOLE_BODY_2005.cn, WHOLE_BODY_2005.ft0,
-                      WHOLE_BODY_2005.fn0])  # fmt: skip
+    whole = np.array(
+        [WHOLE_BODY_2005.ct, WHOLE_BODY_2005.cn, WHOLE_BODY_2005.ft0, WHOLE_BODY_2005.fn0]
+    )
     found = places(session, whole, np.radians([0.0, 15.0, 30.0]))
     assert {round(math.degrees(series.lambda_rad), 6) for series, _, _ in found} == {0, 15.2, 30}
 
@@ -150,9 +157,10 @@ def test_no_gait_is_refused(weak):
 def test_advise_says_when_a_servo_is_what_to_measure(weak):
     """Friction known well: servos lead. Servos known, or friction poor: a reading does."""
     small = replace(
-        weak.setup.uncertainty, lambda_sigma_rad=weak.setup.uncertainty.lambda_sigma_rad / 20,
+        weak.setup.uncertainty,
+        lambda_sigma_rad=weak.setup.uncertainty.lambda_sigma_rad / 20,
         incline_sigma_rad=weak.setup.uncertainty.incline_sigma_rad / 20,
-    )  # fmt: skip
+    )
     sure = replace(weak, setup=replace(weak.setup, uncertainty=small))
     fast = replace(GAIT, omega_rad_s=math.tau * 0.5)
     told = advise(sure, [fast], samples=16)

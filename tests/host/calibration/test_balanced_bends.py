@@ -60,9 +60,14 @@ def session_of(bend, links=6, rng=None):
             pull_n = along_n(TRUTH, shape, speed)
             noise = 0.0 if rng is None else 0.02 * float(rng.normal())
             readings.append(
-                Reading(len(readings) + 1, lambda_rad, math.asin(pull_n / made.weight_n),
-                        speed + noise, bend=bend)
-            )  # fmt: skip
+                Reading(
+                    len(readings) + 1,
+                    lambda_rad,
+                    math.asin(pull_n / made.weight_n),
+                    speed + noise,
+                    bend=bend,
+                )
+            )
     return Session(made, tuple(readings))
 
 

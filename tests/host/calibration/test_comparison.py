@@ -79,9 +79,11 @@ def test_repeated_runs_are_one_mean(fitted):
     made, fit = fitted
     runs = measured(made).gait_runs
     rate = runs[0].omega_rad_s * (1 + 2e-5)  # the board's clock, warmer
-    twice = (*runs, replace(runs[0], number=200, speed_m_s=runs[0].speed_m_s * 1.02,
-                            omega_rad_s=rate),
-             replace(runs[1], number=201, speed_m_s=9.0, voided=True))  # fmt: skip
+    twice = (
+        *runs,
+        replace(runs[0], number=200, speed_m_s=runs[0].speed_m_s * 1.02, omega_rad_s=rate),
+        replace(runs[1], number=201, speed_m_s=9.0, voided=True),
+    )
     found = comparison.compare(replace(made, gait_runs=twice), fit, samples=16, servo=None)
     assert found.gaits[0].runs == (100, 200)
     assert found.gaits[0].measured_m_s == pytest.approx(1.01 * runs[0].speed_m_s)

@@ -19,8 +19,10 @@ from serpenoid.model.gait import Gait
 
 ROBOT = floor_setup().robot
 QUANTILES = (0.025, 0.5, 0.975)
-CRAWLED = tuple(Gait(math.radians(a), math.radians(b), 2 * math.pi * f)
-                for a, b, f in ((70, 60, 0.8), (80, 75, 0.45)))  # fmt: skip
+CRAWLED = tuple(
+    Gait(math.radians(a), math.radians(b), 2 * math.pi * f)
+    for a, b, f in ((70, 60, 0.8), (80, 75, 0.45))
+)
 
 
 def plainly(posterior, before, points):
@@ -56,14 +58,26 @@ def filmed(noise, seed):
     rng = np.random.default_rng(seed)
     asked = [gait for gait in CRAWLED for _ in range(2)]
     gaits = tuple(
-        replace(g, joint_gain=tuple(0.97 + noise * rng.normal(size=5)),
-                joint_shift_rad=tuple(noise * rng.normal(size=5)))
+        replace(
+            g,
+            joint_gain=tuple(0.97 + noise * rng.normal(size=5)),
+            joint_shift_rad=tuple(noise * rng.normal(size=5)),
+        )
         for g in asked
-    )  # fmt: skip
+    )
     ground = ground_of(ROBOT.links, TRUTH)
     true = np.array([speed(ROBOT, ground, replace(g, joint_gain=(0.97,) * 5)) for g in asked])
-    return CrawlData(gaits, true, 0.014 * true, np.ones(4, bool), ((1,),) * 4, tuple(asked),
-                     np.full(4, 0.97), np.full(4, 0.003), ((0.0, 0.0),) * 4)  # fmt: skip
+    return CrawlData(
+        gaits,
+        true,
+        0.014 * true,
+        np.ones(4, bool),
+        ((1,),) * 4,
+        tuple(asked),
+        np.full(4, 0.97),
+        np.full(4, 0.003),
+        ((0.0, 0.0),) * 4,
+    )
 
 
 def one_by_one(data):

@@ -35,8 +35,13 @@ BY_AMPLITUDE = np.linspace(1.0, 2.0, len(GAITS))
 
 def crawls(speed_m_s, sigma_m_s):
     count = len(GAITS)
-    return CrawlData(GAITS, np.asarray(speed_m_s), np.full(count, sigma_m_s),
-                     np.zeros(count, bool), ((1,),) * count)  # fmt: skip
+    return CrawlData(
+        GAITS,
+        np.asarray(speed_m_s),
+        np.full(count, sigma_m_s),
+        np.zeros(count, bool),
+        ((1,),) * count,
+    )
 
 
 def even_powers(whole, amplitude):
@@ -99,8 +104,10 @@ def test_a_servo_that_is_in_doubt_leaves_more() -> None:
     data = crawls(np.full(len(GAITS), 45.0), 0.5)
     shares = np.repeat(np.linspace(0.7, 1.0, 16)[:, None], len(GAITS), axis=1)
     slow = ServoEffects((), shares, np.ones((16, 0)))
-    sure, doubtful = (draw(Posterior(data, before, even_powers, effects), before, 1024, 2)
-                      for effects in (ONE_SERVO, slow))  # fmt: skip
+    sure, doubtful = (
+        draw(Posterior(data, before, even_powers, effects), before, 1024, 2)
+        for effects in (ONE_SERVO, slow)
+    )
     spread = [np.log(d.whole).std(axis=0).mean() for d in (sure, doubtful)]
     assert spread[1] > 1.1 * spread[0]
 
@@ -125,10 +132,14 @@ def pushed():
 
 
 def test_crawls_narrow_what_pushes_leave_but_never_the_mass(pushed) -> None:
-    heavy = replace(pushed, setup=replace(pushed.setup, uncertainty=replace(
-        pushed.setup.uncertainty, mass_sigma=0.05)))  # fmt: skip
-    before, after = fit_friction(heavy), fit_crawls(heavy, fit_friction(heavy), None,
-                                                    speeds=small_powers)  # fmt: skip
+    heavy = replace(
+        pushed,
+        setup=replace(pushed.setup, uncertainty=replace(pushed.setup.uncertainty, mass_sigma=0.05)),
+    )
+    before, after = (
+        fit_friction(heavy),
+        fit_crawls(heavy, fit_friction(heavy), None, speeds=small_powers),
+    )
     for name, true in zip(NAMES, TRUTH, strict=True):
         low, high = after.intervals[name]
         assert low < true < high
@@ -145,12 +156,14 @@ def test_crawls_take_readings_that_hardly_tell_ct_from_ft0(pushed) -> None:
     along, across = [[1.0, -0.98], [-0.98, 1.0]], np.zeros((2, 2))
     alike = np.block([[np.array(along), across], [across, np.array(along)]])[[0, 2, 1, 3]]
     first = fit_friction(pushed)
-    values = {n: Estimate(e.value, s) for (n, e), s in zip(first.parameters.items(), sigma,
-                                                           strict=True)}  # fmt: skip
+    values = {
+        n: Estimate(e.value, s) for (n, e), s in zip(first.parameters.items(), sigma, strict=True)
+    }
     weak = replace(
-        first, parameters=WholeSnake(values),
+        first,
+        parameters=WholeSnake(values),
         covariance=alike[:, [0, 2, 1, 3]] * np.outer(sigma, sigma),
-    )  # fmt: skip
+    )
     weak = replace(weak, notes=tuple(weak_notes(weak)))
     assert weak.notes
     fit = fit_crawls(pushed, weak, None, speeds=small_powers)
@@ -194,8 +207,9 @@ def test_predictions_take_the_amplitude_that_crawls_told(pushed, monkeypatch) ->
     monkeypatch.setattr(speed_samples, "MODEL_SIGMA", 0.0)
     less = sample_speeds(fit, [gait], amplitude_sigma=0.03, count=256).joints_m_s
     assert np.std(more / less) == pytest.approx(0.01, rel=0.2)
-    drawn = sample_speeds(fit, [Gait(math.radians(70), math.radians(75), math.pi)],
-                          amplitude_sigma=0.03, count=32)  # fmt: skip
+    drawn = sample_speeds(
+        fit, [Gait(math.radians(70), math.radians(75), math.pi)], amplitude_sigma=0.03, count=32
+    )
     assert fit.draws is not None
     added = (drawn.joints_m_s / drawn.friction_m_s)[:, 0] - 1.0
     assert abs(np.corrcoef(added, fit.draws[:32, 4] - 1.0)[0, 1]) > 0.9
@@ -222,10 +236,20 @@ def by_hand(speeds=(0.6, 0.9), bends_deg=(0.0, 20.0, 45.0), slope_rad=0.0):
     record = MemoryRecord(floor_setup())
     for bend in bends_deg:
         for k, v0 in enumerate(speeds):
-            t, way = rolled_out(v0, TRUTH, bend_rad=math.radians(bend), rolling=0.0595,
-                                slope_rad=slope_rad * (1, -1)[k % 2])  # fmt: skip
-            cells = {"lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2],
-                     "distance_m": float(way[-1]), "duration_s": float(t[-4001])}  # fmt: skip
+            t, way = rolled_out(
+                v0,
+                TRUTH,
+                bend_rad=math.radians(bend),
+                rolling=0.0595,
+                slope_rad=slope_rad * (1, -1)[k % 2],
+            )
+            cells = {
+                "lambda_deg": bend,
+                "bend": "balanced",
+                "way": ("there", "back")[k % 2],
+                "distance_m": float(way[-1]),
+                "duration_s": float(t[-4001]),
+            }
             record.add("coast", cells)
     return record.session
 

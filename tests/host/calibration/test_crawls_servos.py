@@ -33,8 +33,9 @@ SEEN = np.array([0.62, 0.55])  # a weak servo, of which few are drawn
 
 def moved(servos):
     """Return what servos do to two gaits in a world of closed form: no solver, weak ones fail."""
-    speed, torque = (np.array([getattr(s, n) for s in servos])
-                     for n in ("speed_limit_rad_s", "torque_limit_nm"))  # fmt: skip
+    speed, torque = (
+        np.array([getattr(s, n) for s in servos]) for n in ("speed_limit_rad_s", "torque_limit_nm")
+    )
     weak = np.stack([1.0 / (1.0 + np.exp(2.5 - 0.6 * speed)), np.tanh(1.6 * torque**0.7)], axis=1)
     return ServoEffects(tuple(servos), np.ones((len(servos), 2)), weak)
 
@@ -68,8 +69,11 @@ def test_servos_near_the_best_leave_the_answer_of_many_plain_draws() -> None:
     assert kinds.mean() == pytest.approx(1.0, abs=0.3)
     assert abs(units.mean(axis=0) - plain.mean(axis=0)).max() > 0.35
     assert np.average(units, axis=0, weights=kinds) == pytest.approx(plain.mean(axis=0), abs=0.25)
-    for name, worst in (("speed_limit_rad_s", 0.5), ("torque_limit_nm", 0.5), ("stiffness_nm_rad",
-                                                                               0.6)):  # fmt: skip
+    for name, worst in (
+        ("speed_limit_rad_s", 0.5),
+        ("torque_limit_nm", 0.5),
+        ("stiffness_nm_rad", 0.6),
+    ):
         want, told = (np.log([getattr(s, name) for s in e.servos]) for e in (many, found))
         mean = np.average(want, weights=weight)
         sd = math.sqrt(np.average((want - mean) ** 2, weights=weight))
@@ -94,8 +98,17 @@ def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:
     """Joints that made 0.7 of their amplitude: a slope slows them more than commanded ones."""
     asked = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8)
     gait = replace(asked, joint_gain=(0.7,) * 5, joint_shift_rad=(0.0,) * 5)
-    data = CrawlData((gait,), np.array([0.1]), np.array([0.001]), np.ones(1, bool), ((1,),),
-                     (asked,), np.array([0.7]), np.array([0.003]), ((1.0, 0.0),))  # fmt: skip
+    data = CrawlData(
+        (gait,),
+        np.array([0.1]),
+        np.array([0.001]),
+        np.ones(1, bool),
+        ((1,),),
+        (asked,),
+        np.array([0.7]),
+        np.array([0.003]),
+        ((1.0, 0.0),),
+    )
     level = data.on_slope(ROBOT, GROUND, Estimate(0.003, 1e-6)).speed_m_s[0]
     slower, commanded = (
         sloped_speed(ROBOT, GROUND, g, -0.003) / sloped_speed(ROBOT, GROUND, g, 0.0)
@@ -108,18 +121,30 @@ def test_a_slope_acts_on_joints_as_they_were_filmed() -> None:
 def test_a_slope_with_a_weak_servo_is_that_of_the_lab() -> None:
     """The lab has its own servos, steps and contacts; joints as filmed feel half of the slope."""
     weak = Servo(
-        stiffness_nm_rad=3.43, damping_nms_rad=0.0876, torque_limit_nm=0.435,
-        speed_limit_rad_s=4.96, dead_band_rad=0.003, armature_kg_m2=0.0015,
-        gear_friction_nm=0.011, gear_damping_nms_rad=0.0044, update_hz=50.0, supply_sag=0.07,
-    )  # fmt: skip
+        stiffness_nm_rad=3.43,
+        damping_nms_rad=0.0876,
+        torque_limit_nm=0.435,
+        speed_limit_rad_s=4.96,
+        dead_band_rad=0.003,
+        armature_kg_m2=0.0015,
+        gear_friction_nm=0.011,
+        gear_damping_nms_rad=0.0044,
+        update_hz=50.0,
+        supply_sag=0.07,
+    )
     gait, slope = Gait(math.radians(70), math.radians(60), 2 * math.pi * 0.8), 0.005
     lab = LabRobot(ROBOT, (GROUND,), servo=weak)
     there, level = (crawl_speed(lab, gait, slope_rad=s) for s in (-slope, 0.0))
     back = crawl_speed(lab, gait, slope_rad=slope)
     data = CrawlData(
-        (gait, gait), np.array([there, back]), np.full(2, 0.001), np.zeros(2, bool),
-        ((1,), (2,)), (gait, gait), ways=((1.0, 0.0), (0.0, 1.0)),
-    )  # fmt: skip
+        (gait, gait),
+        np.array([there, back]),
+        np.full(2, 0.001),
+        np.zeros(2, bool),
+        ((1,), (2,)),
+        (gait, gait),
+        ways=((1.0, 0.0), (0.0, 1.0)),
+    )
     known = Estimate(slope, 1e-6)
     put_right = data.on_slope(ROBOT, GROUND, known, weak).speed_m_s
     assert put_right == pytest.approx([level, level], rel=0.02)

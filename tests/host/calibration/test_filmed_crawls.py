@@ -119,8 +119,10 @@ def test_the_servo_that_crawls_told_moves_predicted_gaits(filmed, tmp_path) -> N
     assert kept.servos == fit.servos
     drawn = sample_speeds(fit, [GAIT], amplitude_sigma=0.03, servo=KIND, count=16)
     np.testing.assert_allclose(
-        drawn.both_m_s, sample_speeds(kept, [GAIT], amplitude_sigma=0.03, servo=KIND,
-                                      count=16).both_m_s, rtol=2e-3)  # fmt: skip
+        drawn.both_m_s,
+        sample_speeds(kept, [GAIT], amplitude_sigma=0.03, servo=KIND, count=16).both_m_s,
+        rtol=2e-3,
+    )
     other = replace(KIND, name="another")
     assert len(set(map(id, fit.sample_servos(other, 64)))) == 2  # of that nothing was told
 
@@ -164,15 +166,23 @@ def test_crawls_on_a_slope_are_put_right_by_the_slope_that_pushes_told() -> None
     assert seen[0] > 1.05 * level
     assert seen[1] < 0.95 * level
     for ways, found in (((1.0, 0.0), seen[0]), ((0.0, 1.0), seen[1]), ((0.5, 0.5), sum(seen) / 2)):
-        one = CrawlData((GAIT,), np.array([found]), np.array([0.001]), np.zeros(1, bool), ((1,),),
-                        (GAIT,), ways=(ways,))  # fmt: skip
+        one = CrawlData(
+            (GAIT,),
+            np.array([found]),
+            np.array([0.001]),
+            np.zeros(1, bool),
+            ((1,),),
+            (GAIT,),
+            ways=(ways,),
+        )
         sure = one.on_slope(body, ground, Estimate(slope, 1e-5))
         assert sure.speed_m_s[0] == pytest.approx(level, rel=0.01)
         loose = one.on_slope(body, ground, Estimate(slope, 0.002))
         share = (loose.sigma_m_s / sure.sigma_m_s)[0]
         assert share > 1.5 if ways != (0.5, 0.5) else share < 8
-    flat = CrawlData((GAIT,), np.ones(1), np.ones(1), np.zeros(1, bool), ((1,),), (GAIT,),
-                     ways=((0.0, 0.0),))  # fmt: skip
+    flat = CrawlData(
+        (GAIT,), np.ones(1), np.ones(1), np.zeros(1, bool), ((1,),), (GAIT,), ways=((0.0, 0.0),)
+    )
     assert flat.on_slope(body, ground, Estimate(slope, 0.002)) is flat
 
 
@@ -181,8 +191,10 @@ def test_compare_holds_crawls_on_a_slope_to_the_prediction_for_level_ground() ->
     slope = 0.0045
     lab = LabRobot(Robot(6, 0.0756, 0.076), (Ground.whole_body(6, *TRUTH),))
     pushed = floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9), slope_rad=slope)
-    speeds = {way: crawl_speed(lab, GAIT, slope_rad=rises)
-              for way, rises in (("there", -slope), ("back", slope))}  # fmt: skip
+    speeds = {
+        way: crawl_speed(lab, GAIT, slope_rad=rises)
+        for way, rises in (("there", -slope), ("back", slope))
+    }
     rates = (GAIT.omega_rad_s, 1.002 * GAIT.omega_rad_s)  # told apart, as two films of a gait are
     runs = tuple(
         GaitRun(900 + k, GAIT.alpha_rad, GAIT.beta_rad, rate, v, 0.0005, way=way)

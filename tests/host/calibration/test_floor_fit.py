@@ -95,8 +95,16 @@ def mixed_session():
     a, b, inert = forces(TRUTH, math.radians(30), 0.0595)
     net = G * math.sin(math.radians(8)) * MASS / inert - b / inert
     time = float(slide_s(*one(1.0, a / inert, net))[0])
-    record.add("slide", {"lambda_deg": 30.0, "bend": "balanced", "incline_deg": 8.0,
-                         "distance_m": 1.0, "duration_s": time})  # fmt: skip
+    record.add(
+        "slide",
+        {
+            "lambda_deg": 30.0,
+            "bend": "balanced",
+            "incline_deg": 8.0,
+            "distance_m": 1.0,
+            "duration_s": time,
+        },
+    )
     return record.session
 
 
@@ -139,8 +147,11 @@ def test_spreads_are_what_errors_of_time_length_and_incline_leave():
     late = slope(ways, "tracks", "t_s") * tracks.sigma_s
     assert (late > tracks.sigma_m).any()
     assert spread[ways] == pytest.approx(np.hypot(tracks.sigma_m, late), rel=0.01)
-    parts = (slides.sigma_s, slope(sliding, "slides", "incline_rad") * slides.sigma_rad,
-             slope(sliding, "slides", "length_m") * slides.sigma_m)  # fmt: skip
+    parts = (
+        slides.sigma_s,
+        slope(sliding, "slides", "incline_rad") * slides.sigma_rad,
+        slope(sliding, "slides", "length_m") * slides.sigma_m,
+    )
     assert spread[sliding] == pytest.approx(np.sqrt(sum(p**2 for p in parts)), rel=0.01)
     rolls = floor.rolling[0] + floor.rolling[1] * found.x[problem.layout.shared]
     inert = problem.resisting(found.x, slides.poses)[2]
@@ -190,8 +201,12 @@ def test_the_fit_is_where_brute_force_finds_it():
         return brute_chi2(session, (p[0], CN, p[1], FN0), slope)
 
     at = np.array([found.x[0], found.x[2]])
-    best = minimize(chi2, at * [1.02, 0.99], method="Nelder-Mead",
-                    options={"xatol": 1e-5, "fatol": 1e-3, "maxfev": 60})  # fmt: skip
+    best = minimize(
+        chi2,
+        at * [1.02, 0.99],
+        method="Nelder-Mead",
+        options={"xatol": 1e-5, "fatol": 1e-3, "maxfev": 60},
+    )
     np.testing.assert_allclose(best.x, at, rtol=2e-3)
     assert chi2(at) == pytest.approx(best.fun, abs=0.05)
 
@@ -218,8 +233,12 @@ def test_intervals_scatter_as_they_say():
         rolling = (0.75 + 0.15 * rng.normal()) * 0.036 / MASS
         slope = math.radians(0.3) * rng.normal()
         fit = fit_friction(floor_session(seed, rolling=rolling, slope_rad=slope, speeds=(0.7, 1.0)))
-        off.append([(fit.whole_snake[n] - t) / fit.parameters[n].sigma
-                    for n, t in zip(fit.names, TRUTH, strict=True)])  # fmt: skip
+        off.append(
+            [
+                (fit.whole_snake[n] - t) / fit.parameters[n].sigma
+                for n, t in zip(fit.names, TRUTH, strict=True)
+            ]
+        )
     rms = np.sqrt(np.mean(np.square(off), axis=0))
     assert (rms < 1.6).all(), rms
     assert rms.max() > 0.5, rms
@@ -252,11 +271,16 @@ def test_slides_tell_what_rests_alone_leave_open():
     for bend in (0.0, 30.0):
         for k in range(4):
             t, x = rolled_out(0.8, TRUTH, bend_rad=math.radians(bend), rolling=0.0595)
-            record.add("coast", {
-                "lambda_deg": bend, "bend": "balanced", "way": ("there", "back")[k % 2],
-                "distance_m": x[-1] + 0.005 * rng.normal(),
-                "duration_s": t[-4001] + 0.12 * rng.normal(),
-            })  # fmt: skip
+            record.add(
+                "coast",
+                {
+                    "lambda_deg": bend,
+                    "bend": "balanced",
+                    "way": ("there", "back")[k % 2],
+                    "distance_m": x[-1] + 0.005 * rng.normal(),
+                    "duration_s": t[-4001] + 0.12 * rng.normal(),
+                },
+            )
     with pytest.raises(BadInput, match=r"ct and ft0 cannot be told from 8 push"):
         fit_friction(record.session)
     for bend in (0.0, 30.0):
@@ -266,9 +290,16 @@ def test_slides_tell_what_rests_alone_leave_open():
             net = (MASS * G * math.sin(angle) - b) / inert
             for _ in range(2):
                 took = float(slide_s(*one(1.0, a / inert, net))[0]) + 0.12 * rng.normal()
-                record.add("slide", {"lambda_deg": bend, "bend": "balanced", "distance_m": 1.0,
-                                     "incline_deg": math.degrees(angle),
-                                     "duration_s": took})  # fmt: skip
+                record.add(
+                    "slide",
+                    {
+                        "lambda_deg": bend,
+                        "bend": "balanced",
+                        "distance_m": 1.0,
+                        "incline_deg": math.degrees(angle),
+                        "duration_s": took,
+                    },
+                )
     fit = fit_friction(record.session)
     for name, true in zip(fit.names, TRUTH, strict=True):
         assert abs(fit.whole_snake[name] - true) < 3.5 * fit.parameters[name].sigma

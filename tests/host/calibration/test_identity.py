@@ -100,8 +100,13 @@ def test_a_mass_and_a_surface_left_open_are_asked_until_they_are_known(tmp_path)
 
 def test_a_corrected_mass_holds_for_readings_taken_before(folder):
     with Journal(folder) as journal:
-        for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5),
-                                    (15, 5.0, 0.9)):  # fmt: skip
+        for bend, incline, belt in (
+            (0, 2, 0.3),
+            (0, 3, 1.0),
+            (15, 3.0, 0.1),
+            (15, 4.0, 0.5),
+            (15, 5.0, 0.9),
+        ):
             cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}
             journal.add("station", cells | {"drift_m_s": 0.0})
         before = fit_friction(journal.session)

@@ -78,7 +78,10 @@ def test_a_kill_at_any_write_loses_nothing_and_counts_no_doubtful_push(tmp_path,
     writes = take(folder, track)
     whole = told(folder)
     assert [(way, void) for way, void, *_ in whole] == [
-        ("back", True), ("there", False), ("back", False)]  # fmt: skip
+        ("back", True),
+        ("there", False),
+        ("back", False),
+    ]
     assert writes == 9  # of each: its track, its line's half, its line
     for kill_at in range(1, writes + 1):
         cut = tmp_path / f"cut{kill_at}"

@@ -39,8 +39,14 @@ class Push:
         check_fields(self, FIELDS)
 
 
-COAST = Kind("coast", Push, FIELDS, lambda p: ("push", f"{len(p.track.values)} samples"),
-             fitted=True, track=("t_s", "x_m"))  # fmt: skip
+COAST = Kind(
+    "coast",
+    Push,
+    FIELDS,
+    lambda p: ("push", f"{len(p.track.values)} samples"),
+    fitted=True,
+    track=("t_s", "x_m"),
+)
 SAMPLES = [[0.0, 0.0], [0.1, 0.05], [0.2, 0.0911]]
 
 

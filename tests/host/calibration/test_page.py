@@ -341,8 +341,10 @@ def test_it_fits_a_phone_in_light_and_dark(tmp_path, width, dark):
         assert size >= 18
         red = phone.runs("return getComputedStyle(document.body).backgroundColor")
         assert (red == "rgb(255, 255, 255)") is not dark
-        stop = phone.runs("const r = document.querySelector('#stop').getBoundingClientRect();"
-                          "return [r.bottom, r.height]")  # fmt: skip
+        stop = phone.runs(
+            "const r = document.querySelector('#stop').getBoundingClientRect();"
+            "return [r.bottom, r.height]"
+        )
         assert stop[0] < 844  # to be reached without scrolling
         assert stop[1] > 60
         phone.picture(tmp_path / "phone.png")

@@ -47,9 +47,22 @@ def practised(*lines):
 
 def test_words_of_the_treadmill_are_obeyed_and_others_go_on():
     typed, room, terminal = practised(
-        "belt 1.6", "belt +", "incline 4 %", "incline -", "put", "look", "mark", "wait 5", "mark",
-        "inclinometer", "turned", "protractor", "take", "treadmill", "2.31",
-    )  # fmt: skip
+        "belt 1.6",
+        "belt +",
+        "incline 4 %",
+        "incline -",
+        "put",
+        "look",
+        "mark",
+        "wait 5",
+        "mark",
+        "inclinometer",
+        "turned",
+        "protractor",
+        "take",
+        "treadmill",
+        "2.31",
+    )
     room.start()
     assert terminal.ask("it shows: ", 1.0, lambda: None) == "2.31"
     room.stop()
@@ -65,8 +78,21 @@ def test_words_of_the_treadmill_are_obeyed_and_others_go_on():
     assert terminal.ask("", 1.0, lambda: None) is None
 
 
-@pytest.mark.parametrize("line", ["belt", "belt fast", "belt nan", "incline x", "wait", "wait -3",
-                                  "wait 1e9", "left", "left 0", "right many"])  # fmt: skip
+@pytest.mark.parametrize(
+    "line",
+    [
+        "belt",
+        "belt fast",
+        "belt nan",
+        "incline x",
+        "wait",
+        "wait -3",
+        "wait 1e9",
+        "left",
+        "left 0",
+        "right many",
+    ],
+)
 def test_what_cannot_be_obeyed_is_said(line):
     typed, room, terminal = practised(line, "go on")
     assert terminal.ask("", 1.0, lambda: None) == "go on"

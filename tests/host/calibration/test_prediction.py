@@ -44,9 +44,16 @@ def test_the_papers_springs_are_off_by_what_is_known(omega, off) -> None:
     period = gait.period_s
     cycles = math.ceil(60.0 / period)
     run = sn.simulate(
-        sn.Scene(*PAPER, gait, formulation="implicit", dt_s=period / 800, record_every=800,
-                 duration_s=cycles * period, start="steady")
-    )  # fmt: skip
+        sn.Scene(
+            *PAPER,
+            gait,
+            formulation="implicit",
+            dt_s=period / 800,
+            record_every=800,
+            duration_s=cycles * period,
+            start="steady",
+        )
+    )
     speed = run.mean_speed_m_s(period)[-5:].mean()
     # the known errors are rounded to a per cent
     assert speed / exact - 1 == pytest.approx(off, abs=0.006)
@@ -92,9 +99,10 @@ def test_the_stated_error_is_a_speed(fit) -> None:
 def test_drawn_amplitudes_have_the_sigma_that_was_given(fit, monkeypatch) -> None:
     """With the amplitude in place of the speed, the samples are the amplitudes themselves."""
     monkeypatch.setattr(
-        speed_samples, "drawn_speeds",
+        speed_samples,
+        "drawn_speeds",
         lambda robot, near, draws: np.array([gait.alpha_rad for _, gait in draws]),
-    )  # fmt: skip
+    )
     gait = sn.Gait(0.5, 1.2, 3.0)
     drawn = speed_samples.sample_speeds(fit, [gait], amplitude_sigma=0.04, count=512)
     ratio = drawn.both_m_s[:, 0] / gait.alpha_rad

@@ -197,7 +197,9 @@ def test_gait_runs_come_last_with_a_speed_and_its_doubt():
 
 def test_shared_errors_are_drawn_as_the_set_up_states():
     setup = default_setup("made up")
-    zeros = [drawn_truth(setup, WHOLE_BODY_2005, np.random.default_rng(s)).incline_zero_rad
-             for s in range(400)]  # fmt: skip
+    zeros = [
+        drawn_truth(setup, WHOLE_BODY_2005, np.random.default_rng(s)).incline_zero_rad
+        for s in range(400)
+    ]
     # A standard deviation from 400 is known to 3.5 %.
     assert np.std(zeros) == pytest.approx(setup.uncertainty.incline_zero_sigma_rad, rel=0.12)

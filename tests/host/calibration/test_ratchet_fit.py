@@ -144,9 +144,12 @@ def test_both_formats_tell_which_way_it_faced(tmp_path) -> None:
 
     common = {"number": 1, "voided": False, "comment": "", "time_utc": ""}
     row = dict.fromkeys(READING_COLUMNS, "") | {
-        "kind": "station", "lambda_deg": "0", "incline_deg": "3", "belt_speed_m_s": "0.2",
+        "kind": "station",
+        "lambda_deg": "0",
+        "incline_deg": "3",
+        "belt_speed_m_s": "0.2",
         "drift_m_s": "0",
-    }  # fmt: skip
+    }
     assert make_reading(row, common).facing == "down"
     assert make_reading(row | {"more": "facing=up"}, common).facing == "up"
     with pytest.raises(sn.BadInput, match="facing is 'sideways'"):

@@ -30,8 +30,13 @@ def with_backward(session, ways=("there", "back"), speeds=(0.7, 0.8, 0.9, 1.0)):
         slope = 0.003 * (1 if way == "there" else -1)
         whole = (CT_BACK, TRUTH[1], FT0_BACK, TRUTH[3])
         track = push_track(v0, whole, rng, slope_rad=slope, rolling=0.0595)
-        cells = {"lambda_deg": 0.0, "facing": "back", "way": way, "by": "film",
-                 "distance_sigma_m": 0.001}  # fmt: skip
+        cells = {
+            "lambda_deg": 0.0,
+            "facing": "back",
+            "way": way,
+            "by": "film",
+            "distance_sigma_m": 0.001,
+        }
         record.add("coast", cells, samples=track)
     return record.session
 
@@ -55,8 +60,10 @@ def test_pushes_tail_first_tell_the_backward_frictions_and_no_other() -> None:
 def test_few_pushes_tail_first_are_not_enough_and_it_is_said() -> None:
     short = with_backward(floor_session(), speeds=())
     record = MemoryRecord(short.setup, short)
-    record.add("coast", {"lambda_deg": 0.0, "facing": "back", "way": "there",
-                         "distance_m": 0.5, "duration_s": 1.2})  # fmt: skip
+    record.add(
+        "coast",
+        {"lambda_deg": 0.0, "facing": "back", "way": "there", "distance_m": 0.5, "duration_s": 1.2},
+    )
     with pytest.raises(BadInput, match=r"ct_back and ft0_back.*tail first"):
         fit_friction(record.session)
 

@@ -174,9 +174,11 @@ def test_an_error_that_is_all_rounding_has_a_uniform_interval():
     found = SimpleNamespace(x=np.zeros(3), information=information)
     steps = np.linspace(-1.0, 1.0, 2001)[:, None] * math.sqrt(3)
     data = SimpleNamespace(
-        parameters=1, rounding_sigma_rad=np.ones(1), rounding_correlation=np.eye(1),
+        parameters=1,
+        rounding_sigma_rad=np.ones(1),
+        rounding_correlation=np.eye(1),
         rounding_draws=steps,
-    )  # fmt: skip
+    )
     assert quantiles(data, found, 0.95) == pytest.approx(0.95 * math.sqrt(3), rel=0.01)
     data.rounding_sigma_rad = np.empty(0)
     assert quantiles(data, found, 0.95) == pytest.approx(1.96, rel=1e-3)

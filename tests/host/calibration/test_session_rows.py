@@ -47,8 +47,14 @@ incline_step_deg = 0.3
 belt_speed_max_m_s = 1.0
 gaits = [{ alpha_deg = 70.0, beta_deg = 75.0, omega_rad_s = 3.0 }]
 """
-STATION = {"kind": "station", "setup": "1", "lambda_deg": "0", "incline_deg": "2.5",
-           "belt_speed_m_s": "0.4", "drift_m_s": "0"}  # fmt: skip
+STATION = {
+    "kind": "station",
+    "setup": "1",
+    "lambda_deg": "0",
+    "incline_deg": "2.5",
+    "belt_speed_m_s": "0.4",
+    "drift_m_s": "0",
+}
 
 
 def line(columns, **cells):
@@ -83,11 +89,18 @@ def test_every_kind_of_reading_lands_in_its_place(folder):
         reading(2),
         reading(3, kind="bend", lambda_deg="15", between_links_deg="149"),
         reading(4, lambda_deg="15.5"),
-        reading(5, kind="gait", alpha_deg=70, beta_deg=75, omega_rad_s=3, speed_m_s=0.1,
-                speed_sigma_m_s=0.002),
+        reading(
+            5,
+            kind="gait",
+            alpha_deg=70,
+            beta_deg=75,
+            omega_rad_s=3,
+            speed_m_s=0.1,
+            speed_sigma_m_s=0.002,
+        ),
         reading(6, kind="coastdown", more="height_mm=3"),
         reading(7, kind="zero", incline_deg="0.1", reversed_deg="0.3"),
-    )  # fmt: skip
+    )
     session = load_session(folder)
     assert [r.number for r in session.readings] == [2, 4]
     assert [b.number for b in session.bends] == [3]
@@ -142,11 +155,16 @@ def test_a_reading_knows_the_instruments_it_was_taken_with(folder):
     assert session.setup.uncertainty.lambda_sigma_rad == math.radians(0.5)  # left as it was
 
 
-@pytest.mark.parametrize("change", [
-    "instruments.incline_step_percent = 1.0", "instruments.incline_zero_sigma_deg = 0.4",
-    "instruments.belt_scale_sigma_percent = 8", "instruments.joint_sigma_deg = 2",
-    "instruments.lambda_sigma_deg = 2",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "change",
+    [
+        "instruments.incline_step_percent = 1.0",
+        "instruments.incline_zero_sigma_deg = 0.4",
+        "instruments.belt_scale_sigma_percent = 8",
+        "instruments.joint_sigma_deg = 2",
+        "instruments.lambda_sigma_deg = 2",
+    ],
+)
 def test_no_amendment_changes_what_was_read_before_it(folder, change):
     rows = [reading(k, incline_deg=2.0 + 0.3 * k, belt_speed_m_s=0.2 * k) for k in (1, 2, 3)]
     append(folder, *rows)
@@ -184,8 +202,13 @@ def test_the_plan_may_be_amended(folder):
 
 def test_void_restore_and_redo(folder):
     append(folder, reading(1), reading(2), reading(3), reading(4, replaces=2, belt_speed_m_s=0.5))
-    append(folder, event("void", 1, "slipped"), event("void", 3, "slip"), event("restore", 3),
-           to="events.csv")  # fmt: skip
+    append(
+        folder,
+        event("void", 1, "slipped"),
+        event("void", 3, "slip"),
+        event("restore", 3),
+        to="events.csv",
+    )
     session = load_session(folder)
     assert [(r.number, r.comment) for r in session.readings if r.voided] == [
         (1, "slipped"),
@@ -198,8 +221,18 @@ def test_the_hash_tells_what_a_fit_rests_on(folder):
     append(folder, reading(1), reading(2))
     first = load_session(folder).sha256
     append(folder, event("note", detail="hello"), to="events.csv")
-    append(folder, reading(3, kind="gait", alpha_deg=70, beta_deg=75, omega_rad_s=3,
-                           speed_m_s=0.1, speed_sigma_m_s=0.002))  # fmt: skip
+    append(
+        folder,
+        reading(
+            3,
+            kind="gait",
+            alpha_deg=70,
+            beta_deg=75,
+            omega_rad_s=3,
+            speed_m_s=0.1,
+            speed_sigma_m_s=0.002,
+        ),
+    )
     assert load_session(folder).sha256 == first
     append(folder, event("void", 2), to="events.csv")
     assert load_session(folder).sha256 != first
@@ -252,8 +285,11 @@ def test_other_damage_is_told(folder):
 
 
 def test_a_clock_set_back_is_noted_and_the_order_stays(folder):
-    append(folder, reading(1, time_utc="2026-05-01T12:00:00Z"),
-           reading(2, time_utc="2026-05-01T11:00:00Z"))  # fmt: skip
+    append(
+        folder,
+        reading(1, time_utc="2026-05-01T12:00:00Z"),
+        reading(2, time_utc="2026-05-01T11:00:00Z"),
+    )
     session = load_session(folder)
     assert [r.number for r in session.kept] == [1, 2]
     assert "csv:3: the clock went back" in session.notes[0]

@@ -111,8 +111,10 @@ def test_links_off_their_path_cost_dry_friction_and_the_fit_knows():
         made = session(setup(15.0, 30.0), truth, rng)
         dragged = tuple(
             replace(r, incline_rad=r.incline_rad + more_n / made.setup.weight_n)
-            if not r.lambda_rad else r for r in made.readings
-        )  # fmt: skip
+            if not r.lambda_rad
+            else r
+            for r in made.readings
+        )
         fit = sn.fit_friction(stating(replace(made, readings=dragged), joint_sigma_rad=sigma))
         low, high = fit.intervals["ft0"]
         held.append(low <= truth.ft0 <= high)
@@ -135,8 +137,10 @@ def test_friction_that_falls_with_speed_and_slippery_bends_are_alarms():
     made = session(setup(15.0), WHOLE_BODY_2005)
     falling = [
         replace(r, incline_rad=2 * made.readings[0].incline_rad - r.incline_rad + 0.02)
-        if not r.lambda_rad else r for r in made.readings
-    ]  # fmt: skip
+        if not r.lambda_rad
+        else r
+        for r in made.readings
+    ]
     fit = sn.fit_friction(replace(made, readings=tuple(falling)))
     assert any("straight robot falls with speed" in alarm for alarm in fit.alarms)
     slippery = [

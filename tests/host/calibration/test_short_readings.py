@@ -34,9 +34,13 @@ ROLLING = (0.05, 0.02)
 def rolled(viscous, dry, pull, mass, belt, slip, times):
     """Return where the robot is, m uphill, by a solver that knows the equation of motion alone."""
     found = solve_ivp(
-        lambda t, y: [belt - y[1], (pull - dry - viscous * y[1]) / mass], (0, times[-1]),
-        [0.02, slip], t_eval=times, rtol=1e-11, atol=1e-13,
-    )  # fmt: skip
+        lambda t, y: [belt - y[1], (pull - dry - viscous * y[1]) / mass],
+        (0, times[-1]),
+        [0.02, slip],
+        t_eval=times,
+        rtol=1e-11,
+        atol=1e-13,
+    )
     return found.y[0]
 
 
@@ -157,9 +161,8 @@ def test_every_way_into_a_session_takes_places(folder, tmp_path):
     assert run("sheet", folder, "--out", sheet).exit_code == 0
     assert "places" in sheet.read_text().splitlines()[0].split(",")
     sheet.write_text(
-        "kind;lambda_deg;incline_deg;belt_speed_m_s;places\n"
-        "station;15;4,2;0,5;0:0 2:0,04 4:0,12\n"
-    )  # fmt: skip
+        "kind;lambda_deg;incline_deg;belt_speed_m_s;places\nstation;15;4,2;0,5;0:0 2:0,04 4:0,12\n"
+    )
     assert run("add", folder, "--sheet", sheet).exit_code == 0
     script = tmp_path / "script.toml"
     script.write_text(
@@ -214,11 +217,21 @@ def test_a_short_readings_drift_may_be_large_and_is_not_doubted(folder):
 def test_a_short_reading_is_redone(folder):
     kept = ("", "2.0", "0.3", "", "0:0 1.5:0.01 3:0.04")
     _, session = dialogue.talk(
-        folder, *dialogue.ZERO, "", *kept, "redo", "", "", "", "", "0:0 2:0.01 4:0.04",
-    )  # fmt: skip
+        folder,
+        *dialogue.ZERO,
+        "",
+        *kept,
+        "redo",
+        "",
+        "",
+        "",
+        "",
+        "0:0 2:0.01 4:0.04",
+    )
     assert [(r.voided, r.places) for r in session.readings] == [
-        (True, "0:0,1.5:0.01,3:0.04"), (False, "0:0,2:0.01,4:0.04"),
-    ]  # fmt: skip
+        (True, "0:0,1.5:0.01,3:0.04"),
+        (False, "0:0,2:0.01,4:0.04"),
+    ]
     assert session.kept[0].drift_m_s == pytest.approx(0.01)
     _, session = dialogue.talk(folder, "redo 3", "", "", "", "0.02", "")
     assert (session.kept[0].places, session.kept[0].drift_m_s) == ("", 0.02)

@@ -68,8 +68,14 @@ def test_near_a_cliff_it_says_that_derivatives_mislead(fit) -> None:
 
 
 VALUES = {"ct": 0.1, "cn": 1.0, "ft0": 0.0, "fn0": 0.3, "ct_back": 0.2, "ft0_back": 0.4}
-PARTS = {"ct_forward": 1.0, "ct_backward": 2.0, "cn": 3.0, "ft0_backward": 4.0, "fn0": 5.0,
-         "alpha_rad": 6.0}  # fmt: skip
+PARTS = {
+    "ct_forward": 1.0,
+    "ct_backward": 2.0,
+    "cn": 3.0,
+    "ft0_backward": 4.0,
+    "fn0": 5.0,
+    "alpha_rad": 6.0,
+}
 
 
 @pytest.fixture
@@ -134,8 +140,17 @@ def test_a_gait_at_the_end_of_its_range_has_a_band(fit) -> None:
 
 
 def test_the_command_tells_it_with_a_fit_and_derivatives_alone(serpenoid) -> None:
-    typed = ("steady", "--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "1",
-             "--json", "--sensitivities")  # fmt: skip
+    typed = (
+        "steady",
+        "--alpha-deg",
+        "70",
+        "--beta-deg",
+        "75",
+        "--frequency-hz",
+        "1",
+        "--json",
+        "--sensitivities",
+    )
     session = ("--session", str(session_folder()))
     answer = json.loads(serpenoid(*typed, *session)[1])
     told, margins = answer["doubts"], answer["margins"]

@@ -37,9 +37,15 @@ def test_two_draws_of_one_truth_differ_as_often_as_stated(fit) -> None:
 
 @pytest.mark.parametrize(
     ("cause", "factors"),
-    [("mass", (1.4, 1.4, 1.4, 1.4)), ("speed", (1.5, 1.5, 1.0, 1.0)), ("ct", (1.6, 1, 1, 1)),
-     ("fn0", (1.0, 1.0, 1.0, 1.5)), ("ft0", (1.0, 1.0, 1.5, 1.0)), ("bend", (1, 1.5, 1, 1.5))],
-)  # fmt: skip
+    [
+        ("mass", (1.4, 1.4, 1.4, 1.4)),
+        ("speed", (1.5, 1.5, 1.0, 1.0)),
+        ("ct", (1.6, 1, 1, 1)),
+        ("fn0", (1.0, 1.0, 1.0, 1.5)),
+        ("ft0", (1.0, 1.0, 1.5, 1.0)),
+        ("bend", (1, 1.5, 1, 1.5)),
+    ],
+)
 def test_what_was_changed_is_named(fit, cause, factors) -> None:
     found = two_fits(fit, moved(fit, values_of(fit) * factors))
     assert cause in found.causes

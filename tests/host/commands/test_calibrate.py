@@ -170,8 +170,15 @@ def test_what_makes_no_sense_is_told_and_not_kept(folder, serpenoid, cells, says
 
 
 def test_amendments_hold_from_there_on(folder, serpenoid):
-    add = ("calibrate", "add", str(folder), "station", "lambda_deg=0", "incline_deg=2.3",
-           "belt_speed_m_s=0.5")  # fmt: skip
+    add = (
+        "calibrate",
+        "add",
+        str(folder),
+        "station",
+        "lambda_deg=0",
+        "incline_deg=2.3",
+        "belt_speed_m_s=0.5",
+    )
     serpenoid(*add)
     serpenoid("calibrate", "amend", str(folder), "instruments.belt_speed_sigma_m_s=0.05")
     serpenoid(*add)

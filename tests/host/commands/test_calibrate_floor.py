@@ -12,17 +12,32 @@ import pytest
 from calibration.floor_sessions import TRUTH, push_track
 from serpenoid.calibration.session_file import load_session
 
-NEW = ("calibrate", "new", "--defaults", "--on", "floor", "--surface", "parquet", "--mass-kg",
-       "454g", "--wheels-kg", "0g")  # fmt: skip
+NEW = (
+    "calibrate",
+    "new",
+    "--defaults",
+    "--on",
+    "floor",
+    "--surface",
+    "parquet",
+    "--mass-kg",
+    "454g",
+    "--wheels-kg",
+    "0g",
+)
 
 
 def run(*words, typed="", fails=False):
     """Return what a command says, on lines of any width."""
     done = subprocess.run(
         [sys.executable, "-m", "serpenoid", *map(str, words)],
-        check=False, input=typed, capture_output=True, text=True, timeout=300,
+        check=False,
+        input=typed,
+        capture_output=True,
+        text=True,
+        timeout=300,
         env=os.environ | {"COLUMNS": "200"},
-    )  # fmt: skip
+    )
     assert (done.returncode != 0) == fails, done.stdout + done.stderr
     return " ".join((done.stdout + done.stderr).split())
 
@@ -108,8 +123,16 @@ def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
     assert "pushes, straight 1 of 8" in run("calibrate", "status", folder)
     run("calibrate", "amend", folder, "robot.wheels_kg=36g")
     assert load_session(folder).setup.floor.wheels_kg == pytest.approx(0.036)
-    run("calibrate", "add", folder, "slide", "lambda_deg=0", "incline_deg=7%", "distance_m=1",
-        "duration_s=2.1")  # fmt: skip
+    run(
+        "calibrate",
+        "add",
+        folder,
+        "slide",
+        "lambda_deg=0",
+        "incline_deg=7%",
+        "distance_m=1",
+        "duration_s=2.1",
+    )
     assert len(load_session(folder).kept_slides) == 1
 
 
@@ -121,8 +144,16 @@ def practised(tmp_path_factory):
     words += [*["push 1.0"] * 6, "crawl", "1.0", "19.4", "quit"]
     run("calibrate", "practice", folder, "--on", "floor", "--seed", "5", typed="quit\n")
     run("calibrate", "amend", folder, "plan.pushes=4")
-    said = run("calibrate", "practice", folder, "--on", "floor", "--seed", "5",
-               typed="\n".join(words) + "\n")  # fmt: skip
+    said = run(
+        "calibrate",
+        "practice",
+        folder,
+        "--on",
+        "floor",
+        "--seed",
+        "5",
+        typed="\n".join(words) + "\n",
+    )
     return folder, said
 
 

@@ -66,10 +66,23 @@ def test_a_station_is_held_at_the_desk_and_the_session_resumed(tmp_path):
 def test_a_session_of_a_real_robot_is_not_practised_on(tmp_path):
     folder = tmp_path / "real"
     made = subprocess.run(
-        [sys.executable, "-m", "serpenoid", "calibrate", "new", str(folder), "--defaults",
-         "--surface", "belt", "--mass-kg", "480g"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "serpenoid",
+            "calibrate",
+            "new",
+            str(folder),
+            "--defaults",
+            "--surface",
+            "belt",
+            "--mass-kg",
+            "480g",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert made.returncode == 0, made.stderr
     done = practise(folder, "--no-page")
     assert done.returncode == 2

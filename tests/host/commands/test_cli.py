@@ -103,15 +103,35 @@ def test_optimize() -> None:
 
 def test_sweep_writes_every_gait(tmp_path) -> None:
     out = tmp_path / "sweep.csv"
-    done = serpenoid("sweep", "--robot", "paper", "--alpha-deg", "30:40:10", "--beta-deg", "80",
-                     "--omega-rad-s", "1:3:1", "--out", str(out))  # fmt: skip
+    done = serpenoid(
+        "sweep",
+        "--robot",
+        "paper",
+        "--alpha-deg",
+        "30:40:10",
+        "--beta-deg",
+        "80",
+        "--omega-rad-s",
+        "1:3:1",
+        "--out",
+        str(out),
+    )
     assert done.returncode == 0, done.stderr
     assert len(out.read_text().splitlines()) == 1 + 2 * 3
 
 
 def test_sweep_answers_with_json() -> None:
-    got = answer("sweep", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80",
-                 "--omega-rad-s", "5:10:5")  # fmt: skip
+    got = answer(
+        "sweep",
+        "--robot",
+        "paper",
+        "--alpha-deg",
+        "30",
+        "--beta-deg",
+        "80",
+        "--omega-rad-s",
+        "5:10:5",
+    )
     assert got["alpha_deg"] == pytest.approx([30.0])
     assert got["speed_m_s"][0][0][0] == pytest.approx(0.292060796024, rel=1e-6)
     assert got["converged"] == [[[True, True]]]
@@ -146,8 +166,10 @@ def test_ctrl_c_stops_a_long_run_at_once() -> None:
     args = ["simulate", *GAIT, "--robot", "paper", "--duration-s", "1e7", "--record-every", "1000"]
     run = subprocess.Popen(
         [sys.executable, "-c", TELLING, *args],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     try:
         assert run.stdout is not None
         assert run.stdout.readline() == "in the core\n"
@@ -209,9 +231,12 @@ def test_a_terminal_without_our_letters_gets_question_marks() -> None:
         "16",
     ]
     done = subprocess.run(
-        [sys.executable, "-m", "serpenoid", *asked], capture_output=True, text=True, check=False,
+        [sys.executable, "-m", "serpenoid", *asked],
+        capture_output=True,
+        text=True,
+        check=False,
         env=os.environ | {"PYTHONIOENCODING": "ascii"},
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     assert "70?/75?, 1 Hz" in done.stdout
 

@@ -12,9 +12,16 @@ def test_a_misread_value_is_found_and_voided(tmp_path, capsys):
     assert _without_outlier(session, clean) == (session, clean)
     wrong = session.kept[4]
     with Journal(tmp_path / "session") as journal:
-        journal.add("station", {
-            "lambda_deg": 0.0, "incline_deg": 2.6, "belt_speed_m_s": 1.9, "drift_m_s": 0.0,
-        }, replaces=wrong.number)  # fmt: skip
+        journal.add(
+            "station",
+            {
+                "lambda_deg": 0.0,
+                "incline_deg": 2.6,
+                "belt_speed_m_s": 1.9,
+                "drift_m_s": 0.0,
+            },
+            replaces=wrong.number,
+        )
         number = journal.numbers[-1]
         session = journal.session
     mended, fit = _without_outlier(session, fit_friction(session))

@@ -99,10 +99,14 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
     session = sn.load_session(folder)
     plain = sn.fit_friction(session)
     sn.save_fit(
-        replace(plain, method="joint, with crawls", session_sha256=session.sha256_with_crawls,
-                draws=np.column_stack([plain.sample_whole(64), np.ones(64)])),
+        replace(
+            plain,
+            method="joint, with crawls",
+            session_sha256=session.sha256_with_crawls,
+            draws=np.column_stack([plain.sample_whole(64), np.ones(64)]),
+        ),
         folder,
-    )  # fmt: skip
+    )
     assert session_fit(folder).draws is not None
     assert not capsys.readouterr().err
     assert session_fit(folder, with_crawls=False).draws is None
@@ -146,8 +150,16 @@ def test_advise_names_the_next_reading(folder):
 
 
 def test_drive_tells_the_speed_that_the_friction_predicts(folder):
-    driven = ["drive", *GAIT[:4], "--omega-rad-s", "3", "--port", "virtual:fast",
-              "--duration-s", "1"]  # fmt: skip
+    driven = [
+        "drive",
+        *GAIT[:4],
+        "--omega-rad-s",
+        "3",
+        "--port",
+        "virtual:fast",
+        "--duration-s",
+        "1",
+    ]
     told = json.loads(run(*driven, "--session", folder, "--json").stdout)
     steady = json.loads(
         run("steady", *GAIT[:4], "--omega-rad-s", 3, "--session", folder, "--json").stdout

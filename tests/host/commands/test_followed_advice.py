@@ -11,8 +11,16 @@ from serpenoid.commands.main import cli
 
 CHOICES = {
     "--formulation": ["explicit", "implicit"],
-    "--method": ["rk4", "euler", "semi_implicit_euler", "paper", "dop853", "collocation", "radau",
-                 "nonsmooth"],
+    "--method": [
+        "rk4",
+        "euler",
+        "semi_implicit_euler",
+        "paper",
+        "dop853",
+        "collocation",
+        "radau",
+        "nonsmooth",
+    ],
     "--dt-s": ["1e-2", "1e-3", "1e-4"],
     "--tolerance": ["1e-6"],
     "--accuracy": ["1e-3", "1e-5"],
@@ -31,7 +39,7 @@ CHOICES = {
     "--duration-s": ["0", "0.05"],
     "--offset-deg": ["5"],
     "--ct": ["0.02,0.5"],
-}  # fmt: skip
+}
 GAIT = {"--alpha-deg": "30", "--beta-deg": "80", "--omega-rad-s": "5"}
 Options = dict[str, str]
 MOST_REFUSALS = 5  # a combination may be wrong in several ways, and is told one at a time
@@ -67,8 +75,10 @@ def ways_out(options: Options, said: str) -> list[Options]:
     _, told, advice = said.rpartition("take ")
     if not told:
         return []
-    changes = [{f"--{name}": value} for name, value in
-               re.findall(r"(method|formulation|start) '(\w+)'", advice)]  # fmt: skip
+    changes = [
+        {f"--{name}": value}
+        for name, value in re.findall(r"(method|formulation|start) '(\w+)'", advice)
+    ]
     changes += [{o: v} for o, v in re.findall(r"(--[a-z-]+) (\d[\d.e+-]*)", advice)]
     ways = [options | change for change in changes]
     return [without(w, *SPRINGS) if w.get("--formulation") == "explicit" else w for w in ways]

@@ -34,10 +34,15 @@ def with_a_plan(folder):
     with Journal(folder) as journal:
         for r in load_session(SESSION).readings:
             bend, incline = math.degrees(r.lambda_rad), math.degrees(r.incline_rad)
-            journal.add("station", {
-                "lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": r.belt_speed_m_s,
-                "drift_m_s": r.drift_m_s,
-            })  # fmt: skip
+            journal.add(
+                "station",
+                {
+                    "lambda_deg": bend,
+                    "incline_deg": incline,
+                    "belt_speed_m_s": r.belt_speed_m_s,
+                    "drift_m_s": r.drift_m_s,
+                },
+            )
     return folder
 
 

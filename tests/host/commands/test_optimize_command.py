@@ -95,9 +95,18 @@ def test_a_front_by_springs_and_one_of_robust_gaits() -> None:
 
 def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
     found = json.loads(
-        run("optimize", "--robot", "paper", "--speed", "0.2", "--robust", "--amplitude-sigma",
-            "0.05", "--json").output
-    )  # fmt: skip
+        run(
+            "optimize",
+            "--robot",
+            "paper",
+            "--speed",
+            "0.2",
+            "--robust",
+            "--amplitude-sigma",
+            "0.05",
+            "--json",
+        ).output
+    )
     assert found["low_speed_m_s"] >= 0.179
     assert found["premium"] > 0
     assert -0.01 < found["premium_per_metre"] <= found["premium"] + 1e-5
@@ -120,8 +129,19 @@ def test_the_cliff_is_drawn_with_its_data(tmp_path: Path) -> None:
 
 
 def test_a_gait_goes_to_the_board() -> None:
-    words = run("optimize", "--robot", "paper", "--speed", "0.1", "--send", "--port", "virtual",
-                "--duration-s", "0.5", "--json")  # fmt: skip
+    words = run(
+        "optimize",
+        "--robot",
+        "paper",
+        "--speed",
+        "0.1",
+        "--send",
+        "--port",
+        "virtual",
+        "--duration-s",
+        "0.5",
+        "--json",
+    )
     found = json.loads(words.stdout)  # one document
     assert found["drive"]["frames"] > 5
     assert found["drive"]["gait"] == found["gait"]
@@ -191,8 +211,17 @@ def test_the_whole_study(tmp_path: Path) -> None:
     assert verdicts["Fig. 10"] == "in part"  # near 80 deg at some of the speeds
     assert verdicts["the search"] == "differs"
     page = (tmp_path / "index.html").read_text()
-    for name in ("fig6-7", "fig8", "fig9-11", "fig12-13", "fig15-16", "fig17", "cliff-fragile",
-                 "front-2005", "shapes"):  # fmt: skip
+    for name in (
+        "fig6-7",
+        "fig8",
+        "fig9-11",
+        "fig12-13",
+        "fig15-16",
+        "fig17",
+        "cliff-fragile",
+        "front-2005",
+        "shapes",
+    ):
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
         assert f"{name}.png" in page
         assert f'"{name}.csv"' in page
@@ -285,10 +314,11 @@ def test_robust_samples_are_those_that_crawls_in_the_fit_leave(
     kept = tuple(sn.servo("hobby").draws(3, 1))
     if crawls:
         fit = replace(
-            fit, draws=np.column_stack([fit.sample_whole(64), np.full(64, 0.9)]),
+            fit,
+            draws=np.column_stack([fit.sample_whole(64), np.full(64, 0.9)]),
             nuisances=MappingProxyType({"joint_amplitude": Estimate(0.9, 0.018)}),
             servos=FittedServos("hobby", kept, (0, 1, 1, 2), 1),
-        )  # fmt: skip
+        )
     asked: list[sn.Uncertainty] = []
 
     def robust_gait(*_: object, uncertainty: sn.Uncertainty, **__: object) -> None:

@@ -134,13 +134,27 @@ def test_a_drive_replaces_the_files(tmp_path: Path) -> None:
 
 def test_the_answer_is_complete_and_the_files_too(tmp_path: Path) -> None:
     out, figure = tmp_path / "run.csv", tmp_path / "run.png"
-    got = answer(*SHORT, "--duration-s", "2", "--record", "joints,friction,energy",
-                 "--record-every", "100", "--out", out, "--plot", figure)  # fmt: skip
+    got = answer(
+        *SHORT,
+        "--duration-s",
+        "2",
+        "--record",
+        "joints,friction,energy",
+        "--record-every",
+        "100",
+        "--out",
+        out,
+        "--plot",
+        figure,
+    )
     scene = sn.Scene(
-        sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0),
-        sn.Gait(math.radians(30), math.radians(80), 5.0), duration_s=2.0, record_every=100,
+        sn.Robot(6, 1.0, 0.12),
+        sn.Ground(0.1, 10.0),
+        sn.Gait(math.radians(30), math.radians(80), 5.0),
+        duration_s=2.0,
+        record_every=100,
         record=("joints", "friction", "energy"),
-    )  # fmt: skip
+    )
     run = sn.simulate(scene)
     assert got["steps"] == run.steps == 2000
     assert got["end"]["vx_m_s"] == run.vx_m_s[-1].tolist()

@@ -74,11 +74,19 @@ def test_a_folded_joint_and_a_late_hour_end_an_episode() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"torque_nm": "1"}, {"control_s": float("nan")}, {"control_s": -1.0}, {"episode_s": 0.0},
-        {"work_cost_m_j": float("nan")}, {"smoothing_m_s": -1.0}, {"robot": 6}, {"ground": "wet"},
-        {"dt_s": 0.0}, {"dt_s": 1e-12}, {"render_mode": "human"},
+        {"torque_nm": "1"},
+        {"control_s": float("nan")},
+        {"control_s": -1.0},
+        {"episode_s": 0.0},
+        {"work_cost_m_j": float("nan")},
+        {"smoothing_m_s": -1.0},
+        {"robot": 6},
+        {"ground": "wet"},
+        {"dt_s": 0.0},
+        {"dt_s": 1e-12},
+        {"render_mode": "human"},
     ],
-)  # fmt: skip
+)
 def test_wrong_arguments_are_refused_in_words(wrong) -> None:
     with pytest.raises(BadInput, match=next(iter(wrong))):
         SnakeEnv(**wrong)

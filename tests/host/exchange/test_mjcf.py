@@ -29,10 +29,20 @@ def in_mujoco(ground: sn.Ground, start: sn.LinkState, duration_s: float) -> np.n
 
 
 def here(ground: sn.Ground, start: sn.LinkState, duration_s: float) -> np.ndarray:
-    run = sn.simulate(sn.Scene(
-        ROBOT, ground, STILL, drive="torque", torque=TORQUE, start=start, method="dop853",
-        tolerance=1e-10, duration_s=duration_s, dt_s=0.01,
-    ))  # fmt: skip
+    run = sn.simulate(
+        sn.Scene(
+            ROBOT,
+            ground,
+            STILL,
+            drive="torque",
+            torque=TORQUE,
+            start=start,
+            method="dop853",
+            tolerance=1e-10,
+            duration_s=duration_s,
+            dt_s=0.01,
+        )
+    )
     return np.array([run.x_m[-1], run.y_m[-1], run.theta_rad[-1]])
 
 

@@ -26,9 +26,15 @@ def exact_table(robot: sn.Robot, ground: sn.Ground, cost: str, rtol: float) -> T
 
     def table(alpha: float, beta: float, rates: Array) -> tuple[Array, Array]:
         found = sn.sweep(
-            robot, ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=rates, rtol=rtol,
-            powers=cost != "power", threads=1,
-        )  # fmt: skip
+            robot,
+            ground,
+            alpha_rad=alpha,
+            beta_rad=beta,
+            omega_rad_s=rates,
+            rtol=rtol,
+            powers=cost != "power",
+            threads=1,
+        )
         good = found.error_estimate[0, 0] < 30 * rtol
         watts = getattr(found, f"{cost}_w")[0, 0]
         return np.where(good, found.speed_m_s[0, 0], np.nan), np.where(good, watts, np.nan)
@@ -44,9 +50,13 @@ def spring_table(
     def one(gait: sn.Gait) -> tuple[float, float]:
         try:
             s = steady_springs(
-                robot, ground, gait, joint_stiffness_n_m=springs[0],
-                joint_damping_n_s_m=springs[1], rtol=rtol,
-            )  # fmt: skip
+                robot,
+                ground,
+                gait,
+                joint_stiffness_n_m=springs[0],
+                joint_damping_n_s_m=springs[1],
+                rtol=rtol,
+            )
         except sn.SerpenoidError:
             return math.nan, math.nan
         return s.speed_m_s, getattr(s, f"{cost}_w")
@@ -158,9 +168,14 @@ def _watts(found: Found) -> float:
 
 
 def cheapest(
-    wish: Wish, swings_rad: Array, lags_rad: Array, rates: Array, starts: int = 2, levels: int = 4,
+    wish: Wish,
+    swings_rad: Array,
+    lags_rad: Array,
+    rates: Array,
+    starts: int = 2,
+    levels: int = 4,
     near: int = 5,
-) -> Found | None:  # fmt: skip
+) -> Found | None:
     """Return the cheapest gait of a grid, followed by ever smaller ones; None for none.
 
     starts: so many places of the first grid are followed; levels: grids of 5 x 5 shapes and `near`

@@ -97,21 +97,33 @@ def test_brute_force_finds_none_cheaper(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "seed"),
-    [(kind, seed) for kind, many in (("viscous", 24), ("dry", 8), ("ratchet", 6))
-     for seed in range(10, 10 + many)],
-)  # fmt: skip
+    [
+        (kind, seed)
+        for kind, many in (("viscous", 24), ("dry", 8), ("ratchet", 6))
+        for seed in range(10, 10 + many)
+    ],
+)
 def test_brute_force_over_random_robots_finds_none_cheaper(kind: str, seed: int) -> None:
     assert_none_cheaper(*both(kind, seed))
 
 
 def by_springs(
-    robot: sn.Robot, ground: sn.Ground, speed: float, cost: str, springs: tuple[float, float],
+    robot: sn.Robot,
+    ground: sn.Ground,
+    speed: float,
+    cost: str,
+    springs: tuple[float, float],
     **grid: Any,
-) -> tuple[sn.LeastPower, Found | None]:  # fmt: skip
+) -> tuple[sn.LeastPower, Found | None]:
     best = sn.least_power_gait(
-        robot, ground, speed_m_s=speed, cost=cost, formulation="implicit",
-        joint_stiffness_n_m=springs[0], joint_damping_n_s_m=springs[1],
-    )  # fmt: skip
+        robot,
+        ground,
+        speed_m_s=speed,
+        cost=cost,
+        formulation="implicit",
+        joint_stiffness_n_m=springs[0],
+        joint_damping_n_s_m=springs[1],
+    )
     table = spring_table(robot, ground, cost, springs, 3e-3 if ground.dry else 1e-3)
     body = robot.links * robot.link_length_m
     rates = np.geomspace(4, 100, grid.pop("rates", 9)) * speed / body
@@ -124,9 +136,18 @@ def test_brute_force_over_springs_finds_none_cheaper() -> None:
     """Springs so soft that the exact model's optimum is far from theirs."""
     robot, ground, springs = sn.Robot(3, 0.4, 0.11), sn.Ground(0.06, 1.1), (60.0, 4.0)
     best, found = by_springs(
-        robot, ground, 0.06, "positive_power", springs, rates=5, swings=4, lags=4, starts=1,
-        levels=2, near=3,
-    )  # fmt: skip
+        robot,
+        ground,
+        0.06,
+        "positive_power",
+        springs,
+        rates=5,
+        swings=4,
+        lags=4,
+        starts=1,
+        levels=2,
+        near=3,
+    )
     exact = sn.least_power_gait(robot, ground, speed_m_s=0.06, cost="positive_power")
     assert abs(best.power_w / exact.power_w - 1) > 0.05
     assert found is not None
@@ -143,10 +164,12 @@ def test_brute_force_over_springs_finds_none_cheaper() -> None:
 @pytest.mark.parametrize(
     ("ground", "speed", "cost"),
     [
-        (VISCOUS_2005, 0.05, "power"), (VISCOUS_2005, 0.3, "abs_power"),
-        (VISCOUS_2005, 0.1, "positive_power"), (BINGHAM, 0.1, "power"),
+        (VISCOUS_2005, 0.05, "power"),
+        (VISCOUS_2005, 0.3, "abs_power"),
+        (VISCOUS_2005, 0.1, "positive_power"),
+        (BINGHAM, 0.1, "power"),
     ],
-)  # fmt: skip
+)
 def test_brute_force_over_springs_of_the_2005_robot(
     ground: sn.Ground, speed: float, cost: str
 ) -> None:
@@ -166,7 +189,13 @@ def test_brute_force_over_random_springs_finds_none_cheaper(seed: int) -> None:
     mass = robot.link_mass_kg
     speed = robot.links * robot.link_length_m * between(rng, 0.05, 0.5)
     best, found = by_springs(
-        robot, ground, speed, COSTS[seed % 3], (mass * mode**2, 2 * mass * mode * damping),
-        starts=2, levels=2, near=4,
-    )  # fmt: skip
+        robot,
+        ground,
+        speed,
+        COSTS[seed % 3],
+        (mass * mode**2, 2 * mass * mode * damping),
+        starts=2,
+        levels=2,
+        near=4,
+    )
     assert_none_cheaper(best, found)

@@ -46,9 +46,12 @@ MISSED = {
 def test_brute_force_finds_nothing_cheaper_than_the_claim(case: tuple) -> None:
     robot, ground, (speed, limit_deg, least_w), cost = case
     best = sn.least_power_gait(
-        sn.Robot(*robot), sn.Ground(*ground), speed_m_s=speed, cost=cost,
+        sn.Robot(*robot),
+        sn.Ground(*ground),
+        speed_m_s=speed,
+        cost=cost,
         limits=sn.GaitLimits(joint_angle_rad=math.radians(limit_deg)),
-    )  # fmt: skip
+    )
     assert best.power_w <= least_w + best.power_error_w
     assert best.power_error_w < 0.01 * best.power_w
     assert best.speed_m_s == pytest.approx(speed, rel=1e-4)

@@ -54,11 +54,14 @@ def test_a_narrow_range_is_no_dearer_than_its_ends() -> None:
     robot, ground, speed, _, cost = CASES["viscous"]
     watts = {
         (low, high): sn.least_power_gait(
-            robot, ground, speed_m_s=speed, cost=cost,
+            robot,
+            ground,
+            speed_m_s=speed,
+            cost=cost,
             limits=sn.GaitLimits(omega_low_rad_s=low, omega_high_rad_s=high),
         ).power_w
         for low, high in ((5.0, 5.0), (5.1, 5.1), (5.0, 5.1))
-    }  # fmt: skip
+    }
     assert watts[5.0, 5.1] <= min(watts[5.0, 5.0], watts[5.1, 5.1]) * 1.001
 
 

@@ -143,13 +143,18 @@ def test_a_speed_out_of_reach_is_none_whatever_stands_beside_it() -> None:
 @pytest.mark.parametrize(
     ("speeds", "told"),
     [
-        ([], "at least one speed"), (0.1, "at least one speed"), (None, "at least one speed"),
-        ([[0.1, 0.2]], "at least one speed"), ([0.1, 0.0], "speed_m_s is 0.0"),
-        ([-1.0], "speed_m_s is -1.0"), ([0.1, math.nan], "speed_m_s is nan"),
-        ([math.inf], "speed_m_s is inf"), (["fast"], "speed_m_s is 'fast'"),
+        ([], "at least one speed"),
+        (0.1, "at least one speed"),
+        (None, "at least one speed"),
+        ([[0.1, 0.2]], "at least one speed"),
+        ([0.1, 0.0], "speed_m_s is 0.0"),
+        ([-1.0], "speed_m_s is -1.0"),
+        ([0.1, math.nan], "speed_m_s is nan"),
+        ([math.inf], "speed_m_s is inf"),
+        (["fast"], "speed_m_s is 'fast'"),
         ([True], "speed_m_s is True"),
     ],
-)  # fmt: skip
+)
 def test_refusals(speeds: Any, told: str) -> None:
     with pytest.raises(sn.BadInput, match=told):
         sn.power_front(PAPER, VISCOUS, speeds_m_s=speeds)

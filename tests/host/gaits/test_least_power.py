@@ -67,9 +67,14 @@ def test_the_global_optimum_of_a_fine_grid_is_not_cheaper() -> None:
     best = sn.least_power_gait(robot, ground, speed_m_s=speed)
     rates = np.geomspace(0.5, 40, 40) * speed / (13 * 0.07) * 4
     grid = sn.sweep(
-        robot, ground, alpha_rad=np.radians(np.arange(3, 40, 2.0)),
-        beta_rad=np.radians(np.arange(6, 150, 6.0)), omega_rad_s=rates, rtol=1e-6, powers=False,
-    )  # fmt: skip
+        robot,
+        ground,
+        alpha_rad=np.radians(np.arange(3, 40, 2.0)),
+        beta_rad=np.radians(np.arange(6, 150, 6.0)),
+        omega_rad_s=rates,
+        rtol=1e-6,
+        powers=False,
+    )
     cheapest = math.inf
     for v, p in zip(grid.speed_m_s.reshape(-1, 40), grid.power_w.reshape(-1, 40), strict=True):
         if v.max() >= speed:
@@ -114,9 +119,11 @@ def test_limits_are_kept_and_named(limits, name: str) -> None:
     # along the limit no neighbour at the same speed is cheaper
     for factor in (0.98, 1.02):
         other = finder(PAPER, VISCOUS, [0.5], "power", limits).search.point(
-            np.array(GaitShape.of(best.gait.alpha_rad, factor * best.gait.beta_rad)), 0.5,
-            best.gait.omega_rad_s, 1e-8,
-        )  # fmt: skip
+            np.array(GaitShape.of(best.gait.alpha_rad, factor * best.gait.beta_rad)),
+            0.5,
+            best.gait.omega_rad_s,
+            1e-8,
+        )
         assert other.margin < 0 or other.value > math.log(best.power_w) - 1e-6
 
 

@@ -35,10 +35,16 @@ def run_speed(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait, cycles: int) ->
     """Return the speed of the last cycle of a run from rest, m/s: no periodic solver in it."""
     run = sn.simulate(
         sn.Scene(
-            robot, ground, gait, start="zero_momentum", record_every=400, method="nonsmooth",
-            dt_s=gait.period_s / 400, duration_s=cycles * gait.period_s,
+            robot,
+            ground,
+            gait,
+            start="zero_momentum",
+            record_every=400,
+            method="nonsmooth",
+            dt_s=gait.period_s / 400,
+            duration_s=cycles * gait.period_s,
         )
-    )  # fmt: skip
+    )
     x, y = run.x_m.mean(axis=1)[-2:], run.y_m.mean(axis=1)[-2:]
     return math.hypot(x[1] - x[0], y[1] - y[0]) / gait.period_s
 

@@ -28,8 +28,11 @@ def test_claims_of_optima_follow_from_the_front() -> None:
         return {c.paper: c.verdict for c in study._optima(moved, reading)}
 
     same, apart, off = (verdicts(*x) for x in (([30], [80]), ([30, 60], [80, 60]), ([80], [50])))
-    for name in ("beta is 80 deg at every speed", "alpha is 30 deg at every speed",
-                 "1.3 waves on the body"):  # fmt: skip
+    for name in (
+        "beta is 80 deg at every speed",
+        "alpha is 30 deg at every speed",
+        "1.3 waves on the body",
+    ):
         assert (same[name], apart[name], off[name]) == ("agrees", "in part", "differs")
     assert same["for each speed one gait costs least"] == "agrees"
     assert off["for each speed one gait costs least"] == "differs"  # 80 deg is beyond the grid

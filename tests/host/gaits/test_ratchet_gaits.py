@@ -17,9 +17,13 @@ def test_a_robot_turned_round_takes_the_wave_turned_round() -> None:
     assert here.gait.beta_rad > 0
     assert there.steady.speed_m_s == pytest.approx(0.03, rel=1e-4)
     grid = sn.sweep(
-        ROBOT, ground, alpha_rad=[0.6, 0.9, 1.2], beta_rad=[-1.8, -1.2, -0.6, 0.6, 1.2, 1.8],
-        omega_rad_s=[2.0, 2.5, 3.0, 4.0, 5.0], rtol=1e-3,
-    )  # fmt: skip
+        ROBOT,
+        ground,
+        alpha_rad=[0.6, 0.9, 1.2],
+        beta_rad=[-1.8, -1.2, -0.6, 0.6, 1.2, 1.8],
+        omega_rad_s=[2.0, 2.5, 3.0, 4.0, 5.0],
+        rtol=1e-3,
+    )
     reaches = grid.speed_m_s >= 0.03
     assert reaches.any()
     assert grid.power_w[reaches].min() > here.power_w - here.power_error_w

@@ -20,11 +20,16 @@ def run_speed(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait, cycles: int = 1
     """Return the speed of the last cycle of a run from rest, m/s: no periodic solver in it."""
     run = sn.simulate(
         sn.Scene(
-            robot, ground, gait, start="zero_momentum", record_every=400,
-            method="nonsmooth" if ground.dry else "rk4", dt_s=gait.period_s / 400,
+            robot,
+            ground,
+            gait,
+            start="zero_momentum",
+            record_every=400,
+            method="nonsmooth" if ground.dry else "rk4",
+            dt_s=gait.period_s / 400,
             duration_s=cycles * gait.period_s,
         )
-    )  # fmt: skip
+    )
     x, y = run.x_m.mean(axis=1)[-2:], run.y_m.mean(axis=1)[-2:]
     return math.hypot(x[1] - x[0], y[1] - y[0]) / gait.period_s
 
@@ -239,10 +244,14 @@ def test_a_robust_gait_survives_a_servo_that_shakes() -> None:
     known = {"friction": (0.01, 0.01, 0.01, 0.01), "amplitude": 0.01, "common_amplitude": 0.01}
     plain, best = (
         sn.robust_gait(
-            OF_2005, BINGHAM, speed_m_s=0.05, samples=32,
+            OF_2005,
+            BINGHAM,
+            speed_m_s=0.05,
+            samples=32,
             uncertainty=sn.Uncertainty(**known, servo=servo),
-        ) for servo in (None, shaking)
-    )  # fmt: skip
+        )
+        for servo in (None, shaking)
+    )
     robots = best.uncertainty.samples(OF_2005, BINGHAM, 16, seed=1)
     assert spread.driven_speeds(OF_2005, best.gait, robots).min() > 0.87 * 0.05
     assert spread.driven_speeds(OF_2005, plain.gait, robots).max() < 0.87 * 0.05

@@ -34,9 +34,12 @@ def driven(
     """Return `seconds` of a run after skip_s of settling; set-points are the firmware's own."""
     joints = robot.links - 1
     told = _core.firmware.gait_setpoints_rad(
-        gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, joints=joints,
+        gait.alpha_rad,
+        gait.beta_rad,
+        gait.omega_rad_s,
+        joints=joints,
         frames=round((skip_s + seconds) / 0.02),
-    )  # fmt: skip
+    )
     lab = LabRobot.whole(robot, whole, servo=replace(servo, frame_s=TICK_S))
     track, phi = Floor(lab).run_servos(np.repeat(np.array(told), TICKS, axis=0))
     bend = np.concatenate([np.zeros((len(phi), 1)), np.cumsum(phi, axis=1)], axis=1)

@@ -42,8 +42,16 @@ class RigidChain:
         fx, fy = np.cos(a) * ft - np.sin(a) * fn, np.sin(a) * ft + np.cos(a) * fn
         torque = (rx * fy - ry * fx).sum(axis=1)
         whole = self.n * self.mass
-        return np.stack([vx, vy, w, fx.sum(axis=1) / whole + G * np.sin(gamma),
-                         fy.sum(axis=1) / whole, torque / self.J])  # fmt: skip
+        return np.stack(
+            [
+                vx,
+                vy,
+                w,
+                fx.sum(axis=1) / whole + G * np.sin(gamma),
+                fy.sum(axis=1) / whole,
+                torque / self.J,
+            ]
+        )
 
     def run(self, y, duration, dt, belt=0.0, gamma=0.0):
         for _ in range(round(duration / dt)):

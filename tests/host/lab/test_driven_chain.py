@@ -17,8 +17,18 @@ from serpenoid.model.drives import Servo, core_servo
 BODY, WHOLE = sn.Robot(6, 0.0756, 0.076), sn.Ground(0.084, 1.2, 0.14, 0.27)
 EACH = sn.Ground.whole_body(6, WHOLE.ct, WHOLE.cn, WHOLE.ft0, WHOLE.fn0)
 GAIT = sn.Gait(math.radians(70), math.radians(75), math.tau * 0.5)
-SERVO = Servo(2.3, 0.06, 0.39, 7.0, 0.004, armature_kg_m2=2e-3, gear_friction_nm=0.014,
-              gear_damping_nms_rad=0.005, update_hz=50.0, supply_sag=0.04)  # fmt: skip
+SERVO = Servo(
+    2.3,
+    0.06,
+    0.39,
+    7.0,
+    0.004,
+    armature_kg_m2=2e-3,
+    gear_friction_nm=0.014,
+    gear_damping_nms_rad=0.005,
+    update_hz=50.0,
+    supply_sag=0.04,
+)
 STILL = [0.3, -0.2, 0.1, 0.4, -0.3]
 
 
@@ -39,11 +49,21 @@ def swing(frames: int) -> np.ndarray:
 
 def full_speed(servo: Servo, cycles: int, keep: int, ground=EACH, gait=GAIT) -> float:
     """Return the mean speed of the last cycles by the event-driven simulation."""
-    run = sn.simulate(sn.Scene(
-        BODY, ground, gait, drive="servo", servo=servo, method="nonsmooth", start="zero_momentum",
-        dt_s=gait.period_s / 100, duration_s=cycles * gait.period_s, record_every=100,
-        tolerance=1e-6,
-    ))  # fmt: skip
+    run = sn.simulate(
+        sn.Scene(
+            BODY,
+            ground,
+            gait,
+            drive="servo",
+            servo=servo,
+            method="nonsmooth",
+            start="zero_momentum",
+            dt_s=gait.period_s / 100,
+            duration_s=cycles * gait.period_s,
+            record_every=100,
+            tolerance=1e-6,
+        )
+    )
     x, y = run.x_m.mean(1)[-1 - keep :], run.y_m.mean(1)[-1 - keep :]
     return float(np.hypot(np.diff(x), np.diff(y)).mean()) / gait.period_s
 
@@ -109,9 +129,16 @@ def test_it_crawls_on_ratchets_as_fast_as_the_event_driven_simulation() -> None:
 def test_a_servo_that_runs_free_turns_as_fast_as_its_motors_line_says() -> None:
     """Full duty, no load: torque and gear balance at a supply that sags under the current."""
     servo = Servo(
-        5.0, 0.0, 0.39, 7.0, 0.0, armature_kg_m2=0.02, gear_friction_nm=0.05,
-        gear_damping_nms_rad=0.03, supply_sag=0.5,
-    )  # fmt: skip
+        5.0,
+        0.0,
+        0.39,
+        7.0,
+        0.0,
+        armature_kg_m2=0.02,
+        gear_friction_nm=0.05,
+        gear_damping_nms_rad=0.03,
+        supply_sag=0.5,
+    )
     rows = np.array([[0.0] * 7 + [1.0]] * 2)
     pair = _core.DrivenChain(0.0756, 0.076, BODY.inertia_kg_m2, rows, core_servo(servo))
     pair.place(0.0, [0.0])

@@ -118,6 +118,8 @@ def test_coasts_lose_to_joint_errors_what_wheels_across_take():
         Floor(ROBOT.drawn(np.random.default_rng(s), math.radians(1.0))).push(STRAIGHT, Push(0.9))
         for s in range(12)
     ]
-    lost = 1 - np.mean([np.hypot(w.x_m[-1], w.y_m[-1]) for w in ways]) / coast(
-        0.9, *drag(0.0), MASS)[1]  # fmt: skip
+    lost = (
+        1
+        - np.mean([np.hypot(w.x_m[-1], w.y_m[-1]) for w in ways]) / coast(0.9, *drag(0.0), MASS)[1]
+    )
     assert 0.0 < lost < 0.05

@@ -15,8 +15,17 @@ N, MASS, LENGTH = 6, 0.0756, 0.076
 WHOLE = (0.084, 1.2, 0.14, 0.27)
 ZIGZAG, BALANCED = (1, -1, 1, -1, 1, -1), (1, -1, 0, 0, -1, 1)
 # Signs that read the same from both ends and add up to nothing.
-HELD = {4: "+--+", 5: "+-0-+", 6: "+-00-+", 7: "+0-0-0+", 8: "+--++--+", 9: "+--+0+--+",
-        10: "+--+00+--+", 11: "+-+-000-+-+", 12: "+--++--++--+"}  # fmt: skip
+HELD = {
+    4: "+--+",
+    5: "+-0-+",
+    6: "+-00-+",
+    7: "+0-0-0+",
+    8: "+--++--+",
+    9: "+--+0+--+",
+    10: "+--+00+--+",
+    11: "+-+-000-+-+",
+    12: "+--++--++--+",
+}
 SIGN = {"+": 1, "-": -1, "0": 0}
 
 
@@ -106,9 +115,13 @@ def test_three_links_have_no_balanced_bend():
 
 @pytest.mark.parametrize(
     ("signs", "bend", "gamma", "joint_deg", "turned", "sideways"),
-    [((0,) * 6, 0, 2.4, 0.3, (0.7, 3, 7), 0.08), ((0,) * 6, 0, 2.4, 1.0, (2, 10, 21), 0.2),
-     (BALANCED, 7.5, 2.8, 0.3, (1.4, 7, 13), 0.2), (BALANCED, 7.5, 2.8, 1.0, (3, 13, 20), 0.3)],
-)  # fmt: skip
+    [
+        ((0,) * 6, 0, 2.4, 0.3, (0.7, 3, 7), 0.08),
+        ((0,) * 6, 0, 2.4, 1.0, (2, 10, 21), 0.2),
+        (BALANCED, 7.5, 2.8, 0.3, (1.4, 7, 13), 0.2),
+        (BALANCED, 7.5, 2.8, 1.0, (3, 13, 20), 0.3),
+    ],
+)
 def test_joints_that_stand_off_turn_the_robot(signs, bend, gamma, joint_deg, turned, sideways):
     """rms over robots; others had 12, of one draw: 21 % of scatter, twice that is allowed.
 
@@ -144,10 +157,21 @@ def test_the_simulator_moves_the_same_robot_the_same_way(signs):
     body = sn.Robot(N, MASS, LENGTH)
     start = sn.LinkState.joined(body, [0, 0, *(theta - theta.mean())], [v, 0, *[0] * N])
     locked = {k + 1: float(a) for k, a in enumerate(np.diff(theta))}
-    run = sn.simulate(sn.Scene(
-        body, sn.Ground.whole_body(N, *WHOLE), sn.Gait(0, 0, 1), drive="torque",
-        torque=np.zeros(N - 1), locked=locked, start=start, incline_rad=gamma,
-        incline_direction_rad=math.pi, duration_s=3.0, dt_s=0.01))  # fmt: skip
+    run = sn.simulate(
+        sn.Scene(
+            body,
+            sn.Ground.whole_body(N, *WHOLE),
+            sn.Gait(0, 0, 1),
+            drive="torque",
+            torque=np.zeros(N - 1),
+            locked=locked,
+            start=start,
+            incline_rad=gamma,
+            incline_direction_rad=math.pi,
+            duration_s=3.0,
+            dt_s=0.01,
+        )
+    )
     moved = run.centre_m[-1] - run.centre_m[0] - [v * 3.0, 0]  # the belt stands still there
     errors = []
     for h in (0.008, 0.004, 0.001):
@@ -204,8 +228,10 @@ def test_the_belts_step_is_short_enough():
 
 def test_left_and_right_are_alike():
     theta = np.array([2, -1, 0, 1, 2, -2]) * 0.05
-    one, other = placed(chain(), theta, 0.5, 0.05, heading=0.1), placed(
-        chain(), -theta, 0.5, 0.05, heading=-0.1)  # fmt: skip
+    one, other = (
+        placed(chain(), theta, 0.5, 0.05, heading=0.1),
+        placed(chain(), -theta, 0.5, 0.05, heading=-0.1),
+    )
     for c, way in ((one, 1), (other, -1)):
         c.aim([way * x for x in np.diff(theta) + 0.02], 0.5)
         c.advance(3.0, 0.004)

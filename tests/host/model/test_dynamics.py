@@ -39,9 +39,14 @@ def test_energy_balance(n: int, formulation: str, drive: str) -> None:
     imposed = rng.normal(size=n - 1)
     how = sn.TorqueDrive(imposed) if drive == "torque" else sn.AngleDrive(imposed)
     a = sn.acceleration(
-        robot, ground, state, drive=how, formulation=formulation,
-        joint_stiffness_n_m=K_N_M, joint_damping_n_s_m=C_N_S_M,
-    )  # fmt: skip
+        robot,
+        ground,
+        state,
+        drive=how,
+        formulation=formulation,
+        joint_stiffness_n_m=K_N_M,
+        joint_damping_n_s_m=C_N_S_M,
+    )
     m, inertia, half = robot.link_mass_kg, robot.link_inertia_kg_m2, robot.link_length_m / 2
     terms = [
         m * (state.vx_m_s * a.ax_m_s2 + state.vy_m_s * a.ay_m_s2),
@@ -99,9 +104,14 @@ def test_implicit_is_the_dense_solution(n: int, drive: str) -> None:
     truth = solve(p, spring, pose, rates, imposed)
     how = sn.TorqueDrive(imposed) if drive == "torque" else sn.AngleDrive(imposed)
     a = sn.acceleration(
-        robot, ground, state, drive=how, formulation="implicit",
-        joint_stiffness_n_m=K_N_M, joint_damping_n_s_m=C_N_S_M,
-    )  # fmt: skip
+        robot,
+        ground,
+        state,
+        drive=how,
+        formulation="implicit",
+        joint_stiffness_n_m=K_N_M,
+        joint_damping_n_s_m=C_N_S_M,
+    )
     np.testing.assert_allclose(a.alpha_rad_s2, truth.theta_ddot, rtol=1e-10, atol=1e-9)
     np.testing.assert_allclose(a.ax_m_s2, truth.accel_m_s2[:, 0], rtol=1e-10, atol=1e-9)
     scale = abs(truth.torque_n_m).max()

@@ -32,9 +32,15 @@ def test_one_gain_for_all_is_amplitude_and_one_shift_is_nothing(robot, ground) -
 def test_the_solved_state_is_where_a_run_stays(robot, ground, method, rel) -> None:
     found = sn.steady_gait(robot, ground, OWN)
     scene = sn.Scene(
-        robot, ground, OWN, start="steady", method=method, dt_s=OWN.period_s / 800,
-        duration_s=OWN.period_s, record_every=800,
-    )  # fmt: skip
+        robot,
+        ground,
+        OWN,
+        start="steady",
+        method=method,
+        dt_s=OWN.period_s / 800,
+        duration_s=OWN.period_s,
+        record_every=800,
+    )
     run = sn.simulate(scene)
     way = np.hypot(*(np.ptp(v.mean(axis=1)[[0, -1]]) for v in (run.x_m, run.y_m)))
     assert way / OWN.period_s == pytest.approx(found.speed_m_s, rel=rel)
@@ -57,6 +63,10 @@ def test_refusals() -> None:
         replace(GAIT, joint_gain=(3.0,))
     with pytest.raises(sn.BadInput, match="has 2 values"):
         sn.Scene(
-            PAPER, VISCOUS, replace(GAIT, joint_gain=(1.0, 1.0)), method="rk4", dt_s=1e-3,
+            PAPER,
+            VISCOUS,
+            replace(GAIT, joint_gain=(1.0, 1.0)),
+            method="rk4",
+            dt_s=1e-3,
             duration_s=1.0,
-        )  # fmt: skip
+        )

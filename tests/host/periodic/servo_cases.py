@@ -19,19 +19,27 @@ def drawn_case(seed: int) -> tuple[sn.Robot, sn.Ground, sn.Gait, sn.Servo]:
     links, mass, length = int(rng.integers(4, 9)), about(0.08, 1.6), about(0.08, 1.3)
     dry = mass * 9.81
     ground = sn.Ground(
-        about(0.014, 2), about(0.3, 2), dry * about(0.03, 1.6) * (rng.random() < 0.9),
+        about(0.014, 2),
+        about(0.3, 2),
+        dry * about(0.03, 1.6) * (rng.random() < 0.9),
         dry * about(0.1, 2) * (rng.random() < 0.95),
-    )  # fmt: skip
+    )
     alpha, beta = math.radians(rng.uniform(20, 80)), math.radians(rng.uniform(40, 110))
     gait = sn.Gait(alpha, beta, math.tau * 0.2 * 10 ** rng.uniform(0, 1))
     torque, speed = about(0.4, 1.6) * mass * links * length / 0.036, about(8.0, 1.3)
     line = torque / speed
     servo = sn.Servo(
-        torque / about(0.17, 1.6), line * (1 + rng.random()), torque, speed,
-        rng.uniform(0, 0.015), about(0.04, 1.6) * line * (rng.random() < 0.8),
-        torque * about(0.04, 2) * (rng.random() < 0.8), 0.2 * line * rng.random(),
-        float(rng.choice([0, 50, 300])), 0.08 * rng.random(),
-    )  # fmt: skip
+        torque / about(0.17, 1.6),
+        line * (1 + rng.random()),
+        torque,
+        speed,
+        rng.uniform(0, 0.015),
+        about(0.04, 1.6) * line * (rng.random() < 0.8),
+        torque * about(0.04, 2) * (rng.random() < 0.8),
+        0.2 * line * rng.random(),
+        float(rng.choice([0, 50, 300])),
+        0.08 * rng.random(),
+    )
     return sn.Robot(links, mass, length), ground, gait, servo
 
 
@@ -57,11 +65,19 @@ def full_speeds(
     rough = not ground.smooth or servo.gear_friction_nm > 0
     run = sn.simulate(
         sn.Scene(
-            robot, ground, gait, drive="servo", servo=servo, start=start, tolerance=1e-6,
-            method="nonsmooth" if rough else "dop853", dt_s=gait.period_s / 200,
-            duration_s=(settle + keep) * gait.period_s, record_every=1,
+            robot,
+            ground,
+            gait,
+            drive="servo",
+            servo=servo,
+            start=start,
+            tolerance=1e-6,
+            method="nonsmooth" if rough else "dop853",
+            dt_s=gait.period_s / 200,
+            duration_s=(settle + keep) * gait.period_s,
+            record_every=1,
         )
-    )  # fmt: skip
+    )
     speeds = np.array([mean_speed(run, settle + k) for k in range(keep)])
     half = keep // 2
     return speeds, float(speeds[half:].mean() - speeds[:half].mean())

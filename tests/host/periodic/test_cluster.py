@@ -50,9 +50,13 @@ def same(one: sn.Sweep, other: sn.Sweep) -> bool:
 def test_a_cluster_gives_the_same_bits(local: Any, robot: sn.Robot, ground: sn.Ground) -> None:
     done: list[int] = []
     there = sn.sweep(
-        robot, [ground, VISCOUS], **AXES, rtol=1e-4, scheduler=local.scheduler_address,
+        robot,
+        [ground, VISCOUS],
+        **AXES,
+        rtol=1e-4,
+        scheduler=local.scheduler_address,
         progress=done.append,
-    )  # fmt: skip
+    )
     assert sum(done) == 108
     assert len(done) > 2  # told piece by piece
     assert same(there, sn.sweep(robot, [ground, VISCOUS], **AXES, rtol=1e-4))
@@ -94,8 +98,11 @@ def test_an_interrupted_study_is_gone_on_with(local: Any, tmp_path: Path, monkey
         sn.sweep_study(robots, VISCOUS, **options, scheduler=local.scheduler_address, progress=stop)
     begun = sn.load_study(tmp_path / "study")
     assert 1 <= len(begun.chunks) - len(begun.missing) < len(begun.chunks) == 8
-    kept = {begun.path(c): begun.path(c).stat().st_mtime_ns
-            for c in begun.chunks if c not in begun.missing}  # fmt: skip
+    kept = {
+        begun.path(c): begun.path(c).stat().st_mtime_ns
+        for c in begun.chunks
+        if c not in begun.missing
+    }
     told.clear()
     study = sn.sweep_study(
         robots, VISCOUS, **options, scheduler=local.scheduler_address, progress=told.append
@@ -157,9 +164,19 @@ def _processes() -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Give a scheduler of its own process and its address; a worker is at it."""
     dask = [sys.executable, "-m"]
     scheduler = subprocess.Popen(
-        [*dask, "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
-         "--no-dashboard"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        [
+            *dask,
+            "distributed.cli.dask_scheduler",
+            "--host",
+            "127.0.0.1",
+            "--port",
+            "0",
+            "--no-dashboard",
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     worker = None
     try:
         assert scheduler.stderr is not None

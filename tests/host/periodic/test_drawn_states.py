@@ -14,14 +14,26 @@ from serpenoid.periodic.servo_steady import drawn_servo_speeds, servo_speed, ser
 
 # robot, ground, gait and kind of servo: dry, at the cliff (some draws stick, some run), viscous
 CASES = {
-    "dry": (sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2, 0.0233, 0.045),
-            sn.Gait(1.22, 1.31, math.pi), "hobby"),
-    "dry, few links": (sn.Robot(3, 0.08, 0.07), sn.Ground(0.03, 0.5, 0.02, 0.12),
-                       sn.Gait(1.0, 1.1, 3.0), "XL-330"),
-    "cliff": (sn.Robot(6, 0.0756, 0.076), sn.Ground(0.014, 0.2, 0.0233, 0.045),
-              sn.Gait(0.7, 1.05, math.pi), "hobby"),
+    "dry": (
+        sn.Robot(6, 0.0756, 0.076),
+        sn.Ground(0.014, 0.2, 0.0233, 0.045),
+        sn.Gait(1.22, 1.31, math.pi),
+        "hobby",
+    ),
+    "dry, few links": (
+        sn.Robot(3, 0.08, 0.07),
+        sn.Ground(0.03, 0.5, 0.02, 0.12),
+        sn.Gait(1.0, 1.1, 3.0),
+        "XL-330",
+    ),
+    "cliff": (
+        sn.Robot(6, 0.0756, 0.076),
+        sn.Ground(0.014, 0.2, 0.0233, 0.045),
+        sn.Gait(0.7, 1.05, math.pi),
+        "hobby",
+    ),
     "viscous": (sn.Robot(5, 0.06, 0.06), sn.Ground(0.04, 0.8), sn.Gait(0.9, 1.1, 4.0), "MG996R"),
-}  # fmt: skip
+}
 
 
 def drawn(name: str, count: int = 48) -> tuple:

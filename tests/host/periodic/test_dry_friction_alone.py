@@ -31,9 +31,16 @@ def test_a_run_in_time_stays_in_the_state(case: tuple) -> None:
     robot, ground, gait = parts(case)
     s = sn.steady_gait(robot, ground, gait, rtol=1e-5, powers=False)
     scene = sn.Scene(
-        robot, ground, gait, start="steady", method="nonsmooth", tolerance=1e-9, record_every=1,
-        dt_s=gait.period_s, duration_s=gait.period_s,
-    )  # fmt: skip
+        robot,
+        ground,
+        gait,
+        start="steady",
+        method="nonsmooth",
+        tolerance=1e-9,
+        record_every=1,
+        dt_s=gait.period_s,
+        duration_s=gait.period_s,
+    )
     run = sn.simulate(scene)
     way = math.hypot(*(run.centre_m[-1] - run.centre_m[0]))
     assert way / gait.period_s == pytest.approx(s.speed_m_s, rel=3e-5)

@@ -93,8 +93,10 @@ def test_rates_in_any_order_and_twice() -> None:
     truth = sn.sweep(PAPER, VISCOUS, omega_rad_s=sorted(set(rates)), rtol=1e-11, **shape)
     at = np.searchsorted(truth.omega_rad_s, rates)
     assert found.converged.all()
-    for name, claim in (("speed_m_s", found.error_estimate * found.speed_m_s),
-                        ("positive_power_w", found.positive_power_error_w)):  # fmt: skip
+    for name, claim in (
+        ("speed_m_s", found.error_estimate * found.speed_m_s),
+        ("positive_power_w", found.positive_power_error_w),
+    ):
         true = getattr(truth, name)[..., at]
         assert (abs(getattr(found, name) - true) <= 3 * claim + 1e-10 * true).all()
 

@@ -43,10 +43,12 @@ def total(found: Sensitivities, powers: dict[str, float], quantity: str) -> floa
 
 @pytest.mark.parametrize(
     ("unit", "speed", "power"),
-    [({"ct": 1, "cn": 1, "ft0": 1, "fn0": 1, "link_mass": 1, "link_inertia": 1}, 0, 1),  # kg
-     ({"omega": -1, "ct": -1, "cn": -1, "ft0": -2, "fn0": -2}, -1, -3),  # s
-     ({"link_length": 1, "link_inertia": 2, "ft0": 1, "fn0": 1}, 1, 2)],  # m
-)  # fmt: skip
+    [
+        ({"ct": 1, "cn": 1, "ft0": 1, "fn0": 1, "link_mass": 1, "link_inertia": 1}, 0, 1),  # kg
+        ({"omega": -1, "ct": -1, "cn": -1, "ft0": -2, "fn0": -2}, -1, -3),  # s
+        ({"link_length": 1, "link_inertia": 2, "ft0": 1, "fn0": 1}, 1, 2),
+    ],  # m
+)
 def test_a_change_of_unit_changes_what_its_dimension_says(found, unit, speed, power) -> None:
     for quantity, exponent in zip(QUANTITIES[:3], (speed, power, power), strict=True):
         assert total(found, unit, quantity) == pytest.approx(exponent, abs=2e-3)
@@ -84,8 +86,10 @@ def elsewhere(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait, name: str) -> n
     step = 3e-4 * max(abs(value), 1.0 if name.endswith("_rad") else 0.0)
 
     def at(k: int) -> np.ndarray:
-        moved = [replace(p, **{name: value + k * step}) if p is part else p
-                 for p in (robot, ground, gait)]  # fmt: skip
+        moved = [
+            replace(p, **{name: value + k * step}) if p is part else p
+            for p in (robot, ground, gait)
+        ]
         s = sn.steady_gait(*moved, rtol=1e-7)  # type: ignore[arg-type]
         return np.array([getattr(s, quantity) for quantity in QUANTITIES])
 
@@ -147,8 +151,17 @@ def alter_states(monkeypatch, change) -> None:
     from serpenoid.periodic import sensitivities as module
 
     real = module._core.neighbours
-    fields = ("speed", "power", "positive_power", "turn", "converged", "speed_error",
-              "power_error", "positive_power_error", "turn_error")  # fmt: skip
+    fields = (
+        "speed",
+        "power",
+        "positive_power",
+        "turn",
+        "converged",
+        "speed_error",
+        "power_error",
+        "positive_power_error",
+        "turn_error",
+    )
 
     def altered(*given):
         states = real(*given)

@@ -49,18 +49,32 @@ def test_a_creeping_robot_has_an_honest_error() -> None:
 def test_what_a_servo_makes_of_each_joint_is_what_the_full_simulation_shows() -> None:
     """A motor near its limits: the middle joint lags 12 degrees more than the mean one."""
     weak = Servo(
-        stiffness_nm_rad=0.346, damping_nms_rad=0.0161, torque_limit_nm=0.0997,
-        speed_limit_rad_s=6.21, dead_band_rad=0.007, armature_kg_m2=4.2e-4,
-        gear_friction_nm=0.003, gear_damping_nms_rad=4.8e-4, supply_sag=0.04,
-    )  # fmt: skip
+        stiffness_nm_rad=0.346,
+        damping_nms_rad=0.0161,
+        torque_limit_nm=0.0997,
+        speed_limit_rad_s=6.21,
+        dead_band_rad=0.007,
+        armature_kg_m2=4.2e-4,
+        gear_friction_nm=0.003,
+        gear_damping_nms_rad=4.8e-4,
+        supply_sag=0.04,
+    )
     gait = sn.Gait(math.radians(70), math.radians(60), math.tau * 0.8)
     ideal = sn.steady_gait(ROBOT, GROUND, gait, rtol=1e-4)
     made = as_made(gait, servo_state(ideal, weak))
     period = gait.period_s
-    run = sn.simulate(sn.Scene(
-        ROBOT, GROUND, gait, drive="servo", servo=weak, duration_s=12 * period, dt_s=period / 50,
-        tolerance=1e-5,
-    ))  # fmt: skip
+    run = sn.simulate(
+        sn.Scene(
+            ROBOT,
+            GROUND,
+            gait,
+            drive="servo",
+            servo=weak,
+            duration_s=12 * period,
+            dt_s=period / 50,
+            tolerance=1e-5,
+        )
+    )
     late = run.t_s > 4 * period - 1e-9
     joints = np.diff(run.theta_rad, axis=1)[late][:-1]
     wave = 2 * np.exp(-1j * gait.omega_rad_s * run.t_s[late][:-1]) @ joints / len(joints)
@@ -155,9 +169,19 @@ def test_the_power_is_what_the_full_simulation_gives_the_joints() -> None:
     found = sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, servo=servo)
     scene = sn.Scene(ROBOT, GROUND, GAIT, start="steady")
     run = sn.simulate(
-        sn.Scene(ROBOT, GROUND, GAIT, drive="servo", servo=servo, start=start_state(scene),
-                 duration_s=6.0, method="nonsmooth", dt_s=0.02, record=("energy",))
-    )  # fmt: skip
+        sn.Scene(
+            ROBOT,
+            GROUND,
+            GAIT,
+            drive="servo",
+            servo=servo,
+            start=start_state(scene),
+            duration_s=6.0,
+            method="nonsmooth",
+            dt_s=0.02,
+            record=("energy",),
+        )
+    )
     work, late = run.energy_j[:, 3], np.searchsorted(run.t_s, 2.0 - 1e-9)
     full = (work[-1] - work[late]) / (run.t_s[-1] - run.t_s[late])
     assert found.power_w == pytest.approx(full, rel=0.01)

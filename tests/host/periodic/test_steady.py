@@ -103,11 +103,16 @@ def test_a_run_in_time_settles_to_it(ground: sn.Ground) -> None:
     cycles = math.ceil(12 * s.settling_time_s / gait.period_s) + 2
     run = sn.simulate(
         sn.Scene(
-            OF_2005, ground, gait, method="nonsmooth" if ground.dry else "rk4",
-            dt_s=gait.period_s / 400, duration_s=cycles * gait.period_s, record_every=400,
+            OF_2005,
+            ground,
+            gait,
+            method="nonsmooth" if ground.dry else "rk4",
+            dt_s=gait.period_s / 400,
+            duration_s=cycles * gait.period_s,
+            record_every=400,
             start="zero_momentum",
         )
-    )  # fmt: skip
+    )
     x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     speeds = np.hypot(np.diff(x), np.diff(y)) / gait.period_s
     # exp(-12) = 6e-6 of the start is left, and RK4 at 400 steps a period errs by 1e-8
@@ -120,9 +125,16 @@ def test_net_power_is_what_the_joints_put_in() -> None:
     gait = gait_deg(30, 80, 5)
     s = sn.steady_gait(PAPER, VISCOUS, gait)
     run = sn.simulate(
-        sn.Scene(PAPER, VISCOUS, gait, start="steady", dt_s=gait.period_s / 2000,
-                 duration_s=gait.period_s, record=("joints",))
-    )  # fmt: skip
+        sn.Scene(
+            PAPER,
+            VISCOUS,
+            gait,
+            start="steady",
+            dt_s=gait.period_s / 2000,
+            duration_s=gait.period_s,
+            record=("joints",),
+        )
+    )
     power = -run.joint_torque_nm * np.diff(run.omega_rad_s, axis=1)
     assert power[:-1].sum(axis=1).mean() == pytest.approx(s.power_w, rel=1e-8)
     # |P| has corners: the mean over 2000 points errs by the square of their distance
@@ -277,9 +289,17 @@ def test_the_derivative_of_a_dry_cycle_is_that_of_runs_beside_it() -> None:
     slowest = abs(s.floquet_multipliers[0])
     assert slowest == pytest.approx(math.exp(-gait.period_s / s.settling_time_s), rel=1e-9)
     run = sn.simulate(
-        sn.Scene(OF_2005, BINGHAM, gait, method="nonsmooth", tolerance=1e-8, start="zero_momentum",
-                 dt_s=gait.period_s, duration_s=9 * gait.period_s)
-    )  # fmt: skip
+        sn.Scene(
+            OF_2005,
+            BINGHAM,
+            gait,
+            method="nonsmooth",
+            tolerance=1e-8,
+            start="zero_momentum",
+            dt_s=gait.period_s,
+            duration_s=9 * gait.period_s,
+        )
+    )
     spin = run.omega_rad_s[:, 0] - run.omega_rad_s[-1, 0]
     seen = spin[2:6] / spin[1:5]
     assert seen[-1] == pytest.approx(slowest, rel=0.03)
@@ -342,9 +362,16 @@ def test_the_path_of_a_turning_gait_hangs_on_no_phase() -> None:
     assert straight.chord_m_s == straight.speed_m_s
     period = left.gait.period_s
     run = sn.simulate(
-        sn.Scene(robot, ground, left.gait, start="steady", method="dop853",
-                 dt_s=period / 64, duration_s=40 * period)
-    )  # fmt: skip
+        sn.Scene(
+            robot,
+            ground,
+            left.gait,
+            start="steady",
+            method="dop853",
+            dt_s=period / 64,
+            duration_s=40 * period,
+        )
+    )
     # the mean place over whole cycles goes round the circle: measured from 64 x 40 places
     place = (run.x_m.mean(axis=1) + 1j * run.y_m.mean(axis=1))[:-1].reshape(40, 64)
     turned = np.exp(1j * left.turn_rad_per_cycle * np.arange(40))

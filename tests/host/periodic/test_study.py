@@ -51,10 +51,25 @@ def test_vary_is_a_study_of_designs(tmp_path: Path) -> None:
     out = tmp_path / "designs"
     done = CliRunner().invoke(
         command,
-        ["--robot", "paper", "--vary", "links=3:4:1", "--vary", "length_m=0.1:0.2:0.1", "--vary",
-         "cn=5:10:5", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5", "--out",
-         str(out)],
-    )  # fmt: skip
+        [
+            "--robot",
+            "paper",
+            "--vary",
+            "links=3:4:1",
+            "--vary",
+            "length_m=0.1:0.2:0.1",
+            "--vary",
+            "cn=5:10:5",
+            "--alpha-deg",
+            "30",
+            "--beta-deg",
+            "80",
+            "--omega-rad-s",
+            "5",
+            "--out",
+            str(out),
+        ],
+    )
     assert done.exit_code == 0, done.output
     study = sn.load_study(out)
     assert study.grid.robots == tuple(sn.Robot(n, 1.0, L) for n in (3, 4) for L in (0.1, 0.2))

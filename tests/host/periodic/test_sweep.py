@@ -15,8 +15,17 @@ PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
 BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GRID = {"alpha_rad": [0.4, 0.9, 1.2], "beta_rad": [0.5, 1.3], "omega_rad_s": [1.0, 5.0, 9.0]}
-NAMES = ("speed_m_s", "power_w", "abs_power_w", "positive_power_w", "error_estimate",
-         "settling_time_s", "power_error_w", "positive_power_error_w", "converged")  # fmt: skip
+NAMES = (
+    "speed_m_s",
+    "power_w",
+    "abs_power_w",
+    "positive_power_w",
+    "error_estimate",
+    "settling_time_s",
+    "power_error_w",
+    "positive_power_error_w",
+    "converged",
+)
 
 
 @pytest.mark.parametrize(("robot", "ground"), [(PAPER, VISCOUS), (OF_2005, BINGHAM)])

@@ -82,9 +82,11 @@ def test_a_live_table_where_there_is_one(monkeypatch):
 def test_ctrl_c_stops_the_robot_and_sums_up(duration, status):
     with FakeBoard(pace=time.monotonic) as fake:
         run = subprocess.Popen(
-            [sys.executable, "-m", "serpenoid", "drive", *GAIT, *duration,
-             "--port", fake.port], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            [sys.executable, "-m", "serpenoid", "drive", *GAIT, *duration, "--port", fake.port],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         assert run.stdout is not None
         assert "gait" in run.stdout.readline()
         run.send_signal(signal.SIGINT)

@@ -123,10 +123,15 @@ def test_the_command_line_refuses_them_too(serpenoid, option):
 
 @pytest.mark.parametrize(
     "key",
-    [".".join("a" * 30_000), " . ".join(["'a b'"] * 300), ".".join("1" * 30_000),
-     f"[{'.'.join('a' * 100)}]\nx", f"x = {{{'.'.join('a' * 100)}"],
+    [
+        ".".join("a" * 30_000),
+        " . ".join(["'a b'"] * 300),
+        ".".join("1" * 30_000),
+        f"[{'.'.join('a' * 100)}]\nx",
+        f"x = {{{'.'.join('a' * 100)}",
+    ],
     ids=["bare", "quoted", "digits", "table", "inline"],
-)  # fmt: skip
+)
 def test_a_key_of_very_many_parts_is_refused_before_it_is_parsed(tmp_path, key):
     path = tmp_path / "scene.toml"
     path.write_text(f"format = 1\n{key} = 1\n")

@@ -39,9 +39,19 @@ def pressed(monkeypatch: pytest.MonkeyPatch, *parts: bytes) -> list[str]:
 
 def test_every_key_has_one_name(monkeypatch):
     assert pressed(monkeypatch, b"a\x1b[A\x1b[B!\r", b"\x1b[5~\x1b[6~\x1bOC\x1b[D\x7fz") == [
-        "a", "up", "down", "!", "enter", "page up", "page down", "right", "left", "backspace", "z",
+        "a",
+        "up",
+        "down",
+        "!",
+        "enter",
+        "page up",
+        "page down",
+        "right",
+        "left",
+        "backspace",
+        "z",
         "end",
-    ]  # fmt: skip
+    ]
 
 
 def test_a_lone_escape_does_not_wait_for_ever(monkeypatch):
@@ -286,8 +296,12 @@ def test_another_protocol_ends_the_monitor(serpenoid, monkeypatch):
 def test_monitor_without_a_screen_or_keys(closed):
     run = subprocess.run(
         ["sh", "-c", f"{sys.executable} -m serpenoid monitor --port virtual {closed}"],
-        input="status\n", capture_output=True, text=True, timeout=LONG_S, check=False,
-    )  # fmt: skip
+        input="status\n",
+        capture_output=True,
+        text=True,
+        timeout=LONG_S,
+        check=False,
+    )
     assert (run.returncode, run.stderr) == (0, "")
 
 
@@ -295,8 +309,11 @@ def test_monitor_whose_reader_goes_away_stops_the_robot():
     with FakeBoard() as fake:
         child = subprocess.Popen(
             [sys.executable, "-m", "serpenoid", "monitor", "--all", "--port", fake.port],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         assert child.stdin is not None
         assert child.stdout is not None
         child.stdin.write("gait 30 80 5\n")
@@ -311,8 +328,12 @@ def test_monitor_whose_reader_goes_away_stops_the_robot():
 def test_monitor_from_a_pipe(any_live_port):
     run = subprocess.run(
         [sys.executable, "-m", "serpenoid", "monitor", "--port", any_live_port],
-        input="status\nfoo\n", capture_output=True, text=True, timeout=LONG_S, check=True,
-    )  # fmt: skip
+        input="status\nfoo\n",
+        capture_output=True,
+        text=True,
+        timeout=LONG_S,
+        check=True,
+    )
     assert "counters: good=2" in run.stdout
     assert "err: #2 command - no such command; type help" in run.stdout
     assert "\x1b" not in run.stdout
@@ -322,8 +343,12 @@ def test_monitor_from_a_pipe(any_live_port):
 def test_a_stop_typed_before_the_greeting_leaves_nothing_to_wait_for(any_live_port, typed):
     run = subprocess.run(
         [sys.executable, "-m", "serpenoid", "monitor", "--port", any_live_port],
-        input=typed, capture_output=True, text=True, timeout=LONG_S, check=True,
-    )  # fmt: skip
+        input=typed,
+        capture_output=True,
+        text=True,
+        timeout=LONG_S,
+        check=True,
+    )
     assert "ok: #!" in run.stdout
 
 

@@ -55,8 +55,11 @@ def test_two_programs_cannot_have_one_port_and_the_first_does_not_notice():
             pass
         other = subprocess.run(
             [sys.executable, "-c", OPENING, fake.port],
-            capture_output=True, text=True, timeout=LONG_S, check=False,
-        )  # fmt: skip
+            capture_output=True,
+            text=True,
+            timeout=LONG_S,
+            check=False,
+        )
         assert f"PortBusy: {fake.port} is in use by " in other.stderr
         assert f"(process {os.getpid()})" in other.stderr
         assert robot.status().boot == boot

@@ -59,8 +59,17 @@ def test_nothing_is_wrong_with_the_virtual_board(serpenoid, port):
     answer = json.loads(said)
     assert (status, answer["well"]) == (0, True)
     names = [f["name"] for f in answer["findings"]]
-    assert names == ["pyserial", "port", "greeting", "protocol", "settings", "counters", "timing",
-                     "clock", "platformio"]  # fmt: skip
+    assert names == [
+        "pyserial",
+        "port",
+        "greeting",
+        "protocol",
+        "settings",
+        "counters",
+        "timing",
+        "clock",
+        "platformio",
+    ]
 
 
 @pytest.mark.avr
@@ -198,8 +207,10 @@ def test_without_pyserial(monkeypatch):
     monkeypatch.setattr(doctor, "find_spec", lambda name: None if name == "serial" else real(name))
     found = list(doctor.examine("virtual", **FAST))
     assert (found[0].name, found[0].mark, found[0].fix) == (
-        "pyserial", "fix", "pip install pyserial",
-    )  # fmt: skip
+        "pyserial",
+        "fix",
+        "pip install pyserial",
+    )
     assert [f.name for f in found] == ["pyserial", "platformio"]
 
 

@@ -28,7 +28,14 @@ def test_every_line_of_a_session_is_understood():
     messages = [protocol.parse(line) for line in board.read().splitlines() if line]
     verdicts = [m for m in messages if isinstance(m, protocol.Verdict)]
     assert [(v.number, v.error) for v in verdicts] == [
-        (1, ""), (2, ""), (3, ""), (4, ""), (5, ""), (6, ""), (7, "range"), (8, "command"),
-    ]  # fmt: skip
+        (1, ""),
+        (2, ""),
+        (3, ""),
+        (4, ""),
+        (5, ""),
+        (6, ""),
+        (7, "range"),
+        (8, "command"),
+    ]
     assert messages[-1].state == "gait"
     assert sum(isinstance(m, protocol.Hello) for m in messages) == 2

@@ -59,8 +59,12 @@ def test_a_servo_does_what_its_sheet_says(row: list[str]) -> None:
 
 def test_identified_servos_have_the_motors_line_that_was_found() -> None:
     """S / w0 = kt^2 / R of the catalogue's table, in N m s/rad, and its time constant."""
-    found = {"XL-320": (0.0274, 41), "XL-330": (0.0391, 51), "STS3215": (0.559, 47),
-             "MX-64": (0.667, 18)}  # fmt: skip
+    found = {
+        "XL-320": (0.0274, 41),
+        "XL-330": (0.0391, 51),
+        "STS3215": (0.559, 47),
+        "MX-64": (0.667, 18),
+    }
     for name, (line, ms) in found.items():
         servo = SERVOS[name].servo
         ratio = servo.torque_limit_nm / servo.speed_limit_rad_s

@@ -113,9 +113,19 @@ def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
     rows = np.column_stack([t, 0 * t, 0 * t, 0 * t, joints])
     names = ("t_s", "x_m", "y_m", "heading_rad", *(f"joint{i}_rad" for i in range(1, 6)))
     film = FilmReading(
-        99, GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, 0.08, 0.05, 0.0, 0.02, "1,1,1,1,1",
-        "0,0,0,0,0", "cd" * 32, track=Track.of(names, rows),
-    )  # fmt: skip
+        99,
+        GAIT.alpha_rad,
+        GAIT.beta_rad,
+        GAIT.omega_rad_s,
+        0.08,
+        0.05,
+        0.0,
+        0.02,
+        "1,1,1,1,1",
+        "0,0,0,0,0",
+        "cd" * 32,
+        track=Track.of(names, rows),
+    )
     both = sn.ServoKind("both", HEAVY, drawn=(HEAVY, LIGHT))
     found = servo_of_session(session.with_reading(VIDEO, film), both, fit, draws=16)
     assert set(found.kind.drawn) == {LIGHT}
@@ -129,9 +139,12 @@ def test_a_film_of_240_pictures_a_second_from_pixels(tmp_path: Path) -> None:
     quick = replace(GAIT, omega_rad_s=math.tau)
     run = driven(ROBOT, WHOLE, quick, LIGHT, 2.3, 4.0)
     centre = np.cumsum(
-        np.pad(0.038 * (np.exp(1j * run.theta_rad[:, 1:]) + np.exp(1j * run.theta_rad[:, :-1])),
-               ((0, 0), (1, 0))), axis=1,
-    )  # fmt: skip
+        np.pad(
+            0.038 * (np.exp(1j * run.theta_rad[:, 1:]) + np.exp(1j * run.theta_rad[:, :-1])),
+            ((0, 0), (1, 0)),
+        ),
+        axis=1,
+    )
     centre += (run.middle_m - run.middle_m[0])[:, None] - centre.mean(axis=1, keepdims=True)
 
     def pose(at_s: float) -> tuple[np.ndarray, np.ndarray]:

@@ -111,9 +111,10 @@ def test_servos_far_off_need_no_fine_state(crawls, monkeypatch) -> None:
     session = replace(session, gait_runs=session.gait_runs[1:])
     solved, solve = [], from_runs.servo_state
     monkeypatch.setattr(
-        from_runs, "servo_state",
+        from_runs,
+        "servo_state",
         lambda ideal, one, rough, watch: solved.append(rough) or solve(ideal, one, rough, watch),
-    )  # fmt: skip
+    )
     found = servo_of_session(session, sn.servo(), fit, draws=24)
     few = solved.count(False)
     monkeypatch.setattr(from_runs, "_FAR", math.inf)
@@ -144,9 +145,18 @@ def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeyp
     quick = replace(GAIT, omega_rad_s=math.tau)
     gains, v = gains_of(fit, quick, slow), crawled(fit, quick, slow)
     film = FilmReading(
-        99, quick.alpha_rad, quick.beta_rad, quick.omega_rad_s, v, 0.01 * v, 0.0, 0.005,
-        ",".join(f"{g:.4f}" for g in gains), "0,0,0,0,0", "cd" * 32,
-    )  # fmt: skip
+        99,
+        quick.alpha_rad,
+        quick.beta_rad,
+        quick.omega_rad_s,
+        v,
+        0.01 * v,
+        0.0,
+        0.005,
+        ",".join(f"{g:.4f}" for g in gains),
+        "0,0,0,0,0",
+        "cd" * 32,
+    )
     with_film = load_session(session_folder()).with_reading(VIDEO, film)
     monkeypatch.setattr(session_file, "load_session", lambda _: with_film)
     out = tmp_path / "slow.toml"

@@ -43,8 +43,11 @@ def written(folder: Path, *arguments: str) -> Path:
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory) -> list[Path]:
     folder = tmp_path_factory.mktemp("pages")
-    return [written(folder, "view", "virtual"), written(folder, "report", str(SESSION)),
-            study(folder)]  # fmt: skip
+    return [
+        written(folder, "view", "virtual"),
+        written(folder, "report", str(SESSION)),
+        study(folder),
+    ]
 
 
 def state() -> dict:

@@ -43,8 +43,18 @@ def test_a_fits_picture_has_its_points_and_lines_beside(tmp_path: Path) -> None:
 
 def test_a_comparisons_picture_has_its_numbers_beside(tmp_path: Path) -> None:
     picture = tmp_path / "speeds.svg"
-    asked = ["compare", str(FOLDER_2005), "--gait", "40", "75", "2", "--samples", "20",
-             "--plot", str(picture)]  # fmt: skip
+    asked = [
+        "compare",
+        str(FOLDER_2005),
+        "--gait",
+        "40",
+        "75",
+        "2",
+        "--samples",
+        "20",
+        "--plot",
+        str(picture),
+    ]
     done = CliRunner().invoke(cli, asked)
     assert done.exit_code == 0, done.output
     rows = rows_of(tmp_path / "speeds.csv")
@@ -87,8 +97,14 @@ def test_what_to_cite_is_that_of_the_citation_file(tmp_path: Path) -> None:
     entries = citation.entries()
     assert f"name: {citation.AUTHORS.strip('{}')}\n" in words
     assert f'title: "{citation.TITLE}"' in words
-    for text in ("An Implicit Model for Snake Robot Locomotion and Gait Optimization",
-                 "IMECE2005-82742", "Nirakh", "Brennan", "Gandhi", "2005"):  # fmt: skip
+    for text in (
+        "An Implicit Model for Snake Robot Locomotion and Gait Optimization",
+        "IMECE2005-82742",
+        "Nirakh",
+        "Brennan",
+        "Gandhi",
+        "2005",
+    ):
         assert text in words
         assert text in entries
     assert entries.count("{") == entries.count("}")

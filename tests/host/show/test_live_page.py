@@ -78,8 +78,19 @@ def test_another_robot_is_refused_before_it_moves():
 
 
 def test_the_command_says_where_the_page_is(serpenoid):
-    status, said, _ = serpenoid("drive", "--port", "virtual:fast", "--alpha-deg", "60",
-                                "--beta-deg", "75", "--omega-rad-s", "3", "--duration-s", "1",
-                                "--page")  # fmt: skip
+    status, said, _ = serpenoid(
+        "drive",
+        "--port",
+        "virtual:fast",
+        "--alpha-deg",
+        "60",
+        "--beta-deg",
+        "75",
+        "--omega-rad-s",
+        "3",
+        "--duration-s",
+        "1",
+        "--page",
+    )
     assert status == 0
     assert "page: http://127.0.0.1:" in said

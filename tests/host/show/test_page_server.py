@@ -34,8 +34,11 @@ def press(name, port, token):
 def test_stop_is_heard_among_400_silent_connections_with_256_files():
     server = subprocess.Popen(
         [sys.executable, "-c", FEW_FILES],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     port, token = server.stdout.readline().split()
     silent = []
     for _ in range(400):
@@ -52,8 +55,11 @@ def test_stop_is_heard_among_400_silent_connections_with_256_files():
 def test_connections_that_break_off_print_nothing(capfd):
     at_once = struct.pack("ii", 1, 0)  # SO_LINGER: close() sends a reset
     with Page("<p>" * 200_000, lambda: None) as page:
-        for said in (b"", b"GET / HTT", f"GET /{page.token}/ HTTP/1.1\r\nHost: 127.0.0.1:"
-                     f"{page.port}\r\n\r\n".encode()):  # fmt: skip
+        for said in (
+            b"",
+            b"GET / HTT",
+            f"GET /{page.token}/ HTTP/1.1\r\nHost: 127.0.0.1:{page.port}\r\n\r\n".encode(),
+        ):
             for _ in range(10):
                 connection = socket.create_connection(("127.0.0.1", page.port), timeout=LONG_S)
                 connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, at_once)

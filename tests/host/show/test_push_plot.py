@@ -8,8 +8,17 @@ from serpenoid.calibration.session_file import load_session
 from serpenoid.show import screen
 from serpenoid.show.session.push_plot import HIGH, WIDE, push_picture
 
-NEW = ("calibrate", "new", "--defaults", "--on", "floor", "--surface", "parquet", "--mass-kg",
-       "454g")  # fmt: skip
+NEW = (
+    "calibrate",
+    "new",
+    "--defaults",
+    "--on",
+    "floor",
+    "--surface",
+    "parquet",
+    "--mass-kg",
+    "454g",
+)
 
 
 def most_mm(drawn):

@@ -84,9 +84,11 @@ def test_another_reading_changes_the_page(made):
 def test_voided_readings_remarks_and_every_kind_of_reading_are_told(made):
     run = GaitRun(40, 1.2, 1.3, 3.1, 0.1, 0.002, voided=True, comment="hit the wall")
     more = replace(
-        made, gait_runs=(run,), zeros=(ZeroReading(41, 0.002, -0.001),),
+        made,
+        gait_runs=(run,),
+        zeros=(ZeroReading(41, 0.002, -0.001),),
         bends=(BendCheck(42, 0.26, 2.6),),
-    )  # fmt: skip
+    )
     events = [
         Event("2026-01-02T03:04:05.678Z", "note", 0, "warm <room>"),
         Event("2026-01-02T03:04:06.678Z", "connect", 0, "uno, firmware 0.2.0, protocol 2"),

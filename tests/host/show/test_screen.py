@@ -23,9 +23,11 @@ def on_a_terminal(*args: object) -> bytes:
     """Return all that a command writes to a pseudo-terminal."""
     ours, theirs = pty.openpty()
     program = subprocess.Popen(
-        [sys.executable, "-m", "serpenoid", *map(str, args)], stdout=theirs, stderr=theirs,
+        [sys.executable, "-m", "serpenoid", *map(str, args)],
+        stdout=theirs,
+        stderr=theirs,
         stdin=subprocess.DEVNULL,
-    )  # fmt: skip
+    )
     os.close(theirs)
     shown = b""
     try:

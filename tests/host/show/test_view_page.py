@@ -36,8 +36,15 @@ def data(page: Path) -> dict:
 
 
 def test_a_run_is_shown_as_it_is() -> None:
-    scene = sn.Scene(sn.Robot(6, 0.0756, 0.076), GROUND, GAIT, start="steady", method="nonsmooth",
-                     dt_s=2e-3, duration_s=2.0)  # fmt: skip
+    scene = sn.Scene(
+        sn.Robot(6, 0.0756, 0.076),
+        GROUND,
+        GAIT,
+        start="steady",
+        method="nonsmooth",
+        dt_s=2e-3,
+        duration_s=2.0,
+    )
     run = sn.simulate(scene)
     shown = of_run(run)
     assert shown["t_s"][-1] == pytest.approx(2.0)
@@ -51,8 +58,15 @@ def test_a_run_is_shown_as_it_is() -> None:
 def test_slow_wheels_stick_on_dry_ground_alone() -> None:
     slow, robot = sn.Gait(1.2, 1.3, 0.8), sn.Robot(6, 0.0756, 0.076)
     for ground, sticks in ((GROUND, True), (sn.Ground(0.1, 10.0), False)):
-        scene = sn.Scene(robot, ground, slow, start="steady", dt_s=5e-3, duration_s=4.0,
-                         method="nonsmooth" if ground.dry else "rk4")  # fmt: skip
+        scene = sn.Scene(
+            robot,
+            ground,
+            slow,
+            start="steady",
+            dt_s=5e-3,
+            duration_s=4.0,
+            method="nonsmooth" if ground.dry else "rk4",
+        )
         assert bool(np.any(of_run(sn.simulate(scene))["stuck"])) == sticks
 
 

@@ -37,8 +37,14 @@ def error(run: sn.Run, exact: Array) -> float:
 def truth(scene: sn.Scene) -> Array:
     """Return link 1 of a scene by the dense reference and SciPy, at the recorded times."""
     robot, ground, gait = scene.robot, scene.ground, scene.gait
-    p = Params(robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
-               ground.ct, ground.cn)  # fmt: skip
+    p = Params(
+        robot.links,
+        robot.link_mass_kg,
+        robot.link_length_m / 2,
+        robot.inertia_kg_m2,
+        ground.ct,
+        ground.cn,
+    )
     g = Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad)
     times = np.append(np.arange(scene.steps) * scene.dt_s, scene.duration_s)
     return explicit.trajectory(p, g, np.zeros(6), times[:: scene.every], rtol=1e-13)
@@ -107,9 +113,14 @@ def test_extremes(
 ) -> None:
     gait = sn.Gait(math.radians(alpha), math.radians(80), omega)
     scene = sn.Scene(
-        sn.Robot(3, mass, 0.12), sn.Ground(ct, cn), gait, tolerance=1e-8,
-        duration_s=cycles * gait.period_s, dt_s=cycles * gait.period_s / 20, start="link1_at_rest",
-    )  # fmt: skip
+        sn.Robot(3, mass, 0.12),
+        sn.Ground(ct, cn),
+        gait,
+        tolerance=1e-8,
+        duration_s=cycles * gait.period_s,
+        dt_s=cycles * gait.period_s / 20,
+        start="link1_at_rest",
+    )
     exact = truth(scene)
     for method in BOTH:
         # at the edge of its stability an explicit method's errors are all of the tolerance's size
@@ -128,9 +139,14 @@ def test_the_two_methods_agree_or_the_explicit_one_refuses(
     """
     gait = sn.Gait(math.radians(alpha), math.radians(80), omega)
     scene = sn.Scene(
-        SIX, sn.Ground(0.01, 0.01 * ratio), gait, tolerance=1e-9, duration_s=3.3 * gait.period_s,
-        dt_s=gait.period_s / 16, start="link1_at_rest",
-    )  # fmt: skip
+        SIX,
+        sn.Ground(0.01, 0.01 * ratio),
+        gait,
+        tolerance=1e-9,
+        duration_s=3.3 * gait.period_s,
+        dt_s=gait.period_s / 16,
+        start="link1_at_rest",
+    )
     scene = replace(scene, robot=sn.Robot(6, mass, 0.12))
     fast = sn.simulate(replace(scene, method="collocation"))
     fine = sn.simulate(replace(scene, method="collocation", tolerance=1e-11))
@@ -160,9 +176,17 @@ def test_without_friction_momentum_stays(method: str) -> None:
     gait = sn.Gait(math.radians(50), math.radians(80), 5.0)
     start = LinkState.in_gait(SIX, gait, 0.0, [0, 0, 0.3], [0.2, -0.1, 0.7])
     run = sn.simulate(
-        sn.Scene(SIX, sn.Ground(0.0, 0.0), gait, method=method, tolerance=1e-11, start=start,
-                 dt_s=gait.period_s / 2, duration_s=300 * gait.period_s)
-    )  # fmt: skip
+        sn.Scene(
+            SIX,
+            sn.Ground(0.0, 0.0),
+            gait,
+            method=method,
+            tolerance=1e-11,
+            start=start,
+            dt_s=gait.period_s / 2,
+            duration_s=300 * gait.period_s,
+        )
+    )
     x, y = (v - v.mean(axis=1, keepdims=True) for v in (run.x_m, run.y_m))
     inertia = SIX.inertia_kg_m2 * run.omega_rad_s.sum(axis=1)
     spin = (x * run.vy_m_s - y * run.vx_m_s).sum(axis=1) * SIX.link_mass_kg + inertia
@@ -188,9 +212,15 @@ def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
     """24 hours in whole cycles; pieces of the cycle are kept, so time and memory stay small."""
     cycles = round(24 * 3600 / GAIT.period_s)
     run = sn.simulate(
-        replace(PAPER, method="collocation", tolerance=1e-9, start="steady",
-                duration_s=cycles * GAIT.period_s, dt_s=cycles * GAIT.period_s / 4)
-    )  # fmt: skip
+        replace(
+            PAPER,
+            method="collocation",
+            tolerance=1e-9,
+            start="steady",
+            duration_s=cycles * GAIT.period_s,
+            dt_s=cycles * GAIT.period_s / 4,
+        )
+    )
     x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     speed = math.hypot(x[-1] - x[0], y[-1] - y[0]) / run.t_s[-1]
     assert speed == pytest.approx(
@@ -219,9 +249,15 @@ def test_dop853_of_springs(drive: str) -> None:
     """Both drives of the implicit model against its dense reference, ringing and all."""
     torque = np.array([0.02, -0.01, 0.03, 0.0, 0.01])
     scene = replace(
-        PAPER, formulation="implicit", method="dop853", tolerance=1e-11, gap="zero", duration_s=0.3,
-        drive=drive, torque=torque if drive == "torque" else None,
-    )  # fmt: skip
+        PAPER,
+        formulation="implicit",
+        method="dop853",
+        tolerance=1e-11,
+        gap="zero",
+        duration_s=0.3,
+        drive=drive,
+        torque=torque if drive == "torque" else None,
+    )
     run = sn.simulate(scene)
     p, spring = Params(6), implicit.Spring(1e3, 1.0)
     first = start_state(scene)

@@ -14,8 +14,16 @@ GROUND = sn.Ground(0.014, 0.2, 0.02, 0.045)
 
 def scene(links: int, tolerance: float, duration_s: float = 0.5) -> sn.Scene:
     robot, gait = sn.Robot(links, 0.0756, 0.076), sn.Gait(0.5, 9.4 / links, 4.0)
-    return sn.Scene(robot, GROUND, gait, method="nonsmooth", dt_s=5e-3, duration_s=duration_s,
-                    start="link1_at_rest", tolerance=tolerance)  # fmt: skip
+    return sn.Scene(
+        robot,
+        GROUND,
+        gait,
+        method="nonsmooth",
+        dt_s=5e-3,
+        duration_s=duration_s,
+        start="link1_at_rest",
+        tolerance=tolerance,
+    )
 
 
 @pytest.mark.parametrize("links", [6, 20, 40])

@@ -36,8 +36,15 @@ GROUNDS = {
 
 def scene_of(links: int, ground: str = "viscous", **changes: object) -> sn.Scene:
     law, width = GROUNDS[ground]
-    fields = {"formulation": "implicit", "duration_s": 0.3, "smoothing_m_s": width, "gait": GAIT,
-              "start": "link1_at_rest", "method": "rk4", **changes}  # fmt: skip
+    fields = {
+        "formulation": "implicit",
+        "duration_s": 0.3,
+        "smoothing_m_s": width,
+        "gait": GAIT,
+        "start": "link1_at_rest",
+        "method": "rk4",
+        **changes,
+    }
     return sn.Scene(sn.Robot(links, 1.0, 0.12), law, **fields)  # type: ignore[arg-type]
 
 
@@ -111,10 +118,15 @@ def off(found: np.ndarray, exact: np.ndarray) -> float:
 def test_sine_and_cosine_err_by_a_few_units(kernels: str, far: float, units: float) -> None:
     rng = np.random.default_rng(1)
     quarter = np.arange(-60, 60) * (math.pi / 2)
-    x = np.concatenate([
-        rng.uniform(-far, far, 100_000), far * 10.0 ** rng.uniform(-300, 0, 1000),
-        quarter, np.nextafter(quarter, 9e9), [far, -far, 0.0, 1.0],
-    ])  # fmt: skip
+    x = np.concatenate(
+        [
+            rng.uniform(-far, far, 100_000),
+            far * 10.0 ** rng.uniform(-300, 0, 1000),
+            quarter,
+            np.nextafter(quarter, 9e9),
+            [far, -far, 0.0, 1.0],
+        ]
+    )
     sine, cosine = _core.kernel_sincos(kernels, x)
     for found, exact in ((sine, np.sin), (cosine, np.cos)):
         truth = exact(x.astype(np.longdouble))  # 64 bits: 2^-11 units of a double
@@ -198,8 +210,12 @@ def test_no_code_for_newer_processors_is_shared(tmp_path: Path, name: str) -> No
     subprocess.run(
         ["g++", *flags, "-c", str(CORE / "kernels" / f"{name}.cpp"), "-o", str(unit)], check=True
     )
-    symbols = subprocess.run(["nm", "-C", "--defined-only", "--extern-only", str(unit)],
-                             check=True, capture_output=True, text=True).stdout  # fmt: skip
+    symbols = subprocess.run(
+        ["nm", "-C", "--defined-only", "--extern-only", str(unit)],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
     assert [line.split(maxsplit=2)[2] for line in symbols.splitlines()] == [
         f"serpenoid::kernels::{name}"
     ]

@@ -44,10 +44,20 @@ def end_of(scene: sn.Scene, steps: int) -> np.ndarray:
 def test_a_method_has_the_order_it_declares(method: str, formulation: str, drive: str) -> None:
     """Jumps and kinks of the drives (frames of 20 ms, rows of a table) included."""
     scene = sn.Scene(
-        ROBOT, GROUND, GAIT, formulation=formulation, drive=drive, **DRIVES[drive],
-        method=method, limp=(2,), joint_stiffness_n_m=300.0, joint_damping_n_s_m=1.0,
-        incline_rad=0.1, duration_s=0.12, start="link1_at_rest",
-    )  # fmt: skip
+        ROBOT,
+        GROUND,
+        GAIT,
+        formulation=formulation,
+        drive=drive,
+        **DRIVES[drive],
+        method=method,
+        limp=(2,),
+        joint_stiffness_n_m=300.0,
+        joint_damping_n_s_m=1.0,
+        incline_rad=0.1,
+        duration_s=0.12,
+        start="link1_at_rest",
+    )
     exact = end_of(replace(scene, method="rk4"), 960)
     order = METHODS[method].order
     counts = (60, 120) if order > 2 else (240, 480)
@@ -63,9 +73,15 @@ def test_a_method_has_the_order_it_declares(method: str, formulation: str, drive
 def test_a_step_is_refused_from_where_runs_begin_to_grow(method: str, c: float) -> None:
     """Just inside the limit a disturbance of the gaps decays; a tenth outside it explodes."""
     still = sn.Scene(
-        ROBOT, sn.Ground(0, 0), sn.Gait(0.0, 0.0, 1.0), formulation="implicit", method=method,
-        joint_stiffness_n_m=1e4, joint_damping_n_s_m=c, start="link1_at_rest",
-    )  # fmt: skip
+        ROBOT,
+        sn.Ground(0, 0),
+        sn.Gait(0.0, 0.0, 1.0),
+        formulation="implicit",
+        method=method,
+        joint_stiffness_n_m=1e4,
+        joint_damping_n_s_m=c,
+        start="link1_at_rest",
+    )
     stable = stability.stability_test(still)
     assert stable is not None
     limit = stability.largest_step_s(stable, 1.0)
@@ -89,9 +105,12 @@ WAY_OUT = r"(method|formulation|record without) ('\w+'(?: or '\w+')*)"
 def scenes_of_every_kind() -> list[dict[str, Any]]:
     """Return what a scene may ask for, in all combinations that make a difference to a method."""
     drives: list[dict[str, Any]] = [
-        {}, {"drive": "torque", "torque": [0.0, 0.0]}, {"drive": "servo", "servo": sn.Servo()},
-        {"limp": (1,)}, {"incline_rad": 0.1},
-    ]  # fmt: skip
+        {},
+        {"drive": "torque", "torque": [0.0, 0.0]},
+        {"drive": "servo", "servo": sn.Servo()},
+        {"limp": (1,)},
+        {"incline_rad": 0.1},
+    ]
     grounds: list[dict[str, Any]] = [
         {"ground": sn.Ground(0.1, 1.0)},
         {"ground": sn.Ground(0.1, 1.0, 0.01, 0.02)},

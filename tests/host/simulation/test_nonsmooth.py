@@ -16,9 +16,15 @@ OF_2005 = sn.Robot(6, 0.0756, 0.076)
 BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(math.radians(70), math.radians(75), 3.0)
 SOFT = sn.Scene(
-    OF_2005, BINGHAM, GAIT, formulation="implicit", joint_stiffness_n_m=300.0,
-    method="nonsmooth", start="zero_momentum", duration_s=1.0,
-)  # fmt: skip
+    OF_2005,
+    BINGHAM,
+    GAIT,
+    formulation="implicit",
+    joint_stiffness_n_m=300.0,
+    method="nonsmooth",
+    start="zero_momentum",
+    duration_s=1.0,
+)
 
 
 def slips(run: sn.Run, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -52,10 +58,20 @@ def test_thrown_uphill_it_stops_and_stays_or_slides_back(formulation: str, incli
     c, s = math.cos(heading), math.sin(heading)
     start = sn.LinkState.joined(OF_2005, [0.3, 0.1, *[heading] * 6], [0.5 * c, 0.5 * s, *[0.0] * 6])
     scene = sn.Scene(
-        OF_2005, BINGHAM, straight, formulation=formulation, method="nonsmooth", dt_s=1e-3,
-        incline_rad=incline, incline_direction_rad=heading, start=start, duration_s=2.0,
-        tolerance=1e-8, record_every=20, record=("friction",),
-    )  # fmt: skip
+        OF_2005,
+        BINGHAM,
+        straight,
+        formulation=formulation,
+        method="nonsmooth",
+        dt_s=1e-3,
+        incline_rad=incline,
+        incline_direction_rad=heading,
+        start=start,
+        duration_s=2.0,
+        tolerance=1e-8,
+        record_every=20,
+        record=("friction",),
+    )
     run = sn.simulate(scene)
     m, pull = OF_2005.link_mass_kg, -9.80665 * math.sin(incline)
     wanted = [sliding_rod(0.5, pull, BINGHAM.ct / m, BINGHAM.ft0 / m, t) for t in run.t_s]
@@ -138,9 +154,16 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
     gait, p = replace(GAIT, omega_rad_s=2.0), robot_2005()
     given = replace(p, ct=0.0, cn=0.0, ft0=1.0, fn0=1.0)  # its friction is minus `signs`
     scene = sn.Scene(
-        OF_2005, BINGHAM, gait, method="nonsmooth", dt_s=0.05, duration_s=2.0, tolerance=1e-9,
-        record=("joints", "friction"), start="link1_at_rest",
-    )  # fmt: skip
+        OF_2005,
+        BINGHAM,
+        gait,
+        method="nonsmooth",
+        dt_s=0.05,
+        duration_s=2.0,
+        tolerance=1e-9,
+        record=("joints", "friction"),
+        start="link1_at_rest",
+    )
     run = sn.simulate(scene)
     theirs = Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s)
     system = bingham.System(p, theirs)
@@ -169,20 +192,38 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
 def test_explicit_on_a_slope() -> None:
     """Without dry friction it is rk4's motion and forces; with it, that of very stiff springs."""
     scene = sn.Scene(
-        OF_2005, sn.Ground(0.1, 1.0), GAIT, method="nonsmooth", incline_rad=0.2, tolerance=1e-9,
-        incline_direction_rad=1.0, dt_s=1e-2, duration_s=1.0, record=("joints", "friction"),
+        OF_2005,
+        sn.Ground(0.1, 1.0),
+        GAIT,
+        method="nonsmooth",
+        incline_rad=0.2,
+        tolerance=1e-9,
+        incline_direction_rad=1.0,
+        dt_s=1e-2,
+        duration_s=1.0,
+        record=("joints", "friction"),
         start="link1_at_rest",
-    )  # fmt: skip
+    )
     found = sn.simulate(scene)
     wanted = sn.simulate(replace(scene, method="rk4", dt_s=1e-3, record_every=10))
-    for name in ("x_m", "theta_rad", "omega_rad_s", "friction_x_n", "joint_force_y_n",
-                 "joint_torque_nm"):  # fmt: skip
+    for name in (
+        "x_m",
+        "theta_rad",
+        "omega_rad_s",
+        "friction_x_n",
+        "joint_force_y_n",
+        "joint_torque_nm",
+    ):
         assert getattr(found, name) == pytest.approx(getattr(wanted, name), abs=2e-9), name
     dry = replace(scene, ground=BINGHAM)
     stiff = replace(
-        dry, formulation="implicit", joint_stiffness_n_m=1e5, joint_damping_n_s_m=10.0,
-        dt_s=5e-5, record_every=200,
-    )  # fmt: skip
+        dry,
+        formulation="implicit",
+        joint_stiffness_n_m=1e5,
+        joint_damping_n_s_m=10.0,
+        dt_s=5e-5,
+        record_every=200,
+    )
     exact, soft = sn.simulate(dry), sn.simulate(stiff)
     assert np.abs(soft.theta_rad - exact.theta_rad).max() < 3e-3
     assert np.abs(soft.x_m - exact.x_m).max() < 1e-3
@@ -190,9 +231,17 @@ def test_explicit_on_a_slope() -> None:
 
 def test_explicit_motion_turns_with_the_slope() -> None:
     scene = sn.Scene(
-        OF_2005, BINGHAM, GAIT, method="nonsmooth", incline_rad=0.2, incline_direction_rad=0.3,
-        duration_s=1.0, dt_s=0.5, tolerance=1e-9, start="link1_at_rest",
-    )  # fmt: skip
+        OF_2005,
+        BINGHAM,
+        GAIT,
+        method="nonsmooth",
+        incline_rad=0.2,
+        incline_direction_rad=0.3,
+        duration_s=1.0,
+        dt_s=0.5,
+        tolerance=1e-9,
+        start="link1_at_rest",
+    )
     start = sn.LinkState.in_gait(OF_2005, GAIT, 0.0, [0, 0, 0], [0, 0, 0])
     ahead = sn.LinkState.in_gait(OF_2005, GAIT, 0.0, [0, 0, 2.0], [0, 0, 0])
     here = sn.simulate(replace(scene, start=start)).state()
@@ -207,9 +256,16 @@ def test_what_other_methods_make_of_sticking() -> None:
     """sgn 0 = 0 chatters: speeds of order 1, torques that no step mends (Scene quotes them)."""
     gait = replace(GAIT, omega_rad_s=1.0)
     scene = sn.Scene(
-        OF_2005, BINGHAM, gait, method="nonsmooth", start="zero_momentum", tolerance=1e-8,
-        duration_s=2 * gait.period_s, dt_s=gait.period_s / 50, record=("joints",),
-    )  # fmt: skip
+        OF_2005,
+        BINGHAM,
+        gait,
+        method="nonsmooth",
+        start="zero_momentum",
+        tolerance=1e-8,
+        duration_s=2 * gait.period_s,
+        dt_s=gait.period_s / 50,
+        record=("joints",),
+    )
     exact = sn.simulate(scene)
     slow, torques = [], []
     for split in (13, 126, 1257):  # steps of 10, 1 and 0.1 ms
@@ -226,8 +282,15 @@ def test_hours_of_sticking_and_slipping() -> None:
     """By the phase within a turn, and again where an event is missed: half an hour, 1432 cycles."""
     robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
     gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
-    scene = sn.Scene(robot, ground, gait, method="nonsmooth", duration_s=1800.0, start="steady",
-                     record_every=10**6)  # fmt: skip
+    scene = sn.Scene(
+        robot,
+        ground,
+        gait,
+        method="nonsmooth",
+        duration_s=1800.0,
+        start="steady",
+        record_every=10**6,
+    )
     run = sn.simulate(scene)
     x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     exact = sn.steady_gait(robot, ground, gait).speed_m_s

@@ -83,21 +83,29 @@ def test_the_speed_is_that_of_the_quick_state() -> None:
 
 def test_errors_of_steps_that_run_away_are_not_taken_for_none() -> None:
     """Their squares overflow: the method once went on from 1e146 m/s."""
-    run = run_of(loose(0.5, gear_friction_nm=0.0), sn.Ground(0.1, 1.0), duration_s=6.4,
-                 tolerance=1e-5, dt_s=0.01)  # fmt: skip
+    run = run_of(
+        loose(0.5, gear_friction_nm=0.0),
+        sn.Ground(0.1, 1.0),
+        duration_s=6.4,
+        tolerance=1e-5,
+        dt_s=0.01,
+    )
     assert np.abs(run.vx_m_s).max() < 5
 
 
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        ({"method": "rk4"}, "'rk4' with formulation 'explicit' does not run gears with play.*take "
-                            "method 'nonsmooth'"),
+        (
+            {"method": "rk4"},
+            "'rk4' with formulation 'explicit' does not run gears with play.*take "
+            "method 'nonsmooth'",
+        ),
         ({"formulation": "implicit", "method": "nonsmooth"}, "take formulation 'explicit'"),
         ({"formulation": "implicit"}, "take formulation 'explicit' without smoothing_m_s"),
         ({"smoothing_m_s": 0.01}, "take formulation 'explicit' without smoothing_m_s"),
     ],
-)  # fmt: skip
+)
 def test_methods_without_play_are_refused_with_a_way_out(more: dict, says: str) -> None:
     with pytest.raises(sn.BadInput, match=says):
         run_of(loose(1.0), **more)

@@ -19,9 +19,14 @@ from . import truth_cases as tc
 
 POSITIVE = ENERGY_COLUMNS.index("positive_work_j")
 PAPER = sn.Scene(
-    sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), tc.PAPER_GAIT, method="dop853", duration_s=2.0,
-    dt_s=0.01, record=("energy",),
-)  # fmt: skip
+    sn.Robot(6, 1.0, 0.12),
+    sn.Ground(0.1, 10.0),
+    tc.PAPER_GAIT,
+    method="dop853",
+    duration_s=2.0,
+    dt_s=0.01,
+    record=("energy",),
+)
 
 
 def positive(scene: sn.Scene, tolerance: float) -> sn.Run:
@@ -39,8 +44,13 @@ def test_against_events(name: str) -> None:
     """A slow reference with its own equations: to 1e-9, and loose runs to what they claim."""
     if name in ("viscous", "dry"):
         ground = sn.Ground(0.1, 10.0) if name == "viscous" else sn.Ground(0.1, 1.0, 0.1, 0.5)
-        scene = replace(PAPER, robot=sn.Robot(4, 1.0, 0.12), ground=ground, duration_s=0.3,
-                        method="dop853" if name == "viscous" else "nonsmooth")  # fmt: skip
+        scene = replace(
+            PAPER,
+            robot=sn.Robot(4, 1.0, 0.12),
+            ground=ground,
+            duration_s=0.3,
+            method="dop853" if name == "viscous" else "nonsmooth",
+        )
     else:
         scene = tc.free_case(name, 7 if name == "full" else 2, duration_s=0.2)
     truth = tc.work_by_events(scene)
@@ -73,9 +83,18 @@ def test_the_periodic_state_has_the_same_positive_power(dry: bool) -> None:
     steady = sn.steady_gait(robot, ground, gait, rtol=1e-7 if dry else 1e-10)
     period = gait.period_s
     run = sn.simulate(
-        replace(PAPER, robot=robot, ground=ground, gait=gait, start="steady", tolerance=1e-12,
-                method="nonsmooth" if dry else "dop853", duration_s=3 * period, dt_s=period)
-    )  # fmt: skip
+        replace(
+            PAPER,
+            robot=robot,
+            ground=ground,
+            gait=gait,
+            start="steady",
+            tolerance=1e-12,
+            method="nonsmooth" if dry else "dop853",
+            duration_s=3 * period,
+            dt_s=period,
+        )
+    )
     power = (run.energy_j[-1, POSITIVE] - run.energy_j[-2, POSITIVE]) / period
     assert power == pytest.approx(steady.positive_power_w, rel=1e-8 if dry else 1e-9)
 

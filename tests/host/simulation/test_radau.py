@@ -29,9 +29,14 @@ def three(duration_s: float, k: float, c: float) -> Problem:
 def six(k: float, c: float, **changes: object) -> sn.Scene:
     fields = {"method": "radau", "tolerance": 1e-6, "duration_s": 0.3, "dt_s": 0.01, **changes}
     return sn.Scene(
-        SIX, PAPER_GROUND, SIX_GAIT, formulation="implicit", joint_stiffness_n_m=k,
-        joint_damping_n_s_m=c, **fields,
-    )  # fmt: skip
+        SIX,
+        PAPER_GROUND,
+        SIX_GAIT,
+        formulation="implicit",
+        joint_stiffness_n_m=k,
+        joint_damping_n_s_m=c,
+        **fields,
+    )
 
 
 def radau_end(problem: Problem, tolerance: float, **changes: object) -> np.ndarray:
@@ -93,11 +98,22 @@ def test_torques_that_vary_in_time() -> None:
     first = np.concatenate([pose.ravel(), rates.ravel()])
     pose, rates = implicit.integrate(rate, first, np.array([0.2]))[-1].reshape(2, 3, 3)
     run = sn.simulate(
-        sn.Scene(THREE, PAPER_GROUND, THREE_GAIT, formulation="implicit", joint_stiffness_n_m=1e4,
-                 joint_damping_n_s_m=10.0, drive="torque", torque=torque, method="radau",
-                 tolerance=1e-7, duration_s=0.2, dt_s=0.2,
-                 start=sn.LinkState.joined(THREE, q, qdot))
-    )  # fmt: skip
+        sn.Scene(
+            THREE,
+            PAPER_GROUND,
+            THREE_GAIT,
+            formulation="implicit",
+            joint_stiffness_n_m=1e4,
+            joint_damping_n_s_m=10.0,
+            drive="torque",
+            torque=torque,
+            method="radau",
+            tolerance=1e-7,
+            duration_s=0.2,
+            dt_s=0.2,
+            start=sn.LinkState.joined(THREE, q, qdot),
+        )
+    )
     end = run.state()
     assert np.abs(np.column_stack([end.x_m, end.y_m, end.theta_rad]) - pose).max() < 1e-7
     assert np.abs(np.column_stack([end.vx_m_s, end.vy_m_s, end.omega_rad_s]) - rates).max() < 1e-6
@@ -118,10 +134,19 @@ def test_what_a_scene_may_have(case: str) -> None:
 
     def end(method: str, dt_s: float) -> np.ndarray:
         scene = sn.Scene(
-            THREE, ground, gait, formulation="implicit", joint_stiffness_n_m=1e4,
-            joint_damping_n_s_m=30.0, duration_s=0.1, method=method, dt_s=dt_s, tolerance=1e-8,
-            **more, start="link1_at_rest",
-        )  # fmt: skip
+            THREE,
+            ground,
+            gait,
+            formulation="implicit",
+            joint_stiffness_n_m=1e4,
+            joint_damping_n_s_m=30.0,
+            duration_s=0.1,
+            method=method,
+            dt_s=dt_s,
+            tolerance=1e-8,
+            **more,
+            start="link1_at_rest",
+        )
         return sn.simulate(scene).state().packed()
 
     # the kinks of a servo's limits inside a step cost order, not truth
@@ -196,10 +221,21 @@ def test_the_energy_ledger_closes() -> None:
 def test_a_thousand_links_with_hard_springs(c: float, gap: str) -> None:
     gait = sn.Gait(math.radians(30), 4 * math.pi / 999, 5.0)
     run = sn.simulate(
-        sn.Scene(sn.Robot(1000, 1.0, 0.12), PAPER_GROUND, gait, formulation="implicit",
-                 joint_stiffness_n_m=1e9, joint_damping_n_s_m=c, method="radau", tolerance=1e-4,
-                 duration_s=0.01, dt_s=0.01, gap=gap, start="link1_at_rest")
-    )  # fmt: skip
+        sn.Scene(
+            sn.Robot(1000, 1.0, 0.12),
+            PAPER_GROUND,
+            gait,
+            formulation="implicit",
+            joint_stiffness_n_m=1e9,
+            joint_damping_n_s_m=c,
+            method="radau",
+            tolerance=1e-4,
+            duration_s=0.01,
+            dt_s=0.01,
+            gap=gap,
+            start="link1_at_rest",
+        )
+    )
     assert run.steps < 1000
     assert np.abs(run.gap_m[-1]).max() < 1e-4  # the forces add up along so long a chain
 
@@ -215,18 +251,35 @@ def test_friction_of_every_size(friction: float) -> None:
     """Heavy friction is stiff, too: its derivative must be in the matrix."""
     start = start_state(six(1e7, 1e4))  # of another ground: a damped jolt
     run = sn.simulate(
-        sn.Scene(SIX, sn.Ground(friction, friction), SIX_GAIT, formulation="implicit",
-                 joint_stiffness_n_m=1e7, joint_damping_n_s_m=1e4, method="radau", tolerance=1e-5,
-                 duration_s=0.3, dt_s=0.3, start=start)
-    )  # fmt: skip
+        sn.Scene(
+            SIX,
+            sn.Ground(friction, friction),
+            SIX_GAIT,
+            formulation="implicit",
+            joint_stiffness_n_m=1e7,
+            joint_damping_n_s_m=1e4,
+            method="radau",
+            tolerance=1e-5,
+            duration_s=0.3,
+            dt_s=0.3,
+            start=start,
+        )
+    )
     assert run.steps < 400
 
 
 def test_a_torque_beyond_numbers_ends_with_its_cause() -> None:
     scene = sn.Scene(
-        THREE, PAPER_GROUND, THREE_GAIT, formulation="implicit", drive="torque", method="radau",
-        torque=lambda t: [1e300 if t > 0.05 else 0.0, 0.0], duration_s=0.2, start="link1_at_rest",
-    )  # fmt: skip
+        THREE,
+        PAPER_GROUND,
+        THREE_GAIT,
+        formulation="implicit",
+        drive="torque",
+        method="radau",
+        torque=lambda t: [1e300 if t > 0.05 else 0.0, 0.0],
+        duration_s=0.2,
+        start="link1_at_rest",
+    )
     with pytest.raises(sn.Diverged, match="however short"):
         sn.simulate(scene)
 

@@ -43,10 +43,21 @@ def test_on_a_slope_it_rolls_forwards_and_holds_backwards(formulation: str, head
     """All links alike: m v' = -m g sin +- (ft0 + ct v), from rest; ft0 backwards holds it."""
     straight, incline = sn.Gait(0.0, 0.0, 2.0), 0.05  # 0.037 N a link
     start = sn.LinkState.joined(OF_2005, [0.0, 0.0, *[heading] * 6], [0.0] * 8)
-    run = sn.simulate(sn.Scene(
-        OF_2005, RATCHET, straight, formulation=formulation, method="nonsmooth", start=start,
-        incline_rad=incline, incline_direction_rad=0.0, duration_s=1.0, dt_s=1e-3, tolerance=1e-9,
-    ))  # fmt: skip
+    run = sn.simulate(
+        sn.Scene(
+            OF_2005,
+            RATCHET,
+            straight,
+            formulation=formulation,
+            method="nonsmooth",
+            start=start,
+            incline_rad=incline,
+            incline_direction_rad=0.0,
+            duration_s=1.0,
+            dt_s=1e-3,
+            tolerance=1e-9,
+        )
+    )
     m, pull = OF_2005.link_mass_kg, 9.80665 * math.sin(incline)
     kappa = RATCHET.ct_forward / m
     slides = (pull - RATCHET.ft0_forward / m) / kappa * -math.expm1(-kappa)
@@ -57,9 +68,17 @@ def test_on_a_slope_it_rolls_forwards_and_holds_backwards(formulation: str, head
 def oracle_of(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait) -> bingham.System:
     g, half = ground, robot.link_length_m / 2
     p = Params(
-        robot.links, robot.link_mass_kg, half, None, g.ct_forward, g.cn, g.ft0_forward, g.fn0,
-        ct_back=g.ct_backward, ft0_back=g.ft0_backward,
-    )  # fmt: skip
+        robot.links,
+        robot.link_mass_kg,
+        half,
+        None,
+        g.ct_forward,
+        g.cn,
+        g.ft0_forward,
+        g.fn0,
+        ct_back=g.ct_backward,
+        ft0_back=g.ft0_backward,
+    )
     return bingham.System(p, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
 
 
@@ -67,8 +86,15 @@ def oracle_of(robot: sn.Robot, ground: sn.Ground, gait: sn.Gait) -> bingham.Syst
 def test_half_a_cycle_is_that_of_the_event_driven_reference(name: str) -> None:
     """In time, and for the periodic state: half a period later it is its own mirror image."""
     steady = sn.steady_gait(SMALL, GROUNDS[name], FREE, rtol=1e-6)
-    scene = sn.Scene(SMALL, GROUNDS[name], FREE, method="nonsmooth", start="steady",
-                     duration_s=FREE.period_s / 2, tolerance=1e-9)  # fmt: skip
+    scene = sn.Scene(
+        SMALL,
+        GROUNDS[name],
+        FREE,
+        method="nonsmooth",
+        start="steady",
+        duration_s=FREE.period_s / 2,
+        tolerance=1e-9,
+    )
     run = sn.simulate(scene)
     start, end = run.state(0), run.state()
     u0 = np.array([start.vx_m_s[0], start.vy_m_s[0], start.omega_rad_s[0]])
@@ -78,8 +104,14 @@ def test_half_a_cycle_is_that_of_the_event_driven_reference(name: str) -> None:
     wanted = last.at(last.end_s)
     c, s = math.cos(end.theta_rad[0]), math.sin(end.theta_rad[0])
     vx, vy = end.vx_m_s[0], end.vy_m_s[0]
-    found = [c * vx + s * vy, c * vy - s * vx, end.omega_rad_s[0], end.theta_rad[0],
-             end.x_m[0], end.y_m[0]]  # fmt: skip
+    found = [
+        c * vx + s * vy,
+        c * vy - s * vx,
+        end.omega_rad_s[0],
+        end.theta_rad[0],
+        end.x_m[0],
+        end.y_m[0],
+    ]
     assert found == pytest.approx(wanted, abs=3e-7)
     scale = FREE.omega_rad_s * SMALL.link_length_m
     assert wanted[:3] == pytest.approx(u0 * [1, -1, -1], abs=3e-5 * scale)
@@ -89,8 +121,15 @@ def test_half_a_cycle_is_that_of_the_event_driven_reference(name: str) -> None:
 @pytest.mark.parametrize("name", GROUNDS)
 def test_every_method_comes_to_the_same_motion(name: str) -> None:
     """The body frame, modes with a ledger, rk4 with sgn 0 = 0, and smoothed friction."""
-    scene = sn.Scene(OF_2005, GROUNDS[name], GAIT, method="nonsmooth", start="steady",
-                     duration_s=GAIT.period_s / 2, tolerance=1e-9)  # fmt: skip
+    scene = sn.Scene(
+        OF_2005,
+        GROUNDS[name],
+        GAIT,
+        method="nonsmooth",
+        start="steady",
+        duration_s=GAIT.period_s / 2,
+        tolerance=1e-9,
+    )
     run = sn.simulate(scene)
     others: tuple[tuple[dict[str, Any], float], ...] = (
         ({"record": ("energy",)}, 1e-6),
@@ -105,8 +144,15 @@ def test_every_method_comes_to_the_same_motion(name: str) -> None:
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-7, 3e-10])
 def test_more_wheels_stop_at_once_than_there_are_freedoms(tolerance: float) -> None:
     """A lag of 60 degrees: five wheels across stop within an instant, on three freedoms."""
-    scene = sn.Scene(OF_2005, GROUNDS["dry"], GAIT, method="nonsmooth", start="steady",
-                     duration_s=GAIT.period_s / 2, tolerance=1e-10)  # fmt: skip
+    scene = sn.Scene(
+        OF_2005,
+        GROUNDS["dry"],
+        GAIT,
+        method="nonsmooth",
+        start="steady",
+        duration_s=GAIT.period_s / 2,
+        tolerance=1e-10,
+    )
     off = difference(
         sn.simulate(replace(scene, tolerance=tolerance, record=("energy",))), sn.simulate(scene)
     )
@@ -121,10 +167,19 @@ def test_energy_is_kept_and_friction_only_takes(name: str, drive: str) -> None:
         "torque": {"drive": "torque", "torque": [2e-3, -1e-3, 1.5e-3, -2e-3, 1e-3]},
         "limp": {"limp": (2,)},
     }
-    run = sn.simulate(sn.Scene(
-        OF_2005, GROUNDS[name], GAIT, method="nonsmooth", duration_s=1.0, dt_s=0.01,
-        tolerance=1e-9, record=("energy",), **kinds[drive],
-    ))  # fmt: skip
+    run = sn.simulate(
+        sn.Scene(
+            OF_2005,
+            GROUNDS[name],
+            GAIT,
+            method="nonsmooth",
+            duration_s=1.0,
+            dt_s=0.01,
+            tolerance=1e-9,
+            record=("energy",),
+            **kinds[drive],
+        )
+    )
     kinetic, _, _, joints, friction, _, _ = run.energy_j.T
     assert (np.diff(friction) > -1e-12).all()
     balance = kinetic - kinetic[0] - joints + friction
@@ -133,8 +188,16 @@ def test_energy_is_kept_and_friction_only_takes(name: str, drive: str) -> None:
 
 
 def test_implicit_friction_is_the_same_under_three_methods() -> None:
-    soft = sn.Scene(OF_2005, RATCHET, GAIT, formulation="implicit", joint_stiffness_n_m=3000.0,
-                    method="nonsmooth", duration_s=0.5, dt_s=2.5e-4)  # fmt: skip
+    soft = sn.Scene(
+        OF_2005,
+        RATCHET,
+        GAIT,
+        formulation="implicit",
+        joint_stiffness_n_m=3000.0,
+        method="nonsmooth",
+        duration_s=0.5,
+        dt_s=2.5e-4,
+    )
     run = sn.simulate(soft)
     for method, changes, within in (
         ("rk4", {}, 1e-4),
@@ -147,8 +210,17 @@ def test_implicit_friction_is_the_same_under_three_methods() -> None:
 
 def test_smoothed_methods_agree_to_their_tolerance() -> None:
     """The smoothed law is smooth, zero to backwards to forwards: high orders keep their order."""
-    soft = sn.Scene(OF_2005, RATCHET, GAIT, formulation="implicit", joint_stiffness_n_m=300.0,
-                    method="radau", duration_s=0.3, smoothing_m_s=2e-3, tolerance=1e-8)  # fmt: skip
+    soft = sn.Scene(
+        OF_2005,
+        RATCHET,
+        GAIT,
+        formulation="implicit",
+        joint_stiffness_n_m=300.0,
+        method="radau",
+        duration_s=0.3,
+        smoothing_m_s=2e-3,
+        tolerance=1e-8,
+    )
     off = difference(sn.simulate(soft), sn.simulate(replace(soft, method="dop853")))
     assert max(off.position_m, off.angle_rad) < 1e-6
 
@@ -159,8 +231,15 @@ def test_a_pair_next_to_equal_is_next_to_the_single_value() -> None:
     pair = sn.Ground((0.014, 0.014 * hair), 0.2, (0.0233, 0.0233 * hair), 0.045)
     assert pair.ratchet
     for formulation in ("explicit", "implicit"):
-        scene = sn.Scene(OF_2005, plain, GAIT, method="nonsmooth", formulation=formulation,
-                         duration_s=0.5, tolerance=1e-9)  # fmt: skip
+        scene = sn.Scene(
+            OF_2005,
+            plain,
+            GAIT,
+            method="nonsmooth",
+            formulation=formulation,
+            duration_s=0.5,
+            tolerance=1e-9,
+        )
         off = difference(sn.simulate(scene), sn.simulate(replace(scene, ground=pair)))
         assert off.position_m < 1e-7
 
@@ -192,10 +271,17 @@ def test_turning_round_is_swapping_the_values_and_reversing_the_wave() -> None:
 def test_periodic_powers_are_those_of_a_run_in_time() -> None:
     for ground in (RATCHET, GROUNDS["viscous"]):
         steady = sn.steady_gait(OF_2005, ground, GAIT, rtol=1e-6)
-        run = sn.simulate(sn.Scene(
-            OF_2005, ground, GAIT, start="steady", duration_s=GAIT.period_s, tolerance=1e-9,
-            record=("energy",),
-        ))  # fmt: skip
+        run = sn.simulate(
+            sn.Scene(
+                OF_2005,
+                ground,
+                GAIT,
+                start="steady",
+                duration_s=GAIT.period_s,
+                tolerance=1e-9,
+                record=("energy",),
+            )
+        )
         _, _, _, joints, friction, _, positive = run.energy_j[-1] / GAIT.period_s
         assert steady.speed_m_s == pytest.approx(travel_m_s(run), rel=3e-6)
         assert steady.power_w == pytest.approx(friction, rel=1e-5)

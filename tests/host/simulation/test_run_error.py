@@ -53,10 +53,14 @@ def reference(scene: sn.Scene) -> sn.Run:
 @pytest.mark.parametrize("name", [n for n in SCENES if "dry" not in n])
 @pytest.mark.parametrize(
     "how",
-    [{"method": "rk4", "dt_s": 1e-2}, {"method": "euler"}, {"method": "semi_implicit_euler"},
-     {"method": "dop853", "tolerance": 1e-5}],
+    [
+        {"method": "rk4", "dt_s": 1e-2},
+        {"method": "euler"},
+        {"method": "semi_implicit_euler"},
+        {"method": "dop853", "tolerance": 1e-5},
+    ],
     ids=lambda how: how["method"],
-)  # fmt: skip
+)
 def test_the_estimate_is_about_the_error(name: str, how: dict) -> None:
     scene = replace(SCENES[name], **how)
     if name == "servo":  # servo poles need small steps
@@ -81,10 +85,17 @@ def test_an_accuracy_is_kept(name: str, accuracy: float) -> None:
 def test_steps_too_long_for_their_order_to_show_are_judged_all_the_same() -> None:
     """Steps of 5 ms: a double step differs by 0.25 m, of which a 15th proves little."""
     scene = sn.Scene(
-        sn.Robot(6, 0.251, 0.1), sn.Ground(0.0056, 0.704), sn.Gait(0.5, 1, 1), drive="torque",
-        torque=[0.003, -0.0005, -0.0023, 0.0014, -0.0012], method="rk4", dt_s=0.005,
-        duration_s=10.0, incline_rad=0.1, start="link1_at_rest",
-    )  # fmt: skip
+        sn.Robot(6, 0.251, 0.1),
+        sn.Ground(0.0056, 0.704),
+        sn.Gait(0.5, 1, 1),
+        drive="torque",
+        torque=[0.003, -0.0005, -0.0023, 0.0014, -0.0012],
+        method="rk4",
+        dt_s=0.005,
+        duration_s=10.0,
+        incline_rad=0.1,
+        start="link1_at_rest",
+    )
     run = sn.simulate(scene)
     true = difference(run, sn.simulate(replace(scene, method="dop853", tolerance=1e-13)))
     said = run.error_estimate
@@ -98,10 +109,16 @@ def test_steps_too_long_for_their_order_to_show_are_judged_all_the_same() -> Non
 def test_chaos_is_named() -> None:
     """Springs without friction swing as a pendulum chain does: nobody can say where it is."""
     scene = sn.Scene(
-        sn.Robot(4, 0.2, 0.1), sn.Ground(1e-4, 1e-3), sn.Gait(1.0, 1.0, 3.0), drive="servo",
-        servo=sn.Servo(0.05, 0.0, 1.0, 100.0), method="dop853", tolerance=1e-3, duration_s=100.0,
+        sn.Robot(4, 0.2, 0.1),
+        sn.Ground(1e-4, 1e-3),
+        sn.Gait(1.0, 1.0, 3.0),
+        drive="servo",
+        servo=sn.Servo(0.05, 0.0, 1.0, 100.0),
+        method="dop853",
+        tolerance=1e-3,
+        duration_s=100.0,
         dt_s=0.01,
-    )  # fmt: skip
+    )
     run = sn.simulate(scene)
     assert not run.error_estimate.settled
     assert run.error_estimate.chaotic
@@ -110,8 +127,16 @@ def test_chaos_is_named() -> None:
 
 
 def test_runs_that_stay_near_are_not_called_chaotic() -> None:
-    run = sn.simulate(sn.Scene(sn.Robot(3, 0.1, 0.1), sn.Ground(0.1, 1.0), sn.Gait(0.5, 1.0, 3.0),
-                               method="dop853", duration_s=1.0, dt_s=0.1))  # fmt: skip
+    run = sn.simulate(
+        sn.Scene(
+            sn.Robot(3, 0.1, 0.1),
+            sn.Ground(0.1, 1.0),
+            sn.Gait(0.5, 1.0, 3.0),
+            method="dop853",
+            duration_s=1.0,
+            dt_s=0.1,
+        )
+    )
     for apart_rad, chaotic in ((0.003, False), (0.3, True)):
         others = [replace(run, theta_rad=run.theta_rad + k * apart_rad) for k in (1, 2, 1)]
         found = estimate(run, lambda _, left=others: left.pop())
@@ -121,8 +146,16 @@ def test_runs_that_stay_near_are_not_called_chaotic() -> None:
 
 def test_where_finer_runs_disagree_a_closer_one_is_asked() -> None:
     """The run at 1e-8 was off by more than this one; those at 1e-10 and 1e-11 agree."""
-    run = sn.simulate(sn.Scene(sn.Robot(3, 0.1, 0.1), sn.Ground(0.1, 1.0), sn.Gait(0.5, 1.0, 3.0),
-                               method="dop853", duration_s=1.0, dt_s=0.1))  # fmt: skip
+    run = sn.simulate(
+        sn.Scene(
+            sn.Robot(3, 0.1, 0.1),
+            sn.Ground(0.1, 1.0),
+            sn.Gait(0.5, 1.0, 3.0),
+            method="dop853",
+            duration_s=1.0,
+            dt_s=0.1,
+        )
+    )
     off = {1e-8: 0.009, 1e-10: 0.001, 1e-11: 0.0011}
     asked: list[float] = []
 
@@ -163,10 +196,18 @@ def test_the_springs_error_is_the_difference_to_the_exact_model() -> None:
 def test_the_springs_error_on_dry_ground_with_servos() -> None:
     """Sticking is exact with pinned joints for every drive: the springs' error is the rest."""
     scene = sn.Scene(
-        ROBOT_2005, GROUND_2005, GAIT, duration_s=0.5, drive="servo", servo=sn.Servo(),
-        formulation="implicit", method="nonsmooth", joint_stiffness_n_m=2e3,
-        joint_damping_n_s_m=0.2, dt_s=1e-4,
-    )  # fmt: skip
+        ROBOT_2005,
+        GROUND_2005,
+        GAIT,
+        duration_s=0.5,
+        drive="servo",
+        servo=sn.Servo(),
+        formulation="implicit",
+        method="nonsmooth",
+        joint_stiffness_n_m=2e3,
+        joint_damping_n_s_m=0.2,
+        dt_s=1e-4,
+    )
     run = sn.simulate(scene)
     stiff = replace(scene, joint_stiffness_n_m=1.28e5, joint_damping_n_s_m=12.8, dt_s=1.25e-5)
     true = difference(run, sn.simulate(replace(stiff, record_every=8)))

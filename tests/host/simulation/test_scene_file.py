@@ -34,14 +34,32 @@ omega_rad_s = 5.0
 SCENES = {
     "defaults": sn.Scene(ROBOT, GROUND, GAIT),
     "numbers": sn.Scene(
-        ROBOT, GROUND, GAIT, formulation="implicit", joint_stiffness_n_m=1 / 3,
-        joint_damping_n_s_m=2e-9, incline_rad=0.1, incline_direction_rad=-1 / 7, method="euler",
-        dt_s=1e-3 / 3, tolerance=3e-8, duration_s=1.1, start="zero_momentum", gap="zero",
-        smoothing_m_s=1e-5, record=("energy", "joints"), record_every=7,
+        ROBOT,
+        GROUND,
+        GAIT,
+        formulation="implicit",
+        joint_stiffness_n_m=1 / 3,
+        joint_damping_n_s_m=2e-9,
+        incline_rad=0.1,
+        incline_direction_rad=-1 / 7,
+        method="euler",
+        dt_s=1e-3 / 3,
+        tolerance=3e-8,
+        duration_s=1.1,
+        start="zero_momentum",
+        gap="zero",
+        smoothing_m_s=1e-5,
+        record=("energy", "joints"),
+        record_every=7,
     ),
     "servo": sn.Scene(
-        dataclasses.replace(ROBOT, link_inertia_kg_m2=1e-3 / 7), GROUND, GAIT, drive="servo",
-        servo=sn.Servo(1 / 3, 0.2, 0.4, 9.1, 0.0), limp=(1,), locked={3: 0.1 / 3, 2: -1},
+        dataclasses.replace(ROBOT, link_inertia_kg_m2=1e-3 / 7),
+        GROUND,
+        GAIT,
+        drive="servo",
+        servo=sn.Servo(1 / 3, 0.2, 0.4, 9.1, 0.0),
+        limp=(1,),
+        locked={3: 0.1 / 3, 2: -1},
     ),
     "torques": sn.Scene(ROBOT, GROUND, GAIT, drive="torque", torque=[0.1, 1 / 3, -2e-8]),
     "torque table": sn.Scene(ROBOT, GROUND, GAIT, drive="torque", torque=TIMES),
@@ -50,7 +68,7 @@ SCENES = {
     "numpy's numbers": sn.Scene(
         ROBOT, GROUND, GAIT, dt_s=np.float32(0.001), duration_s=np.int64(3)
     ),
-}  # fmt: skip
+}
 
 
 def same(a: Any, b: Any) -> bool:

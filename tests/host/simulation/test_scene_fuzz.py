@@ -57,19 +57,23 @@ parts = st.fixed_dictionaries(
             optional={"link_inertia_kg_m2": across(1e-15, 1e9)},
         ),
         "ground": st.fixed_dictionaries(
-            {"ct_n_s_m": usual(0.1, or_zero(across(1e-9, 1e9))),
-             "cn_n_s_m": usual(1.0, or_zero(across(1e-9, 1e9))),
-             "ft0_n": usual(0.0, across(1e-9, 1e6)),
-             "fn0_n": usual(0.0, across(1e-9, 1e6))}
+            {
+                "ct_n_s_m": usual(0.1, or_zero(across(1e-9, 1e9))),
+                "cn_n_s_m": usual(1.0, or_zero(across(1e-9, 1e9))),
+                "ft0_n": usual(0.0, across(1e-9, 1e6)),
+                "fn0_n": usual(0.0, across(1e-9, 1e6)),
+            }
         ),
         "gait": st.fixed_dictionaries(
-            {"alpha_rad": usual(0.5, st.floats(0, math.pi)),
-             "beta_rad": usual(1.3, st.floats(-2 * math.pi, 2 * math.pi)),
-             "omega_rad_s": usual(5.0, across(1e-3, 1e3)),
-             "offset_rad": usual(0.0, angle)}
+            {
+                "alpha_rad": usual(0.5, st.floats(0, math.pi)),
+                "beta_rad": usual(1.3, st.floats(-2 * math.pi, 2 * math.pi)),
+                "omega_rad_s": usual(5.0, across(1e-3, 1e3)),
+                "offset_rad": usual(0.0, angle),
+            }
         ),
     }
-)  # fmt: skip
+)
 numbers = st.fixed_dictionaries(
     {
         "formulation": st.sampled_from(FORMULATIONS),
@@ -135,8 +139,13 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @given(text=scene_texts())
-@settings(max_examples=EXAMPLES, deadline=None, database=None, derandomize=EXAMPLES <= 150,
-          suppress_health_check=list(HealthCheck))  # fmt: skip
+@settings(
+    max_examples=EXAMPLES,
+    deadline=None,
+    database=None,
+    derandomize=EXAMPLES <= 150,
+    suppress_health_check=list(HealthCheck),
+)
 def test_any_scene_ends_in_finite_numbers_or_in_words(text: str, path: Path) -> None:
     path.write_text(text)
     began = time.process_time()
@@ -161,9 +170,13 @@ def test_any_scene_ends_in_finite_numbers_or_in_words(text: str, path: Path) -> 
 
 def test_a_step_that_lasts_can_be_stopped() -> None:
     scene = sn.Scene(
-        sn.Robot(372, 0.1, 0.1), sn.Ground(1.0, 1.0, 0.004, 0.0001), sn.Gait(1.6, 0.0, 5.0),
-        method="nonsmooth", duration_s=0.3, record_every=300,
-    )  # fmt: skip
+        sn.Robot(372, 0.1, 0.1),
+        sn.Ground(1.0, 1.0, 0.004, 0.0001),
+        sn.Gait(1.6, 0.0, 5.0),
+        method="nonsmooth",
+        duration_s=0.3,
+        record_every=300,
+    )
 
     def stop(_t_s: float) -> None:
         raise Enough

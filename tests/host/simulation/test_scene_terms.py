@@ -29,10 +29,14 @@ SERVOS = {
     "servo": SLOW_SERVO,
     "rotor": replace(SLOW_SERVO, armature_kg_m2=4e-4),
     "held servo": replace(
-        SLOW_SERVO, armature_kg_m2=4e-4, gear_friction_nm=0.01, gear_damping_nms_rad=2e-3,
-        update_hz=250.0, supply_sag=0.2,
+        SLOW_SERVO,
+        armature_kg_m2=4e-4,
+        gear_friction_nm=0.01,
+        gear_damping_nms_rad=2e-3,
+        update_hz=250.0,
+        supply_sag=0.2,
     ),
-}  # fmt: skip
+}
 
 
 def robot_of(links: int, inertia: float | None = 2.5e-4) -> sn.Robot:
@@ -59,9 +63,12 @@ def anywhere(scene: sn.Scene, seed: int) -> sn.LinkState:
         return state
     opened = rng.normal(size=(4, n)) * [[1e-3], [1e-3], [0.05], [0.05]]  # m, m/s
     return replace(
-        state, x_m=state.x_m + opened[0], y_m=state.y_m + opened[1],
-        vx_m_s=state.vx_m_s + opened[2], vy_m_s=state.vy_m_s + opened[3],
-    )  # fmt: skip
+        state,
+        x_m=state.x_m + opened[0],
+        y_m=state.y_m + opened[1],
+        vx_m_s=state.vx_m_s + opened[2],
+        vy_m_s=state.vy_m_s + opened[3],
+    )
 
 
 def drive_of(name: str, joints: int) -> dict:
@@ -108,12 +115,22 @@ def test_scenes_are_those_of_the_dense_models(
     formulation: str, drive: str, fault: str, ground: str, slope: float, smooth: bool
 ) -> None:
     scene = sn.Scene(
-        robot_of(5), GROUNDS[ground], GAIT, formulation=formulation, **drive_of(drive, 4),
+        robot_of(5),
+        GROUNDS[ground],
+        GAIT,
+        formulation=formulation,
+        **drive_of(drive, 4),
         method="rk4",
-        **FAULTS[fault], joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.4, incline_rad=slope,
-        incline_direction_rad=2.2, smoothing_m_s=0.05 if smooth else 0.0, dt_s=2e-3,
-        duration_s=0.05, record=("joints", "friction", "energy"),
-    )  # fmt: skip
+        **FAULTS[fault],
+        joint_stiffness_n_m=300.0,
+        joint_damping_n_s_m=0.4,
+        incline_rad=slope,
+        incline_direction_rad=2.2,
+        smoothing_m_s=0.05 if smooth else 0.0,
+        dt_s=2e-3,
+        duration_s=0.05,
+        record=("joints", "friction", "energy"),
+    )
     scene = replace(scene, start=anywhere(scene, len(drive + fault)))
     # 25 steps of the same method in the same coordinates: rounding alone, magnified by 1/I, k
     assert_alike(sn.simulate(scene), slow_run(scene, scene.start), 1e-10)
@@ -124,10 +141,19 @@ def test_scenes_are_those_of_the_dense_models(
 def test_other_methods_step_as_they_are_written(method: str, drive: str) -> None:
     for formulation in METHODS[method].formulations:
         scene = sn.Scene(
-            robot_of(4), VISCOUS, GAIT, formulation=formulation, **drive_of(drive, 3),
-            joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.4, method=method, dt_s=1e-3,
-            duration_s=0.05, incline_rad=0.1, record=("joints", "friction", "energy"),
-        )  # fmt: skip
+            robot_of(4),
+            VISCOUS,
+            GAIT,
+            formulation=formulation,
+            **drive_of(drive, 3),
+            joint_stiffness_n_m=300.0,
+            joint_damping_n_s_m=0.4,
+            method=method,
+            dt_s=1e-3,
+            duration_s=0.05,
+            incline_rad=0.1,
+            record=("joints", "friction", "energy"),
+        )
         scene = replace(scene, start=anywhere(scene, 5))
         assert_alike(sn.simulate(scene), slow_run(scene, scene.start), 1e-10)
 
@@ -135,9 +161,14 @@ def test_other_methods_step_as_they_are_written(method: str, drive: str) -> None
 def test_no_step_is_longer_than_dt() -> None:
     """Steps of 3 ms between frames of 20 ms and records of 30: 6 + 2 ms, 3 + 1, 3 + 1, 6 + 2."""
     scene = sn.Scene(
-        robot_of(3), VISCOUS, GAIT, **drive_of("servo", 2), dt_s=3e-3, duration_s=0.06,
+        robot_of(3),
+        VISCOUS,
+        GAIT,
+        **drive_of("servo", 2),
+        dt_s=3e-3,
+        duration_s=0.06,
         record_every=10,
-    )  # fmt: skip
+    )
     assert sn.simulate(scene).steps == 7 + 4 + 4 + 7
 
 
@@ -147,10 +178,18 @@ def test_the_ledger_balances(formulation: str) -> None:
     left = []
     for dt in (2e-3, 1e-3):
         scene = sn.Scene(
-            robot_of(4), VISCOUS, GAIT, formulation=formulation, incline_rad=0.2, limp=(2,),
-            joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.4, dt_s=dt, duration_s=1.0,
+            robot_of(4),
+            VISCOUS,
+            GAIT,
+            formulation=formulation,
+            incline_rad=0.2,
+            limp=(2,),
+            joint_stiffness_n_m=300.0,
+            joint_damping_n_s_m=0.4,
+            dt_s=dt,
+            duration_s=1.0,
             record=("energy",),
-        )  # fmt: skip
+        )
         energy = sn.simulate(scene).energy_j
         stores, done = energy[:, :3].sum(axis=1), energy[:, 3] - energy[:, 4] - energy[:, 5]
         left.append(np.abs(stores - stores[0] - done).max() / np.abs(energy).max())
@@ -168,10 +207,17 @@ def momenta(run: sn.Run) -> np.ndarray:
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_a_limp_chain_on_ice_keeps_energy_and_momentum(formulation: str) -> None:
     scene = sn.Scene(
-        robot_of(5), NONE, GAIT, formulation=formulation, limp=(1, 2, 3, 4),
-        joint_stiffness_n_m=300.0, joint_damping_n_s_m=0.0, dt_s=2.5e-4, duration_s=1.0,
+        robot_of(5),
+        NONE,
+        GAIT,
+        formulation=formulation,
+        limp=(1, 2, 3, 4),
+        joint_stiffness_n_m=300.0,
+        joint_damping_n_s_m=0.0,
+        dt_s=2.5e-4,
+        duration_s=1.0,
         record=("energy",),
-    )  # fmt: skip
+    )
     run = sn.simulate(replace(scene, start=anywhere(scene, 1)))
     energy = run.energy_j[:, :2].sum(axis=1)
     # a sixth-order remainder of the 150 rad/s springs: (omega dt)^5/144 * steps = 2e-6 at most
@@ -193,9 +239,16 @@ def test_locked_straight_it_slides_as_a_rod(method: str, ground: str) -> None:
     middle = np.stack([arms, -spin * 0 + velocity[0] + 0 * arms, velocity[1] + spin * arms])
     start = sn.LinkState(middle[0], 0 * arms, 0 * arms, middle[1], middle[2], np.full(n, spin))
     scene = sn.Scene(
-        robot, law, GAIT, locked=dict.fromkeys(range(1, n), 0.0), start=start, method=method,
-        dt_s=1e-4, duration_s=0.7, record_every=700,
-    )  # fmt: skip
+        robot,
+        law,
+        GAIT,
+        locked=dict.fromkeys(range(1, n), 0.0),
+        start=start,
+        method=method,
+        dt_s=1e-4,
+        duration_s=0.7,
+        record_every=700,
+    )
     run = sn.simulate(scene)
     t = run.t_s
     if ground == "viscous":
@@ -216,9 +269,16 @@ def test_on_a_slope_friction_comes_to_carry_the_weight(formulation: str, directi
     """Straight and not turning, it slides at m g sin / c, along and across, each with its own c."""
     robot = robot_of(4)
     scene = sn.Scene(
-        robot, VISCOUS, sn.Gait(0.0, 0.0, 1.0), formulation=formulation, incline_rad=0.2,
-        incline_direction_rad=direction, duration_s=8.0, record_every=8000, record=("friction",),
-    )  # fmt: skip
+        robot,
+        VISCOUS,
+        sn.Gait(0.0, 0.0, 1.0),
+        formulation=formulation,
+        incline_rad=0.2,
+        incline_direction_rad=direction,
+        duration_s=8.0,
+        record_every=8000,
+        record=("friction",),
+    )
     end = sn.simulate(scene)
     pull = robot.link_mass_kg * G * math.sin(0.2)
     along, across = -pull * math.cos(direction), -pull * math.sin(direction)
@@ -235,15 +295,27 @@ def test_a_stiff_servo_goes_where_it_is_told(formulation: str) -> None:
         # critically damped for the mobility of the joint, 6000 1/(kg m^2)
         servo = sn.Servo(stiffness, 2 * math.sqrt(stiffness / 6000), 1e6, 1e6, 0.0)
         scene = sn.Scene(
-            robot_of(2), VISCOUS, GAIT, formulation=formulation, drive="servo", servo=servo,
-            joint_stiffness_n_m=3e3, joint_damping_n_s_m=20.0, dt_s=1e-4, duration_s=0.4,
+            robot_of(2),
+            VISCOUS,
+            GAIT,
+            formulation=formulation,
+            drive="servo",
+            servo=servo,
+            joint_stiffness_n_m=3e3,
+            joint_damping_n_s_m=20.0,
+            dt_s=1e-4,
+            duration_s=0.4,
             record_every=200,
-        )  # fmt: skip
+        )
         run = sn.simulate(scene)
         told = sn._core.firmware.gait_setpoints_rad(
-            GAIT.alpha_rad, GAIT.beta_rad, GAIT.omega_rad_s, offset_rad=GAIT.offset_rad,
-            frames=20, joints=1,
-        )  # fmt: skip
+            GAIT.alpha_rad,
+            GAIT.beta_rad,
+            GAIT.omega_rad_s,
+            offset_rad=GAIT.offset_rad,
+            frames=20,
+            joints=1,
+        )
         misses.append(np.abs(np.diff(run.theta_rad, axis=1)[1:] - told)[5:].max())
     assert misses[0] < 1e-5
     assert misses[0] / misses[1] == pytest.approx(2, rel=0.1)
@@ -262,15 +334,26 @@ def turned(state: sn.LinkState, angle: float, mirror: bool) -> sn.LinkState:
 @pytest.mark.parametrize("ground", list(GROUNDS))
 def test_mirrored_and_turned_it_moves_mirrored_and_turned(formulation: str, ground: str) -> None:
     scene = sn.Scene(
-        robot_of(5), GROUNDS[ground], GAIT, formulation=formulation, **drive_of("constant", 4),
-        limp=(2,), locked={3: 0.3}, incline_rad=0.2, incline_direction_rad=0.5, duration_s=0.1,
+        robot_of(5),
+        GROUNDS[ground],
+        GAIT,
+        formulation=formulation,
+        **drive_of("constant", 4),
+        limp=(2,),
+        locked={3: 0.3},
+        incline_rad=0.2,
+        incline_direction_rad=0.5,
+        duration_s=0.1,
         joint_stiffness_n_m=300.0,
-    )  # fmt: skip
+    )
     scene = replace(scene, start=anywhere(scene, 3))
     other = replace(
-        scene, torque=-scene.torque, locked={3: -0.3}, incline_direction_rad=1.0 - 0.5,
+        scene,
+        torque=-scene.torque,
+        locked={3: -0.3},
+        incline_direction_rad=1.0 - 0.5,
         start=turned(scene.start, 1.0, mirror=True),
-    )  # fmt: skip
+    )
     wanted = turned(sn.simulate(scene).state(), 1.0, mirror=True).packed()
     assert sn.simulate(other).state().packed() == pytest.approx(wanted, abs=1e-10)
 

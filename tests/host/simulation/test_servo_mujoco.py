@@ -30,9 +30,13 @@ def mujoco_model(servo: sn.Servo) -> mujoco.MjModel:
         actuators.remove(motor)
     for i in range(1, ROBOT.links):
         ET.SubElement(
-            actuators, "position", name=f"servo{i}", joint=f"joint{i}",
-            kp=repr(servo.stiffness_nm_rad), kv=repr(servo.damping_nms_rad),
-        )  # fmt: skip
+            actuators,
+            "position",
+            name=f"servo{i}",
+            joint=f"joint{i}",
+            kp=repr(servo.stiffness_nm_rad),
+            kv=repr(servo.damping_nms_rad),
+        )
     return mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
 
 
@@ -61,10 +65,19 @@ def centres_by_mujoco(servo: sn.Servo, start: sn.LinkState, frames: int) -> np.n
 @pytest.mark.parametrize("formulation", ["explicit", "implicit"])
 def test_a_robot_with_rotors_goes_where_mujoco_takes_it(formulation: str) -> None:
     scene = sn.Scene(
-        ROBOT, GROUND, GAIT, drive="servo", servo=SERVO, start="link1_at_rest", dt_s=2e-4,
-        record_every=100, duration_s=2.0, formulation=formulation, joint_stiffness_n_m=2e4,
+        ROBOT,
+        GROUND,
+        GAIT,
+        drive="servo",
+        servo=SERVO,
+        start="link1_at_rest",
+        dt_s=2e-4,
+        record_every=100,
+        duration_s=2.0,
+        formulation=formulation,
+        joint_stiffness_n_m=2e4,
         joint_damping_n_s_m=20.0,
-    )  # fmt: skip
+    )
     run = sn.simulate(scene)
     start = sn.LinkState(
         run.x_m[0], run.y_m[0], run.theta_rad[0], run.vx_m_s[0], run.vy_m_s[0], run.omega_rad_s[0]

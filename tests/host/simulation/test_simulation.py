@@ -34,11 +34,19 @@ def test_three_links_at_ten_seconds() -> None:
 def test_rk4_has_order_four(formulation: str) -> None:
     ends = [
         sn.simulate(
-            sn.Scene(THREE, VISCOUS, THREE_GAIT, formulation=formulation, dt_s=1.0 / steps,
-                     duration_s=1.0, record_every=steps, start="link1_at_rest")
+            sn.Scene(
+                THREE,
+                VISCOUS,
+                THREE_GAIT,
+                formulation=formulation,
+                dt_s=1.0 / steps,
+                duration_s=1.0,
+                record_every=steps,
+                start="link1_at_rest",
+            )
         ).theta_rad[-1]
         for steps in (200, 400, 800, 6400)
-    ]  # fmt: skip
+    ]
     errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx(4, abs=0.15)
@@ -64,9 +72,18 @@ def test_the_springs_error_falls_as_one_over_k() -> None:
     errors = []
     for k in (1e3, 1e4, 1e5):
         soft = sn.simulate(
-            sn.Scene(THREE, VISCOUS, THREE_GAIT, formulation="implicit", joint_stiffness_n_m=k,
-                     dt_s=1e-4, record_every=10, duration_s=2.0, start="link1_at_rest")
-        )  # fmt: skip
+            sn.Scene(
+                THREE,
+                VISCOUS,
+                THREE_GAIT,
+                formulation="implicit",
+                joint_stiffness_n_m=k,
+                dt_s=1e-4,
+                record_every=10,
+                duration_s=2.0,
+                start="link1_at_rest",
+            )
+        )
         errors.append(np.abs(soft.vx_m_s - exact.vx_m_s).max())
     assert np.array(errors[:-1]) / errors[1:] == pytest.approx(10, rel=0.02)
 
@@ -77,9 +94,19 @@ def test_a_zero_gap_rings() -> None:
     errors = []
     for k in (1e4, 1e6):
         soft = sn.simulate(
-            sn.Scene(THREE, VISCOUS, THREE_GAIT, formulation="implicit", joint_stiffness_n_m=k,
-                     gap="zero", dt_s=1e-5, record_every=100, duration_s=0.5, start="link1_at_rest")
-        )  # fmt: skip
+            sn.Scene(
+                THREE,
+                VISCOUS,
+                THREE_GAIT,
+                formulation="implicit",
+                joint_stiffness_n_m=k,
+                gap="zero",
+                dt_s=1e-5,
+                record_every=100,
+                duration_s=0.5,
+                start="link1_at_rest",
+            )
+        )
         errors.append(np.abs(soft.vx_m_s - exact.vx_m_s).max())
     assert errors[0] / errors[1] == pytest.approx(10, rel=0.2)
 
@@ -91,10 +118,17 @@ def test_the_papers_springs_speed_the_snake_up(omega: float, percent: float) -> 
     exact = sn.steady_gait(SIX, VISCOUS, gait).speed_m_s
     per_cycle = 1000
     run = sn.simulate(
-        sn.Scene(SIX, VISCOUS, gait, formulation="implicit", start="steady",
-                 dt_s=gait.period_s / per_cycle, duration_s=100 * gait.period_s,
-                 record_every=per_cycle)
-    )  # fmt: skip
+        sn.Scene(
+            SIX,
+            VISCOUS,
+            gait,
+            formulation="implicit",
+            start="steady",
+            dt_s=gait.period_s / per_cycle,
+            duration_s=100 * gait.period_s,
+            record_every=per_cycle,
+        )
+    )
     x, y = run.x_m.mean(axis=1), run.y_m.mean(axis=1)
     # zeta = 0.008 of the slowest spring mode: after 80 periods what rings is below 1e-3
     speed = np.hypot(x[-1] - x[-21], y[-1] - y[-21]) / (20 * gait.period_s)
@@ -165,18 +199,34 @@ def test_sticking_wheels_agree_between_formulations() -> None:
     common = {"method": "nonsmooth", "duration_s": 2 * gait.period_s}
     exact = sn.simulate(sn.Scene(robot, ground, gait, dt_s=1e-2, **common, start="link1_at_rest"))
     soft = sn.simulate(
-        sn.Scene(robot, ground, gait, formulation="implicit", joint_stiffness_n_m=1e5,
-                 joint_damping_n_s_m=10.0, dt_s=1e-5, record_every=1000, **common,
-        start="link1_at_rest")
-    )  # fmt: skip
+        sn.Scene(
+            robot,
+            ground,
+            gait,
+            formulation="implicit",
+            joint_stiffness_n_m=1e5,
+            joint_damping_n_s_m=10.0,
+            dt_s=1e-5,
+            record_every=1000,
+            **common,
+            start="link1_at_rest",
+        )
+    )
     assert np.abs(soft.theta_rad[:-1] - exact.theta_rad[:-1]).max() < 3e-3
 
 
 @pytest.mark.parametrize("k", [7e5, 9e5, 1.5e6, 2.2e6, 1e8])
 def test_the_quiet_failure_of_rk4_is_refused(k: float) -> None:
     """The limit at 1 ms is 0.78e6 N/m for m = 1 kg; above it a run may stay finite and be wrong."""
-    scene = sn.Scene(SIX, VISCOUS, PAPERS_GAIT, formulation="implicit", joint_stiffness_n_m=k,
-                     duration_s=0.02, start="link1_at_rest")  # fmt: skip
+    scene = sn.Scene(
+        SIX,
+        VISCOUS,
+        PAPERS_GAIT,
+        formulation="implicit",
+        joint_stiffness_n_m=k,
+        duration_s=0.02,
+        start="link1_at_rest",
+    )
     if k < 7.8e5:
         sn.simulate(scene)
         return
@@ -192,10 +242,16 @@ def test_the_limit_is_where_runs_begin_to_grow(drive: str, c: float) -> None:
     n, rng = 4, np.random.default_rng(3)
     robot, still = sn.Robot(n, 1.0, 0.12), sn.Gait(0.0, 0.0, 1.0)
     scene = sn.Scene(
-        robot, sn.Ground(0, 0), still, formulation="implicit", joint_stiffness_n_m=1e4,
-        joint_damping_n_s_m=c, drive=drive, torque=[0.0] * (n - 1) if drive == "torque" else None,
+        robot,
+        sn.Ground(0, 0),
+        still,
+        formulation="implicit",
+        joint_stiffness_n_m=1e4,
+        joint_damping_n_s_m=c,
+        drive=drive,
+        torque=[0.0] * (n - 1) if drive == "torque" else None,
         start="link1_at_rest",
-    )  # fmt: skip
+    )
     stable = stability.stability_test(scene)
     assert stable is not None
     limit = stability.largest_step_s(stable, 1.0)
@@ -243,9 +299,14 @@ def test_bad_input_is_named(change: dict, said: str) -> None:
 def test_the_slow_manifold_carries_the_forces_of_the_exact_model() -> None:
     """Eq. 51 at the start, dampers included: k gap + c gap rate is the pinned joints' force."""
     soft = sn.Scene(
-        SIX, VISCOUS, PAPERS_GAIT, formulation="implicit", joint_damping_n_s_m=50.0,
-        duration_s=1e-3, record=("joints",),
-    )  # fmt: skip
+        SIX,
+        VISCOUS,
+        PAPERS_GAIT,
+        formulation="implicit",
+        joint_damping_n_s_m=50.0,
+        duration_s=1e-3,
+        record=("joints",),
+    )
     run = sn.simulate(soft)
     exact = sn.simulate(replace(soft, formulation="explicit"))
     for name in ("joint_force_x_n", "joint_force_y_n"):

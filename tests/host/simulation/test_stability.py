@@ -18,8 +18,16 @@ GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
 
 
 def test_explicit_euler_has_no_stable_step_without_damping() -> None:
-    scene = sn.Scene(SIX, sn.Ground(0.1, 10.0), GAIT, formulation="implicit", method="euler",
-                     joint_damping_n_s_m=0.0, dt_s=1e-9, duration_s=1e-8)  # fmt: skip
+    scene = sn.Scene(
+        SIX,
+        sn.Ground(0.1, 10.0),
+        GAIT,
+        formulation="implicit",
+        method="euler",
+        joint_damping_n_s_m=0.0,
+        dt_s=1e-9,
+        duration_s=1e-8,
+    )
     with pytest.raises(sn.StepTooLarge, match="no stable step"):
         sn.simulate(scene)
 
@@ -27,8 +35,15 @@ def test_explicit_euler_has_no_stable_step_without_damping() -> None:
 def test_a_torque_table_outlives_its_request() -> None:
     """Nonsmooth steps compose a system from a copy of the request, gone when the run begins."""
     torque = sn.TorqueTable(np.array([0.0, 1.0]), np.full((2, 5), 1e-3))
-    common = {"drive": "torque", "torque": torque, "formulation": "implicit", "duration_s": 0.2,
-              "dt_s": 1e-4, "gap": "zero", "start": "zero_momentum"}  # fmt: skip
+    common = {
+        "drive": "torque",
+        "torque": torque,
+        "formulation": "implicit",
+        "duration_s": 0.2,
+        "dt_s": 1e-4,
+        "gap": "zero",
+        "start": "zero_momentum",
+    }
     still = sn.Gait(0.0, 0.0, 1.0)
     ends = [
         sn.simulate(sn.Scene(SIX, sn.Ground(0.1, 1.0), still, method=m, **common))

@@ -16,13 +16,21 @@ GROUND = sn.Ground(0.1, 10.0)
 # A small inertia, so that bending counts; neither gait is straightest at phase 0.
 ROBOT = sn.Robot(6, 1.0, 0.12, 1e-4)
 SPRINGS = sn.Scene(
-    ROBOT, GROUND, sn.Gait(1.2, math.pi, 5.0, joint_shift_rad=(math.pi / 2,) * 5),
-    formulation="implicit", joint_stiffness_n_m=1.0, dt_s=1e-6,
-)  # fmt: skip
+    ROBOT,
+    GROUND,
+    sn.Gait(1.2, math.pi, 5.0, joint_shift_rad=(math.pi / 2,) * 5),
+    formulation="implicit",
+    joint_stiffness_n_m=1.0,
+    dt_s=1e-6,
+)
 SERVOS = sn.Scene(
-    ROBOT, GROUND, sn.Gait(0.6, 2.75, 5.0), drive="servo", dt_s=1e-6,
+    ROBOT,
+    GROUND,
+    sn.Gait(0.6, 2.75, 5.0),
+    drive="servo",
+    dt_s=1e-6,
     servo=sn.Servo(stiffness_nm_rad=1.0, damping_nms_rad=0.01),
-)  # fmt: skip
+)
 
 
 def link_angles(gait: sn.Gait, phase: float) -> Array:

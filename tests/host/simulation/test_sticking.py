@@ -18,8 +18,16 @@ from serpenoid.simulation.judge import difference
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
 BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
 GAIT = sn.Gait(math.radians(70), math.radians(75), 1.5)
-SCENE = sn.Scene(OF_2005, BINGHAM, GAIT, method="nonsmooth", duration_s=2.0, dt_s=0.01,
-                 tolerance=1e-9, start="zero_momentum")  # fmt: skip
+SCENE = sn.Scene(
+    OF_2005,
+    BINGHAM,
+    GAIT,
+    method="nonsmooth",
+    duration_s=2.0,
+    dt_s=0.01,
+    tolerance=1e-9,
+    start="zero_momentum",
+)
 DRIVES: dict[str, dict[str, Any]] = {
     "servo": {"drive": "servo", "servo": sn.Servo()},
     "torque": {"drive": "torque", "torque": [2e-3, -1e-3, 1.5e-3, -2e-3, 1e-3]},
@@ -113,9 +121,17 @@ def test_a_tolerance_is_about_kept() -> None:
 @pytest.mark.parametrize("tolerance", [8e-11, 1e-11])
 def test_strong_servos_do_not_chatter(tolerance: float) -> None:
     """A wheel turns round within a grain of time: with strong servos no slow look catches it."""
-    scene = sn.Scene(sn.Robot(4, 0.0624, 0.1546), sn.Ground(0.038, 0.0219, 0.0243, 0.184),
-                     sn.Gait(1.05, 1.82, 0.92), drive="servo", servo=sn.Servo(), limp=(2,),
-                     duration_s=3.0, dt_s=0.01, tolerance=tolerance)  # fmt: skip
+    scene = sn.Scene(
+        sn.Robot(4, 0.0624, 0.1546),
+        sn.Ground(0.038, 0.0219, 0.0243, 0.184),
+        sn.Gait(1.05, 1.82, 0.92),
+        drive="servo",
+        servo=sn.Servo(),
+        limp=(2,),
+        duration_s=3.0,
+        dt_s=0.01,
+        tolerance=tolerance,
+    )
     off = difference(sn.simulate(scene), sn.simulate(replace(scene, tolerance=1e-6)))
     assert off.angle_rad < 1e-4
 
@@ -144,5 +160,14 @@ def random_scene(rng: np.random.Generator) -> sn.Scene:
         {"record": ("energy",)},
     ]
     drive = drives[int(rng.integers(len(drives)))]
-    return sn.Scene(robot, ground, gait, method="nonsmooth", tolerance=1e-6, duration_s=3.0,
-                    incline_rad=float(rng.choice([0, 0.2])), dt_s=0.01, **drive)  # fmt: skip
+    return sn.Scene(
+        robot,
+        ground,
+        gait,
+        method="nonsmooth",
+        tolerance=1e-6,
+        duration_s=3.0,
+        incline_rad=float(rng.choice([0, 0.2])),
+        dt_s=0.01,
+        **drive,
+    )

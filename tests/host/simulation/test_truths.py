@@ -57,9 +57,14 @@ def test_hard_springs_and_what_runs_claim(links: int, k: float, method: str, dt_
 def test_the_reference_tells_the_exact_model_as_springs_harden() -> None:
     """Its distance from the exact model falls as 1/k; Richardson takes away what is left."""
     exact = sn.simulate(
-        replace(tc.hard_scene(2, 1e6), formulation="explicit", method="collocation",
-                tolerance=1e-12, duration_s=0.25)
-    )  # fmt: skip
+        replace(
+            tc.hard_scene(2, 1e6),
+            formulation="explicit",
+            method="collocation",
+            tolerance=1e-12,
+            duration_s=0.25,
+        )
+    )
     ends = []
     for k in (1e5, 1e6, 1e7):
         scene = tc.hard_scene(2, k, duration_s=0.25)
@@ -91,8 +96,14 @@ def test_torques_and_servos_on_dry_ground(kind: str, seed: int) -> None:
 )
 def test_springs_on_dry_ground(links: int, k: float, lasts_s: float, dt_s: float) -> None:
     """Wheels that rest and slide while springs ring, by events: as far off as runs claim."""
-    scene = tc.hard_scene(links, k, ground=sn.Ground(0.1, 1.0, 0.3, 1.0), method="nonsmooth",
-                          duration_s=lasts_s, dt_s=dt_s)  # fmt: skip
+    scene = tc.hard_scene(
+        links,
+        k,
+        ground=sn.Ground(0.1, 1.0, 0.3, 1.0),
+        method="nonsmooth",
+        duration_s=lasts_s,
+        dt_s=dt_s,
+    )
     run = sn.simulate(scene)
     truth = tc.by_events(scene, replace(run, t_s=run.t_s[-1:]), 1e-11 if k < 1e8 else 1e-9)
     error = tc.off(tc.places(run)[-1:], truth, scene.robot)
@@ -104,9 +115,15 @@ def test_springs_on_dry_ground(links: int, k: float, lasts_s: float, dt_s: float
 def long_run(offset_rad: float, method: str, cycles: int, **more: float) -> sn.Run:
     gait = sn.Gait(math.radians(30), math.radians(80), math.pi, offset_rad)
     return sn.simulate(
-        sn.Scene(sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0), gait, method=method,
-                 duration_s=2.0 * cycles, **more)
-    )  # fmt: skip
+        sn.Scene(
+            sn.Robot(6, 1.0, 0.12),
+            sn.Ground(0.1, 10.0),
+            gait,
+            method=method,
+            duration_s=2.0 * cycles,
+            **more,
+        )
+    )
 
 
 def test_one_cycle_by_momenta() -> None:

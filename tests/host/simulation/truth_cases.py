@@ -29,10 +29,18 @@ def params(scene: sn.Scene) -> Params:
     down = -GRAVITY_M_S2 * math.sin(scene.incline_rad)
     way = scene.incline_direction_rad
     return Params(
-        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.inertia_kg_m2,
-        ground.ct_forward, ground.cn, ground.ft0_forward, ground.fn0,
-        (down * math.cos(way), down * math.sin(way)), ground.ct_backward, ground.ft0_backward,
-    )  # fmt: skip
+        robot.links,
+        robot.link_mass_kg,
+        robot.link_length_m / 2,
+        robot.inertia_kg_m2,
+        ground.ct_forward,
+        ground.cn,
+        ground.ft0_forward,
+        ground.fn0,
+        (down * math.cos(way), down * math.sin(way)),
+        ground.ct_backward,
+        ground.ft0_backward,
+    )
 
 
 def gait_of(gait: sn.Gait) -> Gait:
@@ -44,9 +52,13 @@ def hard_scene(links: int, k: float, incline_rad: float = 0.0, **more: Any) -> s
     """Return a second of the paper's robot on springs of k N/m with dampers of 1 N s/m."""
     fields = {"duration_s": 1.0, "dt_s": 1e-3, "ground": sn.Ground(0.1, 10.0), **more}
     return sn.Scene(
-        sn.Robot(links, 1.0, 0.12), gait=PAPER_GAIT, formulation="implicit",
-        joint_stiffness_n_m=k, incline_rad=incline_rad, **fields,
-    )  # fmt: skip
+        sn.Robot(links, 1.0, 0.12),
+        gait=PAPER_GAIT,
+        formulation="implicit",
+        joint_stiffness_n_m=k,
+        incline_rad=incline_rad,
+        **fields,
+    )
 
 
 def end_on_springs(scene: sn.Scene, start: sn.LinkState, steps: int = 20) -> Array:
@@ -76,9 +88,13 @@ def world(scene: sn.Scene) -> cm.World:
     p, gait = params(scene), scene.gait
     if scene.servo is not None:
         setpoints = gait_setpoints_rad(
-            gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, offset_rad=gait.offset_rad,
-            joints=p.links - 1, frames=int(scene.duration_s / scene.servo.frame_s) + 2,
-        )  # fmt: skip
+            gait.alpha_rad,
+            gait.beta_rad,
+            gait.omega_rad_s,
+            offset_rad=gait.offset_rad,
+            joints=p.links - 1,
+            frames=int(scene.duration_s / scene.servo.frame_s) + 2,
+        )
         return cm.World(p, cm.ServoDrive(scene.servo, np.asarray(setpoints), scene.servo.frame_s))
     still = cm.Drive(np.zeros(1), np.zeros((1, p.links - 1)))
     if scene.formulation == "implicit":
@@ -117,9 +133,14 @@ def far_scene(kind: str, cycles: int, offset_rad: float = 0.0, **more: Any) -> s
     if kind == "springs":
         gait = replace(PAPER_GAIT, omega_rad_s=math.pi)
         return sn.Scene(
-            sn.Robot(3, 1.0, 0.12), sn.Ground(0.1, 10.0), replace(gait, offset_rad=offset_rad),
-            formulation="implicit", start="steady", duration_s=2.0 * cycles, **more,
-        )  # fmt: skip
+            sn.Robot(3, 1.0, 0.12),
+            sn.Ground(0.1, 10.0),
+            replace(gait, offset_rad=offset_rad),
+            formulation="implicit",
+            start="steady",
+            duration_s=2.0 * cycles,
+            **more,
+        )
     links, period = (6, 2.0) if kind == "dry" else (3, 0.4)
     dry = (0.14, 0.27) if "dry" in kind else ()
     ground = sn.Ground.whole_body(links, 0.084, 1.2, *dry)
@@ -180,11 +201,21 @@ def free_case(kind: str, seed: int, duration_s: float = 0.6) -> sn.Scene:
         ground = sn.Ground((ct, back * ct), cn, (ft0, back * ft0), fn0)
     bent = 0.3 if n == 2 else 0.0
     gait = sn.Gait(rng.uniform(0.1, 1.2), rng.uniform(0.3, 1.8), rng.uniform(1, 6), bent)
-    incline = {"incline_rad": float(rng.choice([0, 0, 0.05])),
-               "incline_direction_rad": float(rng.uniform(-3, 3))}  # fmt: skip
+    incline = {
+        "incline_rad": float(rng.choice([0, 0, 0.05])),
+        "incline_direction_rad": float(rng.uniform(-3, 3)),
+    }
     drive = _drive(kind, robot, fn0 * robot.link_length_m * n / 2, rng)
-    return sn.Scene(robot, ground, gait, method="nonsmooth", duration_s=duration_s, dt_s=0.01,
-                    **incline, **drive)  # fmt: skip
+    return sn.Scene(
+        robot,
+        ground,
+        gait,
+        method="nonsmooth",
+        duration_s=duration_s,
+        dt_s=0.01,
+        **incline,
+        **drive,
+    )
 
 
 WORK_KINDS = ("viscous", "dry", "springs", "viscous servo", "dry servo", "dry torques")
@@ -208,8 +239,11 @@ def work_case(seed: int) -> sn.Scene:
         rows = rng.normal(size=(3, n - 1)) * 0.7 * ground.fn0 * robot.link_length_m
         more |= {"drive": "torque", "torque": sn.TorqueTable(np.array([0, 0.2, 0.5]), rows)}
     elif kind == "springs":
-        more |= {"formulation": "implicit", "joint_stiffness_n_m": 10 ** rng.uniform(2.5, 5),
-                 "method": ("radau", "dop853")[seed // 6 % 2]}  # fmt: skip
+        more |= {
+            "formulation": "implicit",
+            "joint_stiffness_n_m": 10 ** rng.uniform(2.5, 5),
+            "method": ("radau", "dop853")[seed // 6 % 2],
+        }
     return sn.Scene(robot, ground, gait, duration_s=0.5, dt_s=0.01, record=("energy",), **more)
 
 
@@ -217,9 +251,7 @@ def true_work(scene: sn.Scene) -> float:
     """Return the positive work of a scene's joints, J: by events, or on springs by fine steps."""
     if scene.formulation == "explicit":
         return work_by_events(scene)
-    run = sn.simulate(
-        replace(scene, method="rk4", dt_s=1e-5, record=("joints",), record_every=2)
-    )  # fmt: skip
+    run = sn.simulate(replace(scene, method="rk4", dt_s=1e-5, record=("joints",), record_every=2))
     return sum(jw.positive_part_of(run.t_s, power) for power in run.joint_power_w.T)
 
 

@@ -83,6 +83,12 @@ def crawled(robot: LabRobot, servos: Servos, gait: sn.Gait, set_rad: np.ndarray)
         return np.column_stack([z.real, z.imag]), angle
 
     return World(
-        pose, robot.body.links, gait.omega_rad_s, np.abs(first), np.angle(first),
-        phi[: cycles * cycle].mean(axis=0), float(chord / arc / t[cycle]), float(turn),
-    )  # fmt: skip
+        pose,
+        robot.body.links,
+        gait.omega_rad_s,
+        np.abs(first),
+        np.angle(first),
+        phi[: cycles * cycle].mean(axis=0),
+        float(chord / arc / t[cycle]),
+        float(turn),
+    )

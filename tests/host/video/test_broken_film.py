@@ -37,9 +37,11 @@ def followed(t_s: np.ndarray, told_s: np.ndarray) -> SimpleNamespace:
     track = Track(told_s, states, one, joints, one)
     camera = SimpleNamespace(link_m=LINK_M)
     return SimpleNamespace(
-        fitted=fit_motion(track, joints, one), track=track, held=joints > 0,
+        fitted=fit_motion(track, joints, one),
+        track=track,
+        held=joints > 0,
         bundle=SimpleNamespace(camera=camera),
-    )  # fmt: skip
+    )
 
 
 def cut_out(gone_s: float) -> np.ndarray:

@@ -278,9 +278,12 @@ def test_damaged_files_end_in_words(frames, tmp_path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "content", "words"),
-    [("words.mp4", b"no film at all" * 99, "cannot be read as a film"),
-     ("empty.mp4", b"", "cannot be read as a film"), ("none.mp4", None, "there is no such file")],
-)  # fmt: skip
+    [
+        ("words.mp4", b"no film at all" * 99, "cannot be read as a film"),
+        ("empty.mp4", b"", "cannot be read as a film"),
+        ("none.mp4", None, "there is no such file"),
+    ],
+)
 def test_what_is_no_film_is_named(tmp_path, name, content, words) -> None:
     if content is not None:
         (tmp_path / name).write_bytes(content)
@@ -303,8 +306,28 @@ def run_of(phase_deg: list[float], offset_deg: list[float] | None = None) -> Fil
         for i, (p, o) in enumerate(zip(phase_deg, offsets, strict=True))
     )
     count = len(joints) + 1
-    return FilmedRun(count, LINK_M, 0.05, 1e-4, 0.0, 1e-3, 0.0, 1e-4, 8.0, 1e-3, 0.1, 2.0, joints,
-                     (1.0,) * count, 1.0, 0.1, 1e-4, 1.0, {}, {})  # fmt: skip
+    return FilmedRun(
+        count,
+        LINK_M,
+        0.05,
+        1e-4,
+        0.0,
+        1e-3,
+        0.0,
+        1e-4,
+        8.0,
+        1e-3,
+        0.1,
+        2.0,
+        joints,
+        (1.0,) * count,
+        1.0,
+        0.1,
+        1e-4,
+        1.0,
+        {},
+        {},
+    )
 
 
 @pytest.mark.parametrize("gait", [GAIT, None])

@@ -47,9 +47,11 @@ def plain(tmp_path_factory):
     rng = np.random.default_rng(5)
     world = crawling(omega_rad_s=8.0, speed_m_s=0.08, start_m=-0.07)
     body = Body(
-        6, mount_m=rng.normal(size=(6, 3)) * [0.002, 0.002, 0.001],
-        turn_rad=np.radians(1.5) * rng.normal(size=6), slope=0.02 * rng.normal(size=(6, 2)),
-    )  # fmt: skip
+        6,
+        mount_m=rng.normal(size=(6, 3)) * [0.002, 0.002, 0.001],
+        turn_rad=np.radians(1.5) * rng.normal(size=6),
+        slope=0.02 * rng.normal(size=(6, 2)),
+    )
     lens = Lens(k1=0.06, k2=-0.02, middle_px=(5.0, -3.0), rolling_s=0.015)
     path = tmp_path_factory.mktemp("film") / "plain.mp4"
     return shoot(world, path, lens, body, seconds=1.8, up=2), world, body, lens

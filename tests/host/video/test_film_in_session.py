@@ -29,10 +29,17 @@ from serpenoid.periodic.servo_steady import servo_state, with_servo
 from serpenoid.servos.catalogue import servo
 
 CELLS = {
-    "alpha_deg": 50.0, "beta_deg": 80.0, "omega_rad_s": 3.0, "offset_deg": 0.2,
-    "speed_m_s": 0.05, "speed_sigma_m_s": 2e-5, "gain_sigma": 0.001,
-    "gains": "0.93,0.94,0.92,0.93,0.93", "shifts_deg": "0,1,-1,0.5,-0.5", "film_sha256": "ab" * 32,
-}  # fmt: skip
+    "alpha_deg": 50.0,
+    "beta_deg": 80.0,
+    "omega_rad_s": 3.0,
+    "offset_deg": 0.2,
+    "speed_m_s": 0.05,
+    "speed_sigma_m_s": 2e-5,
+    "gain_sigma": 0.001,
+    "gains": "0.93,0.94,0.92,0.93,0.93",
+    "shifts_deg": "0,1,-1,0.5,-0.5",
+    "film_sha256": "ab" * 32,
+}
 PATH = [
     [0.0, 0, 0, 0, 0.1, 0.2],
     [0.1, 0.005, 0, 0.01, math.nan, 0.3],
@@ -99,9 +106,18 @@ def test_what_is_no_film_is_refused(folder, change) -> None:
 
 def filmed(gain: float, speed_m_s: float) -> FilmReading:
     return FilmReading(
-        99, math.radians(50), math.radians(80), 3.0, speed_m_s, 1e-5, 0.0, 0.001,
-        ",".join([str(gain)] * 5), "0,0,0,0,0", "cd" * 32,
-    )  # fmt: skip
+        99,
+        math.radians(50),
+        math.radians(80),
+        3.0,
+        speed_m_s,
+        1e-5,
+        0.0,
+        0.001,
+        ",".join([str(gain)] * 5),
+        "0,0,0,0,0",
+        "cd" * 32,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -124,8 +140,19 @@ def test_the_verdict_is_amplitude_because_it_was_seen(of_2005) -> None:
 def test_a_filmed_amplitude_is_in_no_doubt_again(of_2005, folder, serpenoid) -> None:
     """Of the gait that was filmed; a film of another one leaves the amplitude's doubt."""
     _, fit = of_2005
-    typed = ["steady", "--beta-deg", "80", "--omega-rad-s", "3.01", "--joints", str(folder),
-             "--session", str(session_folder()), "--json", "--alpha-deg"]  # fmt: skip
+    typed = [
+        "steady",
+        "--beta-deg",
+        "80",
+        "--omega-rad-s",
+        "3.01",
+        "--joints",
+        str(folder),
+        "--session",
+        str(session_folder()),
+        "--json",
+        "--alpha-deg",
+    ]
     band, other = (json.loads(serpenoid(*typed, alpha)[1])["band"] for alpha in ("50", "52"))
     assert (band["filmed"], other["filmed"]) == (True, False)
     ends = [(band[f"low_{name}m_s"], band[f"high_{name}m_s"]) for name in ("friction_", "")]
@@ -184,9 +211,13 @@ def test_what_servos_lose_of_a_filmed_amplitude_is_lost_once(of_2005, free_speed
     gains = ",".join([str(robot.amplitude_ratio)] * 5)
     film = replace(film, gains=gains, speed_m_s=robot.speed_m_s)
     drawn = sample_speeds(
-        fit, [film.gait], amplitude_sigma=0.03, servo=ServoKind("slow", slow), count=16,
+        fit,
+        [film.gait],
+        amplitude_sigma=0.03,
+        servo=ServoKind("slow", slow),
+        count=16,
         seen={film.gait: film.commanded},
-    )  # fmt: skip
+    )
     assert robot.amplitude_ratio < 0.95
     assert np.mean(drawn.both_m_s) == pytest.approx(robot.speed_m_s, rel=0.1)
     made = speed(fit.robot, fit.ground, film.gait)

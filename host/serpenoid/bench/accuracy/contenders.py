@@ -37,8 +37,11 @@ def own(problem: Problem) -> list[Contender]:
 
 def absent() -> list[str]:
     """Return the peers that are not installed."""
-    modules = {"numba": "Numba, SciPy with a Numba right-hand side, SUNDIALS",
-               "sksundae": "SUNDIALS", "mujoco": "MuJoCo"}  # fmt: skip
+    modules = {
+        "numba": "Numba, SciPy with a Numba right-hand side, SUNDIALS",
+        "sksundae": "SUNDIALS",
+        "mujoco": "MuJoCo",
+    }
     return [f"{module} ({what})" for module, what in modules.items() if not find_spec(module)]
 
 

@@ -60,8 +60,11 @@ def times_at(rows: Sequence[Row], scene: str, error: float) -> dict[str, float |
     """Return each contender's time for a simulated second at an error, s; None: not reached."""
     times: dict[str, float | None] = {}
     for method, line in lines(rows, scene).items():
-        points = [(r.error, r.time_s / r.simulated_s) for r in line
-                  if r.error is not None and r.time_s is not None]  # fmt: skip
+        points = [
+            (r.error, r.time_s / r.simulated_s)
+            for r in line
+            if r.error is not None and r.time_s is not None
+        ]
         times[method] = time_at(error, points)
     return times
 

@@ -89,12 +89,23 @@ def _label(ax: Axes, ends: list[tuple[float, float, str]], styles: dict[str, Any
     wanted = [(math.log(seconds) - low) / (high - low) for _, seconds, _ in ends]
     for (error, seconds, name), height in zip(ends, set_apart(wanted), strict=True):
         ax.annotate(
-            name.removeprefix("serpenoid "), (error, seconds), xytext=(1.03, height),
-            textcoords="axes fraction", va="center", fontsize=8, color=styles[name]["color"],
-            annotation_clip=False, arrowprops={
-                "arrowstyle": "-", "color": styles[name]["color"], "lw": 0.5, "alpha": 0.7,
-                "shrinkA": 0, "shrinkB": 3},
-        )  # fmt: skip
+            name.removeprefix("serpenoid "),
+            (error, seconds),
+            xytext=(1.03, height),
+            textcoords="axes fraction",
+            va="center",
+            fontsize=8,
+            color=styles[name]["color"],
+            annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-",
+                "color": styles[name]["color"],
+                "lw": 0.5,
+                "alpha": 0.7,
+                "shrinkA": 0,
+                "shrinkB": 3,
+            },
+        )
 
 
 def set_apart(wanted: Sequence[float]) -> list[float]:
@@ -133,6 +144,9 @@ def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -
             "Filled: this package; open: the best of what else one might take. Lower is faster, "
             "right is more accurate.\nGrey: the reference is not known better. Left out, but in "
             f"the CSV: Euler's methods, of order 1. {where}",
-            fontsize=9, color=GREY, ha="left", x=0.01,
-        )  # fmt: skip
+            fontsize=9,
+            color=GREY,
+            ha="left",
+            x=0.01,
+        )
         fig.savefig(path, dpi=120)

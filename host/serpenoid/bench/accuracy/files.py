@@ -33,10 +33,18 @@ def read_csv(path: Path) -> list[Row]:
             return float(line[name]) if line[name] else None
 
         return Row(
-            line["scene"], line["method"], line["family"], line["kind"], float(line["setting"]),
-            number("error"), number("time_s"), number("spread"), int(line["rounds"]),
-            float(line["simulated_s"]), line["note"],
-        )  # fmt: skip
+            line["scene"],
+            line["method"],
+            line["family"],
+            line["kind"],
+            float(line["setting"]),
+            number("error"),
+            number("time_s"),
+            number("spread"),
+            int(line["rounds"]),
+            float(line["simulated_s"]),
+            line["note"],
+        )
 
     with path.open(newline="") as file:
         return [row(line) for line in csv.DictReader(file)]
@@ -47,7 +55,11 @@ def write_json(rows: Sequence[Row], path: Path) -> None:
     measured = {row.scene for row in rows}
     known = {p.name: reference(p).known_to for p in problems() if p.name in measured}
     content = {
-        "cpu": machine.cpu(), "compiler": machine.compiler(), "versions": machine.versions(),
-        "absent": absent(), "references_known_to": known, "headline": headline(rows),
-    }  # fmt: skip
+        "cpu": machine.cpu(),
+        "compiler": machine.compiler(),
+        "versions": machine.versions(),
+        "absent": absent(),
+        "references_known_to": known,
+        "headline": headline(rows),
+    }
     path.write_text(json.dumps(content, indent=1) + "\n")

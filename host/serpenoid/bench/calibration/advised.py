@@ -117,9 +117,13 @@ class Advised:
         if told.lambda_rad != self.posed_rad:
             self._pose(told.lambda_rad or 0.0)
         step = Step(
-            "station", "station", "", incline_deg=math.degrees(told.incline_rad or 0.0),
-            settle_s=_SETTLE_S, cells={"lambda_deg": round(math.degrees(self.posed_rad), 4)},
-        )  # fmt: skip
+            "station",
+            "station",
+            "",
+            incline_deg=math.degrees(told.incline_rad or 0.0),
+            settle_s=_SETTLE_S,
+            cells={"lambda_deg": round(math.degrees(self.posed_rad), 4)},
+        )
         found = self.treadmill.answer(step, self.record.session)
         if found is not None:
             record_step(self.record, step, found)
@@ -192,13 +196,25 @@ def run(sessions: int, seed: int, tell: Callable[[str], None]) -> list[Saved]:
 
 
 def _saved(
-    plan: str, seed: int, target: float,
-    of_plan: tuple[int, float, float], own: tuple[int, float, float, int],
-) -> Saved:  # fmt: skip
+    plan: str,
+    seed: int,
+    target: float,
+    of_plan: tuple[int, float, float],
+    own: tuple[int, float, float, int],
+) -> Saved:
     return Saved(
-        plan, seed, target, own[3], of_plan[0], own[0], of_plan[1], own[1], of_plan[2], own[2],
+        plan,
+        seed,
+        target,
+        own[3],
+        of_plan[0],
+        own[0],
+        of_plan[1],
+        own[1],
+        of_plan[2],
+        own[2],
         own[1] <= target,
-    )  # fmt: skip
+    )
 
 
 def ratios(rows: Sequence[Saved]) -> list[Ratio]:
@@ -211,6 +227,16 @@ def ratios(rows: Sequence[Saved]) -> list[Ratio]:
             for name in ("plan_readings", "advised_readings", "opening")
         )
         reached = sum(r.reached for r in of)
-        out.append(Ratio(plan, len(of), reached, of[0].target, by_plan, own, own / by_plan,
-                         (own - first) / (by_plan - first)))  # fmt: skip
+        out.append(
+            Ratio(
+                plan,
+                len(of),
+                reached,
+                of[0].target,
+                by_plan,
+                own,
+                own / by_plan,
+                (own - first) / (by_plan - first),
+            )
+        )
     return out

@@ -134,9 +134,11 @@ def one(
     step = case.grade_step or float(rng.uniform(*DRAWN))
     bends = tuple(map(math.radians, (0.0, *case.lambdas_deg)))
     setup = replace(
-        base, kind="simulated", treadmill=replace(base.treadmill, incline_step_rad=step),
+        base,
+        kind="simulated",
+        treadmill=replace(base.treadmill, incline_step_rad=step),
         procedure=replace(base.procedure, lambda_rad=bends, gaits=()),
-    )  # fmt: skip
+    )
     truth = drawn_truth(setup, WHOLE_2005, rng, SERVOS)
     truth = replace(truth, incline_scale=1.0 + STEP_SIGMA * float(rng.normal()))
     treadmill = SimulatedTreadmill(setup, truth, seed=int(rng.integers(2**31)))
@@ -166,9 +168,14 @@ def judged(case: Case, found: list[list[float] | None]) -> Coverage:
     shares = told[:, :6].mean(axis=0).tolist()
     widths = np.median(told[:, 6:12], axis=0).tolist()
     return Coverage(
-        case.name, len(told), len(found) - len(told), float(told[:, 12].mean()), *shares,
-        sigma=math.sqrt(0.95 * 0.05 / len(told)), half_widths=tuple(widths),
-    )  # fmt: skip
+        case.name,
+        len(told),
+        len(found) - len(told),
+        float(told[:, 12].mean()),
+        *shares,
+        sigma=math.sqrt(0.95 * 0.05 / len(told)),
+        half_widths=tuple(widths),
+    )
 
 
 def run(

@@ -34,9 +34,15 @@ def coverage_figure(rows: Sequence[Row], path: Path) -> None:
                 at = k + 0.12 * (j - 2.5)
                 label = {"label": name} if k == 0 else {}
                 ax.errorbar(
-                    100 * row[name], at, xerr=200 * row["sigma"], fmt="o", ms=5, lw=1.2,
-                    color=colour, **label,
-                )  # fmt: skip
+                    100 * row[name],
+                    at,
+                    xerr=200 * row["sigma"],
+                    fmt="o",
+                    ms=5,
+                    lw=1.2,
+                    color=colour,
+                    **label,
+                )
         ax.axvline(95.0, color=GREY, lw=1.0)
         ax.set_yticks(range(len(rows)), [row["case"].replace("lambda", "λ") for row in rows])
         ax.set_ylim(len(rows) - 0.5, -0.5)
@@ -60,8 +66,14 @@ def advised_figure(rows: Sequence[Row], path: Path) -> None:
                 shown = f"{name}: {np.mean(counts):.1f} on average"
                 ax.hist(counts, bins, color=colour, alpha=0.65, label=shown)
             ax.set_ylim(0, 1.4 * ax.get_ylim()[1])  # room for the legend
-            ax.axvline(of[0]["opening"], color="black", lw=1.2, ls=":", ymax=0.7,
-                       label=f"the {of[0]['opening']} readings that both begin with")  # fmt: skip
+            ax.axvline(
+                of[0]["opening"],
+                color="black",
+                lw=1.2,
+                ls=":",
+                ymax=0.7,
+                label=f"the {of[0]['opening']} readings that both begin with",
+            )
             for axis in (ax.xaxis, ax.yaxis):
                 axis.get_major_locator().set_params(integer=True)
             ax.set_xlim(0.0, bins[-1] + 0.5)
@@ -94,7 +106,15 @@ def verdict_figure(rows: Sequence[Row], path: Path) -> None:
         ax.set_ylabel("what was wrong with the robot or the measurement")
         shown = [Patch(color=c, label=word) for word, c in colours.items()]
         shown.append(Patch(fc="none", ec="black", lw=1.8, label="the right answer"))
-        ax.legend(handles=shown, title="what `compare` names as the cause", alignment="left",
-                  loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=8,
-                  columnspacing=1.2, handlelength=1.4)  # fmt: skip
+        ax.legend(
+            handles=shown,
+            title="what `compare` names as the cause",
+            alignment="left",
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            ncols=4,
+            fontsize=8,
+            columnspacing=1.2,
+            handlelength=1.4,
+        )
         fig.savefig(path)

@@ -44,9 +44,14 @@ WHEELS_KG = 0.036
 UNSEEN = tuple(
     Gait(math.radians(alpha), math.radians(beta), 2 * math.pi * rate)
     for alpha, beta, rate in (
-        (60, 60, 0.3), (65, 60, 0.8), (70, 60, 0.5), (70, 75, 0.7), (75, 90, 0.4), (80, 75, 0.4),
+        (60, 60, 0.3),
+        (65, 60, 0.8),
+        (70, 60, 0.5),
+        (70, 75, 0.7),
+        (75, 90, 0.4),
+        (80, 75, 0.4),
     )
-)  # fmt: skip
+)
 _SPEED_SAMPLES = 256
 
 
@@ -111,12 +116,17 @@ def floor_setup(case: FloorCase) -> Setup:
     """Return the set-up of a case's sessions."""
     base = default_setup("floor coverage")
     return replace(
-        base, kind="simulated", floor=FloorTools(wheels_kg=case.wheels_kg),
+        base,
+        kind="simulated",
+        floor=FloorTools(wheels_kg=case.wheels_kg),
         procedure=replace(
-            base.procedure, on="floor", pushes=case.pushes, gaits=case.crawls,
+            base.procedure,
+            on="floor",
+            pushes=case.pushes,
+            gaits=case.crawls,
             gait_runs=CRAWL_RUNS,
         ),
-    )  # fmt: skip
+    )
 
 
 def drawn_person(
@@ -234,12 +244,18 @@ def judged_floor(case: FloorCase, found: list[list[float] | None]) -> FloorCover
     told: NDArray[np.float64] = np.array([row for row in found if row is not None], dtype=float)
     middle = np.median(told, axis=0)
     return FloorCoverage(
-        case.name, len(told), len(found) - len(told), *told[:, :6].mean(axis=0).tolist(),
-        sigma=math.sqrt(0.95 * 0.05 / len(told)), errors=tuple(middle[12:16].tolist()),
-        half_widths=tuple(middle[6:12].tolist()), unseen=float(middle[16]),
-        unseen_90=float(np.quantile(told[:, 16], 0.9)), unseen_commanded=float(middle[17]),
+        case.name,
+        len(told),
+        len(found) - len(told),
+        *told[:, :6].mean(axis=0).tolist(),
+        sigma=math.sqrt(0.95 * 0.05 / len(told)),
+        errors=tuple(middle[12:16].tolist()),
+        half_widths=tuple(middle[6:12].tolist()),
+        unseen=float(middle[16]),
+        unseen_90=float(np.quantile(told[:, 16], 0.9)),
+        unseen_commanded=float(middle[17]),
         minutes=float(middle[18]),
-    )  # fmt: skip
+    )
 
 
 def floor_tables() -> FloorTables:

@@ -26,9 +26,14 @@ class SpeedTable:
     """
 
     def __init__(
-        self, robot: Robot, gait: Gait, points: int = 512,
-        box: tuple[Array, Array] = (LOW, HIGH), kernel: str = "linear", neighbours: int = 40,
-    ):  # fmt: skip
+        self,
+        robot: Robot,
+        gait: Gait,
+        points: int = 512,
+        box: tuple[Array, Array] = (LOW, HIGH),
+        kernel: str = "linear",
+        neighbours: int = 40,
+    ):
         from scipy.interpolate import RBFInterpolator
         from scipy.stats import qmc
 

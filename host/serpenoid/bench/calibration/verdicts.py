@@ -107,12 +107,18 @@ def _slow() -> Servo:
 
 FAULTS = (
     Fault("nothing", "agrees"),
-    *(Fault(f"ft0 {share - 1:+.0%}", "friction", (1.0, 1.0, share, 1.0))
-      for share in (0.6, 0.8, 1.1, 1.2, 1.4)),
-    *(Fault(f"fn0 {share - 1:+.0%}", "friction", (1.0, 1.0, 1.0, share))
-      for share in (0.6, 0.8, 0.9, 1.2, 1.4)),
-    *(Fault(f"amplitude {share - 1:+.0%}", "amplitude", amplitude=share)
-      for share in (0.7, 0.8, 0.85, 0.9, 0.95, 1.1)),
+    *(
+        Fault(f"ft0 {share - 1:+.0%}", "friction", (1.0, 1.0, share, 1.0))
+        for share in (0.6, 0.8, 1.1, 1.2, 1.4)
+    ),
+    *(
+        Fault(f"fn0 {share - 1:+.0%}", "friction", (1.0, 1.0, 1.0, share))
+        for share in (0.6, 0.8, 0.9, 1.2, 1.4)
+    ),
+    *(
+        Fault(f"amplitude {share - 1:+.0%}", "amplitude", amplitude=share)
+        for share in (0.7, 0.8, 0.85, 0.9, 0.95, 1.1)
+    ),
     *(Fault(f"tape {ruler - 1:+.0%}", "neither", ruler=ruler) for ruler in (0.8, 0.9, 1.1, 1.25)),
     Fault("phase lag -15%", "neither", beta=0.85),
     *(Fault(f"{slope:g} deg uphill", "friction", uphill_deg=slope) for slope in (0.25, 0.5, 1.0)),
@@ -123,7 +129,7 @@ FAULTS = (
     Fault(f"amplitude -20%; {KNOWN} is known", "amplitude", amplitude=0.8, stated=KNOWN),
     Fault(f"jerky servos for {KNOWN}", "servos", stated=KNOWN, servo=_jerky()),
     Fault(f"slow servos for {KNOWN}", "servos", stated=KNOWN, servo=_slow()),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)
@@ -192,8 +198,10 @@ def words(job: tuple[tuple[Fault, ...], int, TrueSpeeds]) -> dict[str, str]:
         shape = (times, len(speeds))
         seen_m = np.maximum(way + watch.distance_sigma_m * rng.normal(size=shape), 0.0)
         seen_s = seconds + watch.time_sigma_s * rng.normal(size=shape)
-        runs = [[watch.speed(d, t) for d, t in zip(*row, strict=True)]
-                for row in zip(seen_m.T.tolist(), seen_s.T.tolist(), strict=True)]  # fmt: skip
+        runs = [
+            [watch.speed(d, t) for d, t in zip(*row, strict=True)]
+            for row in zip(seen_m.T.tolist(), seen_s.T.tolist(), strict=True)
+        ]
         weights = np.array([[sigma**-2.0 for _, sigma in row] for row in runs])
         means = np.array([[v for v, _ in row] for row in runs])
         total = weights.sum(axis=1)
@@ -215,9 +223,13 @@ def counted(fault: Fault, found: Sequence[dict[str, str]]) -> Verdicts:
     counts = {word: of[word] for word in WORDS}
     counts[MORE] = sum(n for word, n in of.items() if " or " in word)
     return Verdicts(
-        fault.name, fault.right, len(found), counts,
-        seen / len(found), named / seen if seen and fault.right != "agrees" else None,
-    )  # fmt: skip
+        fault.name,
+        fault.right,
+        len(found),
+        counts,
+        seen / len(found),
+        named / seen if seen and fault.right != "agrees" else None,
+    )
 
 
 def run(

@@ -30,8 +30,14 @@ FORMULATIONS = ("explicit", "implicit")
 STEPS = 500
 _OTHERS = ("python", "board", "lab", "web")  # rooms of the core that no run needs
 # as in CMakeLists.txt; the kernels for wider vectors carry their own flags there
-FLAGS = ("-std=c++20", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fno-math-errno",
-         "-fno-trapping-math")  # fmt: skip
+FLAGS = (
+    "-std=c++20",
+    "-O3",
+    "-DNDEBUG",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+)
 _AVX2 = ("-mavx2", "-mfma")
 OWN_FLAGS = {
     "avx2.cpp": _AVX2,

@@ -71,10 +71,14 @@ def grid(ground: str, step: int = 1) -> sn.Sweep:
     """Solve the paper's 4500 gaits, or every step-th shape each way, with all powers."""
     robot, friction = CASES[ground]
     return sn.sweep(
-        robot, friction, alpha_rad=np.radians(np.arange(5, 76, 5 * step)),
-        beta_rad=np.radians(np.arange(20, 91, 5 * step)), omega_rad_s=np.arange(1.0, 21.0),
-        rtol=GRID_RTOL[ground], threads=1,
-    )  # fmt: skip
+        robot,
+        friction,
+        alpha_rad=np.radians(np.arange(5, 76, 5 * step)),
+        beta_rad=np.radians(np.arange(20, 91, 5 * step)),
+        omega_rad_s=np.arange(1.0, 21.0),
+        rtol=GRID_RTOL[ground],
+        threads=1,
+    )
 
 
 def _grid_cost(ground: str, step: int) -> Cost:
@@ -89,10 +93,15 @@ def _run_cost(ground: str) -> Cost:
     gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
     cycles = math.ceil(7 * sn.steady_gait(robot, friction, gait).settling_time_s / gait.period_s)
     scene = sn.Scene(
-        robot, friction, gait, method="nonsmooth" if ground == "dry" else "rk4",
-        start="zero_momentum", dt_s=gait.period_s / 300, duration_s=(cycles + 1) * gait.period_s,
+        robot,
+        friction,
+        gait,
+        method="nonsmooth" if ground == "dry" else "rk4",
+        start="zero_momentum",
+        dt_s=gait.period_s / 300,
+        duration_s=(cycles + 1) * gait.period_s,
         record_every=300,
-    )  # fmt: skip
+    )
     return Cost("run", ground, 6, 1e-3, math.nan, processor_s(lambda: sn.simulate(scene), 3))
 
 
@@ -126,10 +135,16 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
         rows += [_grid_cost(ground, 3 if quick else 1), _run_cost(ground)]
         rows.append(Cost("gait", ground, 6, 1e-8, math.nan, alone_s(ground)))
         rows += [
-            Cost("links", ground, n, GRID_RTOL[ground], math.nan,
-                 _solve_s(ground, n, GRID_RTOL[ground]))
+            Cost(
+                "links",
+                ground,
+                n,
+                GRID_RTOL[ground],
+                math.nan,
+                _solve_s(ground, n, GRID_RTOL[ground]),
+            )
             for n in (LINKS[:3] if quick else LINKS)
-        ]  # fmt: skip
+        ]
         rows += [_error_cost(ground, rtol) for rtol in RTOLS[ground][:: 2 if quick else 1]]
     return rows
 
@@ -202,9 +217,11 @@ def _draw(rows: list[Cost], path: Path) -> None:
             rtol, reached, cost = zip(*asked, strict=True)
             by_error.loglog(rtol, cost, label=f"{ground}: asked for", **style)
             by_error.loglog(
-                np.maximum(reached, _ROUNDING), cost, label=f"{ground}: reached",
+                np.maximum(reached, _ROUNDING),
+                cost,
+                label=f"{ground}: reached",
                 **style | {"linestyle": "none", "markerfacecolor": "white"},
-            )  # fmt: skip
+            )
         by_links.set(xlabel="links", ylabel="processor time of a gait (ms)")
         by_links.set_xticks(sorted({r.links for r in rows if r.what == "links"}))
         by_links.xaxis.set_major_formatter(lambda x, _: f"{x:g}")

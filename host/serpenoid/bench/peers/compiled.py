@@ -23,8 +23,13 @@ Solve = Callable[[Problem, Array, float], Array]  # problem, parameters, toleran
 def _solver(problem: Problem, name: str, family: str, solve: Solve) -> Contender:
     """Make a contender of a solver with a tolerance: on dry ground the width is its setting."""
     if problem.ground.dry:
-        return Contender(name, family, "width_m_s", WIDTHS_M_S,
-                         lambda p, width: _bound(solve, p, width, DRY_TOLERANCE))  # fmt: skip
+        return Contender(
+            name,
+            family,
+            "width_m_s",
+            WIDTHS_M_S,
+            lambda p, width: _bound(solve, p, width, DRY_TOLERANCE),
+        )
     return Contender(
         name, family, "tolerance", TOLERANCES, lambda p, tolerance: _bound(solve, p, 0.0, tolerance)
     )
@@ -42,9 +47,13 @@ def scipy(problem: Problem) -> list[Contender]:
     def solve(name: str) -> Solve:
         def work(problem: Problem, p: Array, tolerance: float) -> Array:
             out = solve_ivp(
-                lambda t, y: q.rate_array(problem.implicit, t, y, p), (0, problem.duration_s),
-                problem.first, name, rtol=max(tolerance, 1e-13), atol=tolerance / 10,
-            )  # fmt: skip
+                lambda t, y: q.rate_array(problem.implicit, t, y, p),
+                (0, problem.duration_s),
+                problem.first,
+                name,
+                rtol=max(tolerance, 1e-13),
+                atol=tolerance / 10,
+            )
             if not out.success:
                 raise ArithmeticError(out.message)
             return out.y[:, -1]
@@ -62,9 +71,12 @@ def sundials(problem: Problem) -> list[Contender]:
     def solve(name: str) -> Solve:
         def work(problem: Problem, p: Array, tolerance: float) -> Array:
             solver = CVODE(
-                lambda t, y, dy: q.fill_rate(problem.implicit, t, y, p, dy), method=name,
-                rtol=tolerance, atol=tolerance / 10, max_num_steps=MOST_STEPS,
-            )  # fmt: skip
+                lambda t, y, dy: q.fill_rate(problem.implicit, t, y, p, dy),
+                method=name,
+                rtol=tolerance,
+                atol=tolerance / 10,
+                max_num_steps=MOST_STEPS,
+            )
             times = np.linspace(0, problem.duration_s, 3)  # of two, every step would be kept
             out = solver.solve(times, problem.first)
             if not out.success:
@@ -80,8 +92,15 @@ def numba(problem: Problem) -> list[Contender]:
     """Return the hand-written kernels: RK4 at fixed steps and DOP853."""
 
     def dop853(problem: Problem, p: Array, tolerance: float) -> Array:
-        end, steps = q.dop853_run(problem.implicit, problem.first, p, problem.duration_s,
-                                  tolerance, tolerance / 10, MOST_STEPS)  # fmt: skip
+        end, steps = q.dop853_run(
+            problem.implicit,
+            problem.first,
+            p,
+            problem.duration_s,
+            tolerance,
+            tolerance / 10,
+            MOST_STEPS,
+        )
         if steps < 0:
             raise ArithmeticError(f"more than {MOST_STEPS} steps")
         return end

@@ -30,11 +30,23 @@ def parameters(problem: Problem, width_m_s: float = 0.0) -> Array:
     robot, ground, gait = problem.robot, problem.ground, problem.gait
     lag = gait.beta_rad * np.arange(robot.links - 1)
     head = [
-        robot.links, robot.link_mass_kg, robot.link_length_m / 2, robot.link_inertia_kg_m2,
-        ground.ct_forward, ground.cn, ground.ft0_forward, ground.fn0, width_m_s, gait.alpha_rad,
-        gait.omega_rad_s, gait.offset_rad, problem.stiffness_n_m, problem.damping_n_s_m,
-        ground.ct_backward, ground.ft0_backward,
-    ]  # fmt: skip
+        robot.links,
+        robot.link_mass_kg,
+        robot.link_length_m / 2,
+        robot.link_inertia_kg_m2,
+        ground.ct_forward,
+        ground.cn,
+        ground.ft0_forward,
+        ground.fn0,
+        width_m_s,
+        gait.alpha_rad,
+        gait.omega_rad_s,
+        gait.offset_rad,
+        problem.stiffness_n_m,
+        problem.damping_n_s_m,
+        ground.ct_backward,
+        ground.ft0_backward,
+    ]
     return np.concatenate([head, np.cos(lag), np.sin(lag)])
 
 
@@ -150,8 +162,13 @@ def fill_rate(implicit, t, y, p, dy):
 def rk4(implicit, y0, p, dt, steps):
     """Run the classical method at a fixed step and return the end state."""
     y = y0.copy()
-    k1, k2, k3, k4, z = (np.empty_like(y), np.empty_like(y), np.empty_like(y), np.empty_like(y),
-                         np.empty_like(y))  # fmt: skip
+    k1, k2, k3, k4, z = (
+        np.empty_like(y),
+        np.empty_like(y),
+        np.empty_like(y),
+        np.empty_like(y),
+        np.empty_like(y),
+    )
     for step in range(steps):
         t = step * dt
         fill_rate(implicit, t, y, p, k1)

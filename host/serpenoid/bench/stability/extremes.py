@@ -68,9 +68,16 @@ def extremes() -> tuple[Extreme, ...]:
     usual, six, ground = _gait(30, 80, 5), _paper(), PAPER_GROUND
     wave = Gait(math.radians(10), 4 * math.pi / 999, 5.0)
 
-    def one(name: str, robot: Robot = six, ground: Ground = ground, gait: Gait = usual,
-            duration_s: float = 5.0, k: float = 0.0, c: float = 0.0, **more: float | bool
-            ) -> Extreme:  # fmt: skip
+    def one(
+        name: str,
+        robot: Robot = six,
+        ground: Ground = ground,
+        gait: Gait = usual,
+        duration_s: float = 5.0,
+        k: float = 0.0,
+        c: float = 0.0,
+        **more: float | bool,
+    ) -> Extreme:
         problem = Problem(name, name, robot, ground, gait, duration_s, k, c)
         return Extreme(problem, **more)  # type: ignore[arg-type]
 
@@ -79,8 +86,14 @@ def extremes() -> tuple[Extreme, ...]:
         one("alpha 170 deg, k = 1e4, c = 1", gait=_gait(170, 80, 5), k=1e4, c=1.0),
         one("omega 0.01 rad/s", gait=_gait(30, 80, 0.01), duration_s=200.0, dt_s=1e-2),
         one("omega 100 rad/s", gait=_gait(30, 80, 100), duration_s=1.0, dt_s=1e-4),
-        one("omega 100 rad/s, k = 1e3, c = 1", gait=_gait(30, 80, 100), duration_s=1.0, k=1e3,
-            c=1.0, dt_s=1e-4),
+        one(
+            "omega 100 rad/s, k = 1e3, c = 1",
+            gait=_gait(30, 80, 100),
+            duration_s=1.0,
+            k=1e3,
+            c=1.0,
+            dt_s=1e-4,
+        ),
         one("cn/ct = 1e-6", ground=Ground(ct=10.0, cn=1e-5)),
         one("cn/ct = 1e6", ground=Ground(ct=1e-5, cn=10.0)),
         one("mass 1e-6 kg", robot=_paper(mass_kg=1e-6), duration_s=1.0),
@@ -94,10 +107,17 @@ def extremes() -> tuple[Extreme, ...]:
         one("k = 1e9, c = 1e5", k=1e9, c=1e5, duration_s=0.1, dt_s=1e-4),
         one("hard stick", ground=Ground(0.1, 10.0, 5.0, 5.0), gait=_gait(30, 80, 1)),
         one("1000 links", robot=_paper(1000), gait=wave, duration_s=1.0, quick=False),
-        one("1000 links, k = 1e5, c = 10", robot=_paper(1000), gait=wave, duration_s=0.5, k=1e5,
-            c=10.0, quick=False),
+        one(
+            "1000 links, k = 1e5, c = 10",
+            robot=_paper(1000),
+            gait=wave,
+            duration_s=0.5,
+            k=1e5,
+            c=10.0,
+            quick=False,
+        ),
         one("24 h", duration_s=86400.0, dt_s=1e-2, limit_s=300.0, quick=False),
-    )  # fmt: skip
+    )
 
 
 @lru_cache
@@ -170,8 +190,11 @@ def run(quick: bool, tell: Callable[[str], None]) -> list[Outcome]:
 
 def _methods(problem: Problem) -> list[str]:
     law = "dry" if problem.ground.dry else "viscous"
-    return [name for name, kind in METHODS.items()
-            if problem.formulation in kind.formulations and law in kind.laws]  # fmt: skip
+    return [
+        name
+        for name, kind in METHODS.items()
+        if problem.formulation in kind.formulations and law in kind.laws
+    ]
 
 
 def _judged(child: Limited, extreme: Extreme, method: str) -> Outcome:

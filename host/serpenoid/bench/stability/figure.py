@@ -42,14 +42,26 @@ def _panel(ax: Axes, cells: Sequence[Cell]) -> None:
     kinds = np.full((len(dts), len(stiffness)), 3)
     for cell in cells:
         kinds[dts.index(cell.dt_s), stiffness.index(cell.stiffness_n_m)] = kind(cell)
-    ax.pcolormesh(_edges(stiffness), _edges(dts), kinds, cmap=ListedColormap(COLOURS),
-                  vmin=-0.5, vmax=3.5, edgecolors="white", linewidth=0.4)  # fmt: skip
+    ax.pcolormesh(
+        _edges(stiffness),
+        _edges(dts),
+        kinds,
+        cmap=ListedColormap(COLOURS),
+        vmin=-0.5,
+        vmax=3.5,
+        edgecolors="white",
+        linewidth=0.4,
+    )
     one = cells[0]
     fine = np.logspace(np.log10(stiffness[0]) - 0.2, np.log10(stiffness[-1]) + 0.2, 40)
     limits = [limit_s(one.method, one.links, one.damping_n_s_m, k) for k in fine]
     ax.plot(fine, np.where(np.array(limits) > 0, limits, np.nan), color="black", lw=1.4)
-    ax.set(xscale="log", yscale="log", ylim=(_edges(dts)[0], _edges(dts)[-1]),
-           xlim=(_edges(stiffness)[0], _edges(stiffness)[-1]))  # fmt: skip
+    ax.set(
+        xscale="log",
+        yscale="log",
+        ylim=(_edges(dts)[0], _edges(dts)[-1]),
+        xlim=(_edges(stiffness)[0], _edges(stiffness)[-1]),
+    )
     ax.grid(visible=False)
 
 
@@ -84,8 +96,10 @@ def stability_figure(cells: Sequence[Cell], method: str, path: Path) -> None:
     damping = sorted({cell.damping_n_s_m for cell in mine})
     told = [c for c in damping if {kind(x) for x in mine if x.damping_n_s_m == c} != {1}]
     links = sorted({cell.links for cell in mine})
-    rows = {f"{n} links": [[x for x in mine if (x.links, x.damping_n_s_m) == (n, c)] for c in told]
-            for n in links}  # fmt: skip
+    rows = {
+        f"{n} links": [[x for x in mine if (x.links, x.damping_n_s_m) == (n, c)] for c in told]
+        for n in links
+    }
     dull = ", ".join(f"{c:g}" for c in damping if c not in told)
     words = f"Method {method}: does a disturbance of the joints grow?"
     if dull:
@@ -116,7 +130,12 @@ def _draw(
         present = sorted({kind(c) for panels in rows.values() for cells in panels for c in cells})
         handles = [Patch(color=COLOURS[i], label=WORDS[i]) for i in present]
         labels = [WORDS[i] for i in present] + ["limit by the modes of the chain"]
-        fig.legend([*handles, *axes[0, 0].lines[:1]], labels, loc="outside lower center",
-                   ncols=min(len(labels), 2 * len(columns)), fontsize=9)  # fmt: skip
+        fig.legend(
+            [*handles, *axes[0, 0].lines[:1]],
+            labels,
+            loc="outside lower center",
+            ncols=min(len(labels), 2 * len(columns)),
+            fontsize=9,
+        )
         fig.suptitle(words, fontsize=11, ha="left", x=0.01, color=GREY)
         fig.savefig(path, dpi=110)

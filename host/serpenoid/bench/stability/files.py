@@ -32,20 +32,38 @@ def write_cells(cells: Sequence[Cell], path: Path) -> None:
         writer = csv.writer(file)
         writer.writerow(_SHORT)
         for c in cells:
-            writer.writerow([c.method, c.links, f"{c.damping_n_s_m:g}", f"{c.stiffness_n_m:.4g}",
-                             f"{c.dt_s:.4g}", f"{c.growth:.3g}", f"{c.limit_s:.3g}",
-                             int(c.refused), c.note])  # fmt: skip
+            writer.writerow(
+                [
+                    c.method,
+                    c.links,
+                    f"{c.damping_n_s_m:g}",
+                    f"{c.stiffness_n_m:.4g}",
+                    f"{c.dt_s:.4g}",
+                    f"{c.growth:.3g}",
+                    f"{c.limit_s:.3g}",
+                    int(c.refused),
+                    c.note,
+                ]
+            )
 
 
 def read_cells(path: Path) -> list[Cell]:
     """Return the cells of a file that write_cells wrote."""
     with path.open(newline="") as file:
         return [
-            Cell(row["method"], int(row["links"]), float(row["damping_n_s_m"]),
-                 float(row["stiffness_n_m"]), float(row["dt_s"]), float(row["growth"]),
-                 float(row["limit_s"]), row["refused"] == "1", row["note"])
+            Cell(
+                row["method"],
+                int(row["links"]),
+                float(row["damping_n_s_m"]),
+                float(row["stiffness_n_m"]),
+                float(row["dt_s"]),
+                float(row["growth"]),
+                float(row["limit_s"]),
+                row["refused"] == "1",
+                row["note"],
+            )
             for row in csv.DictReader(file)
-        ]  # fmt: skip
+        ]
 
 
 _SHORT = [f.name for f in fields(Cell)]

@@ -48,10 +48,19 @@ class Drift:
 def _scene(method: str, formulation: str, steps: int, dt_s: float) -> Scene:
     start = LinkState.joined(ROBOT, PLACE, RATES)
     scene = Scene(
-        ROBOT, Ground(0.0, 0.0), Gait(0.0, 0.0, 1.0), formulation=formulation,
-        joint_damping_n_s_m=0.0, drive="torque", torque=[0.0] * (ROBOT.links - 1), method=method,
-        start=start, dt_s=dt_s, duration_s=steps * dt_s, record_every=10**9,
-    )  # fmt: skip
+        ROBOT,
+        Ground(0.0, 0.0),
+        Gait(0.0, 0.0, 1.0),
+        formulation=formulation,
+        joint_damping_n_s_m=0.0,
+        drive="torque",
+        torque=[0.0] * (ROBOT.links - 1),
+        method=method,
+        start=start,
+        dt_s=dt_s,
+        duration_s=steps * dt_s,
+        record_every=10**9,
+    )
     return replace(scene, tolerance=TOLERANCE) if scene.adaptive else scene
 
 

@@ -80,8 +80,11 @@ class Cell:
 
 def fixed_step_methods() -> list[str]:
     """Return the methods that take fixed steps in the implicit formulation."""
-    return [name for name, kind in METHODS.items()
-            if "implicit" in kind.formulations and "implicit" not in kind.adaptive]  # fmt: skip
+    return [
+        name
+        for name, kind in METHODS.items()
+        if "implicit" in kind.formulations and "implicit" not in kind.adaptive
+    ]
 
 
 def scene_of(method: str, links: int, damping: float, stiffness: float, dt_s: float) -> Scene:
@@ -91,10 +94,18 @@ def scene_of(method: str, links: int, damping: float, stiffness: float, dt_s: fl
     """
     beta = min(math.radians(80), 4 * math.pi / links)
     return Scene(
-        Robot(links, 1.0, 0.12), Ground(ct=0.1, cn=10.0), Gait(math.radians(30), beta, 1e-3),
-        formulation="implicit", joint_stiffness_n_m=stiffness, joint_damping_n_s_m=damping,
-        method=method, dt_s=dt_s, duration_s=dt_s, record_every=1, gap="zero",
-    )  # fmt: skip
+        Robot(links, 1.0, 0.12),
+        Ground(ct=0.1, cn=10.0),
+        Gait(math.radians(30), beta, 1e-3),
+        formulation="implicit",
+        joint_stiffness_n_m=stiffness,
+        joint_damping_n_s_m=damping,
+        method=method,
+        dt_s=dt_s,
+        duration_s=dt_s,
+        record_every=1,
+        gap="zero",
+    )
 
 
 def _gaps(scene: Scene, start: LinkState, steps: int) -> Array | None:

@@ -34,8 +34,9 @@ def ratio(fit: FrictionFit, session: Session, checks: list[BreakAway]) -> tuple[
     force_n = float(slopes @ whole)
     tilts = [c.incline_rad - session.zero.value_rad for c in checks]
     held_n = session.setup.weight_n * float(np.mean(np.sin(tilts)))
-    tilt_n = session.setup.weight_n * math.hypot(TILT_RAD / math.sqrt(len(checks)),
-                                                 session.zero.sigma_rad)  # fmt: skip
+    tilt_n = session.setup.weight_n * math.hypot(
+        TILT_RAD / math.sqrt(len(checks)), session.zero.sigma_rad
+    )
     moving = float(np.sqrt(slopes @ fit.covariance[:4, :4] @ slopes)) / force_n
     return held_n / force_n, held_n / force_n * math.hypot(tilt_n / held_n, moving)
 

@@ -22,9 +22,14 @@ NOTE = (
 
 
 def advise_on_floor(
-    session: Session, gaits: Sequence[Gait] = (), *, samples: int = 48,
-    by_film: bool | None = None, servo: ServoKind | None = HOBBY, progress: Progress | None = None,
-) -> Advice:  # fmt: skip
+    session: Session,
+    gaits: Sequence[Gait] = (),
+    *,
+    samples: int = 48,
+    by_film: bool | None = None,
+    servo: ServoKind | None = HOBBY,
+    progress: Progress | None = None,
+) -> Advice:
     """Rank pushes and slides by how much of the speeds' band they save a minute.
 
     gaits: those that matter; the session's planned ones unless given. by_film: pushes can be
@@ -43,10 +48,18 @@ def advise_on_floor(
     for option in options:
         ratio = slopes.band(option.covariance) / linear
         left = parts.with_friction(ratio)
-        rows.append(NextReading(
-            option.kind, left, option.count, left, lambda_rad=option.lambda_rad,
-            bend=session.setup.procedure.bend, minutes=option.minutes, told=option.told,
-        ))  # fmt: skip
+        rows.append(
+            NextReading(
+                option.kind,
+                left,
+                option.count,
+                left,
+                lambda_rad=option.lambda_rad,
+                bend=session.setup.procedure.bend,
+                minutes=option.minutes,
+                told=option.told,
+            )
+        )
     rows.sort(key=lambda r: (r.band - parts.whole) / (r.minutes or 1.0))
     after = rows[0].band
     note = " ".join(filter(None, (NOTE, servo_note(parts, servo, after))))

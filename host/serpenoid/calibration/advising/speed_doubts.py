@@ -113,14 +113,18 @@ def speed_doubts(
     ends = (
         *map(speed_interval, _alone(fit, gait, band.filmed)),
         (band.low_friction_m_s, band.high_friction_m_s),
-        (band.low_joints_m_s, band.high_joints_m_s), (band.low_m_s, band.high_m_s),
-    )  # fmt: skip
+        (band.low_joints_m_s, band.high_joints_m_s),
+        (band.low_m_s, band.high_m_s),
+    )
     drawn = [(high - low) / (2 * _Z95 * float(found.at[0])) for low, high in ends]
     return SpeedDoubts(
-        dict(zip(names, each.tolist(), strict=True)), dict(zip(names, drawn[:-3], strict=True)),
-        math.sqrt(friction), math.sqrt(slope @ covariance @ slope + left_out**2), *drawn[-3:],
+        dict(zip(names, each.tolist(), strict=True)),
+        dict(zip(names, drawn[:-3], strict=True)),
+        math.sqrt(friction),
+        math.sqrt(slope @ covariance @ slope + left_out**2),
+        *drawn[-3:],
         model=left_out,
-    )  # fmt: skip
+    )
 
 
 def _alone(fit: FrictionFit, gait: Gait, filmed: bool) -> Floats:

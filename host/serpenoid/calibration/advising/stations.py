@@ -37,9 +37,10 @@ def places(
     found: dict[tuple[Series, float], float] = {}
     angles = [now if now and abs(bend - now) < near else bend for bend in bends]
     every = [
-        Series(angle, bend=bent) for angle in angles
+        Series(angle, bend=bent)
+        for angle in angles
         if not angle or angle > SAFE_BEND * given.lambda_sigma_rad  # lesser ones bias cn
-    ]  # fmt: skip
+    ]
     for series in [*every, *([Series(0.0, "up", bent)] if len(whole) > 4 else [])]:
         for wanted_m_s in SLIPS_M_S:
             aim = station_incline_rad(whole, session.setup, series, wanted_m_s) + zero
@@ -56,10 +57,12 @@ def _failed(session: Session, series: Series, incline_rad: float) -> bool:
     """Tell whether a reading at this bend and incline was voided, and none kept."""
     step = session.setup.treadmill.incline_step_rad
     there = [
-        r.voided for r in session.readings
-        if abs(r.lambda_rad - series.lambda_rad) < _SAME_RAD and r.facing == series.facing
+        r.voided
+        for r in session.readings
+        if abs(r.lambda_rad - series.lambda_rad) < _SAME_RAD
+        and r.facing == series.facing
         and abs(r.incline_rad - incline_rad) < step / 2
-    ]  # fmt: skip
+    ]
     return bool(there) and all(there)
 
 

@@ -109,17 +109,22 @@ def two_fits(first: FrictionFit, second: FrictionFit, mass_sigma: float = 0.0) -
         for name, *row in zip(NAMES, *values, sigmas, strict=True)
     ]
     return TwoFits(
-        first.session_name, second.session_name, tuple(rows), p_value, causes,
+        first.session_name,
+        second.session_name,
+        tuple(rows),
+        p_value,
+        causes,
         " ".join([_verdict(p_value, causes), *_alarms(first, second)]),
-    )  # fmt: skip
+    )
 
 
 def _alarms(*fits: FrictionFit) -> list[str]:
     """Say whose errors are not to be trusted, on which all of this rests, and why."""
     return [
         f"But the fit of {fit.session_name} is not to be trusted. {' '.join(fit.alarms)}"
-        for fit in fits if fit.alarms
-    ]  # fmt: skip
+        for fit in fits
+        if fit.alarms
+    ]
 
 
 def _covariance(covariances: Floats, one: Floats, other: Floats, mass_sigma: float) -> Floats:

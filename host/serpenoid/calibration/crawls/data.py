@@ -62,12 +62,16 @@ class CrawlData:
         speeds, sigmas, ways = zip(*rows, strict=True) if rows else ((),) * 3
         kept = [films[gait] for gait in runs if gait in films]
         return cls(
-            tuple(runs), np.array(speeds), np.array(sigmas),
+            tuple(runs),
+            np.array(speeds),
+            np.array(sigmas),
             np.array([gait in films for gait in runs], dtype=bool),
-            tuple(tuple(r.number for r in of) for of in runs.values()), asked,
+            tuple(tuple(r.number for r in of) for of in runs.values()),
+            asked,
             np.array([film.mean_gain for film in kept]),
-            np.array([film.gain_sigma for film in kept]), ways,
-        )  # fmt: skip
+            np.array([film.gain_sigma for film in kept]),
+            ways,
+        )
 
     def __len__(self) -> int:
         """Return how many gaits there are."""
@@ -92,9 +96,13 @@ class CrawlData:
         return effects_of(robot, ground, self.asked or self.gaits, self.seen.tolist(), servos)
 
     def on_slope(
-        self, robot: Robot, ground: Ground, slope: Estimate, servo: Servo | None = None,
+        self,
+        robot: Robot,
+        ground: Ground,
+        slope: Estimate,
+        servo: Servo | None = None,
         amplitude: float = 1.0,
-    ) -> CrawlData:  # fmt: skip
+    ) -> CrawlData:
         """Return the speeds as they would be on level ground.
 
         slope: of the floor, which falls towards "there". What it does to a crawl is simulated; its
@@ -107,9 +115,16 @@ class CrawlData:
         ends, asked = (-1.0, 0.0, 1.0), self.asked or self.gaits
         moved = self.gaits if servo is None else tuple(scaled(g, amplitude) for g in asked)
         factors = np.array(
-            [[self._factor((robot, ground, gait, servo), ways, slope.value + end * slope.sigma)
-              for end in ends] for gait, ways in zip(moved, self.ways, strict=True)]
-        )  # fmt: skip
+            [
+                [
+                    self._factor(
+                        (robot, ground, gait, servo), ways, slope.value + end * slope.sigma
+                    )
+                    for end in ends
+                ]
+                for gait, ways in zip(moved, self.ways, strict=True)
+            ]
+        )
         odd, even = factors[:, 2] - factors[:, 0], factors[:, 2] + factors[:, 0] - 2 * factors[:, 1]
         mean, spread = factors[:, 1] + even / 2, np.hypot(odd / 2, even / math.sqrt(2))
         level = self.speed_m_s / mean

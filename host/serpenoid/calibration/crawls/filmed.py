@@ -40,13 +40,16 @@ def crawl_cells(rows: Array, gait: Gait) -> Cells:
     shifts = np.angle(off / off.mean())
     speed, scatter = _speed(rows, 2 * math.pi / omega)
     return {
-        "alpha_deg": math.degrees(gait.alpha_rad), "beta_deg": math.degrees(gait.beta_rad),
-        "omega_rad_s": omega, "offset_deg": math.degrees(float(sines[2].mean())),
-        "speed_m_s": speed, "speed_sigma_m_s": math.hypot(scatter, SPEED_SIGMA * speed, 1e-5),
+        "alpha_deg": math.degrees(gait.alpha_rad),
+        "beta_deg": math.degrees(gait.beta_rad),
+        "omega_rad_s": omega,
+        "offset_deg": math.degrees(float(sines[2].mean())),
+        "speed_m_s": speed,
+        "speed_sigma_m_s": math.hypot(scatter, SPEED_SIGMA * speed, 1e-5),
         "gain_sigma": math.hypot(sigma / gait.alpha_rad, GAIN_SIGMA),
         "gains": ",".join(f"{gain:.5f}" for gain in gains),
         "shifts_deg": ",".join(f"{math.degrees(s):.3f}" for s in shifts),
-    }  # fmt: skip
+    }
 
 
 def _sines(t: Array, angles: Array, gait: Gait) -> tuple[float, Array, float]:

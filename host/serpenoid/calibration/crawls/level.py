@@ -16,9 +16,11 @@ from .data import CrawlData
 
 def floor_slope(session: Session, fit: FrictionFit | None) -> Estimate:
     """Return the floor's slope, rad, as pushes told it, or as nobody knows it."""
-    told = [] if fit is None else [
-        value for name, value in fit.nuisances.items() if name.startswith("floor_slope_rad")
-    ]  # fmt: skip
+    told = (
+        []
+        if fit is None
+        else [value for name, value in fit.nuisances.items() if name.startswith("floor_slope_rad")]
+    )
     return told[0] if told else Estimate(0.0, session.setup.floor.slope_sigma_rad)
 
 
@@ -36,11 +38,9 @@ def on_level(session: Session, fit: FrictionFit) -> Session:
     added = np.sqrt(np.maximum(level.sigma_m_s**2 - (factors * seen.sigma_m_s) ** 2, 0.0))
     by_number = {
         number: (factor, math.sqrt(len(numbers)) * off)
-        for numbers, factor, off in zip(
-            seen.numbers, factors.tolist(), added.tolist(), strict=True
-        )
+        for numbers, factor, off in zip(seen.numbers, factors.tolist(), added.tolist(), strict=True)
         for number in numbers
-    }  # fmt: skip
+    }
 
     def brought(reading: Any) -> Any:
         factor, off = by_number.get(reading.number, (1.0, 0.0))
@@ -50,6 +50,7 @@ def on_level(session: Session, fit: FrictionFit) -> Session:
         )
 
     return replace(
-        session, gait_runs=tuple(map(brought, session.gait_runs)),
+        session,
+        gait_runs=tuple(map(brought, session.gait_runs)),
         further=tuple(brought(r) if isinstance(r, FilmReading) else r for r in session.further),
-    )  # fmt: skip
+    )

@@ -200,10 +200,16 @@ def draw(posterior: Posterior, before: Before, count: int, seed: int, first: int
     likely = posterior.by_servo(best)[0]
     picked = _evenly(weights, count, rng)
     return Drawn(
-        before.whole(u[picked]), before.amplitude(u[picked]), _one_each(each[picked], rng),
-        before.whole(best)[0], float(before.amplitude(best)[0]), int(np.argmax(likely)),
-        2.0 * float(posterior.curvature(best)[2][0]), 1.0 / float(np.sum(weights**2)), lost,
-    )  # fmt: skip
+        before.whole(u[picked]),
+        before.amplitude(u[picked]),
+        _one_each(each[picked], rng),
+        before.whole(best)[0],
+        float(before.amplitude(best)[0]),
+        int(np.argmax(likely)),
+        2.0 * float(posterior.curvature(best)[2][0]),
+        1.0 / float(np.sum(weights**2)),
+        lost,
+    )
 
 
 class _Points:
@@ -292,8 +298,9 @@ class _Mixture:
         return cls(
             np.vstack([means, np.zeros(UNKNOWNS)]),
             np.concatenate([_NARROW_WIDE * _roots(normal), np.eye(UNKNOWNS)[None]]),
-            _NARROW_FREEDOM, np.append((1.0 - _DEFENSIVE) * weight, _DEFENSIVE),
-        )  # fmt: skip
+            _NARROW_FREEDOM,
+            np.append((1.0 - _DEFENSIVE) * weight, _DEFENSIVE),
+        )
 
     def draw(self, rng: np.random.Generator, count: int) -> Array:
         of = rng.choice(len(self.centres), size=count, p=self.shares)

@@ -44,9 +44,13 @@ _OPEN = 2.0  # upper end over lower: such a friction is not told
 
 
 def fit_crawls(
-    session: Session, other: FrictionFit | None, servo: ServoKind | None, seed: int = 2005,
-    speeds: Speeds | None = None, effects: ServoEffects | None = None,
-) -> FrictionFit:  # fmt: skip
+    session: Session,
+    other: FrictionFit | None,
+    servo: ServoKind | None,
+    seed: int = 2005,
+    speeds: Speeds | None = None,
+    effects: ServoEffects | None = None,
+) -> FrictionFit:
     """Fit friction to crawls, with another fit of the session's pushes and stations or without.
 
     The fit's values are the likeliest; intervals and covariance are those of draws, which it keeps.
@@ -89,15 +93,22 @@ def fit_crawls(
         fit = replace(fit, nuisances=MappingProxyType(told))
     if servo is None or servo.exact:
         return fit
-    return replace(fit, servos=FittedServos(
-        servo.name, found.servos, tuple(drawn.servo.tolist()), drawn.best_servo
-    ))  # fmt: skip
+    return replace(
+        fit,
+        servos=FittedServos(
+            servo.name, found.servos, tuple(drawn.servo.tolist()), drawn.best_servo
+        ),
+    )
 
 
 def _on_level(
-    data: CrawlData, robot: Robot, ground: Ground, slope: Estimate, drawn: Drawn | None,
+    data: CrawlData,
+    robot: Robot,
+    ground: Ground,
+    slope: Estimate,
+    drawn: Drawn | None,
     effects: ServoEffects | None,
-) -> CrawlData:  # fmt: skip
+) -> CrawlData:
     """Return the crawls on level ground, as the likeliest servo drawn so far moves them."""
     if drawn is not None and effects is not None and effects.servos:
         servo, amplitude = effects.servos[drawn.best_servo], drawn.best_amplitude
@@ -109,9 +120,14 @@ def _on_level(
 
 
 def _near_servos(
-    data: CrawlData, before: Before, speeds: Speeds, effects: ServoEffects, robot: Robot,
-    kind: ServoKind, seed: int,
-) -> ServoEffects:  # fmt: skip
+    data: CrawlData,
+    before: Before,
+    speeds: Speeds,
+    effects: ServoEffects,
+    robot: Robot,
+    kind: ServoKind,
+    seed: int,
+) -> ServoEffects:
     """Return the servos with others near those that explain the crawls, where few of them do."""
     ground = ground_of(robot.links, np.exp(before.mean).tolist())
     asked, seen = data.asked or data.gaits, data.seen.tolist()
@@ -224,10 +240,22 @@ def _nothing(session: Session) -> FrictionFit:
     """Return a fit of no reading, to be filled."""
     robot = session.setup.robot
     return FrictionFit(
-        "crawls", "absolute", _named([Estimate(1.0, 1.0)] * 4), _named([(0.0, 1.0)] * 4), np.eye(4),
-        robot, ground_of(robot.links, [1.0] * 4), 0.0, 0, MappingProxyType({}), (), (), (), (),
+        "crawls",
+        "absolute",
+        _named([Estimate(1.0, 1.0)] * 4),
+        _named([(0.0, 1.0)] * 4),
+        np.eye(4),
+        robot,
+        ground_of(robot.links, [1.0] * 4),
+        0.0,
+        0,
+        MappingProxyType({}),
+        (),
+        (),
+        (),
+        (),
         session_name=session.setup.name,
-    )  # fmt: skip
+    )
 
 
 def _notes(fit: FrictionFit, data: CrawlData, drawn: Drawn, other: FrictionFit | None) -> list[str]:
@@ -239,10 +267,13 @@ def _notes(fit: FrictionFit, data: CrawlData, drawn: Drawn, other: FrictionFit |
     open_ones = [n for n, (low, high) in fit.intervals.items() if high > _OPEN * low]
     if open_ones:
         named = ", ".join(open_ones)
-        notes.insert(0, (
-            f"Speeds only: the crawls do not tell {named} apart from the rest. Speeds of gaits "
-            "like those that were run are known better than any friction; pushes tell each one."
-        ))  # fmt: skip
+        notes.insert(
+            0,
+            (
+                f"Speeds only: the crawls do not tell {named} apart from the rest. Speeds of gaits "
+                "like those that were run are known better than any friction; pushes tell each one."
+            ),
+        )
     if drawn.starts_lost > 0.0 and other is None:
         notes.append(
             f"{drawn.starts_lost:.0%} of the starts ended in a minimum that is not the best one; "

@@ -71,26 +71,34 @@ class ServoEffects:
         """Return what some of the servos do to some of the gaits and films, by their indices."""
         each = np.ix_(servos, gaits), np.ix_(servos, films)
         return ServoEffects(
-            tuple(self.servos[k] for k in servos), self.share[each[0]], self.amplitude[each[1]],
-            self.sigma, None, np.asarray(self.share_power)[each[0]],
+            tuple(self.servos[k] for k in servos),
+            self.share[each[0]],
+            self.amplitude[each[1]],
+            self.sigma,
+            None,
+            np.asarray(self.share_power)[each[0]],
             np.asarray(self.amplitude_power)[each[1]],
-        )  # fmt: skip
+        )
 
 
 Effects = Callable[[tuple[Servo, ...]], ServoEffects]
 
 
 def effects_of(
-    robot: Robot, ground: Ground, gaits: Sequence[Gait], seen: Sequence[bool],
+    robot: Robot,
+    ground: Ground,
+    gaits: Sequence[Gait],
+    seen: Sequence[bool],
     servos: tuple[Servo, ...],
-) -> ServoEffects:  # fmt: skip
+) -> ServoEffects:
     """Return what some servos do to commanded gaits; seen: those whose joints a film showed."""
     own = list(dict.fromkeys(zip(gaits, seen, strict=True)))  # films of a gait have it alike
     many = len(servos) > 1
     jobs = [
         (steady_gait(robot, ground, scaled(g, end), rtol=1e-3, powers=False), film)
-        for end in _ENDS for g, film in own
-    ]  # fmt: skip
+        for end in _ENDS
+        for g, film in own
+    ]
     each = [(state, one, film, many) for state, film in jobs for one in servos]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         found = np.array(list(pool.map(lambda job: moved_by(*job), each)))
@@ -100,9 +108,14 @@ def effects_of(
     middle, power = np.exp(logs.mean(axis=0)), (logs[1] - logs[0]) / np.log(_ENDS[1] / _ENDS[0])
     films = np.asarray(seen, dtype=bool)
     return ServoEffects(
-        servos, middle[..., 0], middle[:, films, 1], GRAIN if many else SERVO_SIGMA, None,
-        power[..., 0], power[:, films, 1],
-    )  # fmt: skip
+        servos,
+        middle[..., 0],
+        middle[:, films, 1],
+        GRAIN if many else SERVO_SIGMA,
+        None,
+        power[..., 0],
+        power[:, films, 1],
+    )
 
 
 def together(one: ServoEffects, other: ServoEffects) -> ServoEffects:
@@ -119,9 +132,12 @@ def alike(log: Array) -> float:
 
 
 def with_near_ones(
-    effects: ServoEffects, kind: ServoKind, left: Callable[[ServoEffects], Array],
-    solve: Effects, seed: int,
-) -> ServoEffects:  # fmt: skip
+    effects: ServoEffects,
+    kind: ServoKind,
+    left: Callable[[ServoEffects], Array],
+    solve: Effects,
+    seed: int,
+) -> ServoEffects:
     """Return the servos with others that explain the crawls better, where few of them do.
 
     left: what each servo leaves of the crawls, in sigmas, frictions being let follow, (S, R).
@@ -170,9 +186,11 @@ class _Near:
         rates = np.array([one.update_hz for one in servos])
         every = kind.updates_hz or (kind.servo.update_hz,)
         return cls(
-            free, centre, _WIDE * np.linalg.cholesky(np.linalg.inv(normal)),
+            free,
+            centre,
+            _WIDE * np.linalg.cholesky(np.linalg.inv(normal)),
             {r: 0.5 / len(every) + 0.5 * float(weight[rates == r].sum()) for r in every},
-        )  # fmt: skip
+        )
 
     def draw(self, kind: ServoKind, rng: np.random.Generator) -> Servo:
         """Return a servo that does not hunt."""
@@ -211,6 +229,8 @@ def _log_weight(
     free = drawn_by[0][0].free
     kinds = -0.5 * np.sum(units[:, free] ** 2 + np.log(2 * np.pi), axis=1)
     kinds = kinds - np.log(len(kind.updates_hz or (0,)))
-    each = [np.log(first) + kinds, *(np.log(n) + near.log_density(units, rates)
-                                     for near, n in drawn_by)]  # fmt: skip
+    each = [
+        np.log(first) + kinds,
+        *(np.log(n) + near.log_density(units, rates) for near, n in drawn_by),
+    ]
     return np.asarray(kinds + np.log(len(servos)) - np.logaddexp.reduce(each))

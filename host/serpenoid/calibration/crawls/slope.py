@@ -33,9 +33,13 @@ def sloped_speed(
 
 @lru_cache(maxsize=256)
 def _crawl(
-    robot: Robot, ground: Ground, gait: Gait, rises_rad: float, ahead_rad: float,
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    rises_rad: float,
+    ahead_rad: float,
     servo: Servo | None,
-) -> tuple[float, float]:  # fmt: skip
+) -> tuple[float, float]:
     """Return the speed, m/s, and the direction of the way, rad, once the crawl has settled."""
     period_s = gait.period_s
     before = math.ceil(_SETTLE_S / period_s)
@@ -46,10 +50,17 @@ def _crawl(
         if servo is None
         else {"drive": "servo", "servo": servo, "dt_s": period_s / _ROWS, "tolerance": _TOLERANCE}
     )
-    run = simulate(Scene(
-        robot, ground, gait, duration_s=(before + cycles) * period_s, incline_rad=abs(rises_rad),
-        incline_direction_rad=math.remainder(uphill, 2 * math.pi), **moved,
-    ))  # fmt: skip
+    run = simulate(
+        Scene(
+            robot,
+            ground,
+            gait,
+            duration_s=(before + cycles) * period_s,
+            incline_rad=abs(rises_rad),
+            incline_direction_rad=math.remainder(uphill, 2 * math.pi),
+            **moved,
+        )
+    )
     at = period_s * (before + np.arange(cycles + 1))
     x, y = (np.interp(at, run.t_s, way.mean(axis=1)) for way in (run.x_m, run.y_m))
     speed_m_s = float(np.hypot(np.diff(x), np.diff(y)).mean()) / period_s

@@ -34,13 +34,20 @@ class SpeedSolver:
     """
 
     def __init__(
-        self, robot: Robot, gaits: Sequence[Gait], seen: Sequence[bool], asked: Sequence[Gait],
-        at: Array, near: bool,
-    ):  # fmt: skip
+        self,
+        robot: Robot,
+        gaits: Sequence[Gait],
+        seen: Sequence[bool],
+        asked: Sequence[Gait],
+        at: Array,
+        near: bool,
+    ):
         self._robot, self._at = robot, at
         groups = _groups(gaits, seen, asked) if near else [[k] for k in range(len(gaits))]
-        self._group = np.array([next(k for k, g in enumerate(groups) if i in g)
-                                for i in range(len(gaits))], dtype=np.intp)  # fmt: skip
+        self._group = np.array(
+            [next(k for k, g in enumerate(groups) if i in g) for i in range(len(gaits))],
+            dtype=np.intp,
+        )
         self._gaits = [_mean([gaits[i] for i in group]) for group in groups]
         self._seen = [seen[group[0]] for group in groups]
         self._ratio = np.ones(len(gaits))
@@ -74,11 +81,13 @@ def _groups(gaits: Sequence[Gait], seen: Sequence[bool], asked: Sequence[Gait]) 
     groups: list[list[int]] = []
     for k, gait in enumerate(gaits):
         same = [
-            group for group in groups
-            if seen[k] and all(
+            group
+            for group in groups
+            if seen[k]
+            and all(
                 seen[i] and same_gait(asked[i], asked[k]) and _alike(gaits[i], gait) for i in group
             )
-        ]  # fmt: skip
+        ]
         if same:
             same[0].append(k)
         else:
@@ -89,10 +98,21 @@ def _groups(gaits: Sequence[Gait], seen: Sequence[bool], asked: Sequence[Gait]) 
 def _alike(one: Gait, other: Gait) -> bool:
     joints = max(len(one.joint_gain), len(other.joint_gain), 1)
     each, others = (np.array(g.joint_factors(joints)) for g in (one, other))
-    alike = replace(other, joint_gain=one.joint_gain, joint_shift_rad=one.joint_shift_rad,
-                    omega_rad_s=one.omega_rad_s, offset_rad=one.offset_rad) == one  # fmt: skip
-    apart = [np.abs(each - others).max(), abs(one.omega_rad_s / other.omega_rad_s - 1.0),
-             abs(one.offset_rad - other.offset_rad)]  # fmt: skip
+    alike = (
+        replace(
+            other,
+            joint_gain=one.joint_gain,
+            joint_shift_rad=one.joint_shift_rad,
+            omega_rad_s=one.omega_rad_s,
+            offset_rad=one.offset_rad,
+        )
+        == one
+    )
+    apart = [
+        np.abs(each - others).max(),
+        abs(one.omega_rad_s / other.omega_rad_s - 1.0),
+        abs(one.offset_rad - other.offset_rad),
+    ]
     return alike and max(apart) < _ALIKE
 
 
@@ -103,7 +123,9 @@ def _mean(gaits: Sequence[Gait]) -> Gait:
     joints = max(len(gait.joint_gain) for gait in gaits)
     gain, shift = np.mean([gait.joint_factors(joints) for gait in gaits], axis=0)
     return replace(
-        gaits[0], omega_rad_s=float(np.mean([g.omega_rad_s for g in gaits])),
+        gaits[0],
+        omega_rad_s=float(np.mean([g.omega_rad_s for g in gaits])),
         offset_rad=float(np.mean([g.offset_rad for g in gaits])),
-        joint_gain=tuple(gain.tolist()), joint_shift_rad=tuple(shift.tolist()),
-    )  # fmt: skip
+        joint_gain=tuple(gain.tolist()),
+        joint_shift_rad=tuple(shift.tolist()),
+    )

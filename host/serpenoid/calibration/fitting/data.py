@@ -195,9 +195,22 @@ class FitData:
 
     def picked(self, index: Whole | NDArray[np.bool_]) -> FitData:
         """Return some of the readings, with the postures as they are."""
-        names = ("lambda_rad", "bent_share", "incline_rad", "slip_m_s", "incline_sigma_rad",
-                 "speed_sigma_m_s", "zero_sigma_rad", "posture", "rounding", "back", "astray_rad",
-                 "astray_sigma_rad", "inertia_n", "inertia_sigma_n")  # fmt: skip
+        names = (
+            "lambda_rad",
+            "bent_share",
+            "incline_rad",
+            "slip_m_s",
+            "incline_sigma_rad",
+            "speed_sigma_m_s",
+            "zero_sigma_rad",
+            "posture",
+            "rounding",
+            "back",
+            "astray_rad",
+            "astray_sigma_rad",
+            "inertia_n",
+            "inertia_sigma_n",
+        )
         own = {name: getattr(self, name)[index] for name in names}
         return replace(self, tracks=self.tracks.picked(index), **own)
 
@@ -210,9 +223,11 @@ def _tracks(session: Session) -> Tracks:
     setup, kept = session.setup, session.kept
     mass_kg = setup.robot.links * setup.robot.link_mass_kg
     return Tracks.of(
-        [r.places for r in kept], [r.watch or setup.stopwatch for r in kept], mass_kg,
+        [r.places for r in kept],
+        [r.watch or setup.stopwatch for r in kept],
+        mass_kg,
         rolling_share(setup.floor.wheels_kg, mass_kg),
-    )  # fmt: skip
+    )
 
 
 def _astray(session: Session, bent_share: Floats) -> tuple[Floats, Floats]:
@@ -269,8 +284,11 @@ def postures(
         angle, sigma, check = float(lambda_rad[k]), float(sigma_rad[k]), int(by[k])
         if angle <= 0.0:
             continue
-        old = [p for p, (at, width, by_check) in enumerate(found)
-               if by_check == check and angle - at <= max(width, 1e-9)]  # fmt: skip
+        old = [
+            p
+            for p, (at, width, by_check) in enumerate(found)
+            if by_check == check and angle - at <= max(width, 1e-9)
+        ]
         if not old:
             found.append((angle, sigma, check))
         index[k] = old[-1] if old else len(found) - 1

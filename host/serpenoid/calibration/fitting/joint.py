@@ -82,9 +82,13 @@ def minimise(data: FitData, start: Floats, weights: Floats | None = None) -> Min
     x = _at_limit(found.x, data)
     slopes = jacobian(x, data)
     return Minimum(
-        x, residuals(x, data), slopes, 2 * float(found.cost),
-        slopes.T @ (root[:, None] ** 2 * slopes), data.parameters,
-    )  # fmt: skip
+        x,
+        residuals(x, data),
+        slopes,
+        2 * float(found.cost),
+        slopes.T @ (root[:, None] ** 2 * slopes),
+        data.parameters,
+    )
 
 
 def _at_limit(x: Floats, data: FitData) -> Floats:

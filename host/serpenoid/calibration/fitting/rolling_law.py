@@ -44,11 +44,13 @@ def way_m(t: Floats, v0: Floats, c: Floats, f: Floats) -> tuple[Floats, Floats, 
     z = c * rolled
     p, q, by_p, by_q = shapes(z)
     way = v0 * rolled * p - f * rolled**2 * q + v0 * np.minimum(t, 0.0)
-    slopes = np.stack([
-        rolled * p + np.minimum(t, 0.0),
-        v0 * rolled**2 * by_p - f * rolled**3 * by_q,
-        -(rolled**2) * q,
-    ])  # fmt: skip
+    slopes = np.stack(
+        [
+            rolled * p + np.minimum(t, 0.0),
+            v0 * rolled**2 * by_p - f * rolled**3 * by_q,
+            -(rolled**2) * q,
+        ]
+    )
     speed = np.where(t > end, 0.0, v0 * np.exp(-z) - f * rolled * p)
     return way, slopes, speed
 

@@ -43,9 +43,12 @@ class Tracks:
 
     @classmethod
     def of(
-        cls, places: Sequence[str], watches: Sequence[Stopwatch], mass_kg: float,
+        cls,
+        places: Sequence[str],
+        watches: Sequence[Stopwatch],
+        mass_kg: float,
         rolling: tuple[float, float],
-    ) -> Tracks:  # fmt: skip
+    ) -> Tracks:
         """Take readings' places, "" where one was held; rolling: as floor.data's."""
         tracks = [track_of(text) for text in places]
         shape = len(tracks), max((track.shape[1] for track in tracks), default=0)

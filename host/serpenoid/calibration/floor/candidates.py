@@ -53,8 +53,11 @@ def candidates(session: Session, by_film: bool) -> tuple[Floats, list[Candidate]
     for bend in BENDS_RAD:
         for slide in (False, True):
             angle = last if abs(last - bend) < math.radians(3) else bend
-            made = list(_slides(session, problem, found, angle) if slide
-                        else _pushes(session, problem, found, angle, by_film))  # fmt: skip
+            made = list(
+                _slides(session, problem, found, angle)
+                if slide
+                else _pushes(session, problem, found, angle, by_film)
+            )
             if not made:
                 continue
             grown = replace(session, further=(*session.further, *made))
@@ -118,8 +121,11 @@ def _pushes(
     stop = float(stop_s(speed, c, f)[0][0])
     places = [p.place for p in session.kept_pushes]
     known = [p.distance_sigma_m for p in session.kept_pushes if p.track and p.distance_sigma_m]
-    common = {"lambda_rad": angle, "place": places[-1] if places else "",
-              "bend": session.setup.procedure.bend}  # fmt: skip
+    common = {
+        "lambda_rad": angle,
+        "place": places[-1] if places else "",
+        "bend": session.setup.procedure.bend,
+    }
     for k, way in enumerate(("there", "back")):
         if by_film:
             t = np.arange(0.0, stop + RESTED_S, 1 / RATE_HZ)
@@ -145,9 +151,13 @@ def _slides(session: Session, problem: Problem, found: Minimum, angle: float) ->
             return
         time = slide_s(np.ones(1), np.array([c]), np.array([(times - 1.0) * f]))
         yield Slide(
-            _next_number(session) + k, angle, math.asin(sine) + session.zero.value_rad, 1.0,
-            float(time[0]), bend=session.setup.procedure.bend,
-        )  # fmt: skip
+            _next_number(session) + k,
+            angle,
+            math.asin(sine) + session.zero.value_rad,
+            1.0,
+            float(time[0]),
+            bend=session.setup.procedure.bend,
+        )
 
 
 def _next_number(session: Session) -> int:

@@ -164,10 +164,16 @@ def _tracks(pushes: tuple[Coast, ...], time_sigma_s: float) -> Samples:
 
 def _rests(pushes: tuple[Coast, ...], time_sigma_s: float) -> Samples:
     rows = [
-        [k, p.duration_s, p.distance_m, p.distance_sigma_m or TAPE_M,
-         time_sigma_s if p.time_sigma_s is None else p.time_sigma_s]
-        for k, p in enumerate(pushes) if p.track is None
-    ]  # fmt: skip
+        [
+            k,
+            p.duration_s,
+            p.distance_m,
+            p.distance_sigma_m or TAPE_M,
+            time_sigma_s if p.time_sigma_s is None else p.time_sigma_s,
+        ]
+        for k, p in enumerate(pushes)
+        if p.track is None
+    ]
     return _samples(np.array(rows, dtype=float).reshape(-1, 5).T)
 
 

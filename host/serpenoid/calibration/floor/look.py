@@ -54,9 +54,11 @@ class Look:
     def cells(self) -> dict[str, float]:
         """Return a reading's cells."""
         return {
-            "start_s": self.start_s, "end_s": self.end_s, "distance_sigma_m": self.sigma_m,
+            "start_s": self.start_s,
+            "end_s": self.end_s,
+            "distance_sigma_m": self.sigma_m,
             "turned_deg": math.degrees(self.turned_rad),
-        }  # fmt: skip
+        }
 
 
 def pushes_in(t_s: Floats, x_m: Floats, y_m: Floats) -> list[slice]:
@@ -78,10 +80,11 @@ def pushes_in(t_s: Floats, x_m: Floats, y_m: Floats) -> list[slice]:
         else:
             joined.append([first, last])
     long = [
-        (first, last) for first, last in joined
+        (first, last)
+        for first, last in joined
         if t[last - 1] - t[first] > LEAST_S / 2
         and math.hypot(x[last - 1] - x[first], y[last - 1] - y[first]) > NEAR_M
-    ]  # fmt: skip
+    ]
     pieces = []
     for k, (first, last) in enumerate(long):
         before = (t[long[k - 1][1] - 1] + t[first]) / 2 if k else -math.inf
@@ -120,9 +123,16 @@ def look_at(t_s: Floats, x_m: Floats, y_m: Floats) -> Look:
         t, (start, rest, end), float(way[-1]), speed_m_s, turned, sigma / max(noise, 1e-4)
     )
     return Look(
-        float(t[start]), float(t[end]), speed_m_s, float(way[-1]), float(t[rest] - t[start]),
-        turned, sigma * _shared(way - fitted), tuple(doubts), fitted,
-    )  # fmt: skip
+        float(t[start]),
+        float(t[end]),
+        speed_m_s,
+        float(way[-1]),
+        float(t[rest] - t[start]),
+        turned,
+        sigma * _shared(way - fitted),
+        tuple(doubts),
+        fitted,
+    )
 
 
 def _check(t: Floats, x: Floats, y: Floats) -> None:

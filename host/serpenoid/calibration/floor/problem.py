@@ -113,9 +113,12 @@ class Problem:
         """Return where which unknown is."""
         own = 0 if self.stations is None else self.stations.nuisances + 1
         return Layout(
-            self.parameters, len(self.floor.places), len(self.floor.posture_sigma_rad),
-            self.floor.pushes, own,
-        )  # fmt: skip
+            self.parameters,
+            len(self.floor.places),
+            len(self.floor.posture_sigma_rad),
+            self.floor.pushes,
+            own,
+        )
 
     @cached_property
     def lowest(self) -> Floats:
@@ -133,8 +136,12 @@ class Problem:
     @cached_property
     def rows(self) -> tuple[slice, slice, slice, slice]:
         """Return the rows of places, ways to rest, times to rest, and slides."""
-        counts = (len(self.floor.tracks.push), len(self.floor.rests.push),
-                  len(self.floor.rests.push), len(self.floor.slides.time_s))  # fmt: skip
+        counts = (
+            len(self.floor.tracks.push),
+            len(self.floor.rests.push),
+            len(self.floor.rests.push),
+            len(self.floor.slides.time_s),
+        )
         ends = np.cumsum((0, *counts)).tolist()
         a, b, c, d = (slice(*pair) for pair in pairwise(ends))
         return a, b, c, d
@@ -149,9 +156,11 @@ class Problem:
         incline = floor.slides.incline_rad - floor.zero_sigma_rad * own[ZERO]
         slide = self.resisting(x, floor.slides.poses)
         return (
-            push[0] / push[2], (push[1] - floor.way * pull * share) / push[2],
-            slide[0] / slide[2], (slide[1] - pull * np.sin(incline)) / slide[2],
-        )  # fmt: skip
+            push[0] / push[2],
+            (push[1] - floor.way * pull * share) / push[2],
+            slide[0] / slide[2],
+            (slide[1] - pull * np.sin(incline)) / slide[2],
+        )
 
     def resisting(self, x: Any, poses: Poses) -> tuple[Any, Any, Any]:
         """Return A, B and m_e in some poses."""
@@ -271,10 +280,13 @@ class Problem:
 
     def _priors(self, x: Floats) -> Floats:
         at = self.layout
-        return np.concatenate([
-            x[at.shared : at.slopes.stop], self.floor.posture_whitening @ x[at.offsets],
-            x[at.starts][self.floor.rests.push],  # no place tells these: they stay 0
-        ])  # fmt: skip
+        return np.concatenate(
+            [
+                x[at.shared : at.slopes.stop],
+                self.floor.posture_whitening @ x[at.offsets],
+                x[at.starts][self.floor.rests.push],  # no place tells these: they stay 0
+            ]
+        )
 
     def _prior_rows(self) -> Floats:
         at = self.layout

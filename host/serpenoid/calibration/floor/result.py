@@ -107,8 +107,11 @@ def _nuisances(problem: Problem, found: Minimum, covariance: Floats) -> dict[str
         out[name] = Estimate(mean + unit * float(found.x[k]), unit * float(sigma[k]))
 
     for k, place in enumerate(floor.places):
-        put(f"floor_slope_rad{'_' + place if place else ''}", at.slopes.start + k,
-            floor.slope_sigma_rad)  # fmt: skip
+        put(
+            f"floor_slope_rad{'_' + place if place else ''}",
+            at.slopes.start + k,
+            floor.slope_sigma_rad,
+        )
     if floor.filmed.any():
         put("film_scale", at.shared + SCALE, floor.scale_sigma, 1.0)
     put("wheels_turning_over_mass", at.shared + ROLLING, floor.rolling[1], floor.rolling[0])
@@ -128,10 +131,14 @@ def _influences(
     return tuple(
         Influence(number, float(h), float(t), tuple((s / sigma).tolist()), float(chi2))
         for number, h, t, s, chi2 in zip(
-            figures.numbers, figures.leverage, figures.studentised, figures.shift,
-            figures.chi2_without, strict=True,
+            figures.numbers,
+            figures.leverage,
+            figures.studentised,
+            figures.shift,
+            figures.chi2_without,
+            strict=True,
         )
-    )  # fmt: skip
+    )
 
 
 def _with_alarms(fit: FrictionFit, figures: PushFigures) -> FrictionFit:

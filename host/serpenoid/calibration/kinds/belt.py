@@ -10,15 +10,24 @@ from .instruments import MAX_SPEED_M_S, Stopwatch
 
 FIELDS = (
     Field(
-        "belt_speed_m_s", "belt speed that the treadmill shows", "speed", 0.0, MAX_SPEED_M_S,
-        open_low=True, sheet=("belt_speed_km_h", "km/h"),
+        "belt_speed_m_s",
+        "belt speed that the treadmill shows",
+        "speed",
+        0.0,
+        MAX_SPEED_M_S,
+        open_low=True,
+        sheet=("belt_speed_km_h", "km/h"),
     ),
     Field(
-        "distance_m", "way of the mark in all (turns of the belt times its length)", "length",
-        0.0, 1000.0, open_low=True,
+        "distance_m",
+        "way of the mark in all (turns of the belt times its length)",
+        "length",
+        0.0,
+        1000.0,
+        open_low=True,
     ),
     Field("duration_s", "time taken", "time", 0.0, 1e5, (5.0, 600.0), open_low=True),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,23 +16,37 @@ FIELDS = (
     Field("alpha_deg", "alpha", "angle", 0.0, 180.0, source=PLANNED),
     Field("beta_deg", "beta", "angle", -360.0, 360.0, source=PLANNED),
     Field(
-        "omega_rad_s", "omega", "rate", 0.0, 1000.0, open_low=True, source=PLANNED,
+        "omega_rad_s",
+        "omega",
+        "rate",
+        0.0,
+        1000.0,
+        open_low=True,
+        source=PLANNED,
         sheet=("frequency_hz", "Hz"),
     ),
     Field(
-        "distance_m", "distance between the marks", "length", 0.0, 1000.0, (0.05, 10.0),
+        "distance_m",
+        "distance between the marks",
+        "length",
+        0.0,
+        1000.0,
+        (0.05, 10.0),
         optional=True,
     ),
-    Field(
-        "duration_s", "time taken", "time", 0.0, 1e5, (1.0, 600.0), open_low=True, optional=True
-    ),
+    Field("duration_s", "time taken", "time", 0.0, 1e5, (1.0, 600.0), open_low=True, optional=True),
     Field("speed_m_s", "the speed", "speed", 0.0, MAX_SPEED_M_S, source=DERIVED),
     Field(
-        "speed_sigma_m_s", "its standard deviation", "speed", 0.0, MAX_SPEED_M_S, open_low=True,
+        "speed_sigma_m_s",
+        "its standard deviation",
+        "speed",
+        0.0,
+        MAX_SPEED_M_S,
+        open_low=True,
         source=DERIVED,
     ),
     Word("way", RUN_WAYS, source=DERIVED),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,10 +14,27 @@ from .declaration import Cells, Kind, Word
 from .table import KINDS
 
 READING_COLUMNS = (
-    "reading", "kind", "time_utc", "setup", "replaces", "lambda_deg", "incline_deg",
-    "belt_speed_m_s", "drift_m_s", "reversed_deg", "between_links_deg", "alpha_deg", "beta_deg",
-    "omega_rad_s", "distance_m", "duration_s", "speed_m_s", "speed_sigma_m_s", "more", "comment",
-)  # fmt: skip
+    "reading",
+    "kind",
+    "time_utc",
+    "setup",
+    "replaces",
+    "lambda_deg",
+    "incline_deg",
+    "belt_speed_m_s",
+    "drift_m_s",
+    "reversed_deg",
+    "between_links_deg",
+    "alpha_deg",
+    "beta_deg",
+    "omega_rad_s",
+    "distance_m",
+    "duration_s",
+    "speed_m_s",
+    "speed_sigma_m_s",
+    "more",
+    "comment",
+)
 TRACK_WORDS = ("track", "track_sha256")  # of a kind with a track, in the column `more`
 DOUBTFUL = "doubtful"  # of a reading that is void from its first line on, until it is restored
 LISTED = "listed"  # of a reading that came from a list: a hash of the list up to it

@@ -11,15 +11,36 @@ from .station import BENDS, MAX_INCLINE_DEG, MAX_LAMBDA_DEG
 
 FIELDS = (
     Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
-    Field("incline_deg", "the inclinometer shows on the board", "incline", 0.0, MAX_INCLINE_DEG,
-          open_low=True),
-    Field("distance_m", "length that was timed, from rest", "length", 0.0, 100.0, (0.2, 5.0),
-          open_low=True),
+    Field(
+        "incline_deg",
+        "the inclinometer shows on the board",
+        "incline",
+        0.0,
+        MAX_INCLINE_DEG,
+        open_low=True,
+    ),
+    Field(
+        "distance_m",
+        "length that was timed, from rest",
+        "length",
+        0.0,
+        100.0,
+        (0.2, 5.0),
+        open_low=True,
+    ),
     Field("duration_s", "time taken", "time", 0.0, 1e3, (0.5, 30.0), open_low=True),
-    Field("time_sigma_s", "standard deviation of the time", "time", 0.0, 10.0, open_low=True,
-          source=PLANNED, optional=True),
+    Field(
+        "time_sigma_s",
+        "standard deviation of the time",
+        "time",
+        0.0,
+        10.0,
+        open_low=True,
+        source=PLANNED,
+        optional=True,
+    ),
     Word("bend", BENDS, of_plan=True),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,10 +77,16 @@ SLIDE = Kind("slide", Slide, FIELDS, _in_words, fitted=True)
 
 BREAKAWAY_FIELDS = (
     Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
-    Field("incline_deg", "the inclinometer shows where it begins to slide", "incline", 0.0,
-          MAX_INCLINE_DEG, open_low=True),
+    Field(
+        "incline_deg",
+        "the inclinometer shows where it begins to slide",
+        "incline",
+        0.0,
+        MAX_INCLINE_DEG,
+        open_low=True,
+    ),
     Word("bend", BENDS, of_plan=True),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True)

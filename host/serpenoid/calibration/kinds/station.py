@@ -24,26 +24,49 @@ FIELDS = (
     Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
     Field("incline_deg", "the inclinometer shows", "incline", 0.0, MAX_INCLINE_DEG, open_low=True),
     Field(
-        "belt_speed_m_s", "belt speed", "speed", 0.0, MAX_SPEED_M_S,
+        "belt_speed_m_s",
+        "belt speed",
+        "speed",
+        0.0,
+        MAX_SPEED_M_S,
         sheet=("belt_speed_km_h", "km/h"),
     ),
     Field(
-        "turned_deg", "turned off the belt's direction, + to the left (Enter: not)", "angle",
-        -180.0, 180.0, likely=(-5.0, 5.0), usual=0.0, optional=True,
+        "turned_deg",
+        "turned off the belt's direction, + to the left (Enter: not)",
+        "angle",
+        -180.0,
+        180.0,
+        likely=(-5.0, 5.0),
+        usual=0.0,
+        optional=True,
         why="a robot that has turned by more is not held by this law: hold it again",
     ),
     Field(
-        "drift_m_s", "drift left over, + uphill with the belt (Enter: none)", "speed",
-        -MAX_SPEED_M_S, MAX_SPEED_M_S, likely=(-0.06, 0.06), usual=0.0,
+        "drift_m_s",
+        "drift left over, + uphill with the belt (Enter: none)",
+        "speed",
+        -MAX_SPEED_M_S,
+        MAX_SPEED_M_S,
+        likely=(-0.06, 0.06),
+        usual=0.0,
     ),
-    Field("offset_deg", "steering, on every joint", "angle", -45.0, 45.0, source=PLANNED,
-          optional=True),
-    Field("waited_s", "time since the belt was set", "time", 0.0, 1e5, source=PLANNED,
-          optional=True),
+    Field(
+        "offset_deg",
+        "steering, on every joint",
+        "angle",
+        -45.0,
+        45.0,
+        source=PLANNED,
+        optional=True,
+    ),
+    Field(
+        "waited_s", "time since the belt was set", "time", 0.0, 1e5, source=PLANNED, optional=True
+    ),
     Word("places", source=READ, tidy=tidy_places),
     Word("facing", FACINGS),
     Word("bend", BENDS, of_plan=True),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,12 @@ FIELDS = (
     Field("omega_rad_s", "omega", "rate", 0.0, 1000.0, open_low=True, source=DERIVED),
     Field("speed_m_s", "the speed", "speed", 0.0, MAX_SPEED_M_S, source=DERIVED),
     Field(
-        "speed_sigma_m_s", "its standard deviation", "speed", 0.0, MAX_SPEED_M_S, open_low=True,
+        "speed_sigma_m_s",
+        "its standard deviation",
+        "speed",
+        0.0,
+        MAX_SPEED_M_S,
+        open_low=True,
         source=DERIVED,
     ),
     Field("offset_deg", "the bend of every joint", "angle", -180.0, 180.0, source=DERIVED),
@@ -27,7 +32,7 @@ FIELDS = (
     Word("shifts_deg", source=DERIVED),
     Word("film_sha256", source=DERIVED),
     Word("way", RUN_WAYS, source=DERIVED),
-)  # fmt: skip
+)
 TRACK = ("t_s", "x_m", "y_m", "heading_rad", "joint*_rad")
 
 
@@ -79,9 +84,13 @@ class FilmReading:
         gains = _numbers("gains", self.gains)
         shifts = [math.radians(x) for x in _numbers("shifts_deg", self.shifts_deg)]
         return Gait(
-            self.alpha_rad, self.beta_rad, self.omega_rad_s, self.offset_rad, tuple(gains),
+            self.alpha_rad,
+            self.beta_rad,
+            self.omega_rad_s,
+            self.offset_rad,
+            tuple(gains),
             tuple(shifts),
-        )  # fmt: skip
+        )
 
     @property
     def mean_gain(self) -> float:
@@ -93,10 +102,17 @@ class FilmReading:
     def gait_run(self) -> GaitRun:
         """Return the same as a gait run."""
         return GaitRun(
-            self.number, self.alpha_rad, self.beta_rad, self.omega_rad_s, self.speed_m_s,
-            self.speed_sigma_m_s, self.voided, self.comment or "film", self.time_utc,
+            self.number,
+            self.alpha_rad,
+            self.beta_rad,
+            self.omega_rad_s,
+            self.speed_m_s,
+            self.speed_sigma_m_s,
+            self.voided,
+            self.comment or "film",
+            self.time_utc,
             way=self.way,
-        )  # fmt: skip
+        )
 
 
 def _numbers(name: str, text: str) -> list[float]:

@@ -12,15 +12,24 @@ from .station import MAX_INCLINE_DEG
 LIKELY_DEG = (-5.0, 5.0)
 FIELDS = (
     Field(
-        "incline_deg", "it shows", "incline", -MAX_INCLINE_DEG, MAX_INCLINE_DEG, LIKELY_DEG,
+        "incline_deg",
+        "it shows",
+        "incline",
+        -MAX_INCLINE_DEG,
+        MAX_INCLINE_DEG,
+        LIKELY_DEG,
         attribute="shown_rad",
     ),
     Field(
-        "reversed_deg", "turned, it shows", "incline", -MAX_INCLINE_DEG, MAX_INCLINE_DEG,
+        "reversed_deg",
+        "turned, it shows",
+        "incline",
+        -MAX_INCLINE_DEG,
+        MAX_INCLINE_DEG,
         LIKELY_DEG,
         why="the zero would be beyond 0.5 deg: was a sign forgotten?",
     ),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,9 +35,14 @@ _FAR = 13.0  # of chi2 from the best servo's: those beyond weigh less than 0.2 %
 
 
 def servo_of_session(
-    session: Session, like: ServoKind, fit: FrictionFit | None = None, *, draws: int = DRAWS,
-    name: str = "measured", seed: int = 0,
-) -> MeasuredServo:  # fmt: skip
+    session: Session,
+    like: ServoKind,
+    fit: FrictionFit | None = None,
+    *,
+    draws: int = DRAWS,
+    name: str = "measured",
+    seed: int = 0,
+) -> MeasuredServo:
     """Return what a session's gait runs and films leave of a kind of servo.
 
     fit: the session's own unless given. Speeds count with the doubt about friction and the joints'
@@ -76,9 +81,12 @@ def servo_of_session(
 
 
 def _solved(
-    fit: FrictionFit, gaits: list[Gait], servos: list[Servo], ripples: dict[int, Ripples],
+    fit: FrictionFit,
+    gaits: list[Gait],
+    servos: list[Servo],
+    ripples: dict[int, Ripples],
     chi2_of: Callable[[Array], Array],
-) -> Array:  # fmt: skip
+) -> Array:
     """Return each servo's chi2 by its fine states; inf where rough ones say that it is far off.
 
     Rough states are a fifth of the work and tell nothing of ripples, which only add to chi2.

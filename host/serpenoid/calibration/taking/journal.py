@@ -82,9 +82,14 @@ class Journal:
         self._release()
 
     def add(
-        self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "",
+        self,
+        kind: str,
+        cells: Cells,
+        *,
+        replaces: int = 0,
+        comment: str = "",
         samples: Samples | None = None,
-    ) -> int:  # fmt: skip
+    ) -> int:
         """Write one reading; return its number. cells: column -> value, in the file's units.
 
         It is checked first, so that no line is ever written that could not be read. samples: of a
@@ -133,8 +138,11 @@ class Journal:
     def _row(self, number: int, kind: str, cells: Cells, comment: str) -> dict[str, str]:
         setup = 1 + sum(e.event == "amend" for e in self.events)
         return reading_row(kind, cells, self.session.setup.procedure) | {
-            "reading": str(number), "time_utc": utc_now(), "setup": str(setup), "comment": comment,
-        }  # fmt: skip
+            "reading": str(number),
+            "time_utc": utc_now(),
+            "setup": str(setup),
+            "comment": comment,
+        }
 
     def check(self, kind: str, cells: Cells, track: Track | None = None) -> None:
         """Raise BadInput for a reading that add() would not take."""

@@ -21,9 +21,14 @@ class MemoryRecord:
         self._count = max((r.number for _, r in self.session.numbered), default=0)
 
     def add(
-        self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "",
+        self,
+        kind: str,
+        cells: Cells,
+        *,
+        replaces: int = 0,
+        comment: str = "",
         samples: Samples | None = None,
-    ) -> int:  # fmt: skip
+    ) -> int:
         """Keep one reading; return its number. Parameters as for Journal.add."""
         self._count += 1
         common: dict[str, Any] = {"number": self._count, "comment": comment}
@@ -32,8 +37,10 @@ class MemoryRecord:
         made = make_reading(reading_row(kind, cells, self.session.setup.procedure), common)
         if replaces:
             part = kind_of(kind).part or "further"
-            kept = [replace(r, voided=r.voided or r.number == replaces)
-                    for r in getattr(self.session, part)]  # fmt: skip
+            kept = [
+                replace(r, voided=r.voided or r.number == replaces)
+                for r in getattr(self.session, part)
+            ]
             self.session = replace(self.session, **{part: tuple(kept)})
         self.session = self.session.with_reading(kind_of(kind), made)
         return self._count

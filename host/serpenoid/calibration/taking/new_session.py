@@ -90,19 +90,43 @@ WORDS = {
     "people": "who measures",
 }
 NUMBERS = (
-    Field("mass_kg", "mass of the whole robot as it crawls (kg, or 480 g)", "mass", 0.001, 1000.0,
-          (0.02, 20.0)),
-    Field("link_length_m", "length of a link, joint to joint (m, or 76 mm)", "length", 0.001, 10.0,
-          (0.01, 1.0)),
-    Field("incline_step_deg_shown", "inclinometer: smallest step it shows (deg)", "angle", 0.0001,
-          5.0),
-    Field("incline_step_percent", "treadmill: smallest step of its incline (% or deg)", "grade",
-          0.001, 20.0),
-    Field("belt_speed_step_km_h", "belt: smallest step it can be set to (km/h, m/s or mph)", "belt",
-          0.0001, 5.0),
-    Field("belt_speed_least_km_h", "belt: least speed above 0 (km/h, m/s or mph)", "belt", 0.0,
-          10.0),
-)  # fmt: skip
+    Field(
+        "mass_kg",
+        "mass of the whole robot as it crawls (kg, or 480 g)",
+        "mass",
+        0.001,
+        1000.0,
+        (0.02, 20.0),
+    ),
+    Field(
+        "link_length_m",
+        "length of a link, joint to joint (m, or 76 mm)",
+        "length",
+        0.001,
+        10.0,
+        (0.01, 1.0),
+    ),
+    Field(
+        "incline_step_deg_shown", "inclinometer: smallest step it shows (deg)", "angle", 0.0001, 5.0
+    ),
+    Field(
+        "incline_step_percent",
+        "treadmill: smallest step of its incline (% or deg)",
+        "grade",
+        0.001,
+        20.0,
+    ),
+    Field(
+        "belt_speed_step_km_h",
+        "belt: smallest step it can be set to (km/h, m/s or mph)",
+        "belt",
+        0.0001,
+        5.0,
+    ),
+    Field(
+        "belt_speed_least_km_h", "belt: least speed above 0 (km/h, m/s or mph)", "belt", 0.0, 10.0
+    ),
+)
 ROBOT = 2  # of the numbers: those that a floor needs, too
 WHEELS = Field(
     "wheels_kg", "mass of all wheels together (kg, or 36 g)", "mass", 0.0, 100.0, (0.001, 2.0)
@@ -120,17 +144,27 @@ def default_setup(name: str) -> Setup:
     deg = math.radians
     rates = [2 * math.pi * hz for hz in (0.25, 0.5, 1.0)]
     return Setup(
-        name=name, kind="measured", source="taken with `serpenoid calibrate`", note="none",
+        name=name,
+        kind="measured",
+        source="taken with `serpenoid calibrate`",
+        note="none",
         robot=Robot(6, 0.0756, 0.076),
         procedure=Procedure(
-            lambda_rad=(0.0, deg(7.5), deg(15.0), deg(30.0)), incline_start_rad=deg(2.0),
-            incline_step_rad=deg(0.3), belt_speed_max_m_s=1.0, gravity_m_s2=9.80665,
-            gaits=tuple(Gait(deg(70), deg(75), rate) for rate in rates), gait_runs=3,
-            bend="balanced", pushes=PUSHES,
+            lambda_rad=(0.0, deg(7.5), deg(15.0), deg(30.0)),
+            incline_start_rad=deg(2.0),
+            incline_step_rad=deg(0.3),
+            belt_speed_max_m_s=1.0,
+            gravity_m_s2=9.80665,
+            gaits=tuple(Gait(deg(70), deg(75), rate) for rate in rates),
+            gait_runs=3,
+            bend="balanced",
+            pushes=PUSHES,
         ),
         uncertainty=Uncertainty(deg(0.03), deg(0.1), 0.01, deg(0.5), 0.02, 0.005, deg(0.5)),
-        surface="not said", place="not said", people="not said",
-    )  # fmt: skip
+        surface="not said",
+        place="not said",
+        people="not said",
+    )
 
 
 def on_place(plan: Procedure, place: str) -> Procedure:
@@ -187,8 +221,11 @@ def template_setup(path: str | Path | None, name: str) -> Setup:
 def setup_text(setup: Setup) -> str:
     """Return session.toml."""
     plan, unsure, steps, watch = (
-        setup.procedure, setup.uncertainty, setup.treadmill, setup.stopwatch
-    )  # fmt: skip
+        setup.procedure,
+        setup.uncertainty,
+        setup.treadmill,
+        setup.stopwatch,
+    )
     gaits = [
         f"{{ alpha_deg = {_number(math.degrees(g.alpha_rad))}, "
         f"beta_deg = {_number(math.degrees(g.beta_rad))}, "

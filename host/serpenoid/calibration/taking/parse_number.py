@@ -21,16 +21,31 @@ from .new_session import quoted
 
 # Other names of columns, by which people type another unit: name -> column, unit.
 OTHER_UNITS = {
-    f.sheet[0]: (f.column, f.sheet[1])
-    for kind in KINDS.values() for f in kind.numbers if f.sheet
-}  # fmt: skip
+    f.sheet[0]: (f.column, f.sheet[1]) for kind in KINDS.values() for f in kind.numbers if f.sheet
+}
 OTHER_UNITS |= {"incline_percent": ("incline_deg", "%"), "drift_km_h": ("drift_m_s", "km/h")}
 _NUMBER = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S*)")
 _SPELLINGS = {
-    "°": "deg", "degree": "deg", "degrees": "deg", "percent": "%", "kmh": "km/h", "kph": "km/h",
-    "km/hr": "km/h", "ms": "m/s", "mps": "m/s", "sec": "s", "secs": "s", "mins": "min",
-    "kgs": "kg", "gr": "g", "grams": "g", "gram": "g", "lbs": "lb", "inch": "in", "inches": "in",
-}  # fmt: skip
+    "°": "deg",
+    "degree": "deg",
+    "degrees": "deg",
+    "percent": "%",
+    "kmh": "km/h",
+    "kph": "km/h",
+    "km/hr": "km/h",
+    "ms": "m/s",
+    "mps": "m/s",
+    "sec": "s",
+    "secs": "s",
+    "mins": "min",
+    "kgs": "kg",
+    "gr": "g",
+    "grams": "g",
+    "gram": "g",
+    "lbs": "lb",
+    "inch": "in",
+    "inches": "in",
+}
 
 
 @dataclass(frozen=True)
@@ -117,9 +132,17 @@ def _example(field: Field) -> str:
     return f"type a number in {units}, such as {_SAMPLES[field.quantity]}"
 
 
-_SAMPLES = {"incline": "2.3 or 4 %", "angle": "150", "speed": "0.45 or 1.6 km/h",
-            "length": "1.2 or 76 mm", "rate": "3.14 or 0.5 Hz", "time": "9.5",
-            "mass": "0.48 or 480 g", "grade": "0.5", "belt": "0.1"}  # fmt: skip
+_SAMPLES = {
+    "incline": "2.3 or 4 %",
+    "angle": "150",
+    "speed": "0.45 or 1.6 km/h",
+    "length": "1.2 or 76 mm",
+    "rate": "3.14 or 0.5 Hz",
+    "time": "9.5",
+    "mass": "0.48 or 480 g",
+    "grade": "0.5",
+    "belt": "0.1",
+}
 
 
 def read_cells(
@@ -183,9 +206,10 @@ def listed_cells(kind: str, row: Mapping[str, Any]) -> dict[str, Any]:
 def completed(kind: str, found: Mapping[str, Any], setup: Setup) -> dict[str, Any]:
     """Return a reading's values with what an empty answer means, and what follows from others."""
     usual = {
-        field.column: field.usual for field in kind_of(kind).numbers
+        field.column: field.usual
+        for field in kind_of(kind).numbers
         if field.usual is not None and not field.optional  # what was not said is not known
-    }  # fmt: skip
+    }
     return kind_of(kind).derive(usual | dict(found), setup.stopwatch)
 
 
@@ -205,8 +229,14 @@ def redone(
     return {**there, **anew}
 
 
-_QUANTITIES = {"_m_s": "speed", "_kg": "mass", "_m": "length", "_deg": "angle",
-               "_percent": "grade", "_s": "time"}  # fmt: skip
+_QUANTITIES = {
+    "_m_s": "speed",
+    "_kg": "mass",
+    "_m": "length",
+    "_deg": "angle",
+    "_percent": "grade",
+    "_s": "time",
+}
 
 
 def amendment(change: str) -> str:

@@ -264,10 +264,12 @@ def _pose(series: Series, setup: Setup) -> Step:
     bend_deg = round(math.degrees(series.lambda_rad), 3)
     if series.facing == "up":
         return Step(
-            "straight up", "straight",
+            "straight up",
+            "straight",
             "Ratchets: turn the robot round, straight, head UPHILL, the belt running uphill as "
-            "before, so that its wheels roll backwards.", facing="up",
-        )  # fmt: skip
+            "before, so that its wheels roll backwards.",
+            facing="up",
+        )
     if not bend_deg:
         return Step(
             "straight",
@@ -326,10 +328,17 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
         **({"bend": series.bend} if lambda_rad else {}),
     }
     return Step(
-        f"{_station_key(bend_deg, facing)}{incline_deg:.2f}", "station", say,
-        (shown, belt, STATION["turned_deg"], STATION["drift_m_s"]), bend_deg, facing, incline_deg,
-        wait_s, bend=series.bend, cells=cells,
-    )  # fmt: skip
+        f"{_station_key(bend_deg, facing)}{incline_deg:.2f}",
+        "station",
+        say,
+        (shown, belt, STATION["turned_deg"], STATION["drift_m_s"]),
+        bend_deg,
+        facing,
+        incline_deg,
+        wait_s,
+        bend=series.bend,
+        cells=cells,
+    )
 
 
 def belt_range(likely_m_s: tuple[float, float]) -> str:
@@ -347,10 +356,12 @@ def _gait_step(session: Session, skipped: frozenset[str]) -> Step | None:
     plan = session.setup.procedure
     for number, gait in enumerate(plan.gaits, 1):
         runs = [
-            r for r in session.kept_crawls
-            if abs(r.alpha_rad - gait.alpha_rad) < 1e-3 and abs(r.beta_rad - gait.beta_rad) < 1e-3
+            r
+            for r in session.kept_crawls
+            if abs(r.alpha_rad - gait.alpha_rad) < 1e-3
+            and abs(r.beta_rad - gait.beta_rad) < 1e-3
             and abs(r.omega_rad_s / gait.omega_rad_s - 1) < 0.05
-        ]  # fmt: skip
+        ]
         key = f"gait {number}.{len(runs) + 1}"
         if len(runs) >= plan.gait_runs or key in skipped or f"gait {number}" in skipped:
             continue

@@ -25,9 +25,20 @@ from .steps import Step
 from .treadmill import MOST_STEPS, Posture, Treadmill, take_step
 
 _BACK = ("ct_back", "ft0_back")  # of ratchet wheels; as forwards unless given
-_TRUTH = ("incline_zero_deg", "belt_scale", "mass_scale", "joint_sigma_deg", "link_spread",
-          "rolling_kg", "breakaway", "disturbance_m_s", "misreads", "hasty",
-          "short_s", "amplitude")  # fmt: skip
+_TRUTH = (
+    "incline_zero_deg",
+    "belt_scale",
+    "mass_scale",
+    "joint_sigma_deg",
+    "link_spread",
+    "rolling_kg",
+    "breakaway",
+    "disturbance_m_s",
+    "misreads",
+    "hasty",
+    "short_s",
+    "amplitude",
+)
 Told = Callable[[Step], None]
 
 
@@ -64,8 +75,12 @@ def simulated_treadmill(
     table.only("seed", "ct", "cn", "ft0", "fn0", optional=_TRUTH + _BACK)
     ct, cn, ft0, fn0 = (table.number(name, 0.0) for name in ("ct", "cn", "ft0", "fn0"))
     back = [table.number(n, 0.0) if n in table.values else None for n in _BACK]
-    ground = Ground(ct if back[0] is None else (ct, back[0]), cn,
-                    ft0 if back[1] is None else (ft0, back[1]), fn0)  # fmt: skip
+    ground = Ground(
+        ct if back[0] is None else (ct, back[0]),
+        cn,
+        ft0 if back[1] is None else (ft0, back[1]),
+        fn0,
+    )
     given = {n: table.number(n) for n in _TRUTH if n in table.values}
     in_si: dict[str, Any] = {
         n.replace("_deg", "_rad"): math.radians(v) if n.endswith("_deg") else v

@@ -84,12 +84,16 @@ def sheet_text(session: Session) -> str:
     typed = _headings(plan.ratchet, ON_FLOOR if on_floor else tuple(KINDS))
     rows = _floor_rows(plan) if on_floor else _treadmill_rows(plan)
     for gait in plan.gaits:
-        degrees = {f"{name}_deg": f"{math.degrees(getattr(gait, name + '_rad')):.6g}"
-                   for name in ("alpha", "beta")}  # fmt: skip
+        degrees = {
+            f"{name}_deg": f"{math.degrees(getattr(gait, name + '_rad')):.6g}"
+            for name in ("alpha", "beta")
+        }
         rate = f"{gait.omega_rad_s / (2 * math.pi):.6g}"
         rows += [{"kind": "gait", **degrees, "frequency_hz": rate}] * plan.gait_runs
-    return "".join(csv_line([row.get(name, "") for name in typed])
-                   for row in [dict(zip(typed, typed, strict=True)), *rows])  # fmt: skip
+    return "".join(
+        csv_line([row.get(name, "") for name in typed])
+        for row in [dict(zip(typed, typed, strict=True)), *rows]
+    )
 
 
 def _treadmill_rows(plan: Procedure) -> list[dict[str, str]]:

@@ -76,9 +76,12 @@ class Truth:
             link_inertia_kg_m2=body.inertia_kg_m2 * self.mass_scale,
         )
         whole = LabRobot.whole(
-            heavy, self.ground, rolling_kg=self.rolling_kg, breakaway=self.breakaway,
+            heavy,
+            self.ground,
+            rolling_kg=self.rolling_kg,
+            breakaway=self.breakaway,
             servo=self.servo,
-        )  # fmt: skip
+        )
         return whole.drawn(rng, self.joint_sigma_rad, self.link_spread)
 
 
@@ -92,11 +95,13 @@ def drawn_truth(
     errs = setup.uncertainty
     zero, scale, mass = (float(x) for x in rng.normal(size=3))
     return Truth(
-        ground, incline_zero_rad=zero * errs.incline_zero_sigma_rad,
-        belt_scale=1.0 + scale * errs.belt_scale_sigma, mass_scale=1.0 + mass * errs.mass_sigma,
+        ground,
+        incline_zero_rad=zero * errs.incline_zero_sigma_rad,
+        belt_scale=1.0 + scale * errs.belt_scale_sigma,
+        mass_scale=1.0 + mass * errs.mass_sigma,
         joint_sigma_rad=errs.joint_sigma_rad,
         servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
-    )  # fmt: skip
+    )
 
 
 def _habits(truth: Truth) -> Habits:
@@ -130,13 +135,16 @@ class SimulatedTreadmill:
         self.belt.guide(truth.guided)
         steps, errs = setup.treadmill, setup.uncertainty
         self.person = Person(
-            self.belt, rng,
+            self.belt,
+            rng,
             _habits(truth),
             Display(
-                steps.belt_step_m_s, truth.belt_scale, steps.belt_least_m_s,
+                steps.belt_step_m_s,
+                truth.belt_scale,
+                steps.belt_least_m_s,
                 errs.belt_speed_sigma_m_s,
             ),
-        )  # fmt: skip
+        )
         # The deck does not lie level when the treadmill says 0.
         self._deck_rad = math.radians(float(rng.uniform(-0.15, 0.15)))
         self._bent_rad, self._shown_m_s = 0.0, START_M_S
@@ -147,9 +155,13 @@ class SimulatedTreadmill:
     def answer(self, step: Step, session: Session) -> Cells | None:
         """Do a step as a person would."""
         read = {
-            "zero": self._zero, "straight": self._straight, "bend": self._bend,
-            "station": self._station, "gait": self._gait, "belt": self._belt,
-        }[step.kind](step)  # fmt: skip
+            "zero": self._zero,
+            "straight": self._straight,
+            "bend": self._bend,
+            "station": self._station,
+            "gait": self._gait,
+            "belt": self._belt,
+        }[step.kind](step)
         self._true = dict(read or {})
         return None if read is None else self._typed(step, read)
 

@@ -57,9 +57,14 @@ class Record(Protocol):
         ...
 
     def add(
-        self, kind: str, cells: Cells, *, replaces: int = 0, comment: str = "",
+        self,
+        kind: str,
+        cells: Cells,
+        *,
+        replaces: int = 0,
+        comment: str = "",
         samples: Samples | None = None,
-    ) -> int:  # fmt: skip
+    ) -> int:
         """Keep a reading; return its number. samples: of a kind with a track."""
         ...
 

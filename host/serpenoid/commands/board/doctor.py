@@ -13,8 +13,13 @@ MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
 
 @click.command()
 @PORT
-@click.option("--listen-s", type=click.FloatRange(0, 600), default=3.0, show_default=True,
-              help="How long to listen to the board.")  # fmt: skip
+@click.option(
+    "--listen-s",
+    type=click.FloatRange(0, 600),
+    default=3.0,
+    show_default=True,
+    help="How long to listen to the board.",
+)
 @AS_JSON
 def doctor(port: str | None, listen_s: float, as_json: bool) -> None:
     """Find what keeps the robot from working, and say the fix; nothing moves.

@@ -39,18 +39,29 @@ if TYPE_CHECKING:
 @gait_options
 @fit_options
 @servo_option
-@click.option("--duration-s", type=click.FloatRange(0, min_open=True),
-              help="How long; until Ctrl-C unless given.")  # fmt: skip
+@click.option(
+    "--duration-s",
+    type=click.FloatRange(0, min_open=True),
+    help="How long; until Ctrl-C unless given.",
+)
 @PORT
 @click.option("--record", type=OutFile(), help="New file for every line of the run.")
-@click.option("--page", is_flag=True,
-              help="Show the robot live on a page of this machine's browser: where the model goes "
-              "with the joints as told, for the 2005 robot and ground without a fit.")  # fmt: skip
+@click.option(
+    "--page",
+    is_flag=True,
+    help="Show the robot live on a page of this machine's browser: where the model goes "
+    "with the joints as told, for the 2005 robot and ground without a fit.",
+)
 @AS_JSON
 def drive(
-    duration_s: float | None, port: str | None, record: Path | None, page: bool, as_json: bool,
-    servo_name: str | None, **given: Any,
-) -> None:  # fmt: skip
+    duration_s: float | None,
+    port: str | None,
+    record: Path | None,
+    page: bool,
+    as_json: bool,
+    servo_name: str | None,
+    **given: Any,
+) -> None:
     """Drive a gait and watch it; Ctrl-C stops the robot first. Lay it straight before.
 
     With --session DIR or --ground FILE the speed that the fitted friction predicts stands beside,
@@ -66,10 +77,18 @@ def drive(
 
 
 def drive_gait(
-    gait: Gait, duration_s: float | None, port: str | None, record: Path | None, as_json: bool,
-    fit: FrictionFit | None = None, *, match: RobotMatch | None = None, page: bool = False,
-    before: dict[str, Any] | None = None, servo: ServoKind | None = None,
-) -> None:  # fmt: skip
+    gait: Gait,
+    duration_s: float | None,
+    port: str | None,
+    record: Path | None,
+    as_json: bool,
+    fit: FrictionFit | None = None,
+    *,
+    match: RobotMatch | None = None,
+    page: bool = False,
+    before: dict[str, Any] | None = None,
+    servo: ServoKind | None = None,
+) -> None:
     """Drive a gait, show it, and sum it up, as the command `drive` says.
 
     fit: of this robot's friction, if there is one; servo: what moves its joints; match: the robot

@@ -11,16 +11,31 @@ from ..options import AS_JSON, show_json
 
 
 @click.command()
-@click.option("--board", type=click.Choice(["uno", "nano", "nano_old", "mega"]),
-              help="Needed where the USB id does not tell.")  # fmt: skip
+@click.option(
+    "--board",
+    type=click.Choice(["uno", "nano", "nano_old", "mega"]),
+    help="Needed where the USB id does not tell.",
+)
 @click.option("--port", help="Serial port; found by its USB id unless given.")
-@click.option("--project", type=click.Path(file_okay=False, path_type=Path),
-              help="Folder of platformio.ini; found from here unless given.")  # fmt: skip
-@click.option("--joints", type=int, default=5, show_default=True,
-              help="How many joints the robot has: its links less one.")  # fmt: skip
-@click.option("--output", type=click.Choice(["servo", "pca9685"]), default="servo",
-              show_default=True, help="Where servos are wired. pca9685 has run on a simulated "
-              "chip only.")  # fmt: skip
+@click.option(
+    "--project",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder of platformio.ini; found from here unless given.",
+)
+@click.option(
+    "--joints",
+    type=int,
+    default=5,
+    show_default=True,
+    help="How many joints the robot has: its links less one.",
+)
+@click.option(
+    "--output",
+    type=click.Choice(["servo", "pca9685"]),
+    default="servo",
+    show_default=True,
+    help="Where servos are wired. pca9685 has run on a simulated chip only.",
+)
 @AS_JSON
 def flash(
     board: str | None,

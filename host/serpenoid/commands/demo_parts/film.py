@@ -38,8 +38,10 @@ def measure_demo_film(out: Path) -> dict[str, Any] | None:
     film_figure(found, out / "film.png")
     run = found.run
     _show(run, truth)
-    say(f"      path, joints and residuals: {out / 'film.png'}. With your own robot: serpenoid "
-        "video tags, then serpenoid video FILE")  # fmt: skip
+    say(
+        f"      path, joints and residuals: {out / 'film.png'}. With your own robot: serpenoid "
+        "video tags, then serpenoid video FILE"
+    )
     return run.to_dict() | {"truth": truth}
 
 
@@ -48,14 +50,23 @@ def _show(run: Any, truth: dict[str, Any]) -> None:
     rows = [_row("speed (mm/s)", run.speed_m_s, run.speed_sigma_m_s, truth["speed_m_s"], 1e3)]
     for joint in run.joints:
         k = joint.joint - 1
-        rows.append(_row(f"joint {joint.joint}, amplitude (°)", joint.amplitude_rad,
-                         joint.amplitude_sigma_rad, truth["amplitude_rad"][k]))  # fmt: skip
+        rows.append(
+            _row(
+                f"joint {joint.joint}, amplitude (°)",
+                joint.amplitude_rad,
+                joint.amplitude_sigma_rad,
+                truth["amplitude_rad"][k],
+            )
+        )
         if k:
             true = joint.phase_rad + math.remainder(
                 truth["phase_rad"][k] - joint.phase_rad, math.tau
             )
-            rows.append(_row(f"joint {joint.joint}, phase (°)", joint.phase_rad,
-                             joint.phase_sigma_rad, true))  # fmt: skip
+            rows.append(
+                _row(
+                    f"joint {joint.joint}, phase (°)", joint.phase_rad, joint.phase_sigma_rad, true
+                )
+            )
     report.table("a film of 2.6 s", ["number", "measured", "truth", "off, in σ"], rows)
 
 

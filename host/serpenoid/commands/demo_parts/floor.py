@@ -42,8 +42,10 @@ def push_along_floor(out: Path, belt: FrictionFit, ground: Ground) -> dict[str, 
     except BadInput as error:
         say(f"      not told: {error}")
         return None
-    say(f"      {len(session.kept_pushes)} pushes, there and back in {_bends(session)} bends: "
-        f"{minutes:.0f} minutes by the lab's clock")  # fmt: skip
+    say(
+        f"      {len(session.kept_pushes)} pushes, there and back in {_bends(session)} bends: "
+        f"{minutes:.0f} minutes by the lab's clock"
+    )
     truth_table(fit, ground)
     beside = two_fits(belt, fit)
     say(f"      treadmill and floor: {beside.verdict}")
@@ -56,10 +58,15 @@ def _setup(body: Robot) -> Setup:
     setup = default_setup("demo, floor")
     plan = replace(on_place(setup.procedure, "floor"), gaits=(), pushes=2)
     return replace(
-        setup, kind="simulated", source=f"a floor in the virtual lab, seed {SEED}", robot=body,
-        note="the demo's: no measurement", surface="simulated floor", procedure=plan,
+        setup,
+        kind="simulated",
+        source=f"a floor in the virtual lab, seed {SEED}",
+        robot=body,
+        note="the demo's: no measurement",
+        surface="simulated floor",
+        procedure=plan,
         floor=FloorTools(wheels_kg=WHEELS_KG),
-    )  # fmt: skip
+    )
 
 
 def _pushed(folder: Path, setup: Setup, ground: Ground) -> tuple[Session, float]:

@@ -45,9 +45,11 @@ if TYPE_CHECKING:
 NAME = "demo, simulated"
 SEED, SERVOS = 2005, servo("hobby")
 TRUTH = Truth(
-    Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27), math.radians(0.12), misreads=0.05,
+    Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27),
+    math.radians(0.12),
+    misreads=0.05,
     servo=SERVOS.draws(1, SEED)[0],
-)  # fmt: skip
+)
 
 
 def run_loop(out: Path, own: FrictionFit | None = None) -> tuple[FrictionFit, Ground]:
@@ -67,9 +69,11 @@ def run_loop(out: Path, own: FrictionFit | None = None) -> tuple[FrictionFit, Gr
     )
     say("[1/8] a session on the simulated treadmill, by the procedure that a person follows")
     session = take_session(out / "session", truth, own and own.robot)
-    say(f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs; the "
+    say(
+        f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs; the "
         f"inclinometer's zero found at {math.degrees(session.zero.value_rad):+.2f} deg (true: "
-        f"{math.degrees(truth.incline_zero_rad):+.2f})")  # fmt: skip
+        f"{math.degrees(truth.incline_zero_rad):+.2f})"
+    )
     say("[2/8] friction fitted, beside the truth that no fit knows")
     session, fit = _without_outlier(session, fit_friction(session))
     found: dict[str, Any] = {"fit": fit.to_dict(), "truth": truth_table(fit, truth.ground)}
@@ -96,9 +100,12 @@ def say(text: str) -> None:
 def take_session(folder: Path, truth: Truth = TRUTH, body: Body | None = None) -> Session:
     """Take the demo's session anew; raises BadInput where another one is in its place."""
     setup = replace(
-        default_setup(NAME), kind="simulated", source="a simulated treadmill, seed 2005",
-        note="the demo's: no measurement", surface="simulated belt",
-    )  # fmt: skip
+        default_setup(NAME),
+        kind="simulated",
+        source="a simulated treadmill, seed 2005",
+        note="the demo's: no measurement",
+        surface="simulated belt",
+    )
     begin_anew(folder, setup if body is None else replace(setup, robot=body))
     with RobotBoard("virtual:fast") as robot, Journal(folder) as journal:
         setup = journal.session.setup
@@ -130,8 +137,10 @@ def _without_outlier(session: Session, fit: FrictionFit) -> tuple[Session, Frict
         others = tuple(replace(r, voided=r.voided or r is reading) for r in session.readings)
         fits[reading.number] = fit_friction(replace(session, readings=others))
     worst = min(fits, key=lambda number: fits[number].chi2)
-    say(f"      chi2 is {fit.chi2:.0f} for {fit.dof} degrees of freedom; without reading {worst} "
-        f"{fits[worst].chi2:.0f}: somebody misread it, so it is voided")  # fmt: skip
+    say(
+        f"      chi2 is {fit.chi2:.0f} for {fit.dof} degrees of freedom; without reading {worst} "
+        f"{fits[worst].chi2:.0f}: somebody misread it, so it is voided"
+    )
     with Journal(session.folder) as journal:
         journal.event("void", worst, "misread: chi2 says so")
         return journal.session, fits[worst]
@@ -141,10 +150,16 @@ def truth_table(fit: FrictionFit, ground: Ground) -> dict[str, float]:
     """Show a fit beside the truth; return the truth."""
     truth = {name: getattr(ground, name) for name in ("ct", "cn", "ft0", "fn0")}
     rows = [
-        [row.name, row.unit, f"{row.value:.4g}", f"{row.low:.3g} to {row.high:.3g}",
-         f"{true:.3g}", "yes" if row.low <= true <= row.high else "no"]
+        [
+            row.name,
+            row.unit,
+            f"{row.value:.4g}",
+            f"{row.low:.3g} to {row.high:.3g}",
+            f"{true:.3g}",
+            "yes" if row.low <= true <= row.high else "no",
+        ]
         for row, true in zip(fit.rows(), truth.values(), strict=True)
-    ]  # fmt: skip
+    ]
     columns = ["whole snake", "unit", "fitted", "95 % interval", "truth", "inside"]
     report.table("friction", columns, rows)
     return truth
@@ -176,8 +191,10 @@ def _drive_wanted(
     band = speed_band(fit, made, servo=SERVOS)
     alpha, beta = math.degrees(made.alpha_rad), math.degrees(made.beta_rad)
     frequency_hz = made.omega_rad_s / (2 * math.pi)
-    say(f"      alpha {alpha:.2f} deg, beta {beta:.2f} deg, {frequency_hz:.4f} Hz, "
-        f"{1000 * best.power_w:.1f} mW; so the board's own set-points have it")  # fmt: skip
+    say(
+        f"      alpha {alpha:.2f} deg, beta {beta:.2f} deg, {frequency_hz:.4f} Hz, "
+        f"{1000 * best.power_w:.1f} mW; so the board's own set-points have it"
+    )
     say(f"      predicted: {band.in_words()}")
     with report.busy("the lab's robot crawls"):
         crawls = crawl_speed(truth.robot(session.setup.robot, np.random.default_rng(SEED)), made)
@@ -185,5 +202,10 @@ def _drive_wanted(
     say(
         f"      the lab's robot, whose servos nobody was told, crawls at {crawls:.4f} m/s: {inside}"
     )
-    return {"alpha_deg": alpha, "beta_deg": beta, "frequency_hz": frequency_hz,
-            "power_w": best.power_w, "crawls_m_s": crawls} | band.to_dict()  # fmt: skip
+    return {
+        "alpha_deg": alpha,
+        "beta_deg": beta,
+        "frequency_hz": frequency_hz,
+        "power_w": best.power_w,
+        "crawls_m_s": crawls,
+    } | band.to_dict()

@@ -12,10 +12,22 @@ from ..options import AS_JSON, listed_gait, servo_option, show_json, take_servo
 
 @click.command()
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--gait", "gaits", nargs=3, type=float, multiple=True,
-              metavar="ALPHA_DEG BETA_DEG HZ", help="A gait that matters.")  # fmt: skip
-@click.option("--samples", type=click.IntRange(16, 4096), default=48, show_default=True,
-              help="Frictions drawn from the fit.")  # fmt: skip
+@click.option(
+    "--gait",
+    "gaits",
+    nargs=3,
+    type=float,
+    multiple=True,
+    metavar="ALPHA_DEG BETA_DEG HZ",
+    help="A gait that matters.",
+)
+@click.option(
+    "--samples",
+    type=click.IntRange(16, 4096),
+    default=48,
+    show_default=True,
+    help="Frictions drawn from the fit.",
+)
 @click.option("--runs", is_flag=True, help="Count gait runs, too, which no friction fit uses.")
 @servo_option
 @AS_JSON

@@ -58,24 +58,46 @@ calibrate.add_command(push)
 
 @calibrate.command()
 @FOLDER
-@click.option("--on", type=click.Choice(["treadmill", "floor"]), help="Where: on a treadmill, or "
-              "by pushes along a floor; as the session's plan says unless given.")  # fmt: skip
+@click.option(
+    "--on",
+    type=click.Choice(["treadmill", "floor"]),
+    help="Where: on a treadmill, or "
+    "by pushes along a floor; as the session's plan says unless given.",
+)
 @click.option("--script", type=TOML, help="plan.toml that answers instead of a person.")
 @click.option("--dry-run", is_flag=True, help="Show the next steps; write nothing.")
-@click.option("--port", help="The robot's serial port, to bend and drive it; `virtual` needs none. "
-              "By hand unless given.")  # fmt: skip
-@click.option("--patience-s", type=click.FloatRange(1, 86400), default=300.0, show_default=True,
-              help="With nobody answering for so long, the servos are let go.")  # fmt: skip
+@click.option(
+    "--port",
+    help="The robot's serial port, to bend and drive it; `virtual` needs none. "
+    "By hand unless given.",
+)
+@click.option(
+    "--patience-s",
+    type=click.FloatRange(1, 86400),
+    default=300.0,
+    show_default=True,
+    help="With nobody answering for so long, the servos are let go.",
+)
 @click.option(
     "--page", "with_page", is_flag=True, help="Serve a page for whoever stands at the treadmill."
 )
 @click.option("--lan", is_flag=True, help="With --page: reachable from a phone in the same net.")
-@click.option("--window/--no-window", default=None,
-              help="A window for the picture; where there is a display unless told.")  # fmt: skip
+@click.option(
+    "--window/--no-window",
+    default=None,
+    help="A window for the picture; where there is a display unless told.",
+)
 def take(
-    folder: Path, on: str | None, script: Path | None, dry_run: bool, port: str | None,
-    patience_s: float, with_page: bool, lan: bool, window: bool | None,
-) -> None:  # fmt: skip
+    folder: Path,
+    on: str | None,
+    script: Path | None,
+    dry_run: bool,
+    port: str | None,
+    patience_s: float,
+    with_page: bool,
+    lan: bool,
+    window: bool | None,
+) -> None:
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
     if lan and not with_page:
         raise click.UsageError("--lan goes with --page")
@@ -95,8 +117,12 @@ def _nobody_there(given: str) -> None:
     context = click.get_current_context()
     typed = click.core.ParameterSource.COMMANDLINE
     needless = {"script": "--script"} if given == "--dry-run" else {}
-    needless |= {"port": "--port", "patience_s": "--patience-s", "with_page": "--page",
-                 "window": "--window"}  # fmt: skip
+    needless |= {
+        "port": "--port",
+        "patience_s": "--patience-s",
+        "with_page": "--page",
+        "window": "--window",
+    }
     for name, option in needless.items():
         if context.get_parameter_source(name) is typed and context.params[name] is not False:
             raise click.UsageError(f"{option} has no effect with {given}; leave it out")
@@ -153,9 +179,13 @@ def _scripted(folder: Path, script: Path) -> None:
 @click.option("--replaces", type=int, default=0, help="Number of the reading that this redoes.")
 @click.option("--comment", default="", help="What was odd.")
 def add(
-    folder: Path, kind: str | None, cells: tuple[str, ...], sheet: Path | None, replaces: int,
+    folder: Path,
+    kind: str | None,
+    cells: tuple[str, ...],
+    sheet: Path | None,
+    replaces: int,
     comment: str,
-) -> None:  # fmt: skip
+) -> None:
     """Add one reading, such as `station lambda_deg=0 incline_deg=2.3 belt_speed_m_s=1.6km/h`.
 
     Or all of a sheet: --sheet readings.csv, with a column `kind` and those of the kinds.
@@ -186,8 +216,13 @@ def _add_sheet(journal: Journal, path: Path) -> None:
 
 @calibrate.command()
 @FOLDER
-@click.option("--out", type=OutFile(".html", ".csv"), default=Path("sheet.html"), show_default=True,
-              help="Page to print on A4; or CSV to type it into.")  # fmt: skip
+@click.option(
+    "--out",
+    type=OutFile(".html", ".csv"),
+    default=Path("sheet.html"),
+    show_default=True,
+    help="Page to print on A4; or CSV to type it into.",
+)
 def sheet(folder: Path, out: Path) -> None:
     """Write a sheet to print and fill in by hand; `add --sheet` takes the readings in later."""
     from ...calibration.session_file import read_session

@@ -61,19 +61,36 @@ def field_of(name: str) -> Field:
 
 @click.command()
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--template", type=click.Path(exists=True, path_type=Path),
-              help="Another session's folder, whose set-up is taken over unasked.")  # fmt: skip
+@click.option(
+    "--template",
+    type=click.Path(exists=True, path_type=Path),
+    help="Another session's folder, whose set-up is taken over unasked.",
+)
 @click.option("--defaults", is_flag=True, help="Ask nothing: 2005 robot, a home treadmill.")
 @click.option("--surface", help="What the wheels roll on.")
-@click.option("--mass-kg", type=Quantity("mass_kg"),
-              help="Mass of the whole robot, as it crawls; 480g does, too.")  # fmt: skip
-@click.option("--on", type=click.Choice(["treadmill", "floor"]), default="treadmill",
-              show_default=True, help="Where: a treadmill, or pushes along a floor.")  # fmt: skip
-@click.option("--wheels-kg", type=Quantity("wheels_kg"),
-              help="Mass of all wheels together, which a push sets turning.")  # fmt: skip
+@click.option(
+    "--mass-kg",
+    type=Quantity("mass_kg"),
+    help="Mass of the whole robot, as it crawls; 480g does, too.",
+)
+@click.option(
+    "--on",
+    type=click.Choice(["treadmill", "floor"]),
+    default="treadmill",
+    show_default=True,
+    help="Where: a treadmill, or pushes along a floor.",
+)
+@click.option(
+    "--wheels-kg",
+    type=Quantity("wheels_kg"),
+    help="Mass of all wheels together, which a push sets turning.",
+)
 @click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
-@click.option("--ratchet", is_flag=True,
-              help="Its wheels roll harder backwards: hold stations facing up, too.")  # fmt: skip
+@click.option(
+    "--ratchet",
+    is_flag=True,
+    help="Its wheels roll harder backwards: hold stations facing up, too.",
+)
 def new(
     folder: Path,
     template: Path | None,

@@ -21,9 +21,15 @@ BY_HAND = "by hand"  # what the page's script goes by, too
 
 
 def with_a_person(
-    folder: Path, port: str | Link | None, patience_s: float, with_page: bool, lan: bool,
-    window: bool | None = None, console: Any = None, watching: Any = None,
-) -> None:  # fmt: skip
+    folder: Path,
+    port: str | Link | None,
+    patience_s: float,
+    with_page: bool,
+    lan: bool,
+    window: bool | None = None,
+    console: Any = None,
+    watching: Any = None,
+) -> None:
     """Take or resume a session at the terminal; exit status 1 where the robot was lost.
 
     window: whether to open one for the picture; None where there is a display. console: another

@@ -22,14 +22,32 @@ ENOUGH = 4  # pushes, after which the truth may be told
 @click.argument(
     "folder", type=click.Path(file_okay=False, path_type=Path), default=Path("practice-session")
 )
-@click.option("--on", type=click.Choice(["treadmill", "floor"]), default="treadmill",
-              show_default=True, help="What to practise: stations, or pushes.")  # fmt: skip
-@click.option("--seed", type=click.IntRange(0, 10**6), help="Of the truth that is to be found; "
-              "drawn unless given.")  # fmt: skip
-@click.option("--pace", type=click.FloatRange(0.1, 50.0), default=1.0, show_default=True,
-              help="How many seconds pass at the treadmill in one of the clock.")  # fmt: skip
-@click.option("--page/--no-page", "with_page", default=True, show_default=True,
-              help="Serve the treadmill as a page: a picture, and buttons.")  # fmt: skip
+@click.option(
+    "--on",
+    type=click.Choice(["treadmill", "floor"]),
+    default="treadmill",
+    show_default=True,
+    help="What to practise: stations, or pushes.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 10**6),
+    help="Of the truth that is to be found; drawn unless given.",
+)
+@click.option(
+    "--pace",
+    type=click.FloatRange(0.1, 50.0),
+    default=1.0,
+    show_default=True,
+    help="How many seconds pass at the treadmill in one of the clock.",
+)
+@click.option(
+    "--page/--no-page",
+    "with_page",
+    default=True,
+    show_default=True,
+    help="Serve the treadmill as a page: a picture, and buttons.",
+)
 @click.option("--lan", is_flag=True, help="The page is reachable from a phone in the same net.")
 def practice(
     folder: Path, on: str, seed: int | None, pace: float, with_page: bool, lan: bool

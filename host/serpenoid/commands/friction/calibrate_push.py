@@ -18,23 +18,48 @@ if TYPE_CHECKING:
 @click.argument(
     "files", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path)
 )
-@click.option("--lambda-deg", type=click.FloatRange(0, 60), default=0.0, show_default=True,
-              help="Bend of the robot, as the protractor showed it; 0 where straight.")  # fmt: skip
-@click.option("--way", type=click.Choice(["there", "back"]), default="there", show_default=True,
-              help="Of the first file's first push; the next files' go in turn.")  # fmt: skip
-@click.option("--tail-first", is_flag=True,
-              help="Its wheels rolled backwards: of ratchets, which roll harder so.")  # fmt: skip
-@click.option("--unit", type=click.Choice(["m", "cm", "mm", "in"]), default="m", show_default=True,
-              help="Of lengths that do not name theirs.")  # fmt: skip
+@click.option(
+    "--lambda-deg",
+    type=click.FloatRange(0, 60),
+    default=0.0,
+    show_default=True,
+    help="Bend of the robot, as the protractor showed it; 0 where straight.",
+)
+@click.option(
+    "--way",
+    type=click.Choice(["there", "back"]),
+    default="there",
+    show_default=True,
+    help="Of the first file's first push; the next files' go in turn.",
+)
+@click.option(
+    "--tail-first",
+    is_flag=True,
+    help="Its wheels rolled backwards: of ratchets, which roll harder so.",
+)
+@click.option(
+    "--unit",
+    type=click.Choice(["m", "cm", "mm", "in"]),
+    default="m",
+    show_default=True,
+    help="Of lengths that do not name theirs.",
+)
 @click.option("--place", default="", help="Of the floor's line, where there is more than one.")
 @click.option("--marks", is_flag=True, help="Times taken by hand at marks, from the first mark on.")
 @click.option(
     "--tag-mm", type=float, help="Side of a film's tags; by the link's length unless given."
 )
 def push(
-    folder: Path, files: tuple[Path, ...], lambda_deg: float, way: str, tail_first: bool, unit: str,
-    place: str, marks: bool, tag_mm: float | None,
-) -> None:  # fmt: skip
+    folder: Path,
+    files: tuple[Path, ...],
+    lambda_deg: float,
+    way: str,
+    tail_first: bool,
+    unit: str,
+    place: str,
+    marks: bool,
+    tag_mm: float | None,
+) -> None:
     """Take pushes along a floor from FILES: films, tracks of Tracker or Kinovea, CSV of t, x, y.
 
     In a film the robot wears the tags of `serpenoid video tags`, and holds its joints still. A

@@ -13,15 +13,36 @@ from ..paths import FIGURES, OutFile
 
 @click.command()
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--gait", "gaits", nargs=3, type=float, multiple=True,
-              metavar="ALPHA_DEG BETA_DEG HZ", help="One more gait to predict.")  # fmt: skip
-@click.option("--amplitude-sigma", type=float, default=0.03, show_default=True,
-              help="Standard deviation of the joints' true over commanded amplitude.")  # fmt: skip
+@click.option(
+    "--gait",
+    "gaits",
+    nargs=3,
+    type=float,
+    multiple=True,
+    metavar="ALPHA_DEG BETA_DEG HZ",
+    help="One more gait to predict.",
+)
+@click.option(
+    "--amplitude-sigma",
+    type=float,
+    default=0.03,
+    show_default=True,
+    help="Standard deviation of the joints' true over commanded amplitude.",
+)
 @servo_option
-@click.option("--samples", type=click.IntRange(16, 4096), default=64, show_default=True,
-              help="Frictions drawn from the fit.")  # fmt: skip
-@click.option("--beside", "other", type=click.Path(file_okay=False, path_type=Path),
-              help="Another session of this robot: do both tell the same friction?")  # fmt: skip
+@click.option(
+    "--samples",
+    type=click.IntRange(16, 4096),
+    default=64,
+    show_default=True,
+    help="Frictions drawn from the fit.",
+)
+@click.option(
+    "--beside",
+    "other",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Another session of this robot: do both tell the same friction?",
+)
 @click.option("--plot", "figure", type=OutFile(*FIGURES), help="Draw it into this file.")
 @AS_JSON
 def compare(
@@ -54,9 +75,14 @@ def compare(
     fit = session_fit(session, with_crawls=False)
     with progress(comparison.gait_count(loaded, more), "gaits") as advance:
         found = comparison.compare(
-            loaded, fit, gaits=more, amplitude_sigma=amplitude_sigma, samples=samples,
-            servo=take_servo(servo_name, "hobby"), progress=advance,
-        )  # fmt: skip
+            loaded,
+            fit,
+            gaits=more,
+            amplitude_sigma=amplitude_sigma,
+            samples=samples,
+            servo=take_servo(servo_name, "hobby"),
+            progress=advance,
+        )
     if figure is not None:
         from ...show.comparison_figure import comparison_figure
         from ...show.figure_data import beside

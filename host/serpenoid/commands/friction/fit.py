@@ -21,22 +21,41 @@ MANY = 300  # readings, whose fit may take a second or more
 
 @click.command()
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--method", type=click.Choice(["joint", "robust", "naive"]), default="joint",
-              show_default=True, help="Honest intervals; the same with misreadings in it; or the "
-              "paper's two lines.")  # fmt: skip
-@click.option("--crawls", is_flag=True,
-              help="Fit the gait runs and films, too, or alone; some 20 s.")  # fmt: skip
+@click.option(
+    "--method",
+    type=click.Choice(["joint", "robust", "naive"]),
+    default="joint",
+    show_default=True,
+    help="Honest intervals; the same with misreadings in it; or the paper's two lines.",
+)
+@click.option(
+    "--crawls", is_flag=True, help="Fit the gait runs and films, too, or alone; some 20 s."
+)
 @servo_option
-@click.option("--plot", "figure", type=OutFile(*FIGURES),
-              help="Draw the lines and readings into this PNG, PDF or SVG.")  # fmt: skip
+@click.option(
+    "--plot",
+    "figure",
+    type=OutFile(*FIGURES),
+    help="Draw the lines and readings into this PNG, PDF or SVG.",
+)
 @click.option("--influence", is_flag=True, help="List what every reading does to the fit.")
-@click.option("--save/--no-save", default=True, show_default=True,
-              help="Keep it as fit.json beside the readings (not if naive).")  # fmt: skip
+@click.option(
+    "--save/--no-save",
+    default=True,
+    show_default=True,
+    help="Keep it as fit.json beside the readings (not if naive).",
+)
 @AS_JSON
 def fit(
-    session: Path, method: str, crawls: bool, servo_name: str | None, figure: Path | None,
-    influence: bool, save: bool, as_json: bool,
-) -> None:  # fmt: skip
+    session: Path,
+    method: str,
+    crawls: bool,
+    servo_name: str | None,
+    figure: Path | None,
+    influence: bool,
+    save: bool,
+    as_json: bool,
+) -> None:
     """Fit friction to a session's readings: stations (Eqs. 58-62), pushes and slides.
 
     Crawls stay out, since `compare` tests predictions by them. --crawls fits them, too: any hobby

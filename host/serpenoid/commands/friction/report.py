@@ -16,14 +16,21 @@ from ..paths import OutFile
 @click.argument("session", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--out", type=OutFile(".html"), help="Where to; report.html in the session's folder.")
 @click.option("--bibtex", type=OutFile(".bib"), help="Write what to cite into this file, too.")
-@click.option("--beside", type=click.Path(file_okay=False, path_type=Path),
-              help="Another session of this robot, to compare the frictions with.")  # fmt: skip
+@click.option(
+    "--beside",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Another session of this robot, to compare the frictions with.",
+)
 @servo_option
 @AS_JSON
 def report(
-    session: Path, out: Path | None, bibtex: Path | None, beside: Path | None,
-    servo_name: str | None, as_json: bool,
-) -> None:  # fmt: skip
+    session: Path,
+    out: Path | None,
+    bibtex: Path | None,
+    beside: Path | None,
+    servo_name: str | None,
+    as_json: bool,
+) -> None:
     """Write a session's report: one self-contained HTML file, the same bytes when made again.
 
     Its speeds are those of `compare` and `advise`: any hobby servo unless --servo says which.

@@ -21,23 +21,46 @@ _EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.command()
-@click.option("--test", "table", type=_EXISTING, metavar="CSV",
-              help="Bench test of one joint: columns t_s, setpoint_deg, angle_deg.")  # fmt: skip
-@click.option("--session", type=click.Path(file_okay=False, path_type=Path),
-              help="A session with gait runs or films.")  # fmt: skip
+@click.option(
+    "--test",
+    "table",
+    type=_EXISTING,
+    metavar="CSV",
+    help="Bench test of one joint: columns t_s, setpoint_deg, angle_deg.",
+)
+@click.option(
+    "--session",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="A session with gait runs or films.",
+)
 @click.option(
     "--like", default="hobby", show_default=True, metavar="NAME|FILE", help="What is known before."
 )
-@click.option("--sigma-deg", type=float, default=0.5, show_default=True,
-              help="Standard deviation of the angles of --test.")  # fmt: skip
-@click.option("--inertia-kg-m2", type=float, default=0.0, show_default=True,
-              help="Inertia of what the joint of --test turns, about it.")  # fmt: skip
+@click.option(
+    "--sigma-deg",
+    type=float,
+    default=0.5,
+    show_default=True,
+    help="Standard deviation of the angles of --test.",
+)
+@click.option(
+    "--inertia-kg-m2",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Inertia of what the joint of --test turns, about it.",
+)
 @click.option("--out", type=OutFile(".toml"), help="File for --servo of other commands.")
 @AS_JSON
 def servo(
-    table: Path | None, session: Path | None, like: str, sigma_deg: float, inertia_kg_m2: float,
-    out: Path | None, as_json: bool,
-) -> None:  # fmt: skip
+    table: Path | None,
+    session: Path | None,
+    like: str,
+    sigma_deg: float,
+    inertia_kg_m2: float,
+    out: Path | None,
+    as_json: bool,
+) -> None:
     """Measure a servo: which ones of a kind would have moved so, or crawled so.
 
     A bench test tells speed, loop, rotor and gear, all but the rotor and the torque themselves:
@@ -102,10 +125,14 @@ def show(found: MeasuredServo, out: Path | None) -> None:
     from ...show import report
 
     rows = [
-        [name, f"{getattr(found.kind.servo, name):.3g}", f"{100 * before:.0f} %",
-         f"{100 * after:.0f} %"]
+        [
+            name,
+            f"{getattr(found.kind.servo, name):.3g}",
+            f"{100 * before:.0f} %",
+            f"{100 * after:.0f} %",
+        ]
         for name, (before, after) in found.told.items()
-    ]  # fmt: skip
+    ]
     report.table(found.kind.source, ["told", "best", "sigma before", "after"], rows)
     lines = [f"chi2 {found.chi2:.1f} of {found.readings} readings."]
     if found.untold:

@@ -26,14 +26,34 @@ CLIFF_M_S = 0.05  # speed of the two gaits whose cliffs are drawn
 
 
 @click.command()
-@click.option("--out", type=OutFolder(), default=Path("figures-out"), show_default=True,
-              help="Folder for figures, their data and the page.")  # fmt: skip
-@click.option("--power", type=click.Choice(["net", "abs", "positive"]), default="net",
-              show_default=True, help="Mean of P, of |P| or of P+.")  # fmt: skip
-@click.option("--angles", type=click.Choice(["joint", "absolute"]), default="joint",
-              show_default=True, help="What Eq. 57 drives: joints, or links.")  # fmt: skip
-@click.option("--speed-along", type=click.Choice(["mean", "x"]), default="mean", show_default=True,
-              help="Direction the speed counts in: of travel, or global x.")  # fmt: skip
+@click.option(
+    "--out",
+    type=OutFolder(),
+    default=Path("figures-out"),
+    show_default=True,
+    help="Folder for figures, their data and the page.",
+)
+@click.option(
+    "--power",
+    type=click.Choice(["net", "abs", "positive"]),
+    default="net",
+    show_default=True,
+    help="Mean of P, of |P| or of P+.",
+)
+@click.option(
+    "--angles",
+    type=click.Choice(["joint", "absolute"]),
+    default="joint",
+    show_default=True,
+    help="What Eq. 57 drives: joints, or links.",
+)
+@click.option(
+    "--speed-along",
+    type=click.Choice(["mean", "x"]),
+    default="mean",
+    show_default=True,
+    help="Direction the speed counts in: of travel, or global x.",
+)
 @AS_JSON
 def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool) -> None:
     """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
@@ -130,9 +150,11 @@ def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Readin
         front, {"beta_deg": 80, "alpha_deg": 30}, words, out / "fig9-11.png", amplitudes, along
     )
     gait_figures.shape_maps(cloud, 4, f"{words}; ω = 5 rad/s", out / "shapes.png")
-    return [("fig8.png", "Fig. 8: power against speed, the least, and the robust gaits'"),
-            ("fig9-11.png", "Figs. 9 to 11: the optimum's rate, lag and amplitude"),
-            ("shapes.png", "Speed and cost of transport over the shapes")]  # fmt: skip
+    return [
+        ("fig8.png", "Fig. 8: power against speed, the least, and the robust gaits'"),
+        ("fig9-11.png", "Figs. 9 to 11: the optimum's rate, lag and amplitude"),
+        ("shapes.png", "Speed and cost of transport over the shapes"),
+    ]
 
 
 def _of_experiment(out: Path) -> tuple[list[SpeedPoint], Shown]:
@@ -147,8 +169,12 @@ def _of_experiment(out: Path) -> tuple[list[SpeedPoint], Shown]:
 
     session = load_session(session_folder())
     fit = fit_friction(session)
-    plot.friction_lines(session, fit, out / "fig15-16.png", "readings regenerated from the lines "
-                        "that the paper prints: its own are lost")  # fmt: skip
+    plot.friction_lines(
+        session,
+        fit,
+        out / "fig15-16.png",
+        "readings regenerated from the lines that the paper prints: its own are lost",
+    )
     friction_data(session, fit, out / "fig15-16.png")
     gaits = [
         Gait(math.radians(ALPHA_DEG), math.radians(BETA_DEG), 2 * math.pi * f)
@@ -193,6 +219,9 @@ def _of_cliffs(out: Path, robust: RobustGait) -> Shown:
     wanted = f"{CLIFF_M_S:g} m/s"
     return [
         ("cliff-fragile.png", f"The cliff: the least-power gait for {wanted} stands beside it"),
-        ("cliff-robust.png", f"The robust gait for {wanted}, {100 * robust.premium:.0f} % dearer: "
-         "95 % of the robots that may be real keep nine tenths of the speed"),
-    ]  # fmt: skip
+        (
+            "cliff-robust.png",
+            f"The robust gait for {wanted}, {100 * robust.premium:.0f} % dearer: "
+            "95 % of the robots that may be real keep nine tenths of the speed",
+        ),
+    ]

@@ -45,44 +45,80 @@ _OF_A_FIT = ("links", "mass_kg", "length_m", "inertia_kg_m2", "ct", "cn", "ft0",
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
-limit_options = stacked([
-    click.option("--joint-angle-deg", type=float, help="Most a joint may bend; 110 unless given."),
-    click.option("--servo-speed-deg-s", type=float,
-                 help="Most a servo turns; 500, a new board's limit, unless given; inf: no limit."),
-    click.option("--servo-torque-nm", type=float, help="Most a servo holds."),
-    click.option("--omega-low-rad-s", type=float, help="Lowest rate of the gait."),
-    click.option("--omega-high-rad-s", type=float, help="Highest rate of the gait."),
-])  # fmt: skip
-doubt_options = stacked([
-    click.option("--robust", is_flag=True,
-                 help="Keep 90 % of the speed for 95 % of the robots that may be the real one."),
-    click.option("--amplitude-sigma", type=float, help="Of each joint, relative; 0.02."),
-    click.option("--common-amplitude-sigma", type=float, help="Of all joints, relative; 0.03."),
-    click.option("--lag-sigma-deg", type=float, help="Of each joint's phase; 1."),
-    joints_option,
-])  # fmt: skip
-send_options = stacked([
-    click.option("--send", is_flag=True, help="Drive the gait on the robot, as `drive` does."),
-    click.option("--port", help="Serial port; found by its USB id unless given."),
-    click.option("--duration-s", type=click.FloatRange(0, min_open=True),
-                 help="With --send: how long; until Ctrl-C unless given."),
-    click.option("--record", type=OutFile(), help="With --send: new file for the run's lines."),
-])  # fmt: skip
+limit_options = stacked(
+    [
+        click.option(
+            "--joint-angle-deg", type=float, help="Most a joint may bend; 110 unless given."
+        ),
+        click.option(
+            "--servo-speed-deg-s",
+            type=float,
+            help="Most a servo turns; 500, a new board's limit, unless given; inf: no limit.",
+        ),
+        click.option("--servo-torque-nm", type=float, help="Most a servo holds."),
+        click.option("--omega-low-rad-s", type=float, help="Lowest rate of the gait."),
+        click.option("--omega-high-rad-s", type=float, help="Highest rate of the gait."),
+    ]
+)
+doubt_options = stacked(
+    [
+        click.option(
+            "--robust",
+            is_flag=True,
+            help="Keep 90 % of the speed for 95 % of the robots that may be the real one.",
+        ),
+        click.option("--amplitude-sigma", type=float, help="Of each joint, relative; 0.02."),
+        click.option("--common-amplitude-sigma", type=float, help="Of all joints, relative; 0.03."),
+        click.option("--lag-sigma-deg", type=float, help="Of each joint's phase; 1."),
+        joints_option,
+    ]
+)
+send_options = stacked(
+    [
+        click.option("--send", is_flag=True, help="Drive the gait on the robot, as `drive` does."),
+        click.option("--port", help="Serial port; found by its USB id unless given."),
+        click.option(
+            "--duration-s",
+            type=click.FloatRange(0, min_open=True),
+            help="With --send: how long; until Ctrl-C unless given.",
+        ),
+        click.option("--record", type=OutFile(), help="With --send: new file for the run's lines."),
+    ]
+)
 
 
 @click.command()
 @robot_options
-@click.option("--speed-m-s", "--speed", "speeds", required=True, metavar="M/S[,M/S...]",
-              help="Wanted speed; several, with commas, give the whole front.")  # fmt: skip
-@click.option("--cost", type=click.Choice(["power", "abs_power", "positive_power"]),
-              default="power", show_default=True, help="Mean power to make least.")  # fmt: skip
-@click.option("--formulation", type=click.Choice(FORMULATIONS), default="explicit",
-              show_default=True, help="Exact model, or the paper's springs.")  # fmt: skip
+@click.option(
+    "--speed-m-s",
+    "--speed",
+    "speeds",
+    required=True,
+    metavar="M/S[,M/S...]",
+    help="Wanted speed; several, with commas, give the whole front.",
+)
+@click.option(
+    "--cost",
+    type=click.Choice(["power", "abs_power", "positive_power"]),
+    default="power",
+    show_default=True,
+    help="Mean power to make least.",
+)
+@click.option(
+    "--formulation",
+    type=click.Choice(FORMULATIONS),
+    default="explicit",
+    show_default=True,
+    help="Exact model, or the paper's springs.",
+)
 @limit_options
 @doubt_options
 @servo_option
-@click.option("--plot", type=OutFile(*FIGURES),
-              help="Draw speed against amplitude and fn0 around the gait: the cliff.")  # fmt: skip
+@click.option(
+    "--plot",
+    type=OutFile(*FIGURES),
+    help="Draw speed against amplitude and fn0 around the gait: the cliff.",
+)
 @send_options
 @AS_JSON
 def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
@@ -207,13 +243,21 @@ class _Asked:
 
         if self.robust:
             return robust_gait(
-                self.robot, self.ground, speed_m_s=speed, uncertainty=self.uncertainty,
-                cost=self.cost, limits=self.limits,
-            )  # fmt: skip
+                self.robot,
+                self.ground,
+                speed_m_s=speed,
+                uncertainty=self.uncertainty,
+                cost=self.cost,
+                limits=self.limits,
+            )
         return least_power_gait(
-            self.robot, self.ground, speed_m_s=speed, cost=self.cost, limits=self.limits,
+            self.robot,
+            self.ground,
+            speed_m_s=speed,
+            cost=self.cost,
+            limits=self.limits,
             formulation=self.formulation,
-        )  # fmt: skip
+        )
 
     def front(self, speeds: list[float]) -> Sequence[LeastPower | RobustGait | None]:
         """Search for many speeds; None for one that no gait reaches."""
@@ -226,10 +270,14 @@ class _Asked:
             ]
         return _searched(
             lambda: power_front(
-                self.robot, self.ground, speeds_m_s=speeds, cost=self.cost, limits=self.limits,
+                self.robot,
+                self.ground,
+                speeds_m_s=speeds,
+                cost=self.cost,
+                limits=self.limits,
                 formulation=self.formulation,
             )
-        )  # fmt: skip
+        )
 
     def _find_or_none(self, speed: float) -> LeastPower | RobustGait | None:
         try:
@@ -322,22 +370,32 @@ def _as_filmed(uncertainty: Uncertainty, joints: Path | None, robot: Robot) -> U
 
 def _plain_dict(found: Any) -> dict[str, Any]:
     return {
-        "gait": describe(found.gait), "cost": found.cost, "formulation": found.formulation,
-        "cost_w": found.power_w, "cost_error_w": found.power_error_w,
-        "solved_error_w": found.solved_error_w, "active": found.active,
-        "basins": found.basins, "runner_up_w": found.runner_up_w,
-    } | found.steady.to_dict()  # fmt: skip
+        "gait": describe(found.gait),
+        "cost": found.cost,
+        "formulation": found.formulation,
+        "cost_w": found.power_w,
+        "cost_error_w": found.power_error_w,
+        "solved_error_w": found.solved_error_w,
+        "active": found.active,
+        "basins": found.basins,
+        "runner_up_w": found.runner_up_w,
+    } | found.steady.to_dict()
 
 
 def _robust_dict(found: Any) -> dict[str, Any]:
     return {
-        "gait": describe(found.gait), "cost": found.cost, "cost_w": found.power_w,
-        "active": found.active, "uncertainty": found.uncertainty.in_words(),
-        "low_speed_m_s": found.low_speed_m_s, "checked_low_m_s": found.checked_low_m_s,
-        "premium": found.premium, "premium_per_metre": found.premium_per_metre,
+        "gait": describe(found.gait),
+        "cost": found.cost,
+        "cost_w": found.power_w,
+        "active": found.active,
+        "uncertainty": found.uncertainty.in_words(),
+        "low_speed_m_s": found.low_speed_m_s,
+        "checked_low_m_s": found.checked_low_m_s,
+        "premium": found.premium,
+        "premium_per_metre": found.premium_per_metre,
         "fragile": _plain_dict(found.fragile),
         "fragile_low_m_s": found.fragile_low_m_s,
-    } | found.steady.to_dict()  # fmt: skip
+    } | found.steady.to_dict()
 
 
 def _print(found: Any, margins: Any) -> None:

@@ -128,9 +128,16 @@ def _on_springs(
 
 
 def _pinned(
-    robot: Robot, ground: Ground, gait: Gait, as_json: bool, rtol: float,
-    servo: ServoKind | None, fit: FrictionFit | None, differentiated: bool, commanded: Gait | None,
-) -> None:  # fmt: skip
+    robot: Robot,
+    ground: Ground,
+    gait: Gait,
+    as_json: bool,
+    rtol: float,
+    servo: ServoKind | None,
+    fit: FrictionFit | None,
+    differentiated: bool,
+    commanded: Gait | None,
+) -> None:
     """Tell the periodic state of the exact model, servos' speed, and how near a cliff is.
 
     commanded: the gait as told, where a film showed what its joints do.

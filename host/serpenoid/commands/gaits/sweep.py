@@ -181,9 +181,13 @@ def sweep(
 
 
 def _one(
-    out: Path | None, as_json: bool, robot: Robot, ground: Ground, grid: dict[str, list[float]],
+    out: Path | None,
+    as_json: bool,
+    robot: Robot,
+    ground: Ground,
+    grid: dict[str, list[float]],
     how: dict[str, Any],
-) -> None:  # fmt: skip
+) -> None:
     """Solve and write the gaits of one robot."""
     from ...periodic.sweep import sweep as run_sweep
     from ...show.progress import progress

@@ -27,8 +27,10 @@ def recorded_gait(path: Path, joints: int) -> Gait:
         raise BadInput(f"{path}: has {stream.setpoint_rad.shape[1]} joints; the robot has {joints}")
     running = np.flatnonzero(stream.state == "gait")
     if len(running) < LEAST_FRAMES:
-        raise BadInput(f"{path}: holds {len(running)} frames of a gait; record the run that was "
-                       "filmed, with `serpenoid drive --record`")  # fmt: skip
+        raise BadInput(
+            f"{path}: holds {len(running)} frames of a gait; record the run that was "
+            "filmed, with `serpenoid drive --record`"
+        )
     phase = np.unwrap(stream.phase_rad[running])
     angle = stream.setpoint_rad[running]
     design = np.column_stack([np.sin(phase), np.cos(phase), np.ones_like(phase)])

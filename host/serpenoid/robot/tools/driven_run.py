@@ -127,11 +127,21 @@ class DrivenRun:
         hello, losses, drift = self.robot.hello, self.robot.losses, self.robot.clock
         frequency_hz, frequency_sd_hz = self.frequency()
         return Summary(
-            hello.board, hello.firmware, self.elapsed_s, self.frames, losses.missed_frames,
-            losses.damaged_lines, losses.resent, self.latest_us, self.clipped_frames,
-            drift.ppm, drift.sd_ppm, frequency_hz, frequency_sd_hz,
+            hello.board,
+            hello.firmware,
+            self.elapsed_s,
+            self.frames,
+            losses.missed_frames,
+            losses.damaged_lines,
+            losses.resent,
+            self.latest_us,
+            self.clipped_frames,
+            drift.ppm,
+            drift.sd_ppm,
+            frequency_hz,
+            frequency_sd_hz,
             None if self._record is None else str(self._record),
-        )  # fmt: skip
+        )
 
     def _check_frames(self, duration_s: float) -> None:
         """Raise FramesMissing if many of a time's frames did not come, the last ones too."""

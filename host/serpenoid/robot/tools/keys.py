@@ -13,11 +13,22 @@ from contextlib import contextmanager
 from ...model.errors import BadInput
 
 NAMES = {
-    "\x1b[A": "up", "\x1b[B": "down", "\x1b[C": "right", "\x1b[D": "left",
-    "\x1bOA": "up", "\x1bOB": "down", "\x1bOC": "right", "\x1bOD": "left",
-    "\x1b[5~": "page up", "\x1b[6~": "page down",
-    "\n": "enter", "\r": "enter", "\x7f": "backspace", "\x08": "backspace", "\x04": "end",
-}  # fmt: skip
+    "\x1b[A": "up",
+    "\x1b[B": "down",
+    "\x1b[C": "right",
+    "\x1b[D": "left",
+    "\x1bOA": "up",
+    "\x1bOB": "down",
+    "\x1bOC": "right",
+    "\x1bOD": "left",
+    "\x1b[5~": "page up",
+    "\x1b[6~": "page down",
+    "\n": "enter",
+    "\r": "enter",
+    "\x7f": "backspace",
+    "\x08": "backspace",
+    "\x04": "end",
+}
 KEY = re.compile("|".join(map(re.escape, NAMES)) + "|.", re.DOTALL)
 UNFINISHED = re.compile("\x1b(\\[[56]?|O)?$")
 REST_S = 0.05  # in which the rest of a key's code comes

@@ -37,22 +37,36 @@ HALF_DONE = "\nthe board may hold half a program: flash it again before use\n"
 UPLOADING = "Uploading "  # how PlatformIO announces it, once everything is built
 # What PlatformIO said, what it means, what to do; the last row of each table is for all else.
 BUILD_CAUSES = (
-    (r"HTTPClientError|InternetConnection|Max retries|Could not resolve host",
-     "PlatformIO could not download its compiler", "connect to the internet once and try again"),
-    (r"UnknownEnvNames|Unknown environment", "platformio.ini has no such board",
-     "take the project's own platformio.ini"),
+    (
+        r"HTTPClientError|InternetConnection|Max retries|Could not resolve host",
+        "PlatformIO could not download its compiler",
+        "connect to the internet once and try again",
+    ),
+    (
+        r"UnknownEnvNames|Unknown environment",
+        "platformio.ini has no such board",
+        "take the project's own platformio.ini",
+    ),
     (r"", "the firmware did not compile", "see above; what was changed in {project}?"),
-)  # fmt: skip
+)
 UPLOAD_CAUSES = (
-    (r"not in sync|stk500|timeout communicating|protocol error",
-     "the board's boot loader does not answer",
-     "check --board and --port; a Nano with the old boot loader needs a newer one burnt"),
-    (r"[Ee]xpected signature|[Ii]nvalid device signature|[Dd]ouble check chip",
-     "the board has another chip", "give the --board that it is"),
-    (r"can't open device|Permission denied|Resource busy",
-     "the port could not be opened", "ask `serpenoid doctor`"),
+    (
+        r"not in sync|stk500|timeout communicating|protocol error",
+        "the board's boot loader does not answer",
+        "check --board and --port; a Nano with the old boot loader needs a newer one burnt",
+    ),
+    (
+        r"[Ee]xpected signature|[Ii]nvalid device signature|[Dd]ouble check chip",
+        "the board has another chip",
+        "give the --board that it is",
+    ),
+    (
+        r"can't open device|Permission denied|Resource busy",
+        "the port could not be opened",
+        "ask `serpenoid doctor`",
+    ),
     (r"", "the upload failed", "check --board, --port and the cable, then try again"),
-)  # fmt: skip
+)
 
 
 def flash(

@@ -44,10 +44,17 @@ class PortState:
 def port_states() -> list[PortState]:
     """List the serial ports, by name."""
     return [
-        PortState(p.device, p.description, p.vendor_id or 0, p.product_id or 0, p.chip,
-                  allowed(p.device), tuple(port_diagnosis.who_holds(p.device)))
+        PortState(
+            p.device,
+            p.description,
+            p.vendor_id or 0,
+            p.product_id or 0,
+            p.chip,
+            allowed(p.device),
+            tuple(port_diagnosis.who_holds(p.device)),
+        )
         for p in serial_ports()
-    ]  # fmt: skip
+    ]
 
 
 def allowed(device: str) -> bool:

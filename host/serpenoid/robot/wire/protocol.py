@@ -177,9 +177,16 @@ def _telemetry(body: str) -> Telemetry:
     phase_rad = math.radians(float(phase))
     check_frame(setpoints, widths, phase_rad)
     return Telemetry(
-        int(frame), setpoints, int(board_us), phase_rad, widths, int(exec_us), int(late_us),
-        int(clipped), state,
-    )  # fmt: skip
+        int(frame),
+        setpoints,
+        int(board_us),
+        phase_rad,
+        widths,
+        int(exec_us),
+        int(late_us),
+        int(clipped),
+        state,
+    )
 
 
 def _verdict(body: str) -> Verdict:
@@ -203,6 +210,13 @@ def _hello(body: str) -> Hello:
         raise DamagedLine(f"frame_us is {frame_us}; a board has {FRAMES_US[0]} to {FRAMES_US[-1]}")
     silence_s = 0.0 if silence == "off" else float(silence)
     return Hello(
-        version, int(protocol), board, int(joints), int(frame_us), int(boot), reset, settings,
+        version,
+        int(protocol),
+        board,
+        int(joints),
+        int(frame_us),
+        int(boot),
+        reset,
+        settings,
         silence_s,
-    )  # fmt: skip
+    )

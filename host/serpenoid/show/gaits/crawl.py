@@ -83,11 +83,17 @@ def crawl(robot: Robot, ground: Ground, gait: Gait) -> Crawl:
     every = 20
     run = simulate(
         Scene(
-            robot, ground, gait, start="steady", method="rk4" if ground.smooth else "nonsmooth",
-            dt_s=gait.period_s / (FRAMES * every), duration_s=gait.period_s, record_every=every,
+            robot,
+            ground,
+            gait,
+            start="steady",
+            method="rk4" if ground.smooth else "nonsmooth",
+            dt_s=gait.period_s / (FRAMES * every),
+            duration_s=gait.period_s,
+            record_every=every,
             record=("friction",),
         )
-    )  # fmt: skip
+    )
     return _seen(robot, ground, gait, run)
 
 
@@ -103,19 +109,31 @@ def _seen(robot: Robot, ground: Ground, gait: Gait, run: Run) -> Crawl:
     with_camera = way * np.linspace(0, 1, turned.t_s.size) + centre[0, 0]
     marks = max(1, round(way / (0.5 * robot.link_length_m)))
     return Crawl(
-        robot, ground, gait, turned.t_s, turned.x_m - with_camera[:, None], turned.y_m,
-        turned.theta_rad, force, slip, way / marks, way,
-    )  # fmt: skip
+        robot,
+        ground,
+        gait,
+        turned.t_s,
+        turned.x_m - with_camera[:, None],
+        turned.y_m,
+        turned.theta_rad,
+        force,
+        slip,
+        way / marks,
+        way,
+    )
 
 
 def write_data(found: Crawl, path: Path) -> None:
     """Write the frames: where each link is, what the ground does to it, how fast it slips."""
     n = found.robot.links
     parts = {
-        "x{}_m": found.x_m, "y{}_m": found.y_m, "theta{}_rad": found.theta_rad,
-        "force_x{}_n": found.force_n[:, :, 0], "force_y{}_n": found.force_n[:, :, 1],
+        "x{}_m": found.x_m,
+        "y{}_m": found.y_m,
+        "theta{}_rad": found.theta_rad,
+        "force_x{}_n": found.force_n[:, :, 0],
+        "force_y{}_n": found.force_n[:, :, 1],
         "slip{}_m_s": found.slip_m_s,
-    }  # fmt: skip
+    }
     header = ["t_s", *(name.format(i + 1) for name in parts for i in range(n))]
     write_csv(beside(path), header, np.column_stack([found.t_s, *parts.values()]).tolist())
 
@@ -187,8 +205,12 @@ def write_svg(found: Crawl, path: Path) -> None:
     ]
     for i in range(found.robot.links):
         x, y = canvas.x(found.x_m[:, i]), canvas.y(found.y_m[:, i])
-        ends = [canvas.x(tails[:, i, 0]), canvas.y(tails[:, i, 1]),
-                canvas.x(heads[:, i, 0]), canvas.y(heads[:, i, 1])]  # fmt: skip
+        ends = [
+            canvas.x(tails[:, i, 0]),
+            canvas.y(tails[:, i, 1]),
+            canvas.x(heads[:, i, 0]),
+            canvas.y(heads[:, i, 1]),
+        ]
         parts.append(_line("head" if i == found.robot.links - 1 else "link", ends, seconds))
         parts.append(_wheel(x, y, found.stuck[:, i], seconds))
         force = [x, y, canvas.x(tips[:, i, 0]), canvas.y(tips[:, i, 1])]
@@ -255,9 +277,16 @@ class _Moving:
         (self.ground,) = ax.plot(self.marks, height, "|", color=GREY, animated=True)
         n = found.robot.links
         self.links = [
-            ax.plot([], [], color="#003a5c" if i == n - 1 else BLUE, lw=6,
-                    solid_capstyle="round", animated=True)[0] for i in range(n)
-        ]  # fmt: skip
+            ax.plot(
+                [],
+                [],
+                color="#003a5c" if i == n - 1 else BLUE,
+                lw=6,
+                solid_capstyle="round",
+                animated=True,
+            )[0]
+            for i in range(n)
+        ]
         self.forces = [ax.plot([], [], color=RED, lw=2, animated=True)[0] for _ in range(n)]
         self.wheels = [
             ax.plot([], [], "o", color="black", ms=6, animated=True)[0] for _ in range(n)

@@ -71,9 +71,15 @@ def cliff_axes(fig: Any, ax: Axes, cliff: Cliff, title: str) -> None:
         ax.add_patch(Ellipse((0, 0), width, height, fill=False, ec="black", ls=style, lw=1.5))
     ax.plot(0, 0, "o", color="black", mec="white", ms=7)
     ax.text(
-        0.98, 0.02, "dot: the gait; ellipses: 1σ and 2σ\nthick line: a tenth of the speed is lost",
-        transform=ax.transAxes, ha="right", va="bottom", fontsize=8, color="white",
-    )  # fmt: skip
+        0.98,
+        0.02,
+        "dot: the gait; ellipses: 1σ and 2σ\nthick line: a tenth of the speed is lost",
+        transform=ax.transAxes,
+        ha="right",
+        va="bottom",
+        fontsize=8,
+        color="white",
+    )
     ax.set(xlabel="amplitude of the joints, off by (%)", ylabel=f"{cliff.grip}, off by (%)")
     ax.set_xlim(x[0], x[-1])
     ax.set_ylim(y[0], y[-1])
@@ -82,9 +88,13 @@ def cliff_axes(fig: Any, ax: Axes, cliff: Cliff, title: str) -> None:
 
 
 def optimum_figure(
-    best: Sequence[LeastPower], papers: dict[str, float], title: str, path: Path,
-    amplitudes_deg: Sequence[float], along: Sequence[float],
-) -> None:  # fmt: skip
+    best: Sequence[LeastPower],
+    papers: dict[str, float],
+    title: str,
+    path: Path,
+    amplitudes_deg: Sequence[float],
+    along: Sequence[float],
+) -> None:
     """Draw the optimum's rate, lag and amplitude against speed (Figs. 9, 10, 11).
 
     papers: what the paper states for "beta_deg" and "alpha_deg", drawn as dashed lines.
@@ -93,10 +103,14 @@ def optimum_figure(
     speed = [b.speed_m_s * part for b, part in zip(best, along, strict=True)]
     parts = (
         ("rate (Fig. 9)", "ω (rad/s)", [b.gait.omega_rad_s for b in best], None),
-        ("phase lag (Fig. 10)", "β (°)", [math.degrees(b.gait.beta_rad) for b in best],
-         papers.get("beta_deg")),
+        (
+            "phase lag (Fig. 10)",
+            "β (°)",
+            [math.degrees(b.gait.beta_rad) for b in best],
+            papers.get("beta_deg"),
+        ),
         ("amplitude (Fig. 11)", "α (°)", list(amplitudes_deg), papers.get("alpha_deg")),
-    )  # fmt: skip
+    )
     with figure(10.5, 3.8, 3) as (fig, axes):
         for ax, (name, unit, values, stated) in zip(axes, parts, strict=True):
             ax.plot(speed, values, "o-", color=BLUE, ms=4, label="least power")
@@ -109,8 +123,13 @@ def optimum_figure(
                 ax.set_ylim(stated - reach, stated + reach)
             else:
                 slope = float(np.dot(speed, values) / np.dot(speed, speed))
-                ax.plot([0, speed[-1]], [0, slope * speed[-1]], "--", color=ORANGE,
-                        label="the paper: nearly linear")  # fmt: skip
+                ax.plot(
+                    [0, speed[-1]],
+                    [0, slope * speed[-1]],
+                    "--",
+                    color=ORANGE,
+                    label="the paper: nearly linear",
+                )
                 ax.set_ylim(0, 1.25 * max(values))
             ax.set(xlabel="speed (m/s)", ylabel=unit, title=name)
             ax.set_xlim(left=0)
@@ -141,9 +160,14 @@ def shape_maps(found: Sweep, at: int, title: str, path: Path) -> None:
         for ax, (name, values), (levels, norm, ticks) in zip(axes, parts, scales, strict=True):
             past = np.nanmax(values) > levels[-1]
             shade = ax.contourf(
-                alpha, beta, values.T, levels, cmap="cividis", norm=norm,
+                alpha,
+                beta,
+                values.T,
+                levels,
+                cmap="cividis",
+                norm=norm,
                 extend="max" if past else "neither",
-            )  # fmt: skip
+            )
             fig.colorbar(shade, ax=ax, ticks=ticks, format="%g").minorticks_off()
             ax.set(xlabel="amplitude α (°)", ylabel="phase lag β (°)", title=name)
             ax.grid(visible=False)

@@ -144,11 +144,16 @@ def front(speeds_m_s: Sequence[float], found: Sequence[LeastPower | RobustGait |
             rows.append([f"{speed:.4g}", "out of reach", "", "", "", ""])
             continue
         gait = best.gait
-        rows.append([
-            f"{speed:.4g}", f"{best.power_w:.5g}", f"{gait.omega_rad_s:.4g}",
-            f"{math.degrees(gait.alpha_rad):.4g}", f"{math.degrees(gait.beta_rad):.4g}",
-            ", ".join(best.active) or "none",
-        ])  # fmt: skip
+        rows.append(
+            [
+                f"{speed:.4g}",
+                f"{best.power_w:.5g}",
+                f"{gait.omega_rad_s:.4g}",
+                f"{math.degrees(gait.alpha_rad):.4g}",
+                f"{math.degrees(gait.beta_rad):.4g}",
+                ", ".join(best.active) or "none",
+            ]
+        )
     columns = ["speed (m/s)", "W", "omega (rad/s)", "alpha (deg)", "beta (deg)", "limits reached"]
     if any(isinstance(best, RobustGait) for best in found):
         columns[-1:] = ["95 % make (m/s)", "premium", columns[-1]]

@@ -44,30 +44,46 @@ def errors_in_time(closed: Comparison, opened: Comparison, path: Path) -> None:
         )
         left.set_ylim(-1.5, 2.6)
         left.legend(loc="upper right", fontsize=8)
-        right.set(xlabel="time (s)", ylabel="error of the velocity, its size (m/s)",
-                  title="tail's velocity (Fig. 7)")  # fmt: skip
+        right.set(
+            xlabel="time (s)",
+            ylabel="error of the velocity, its size (m/s)",
+            title="tail's velocity (Fig. 7)",
+        )
         right.set_ylim(3e-5, 5e-2)
         for ax in (left, right):
             ax.set_xlim(0, closed.t_s[-1])
         fig.suptitle(
             "implicit less exact model: three links of 1 kg, 0.12 m; α = 30°, β = 90°, "
             "ω = 3 rad/s;\nk = 1000 N/m, c = 1 N s/m, RK4 of 1 ms",
-            fontsize=9, color=GREY, x=0.01, ha="left",
-        )  # fmt: skip
+            fontsize=9,
+            color=GREY,
+            x=0.01,
+            ha="left",
+        )
         save(fig, path)
-    rows = np.column_stack([
-        closed.t_s, closed.theta_error_rad, closed.velocity_error_m_s, opened.theta_error_rad,
-        opened.velocity_error_m_s,
-    ])  # fmt: skip
+    rows = np.column_stack(
+        [
+            closed.t_s,
+            closed.theta_error_rad,
+            closed.velocity_error_m_s,
+            opened.theta_error_rad,
+            opened.velocity_error_m_s,
+        ]
+    )
     names = ("theta_error_rad", "vx_error_m_s", "vy_error_m_s")
     header = ["t_s", *(f"{gaps}_{name}" for gaps in ("closed", "opened") for name in names)]
     write_csv(beside(path), header, rows[::2].tolist())
 
 
 def power_of(
-    cloud: Sweep, front: Sequence[LeastPower], robust: Sequence[RobustGait],
-    along: Sequence[float], cost: str, title: str, path: Path,
-) -> None:  # fmt: skip
+    cloud: Sweep,
+    front: Sequence[LeastPower],
+    robust: Sequence[RobustGait],
+    along: Sequence[float],
+    cost: str,
+    title: str,
+    path: Path,
+) -> None:
     """Draw the power of all gaits against speed, the least (Fig. 8), and the robust gaits'.
 
     along: what part of each optimum's speed counts. cost: a power's name. A robust gait stands at
@@ -79,14 +95,29 @@ def power_of(
     wanted = [b.wanted_m_s for b in robust]
     told = "least power" if min(along, default=1.0) == 1.0 else "least power, speed along x"
     with figure(7.2, 5.0) as (fig, ax):
-        ax.scatter(cloud.speed_m_s[good], watts[good], s=4, color="#9a9a9a", lw=0,
-                   rasterized=True, label=f"{int(good.sum())} gaits that travel")  # fmt: skip
+        ax.scatter(
+            cloud.speed_m_s[good],
+            watts[good],
+            s=4,
+            color="#9a9a9a",
+            lw=0,
+            rasterized=True,
+            label=f"{int(good.sum())} gaits that travel",
+        )
         ax.plot(speed, [b.power_w for b in front], "o-", color=BLUE, ms=4, label=told)
         if robust:
             extra = [max(100 * b.premium, 0.0) for b in robust]
             told = f"robust: {min(extra):.0f} to {max(extra):.0f} % more"
-            ax.plot(wanted, [b.power_w for b in robust], "s--", color=RED, mfc="white", ms=5,
-                    lw=1.2, label=told)  # fmt: skip
+            ax.plot(
+                wanted,
+                [b.power_w for b in robust],
+                "s--",
+                color=RED,
+                mfc="white",
+                ms=5,
+                lw=1.2,
+                label=told,
+            )
         ax.set(xlabel="speed (m/s)", ylabel="power (W)", xscale="log", yscale="log")
         if speed:  # the claim is about the front: what is far slower only shrinks it
             ax.set_xlim(left=0.5 * min(speed))
@@ -94,17 +125,28 @@ def power_of(
         fig.suptitle(title, fontsize=9, color=GREY)
         save(fig, path)
     rows: list[list[Any]] = [
-        ["gait", float(cloud.speed_m_s[at]), float(watts[at]),
-         round(math.degrees(cloud.alpha_rad[at[0]]), 10),
-         round(math.degrees(cloud.beta_rad[at[1]]), 10), float(cloud.omega_rad_s[at[2]])]
+        [
+            "gait",
+            float(cloud.speed_m_s[at]),
+            float(watts[at]),
+            round(math.degrees(cloud.alpha_rad[at[0]]), 10),
+            round(math.degrees(cloud.beta_rad[at[1]]), 10),
+            float(cloud.omega_rad_s[at[2]]),
+        ]
         for at in map(tuple, np.argwhere(good).tolist())
-    ]  # fmt: skip
+    ]
     rows += [
-        [kind, v, b.power_w, math.degrees(b.gait.alpha_rad), math.degrees(b.gait.beta_rad),
-         b.gait.omega_rad_s]
+        [
+            kind,
+            v,
+            b.power_w,
+            math.degrees(b.gait.alpha_rad),
+            math.degrees(b.gait.beta_rad),
+            b.gait.omega_rad_s,
+        ]
         for kind, speeds, found in (("least", speed, front), ("robust", wanted, robust))
         for v, b in zip(speeds, found, strict=True)
-    ]  # fmt: skip
+    ]
     header = ["kind", "speed_m_s", f"{cost}_w", "alpha_deg", "beta_deg", "omega_rad_s"]
     write_csv(beside(path), header, rows)
 
@@ -112,8 +154,11 @@ def power_of(
 def path_data(run: Run, path: Path) -> None:
     """Write the data of Figs. 12 and 13: every link in time, along the mean way of travel."""
     run, n = along_travel(run), run.scene.robot.links
-    names = [f"{what}{i + 1}_{unit}" for what, unit in (("x", "m"), ("y", "m"), ("theta", "rad"))
-             for i in range(n)]  # fmt: skip
+    names = [
+        f"{what}{i + 1}_{unit}"
+        for what, unit in (("x", "m"), ("y", "m"), ("theta", "rad"))
+        for i in range(n)
+    ]
     rows = np.column_stack([run.t_s, run.x_m, run.y_m, run.theta_rad]).tolist()
     write_csv(beside(path), ["t_s", *names], rows)
 

@@ -45,8 +45,12 @@ _READ = {
     "angles": {"joint": "the joints", "absolute": "the links"},
     "speed_along": {"mean": "the mean direction of travel", "x": "global x"},
 }
-_VERDICTS = {"agrees": "agree", "in part": "agree in part", "differs": "differ",
-             "not comparable": "cannot be compared"}  # fmt: skip
+_VERDICTS = {
+    "agrees": "agree",
+    "in part": "agree in part",
+    "differs": "differ",
+    "not comparable": "cannot be compared",
+}
 
 
 def claim_table(claims: Sequence[Claim]) -> None:

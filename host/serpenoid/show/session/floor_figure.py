@@ -30,20 +30,29 @@ def draw_pushes(fig: Figure, axes: Any, session: Session, fit: FrictionFit) -> N
         name = None if bend in named else (f"bend {bend}°" if bend else "straight")
         named.add(bend)
         _draw(axes, path, colour[bend], name)
-    axes[0].set(title="Places, and the law", xlabel="time since the first place that counts (s)",
-                ylabel="way (m)")  # fmt: skip
+    axes[0].set(
+        title="Places, and the law",
+        xlabel="time since the first place that counts (s)",
+        ylabel="way (m)",
+    )
     axes[1].axhline(0.0, color=GREY, lw=0.8)
     most = max([MOST_MM, *(1.1 * float(abs(1000 * p.residual_m).max()) for p in paths)])
-    axes[1].set(title="What is left", xlabel="time (s)", ylabel="place less the law (mm)",
-                ylim=(-most, most))  # fmt: skip
+    axes[1].set(
+        title="What is left",
+        xlabel="time (s)",
+        ylabel="place less the law (mm)",
+        ylim=(-most, most),
+    )
     axes[0].set_xlim(left=0)
     if named:
         axes[0].legend(loc="lower right", fontsize=8, markerscale=3)
     p_value = "" if fit.p_value is None else f", p = {fit.p_value:.2g}"
     fig.suptitle(
         f"{session.setup.name}: $\\chi^2$ = {fit.chi2:.3g} for {fit.dof} dof{p_value}",
-        fontsize=10, x=0.01, ha="left",
-    )  # fmt: skip
+        fontsize=10,
+        x=0.01,
+        ha="left",
+    )
 
 
 def _draw(axes: Any, path: PushPath, colour: str, name: str | None) -> None:

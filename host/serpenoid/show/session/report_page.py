@@ -72,10 +72,14 @@ def session_page(
     """
     setup = session.setup
     parts = [
-        f"<h1>{escape(setup.name)}</h1>", _story(session), _summary(fit, compared),
+        f"<h1>{escape(setup.name)}</h1>",
+        _story(session),
+        _summary(fit, compared),
         "<h2>Friction</h2>",
-        *_drawings(session, fit), _friction_table(fit), *_notes(fit, session),
-    ]  # fmt: skip
+        *_drawings(session, fit),
+        _friction_table(fit),
+        *_notes(fit, session),
+    ]
     if compared is not None:
         drawn = _svg(
             "speeds predicted and measured", 7.2, 6.0, 1, lambda f, _a: draw_comparison(f, compared)
@@ -87,9 +91,14 @@ def session_page(
         parts += ["<h2>Another session beside it</h2>", said, _table(head, rows)]
     if advice is not None:
         parts += ["<h2>The next reading</h2>", _advice(advice)]
-    parts += ["<h2>Readings</h2>", *_readings(session, fit), *_other_readings(session, fit),
-              *_told(events), "<h2>Where this comes from</h2>",
-              _provenance(session, fit, events)]  # fmt: skip
+    parts += [
+        "<h2>Readings</h2>",
+        *_readings(session, fit),
+        *_other_readings(session, fit),
+        *_told(events),
+        "<h2>Where this comes from</h2>",
+        _provenance(session, fit, events),
+    ]
     head = (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -102,11 +111,25 @@ def _drawings(session: Session, fit: FrictionFit) -> list[str]:
     """Return the readings with the law: stations, pushes, or both."""
     found = []
     if session.kept and not session.on_floor:
-        found.append(_svg("friction against speed, readings and lines", 9.0, 4.2, 2,
-                          lambda f, a: draw_friction(f, a, session, fit)))  # fmt: skip
+        found.append(
+            _svg(
+                "friction against speed, readings and lines",
+                9.0,
+                4.2,
+                2,
+                lambda f, a: draw_friction(f, a, session, fit),
+            )
+        )
     if session.kept_pushes:
-        found.append(_svg("pushes: places over time with the law, and residuals", 9.1, 4.2, 2,
-                          lambda f, a: draw_pushes(f, a, session, fit)))  # fmt: skip
+        found.append(
+            _svg(
+                "pushes: places over time with the law, and residuals",
+                9.1,
+                4.2,
+                2,
+                lambda f, a: draw_pushes(f, a, session, fit),
+            )
+        )
     return found
 
 
@@ -171,8 +194,11 @@ def _story(session: Session) -> str:
 
 def _taken(session: Session) -> str:
     """Return how many stations, pushes and slides there are, and how many of them are voided."""
-    kept = {"stations held": len(session.kept), "pushes": len(session.kept_pushes),
-            "slides": len(session.kept_slides)}  # fmt: skip
+    kept = {
+        "stations held": len(session.kept),
+        "pushes": len(session.kept_pushes),
+        "slides": len(session.kept_slides),
+    }
     parts = [f"{n} {name}" for name, n in kept.items() if n or not any(kept.values())]
     taken = (*session.readings, *session.of("coast"), *session.of("slide"))
     return ", ".join([*parts, f"{sum(r.voided for r in taken)} voided"])
@@ -195,10 +221,15 @@ def _prose(text: str) -> str:
 
 def _friction_table(fit: FrictionFit) -> str:
     rows = [
-        [f"{r.name}, {r.unit}", f"{r.value:.4g}", f"{r.sigma:.2g}", r.interval,
-         f"{r.value / fit.robot.links:.4g}"]
+        [
+            f"{r.name}, {r.unit}",
+            f"{r.value:.4g}",
+            f"{r.sigma:.2g}",
+            r.interval,
+            f"{r.value / fit.robot.links:.4g}",
+        ]
         for r in fit.rows()
-    ]  # fmt: skip
+    ]
     head = ["whole snake", "value", "sigma", "95 % interval", "per link"]
     return _table(head, rows)
 
@@ -228,11 +259,16 @@ def _readings(session: Session, fit: FrictionFit) -> list[str]:
         return []
     off = dict(zip((r.number for r in session.fitted), fit.residuals, strict=True))
     rows = [
-        [str(r.number), f"{math.degrees(r.lambda_rad):.4g}", f"{math.degrees(r.incline_rad):.4g}",
-         f"{r.belt_speed_m_s:.4g}", r.drift_in_words if r.places else f"{r.drift_m_s + 0.0:.3g}",
-         f"{off[r.number]:+.1f}" if r.number in off else "voided"]
+        [
+            str(r.number),
+            f"{math.degrees(r.lambda_rad):.4g}",
+            f"{math.degrees(r.incline_rad):.4g}",
+            f"{r.belt_speed_m_s:.4g}",
+            r.drift_in_words if r.places else f"{r.drift_m_s + 0.0:.3g}",
+            f"{off[r.number]:+.1f}" if r.number in off else "voided",
+        ]
         for r in session.readings
-    ]  # fmt: skip
+    ]
     said = [
         "; ".join(filter(None, ["facing up" if r.facing == "up" else "", r.comment]))
         for r in session.readings
@@ -265,8 +301,14 @@ def _off(sigmas: float | None) -> str:
 
 def _told(events: Sequence[Event]) -> list[str]:
     """Return remarks, corrections and steps left out, in the order they came."""
-    names = {"note": "noted", "amend": "amended", "skip": "left out", "void": "voided",
-             "restore": "restored", "undo": "undone"}  # fmt: skip
+    names = {
+        "note": "noted",
+        "amend": "amended",
+        "skip": "left out",
+        "void": "voided",
+        "restore": "restored",
+        "undo": "undone",
+    }
     rows = [
         [
             e.time_utc[:16].replace("T", " "),

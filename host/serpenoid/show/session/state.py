@@ -60,10 +60,14 @@ def _aim(step: Step) -> str:
         return f"{step.bend} bend {step.lambda_deg:g}°: {between}"
     if step.facing == "up":
         return "robot straight, head UPHILL"
-    return {"zero": "inclinometer zero", "straight": "robot straight", "done": "all done",
-            "gait": "gait run",
-            "coast": f"push {step.cells.get('way', '')}, then hands off",
-            "belt": "belt check: time ten turns"}[step.kind]  # fmt: skip
+    return {
+        "zero": "inclinometer zero",
+        "straight": "robot straight",
+        "done": "all done",
+        "gait": "gait run",
+        "coast": f"push {step.cells.get('way', '')}, then hands off",
+        "belt": "belt check: time ten turns",
+    }[step.kind]
 
 
 def _shape(session: Session, step: Step) -> dict[str, Any] | None:

@@ -119,9 +119,16 @@ def draw(figure: Figure, ax: Axes, state: State) -> None:
         f"{r['name']} {r['value']:.3g} ({r['low']:.3g} to {r['high']:.3g}) {r['unit']}"
         for r in state["fit"]
     )
-    ax.text(0.99, 0.02, fit or "too few readings for a fit yet", transform=ax.transAxes,
-            ha="right", va="bottom", fontsize=9,
-            bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none"})  # fmt: skip
+    ax.text(
+        0.99,
+        0.02,
+        fit or "too few readings for a fit yet",
+        transform=ax.transAxes,
+        ha="right",
+        va="bottom",
+        fontsize=9,
+        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none"},
+    )
     figure.canvas.draw_idle()
 
 

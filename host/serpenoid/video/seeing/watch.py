@@ -96,9 +96,18 @@ def watch(
     sightings = Sightings.of(np.array(times), corners_px, (film.width, film.height))
     shifts, plain = (tuple(ground.shifts), ground.plain) if ground is not None else ((), True)
     return Watched(
-        film, sightings, edge_px, damage, finder.strangers, finder.doubles, shifts, plain, picture,
-        mirrored > 0, rotation_deg,
-    )  # fmt: skip
+        film,
+        sightings,
+        edge_px,
+        damage,
+        finder.strangers,
+        finder.doubles,
+        shifts,
+        plain,
+        picture,
+        mirrored > 0,
+        rotation_deg,
+    )
 
 
 def _sharp(corners_px: Single, edge_px: Single) -> Single:

@@ -44,8 +44,10 @@ def next_push(session: Session, skipped: frozenset[str], posed_deg: float | None
 
 def series_of_pushes(plan: Procedure) -> list[tuple[float, str]]:
     """Return bend and facing of the plan's pushes; straight ratchets go tail first, too."""
-    facings = [(bend, FACINGS if plan.ratchet and not bend else FACINGS[:1])
-               for bend in plan.push_lambda_rad]  # fmt: skip
+    facings = [
+        (bend, FACINGS if plan.ratchet and not bend else FACINGS[:1])
+        for bend in plan.push_lambda_rad
+    ]
     return [(bend, facing) for bend, both in facings for facing in both]
 
 
@@ -94,12 +96,15 @@ def _pose(setup: Setup, bend_deg: float) -> Step:
     shows = BEND["between_links_deg"]
     cells: dict[str, float | str] = {"lambda_deg": bend_deg, "bend": setup.procedure.bend}
     return Step(
-        f"bend {bend_deg:g}", "bend",
+        f"bend {bend_deg:g}",
+        "bend",
         f"Bend {bend_deg:g} deg for pushes: {_in_words(setup, bend_deg)} It rolls less far: "
         f"{room:.1f} m of room will do.",
-        (replace(shows, likely=(between - 5.0, between + 5.0)),), bend_deg,
-        bend=setup.procedure.bend, cells=cells,
-    )  # fmt: skip
+        (replace(shows, likely=(between - 5.0, between + 5.0)),),
+        bend_deg,
+        bend=setup.procedure.bend,
+        cells=cells,
+    )
 
 
 def _in_words(setup: Setup, bend_deg: float) -> str:

@@ -125,9 +125,13 @@ def way_after(kept: Sequence[Kept], way: str) -> str:
 
 
 def _keep(
-    journal: Journal, rows: Floats, cells: dict[str, float | str], look: Look,
-    sigma_m: float | None, file_sha256: str,
-) -> Kept:  # fmt: skip
+    journal: Journal,
+    rows: Floats,
+    cells: dict[str, float | str],
+    look: Look,
+    sigma_m: float | None,
+    file_sha256: str,
+) -> Kept:
     told = {k: round(v, 9) for k, v in look.cells().items()}
     if sigma_m is not None:
         told["distance_sigma_m"] = max(sigma_m, told["distance_sigma_m"])

@@ -72,16 +72,20 @@ def drawn_floor(
     slope, scale, mass, shape = (float(v) for v in rng.normal(size=4))
     wheels_kg = setup.floor.wheels_kg
     mass_kg = setup.robot.links * setup.robot.link_mass_kg
-    rolling = (0.045 + 0.03 * shape) * mass_kg if wheels_kg is None else (
-        (0.75 + 0.15 * shape) * wheels_kg
-    )  # fmt: skip
+    rolling = (
+        (0.045 + 0.03 * shape) * mass_kg
+        if wheels_kg is None
+        else ((0.75 + 0.15 * shape) * wheels_kg)
+    )
     return FloorTruth(
-        ground, slope_rad=setup.floor.slope_sigma_rad * slope,
+        ground,
+        slope_rad=setup.floor.slope_sigma_rad * slope,
         film_scale=1.0 + setup.floor.film_scale_sigma * scale,
-        mass_scale=1.0 + setup.uncertainty.mass_sigma * mass, rolling_kg=max(rolling, 0.0),
+        mass_scale=1.0 + setup.uncertainty.mass_sigma * mass,
+        rolling_kg=max(rolling, 0.0),
         joint_sigma_rad=setup.uncertainty.joint_sigma_rad,
         servo=servo and servo.draws(1, int(rng.integers(2**31)))[0],
-    )  # fmt: skip
+    )
 
 
 def uphill(step: Step, slope_rad: float) -> float:
@@ -100,13 +104,17 @@ class SimulatedFloor:
         self._setup, self._rng = setup, np.random.default_rng(seed)
         body = setup.robot
         heavy = replace(
-            body, link_mass_kg=body.link_mass_kg * truth.mass_scale,
+            body,
+            link_mass_kg=body.link_mass_kg * truth.mass_scale,
             link_inertia_kg_m2=body.inertia_kg_m2 * truth.mass_scale,
-        )  # fmt: skip
+        )
         whole = LabRobot.whole(
-            heavy, truth.ground, rolling_kg=truth.rolling_kg, breakaway=truth.breakaway,
+            heavy,
+            truth.ground,
+            rolling_kg=truth.rolling_kg,
+            breakaway=truth.breakaway,
             servo=truth.servo,
-        )  # fmt: skip
+        )
         self.robot = whole.drawn(self._rng, truth.joint_sigma_rad, truth.link_spread)
         self.floor = Floor(self.robot, truth.slope_rad, 0.0)
         self._pose = [0.0] * (body.links - 1)
@@ -169,9 +177,10 @@ class SimulatedFloor:
         if self.truth.camera is None:
             way_m, time_s = to_rest(track, self._rng)
             return {
-                "distance_m": way_m, "duration_s": time_s,
+                "distance_m": way_m,
+                "duration_s": time_s,
                 "turned_deg": round(math.degrees(track.turned_rad)),
-            }  # fmt: skip
+            }
         seen = film(track, replace(self.truth.camera, scale=self.truth.film_scale), self._rng)
         samples = np.stack([seen.t_s, seen.x_m, seen.y_m], axis=1)
         look = look_at(*samples.T)

@@ -57,9 +57,11 @@ class PracticeFloorTruth:
         slope, scale, shape = (float(v) for v in rng.normal(size=3))
         mean, sigma = WHEEL_SHAPE
         return cls(
-            ground, SLOPE_RAD * slope, 1.0 + SCALE * scale,
+            ground,
+            SLOPE_RAD * slope,
+            1.0 + SCALE * scale,
             WHEELS_KG * max(mean + sigma * shape, 0.0),
-        )  # fmt: skip
+        )
 
     def in_words(self) -> str:
         """Return it in a line."""
@@ -72,11 +74,15 @@ class PracticeFloorTruth:
 def practice_floor_setup(setup: Setup, seed: int) -> Setup:
     """Return a set-up that says that it is practice on a floor, and of which seed."""
     return replace(
-        setup, kind="simulated", source=f"practice floor, seed {seed}",
-        note="practice: no measurement", surface="practice floor", weighed=True,
+        setup,
+        kind="simulated",
+        source=f"practice floor, seed {seed}",
+        note="practice: no measurement",
+        surface="practice floor",
+        weighed=True,
         procedure=on_place(setup.procedure, "floor"),
         floor=FloorTools(wheels_kg=WHEELS_KG, film_scale_sigma=SCALE),
-    )  # fmt: skip
+    )
 
 
 def practice_floor_seed(session: Session) -> int:
@@ -108,9 +114,13 @@ class FloorTerminal:
         self._step: Step | None = None
         self._count = there
         self._words: dict[str, Callable[[str], str | None]] = {
-            "push": self._push, "tape": self._tape, "protractor": self._protractor,
-            "crawl": self._crawl, "film": self._film, "floor": lambda given: self._said(HELP),
-        }  # fmt: skip
+            "push": self._push,
+            "tape": self._tape,
+            "protractor": self._protractor,
+            "crawl": self._crawl,
+            "film": self._film,
+            "floor": lambda given: self._said(HELP),
+        }
 
     def watch(self, session: Session, step: Step) -> None:
         """Note the step that the dialogue is at."""
@@ -159,9 +169,12 @@ class FloorTerminal:
         crooked, spin, off = self._rng.normal(size=3)
         way = 0.0 if self._step.cells["way"] == "there" else math.pi
         push = Push(
-            speed * max(1.0 + 0.1 * float(off), 0.3), way, CROOKED_RAD * float(crooked),
-            SPIN_RAD_S * float(spin), tail_first=self._step.cells.get("facing") == "back",
-        )  # fmt: skip
+            speed * max(1.0 + 0.1 * float(off), 0.3),
+            way,
+            CROOKED_RAD * float(crooked),
+            SPIN_RAD_S * float(spin),
+            tail_first=self._step.cells.get("facing") == "back",
+        )
         return self._floor.push(self._pose(), push)
 
     def _push(self, given: str) -> str | None:

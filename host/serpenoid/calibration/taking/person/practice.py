@@ -68,9 +68,11 @@ class PracticeTruth:
         ground = drawn_friction(rng)
         zero, scale, deck = rng.normal(size=3)
         return cls(
-            ground, ZERO_RAD * float(zero), 1.0 + SCALE * float(scale),
+            ground,
+            ZERO_RAD * float(zero),
+            1.0 + SCALE * float(scale),
             math.radians(0.1 * float(np.clip(deck, -2, 2))),
-        )  # fmt: skip
+        )
 
     def in_words(self) -> str:
         """Return it in a line."""
@@ -83,9 +85,13 @@ class PracticeTruth:
 def practice_setup(setup: Setup, seed: int) -> Setup:
     """Return a set-up that says that it is practice, and of which seed."""
     return replace(
-        setup, kind="simulated", source=f"practice treadmill, seed {seed}",
-        note="practice: no measurement", surface="practice belt", weighed=True,
-    )  # fmt: skip
+        setup,
+        kind="simulated",
+        source=f"practice treadmill, seed {seed}",
+        note="practice: no measurement",
+        surface="practice belt",
+        weighed=True,
+    )
 
 
 def practice_seed(session: Session) -> int:
@@ -108,15 +114,21 @@ def practice_treadmill(
         setup.robot, np.random.default_rng(seed)
     )
     return PracticeTreadmill(
-        robot, set_points,
+        robot,
+        set_points,
         Display(
-            steps.belt_step_m_s, drawn.belt_scale, steps.belt_least_m_s,
+            steps.belt_step_m_s,
+            drawn.belt_scale,
+            steps.belt_least_m_s,
             errs.belt_speed_sigma_m_s / 2,
         ),
         Instrument(drawn.zero_rad, step=errs.incline_sigma_rad * math.sqrt(12)),
-        grade_step=steps.incline_step_rad, deck_rad=drawn.deck_rad,
-        protractor_rad=errs.lambda_sigma_rad, seed=seed, pace=pace,
-    )  # fmt: skip
+        grade_step=steps.incline_step_rad,
+        deck_rad=drawn.deck_rad,
+        protractor_rad=errs.lambda_sigma_rad,
+        seed=seed,
+        pace=pace,
+    )
 
 
 class PracticeTerminal:
@@ -126,14 +138,20 @@ class PracticeTerminal:
         self._terminal, self._treadmill, self._pace = terminal, treadmill, pace
         self.keys: Mapping[str, Callable[[], str]] = {}
         self._words = {
-            "belt": self._belt, "incline": self._incline, "wait": self._wait, "film": self._film,
-            "left": self._steer("left"), "right": self._steer("right"),
+            "belt": self._belt,
+            "incline": self._incline,
+            "wait": self._wait,
+            "film": self._film,
+            "left": self._steer("left"),
+            "right": self._steer("right"),
             "put": lambda given: treadmill.put("up" if given == "up" else "down"),
             "look": lambda given: f"{picture(treadmill)}\n  {treadmill.look()}",
             "treadmill": lambda given: HELP,
-            **{name: self._button(name)
-               for name in ("take", "mark", "inclinometer", "turned", "protractor", "turns")},
-        }  # fmt: skip
+            **{
+                name: self._button(name)
+                for name in ("take", "mark", "inclinometer", "turned", "protractor", "turns")
+            },
+        }
 
     def clock_s(self) -> float:
         """Return the time at the treadmill, s, whatever its pace."""

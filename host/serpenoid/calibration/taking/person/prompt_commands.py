@@ -68,9 +68,18 @@ class PromptCommands:
         self._all: dict[str, Callable[[str, Step], None]] = {
             name: getattr(self, f"_{name}")
             for name in (
-                "help", "quit", "skip", "pause", "note", "status", "undo", "void", "restore", "redo"
+                "help",
+                "quit",
+                "skip",
+                "pause",
+                "note",
+                "status",
+                "undo",
+                "void",
+                "restore",
+                "redo",
             )
-        }  # fmt: skip
+        }
 
     def obey(self, line: str, step: Step) -> bool:
         """Do what a word says; return False if the line is none. Raises Again and Left."""

@@ -105,8 +105,10 @@ def _crawl_rows(path: Path, joints: int) -> NDArray[np.float64]:
     names = [*CRAWL_COLUMNS, *joint_columns(joints)]
     header, *lines = list(csv.reader(read_text(path).splitlines())) or [[]]
     if header != names:
-        raise BadInput(f"{path}: the columns are {', '.join(header)}; they must be "
-                       f"{', '.join(names)}, as `serpenoid video --track` writes them")  # fmt: skip
+        raise BadInput(
+            f"{path}: the columns are {', '.join(header)}; they must be "
+            f"{', '.join(names)}, as `serpenoid video --track` writes them"
+        )
     try:
         rows = np.array([[float(cell or "nan") for cell in line] for line in lines], dtype=float)
     except ValueError as error:

@@ -1,0 +1,156 @@
+"""The weight of each room in tokens of code: a row may only fall."""
+
+from __future__ import annotations
+
+import io
+import re
+import subprocess
+import tokenize
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+# Room -> most tokens. A row rises only where another falls as much in the same commit. Code that
+# moves into strings, data, generated files, docs or another suffix counts where it goes.
+MOST_TOKENS = {
+    "calibration_data": 344,
+    "docs": 22521,
+    "firmware": 25220,
+    "host": 1118,
+    "host/core/board": 1109,
+    "host/core/body": 10434,
+    "host/core/drive": 2881,
+    "host/core/kernels": 19244,
+    "host/core/lab": 6740,
+    "host/core/methods": 21060,
+    "host/core/model": 7823,
+    "host/core/numerics": 12894,
+    "host/core/periodic": 37434,
+    "host/core/python": 8372,
+    "host/core/run": 3308,
+    "host/core/scene": 11942,
+    "host/core/servos": 8781,
+    "host/core/web": 1369,
+    "host/serpenoid": 857,
+    "host/serpenoid/_core": 3052,
+    "host/serpenoid/bench": 30280,
+    "host/serpenoid/calibration": 102755,
+    "host/serpenoid/commands": 31908,
+    "host/serpenoid/exchange": 2226,
+    "host/serpenoid/gaits": 28117,
+    "host/serpenoid/lab": 7882,
+    "host/serpenoid/model": 7289,
+    "host/serpenoid/periodic": 11620,
+    "host/serpenoid/robot": 21044,
+    "host/serpenoid/servos": 4560,
+    "host/serpenoid/show": 42797,
+    "host/serpenoid/simulation": 13533,
+    "host/serpenoid/video": 27401,
+    "studies": 19979,
+    "tests": 2990,
+    "tests/arm": 1428,
+    "tests/avr": 29167,
+    "tests/docs": 7529,
+    "tests/end_to_end": 1071,
+    "tests/firmware": 20263,
+    "tests/golden": 1929,
+    "tests/host": 1198,
+    "tests/host/bench": 5414,
+    "tests/host/calibration": 61830,
+    "tests/host/commands": 19649,
+    "tests/host/exchange": 1699,
+    "tests/host/gaits": 17170,
+    "tests/host/lab": 11575,
+    "tests/host/model": 4488,
+    "tests/host/periodic": 23552,
+    "tests/host/robot": 29105,
+    "tests/host/servos": 5633,
+    "tests/host/show": 9834,
+    "tests/host/simulation": 39602,
+    "tests/host/video": 17876,
+    "tests/oracle": 49024,
+    "tests/studies": 353,
+}
+PYTHON = (".py", ".pyi")
+OTHER = (".c", ".cpp", ".h", ".hpp", ".js", ".html", ".css", ".sh", ".svg")
+# In `host/serpenoid` and `host/core` each folder is a room; elsewhere the first folder is one.
+PARTED = ("host/serpenoid/", "host/core/")
+_TOKEN = re.compile(
+    r"\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|[A-Za-z_]\w*|\d[\w.]*"
+    r"|::|->|<<|>>|<=|>=|==|!=|&&|\|\||[^\s\w]"
+)
+_COMMENT = re.compile(
+    r"//[^\n]*|/\*.*?\*/|<!--.*?-->|(\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*')", re.DOTALL
+)
+_SKIPPED = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENCODING,
+    tokenize.ENDMARKER,
+}
+# From Python 3.12 on an f-string is several tokens; it counts as one, as before.
+_F_START, _F_END = (getattr(tokenize, f"FSTRING_{end}", None) for end in ("START", "END"))
+
+
+def python_tokens(text: str) -> int:
+    """Count tokens; a string that is a statement of its own (a docstring) counts nothing."""
+    count, starts_statement, f_strings = 0, True, 0
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type in _SKIPPED:
+            layout = (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
+            starts_statement = starts_statement or token.type in layout
+        elif _F_END is not None and token.type == _F_END:
+            f_strings -= 1
+        else:
+            docstring = starts_statement and token.type == tokenize.STRING
+            count += not f_strings and not docstring
+            f_strings += _F_START is not None and token.type == _F_START
+            starts_statement = False
+    return count
+
+
+def other_tokens(text: str) -> int:
+    """Count tokens of C++, JavaScript, a page or a script."""
+    return len(_TOKEN.findall(_COMMENT.sub(lambda found: found.group(1) or " ", text)))
+
+
+def room_of(name: str) -> str:
+    """Return the room of a tracked file: `firmware`, `host/core/body`, `tests/host/show`."""
+    parts = Path(name).parts[:-1]
+    depth = 3 if name.startswith((*PARTED, "tests/host/")) else 2 if parts[:1] == ("tests",) else 1
+    return "/".join(parts[:depth]) or "."
+
+
+def weights() -> dict[str, int]:
+    """Return the tokens of each room, over all files that git knows or would add."""
+    command = ["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"]
+    listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split("\n")
+    found: dict[str, int] = {}
+    for name in listed:
+        if Path(name).suffix in PYTHON + OTHER and (ROOT / name).is_file():
+            count = python_tokens if name.endswith(PYTHON) else other_tokens
+            room = room_of(name)
+            found[room] = found.get(room, 0) + count((ROOT / name).read_text())
+    return found
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="needs a system with git's list of files")
+def test_no_room_outgrows_its_row() -> None:
+    found = weights()
+    assert set(found) <= set(MOST_TOKENS), "every room has a row"
+    heavy = {room: (n, MOST_TOKENS[room]) for room, n in found.items() if n > MOST_TOKENS[room]}
+    assert not heavy, f"room: (tokens, its row): {heavy}"
+
+
+def test_tokens_are_counted_without_comments_and_docstrings() -> None:
+    assert python_tokens('"""Job."""\n# why\nx = f"{1 + 2} m"  # seconds\n') == 3
+    assert other_tokens("// job\nint x = 1; /* why */\n") == 5
+
+
+if __name__ == "__main__":  # print the table of today
+    for room, count in sorted(weights().items()):
+        print(f'    "{room}": {count},')
