@@ -5,7 +5,7 @@ PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*') \
 	pyproject.toml host/CMakeLists.txt
 # What takes long beside what it finds before a commit; `make test` has it all.
-LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden/test_dialogue.py) \
+LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden) \
 	$(addprefix tests/host/,bench commands gaits periodic robot show simulation/test_stability.py \
 	simulation/test_adaptive.py simulation/test_nonsmooth.py simulation/test_gaits.py) \
 	$(addprefix tests/host/calibration/test_,friction.py prediction.py page.py honest_fit.py \

@@ -54,7 +54,7 @@ MOST_TOKENS = {
     "tests/docs": 7529,
     "tests/end_to_end": 1071,
     "tests/firmware": 20263,
-    "tests/golden": 1929,
+    "tests/golden": 3841,
     "tests/host": 1198,
     "tests/host/bench": 5414,
     "tests/host/calibration": 61830,

@@ -1,0 +1,246 @@
+"""Write public.txt, all that users see by name: a change of it is a line in CHANGELOG.md.
+
+Commands and options, keys of --json and of files that people keep, Python's signatures.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import json
+import math
+import os
+import re
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+import serpenoid as sn
+from click.testing import CliRunner
+from serpenoid.commands.main import cli
+from serpenoid.exchange.gym_env import SnakeEnv
+from serpenoid.model import errors
+from serpenoid.robot import RobotBoard
+from serpenoid.robot.recording.stream import load_stream
+
+PATH = Path(__file__).resolve().with_name("public.txt")
+ROOT = PATH.parents[2]
+PLACES = {  # words of the lines below
+    "DIR": ROOT / "calibration_data" / "nirakh-2005",
+    "SCENE": ROOT / "host" / "examples" / "limping_on_a_slope.toml",
+    "FILM": ROOT / "calibration_data" / "demo-film" / "film.mp4",
+}
+GAIT = "--alpha-deg 70 --beta-deg 75 --omega-rad-s 5"
+GRID = "--alpha-deg 60:70:10 --beta-deg 75 --omega-rad-s 5"
+NEXT = "--gait 70 75 0.5 --samples 16"
+ANSWERS = (  # MINE is a session with a crawl; BENCH a servo's test
+    f"steady {GAIT}",
+    f"steady {GAIT} --formulation implicit",
+    f"steady {GAIT} --session DIR --sensitivities",
+    f"steady {GAIT} --session DIR --servo SG90",
+    f"sweep {GRID}",
+    f"sweep {GRID} --servo SG90",
+    "optimize --robot paper --speed-m-s 0.1",
+    "optimize --session DIR --speed-m-s 0.03 --servo ideal",
+    "simulate --scene SCENE --duration-s 0.5",
+    "fit DIR --influence",
+    "fit MINE --crawls --servo SG90",
+    f"compare DIR {NEXT}",
+    "compare DIR --beside DIR",
+    f"advise DIR {NEXT}",
+    "report DIR --out report.html",
+    "calibrate status MINE",
+    "servo --test BENCH",
+    "video FILM",
+    "view virtual --out view.html",
+    f"drive --port virtual:fast {GAIT} --duration-s 1",
+    "doctor --port virtual:fast --listen-s 1",
+)
+STATIONS = ((0, 2.02, 0.2), (0, 2.66, 0.8), (25, 3.02, 0.2), (25, 4.4, 0.8))
+CRAWL = "gait alpha_deg=70 beta_deg=75 distance_m=2.5 duration_s=20 omega_rad_s=5"
+KINDS = ("station", "bend", "zero", "belt", "gait", "video", "coast", "slide", "breakaway")
+ODD = "zzzz"  # a name that nothing has: who reads it says which names there are
+
+
+def run(line: str) -> str:
+    """Return what a command prints."""
+    done = CliRunner().invoke(cli, [str(PLACES.get(word, word)) for word in line.split()])
+    if done.exit_code:
+        raise SystemExit(f"serpenoid {line}: {done.output} {done.exception}")
+    return done.stdout
+
+
+def commands(group: click.Group, words: str = "serpenoid") -> Iterator[str]:
+    """Yield every command, and below it its arguments and options."""
+    for name, command in sorted(group.commands.items()):
+        yield f"{words} {name}"
+        yield from sorted(f"    {option(parameter)}" for parameter in command.params)
+        if isinstance(command, click.Group):
+            yield from commands(command, f"{words} {name}")
+
+
+def option(p: click.Parameter) -> str:
+    """Return names, type, limits or choices, and default of an option."""
+    kind = p.type.name.removesuffix(" range")
+    if isinstance(p.type, click.Choice):
+        kind = "|".join(map(str, p.type.choices))
+    if isinstance(p.type, (click.IntRange, click.FloatRange)):
+        kind += f" {p.type.min}..{p.type.max}"
+    names, default = "/".join([*p.opts, *p.secondary_opts]), p.to_info_dict()["default"]
+    marks = [kind, f"{p.nargs} words" * (p.nargs > 1), "any number" * (p.nargs < 0 or p.multiple)]
+    marks += ["required" * p.required, f"default {default}" * (default not in (None, False, ""))]
+    return f"{names}: {', '.join(filter(None, marks))}"
+
+
+def keys(value: Any, path: str = "") -> Iterator[str]:
+    """Yield every key of an answer; `[]` stands for each item of a list."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from keys(inner, f"{path}.{name}" if path else name)
+    elif isinstance(value, list) and any(isinstance(item, (dict, list)) for item in value):
+        for item in value:
+            yield from keys(item, f"{path}[]")
+    else:
+        yield path
+
+
+def by_table(answer: Any) -> list[str]:
+    """Return the keys of an answer, one line for each table in it."""
+    parents: dict[str, set[str]] = {}
+    for key in keys(answer):
+        parent, _, name = re.sub(r"\[\d+\]", "[]", key).rpartition(".")
+        parents.setdefault(parent or "top", set()).add(name)
+    return [f"{parent}: {' '.join(sorted(names))}" for parent, names in sorted(parents.items())]
+
+
+def names_in(refusal: object) -> str:
+    """Return the names that a refusal lists, sorted."""
+    listed = re.search(r"(?:known are|with a name of) (.+)$", str(refusal))
+    if not listed:
+        raise SystemExit(f"this lists no names: {refusal}")
+    return " ".join(sorted(listed[1].replace(" (or ", ", or_").replace(")", "").split(", ")))
+
+
+def tables(path: Path, load: Callable[[Path], object]) -> Iterator[str]:
+    """Yield each table of a TOML file with the keys that it may have."""
+    text = path.read_text()
+    for head in ("format", *re.findall(r"^\[\w+\]", text, re.M)):
+        path.write_text(re.sub(rf"^{re.escape(head)}.*", rf"\g<0>\n{ODD} = 1", text, flags=re.M))
+        try:
+            load(path)
+        except sn.BadInput as error:
+            yield f"{head.replace('format', 'top')}: {names_in(error)}"
+    path.write_text(text)
+
+
+def scene_keys() -> Iterator[str]:
+    """Yield the tables of a scene's file."""
+    parts = sn.Robot(6, 0.0756, 0.076), sn.Ground(0.01, 0.2, 0.0, 0.0), sn.Gait(1.0, 1.0, 5.0)
+    servo = sn.Scene(*parts, drive="servo", servo=sn.servo("SG90").servo, locked={1: 0.1})
+    sn.save_scene(servo, "scene.toml")
+    text = Path("scene.toml").read_text().replace("[locked_rad]", "#").replace("\n1 =", "\n#")
+    Path("scene.toml").write_text(text)
+    yield from tables(Path("scene.toml"), sn.load_scene)
+    torque = sn.TorqueTable([0.0, 1.0], [[0.0] * 5] * 2)
+    sn.save_scene(sn.Scene(*parts, drive="torque", torque=torque), "scene.toml")
+    yield from tables(Path("scene.toml"), sn.load_scene)
+
+
+def session_keys() -> Iterator[str]:
+    """Yield the tables of session.toml, columns of the files beside it, and kinds of readings."""
+    yield from tables(Path("MINE", "session.toml"), lambda path: sn.load_session(path.parent))
+    for name in ("readings.csv", "events.csv"):
+        header = Path("MINE", name).read_text().split("\n", 1)[0]
+        yield f"{name}: {header.replace(',', ' ')}"
+    for kind in KINDS:
+        refused = CliRunner().invoke(cli, ["calibrate", "add", "MINE", kind, f"{ODD}=1"])
+        yield f"kind {kind}: {names_in(refused.exception)}"
+
+
+def fit_keys() -> list[str]:
+    """Return the keys of fit.json, with crawls and servos."""
+    run("fit MINE --crawls --servo SG90")
+    return by_table(json.loads(Path("MINE", "fit.json").read_text()))
+
+
+def python_names() -> Iterator[str]:
+    """Yield all that Python's users call, with parameters and members."""
+    public = {f"serpenoid.model.errors.{n}": v for n, v in vars(errors).items() if ours(v)}
+    public |= {f"sn.{name}": getattr(sn, name) for name in sn.__all__}
+    public["serpenoid.robot.RobotBoard"] = RobotBoard
+    public["serpenoid.robot.recording.stream.load_stream"] = load_stream
+    public["serpenoid.exchange.gym_env.SnakeEnv"] = SnakeEnv
+    for name, value in sorted(public.items()):
+        if isinstance(value, type) and issubclass(value, Exception):
+            yield f"{name}: {' '.join(base.__name__ for base in value.__bases__)}"
+        else:
+            yield f"{name}{parameters(value)}"
+            yield from members(value) if isinstance(value, type) else ()
+
+
+def ours(value: object) -> bool:
+    """Tell whether this package defines it."""
+    return getattr(value, "__module__", "").startswith("serpenoid.")
+
+
+def members(kind: type) -> list[str]:
+    """Return fields, properties and methods that a class of this package has."""
+    public = (
+        {f.name: "" for f in dataclasses.fields(kind)} if dataclasses.is_dataclass(kind) else {}
+    )
+    for base in filter(ours, kind.__mro__):
+        public |= {n: parameters(v) for n, v in vars(base).items() if n not in public}
+    return sorted(f"    {name}{after}" for name, after in public.items() if name[0] != "_")
+
+
+def parameters(value: Any) -> str:
+    """Return the parameters that a call takes, with defaults; nothing of what is not called."""
+    value = getattr(value, "__func__", value)
+    if not callable(value):
+        return ""
+    shown = []
+    for p in inspect.signature(value).parameters.values():
+        usual = "" if p.default is p.empty else f"={p.default!r}"
+        if dataclasses.is_dataclass(p.default):
+            usual = f"={type(p.default).__name__}(...)"
+        star = "*" if p.kind is p.KEYWORD_ONLY and not any("*" in other for other in shown) else ""
+        shown += [star] * bool(star) + [p.name + usual]
+    return f"({', '.join(shown)})"
+
+
+def make_inputs() -> None:
+    """Make a session with a crawl, and a servo's test: the joint follows a step."""
+    run("calibrate new MINE --defaults --simulated")
+    for bend, incline, belt in STATIONS:
+        cells = f"lambda_deg={bend} incline_deg={incline} belt_speed_m_s={belt}"
+        run(f"calibrate add MINE station {cells}")
+    run(f"calibrate add MINE {CRAWL}")
+    angles = (30 * (1 - math.exp(-max(k - 12, 0) / 4)) for k in range(60))
+    rows = (f"{k / 50},{30 * (k > 10)},{angle}\n" for k, angle in enumerate(angles))
+    Path("BENCH").write_text("t_s,setpoint_deg,angle_deg\n" + "".join(rows))
+
+
+def sections() -> Iterator[tuple[str, Iterable[str]]]:
+    """Yield each part: its heading and its lines."""
+    yield "Commands", commands(cli)
+    for line in ANSWERS:
+        yield f"JSON: {line}", by_table(json.loads(run(f"{line} --json")))
+    yield "Files: a scene", dict.fromkeys(scene_keys())
+    yield "Files: a session", session_keys()
+    yield "Files: fit.json", fit_keys()
+    yield "Python", python_names()
+
+
+def public() -> str:
+    """Return the whole text; the current folder is empty and takes what the commands write."""
+    make_inputs()
+    parts = (f"# {heading}\n" + "\n".join(lines) + "\n" for heading, lines in sections())
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        PATH.write_text(public(), encoding="utf-8")
