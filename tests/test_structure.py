@@ -212,6 +212,24 @@ def test_a_library_lives_in_its_rooms(library: str) -> None:
             assert not found, f"{path} imports {library}"
 
 
+# What one gate alone may do: a pattern -> the files that are that gate. A `part` is whole_file's.
+GATES = {
+    r"(?<!part)\.(open\([^)]*[\"'][wx]b?[\"']|write_(text|bytes)\()": ("model/files.py",),
+    r"csv\.(Dict)?[rR]eader\(": ("model/files.py",),
+    r"\bav\.open\((?!str\(part\))": ("video/seeing/film.py",),
+    r"np\.load\(": ("model/files.py",),
+}
+
+
+@pytest.mark.parametrize("pattern", GATES)
+def test_files_pass_one_gate(pattern: str) -> None:
+    """Files are read by what checks them first, and written whole or not at all."""
+    for path in PACKAGE.rglob("*.py"):
+        name = path.relative_to(PACKAGE).as_posix()
+        if name not in GATES[pattern] and "bench" not in name:
+            assert not re.search(pattern, path.read_text()), path
+
+
 def test_the_package_knows_no_study() -> None:
     """`studies/` is for developers: it imports the package, never the other way round."""
     for path in PACKAGE.rglob("*.py"):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from ..model.checks import check_number, check_whole
 from ..model.drives import Servo
 from ..model.errors import BadInput
-from ..model.files import read_json
+from ..model.files import read_json, write_text
 from ..model.robot import Robot
 from ..model.vectors import number_array
 from .fitting.influence import BOTH_WAYS, Influence
@@ -61,15 +60,7 @@ def save_fit(fit: FrictionFit, path: str | Path) -> Path:
     path = Path(path)
     path = path / NAME if path.is_dir() else path
     text = json.dumps(_as_json(fit), indent=2, allow_nan=False) + "\n"
-    half_done = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with half_done.open("w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        half_done.replace(path)
-    finally:
-        half_done.unlink(missing_ok=True)
+    write_text(path, text)
     return path
 
 

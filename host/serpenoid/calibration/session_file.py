@@ -6,8 +6,6 @@ Format 1 has one file of stations; format 2 (session_rows) has readings of every
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from dataclasses import replace
@@ -16,7 +14,7 @@ from typing import Any
 
 from ..model.checks import check_choice, check_whole
 from ..model.errors import BadInput
-from ..model.files import read_text
+from ..model.files import csv_rows, read_text
 from ..model.gait import Gait
 from ..model.robot import Robot
 from ..model.toml_table import Table, check_names, located
@@ -344,18 +342,14 @@ def _instruments(table: Table, setup: Setup) -> dict[str, Any]:
 
 
 def _load_readings(path: Path) -> tuple[Reading, ...]:
-    rows = csv.reader(io.StringIO(read_text(path), newline=""), strict=True)
+    header, *rows = csv_rows(read_text(path), path) or [[]]
+    check_names(header, COLUMNS, f"{path}:1", "column", ("facing",))
     found: dict[int, Reading] = {}
-    try:
-        header = next(rows, [])
-        check_names(header, COLUMNS, f"{path}:1", "column", ("facing",))
-        for cells in rows:
-            with located(f"{path}:{rows.line_num}"):
-                reading = _reading(header, cells)
-                _check_repeat(found.get(reading.number), reading)
-            found[reading.number] = reading
-    except csv.Error as error:
-        raise BadInput(f"{path}:{rows.line_num}: not CSV: {error}") from error
+    for number, cells in enumerate(rows, 2):
+        with located(f"{path}:{number}"):
+            reading = _reading(header, cells)
+            _check_repeat(found.get(reading.number), reading)
+        found[reading.number] = reading
     return tuple(found.values())
 
 

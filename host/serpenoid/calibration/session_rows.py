@@ -7,7 +7,6 @@ restored or amended by an event, and redone by a later reading that says which o
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -17,7 +16,7 @@ from typing import Any
 
 from ..model.checks import check_choice
 from ..model.errors import BadInput
-from ..model.files import read_text
+from ..model.files import csv_rows, read_text
 from ..model.toml_table import Table, check_names, located
 from .kinds.declaration import Kind
 from .kinds.rows import DOUBTFUL, READING_COLUMNS, TRACK_WORDS, Row, make_reading, words_of
@@ -144,10 +143,7 @@ def _text(path: Path, columns: tuple[str, ...]) -> str:
 
 
 def _cells(line: str) -> list[str]:
-    try:
-        return next(csv.reader([line.rstrip("\r")], strict=True), [])
-    except csv.Error as error:
-        raise BadInput(f"not CSV: {error}") from error
+    return next(iter(csv_rows(line.rstrip("\r"))), [])
 
 
 def _row(header: list[str], line: str) -> Row:

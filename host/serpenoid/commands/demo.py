@@ -13,6 +13,7 @@ from ..calibration.friction_fit import fit_friction
 from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint, as_json, one_cycle, predict_all
 from ..calibration.session_file import load_session
+from ..model.files import write_text
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
@@ -68,7 +69,7 @@ def run_demo(out: Path, own: FrictionFit | None = None) -> None:
     found = as_json(fit, points, state) | ({} if film is None else {"film": film})
     found |= {} if floor is None else {"floor": floor}
     text = json.dumps(finite(found), indent=2, allow_nan=False)
-    files[3].write_text(text + "\n")
+    write_text(files[3], text + "\n")
     _summary(fit, points, files)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from ..model.errors import SerpenoidError
+from ..model.errors import SerpenoidError, shortened
 from .options import as_typed, options_of
 
 _WRONG_TYPE = re.compile(r"('[^']*') is not a valid (float|integer)(?: range)?\.")
@@ -62,7 +62,7 @@ def _told(command: click.Command) -> str:
 
 def of_arguments(error: click.ClickException) -> str:
     """Return what click has against the arguments, as one line."""
-    text = " ".join(error.format_message().split())
+    text = shortened(" ".join(error.format_message().split()))
     text = _WRONG_TYPE.sub(lambda m: f"{m[1]} is {_comma(m[1]) or _WANTED[m[2]]}", text)
     text = text.removeprefix("Invalid value for ").rstrip(".")
     ctx = getattr(error, "ctx", None)
@@ -75,9 +75,8 @@ def of_system(error: OSError) -> str:
         return str(error)
     name = error.filename if error.filename is not None else ""
     name = os.fsdecode(name) if isinstance(name, (str, bytes)) else str(name)
-    shown = name if len(name) < 100 else f"{name[:60]} ..."
     cure = f"; {_CURES[error.errno]}" if error.errno in _CURES else ""
-    return f"{shown}{': ' if shown else ''}{error.strerror.lower()}{cure}"
+    return f"{shortened(name)}{': ' if name else ''}{error.strerror.lower()}{cure}"
 
 
 def _comma(shown: str) -> str:

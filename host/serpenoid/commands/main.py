@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import threading
 import warnings
 from io import TextIOWrapper
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import click
@@ -106,8 +108,22 @@ def _show_warning(message: Warning | str, *_where: object) -> None:
     say(f"serpenoid: warning: {message}", err=True)
 
 
+class _Signalled(SystemExit):
+    """SIGTERM or SIGHUP came; the code is 128 + its number."""
+
+
+def _end(number: int, _frame: FrameType | None) -> None:
+    raise _Signalled(128 + number)
+
+
 def main() -> None:
-    """Run the command line: exit 0 done, 1 the work failed, 2 bad arguments, 130 interrupted."""
+    """Run the command line: exit 0 done, 1 the work failed, 2 bad arguments, 130 interrupted.
+
+    SIGTERM and SIGHUP end it in order, so that no half-written file stays: exit 128 + signal.
+    """
+    for number in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
+        if signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, _end)
     warnings.showwarning = _show_warning
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a terminal without degrees and minus signs gets `?`
@@ -117,13 +133,13 @@ def main() -> None:
     except click.ClickException as error:
         say(f"serpenoid: {of_arguments(error)}", err=True)
         status = error.exit_code
-    except (click.Abort, KeyboardInterrupt):
+    except (click.Abort, KeyboardInterrupt, _Signalled) as error:
+        status = error.code if isinstance(error, _Signalled) else 130
         say("stopped", err=True)
         if threading.active_count() > 1:  # the core's loop cannot be ended, only left behind
             if sys.stdout:  # it may be closed
                 sys.stdout.flush()
-            os._exit(130)
-        status = 130
+            os._exit(status if isinstance(status, int) else 1)
     except SerpenoidError as error:
         say(f"serpenoid: {error}", err=True)
         status = 2 if isinstance(error, BadInput) else 1

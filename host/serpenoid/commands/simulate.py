@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS, check_number
+from ..show.screen import say
 from ..simulation.methods import METHODS
 from .options import (
     AS_JSON,
@@ -271,4 +272,8 @@ def _watched(scene: Scene, accuracy: float | None, keep: list[str]) -> Run:
     from ..simulation.simulate import simulate as run_scene
 
     with report.simulated_time(scene.duration_s, "simulating") as tell:
-        return interruptible(lambda: run_scene(scene, tell, accuracy=accuracy, keep=keep))
+        try:
+            return interruptible(lambda: run_scene(scene, tell, accuracy=accuracy, keep=keep))
+        except KeyboardInterrupt:
+            say("nothing of this run is kept", err=True)
+            raise

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
+MOST_SHOWN = 2000  # characters of a message: what came from outside may be a megabyte
+
+
+def shortened(text: str) -> str:
+    """Return a message without the middle if it is long: begin and way out stay."""
+    half = MOST_SHOWN // 2
+    return text if len(text) <= MOST_SHOWN else f"{text[:half]} [...] {text[-half:]}"
+
 
 class SerpenoidError(Exception):
     """Base of every error raised on purpose: what happened, the value, the limits, the way out.
 
     Way out: in the message.
     """
+
+    def __str__(self) -> str:
+        return shortened(super().__str__())
 
 
 class BadInput(SerpenoidError, ValueError):

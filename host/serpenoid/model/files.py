@@ -1,11 +1,16 @@
-"""Read files that come from outside: regular files alone, of a size that memory bears."""
+"""Read regular files of a size that memory bears; write files whole or not at all."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
+import os
 import stat
 import zipfile
 import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -18,8 +23,12 @@ if TYPE_CHECKING:
 MOST_BYTES = 16_000_000  # of a file that people or this program write as text
 MOST_VALUES = 2_000_000  # numbers, texts, lists and objects of a JSON file: some 150 MB in memory
 MOST_ARRAYS = 100  # of one .npz file
-# Control characters, which a terminal obeys: written out as \x1b, but for line ends and tabs.
-_WRITTEN = {k: f"\\x{k:02x}" for k in (*range(32), *range(127, 160)) if chr(k) not in "\n\t"}
+# What a terminal obeys is written out, but for line ends and tabs: control characters as \x1b,
+# marks of writing direction as \u202e.
+_CONTROL = (*range(32), *range(127, 160))
+_DIRECTION = (0x61C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A))
+_WRITTEN = {k: f"\\x{k:02x}" for k in _CONTROL if chr(k) not in "\n\t"}
+_WRITTEN |= {k: f"\\u{k:04x}" for k in _DIRECTION}
 
 
 def check_file(path: Path, most_bytes: int = MOST_BYTES) -> int:
@@ -62,6 +71,16 @@ def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
     except UnicodeDecodeError as error:
         raise BadInput(f"{path}: not UTF-8 text at byte {error.start}; save it as UTF-8") from error
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def csv_rows(text: str, path: Path | None = None, delimiter: str = ",") -> list[list[str]]:
+    """Return the rows of a CSV text; raises BadInput, naming the line of the file if given."""
+    rows = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+    try:
+        return list(rows)
+    except csv.Error as error:
+        where = f"{path}:{rows.line_num}: " if path else ""
+        raise BadInput(f"{where}not CSV: {error}") from error
 
 
 def read_json(path: Path, most_bytes: int = 4 * MOST_BYTES) -> Any:
@@ -110,6 +129,7 @@ def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[np.generic]]:
         zipfile.BadZipFile,
         zlib.error,
         ValueError,
+        OverflowError,
         EOFError,
         OSError,
         MemoryError,
@@ -120,5 +140,40 @@ def read_arrays(path: Path, most_bytes: int) -> dict[str, NDArray[np.generic]]:
 
 
 def visible(text: str) -> str:
-    """Return a text from outside as a terminal may have it: control characters written out."""
+    """Return a text from outside as a terminal may have it: what it obeys written out."""
     return text.translate(_WRITTEN)
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """Give the path of a part beside a file, of the same suffix; put it in the file's place.
+
+    The part is on the disk before it replaces the file. An error, Ctrl-C or SIGTERM leaves the old
+    file and no part. A device or a pipe is written to directly. Raises OSError.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file():
+        yield target
+        return
+    part = target.with_name(f".{os.getpid()}.part.{target.name}")
+    try:
+        yield part
+        with part.open("rb") as file:
+            os.fsync(file.fileno())
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a UTF-8 file whole, with line ends as LF. Raises OSError."""
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8", newline="")
+
+
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Write a CSV file whole; numbers by their shortest exact digits. Raises OSError."""
+    with whole_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(rows)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..model.checks import check_whole
 from ..model.errors import BadInput
-from ..model.files import read_arrays, read_json
+from ..model.files import read_arrays, read_json, whole_file, write_text
 from ..model.ground import Ground
 from ..model.robot import Robot
 from .cluster import Stretch, solve_on_cluster, stretch_length
@@ -110,8 +110,7 @@ class Study:
         """Write the file of a chunk: whole, or not at all."""
         first, last = chunk
         robot, ground, alpha, beta = np.unravel_index(np.arange(first, last), self.grid.size)
-        part = self.path(chunk).with_suffix(f".{os.getpid()}.part")
-        with part.open("wb") as file:
+        with whole_file(self.path(chunk)) as part, part.open("wb") as file:
             np.savez(
                 file,
                 allow_pickle=False,
@@ -124,7 +123,6 @@ class Study:
                 omega_rad_s=np.array(self.grid.omega_rad_s),
                 **self.grid.named(table, first),
             )
-        part.replace(self.path(chunk))
 
 
 def sweep_study(
@@ -242,7 +240,5 @@ def _prepared(folder: Path, grid: Grid) -> Study:
     if next(folder.iterdir(), None) is not None:
         raise BadInput(f"{folder} is not empty and holds no study; name another folder")
     study = Study(folder, grid, min(stretch_length(grid), grid.shapes))
-    part = folder / f"{HEAD}.part"
-    part.write_text(json.dumps(study.head) + "\n")
-    part.replace(folder / HEAD)
+    write_text(folder / HEAD, json.dumps(study.head) + "\n")
     return study

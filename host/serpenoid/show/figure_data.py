@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..calibration.friction_fit import friction_points, point_errors, voided_points
-from .whole_file import whole_file
+from ..model.files import write_csv
 
 if TYPE_CHECKING:
     from ..calibration.comparison import Comparison
@@ -22,14 +20,6 @@ if TYPE_CHECKING:
 def beside(path: Path) -> Path:
     """Return the name of the data file beside a picture."""
     return path.with_suffix(".csv")
-
-
-def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """Write a heading and rows, numbers by their shortest exact digits."""
-    with whole_file(path) as part, part.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows(rows)
 
 
 def write_friction(session: Session, fit: FrictionFit, path: Path) -> None:

@@ -14,11 +14,11 @@ from ..calibration.friction_fit import friction_points, point_errors, voided_poi
 from ..calibration.friction_result import FrictionFit
 from ..calibration.prediction import SpeedPoint
 from ..calibration.session import Session
+from ..model.files import whole_file
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..simulation.run import Run
 from .figure_data import line, write_friction
-from .whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,6 @@ import numpy as np
 from ..simulation.run import ENERGY_COLUMNS
 from ..simulation.scene_file import scene_values
 from .report import console, notices, table, wrote
-from .whole_file import whole_file
 
 if TYPE_CHECKING:
     from ..simulation.error import RunError
@@ -119,6 +118,5 @@ def show_run(run: Run, summary: dict[str, Any]) -> None:
 
 def write_run(run: Run, path: Path) -> None:
     """Write a run as CSV and say so."""
-    with whole_file(path) as part:
-        run.to_csv(part)
+    run.to_csv(path)
     wrote(path)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import json
+from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .whole_file import whole_file
+from ..model.files import whole_file, write_csv, write_text
 
 if TYPE_CHECKING:
     from ..periodic.sweep import Sweep
@@ -27,14 +27,13 @@ def _arrays(found: Sweep) -> dict[str, NDArray[Any]]:
 
 def write_sweep(found: Sweep, path: Path) -> None:
     """Write a sweep of one robot and ground in the format that the suffix names."""
-    with whole_file(path) as part:
-        if path.suffix.lower() == ".npz":
-            with part.open("wb") as file:  # NumPy appends .npz to the name of an .NPZ
-                np.savez_compressed(file, allow_pickle=False, **_arrays(found))
-        elif path.suffix.lower() == ".json":
-            part.write_text(json.dumps(sweep_values(found), allow_nan=False) + "\n")
-        else:
-            _write_csv(found, part)
+    if path.suffix.lower() == ".npz":
+        with whole_file(path) as part, part.open("wb") as file:  # NumPy renames an .NPZ
+            np.savez_compressed(file, allow_pickle=False, **_arrays(found))
+    elif path.suffix.lower() == ".json":
+        write_text(path, json.dumps(sweep_values(found), allow_nan=False) + "\n")
+    else:
+        _write_csv(found, path)
 
 
 def _write_csv(found: Sweep, path: Path) -> None:
@@ -43,12 +42,14 @@ def _write_csv(found: Sweep, path: Path) -> None:
     grid = np.meshgrid(*(arrays.pop(axis) for axis in AXES), indexing="ij")
     values = [v.astype(int) if v.dtype == bool else v for v in arrays.values()]
     columns = [c.ravel() for c in (*grid, *values)]
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow([*AXES, *arrays])
-        for first in range(0, columns[0].size, _ROWS):  # a list takes four times an array's room
-            part = [column[first : first + _ROWS].tolist() for column in columns]
-            writer.writerows(zip(*part, strict=True))
+    write_csv(path, [*AXES, *arrays], _rows(columns))
+
+
+def _rows(columns: list[NDArray[Any]]) -> Iterator[tuple[Any, ...]]:
+    """Give the rows; a list takes four times an array's memory, so only some rows are one."""
+    for first in range(0, columns[0].size, _ROWS):
+        part = [column[first : first + _ROWS].tolist() for column in columns]
+        yield from zip(*part, strict=True)
 
 
 def _plain(values: NDArray[Any]) -> list[Any]:

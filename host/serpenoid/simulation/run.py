@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.files import write_csv
 from ..model.link_state import LinkState
 from .error import RunError
 from .scene import Scene
@@ -154,7 +155,6 @@ class Run:
         A row for each recorded time. Links and joints count from 1 at the tail: vx2_m_s is vx_m_s
         of link 2; joint_force_x3_n is that on link 3 from link 4.
         """
-        import csv
         from pathlib import Path
 
         header, columns = ["t_s"], [self.t_s[:, None]]
@@ -166,8 +166,7 @@ class Run:
         if self.energy_j.size:
             columns.append(self.energy_j)
             header += ENERGY_COLUMNS
-        with Path(path).open("w", newline="") as file:
-            csv.writer(file).writerows([header, *np.hstack(columns).tolist()])
+        write_csv(Path(path), header, np.hstack(columns).tolist())
 
     @property
     def joint_power_w(self) -> Array:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import os
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
 from ..model.checks import check_number
 from ..model.drives import Servo, TorqueTable
 from ..model.errors import BadInput, SerpenoidError
+from ..model.files import write_text
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
@@ -100,17 +100,9 @@ def save_scene(scene: Scene, path: str | Path) -> None:
 
 def write_whole(path: str | Path, text: str) -> None:
     """Write a text file, which is there whole or not at all. Raises SerpenoidError."""
-    target = Path(os.path.realpath(path))
-    half_done = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        with half_done.open("w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        half_done.replace(target)
+        write_text(Path(path), text)
     except OSError as error:
-        with suppress(OSError):
-            half_done.unlink()
         raise SerpenoidError(
             f"{path}: cannot be written: {error.strerror or error}; choose another place"
         ) from error

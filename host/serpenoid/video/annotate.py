@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.files import whole_file
 from .fitting.camera import Camera
 from .fitting.chain import link_centres
 from .measure_film import FilmMeasurement
@@ -34,7 +35,7 @@ def annotate_film(found: FilmMeasurement, path: Path) -> None:
     begun = track.t_s[0]
     # The file's own times: where they were scaled, frames are still counted in them.
     times = begun + (track.t_s - begun) / found.run.time_scale
-    with av.open(str(path), "w") as box:
+    with whole_file(path) as part, av.open(str(part), "w") as box:
         stream: Any = box.add_stream("libx264", rate=30)
         turns = found.watched.rotation_deg // 90
         stream.width, stream.height = size[::-1] if turns % 2 else size

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.files import write_csv
 from .fitting.chain import joint_angles, mean_heading
 from .instrument import HELD_SHARE, Measured
 from .seeing.watch import Watched
@@ -180,7 +180,4 @@ def track_rows(measured: Measured) -> tuple[list[str], Array]:
 def write_track(measured: Measured, path: Path) -> None:
     """Write the track as CSV; a joint that no tag holds in a frame stays empty."""
     names, rows = track_rows(measured)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        out = csv.writer(file)
-        out.writerow(names)
-        out.writerows(["" if np.isnan(x) else f"{x:.7g}" for x in row] for row in rows)
+    write_csv(path, names, (["" if np.isnan(x) else f"{x:.7g}" for x in row] for row in rows))

@@ -20,7 +20,6 @@ _CLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[:.](\d+)")
 _UNIT = re.compile(r"[(\[]\s*(\w+)\s*[)\]]")
 _TIME_NAMES = re.compile(r"(?i)^#?(t|time|t_s|timestamp)\b")
 GRAIN_S = 0.01  # of Kinovea's clock
-MOST_BYTES = 20_000_000
 
 
 def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], str]:
@@ -33,8 +32,6 @@ def read_track_file(path: Path, unit: str = "m") -> tuple[NDArray[np.float64], s
     left out. Raises BadInput, naming the line.
     """
     check_choice("unit", unit, tuple(UNITS))
-    if path.stat().st_size > MOST_BYTES:
-        raise BadInput(f"{path}: {path.stat().st_size / 1e6:.0f} MB; a track has 20 MB at most")
     text = read_text(path)
     lines = text.replace("\r\n", "\n").split("\n")
     cut = _delimiter(lines)

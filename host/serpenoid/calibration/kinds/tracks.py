@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import BadInput, RecordingFailed
-from ...model.files import read_text
+from ...model.files import csv_rows, read_text, write_text
 
 FOLDER = "tracks"
 STAR = "*"  # in the last column's name: any number of such columns
@@ -59,12 +56,7 @@ class Track:
         path = folder / name
         try:
             path.parent.mkdir(exist_ok=True)
-            part = path.with_name(path.name + ".part")
-            with part.open("w", encoding="utf-8", newline="") as file:
-                file.write(_text(self.columns, self.values))
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(path)
+            write_text(path, _text(self.columns, self.values))
         except OSError as error:
             raise RecordingFailed(
                 f"{path}: {error.strerror}: the track is not saved, all before it is; make room "
@@ -85,7 +77,7 @@ def read_track(path: Path, columns: tuple[str, ...], sha256: str) -> Track:
         raise BadInput(
             f"{path}: the track was changed since it was taken; restore the file from a backup"
         )
-    rows = list(csv.reader(io.StringIO(text, newline="")))
+    rows = csv_rows(text, path)
     if tuple(rows[0]) != _named(columns, len(rows[0])):
         raise BadInput(f"{path}:1: the columns are {', '.join(rows[0])}, not {', '.join(columns)}")
     return Track.of(columns, [[float(cell) for cell in row] for row in rows[1:]])

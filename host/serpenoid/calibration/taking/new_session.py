@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import version
@@ -13,6 +12,7 @@ from typing import Any
 
 from ...model.bends import FEWEST_LINKS
 from ...model.errors import BadInput, RecordingFailed
+from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.robot import Robot
 from ..kinds.declaration import Field
@@ -284,8 +284,8 @@ def create_session(folder: str | Path, setup: Setup) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, columns in (("readings.csv", READING_COLUMNS), ("events.csv", EVENT_COLUMNS)):
-            _write(folder / name, csv_line(list(columns)))
-        _write(folder / "session.toml", setup_text(setup))
+            write_text(folder / name, csv_line(list(columns)))
+        write_text(folder / "session.toml", setup_text(setup))
     except OSError as error:
         raise RecordingFailed(f"{folder}: {error.strerror}; choose another folder") from error
     return folder
@@ -317,16 +317,6 @@ def identity_differences(session: Setup, wanted: Setup) -> list[str]:
         if not same:
             lines.append(f"{name}: the session has {a!r}, this has {b!r}")
     return lines
-
-
-def _write(path: Path, text: str) -> None:
-    """Write a file whole or not at all, and onto the disk."""
-    part = path.with_name(path.name + ".part")
-    with part.open("w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
 
 
 def quoted(text: str) -> str:

@@ -7,12 +7,11 @@ bend has that of the protractor check above it; a line in which nothing was read
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 
 from ...model.errors import BadInput
-from ...model.files import read_text
+from ...model.files import csv_rows, read_text
 from ...model.toml_table import located
 from ..kinds.coast import WAYS
 from ..kinds.declaration import DERIVED, PLANNED, Field
@@ -41,7 +40,7 @@ def add_sheet(journal: Journal, path: Path) -> tuple[int, list[str]]:
     """
     text = read_text(path)
     semicolons = ";" in text.split("\n", 1)[0]
-    rows = list(csv.reader(text.splitlines(), delimiter=";" if semicolons else ","))
+    rows = csv_rows(text, path, ";" if semicolons else ",")
     if not rows or "kind" not in _names(rows[0]):
         raise BadInput(f"{path}:1: the first line must name the columns, such as {HEADINGS}")
     header = _names(rows[0])

@@ -26,6 +26,7 @@ from ...calibration.taking.treadmill import take_all
 from ...gaits.least_power import least_power_gait
 from ...lab.crawl import crawl_speed
 from ...model.errors import BadInput
+from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot as Body
@@ -86,9 +87,9 @@ def run_loop(out: Path, own: FrictionFit | None = None) -> tuple[FrictionFit, Gr
     say(f"[5/8] the cheapest gait for {wanted_m_s:g} m/s on this ground, sent to the virtual robot")
     found["wanted"] = _drive_wanted(session, fit, wanted_m_s, truth)
     page = session_page(session, fit, compared, advised, events_of(session))
-    (out / "report.html").write_text(page, encoding="utf-8")
+    write_text(out / "report.html", page)
     say(f"      all of it in one page: {out / 'report.html'}")
-    (out / "loop.json").write_text(json.dumps(finite(found), indent=2, allow_nan=False) + "\n")
+    write_text(out / "loop.json", json.dumps(finite(found), indent=2, allow_nan=False) + "\n")
     return fit, truth.ground
 
 

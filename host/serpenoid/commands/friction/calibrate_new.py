@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,7 +115,7 @@ def new(
     )
 
     refuse_existing(folder)
-    setup = template_setup(template, folder.resolve().name)
+    setup = template_setup(template, os.path.basename(os.path.abspath(folder)))
     if template is None and not defaults and not (answers["surface"] and answers["mass_kg"]):
         if not sys.stdin.isatty():
             raise BadInput(

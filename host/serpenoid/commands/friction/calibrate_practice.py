@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -119,7 +120,10 @@ def _on_floor(folder: Path, seed: int | None) -> None:
 
     if not (folder / "session.toml").exists():
         drawn = secrets.randbelow(10**6) if seed is None else seed
-        create_session(folder, practice_floor_setup(default_setup(folder.resolve().name), drawn))
+        create_session(
+            folder,
+            practice_floor_setup(default_setup(os.path.basename(os.path.abspath(folder))), drawn),
+        )
     session = read_session(folder)
     has = practice_floor_seed(session)
     if seed not in (None, has):
@@ -148,7 +152,9 @@ def _begin(folder: Path, seed: int | None) -> None:
     import secrets
 
     drawn = secrets.randbelow(10**6) if seed is None else seed
-    create_session(folder, practice_setup(default_setup(folder.resolve().name), drawn))
+    create_session(
+        folder, practice_setup(default_setup(os.path.basename(os.path.abspath(folder))), drawn)
+    )
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ...model.errors import SerpenoidError
 from ...show.screen import say
 from ..options import AS_JSON, servo_option, show_json, take_servo
 from ..paths import FIGURES, OutFile
@@ -64,7 +65,6 @@ def fit(
     Prints the whole snake's friction and each link's; --session DIR gives it to any other command.
     """
     from ...calibration.advising.break_away import break_away_notes
-    from ...calibration.fit_file import save_fit
     from ...calibration.friction_fit import fit_friction
     from ...calibration.session_file import load_session
     from ...show import report
@@ -77,18 +77,30 @@ def fit(
         found = fit_friction(loaded, method=method, crawls=crawls, servo=servo)
     if figure is not None:
         _draw(loaded, found, figure)
-    if save and method != "naive":
-        try:
-            save_fit(found, session)
-        except OSError as error:
-            say(f"serpenoid: the fit is not kept: {error}", err=True)
+    not_kept = _save(found, session) if save and method != "naive" else None
     if as_json:
-        return show_json(found.to_dict())
-    report.fit(found)
-    for note in break_away_notes(found, loaded):
-        say(f"note: {note}")
-    if influence:
-        report.influence(found)
+        show_json(found.to_dict())
+    else:
+        report.fit(found)
+        for note in break_away_notes(found, loaded):
+            say(f"note: {note}")
+        if influence:
+            report.influence(found)
+    if not_kept is not None:
+        raise SerpenoidError(
+            f"{not_kept}: the fit is shown, but not kept as fit.json"
+        ) from not_kept
+
+
+def _save(found: FrictionFit, session: Path) -> OSError | None:
+    """Keep the fit beside the readings; return why not, if so."""
+    from ...calibration.fit_file import save_fit
+
+    try:
+        save_fit(found, session)
+    except OSError as error:
+        return error
+    return None
 
 
 def _draw(session: Session, found: FrictionFit, figure: Path) -> None:

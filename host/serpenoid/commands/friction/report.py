@@ -38,9 +38,9 @@ def report(
     from ...calibration import advice, comparison
     from ...calibration.session_file import load_session
     from ...calibration.session_rows import events_of
+    from ...model.files import write_text
     from ...show.progress import progress
     from ...show.session.report_page import session_page
-    from ...show.whole_file import whole_file
 
     out = out or session / "report.html"
     compared = advised = None
@@ -58,14 +58,12 @@ def report(
 
         other = two_sessions(loaded, load_session(beside))
     page = session_page(loaded, fit, compared, advised, events_of(loaded), other)
-    with whole_file(out) as part:
-        part.write_text(page, encoding="utf-8")
+    write_text(out, page)
     if bibtex is not None:
         from ...show.citation import entries
         from ...show.report import wrote
 
-        with whole_file(bibtex) as part:
-            part.write_text(entries(), encoding="utf-8")
+        write_text(bibtex, entries())
         wrote(bibtex)
     verdict = None if compared is None else compared.verdict
     show_json({"report": str(out), "verdict": verdict}) if as_json else say(f"wrote {out}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -95,11 +94,11 @@ def servo(
 def read_test(path: Path, sigma_rad: float, inertia_kg_m2: float) -> BenchTest:
     """Read a bench test's table. Raises BadInput."""
     from ...model.errors import BadInput
-    from ...model.files import read_text
+    from ...model.files import csv_rows, read_text
     from ...model.toml_table import located
     from ...servos.bench_test import BenchTest
 
-    rows = list(csv.reader(read_text(path).splitlines()))
+    rows = csv_rows(read_text(path), path)
     heading = [cell.strip() for cell in rows[0]] if rows else []
     if missing := [name for name in _COLUMNS if name not in heading]:
         raise BadInput(

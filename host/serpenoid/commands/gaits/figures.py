@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ...model.files import write_text
 from ...show.screen import say
 from ..options import AS_JSON, finite, interruptible, show_json
 from ..paths import OutFolder
@@ -72,7 +73,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
     with progress(7, "figures") as advance:
         found, shown = interruptible(lambda: _draw(out, reading, advance))
     values = as_dict(found, reading)
-    (out / "claims.json").write_text(json.dumps(finite(values), indent=2) + "\n")
+    write_text(out / "claims.json", json.dumps(finite(values), indent=2) + "\n")
     write_page(out / "index.html", found, shown, values["reading"])
     if as_json:
         show_json(values | {"page": str(out / "index.html")})

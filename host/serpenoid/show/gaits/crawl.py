@@ -14,13 +14,14 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ...model.files import write_csv, write_text
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...simulation.run import Run
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
-from ..figure_data import beside, write_csv
+from ..figure_data import beside
 from ..plot import BLUE, GREY, RED, along_travel, figure, robot_words
 from .gait_figures import gait_words
 
@@ -215,7 +216,7 @@ def write_svg(found: Crawl, path: Path) -> None:
         parts.append(_wheel(x, y, found.stuck[:, i], seconds))
         force = [x, y, canvas.x(tips[:, i, 0]), canvas.y(tips[:, i, 1])]
         parts.append(_line("force", force, seconds))
-    path.write_text(_HEAD + _words(found, seconds) + "".join(parts) + "</svg>\n")
+    write_text(path, _HEAD + _words(found, seconds) + "".join(parts) + "</svg>\n")
 
 
 _HEAD = (

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from ...gaits.finder import LeastPower
 from ...gaits.margins import Cliff, cliff_around
 from ...gaits.uncertainty import Uncertainty
+from ...model.files import write_csv
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ...periodic.sweep import Sweep
-from ..figure_data import beside, write_csv
+from ..figure_data import beside
 from ..plot import BLUE, GREY, ORANGE, figure, robot_words, save
 
 if TYPE_CHECKING:

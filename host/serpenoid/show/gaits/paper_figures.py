@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...calibration.friction_fit import friction_points, point_errors
+from ...model.files import write_csv
 from ...periodic.sweep import Sweep
-from ..figure_data import beside, write_csv
+from ..figure_data import beside
 from ..plot import BLUE, GREY, RED, along_travel, figure, save
 
 if TYPE_CHECKING:

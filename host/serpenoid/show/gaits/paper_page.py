@@ -15,6 +15,7 @@ from rich.table import Table
 from ...lab.belt import Belt
 from ...lab.robot import LabRobot, pose_of
 from ...model.bends import balanced_signs
+from ...model.files import write_text
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ..report import console
@@ -71,7 +72,8 @@ def write_page(
 ) -> None:
     """Write the page; its figures stand beside it, each with its data."""
     figures = "".join(_figure(path.parent, name, caption) for name, caption in shown)
-    path.write_text(
+    write_text(
+        path,
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>The study of 2005, remade</title><style>{_STYLE}</style></head><body>\n"
@@ -80,7 +82,6 @@ def write_page(
         f"its figures computed anew, and its claims one by one. {_summary(claims)}</p>\n"
         f"{_contents(shown)}<p>{_how_read(reading)}</p>\n{_claim_rows(claims, shown)}"
         f"<p>{_let_go()}</p>\n{figures}</main></body></html>\n",
-        encoding="utf-8",
     )
 
 

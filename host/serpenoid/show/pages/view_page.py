@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import BadInput
+from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ..whole_file import whole_file
 from .twin import Motion, Twin, gait_joints
 
 if TYPE_CHECKING:
@@ -29,8 +29,7 @@ STUCK_M_S = 1e-4  # slower than this a wheel on dry ground is shown as one that 
 
 def write_page(path: Path, title: str, about: str, shown: dict[str, Any]) -> None:
     """Write the page: it needs no other file and no network."""
-    with whole_file(path) as part:
-        part.write_text(page_text(title, about, shown).replace("@NONCE@", ""), encoding="utf-8")
+    write_text(path, page_text(title, about, shown).replace("@NONCE@", ""))
 
 
 def page_text(title: str, about: str, shown: dict[str, Any]) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...calibration.floor.paths import PushPath, push_paths
-from ..plot import BLUE, GREY, RED, figure
+from ..plot import BLUE, GREY, RED, figure, save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,4 +66,4 @@ def push_figure(session: Session, fit: FrictionFit, path: Path) -> None:
     """Write the drawing into a file."""
     with figure(9.0, 4.2, 2) as (fig, axes):
         draw_pushes(fig, axes, session, fit)
-        fig.savefig(path)
+        save(fig, path)

@@ -11,6 +11,7 @@ from ...calibration.taking.expected import Series, series_of
 from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m, series_of_pushes
 from ...calibration.taking.procedure import bend_in_words, settle_s
 from ...calibration.taking.sheet import LINES, SLIDES, sheet_text, ways_of
+from ...model.files import write_text
 from .bend_drawing import bend_shape, bend_svg
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def sheet(session: Session) -> str:
 def write_sheet(session: Session, path: Path) -> None:
     """Write the sheet: to print, or as CSV to type it into."""
     typed = path.suffix.lower() == ".csv"
-    path.write_text(sheet_text(session) if typed else sheet(session), encoding="utf-8")
+    write_text(path, sheet_text(session) if typed else sheet(session))
 
 
 def _treadmill_parts(session: Session) -> list[str]:

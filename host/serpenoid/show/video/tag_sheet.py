@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import BadInput
-from ..whole_file import whole_file
+from ...model.files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

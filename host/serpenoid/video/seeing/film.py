@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.errors import BadInput
+from ...model.files import check_file
 from .extra import need_extra
 
 Grey = NDArray[np.uint8]
 B_PICTURE = 3  # libavutil's AV_PICTURE_TYPE_B
 ENDS_EARLY = 0.9  # of the length that a file tells: then it was cut off
+MOST_BYTES = 1 << 40  # of a film
 MOST_DAMAGE = 200  # after so many faults a file is read no further
 
 
@@ -55,6 +57,7 @@ class Film:
     def open(path: Path) -> Film:
         """Read what the file says. Raises BadInput: no film, damaged, or a single picture."""
         av = _library()
+        check_file(path, MOST_BYTES)
         try:
             with av.open(str(path)) as box:
                 stream = _stream(box, path)

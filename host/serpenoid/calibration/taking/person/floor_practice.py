@@ -17,6 +17,7 @@ from ....lab.recording import Camera, film, to_rest
 from ....lab.robot import LabRobot, pose_of
 from ....model.bends import balanced_signs
 from ....model.errors import BadInput
+from ....model.files import write_text
 from ....model.ground import Ground
 from ...kinds.instruments import FloorTools
 from ...session import Session, Setup
@@ -190,7 +191,7 @@ class FloorTerminal:
         self._films.mkdir(parents=True, exist_ok=True)
         path = self._films / f"{what}-{self._count:02}.csv"
         lines = [",".join(f"{value:.6f}" for value in row) for row in rows.tolist()]
-        path.write_text("\n".join([",".join(columns), *lines]) + "\n", encoding="utf-8")
+        write_text(path, "\n".join([",".join(columns), *lines]) + "\n")
         self._said(f"filmed, and tracked: {path}")
         return str(path)
 

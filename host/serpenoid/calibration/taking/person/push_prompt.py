@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from ....model.checks import sha256_of
 from ....model.errors import BadInput
-from ....model.files import read_text
+from ....model.files import csv_rows, read_text
 from ....model.gait import Gait
 from ....model.robot import Robot
 from ....model.toml_table import located
@@ -103,7 +102,7 @@ def joint_columns(joints: int) -> list[str]:
 
 def _crawl_rows(path: Path, joints: int) -> NDArray[np.float64]:
     names = [*CRAWL_COLUMNS, *joint_columns(joints)]
-    header, *lines = list(csv.reader(read_text(path).splitlines())) or [[]]
+    header, *lines = csv_rows(read_text(path), path) or [[]]
     if header != names:
         raise BadInput(
             f"{path}: the columns are {', '.join(header)}; they must be "
