@@ -234,13 +234,7 @@ class SlowScene:
 
     def step(self, t_s: float, y: Array, dt_s: float) -> Array:
         """Return y after one step of the scene's method."""
-        if self.scene.method in ("rk4", "paper"):
-            return rk4_step(self.rate, t_s, y, dt_s)
-        y_rate, size = self.rate(t_s, y), (len(y) - 4) // 2
-        after = y + dt_s * y_rate
-        if self.scene.method == "semi_implicit_euler":
-            after[:size] = y[:size] + dt_s * after[size : 2 * size]
-        return after
+        return rk4_step(self.rate, t_s, y, dt_s)
 
     def gap_rate(self, t_s: float, y: Array) -> Array:
         """Return the rates of the gaps (n-1, 2)."""

@@ -46,53 +46,6 @@ static void accelerate(const Robot& r, Chain& k, const Joints& joints) {
     }
 }
 
-void explicit_torque(const Robot& robot, Chain& k, Joints& joints) {
-    const int n = k.n();
-    const double im = 1 / robot.m, l = robot.l, ll = l * l / robot.I;
-    struct Block {
-        double xx, xy, yy;  // symmetric 2 x 2
-    };
-    const auto normal = [&](int i) {
-        return Block{ll * k.s[i] * k.s[i], -ll * k.s[i] * k.c[i], ll * k.c[i] * k.c[i]};
-    };
-    const auto torque = [&](int i) {
-        return (i < n - 1 ? joints.T[i] : 0.0) - (i > 0 ? joints.T[i - 1] : 0.0);
-    };
-    std::vector<double> upper(4 * n);  // D_i^-1 times the block to the next joint
-    for (int i = 0; i + 1 < n; ++i) {
-        const Block a = normal(i), b = normal(i + 1);
-        double D[4] = {2 * im + a.xx + b.xx, a.xy + b.xy, a.xy + b.xy, 2 * im + a.yy + b.yy};
-        const double ti = torque(i) * l / robot.I, tj = torque(i + 1) * l / robot.I;
-        const double wi = l * k.omega[i] * k.omega[i], wj = l * k.omega[i + 1] * k.omega[i + 1];
-        double rhs[6] = {0, 0, 0, 0, 0, 0};  // rows of (block, r)
-        rhs[2] = (k.fx[i + 1] - k.fx[i]) * im + k.s[i] * ti + k.s[i + 1] * tj + k.c[i] * wi +
-                 k.c[i + 1] * wj;
-        rhs[5] = (k.fy[i + 1] - k.fy[i]) * im - k.c[i] * ti - k.c[i + 1] * tj + k.s[i] * wi +
-                 k.s[i + 1] * wj;
-        if (i + 2 < n) rhs[0] = b.xx - im, rhs[1] = b.xy, rhs[3] = b.xy, rhs[4] = b.yy - im;
-        if (i > 0) {  // eliminate the joint before: its block is a - 1/m
-            const double* U = &upper[4 * (i - 1)];
-            const double lower[4] = {a.xx - im, a.xy, a.xy, a.yy - im};
-            for (int r = 0; r < 2; ++r) {
-                for (int c = 0; c < 2; ++c)
-                    D[2 * r + c] -= lower[2 * r] * U[c] + lower[2 * r + 1] * U[2 + c];
-                rhs[3 * r + 2] -=
-                    lower[2 * r] * joints.Fx[i - 1] + lower[2 * r + 1] * joints.Fy[i - 1];
-            }
-        }
-        solve_dense<2, 3>(D, rhs);
-        upper[4 * i] = rhs[0], upper[4 * i + 1] = rhs[1];
-        upper[4 * i + 2] = rhs[3], upper[4 * i + 3] = rhs[4];
-        joints.Fx[i] = rhs[2], joints.Fy[i] = rhs[5];
-    }
-    for (int i = n - 3; i >= 0; --i) {
-        const double* U = &upper[4 * i];
-        joints.Fx[i] -= U[0] * joints.Fx[i + 1] + U[1] * joints.Fy[i + 1];
-        joints.Fy[i] -= U[2] * joints.Fx[i + 1] + U[3] * joints.Fy[i + 1];
-    }
-    accelerate(robot, k, joints);
-}
-
 namespace {
 
 // The three rows of joint i, each over (F_x, F_y, T) of joints i - 1, i, i + 1, and the right side.

@@ -12,17 +12,12 @@ namespace serpenoid {
 // equations are those of tail_acceleration.hpp.
 void explicit_angle(const Robot& robot, const double* joint_accel, Chain& chain, Joints& joints);
 
-// Joint torques imposed: joints.T is input, joints.F is found. Equal accelerations of both sides
-// of each joint give a symmetric positive definite block-tridiagonal system (2 x 2 blocks):
+// Some joints imposed (imposed[j]: joint_accel[j] = phi_j'' is input, its torque is found), the
+// others free (joints.T[j] is input). Equal accelerations of both sides of each joint and, for an
+// imposed one, the difference of both links' angular equations give a block-tridiagonal system of
+// three unknowns a joint, with N = n n^T and tau_i = T_i - T_{i-1}:
 //     (2F_i - F_{i-1} - F_{i+1})/m + (l^2/I)[N_i (F_{i-1} + F_i) + N_{i+1} (F_i + F_{i+1})]
 //   = (f_{i+1} - f_i)/m - (l/I)(n_i tau_i + n_{i+1} tau_{i+1}) + l(t_i w_i^2 + t_{i+1} w_{i+1}^2),
-// N = n n^T, tau_i = T_i - T_{i-1}.
-void explicit_torque(const Robot& robot, Chain& chain, Joints& joints);
-
-// Some joints imposed (imposed[j]: joint_accel[j] = phi_j'' is input, its torque is found), the
-// others free (joints.T[j] is input). The equations above with the torques among the unknowns,
-// three a joint, and as a third row for an imposed one the difference of both links' angular
-// equations:
 //     (2T_i - T_{i-1} - T_{i+1})/I + (l/I)[n_i . (F_{i-1} + F_i) - n_{i+1} . (F_i + F_{i+1})]
 //   = -phi_i''.
 // A free joint with rotor[j] > 0, the inertia of a motor times its gear ratio squared, has that row

@@ -62,7 +62,7 @@ inline double link_balance(const Robot& r, Chain& k, const Joints& joints, int i
     return r.l * (-k.s[i] * (px + qx) + k.c[i] * (py + qy));
 }
 
-// The four below take a chain and the joint forces, and fill its accelerations.
+// The three below take a chain and the joint forces, and fill its accelerations.
 
 // Angles imposed: joint_accel[j] = phi_j''. Returns theta_1''; k.alpha gets the couples of the
 // links.
@@ -86,14 +86,6 @@ inline void implicit_angle(const Robot& r, const double* joint_accel, Chain& k, 
         T += r.I * angular - k.alpha[i];
         k.alpha[i] = angular;
         if (i + 1 < k.n()) joints.T[i] = T;
-    }
-}
-
-// Torques imposed: joints.T is input.
-inline void implicit_torque(const Robot& r, Chain& k, Joints& joints) {
-    for (int i = 0; i < k.n(); ++i) {
-        const double T = (i + 1 < k.n() ? joints.T[i] : 0.0) - (i > 0 ? joints.T[i - 1] : 0.0);
-        k.alpha[i] = (T + link_balance(r, k, joints, i)) / r.I;
     }
 }
 

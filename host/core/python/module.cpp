@@ -262,7 +262,7 @@ nb::list method_table() {
     nb::list rows;
     for (const MethodKind& k : kMethods) {
         nb::dict row;
-        row["name"] = k.name, row["order"] = k.order, row["stability"] = k.stability;
+        row["name"] = k.name, row["order"] = k.order;
         row["formulations"] = k.formulations, row["adaptive"] = k.adaptive;
         row["drives"] = k.drives, row["laws"] = k.laws, row["records"] = k.records;
         row["plain"] = k.plain, row["faults"] = k.faults;

@@ -12,15 +12,14 @@ void evaluate(const RunRequest& q, const double* joint_acceleration, Chain& chai
         GroundForce<SmoothedRatchet, Flat>(q.ground, q.smoothing, {}, 0)(chain);
     else
         GroundForce<Ratchet, Flat>(q.ground, 0, {}, 0)(chain);
-    const bool angle = q.drive == Drive::angle;
+    const std::vector<char> imposed(q.robot.n - 1, q.drive == Drive::angle);
+    std::vector<double> rotor(q.robot.n - 1), scratch(q.robot.n);
     if (q.formulation == Formulation::explicit_) {
         chain.follow(q.robot.l);
-        angle ? explicit_angle(q.robot, joint_acceleration, chain, joints)
-              : explicit_torque(q.robot, chain, joints);
+        explicit_mixed(q.robot, imposed, rotor, joint_acceleration, chain, joints);
     } else {
         spring_forces(q.robot, q.spring, Damper(q.robot.n, false), chain, joints);
-        angle ? implicit_angle(q.robot, joint_acceleration, chain, joints)
-              : implicit_torque(q.robot, chain, joints);
+        implicit_mixed(q.robot, imposed, rotor, joint_acceleration, scratch, chain, joints);
     }
 }
 

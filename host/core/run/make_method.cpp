@@ -10,11 +10,9 @@
 #include "methods/adaptive/dop853.hpp"
 #include "methods/adaptive/error_scale.hpp"
 #include "methods/adaptive/mode_steps.hpp"
-#include "methods/euler.hpp"
 #include "methods/paper_scheme.hpp"
 #include "methods/rk4.hpp"
 #include "methods/rk4_vector.hpp"
-#include "methods/semi_implicit_euler.hpp"
 #include "methods/set_valued_motion.hpp"
 #include "methods/stick_slip.hpp"
 #include "methods/stiff/radau.hpp"
@@ -64,14 +62,9 @@ struct Maker {
     Made (*make)(const RunRequest&, System&);
 };
 constexpr Maker kMakers[] = {
-    {"rk4", rk4},
-    {"euler", fixed<Euler>},
-    {"semi_implicit_euler", fixed<SemiImplicitEuler>},
-    {"paper", fixed<PaperScheme>},
-    {"dop853", dop853},
-    {"collocation", collocation},
-    {"radau", make_radau},
-    {"nonsmooth", nonsmooth},
+    {"rk4", rk4},          {"paper", fixed<PaperScheme>},
+    {"dop853", dop853},    {"collocation", collocation},
+    {"radau", make_radau}, {"nonsmooth", nonsmooth},
 };
 
 constexpr bool every_method_has_its_maker() {

@@ -7,7 +7,6 @@
 #include "model/explicit_model.hpp"
 #include "model/tail_acceleration.hpp"
 #include "scene/make_system.hpp"
-#include "scene/make_torques.hpp"
 #include "scene/paired_system.hpp"
 #include "scene/rotor_system.hpp"
 #include "scene/terms.hpp"
@@ -85,50 +84,8 @@ class ExplicitAngleOn final : public ExplicitAngle {
     Force force;
 };
 
-// All torques given. State: x, y of link 1, theta_1..theta_n, then their rates.
-class ExplicitTorque final : public PairedSystem {
-  public:
-    ExplicitTorque(const RunRequest& q, std::unique_ptr<TorqueSource> torques)
-        : PairedSystem(q.robot.n, q.robot.n + 2),
-          robot(q.robot),
-          force(make_force(q)),
-          source(std::move(torques)) {}
-
-    void set(const Chain& c, double* y) const override {
-        y[0] = c.x[0], y[1] = c.y[0], y[half] = c.vx[0], y[half + 1] = c.vy[0];
-        for (int i = 0; i < robot.n; ++i) y[2 + i] = c.theta[i], y[half + 2 + i] = c.omega[i];
-    }
-    void fill(double, const double* y) override {
-        chain.x[0] = y[0], chain.y[0] = y[1], chain.vx[0] = y[half], chain.vy[0] = y[half + 1];
-        for (int i = 0; i < robot.n; ++i)
-            chain.theta[i] = y[2 + i], chain.omega[i] = y[half + 2 + i];
-        chain.directions();
-        chain.follow(robot.l);
-    }
-    void load(double t, const double* y) override {
-        fill(t, y);
-        (*force)(chain);
-        source->torques(t, chain, driven.data());
-    }
-    void accelerate() override { joints.T = driven, explicit_torque(robot, chain, joints); }
-    void rate(double t, const double* y, double* dy) override { forces(t, y), derivative(y, dy); }
-    void derivative(const double* y, double* dy) const override {
-        std::copy_n(y + half, half, dy);
-        dy[half] = chain.ax[0], dy[half + 1] = chain.ay[0];
-        for (int i = 0; i < robot.n; ++i) dy[half + 2 + i] = chain.alpha[i];
-    }
-    bool rate_fills_forces() const override { return true; }
-    double next_jump(double t) const override { return source->next_jump(t); }
-    void enter(double t, const double* y) override { fill(t, y), source->enter(t, chain); }
-
-  private:
-    Robot robot;
-    std::unique_ptr<ChainForce> force;
-    std::unique_ptr<TorqueSource> source;
-};
-
-// Some angles imposed, some torques given. State: x, y, theta of link 1, the free joints' angles,
-// then the rates of all these.
+// Some angles imposed, some torques given, or all of one kind. State: x, y, theta of link 1, the
+// free joints' angles, then the rates of all these.
 class ExplicitMixed final : public PairedSystem {
   public:
     ExplicitMixed(const RunRequest& q, MixedDrive joint_drive,
@@ -188,8 +145,7 @@ class ExplicitMixed final : public PairedSystem {
 
 static std::unique_ptr<PairedSystem> make_driven(const RunRequest& q,
                                                  std::unique_ptr<TorqueSource> torques) {
-    if (mixed(q)) return std::make_unique<ExplicitMixed>(q, mixed_drive(q), std::move(torques));
-    return std::make_unique<ExplicitTorque>(q, std::move(torques));
+    return std::make_unique<ExplicitMixed>(q, mixed_drive(q), std::move(torques));
 }
 
 static std::unique_ptr<PairedSystem> make_with_play(const RunRequest& q) {
@@ -202,7 +158,7 @@ static std::unique_ptr<PairedSystem> make_with_play(const RunRequest& q) {
 
 std::unique_ptr<PairedSystem> make_paired(const RunRequest& q) {
     if (q.drive == Drive::servo && q.servo.backlash > 0) return make_with_play(q);
-    if (mixed(q) || q.drive != Drive::angle) return make_driven(q, make_torques(q));
+    if (mixed(q)) return make_driven(q, make_torques(q));
     return with_force<PairedSystem>(q, [&]<class Force>() -> std::unique_ptr<PairedSystem> {
         return std::make_unique<ExplicitAngleOn<Force>>(q);
     });

@@ -5,14 +5,13 @@
 #include "drive/joint_angles.hpp"
 #include "model/implicit_model.hpp"
 #include "scene/make_system.hpp"
-#include "scene/make_torques.hpp"
 #include "scene/terms.hpp"
 
 namespace serpenoid {
 
 namespace {
 
-// What the three share: state of the centres x, y, vx, vy of every link (n values each), and the
+// What both share: state of the centres x, y, vx, vy of every link (n values each), and the
 // order of the steps. What turns follows behind, in pairs of blocks.
 class ImplicitSystem : public System {
   public:
@@ -94,46 +93,6 @@ class ImplicitAngle final : public ImplicitSystem {
     GaitDrive drive;
 };
 
-// All torques given. State: the centres, then theta and omega of every link (n values each).
-class ImplicitTorque final : public ImplicitSystem {
-  public:
-    ImplicitTorque(const RunRequest& q, std::unique_ptr<TorqueSource> torques)
-        : ImplicitSystem(q, q.robot.n), source(std::move(torques)) {}
-
-    void set(const Chain& c, double* y) const override {
-        const int n = robot.n;
-        set_centres(c, y);
-        std::copy_n(c.theta.data(), n, angles(y));
-        std::copy_n(c.omega.data(), n, angles(y) + n);
-    }
-    void fill(double, const double* y) override {
-        const int n = robot.n;
-        fill_centres(y);
-        std::copy_n(angles(y), n, chain.theta.data());
-        std::copy_n(angles(y) + n, n, chain.omega.data());
-        chain.directions();
-    }
-    void forces(double t, const double* y) override {
-        fill(t, y);
-        act();
-        source->torques(t, chain, joints.T.data());
-        implicit_torque(robot, chain, joints);
-    }
-    void rate(double t, const double* y, double* dy) override {
-        const int n = robot.n;
-        forces(t, y);
-        give_centres(y, dy);
-        std::copy_n(angles(y) + n, n, angles(dy));
-        std::copy_n(chain.alpha.data(), n, angles(dy) + n);
-    }
-    bool rate_fills_forces() const override { return true; }
-    double next_jump(double t) const override { return source->next_jump(t); }
-    void enter(double t, const double* y) override { fill(t, y), source->enter(t, chain); }
-
-  private:
-    std::unique_ptr<TorqueSource> source;
-};
-
 // Some angles imposed, some torques given. State: the centres, theta of link 1 and the free
 // joints' angles, then the rates of these.
 class ImplicitMixed final : public ImplicitSystem {
@@ -195,8 +154,7 @@ class ImplicitMixed final : public ImplicitSystem {
 
 std::unique_ptr<System> make_implicit(const RunRequest& q) {
     if (mixed(q)) return std::make_unique<ImplicitMixed>(q, mixed_drive(q), make_torques(q));
-    if (q.drive == Drive::angle) return std::make_unique<ImplicitAngle>(q);
-    return std::make_unique<ImplicitTorque>(q, make_torques(q));
+    return std::make_unique<ImplicitAngle>(q);
 }
 
 }  // namespace serpenoid

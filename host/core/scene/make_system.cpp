@@ -24,6 +24,13 @@ std::unique_ptr<System> make_sticking(const RunRequest& q) {
 
 }  // namespace
 
+std::unique_ptr<TorqueSource> make_torques(const RunRequest& q) {
+    if (q.drive == Drive::angle) return std::make_unique<NoTorque>();
+    if (q.drive == Drive::servo) return std::make_unique<ServoTorque>(q.servo, q.gait, q.robot.n);
+    if (!q.table.empty()) return std::make_unique<TableTorque>(q.table);
+    return std::make_unique<FunctionTorque>(q.torque);
+}
+
 std::unique_ptr<System> make_system(const RunRequest& q) {
     const bool pinned = q.formulation == Formulation::explicit_;
     const bool smooth = q.ground.smooth() && gear_friction(q) == 0;

@@ -1,4 +1,4 @@
-// Every method of runs in time: which scenes it runs, its order, its rule of stability.
+// Every method of runs in time: which scenes it runs, its order.
 //
 // The one registry. Python reads it (simulation/methods.py), and refuses with it what a method does
 // not run; run/make_method.cpp has how each is made, in the same order.
@@ -11,8 +11,7 @@ namespace serpenoid {
 // Lists are words (host/serpenoid/model/checks.py) with a blank between them.
 struct MethodKind {
     const char* name;
-    int order;                   // of convergence at recorded times, for smooth motion
-    const char* stability = "";  // rule for fixed steps, in simulation/stability.py
+    int order;  // of convergence at recorded times, for smooth motion
     const char* formulations = "explicit implicit";
     const char* adaptive = "";  // formulations in which it picks its steps; in the others dt_s
     const char* drives = "angle torque servo";
@@ -27,14 +26,8 @@ struct MethodKind {
 };
 
 inline constexpr MethodKind kMethods[] = {
-    {.name = "rk4", .order = 4, .stability = "rk4"},
-    {.name = "euler", .order = 1, .stability = "euler"},
-    {.name = "semi_implicit_euler", .order = 1, .stability = "semi_implicit"},
-    {.name = "paper",
-     .order = 1,
-     .stability = "held_dampers",
-     .formulations = "implicit",
-     .holds_dampers = true},
+    {.name = "rk4", .order = 4},
+    {.name = "paper", .order = 1, .formulations = "implicit", .holds_dampers = true},
     {.name = "dop853", .order = 8, .adaptive = "explicit implicit", .laws = "viscous smoothed"},
     {.name = "collocation",
      .order = 7,
@@ -52,7 +45,6 @@ inline constexpr MethodKind kMethods[] = {
      .faults = false},
     {.name = "nonsmooth",
      .order = 2,
-     .stability = "stick_slip",
      .adaptive = "explicit",
      .laws = "viscous dry",
      .makes_friction = true},

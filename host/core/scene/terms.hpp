@@ -26,10 +26,15 @@ std::unique_ptr<Made> with_force(const RunRequest& q, const Make& make) {
                               : plane.template operator()<Frictionless>();
 }
 
-std::unique_ptr<ChainForce> make_force(const RunRequest& request);
+// The same force behind a virtual call, for systems that are compiled once.
+inline std::unique_ptr<ChainForce> make_force(const RunRequest& q) {
+    return with_force<ChainForce>(q, [&]<class Force>() -> std::unique_ptr<ChainForce> {
+        return std::make_unique<Force>(q.ground, q.smoothing, q.slope, q.robot.m);
+    });
+}
 
-// Some joints of another kind than the others, or rotors, whose torques are solved for, too.
-inline bool mixed(const RunRequest& q) { return !q.faults.empty() || armature(q) > 0; }
+// Whether any joint is not imposed: driven by a torque, limp or locked.
+inline bool mixed(const RunRequest& q) { return q.drive != Drive::angle || !q.faults.empty(); }
 
 inline MixedDrive mixed_drive(const RunRequest& q) {
     return {q.robot.n, q.gait, q.drive == Drive::angle, q.faults, q.locked_rad, armature(q)};

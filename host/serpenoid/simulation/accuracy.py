@@ -9,9 +9,10 @@ from dataclasses import replace
 from ..model.checks import check_choice, check_number
 from ..model.errors import BadInput, NotConverged
 from .methods import METHODS, OwnChoice, default_method, objection
-from .related_scenes import exact_scene, largest_stable_step_s
+from .related_scenes import exact_scene
 from .run import Run
 from .scene import Scene
+from .stability import largest_stable_step_s
 
 _TRIES = 6
 _MOST_LINK_STEPS = 10**8  # some ten seconds
@@ -36,7 +37,8 @@ def _first(scene: Scene, accuracy: float, keep: Collection[str]) -> tuple[Scene,
     if "tolerance" not in keep:
         chosen = replace(chosen, tolerance=tight)
     if "dt_s" not in keep and not chosen.adaptive:
-        chosen = _split(chosen, chosen.dt_s / (largest_stable_step_s(chosen) / 2))
+        most_s = min(chosen.gait.period_s / 40, largest_stable_step_s(chosen) / 2)
+        chosen = _split(chosen, chosen.dt_s / most_s)
     return chosen, why
 
 

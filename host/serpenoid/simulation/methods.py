@@ -16,15 +16,13 @@ if TYPE_CHECKING:
 class MethodKind:
     """Say which scenes a method runs; a row of host/core/scene/method_table.hpp.
 
-    order: of convergence at recorded times, for smooth motion. stability: the rule for its fixed
-    steps (stability.py), empty for methods without. adaptive: formulations in which it takes steps
-    of its own to scene.tolerance; in the others steps of dt_s. records: what it can record besides
-    the motion. plain: whether all joints must follow the gait, on the level. faults: whether it
-    runs with limp or locked joints.
+    order: of convergence at recorded times, for smooth motion. adaptive: formulations in which it
+    takes steps of its own to scene.tolerance; in the others steps of dt_s. records: what it can
+    record besides the motion. plain: whether all joints must follow the gait, on the level. faults:
+    whether it runs with limp or locked joints.
     """
 
     order: int
-    stability: str
     formulations: tuple[str, ...]
     adaptive: tuple[str, ...]
     drives: tuple[str, ...]
@@ -90,6 +88,9 @@ class Asked(Protocol):
     def record(self) -> tuple[str, ...]:
         """Return which of RECORDS to keep."""
         ...
+
+
+GONE = ("euler", "semi_implicit_euler")  # of order 1
 
 
 class OwnChoice(str):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from .scene import Scene
-from .stability import largest_step_s, stability_test
+from .stability import stability_test
 
 _TIGHT, _TIGHTEST = 1e-8, 1e-10  # of methods that pick their steps
 _LEAST = 1e-13
@@ -36,15 +36,6 @@ def exact_scene(scene: Scene, tolerance: float) -> Scene:
 def _ledger(scene: Scene) -> tuple[str, ...]:
     """Return what another run must record to be compared with one: energies, or nothing."""
     return tuple(one for one in scene.record if one == "energy")
-
-
-def largest_stable_step_s(scene: Scene) -> float:
-    """Return the largest stable fixed step of a scene, s, at most its gait's period / 20."""
-    most = scene.gait.period_s / 20
-    stable = stability_test(scene)
-    if stable is None or stable(most):
-        return most
-    return largest_step_s(stable, most)
 
 
 @dataclass(frozen=True, slots=True)

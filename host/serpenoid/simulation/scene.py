@@ -18,7 +18,7 @@ from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
 from ..model.vectors import finite_vector
-from .methods import METHODS, OwnChoice, default_method, objection, ways_out
+from .methods import GONE, METHODS, OwnChoice, default_method, objection, ways_out
 
 MAX_LINK_STEPS = 10**11
 LEAST_SMOOTHING_M_S = 1e-12  # far below what any wheel shows, far above what overflows
@@ -113,6 +113,11 @@ class Scene:
         check_parts(self.robot, self.ground, self.gait)
         check_choice("formulation", self.formulation, FORMULATIONS)
         check_choice("drive", self.drive, DRIVES)
+        if self.method in GONE:
+            raise BadInput(
+                f"method {self.method!r} is gone; take method 'rk4', which is more accurate at any "
+                "step"
+            )
         if not isinstance(self.method, OwnChoice):
             check_choice("method", self.method, ("auto", *METHODS))
         check_choice("gap", self.gap, GAPS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..model.link_state import LinkState
 from ..periodic.steady import steady_gait
 from .core_run import run_core
 from .scene import Scene
+from .stability import friction_rate
 
 Array = NDArray[np.float64]
 _FOLLOWS = {"viscous": "rk4", "smoothed": "dop853", "dry": "nonsmooth"}  # a law closely enough
@@ -97,8 +99,12 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
 
     Gap (F - c F'/k)/k and gap rate F'/k: the motion then has no ringing part to order 1/k^2. The
     centre of mass stays where it is. F' comes from five evaluations along the explicit motion.
+    Where friction brakes faster than the springs swing, or wheels stop at once, F is not slow: the
+    gap is F/k.
     """
-    h = 1e-3 / scene.gait.omega_rad_s
+    k, c = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
+    m, braking = scene.robot.link_mass_kg, friction_rate(scene)
+    h = min(1e-3 / scene.gait.omega_rad_s, max(1e-2 / braking, 1e-12) if braking else math.inf)
     if scene.drive != "angle":
         h = min(h, 1e-5)
     exact = replace(
@@ -115,8 +121,17 @@ def _on_slow_manifold(scene: Scene, start: LinkState) -> LinkState:
     out = run_core(exact, start)
     force = np.stack([out["joint_force_x_n"], out["joint_force_y_n"]], axis=2)  # (5, n-1, 2)
     rate = np.tensordot(_FORWARD, force, axes=1) / h
-    k, c = scene.joint_stiffness_n_m, scene.joint_damping_n_s_m
+    lag = c / k + math.sqrt(m / k)
+    mode_ends = scene.law == "dry" and np.abs(rate).max() * lag > np.abs(force[0]).max()
+    if braking * lag > 1 or mode_ends:
+        rate *= 0
     gap, gap_rate = (force[0] - c * rate / k) / k, rate / k
+    widest = float(np.abs(gap).max())
+    if not widest < scene.robot.link_length_m:
+        raise BadInput(
+            f"the springs ({k:g} N/m) would begin {widest:.3g} m apart, more than a link "
+            f"({scene.robot.link_length_m:g} m); take gap 'zero', or a larger joint_stiffness_n_m"
+        )
 
     def opened(values: Array, gaps: Array) -> Array:
         shift = np.concatenate(([0.0], np.cumsum(gaps)))

@@ -15,10 +15,10 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s, steady_gait
-from .related_scenes import largest_stable_step_s
 from .run import Run
 from .scene import Scene
 from .simulate import simulate
+from .stability import largest_stable_step_s
 
 _MOST_CYCLES = 4096
 _STEPS_A_CYCLE = 1000

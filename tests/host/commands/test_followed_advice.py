@@ -13,8 +13,6 @@ CHOICES = {
     "--formulation": ["explicit", "implicit"],
     "--method": [
         "rk4",
-        "euler",
-        "semi_implicit_euler",
         "paper",
         "dop853",
         "collocation",

@@ -270,6 +270,6 @@ def test_an_accuracy_keeps_what_is_given_or_says_why_not() -> None:
     done = CliRunner().invoke(cli, ["simulate", *springs, "--accuracy", "1e-6"])
     assert done.exit_code != 0
     assert "the springs alone (k = 1000 N/m)" in str(done.exception)
-    coarse = [*SHORT, "--method", "euler", "--dt-s", "1e-2", "--accuracy", "1e-6"]
+    coarse = [*SHORT, "--method", "rk4", "--dt-s", "1e-2", "--accuracy", "1e-9"]
     done = CliRunner().invoke(cli, ["simulate", *coarse])
     assert "--dt-s 0.01 was given" in str(done.exception)

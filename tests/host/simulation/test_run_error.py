@@ -55,8 +55,6 @@ def reference(scene: sn.Scene) -> sn.Run:
     "how",
     [
         {"method": "rk4", "dt_s": 1e-2},
-        {"method": "euler"},
-        {"method": "semi_implicit_euler"},
         {"method": "dop853", "tolerance": 1e-5},
     ],
     ids=lambda how: how["method"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,24 +13,26 @@ from serpenoid.bench.stability import map as stability_map
 from serpenoid.bench.stability.extremes import DEFECTS
 from serpenoid.bench.stability.map import Grid
 from serpenoid.simulation.methods import METHODS
+from serpenoid.simulation.stability import largest_stable_step_s
 
 SIX = sn.Robot(6, 1.0, 0.12)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
 
 
-def test_explicit_euler_has_no_stable_step_without_damping() -> None:
-    scene = sn.Scene(
-        SIX,
-        sn.Ground(0.1, 10.0),
-        GAIT,
-        formulation="implicit",
-        method="euler",
-        joint_damping_n_s_m=0.0,
-        dt_s=1e-9,
-        duration_s=1e-8,
-    )
-    with pytest.raises(sn.StepTooLarge, match="no stable step"):
+@pytest.mark.parametrize("method", ["euler", "semi_implicit_euler"])
+def test_a_method_that_is_gone_names_another(method: str) -> None:
+    with pytest.raises(sn.BadInput, match=f"{method}.* is gone; take method 'rk4'"):
+        sn.Scene(SIX, sn.Ground(0.1, 10.0), GAIT, method=method)
+
+
+def test_the_refusal_and_the_limit_name_the_same_step() -> None:
+    """A slow gait does not cap what is stable."""
+    scene = sn.Scene(SIX, sn.Ground(1.0, 1.0), sn.Gait(0.5, 1.4, 0.3), method="rk4", dt_s=4.0)
+    limit_s = largest_stable_step_s(scene)
+    with pytest.raises(sn.StepTooLarge, match=f"stable up to {limit_s:.3g} s"):
         sn.simulate(scene)
+    assert limit_s == pytest.approx(largest_stable_step_s(replace(scene, dt_s=1e-3)), rel=1e-9)
+    sn.simulate(replace(scene, dt_s=0.999 * limit_s))
 
 
 def test_a_torque_table_outlives_its_request() -> None:

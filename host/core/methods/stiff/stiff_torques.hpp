@@ -7,7 +7,7 @@
 
 #include "methods/stiff/stiff_link.hpp"
 #include "numerics/block_tridiagonal.hpp"
-#include "scene/make_torques.hpp"
+#include "scene/make_system.hpp"
 #include "scene/run_request.hpp"
 
 namespace serpenoid {
@@ -41,11 +41,13 @@ class SpringTorque {
     double mass(int j) const { return is_angle(j) ? r_.I : r_.m; }
     double lightest_turn() const { return r_.I; }
 
-    // From and to the state of the system: x, y, vx, vy of all links, their angles and rates.
+    // From and to the state of the system: x, y, vx, vy of all links, the angle of link 1 and those
+    // of the joints, then their rates.
     void load(double, const double* y, double* q, double* v) const {
         const int n = r_.n;
         for (int i = 0; i < n; ++i) {
-            q[3 * i + 2] = y[4 * n + i], v[3 * i + 2] = y[5 * n + i];
+            q[3 * i + 2] = y[4 * n + i] + (i > 0 ? q[3 * i - 1] : 0);
+            v[3 * i + 2] = y[5 * n + i] + (i > 0 ? v[3 * i - 1] : 0);
             const Arm arm = arm_behind(i, q, v);
             q[3 * i] = y[i] - (i > 0 ? y[i - 1] + arm.x : 0);
             q[3 * i + 1] = y[n + i] - (i > 0 ? y[n + i - 1] + arm.y : 0);
@@ -57,7 +59,8 @@ class SpringTorque {
         const int n = r_.n;
         for (int i = 0; i < n; ++i) {
             const Arm arm = arm_behind(i, q, v);
-            y[4 * n + i] = q[3 * i + 2], y[5 * n + i] = v[3 * i + 2];
+            y[4 * n + i] = q[3 * i + 2] - (i > 0 ? q[3 * i - 1] : 0);
+            y[5 * n + i] = v[3 * i + 2] - (i > 0 ? v[3 * i - 1] : 0);
             y[i] = q[3 * i] + (i > 0 ? y[i - 1] + arm.x : 0);
             y[n + i] = q[3 * i + 1] + (i > 0 ? y[n + i - 1] + arm.y : 0);
             y[2 * n + i] = v[3 * i] + (i > 0 ? y[2 * n + i - 1] + arm.vx : 0);

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 OURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#000000", "#882255", "#3A9BDC")
 PEERS = {"SciPy": "#8c8c8c", "SUNDIALS": "#7a68ad", "Numba": "#4f7a4f", "MuJoCo": "#a8813a"}
 MARKERS = "osD^vP*X"
-LEFT_OUT = ("euler", "semi_implicit_euler")  # of order 1: nobody's choice, and in the CSV
 APART = 0.065  # of a panel's height, between two names
 ERRORS, TIMES = (3.0, 1e-15), (3e-6, 5.0)  # the same in all panels
 Points = list[tuple[float, float]]
@@ -31,8 +30,6 @@ def _styles(methods: Sequence[Row]) -> dict[str, dict[str, Any]]:
     """Return how each series is drawn, the same in all panels; ours come first."""
     styles: dict[str, dict[str, Any]] = {}
     for row in methods:
-        if row.method.endswith(LEFT_OUT):
-            continue
         k = len(styles)
         if row.family in PEERS:
             look = {"color": PEERS[row.family], "lw": 1.2, "ms": 4, "zorder": 2, "mfc": "white"}
@@ -47,8 +44,6 @@ def series(rows: Sequence[Row], scene: str) -> dict[str, Points]:
     """Return (error, seconds) of each method of ours, and of each family of peers its front."""
     found: dict[str, Points] = {}
     for method, line in lines(rows, scene).items():
-        if method.endswith(LEFT_OUT):
-            continue
         name = line[0].family if line and line[0].family in PEERS else method
         points = [
             (r.error, r.time_s / r.simulated_s)
@@ -142,8 +137,8 @@ def accuracy_figure(rows: Sequence[Row], path: Path, where: str | None = None) -
             ax.set_ylabel("processor time (s)\nper simulated second")
         fig.suptitle(
             "Filled: this package; open: the best of what else one might take. Lower is faster, "
-            "right is more accurate.\nGrey: the reference is not known better. Left out, but in "
-            f"the CSV: Euler's methods, of order 1. {where}",
+            "right is more accurate.\nGrey: the reference is not known better. "
+            f"{where}",
             fontsize=9,
             color=GREY,
             ha="left",

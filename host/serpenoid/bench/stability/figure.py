@@ -77,7 +77,7 @@ def overview(cells: Sequence[Cell], path: Path) -> None:
     methods = list(dict.fromkeys(cell.method for cell in cells))
     columns = sorted({(cell.links, cell.damping_n_s_m) for cell in cells})
     rows = {
-        m.replace("semi_implicit_euler", "semi-implicit Euler"): [
+        m: [
             [x for x in cells if (x.method, x.links, x.damping_n_s_m) == (m, n, c)]
             for n, c in columns
         ]
