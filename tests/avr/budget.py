@@ -71,7 +71,7 @@ def random_command(rng: random.Random, joints: int = 5) -> str:
             f"gait {rng.uniform(0, 95):.4f} {rng.uniform(-185, 185):.6f} {rng.uniform(0, 12):.3f}",
             f"gait 30.123456 -80.654321 5.123456 {rng.uniform(-60, 60):.6f}",
             "pose " + " ".join(f"{rng.uniform(-95, 95):.6f}" for _ in range(joints)),
-            f"pose bent {number} {number}",
+            f"pose straight {number}",
             f"set {rng.choice(('angle_ramp', 'pose_speed', 'every', 'limp', 'colour'))} {number}",
             f"trim {rng.randrange(7)} {rng.choice(('centre', 'low', 'high', 'scale'))} {number}",
             *("help", "set", "trim", "status", "stop", "idle", "save", "save unattended", "load"),

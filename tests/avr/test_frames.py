@@ -75,6 +75,25 @@ def test_a_shorter_frame_is_kept_as_well(start, name):
     assert talk.board.time_s - sent_s < 0.018
 
 
+@pytest.mark.parametrize(
+    ("joints", "output", "frame_us"), [(5, "servo", 16_670), (2, "pca9685", 3_290)]
+)
+def test_the_rate_is_right_at_frames_of_any_length(start, joints, output, frame_us):
+    talk = Dialogue(start("uno", joints=joints, output=output))
+    talk.hello()
+    for line in (f"set frame_ms {frame_us / 1000}", "save"):
+        assert talk.ask(line, 5.0).startswith("ok:")
+    talk.board.reset()
+    talk = running(talk.board, "gait 10 80 6")
+    assert fields(talk.greeting)["frame_us"] == str(frame_us)
+    first = len(talk.board.lines)
+    talk.board.run(4.0)
+    seen = telemetry(talk.board.lines[first:])
+    elapsed_s = (seen.frame - seen.frame[0]) * frame_us * 1e-6
+    turned_rad = np.unwrap(seen.phase_rad - seen.phase_rad[0])
+    assert turned_rad[-1] / elapsed_s[-1] == pytest.approx(6.0, rel=3e-6)  # ph has 0.001 degrees
+
+
 @pytest.mark.slow
 def test_no_refresh_mixes_frames_in_half_an_hour(start):
     talk = running(start("uno"), "gait 45 80 10")

@@ -10,7 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from serpenoid._core import firmware
 
-COMMANDS = ["gait 30 80 5", "gait 60 -75 4 10", "pose bent 20", "pose straight", "ping", "status"]
+COMMANDS = [
+    "gait 30 80 5",
+    "gait 60 -75 4 10",
+    "pose straight 20",
+    "pose straight",
+    "ping",
+    "status",
+]
 
 
 def sealed(body: str) -> bytes:

@@ -19,7 +19,7 @@ ERRORS = {
     for word, cause, cure in re.findall(r"^\| `(\w+)` \| \d+ \| (.*?) \| (.*?) \|$", PAGE, re.M)
 }
 HELLO = (
-    "hello: serpenoid fw=0.2.0 protocol=3 board=virtual joints=5 frame_us=20000 boot=0 "
+    "hello: serpenoid fw=0.2.0 protocol=4 board=virtual joints=5 frame_us=20000 boot=0 "
     "reset=power settings=new silence=2"
 )
 
@@ -35,13 +35,13 @@ say hello
 ok: #-
 say load
 err: #- empty
-say pose bent 60
-err: #- range link=60 low=-57 high=57
-say pose bent -47.5
+say pose 0 0 -115 0 0
+err: #- range angle=-115 low=-114 high=114
+say pose 95 0 0 0 0
 err: #- range j1=95 low=-90 high=90
-say pose zigzag 10 91
+say pose straight 91
 err: #- range offset=91 low=-90 high=90
-say pose curled 10
+say pose bent 10
 err: #- number
 
 # A host opens a session; from now on every line needs both.
@@ -134,7 +134,7 @@ ask 117 gait 30 80 5
 err: #117 saving again
 
 # Motion.
-ask 118 pose bent 10
+ask 118 pose -20 10 0 -10 20
 state: pose why=command
 ok: #118
 ask 119 save
@@ -144,12 +144,12 @@ ask 120 trim 1 dir -1
 err: #120 attached
 t:400 j1:-20.00 j2:10.00 j3:0.00 j4:-10.00 j5:20.00 board_us=8020000 ph=0.000\
  p=1300,1600,1512,1400,1700 exec_us=0 late_us=0 clipped=0 st=pose
-ask 121 pose bent 10 0.5
+ask 121 pose -19.5 10.5 0.5 -9.5 20.5
 ok: #121
 wait 0.2
 t:410 j1:-19.50 j2:10.50 j3:0.50 j4:-9.50 j5:20.50 board_us=8220000 ph=0.000\
  p=1305,1605,1517,1405,1705 exec_us=0 late_us=0 clipped=0 st=pose
-ask 122 pose zigzag 5 -1
+ask 122 pose 9 -11 9 -11 9
 ok: #122
 wait 1
 t:460 j1:9.00 j2:-11.00 j3:9.00 j4:-11.00 j5:9.00 board_us=9220000 ph=0.000\

@@ -9,7 +9,7 @@ from decimal import Decimal, getcontext
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-FRAME_S = Decimal("0.02")
+FRAME_US, ODD_FRAMES_US = 20_000, (16_670, 7_590, 3_290)
 FRAMES_A_DAY = 24 * 3600 * 50
 TURN = 1 << 32
 
@@ -50,11 +50,14 @@ def write_phase() -> None:
     """Write the phase that a rate has reached after so many frames, to the last of 32 bits."""
     rows = []
     for omega in ("0.01", "0.1", "1", "1.7987", "3", "5", "6.283185", "10.138", "20", "30"):
-        for frames in (1, 50, 12345, 180000, FRAMES_A_DAY):
-            turns = Decimal(omega) * FRAME_S * frames / (2 * PI)
+        cases = [(FRAME_US, n) for n in (1, 50, 12345, 180000, FRAMES_A_DAY)]
+        cases += [(frame_us, FRAMES_A_DAY) for frame_us in ODD_FRAMES_US]
+        for frame_us, frames in cases:
+            turns = Decimal(omega) * frame_us * frames / (2_000_000 * PI)
             phase = int((turns % 1) * TURN)
-            rows.append((omega, frames, phase))
-    write(HERE / "phase.csv", ("omega_rad_s", "frames", "phase_2^-32_turn"), rows)
+            rows.append((omega, frames, phase, frame_us))
+    columns = ("omega_rad_s", "frames", "phase_2^-32_turn", "frame_us")
+    write(HERE / "phase.csv", columns, rows)
 
 
 def write(path: Path, columns: tuple[str, ...], rows: list[tuple]) -> None:

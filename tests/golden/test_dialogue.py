@@ -92,8 +92,7 @@ def test_the_host_understands_every_word() -> None:
     verdicts = [message for message in heard if isinstance(message, protocol.Verdict)]
     assert {type(message) for message in heard} == set(protocol.Message.__args__)
     # An EEPROM that does not keep what is written is not to be had on a simulated board, and
-    # among which lines a stop's verdict comes depends on the clock; five joints have a bend,
-    # no firmware is newer than this
-    # one, and the virtual board has servos.
+    # among which lines a stop's verdict comes depends on the clock; the host alone knows bends,
+    # no firmware is newer than this one, and the virtual board has servos.
     unsaid = {"eeprom", "stopped", "unbalanced", "newer", "output"}
     assert {v.error for v in verdicts if v.error} == set(ERRORS) - unsaid

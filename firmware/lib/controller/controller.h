@@ -16,7 +16,7 @@ namespace firmware {
 
 extern const char kVersion[];     // of the firmware, in flash
 extern const char kWhyCommand[];  // the reason of a change of state, in flash
-const uint8_t kProtocol = 3;
+const uint8_t kProtocol = 4;
 
 enum class State : uint8_t { Idle, Pose, Gait, Hold, Safing, Safe };
 enum class Reset : uint8_t { Power, Brownout, External, Watchdog, Unknown };

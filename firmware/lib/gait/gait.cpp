@@ -31,10 +31,10 @@ uint32_t mdeg_from_phase(uint32_t phase) {
     return static_cast<uint32_t>((static_cast<uint64_t>(phase) * 360000UL) >> 32);
 }
 
-// 2⁶⁴ · 1e-10 / 2π is 293589050.328: what a frame of 0.1 ms is worth at 1e-6 rad/s.
+// 2⁶⁴ · 1e-12 / 2π is 2935890.50328: what a frame of 1 µs is worth at 1e-6 rad/s.
 uint64_t phase_step(int32_t omega_urad_s, uint16_t frame_us) {
-    const uint16_t tenths_ms = frame_us / 100;
-    const uint64_t per_urad_s = static_cast<uint64_t>(293589050UL) * tenths_ms + tenths_ms / 3;
+    const uint16_t rest = static_cast<uint16_t>((32983UL * frame_us + 0x8000UL) >> 16);
+    const uint64_t per_urad_s = static_cast<uint64_t>(2935890UL) * frame_us + rest;
     return static_cast<uint64_t>(omega_urad_s) * per_urad_s;
 }
 

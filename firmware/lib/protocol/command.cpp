@@ -55,26 +55,6 @@ Words split(const char* text, uint8_t length) {
     return words;
 }
 
-const uint8_t kMostPoseFields = kJoints > 3 ? kJoints : 3;
-
-// X(identifier, word, fewest fields, most fields, help behind the word)
-#define FIRMWARE_VERBS(X)                                                 \
-    X(Hello, "hello", 0, 0, " - greet; with CRC, open a session")         \
-    X(Bye, "bye", 0, 0, " - close it")                                    \
-    X(Ping, "ping", 0, 0, " - the host is alive")                         \
-    X(Help, "help", 0, 0, "")                                             \
-    X(Status, "status", 0, 0, "")                                         \
-    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, rad/s")      \
-    X(Pose, "pose", 1, kMostPoseFields,                                   \
-      " straight [OFFSET] | bent|zigzag LINK [OFFSET] | J1 J2 ... - deg") \
-    X(Stop, "stop", 0, 0, " - freeze and hold; so does any !")            \
-    X(Idle, "idle", 0, 0, " - let the servos go limp")                    \
-    X(Set, "set", 0, 2, " [NAME VALUE]")                                  \
-    X(Trim, "trim", 0, 3, " [J FIELD VALUE]")                             \
-    X(Save, "save", 0, 2, " [unattended] [replace]")                      \
-    X(Load, "load", 0, 0, " - from EEPROM")                               \
-    X(Defaults, "defaults", 0, 0, "")
-
 #define FIRMWARE_VERB_TEXTS(id, word, fewest, most, help) const char kHelp##id[] FLASH = word help;
 FIRMWARE_VERBS(FIRMWARE_VERB_TEXTS)
 #undef FIRMWARE_VERB_TEXTS
@@ -100,8 +80,6 @@ const char* help_of(uint8_t verb) {
 }
 
 const char kStraight[] FLASH = "straight";
-const char kBent[] FLASH = "bent";
-const char kZigzag[] FLASH = "zigzag";
 const char kUnattended[] FLASH = "unattended";
 const char kReplace[] FLASH = "replace";
 const char kOff[] FLASH = "off";
@@ -168,55 +146,21 @@ Refusal parse_gait(const Words& words, Command& command) {
     return Refusal();
 }
 
-const uint8_t kLinks = kJoints + 1;
-const uint8_t kBentFromAnEnd =
-    2 * (kLinks / 4);  // links; what is left in the middle stays straight
-
-// Signs that read the same from both ends and whose sum is 0: + - - + + - - ... from either end.
-int8_t balanced_sign(uint8_t link) {
-    const uint8_t from_head = static_cast<uint8_t>(kLinks - 1 - link);
-    const uint8_t from_end = link < from_head ? link : from_head;
-    if (from_end >= kBentFromAnEnd) return 0;
-    return (from_end + 1) & 2 ? -1 : 1;
-}
-
-int8_t zigzag_sign(uint8_t link) { return link & 1 ? 1 : -1; }
-
-// Each link stands at its sign times the link's angle; a joint is the difference of two links.
-Refusal parse_bend(const Words& words, int8_t (*sign)(uint8_t), Command& command) {
-    int32_t link_udeg = 0;
-    const Refusal refusal = read_field(words.word[2], link_angle_field(), link_udeg);
-    if (!refusal.none()) return refusal;  // its double may be beyond an int32
-    for (uint8_t i = 0; i < kJoints; ++i) {
-        const uint8_t next = static_cast<uint8_t>(i + 1);
-        command.value_u[i] = (sign(next) - sign(i)) * link_udeg;
-    }
-    return refusal;
-}
-
-// Straight or bent, and behind it what is added to every joint.
-Refusal parse_posture(const Words& words, Command& command) {
-    const bool bent = words.word[1].is_flash(kBent);
-    const bool straight = words.word[1].is_flash(kStraight);
-    const uint8_t needed = straight ? 2 : 3;
-    if (!straight && !bent && !words.word[1].is_flash(kZigzag)) return Refusal(Error::Number);
-    if (words.count != needed && words.count != needed + 1) return Refusal(Error::Arguments);
-    if (bent && kBentFromAnEnd == 0) return Refusal(Error::Unbalanced);
-    if (!straight) {
-        const Refusal refusal = parse_bend(words, bent ? balanced_sign : zigzag_sign, command);
-        if (!refusal.none()) return refusal;
-    }
+// All joints at one angle.
+Refusal parse_straight(const Words& words, Command& command) {
+    if (!words.word[1].is_flash(kStraight)) return Refusal(Error::Number);
+    if (words.count > 3) return Refusal(Error::Arguments);
     int32_t offset_udeg = 0;
-    if (words.count > needed) {
-        const Refusal refusal = read_field(words.word[needed], gait_field(kOffset), offset_udeg);
+    if (words.count == 3) {
+        const Refusal refusal = read_field(words.word[2], gait_field(kOffset), offset_udeg);
         if (!refusal.none()) return refusal;
     }
-    for (uint8_t i = 0; i < kJoints; ++i) command.value_u[i] += offset_udeg;
+    for (uint8_t i = 0; i < kJoints; ++i) command.value_u[i] = offset_udeg;
     return Refusal();
 }
 
 Refusal parse_pose(const Words& words, Command& command) {
-    if (words.word[1].is_word()) return parse_posture(words, command);
+    if (words.word[1].is_word()) return parse_straight(words, command);
     if (words.count != kJoints + 1) return Refusal(Error::Arguments);
     for (uint8_t i = 0; i < kJoints; ++i) {
         const Refusal refusal =

@@ -8,6 +8,23 @@
 #include "gait.h"
 #include "progmem.h"
 
+// X(identifier, word, fewest fields, most fields, help behind the word): the one table of verbs.
+#define FIRMWARE_VERBS(X)                                               \
+    X(Hello, "hello", 0, 0, " - greet; with CRC, open a session")       \
+    X(Bye, "bye", 0, 0, " - close it")                                  \
+    X(Ping, "ping", 0, 0, " - the host is alive")                       \
+    X(Help, "help", 0, 0, "")                                           \
+    X(Status, "status", 0, 0, "")                                       \
+    X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, rad/s")    \
+    X(Pose, "pose", 1, kJoints, " straight [OFFSET] | J1 J2 ... - deg") \
+    X(Stop, "stop", 0, 0, " - freeze and hold; so does any !")          \
+    X(Idle, "idle", 0, 0, " - let the servos go limp")                  \
+    X(Set, "set", 0, 2, " [NAME VALUE]")                                \
+    X(Trim, "trim", 0, 3, " [J FIELD VALUE]")                           \
+    X(Save, "save", 0, 2, " [unattended] [replace]")                    \
+    X(Load, "load", 0, 0, " - from EEPROM")                             \
+    X(Defaults, "defaults", 0, 0, "")
+
 namespace firmware {
 
 // What check_line finds around the body of a line.
@@ -27,22 +44,13 @@ bool ends_in_stop(const char* line, uint8_t length);
 bool is_bare_bye(const char* line, uint8_t length);
 
 enum class Verb : uint8_t {
-    Hello,
-    Bye,
-    Ping,
-    Help,
-    Status,
-    Gait,
-    Pose,
-    Stop,
-    Idle,
-    Set,
-    Trim,
-    Save,
-    Load,
-    Defaults
+#define FIRMWARE_VERB_ID(id, word, fewest, most, help) id,
+    FIRMWARE_VERBS(FIRMWARE_VERB_ID)
+#undef FIRMWARE_VERB_ID
 };
-const uint8_t kVerbs = 14;
+#define FIRMWARE_VERB_COUNT(id, word, fewest, most, help) +1
+const uint8_t kVerbs = FIRMWARE_VERBS(FIRMWARE_VERB_COUNT);
+#undef FIRMWARE_VERB_COUNT
 
 const uint8_t kMostGaitFields = kGaitFieldCount;
 const uint8_t kMostValues = kJoints > kMostGaitFields ? kJoints : kMostGaitFields;

@@ -40,7 +40,6 @@ const Field kGaitFields[kGaitFieldCount] FLASH = {
 };
 
 const Field kJointAngle FLASH = {"angle", "deg", u(-114), u(114), u(0), false};
-const Field kLinkAngle FLASH = {"link", "deg", u(-57), u(57), u(0), false};
 
 Field copied(const Field* field) {
     Field copy;
@@ -58,7 +57,6 @@ Field setting_field(uint8_t index) { return copied(&kSettingFields[index]); }
 Field trim_field(uint8_t index) { return copied(&kTrimFields[index]); }
 Field gait_field(uint8_t index) { return copied(&kGaitFields[index]); }
 Field joint_angle_field() { return copied(&kJointAngle); }
-Field link_angle_field() { return copied(&kLinkAngle); }
 
 bool in_range(const Field& field, int32_t value_u) {
     const bool may_be_off = strcmp(field.name, "silence") == 0 || strcmp(field.name, "limp") == 0;

@@ -33,7 +33,6 @@ Field setting_field(uint8_t index);
 Field trim_field(uint8_t index);
 Field gait_field(uint8_t index);
 Field joint_angle_field();
-Field link_angle_field();
 
 // Whether a setting takes 0, or `off`, besides its range.
 inline bool may_be_off(uint8_t setting) { return setting == kSilence || setting == kLimp; }

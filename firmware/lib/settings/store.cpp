@@ -7,8 +7,7 @@ namespace firmware {
 namespace {
 
 const uint8_t kErased = 0xFF;
-const uint8_t kBeforeFirst = 0xFF;  // slot; the next one is 0
-const uint16_t kSecondOfLayout1 = 256;
+const uint8_t kBeforeFirst = 0xFF;                   // slot; the next one is 0
 const uint8_t kSlice = 32;                           // bytes
 const uint8_t kMostSettings = 32, kMostJoints = 12;  // more is no number but damage
 
@@ -18,32 +17,22 @@ static_assert(sizeof(Settings) == 4 * (kSettingCount + kJoints * kTrimFieldCount
 static_assert(Store::kRecord <= 448, "a record must fit its slot");
 
 // Behind the boot counter, and in the upper half of the 1024 bytes of a Uno.
-uint16_t Store::slot_at(uint8_t slot) {
-    return slot == 0 ? 64 : slot == 1 ? 512 : kSecondOfLayout1;
+uint16_t Store::slot_at(uint8_t slot) { return slot == 0 ? 64 : 512; }
+
+uint16_t Store::Counts::bytes() const {
+    return static_cast<uint16_t>(kHead + 4 * (settings + joints * kTrimFieldCount) + 2);
 }
 
-uint16_t Store::Layout::bytes() const {
-    return static_cast<uint16_t>(head + 4 * (settings + joints * kTrimFieldCount) + 2);
-}
-
-bool Store::marked(uint8_t slot) {
+// The layout of a copy, or 0 if there is none.
+uint8_t Store::layout(uint8_t slot) {
     const uint16_t at = slot_at(slot);
     const uint8_t layout = eeprom_.read(static_cast<uint16_t>(at + 1));
-    if (eeprom_.read(at) != kMark) return false;
-    if (slot == 2) return layout == 1 && (slot_at(0) + kRecord <= at || !marked(0));
-    return slot == 0 ? layout == 1 || layout == kLayout : layout == kLayout;
+    return eeprom_.read(at) == kMark && layout != kErased ? layout : 0;
 }
 
-bool Store::of_newer_layout(uint8_t slot) {
+Store::Counts Store::counts(uint8_t slot) {
     const uint16_t at = slot_at(slot);
-    const uint8_t layout = eeprom_.read(static_cast<uint16_t>(at + 1));
-    return slot < 2 && eeprom_.read(at) == kMark && layout > kLayout && layout != kErased;
-}
-
-Store::Layout Store::layout(uint8_t slot) {
-    const uint16_t at = slot_at(slot);
-    if (eeprom_.read(static_cast<uint16_t>(at + 1)) == 1) return Layout{4, 6, 5};
-    return Layout{kHead, eeprom_.read(static_cast<uint16_t>(at + 4)),
+    return Counts{eeprom_.read(static_cast<uint16_t>(at + 4)),
                   eeprom_.read(static_cast<uint16_t>(at + 5))};
 }
 
@@ -55,22 +44,22 @@ int32_t Store::value_at(uint16_t address) {
     return static_cast<int32_t>(value);
 }
 
-int32_t Store::setting_in(const Layout& found, uint8_t setting) {
-    return value_at(static_cast<uint16_t>(slot_at(slot_) + found.head + 4 * setting));
+int32_t Store::setting_in(uint8_t setting) {
+    return value_at(static_cast<uint16_t>(slot_at(slot_) + kHead + 4 * setting));
 }
 
-void Store::trim_in(const Layout& found, uint8_t joint, int32_t (&trim_u)[kTrimFieldCount]) {
+void Store::trim_in(const Counts& found, uint8_t joint, int32_t (&trim_u)[kTrimFieldCount]) {
     const uint8_t first = static_cast<uint8_t>(found.settings + joint * kTrimFieldCount);
     for (uint8_t f = 0; f < kTrimFieldCount; ++f) {
-        trim_u[f] = setting_in(found, static_cast<uint8_t>(first + f));
+        trim_u[f] = setting_in(static_cast<uint8_t>(first + f));
     }
 }
 
 // Whether every value of a row is one that could have been set.
-bool Store::row_is_sane(const Layout& found, uint8_t row) {
+bool Store::row_is_sane(const Counts& found, uint8_t row) {
     if (row == 0) {
         for (uint8_t i = 0; i < found.settings && i < kSettingCount; ++i) {
-            if (!in_range(setting_field(i), setting_in(found, i))) return false;
+            if (!in_range(setting_field(i), setting_in(i))) return false;
         }
         return true;
     }
@@ -101,8 +90,9 @@ void Store::next_slot() {
     position_ = 1;  // the mark is not in the CRC
     crc_ = kCrcStart;
     while (++slot_ < kSlots) {
-        newer_ = newer_ || of_newer_layout(slot_);
-        if (marked(slot_)) return;
+        const uint8_t found = layout(slot_);
+        newer_ = newer_ || found > kLayout;
+        if (found == kLayout) return;
     }
     end_of_checks();
 }
@@ -113,7 +103,7 @@ bool Store::check_slice() {
         next_slot();
         return job_ == Job::None;
     }
-    const Layout found = layout(slot_);
+    const Counts found = counts(slot_);
     const bool possible = found.settings <= kMostSettings && found.joints <= kMostJoints;
     if (possible && position_ < found.bytes()) {
         for (uint8_t n = 0; n < kSlice && position_ < found.bytes(); ++n, ++position_) {
@@ -129,7 +119,7 @@ bool Store::check_slice() {
     return job_ == Job::None;
 }
 
-void Store::check_row(const Layout& found) {
+void Store::check_row(const Counts& found) {
     const uint8_t row = static_cast<uint8_t>(position_ - found.bytes());
     const bool sane = row_is_sane(found, row);
     if (sane && row < found.joints) {
@@ -147,16 +137,16 @@ void Store::end_of_checks() {
     job_ = best_ < 0 ? Job::None : Job::Copy;
     if (best_ < 0) return;
     slot_ = static_cast<uint8_t>(best_);
-    newer_ = newer_ || layout(slot_).settings > kSettingCount;
+    newer_ = newer_ || counts(slot_).settings > kSettingCount;
     position_ = 0;
 }
 
 bool Store::copy_row() {
-    const Layout found = layout(slot_);
+    const Counts found = counts(slot_);
     const uint8_t row = static_cast<uint8_t>(position_++);
     if (row == 0) {
         for (uint8_t i = 0; i < found.settings && i < kSettingCount; ++i) {
-            settings_->value_u[i] = setting_in(found, i);
+            settings_->value_u[i] = setting_in(i);
         }
     } else if (row <= found.joints && row <= kJoints) {
         trim_in(found, static_cast<uint8_t>(row - 1), settings_->trim_u[row - 1]);
@@ -169,13 +159,13 @@ bool Store::copy_row() {
 Found Store::found() {
     if (newer_) return Found::Newer;
     if (best_ < 0) return damaged_ ? Found::Damaged : Found::New;
-    const Layout copy = layout(static_cast<uint8_t>(best_));
+    const Counts copy = counts(static_cast<uint8_t>(best_));
     const bool migrated = copy.settings != kSettingCount || copy.joints != kJoints;
     return migrated ? Found::Migrated : damaged_ ? Found::Older : Found::Ok;
 }
 
 void Store::save(Settings& settings) {
-    slot_ = best_ == 0 || best_ == 2 ? 1 : 0;
+    slot_ = best_ == 0 ? 1 : 0;
     serial_ = best_ < 0 ? 0 : static_cast<uint16_t>(serial(static_cast<uint8_t>(best_)) + 1);
     settings_ = &settings;
     job_ = Job::Save;
@@ -210,7 +200,7 @@ uint8_t Store::record_byte(uint16_t offset) const {
 // Take away the mark of one copy of a newer layout; false if there is none left.
 bool Store::forget_newer() {
     for (uint8_t slot = 0; newer_ && slot < kSlots; ++slot) {
-        if (!of_newer_layout(slot)) continue;
+        if (layout(slot) <= kLayout) continue;
         eeprom_.write(slot_at(slot), kErased);
         return true;
     }

@@ -7,8 +7,7 @@
 // that go bad later; a copy whose CRC is right and whose values are not is as bad as a damaged one.
 //
 // A copy by an older firmware, or for another number of joints, is taken over: what it has no value
-// for keeps its default. Layout 1 had six settings and five joints and did not say so; its second
-// copy stood at 256. A copy of a newer firmware is not overwritten unless save() is told to.
+// for keeps its default. A copy of a newer firmware is not overwritten unless save() is told to.
 //
 // Reading and checking all copies takes 10 ms on a Uno: both jobs are done in slices.
 #pragma once
@@ -51,7 +50,7 @@ class Store {
     bool newer() const { return newer_; }       // a copy of a newer firmware is there
     bool good() const { return good_; }         // the last save reads back
 
-    static const uint8_t kSlots = 3;  // two of ours and the second one of layout 1
+    static const uint8_t kSlots = 2;
     static const uint8_t kLayout = 2;
     static const uint8_t kMark = 0x5E;
     static const uint8_t kHead = 6;
@@ -62,26 +61,25 @@ class Store {
     enum class Job : uint8_t { None, Check, Copy, Save };
 
     // What a copy holds, by its own account.
-    struct Layout {
-        uint8_t head, settings, joints;
+    struct Counts {
+        uint8_t settings, joints;
         uint16_t bytes() const;
     };
 
-    bool marked(uint8_t slot);
-    bool of_newer_layout(uint8_t slot);
-    Layout layout(uint8_t slot);
+    uint8_t layout(uint8_t slot);
+    Counts counts(uint8_t slot);
     bool check_slice();
-    void check_row(const Layout& found);
+    void check_row(const Counts& found);
     void next_slot();
-    bool row_is_sane(const Layout& found, uint8_t row);
+    bool row_is_sane(const Counts& found, uint8_t row);
     void end_of_checks();
     bool copy_row();
     bool save_slice();
     bool forget_newer();
     uint16_t serial(uint8_t slot);
     int32_t value_at(uint16_t address);
-    int32_t setting_in(const Layout& found, uint8_t setting);
-    void trim_in(const Layout& found, uint8_t joint, int32_t (&trim_u)[kTrimFieldCount]);
+    int32_t setting_in(uint8_t setting);
+    void trim_in(const Counts& found, uint8_t joint, int32_t (&trim_u)[kTrimFieldCount]);
     uint8_t record_byte(uint16_t offset) const;
 
     Eeprom& eeprom_;

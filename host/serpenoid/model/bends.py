@@ -15,7 +15,7 @@ def balanced_signs(links: int) -> tuple[int, ...]:
     The signs read the same from both ends and add up to 0. Then the side forces of a robot that
     rolls along its axis have neither a sum nor a moment: a link's place is odd about the middle
     and its sign even. As many links as possible are bent, in pairs from either end; the middle
-    stays straight. `firmware/PROTOCOL.md` has the same signs for `pose bent`.
+    stays straight.
 
     Parameters
     ----------

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, NoReturn, TypeVar
 
+from ..model.bends import FEWEST_LINKS, balanced_signs, joint_multiples
 from ..model.checks import check_number
 from ..model.errors import (
     BadInput,
@@ -160,7 +161,7 @@ class RobotBoard:
 
     def straight(self, offset_rad: float = 0.0) -> None:
         """Move all joints to 0, or to the offset in rad, which steers."""
-        self._obeyed("pose straight" + _steering(offset_rad))
+        self._obeyed(f"pose straight {degrees(offset_rad)}")
 
     def bent(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
         """Bend the robot so that it stays on course on a moving belt.
@@ -172,7 +173,10 @@ class RobotBoard:
         lambda_rad: the angle of each bent link to the belt, in rad. offset_rad: is added to every
         joint, in rad; to steer, call again with another one: the joints move there smoothly.
         """
-        self._obeyed(f"pose bent {degrees(lambda_rad)}{_steering(offset_rad)}")
+        links = self.hello.joints + 1
+        if links < FEWEST_LINKS:
+            raise refused("bent", Verdict(False, None, "-", "unbalanced", "", False))
+        self._bend(balanced_signs(links), lambda_rad, offset_rad)
 
     def zigzag(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
         """Bend the robot as the paper does: links at -lambda, +lambda, -lambda, ...
@@ -181,7 +185,11 @@ class RobotBoard:
         on two neighbouring links shows 180 degrees - 2 lambda. Left free on a belt the robot turns:
         it needs a guide.
         """
-        self._obeyed(f"pose zigzag {degrees(lambda_rad)}{_steering(offset_rad)}")
+        signs = tuple(1 if link % 2 else -1 for link in range(self.hello.joints + 1))
+        self._bend(signs, lambda_rad, offset_rad)
+
+    def _bend(self, signs: tuple[int, ...], lambda_rad: float, offset_rad: float) -> None:
+        self.pose([offset_rad + k * lambda_rad for k in joint_multiples(signs)])
 
     def stop(self, *, stay: bool = False) -> None:
         """Freeze all joints now; return when the board has confirmed it. Safe from any thread.
@@ -345,7 +353,7 @@ def _told(
     An error of the program itself is not replaced: beside it, what went wrong is a warning.
     """
     if error is None or isinstance(error, (KeyboardInterrupt, SystemExit)):
-        return result.unseen or result.unstopped or unwritten
+        return result.unstopped or result.unseen or unwritten
     unstopped = None if isinstance(error, RobotLost) else result.unstopped
     for problem in filter(None, (unstopped, unwritten)):
         warnings.warn(str(problem), RuntimeWarning, stacklevel=4)
@@ -359,10 +367,6 @@ def _described(error: BaseException) -> str:
     except Exception:  # a text that its own class cannot make
         text = "without a text"
     return f"{type(error).__name__}: {text}"
-
-
-def _steering(offset_rad: float) -> str:
-    return f" {degrees(offset_rad)}" if offset_rad else ""
 
 
 def _obey(text: str, answer: Answer) -> None:

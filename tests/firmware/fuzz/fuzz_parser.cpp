@@ -16,9 +16,6 @@ void require(bool holds) {
     if (!holds) std::abort();
 }
 
-// A bend and its offset are each in range; the controller holds their sum to the joint's limits.
-int32_t most_angle_udeg() { return 2 * link_angle_field().high_u + gait_field(kOffset).high_u; }
-
 void check_command(const Envelope& envelope) {
     Command command;
     const Refusal refusal = parse_command(envelope.body, envelope.length, command);
@@ -31,7 +28,7 @@ void check_command(const Envelope& envelope) {
         }
     }
     if (command.verb == Verb::Pose) {
-        for (int32_t angle : command.value_u) require(labs(angle) <= most_angle_udeg());
+        for (int32_t angle : command.value_u) require(in_range(joint_angle_field(), angle));
     }
     if (command.verb == Verb::Set && !command.lists) {
         require(in_range(setting_field(command.field), command.value_u[0]));

@@ -64,7 +64,7 @@ struct Bench {
 TEST_CASE("boot: a greeting, telemetry, and no pulse until told to move") {
     Bench b;
     CHECK(b.lines.at(0) ==
-          "hello: serpenoid fw=0.2.0 protocol=3 board=virtual joints=5 frame_us=20000 boot=0 "
+          "hello: serpenoid fw=0.2.0 protocol=4 board=virtual joints=5 frame_us=20000 boot=0 "
           "reset=power settings=new silence=2");
     CHECK(b.frames.size() >= 4);
     b.run(5);
@@ -78,7 +78,7 @@ TEST_CASE("boot: a greeting, telemetry, and no pulse until told to move") {
 TEST_CASE("the first pulses are the centres and no joint ever jumps") {
     Bench b;
     b.type("set silence off");
-    const char* script[] = {"pose bent 15",        "gait 30 80 5",   "gait 60 -90 2 10",
+    const char* script[] = {"pose straight 15",    "gait 30 80 5",   "gait 60 -90 2 10",
                             "pose 10 20 30 40 50", "gait 20 180 12", "stop",
                             "gait 45 75 6",        "pose straight",  "idle"};
     double before[kJoints] = {};
@@ -142,7 +142,7 @@ TEST_CASE("silence stops what moves, leaves what holds, and can be off") {
     b.run(3);
     CHECK(b.state() == State::Safe);
     for (uint8_t i = 0; i < kJoints; ++i) CHECK(b.angle_deg(i) == 0);
-    b.type("pose zigzag 10", 5);
+    b.type("pose 20 -20 20 -20 20", 5);
     CHECK(b.state() == State::Pose);
     CHECK(std::fabs(b.angle_deg(1) + 20) < 0.01);
     b.type("set silence off");
@@ -273,7 +273,7 @@ TEST_CASE("refusals change nothing and say why") {
     CHECK(b.type("trim 4 low -35") == "ok: #-");
     CHECK(b.starts(b.type("gait 30 80 5 -6"), "err: #- range j4=-36 low=-35 high=90 - "));
     CHECK(b.type("trim 4 low -90") == "ok: #-");
-    CHECK(b.starts(b.type("pose zigzag -15.5"), "err: #- range j2=31 low=-90 high=30 - "));
+    CHECK(b.starts(b.type("pose 0 31 0 0 0"), "err: #- range j2=31 low=-90 high=30 - "));
     CHECK(b.starts(b.type("trim 1 centre 2000"), "err: #- range pulse_ms=2.9 low=0.5 high=2.5 - "));
     CHECK(b.starts(b.type("load"), "err: #- empty - "));
     b.type("gait 30 80 5");
@@ -309,7 +309,7 @@ TEST_CASE("a save is answered when it has been read back, and survives a reset")
     b.board.boot(Reset::Watchdog);
     b.run(0.1);
     CHECK(b.lines.back() ==
-          "hello: serpenoid fw=0.2.0 protocol=3 board=virtual joints=5 frame_us=20000 boot=1 "
+          "hello: serpenoid fw=0.2.0 protocol=4 board=virtual joints=5 frame_us=20000 boot=1 "
           "reset=watchdog settings=ok silence=2");
     CHECK(b.board.controller().settings().trim_u[2][kCentre] == 1523000000);
     CHECK(b.board.controller().settings().value_u[kPoseSpeed] == 33250000);
@@ -466,10 +466,10 @@ TEST_CASE("data lines come before their verdict") {
 
 TEST_CASE("a held pose is steered by its offset, gently") {
     Bench b;
-    b.type("pose bent 10", 4);
+    b.type("pose -20 10 0 -10 20", 4);
     const double bent[] = {-20, 10, 0, -10, 20};
     double before = -20, fastest = 0;
-    CHECK(b.type("pose bent 10 5", 0.02) == "ok: #-");
+    CHECK(b.type("pose -15 15 5 -5 25", 0.02) == "ok: #-");
     for (int frame = 0; frame < 25; ++frame) {
         b.run(0.02);
         fastest = std::max(fastest, std::fabs(b.angle_deg(0) - before));
@@ -480,12 +480,12 @@ TEST_CASE("a held pose is steered by its offset, gently") {
     for (uint8_t i = 0; i < kJoints; ++i) CHECK(std::fabs(b.angle_deg(i) - bent[i] - 5) < 0.01);
     CHECK(b.state() == State::Pose);
     CHECK(b.counters().clipped == 0);
-    CHECK(b.starts(b.type("pose bent 40 15"), "err: #- range j5=95 low=-90 high=90 - "));
+    CHECK(b.starts(b.type("pose -65 55 15 -25 95"), "err: #- range j5=95 low=-90 high=90 - "));
 }
 
 TEST_CASE("an idle robot is limp and comes back where it was, one servo after the other") {
     Bench b;
-    b.type("pose zigzag 10", 4);
+    b.type("pose 20 -20 20 -20 20", 4);
     CHECK(b.board.attached() == kJoints);
     CHECK(b.type("idle") == "ok: #-");
     CHECK(b.board.attached() == 0);
@@ -514,7 +514,7 @@ TEST_CASE("a stop ends the attaching too, and what is limp stays limp until told
 }
 
 TEST_CASE("a robot that stands still goes limp when its host has been gone for a while") {
-    for (const char* still : {"pose bent 10", "gait 30 80 5", "stop"}) {
+    for (const char* still : {"pose straight 10", "gait 30 80 5", "stop"}) {
         CAPTURE(still);
         Bench b;
         b.type("set limp 5");

@@ -145,17 +145,8 @@ TEST_CASE("limits are inclusive and a refusal names them") {
 
 TEST_CASE("commands") {
     Command c;
-    CHECK(parse("pose bent 7.5", c).none());  // links at 7.5 degrees: + - 0 0 - +
-    CHECK(joints(c) == std::vector<int>{-15000000, 7500000, 0, -7500000, 15000000});
-    CHECK(parse("pose bent 7.5 -0.5", c).none());
-    CHECK(joints(c) == std::vector<int>{-15500000, 7000000, -500000, -8000000, 14500000});
-    CHECK(parse("pose zigzag 7.5 1", c).none());
-    CHECK(joints(c) == std::vector<int>{16000000, -14000000, 16000000, -14000000, 16000000});
     CHECK(parse("pose straight 2.25", c).none());
     CHECK(joints(c) == std::vector<int>(5, 2250000));
-    CHECK(parse("pose bent 57 90", c).none());
-    CHECK(parse("pose bent 57.1", c).error == Error::Range);
-    CHECK(parse("pose zigzag -57.1", c).error == Error::Range);
     CHECK(parse("pose straight 90.1", c).error == Error::Range);
     CHECK(parse("pose straight", c).none());
     CHECK(parse("pose 1 2 3 4 5", c).none());
@@ -190,11 +181,8 @@ TEST_CASE("what is not a command is refused for the right reason") {
     CHECK(error_of("gait 1 2 3 4 5") == Error::Arguments);
     CHECK(error_of("pose 1 2 3 4 5 6") == Error::Arguments);
     CHECK(error_of("pose 1 2 3 4 5 6 7 8 9") == Error::Arguments);
-    CHECK(error_of("pose bent") == Error::Arguments);
-    CHECK(error_of("pose bent 7.5 1 2") == Error::Arguments);
-    CHECK(error_of("pose zigzag") == Error::Arguments);
     CHECK(error_of("pose straight 1 2") == Error::Arguments);
-    CHECK(error_of("pose ben 7.5") == Error::Number);
+    CHECK(error_of("pose bent 7.5") == Error::Number);
     CHECK(error_of("pose straight x") == Error::Number);
     CHECK(error_of("ping 1") == Error::Arguments);
     CHECK(error_of("save now") == Error::Arguments);

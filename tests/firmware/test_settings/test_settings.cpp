@@ -90,33 +90,13 @@ Settings some_settings(uint32_t seed) {
     return settings;
 }
 
-// A copy as the firmware of layout 1 wrote it: six settings, five joints.
-void write_layout_1(Memory& memory, uint16_t at, uint16_t serial, const Settings& settings) {
-    std::vector<uint8_t> bytes = {Store::kMark, 1, static_cast<uint8_t>(serial & 0xFF),
-                                  static_cast<uint8_t>(serial >> 8)};
-    const auto add = [&bytes](int32_t value_u) {
-        for (int shift = 0; shift < 32; shift += 8) {
-            bytes.push_back(static_cast<uint8_t>(static_cast<uint32_t>(value_u) >> shift));
-        }
-    };
-    for (int i = 0; i < 6; ++i) add(settings.value_u[i]);
-    for (int j = 0; j < 5; ++j) {
-        for (const int32_t value_u : settings.trim_u[j]) add(value_u);
-    }
-    uint16_t crc = kCrcStart;
-    for (size_t i = 1; i < bytes.size(); ++i) crc = crc16_next(crc, bytes[i]);
-    bytes.push_back(static_cast<uint8_t>(crc >> 8));
-    bytes.push_back(static_cast<uint8_t>(crc & 0xFF));
-    for (size_t i = 0; i < bytes.size(); ++i) memory.bytes.at(at + i) = bytes[i];
-}
-
-// Give a copy the CRC that its bytes ask for.
-void seal_copy(Memory& memory, uint8_t slot) {
+// Give a copy the CRC that its bytes before `end` ask for.
+void seal_copy(Memory& memory, uint8_t slot, int end = Store::kRecord - 2) {
     uint8_t* const record = &memory.bytes[Store::slot_at(slot)];
     uint16_t crc = kCrcStart;
-    for (int i = 1; i < Store::kRecord - 2; ++i) crc = crc16_next(crc, record[i]);
-    record[Store::kRecord - 2] = static_cast<uint8_t>(crc >> 8);
-    record[Store::kRecord - 1] = static_cast<uint8_t>(crc & 0xFF);
+    for (int i = 1; i < end; ++i) crc = crc16_next(crc, record[i]);
+    record[end] = static_cast<uint8_t>(crc >> 8);
+    record[end + 1] = static_cast<uint8_t>(crc & 0xFF);
 }
 
 }  // namespace
@@ -262,32 +242,40 @@ TEST_CASE("trims and limits in the units of the frame") {
     CHECK(std::fabs(limits.servo_step_q14 / 16384.0 - 10 * degree) < 1e-4);
 }
 
-TEST_CASE("a copy by an older firmware is taken over, wherever it stood, and saved anew") {
-    for (const uint16_t newest_at : {uint16_t{64}, uint16_t{256}}) {
-        Memory memory;
-        const Settings old = some_settings(7);
-        write_layout_1(memory, newest_at == 64 ? 256 : 64, 4, some_settings(8));
-        write_layout_1(memory, newest_at, 5, old);
-        Settings settings = default_settings();
-        CHECK(load(memory, settings) == Found::Migrated);
-        CHECK(std::memcmp(settings.trim_u, old.trim_u, sizeof old.trim_u) == 0);
-        for (int i = 0; i < 6; ++i) CHECK(settings.value_u[i] == old.value_u[i]);
-        CHECK(settings.value_u[kLimp] == setting_field(kLimp).default_u);
-        for (int cut = 1; cut <= 160; ++cut) {  // it is not lost while it is being saved anew
-            Memory half = memory;
-            half.writes_left = cut;
-            save(half, settings);
-            half.writes_left = -1;
-            Settings found = default_settings();
-            load(half, found);
-            REQUIRE(same(found, settings));
-        }
-        for (const uint32_t seed : {20, 21, 22}) {
-            REQUIRE(save(memory, some_settings(seed)));
-            CHECK(load(memory, settings) == Found::Ok);
-            CHECK(same(settings, some_settings(seed)));
-        }
+TEST_CASE("a copy by a firmware of fewer settings is taken over, and saved anew") {
+    Memory memory;
+    Settings old = some_settings(7);
+    REQUIRE(save(memory, old));
+    uint8_t* const record = &memory.bytes[Store::slot_at(0)];
+    uint8_t* const last = record + Store::kHead + 4 * --record[4];
+    std::memmove(last, last + 4, sizeof old.trim_u);
+    seal_copy(memory, 0, Store::kRecord - 6);
+    old.value_u[kSettingCount - 1] = setting_field(kSettingCount - 1).default_u;
+    Settings settings = default_settings();
+    CHECK(load(memory, settings) == Found::Migrated);
+    CHECK(same(settings, old));
+    for (int cut = 1; cut <= 160; ++cut) {  // it is not lost while it is being saved anew
+        Memory half = memory;
+        half.writes_left = cut;
+        save(half, settings);
+        half.writes_left = -1;
+        Settings found = default_settings();
+        load(half, found);
+        REQUIRE(same(found, settings));
     }
+    REQUIRE(save(memory, settings));
+    CHECK(load(memory, settings) == Found::Ok);
+}
+
+TEST_CASE("a copy of the first layout is none, and is written over") {
+    Memory memory;
+    REQUIRE(save(memory, some_settings(1)));
+    memory.bytes[Store::slot_at(0) + 1] = 1;
+    Settings settings = default_settings();
+    CHECK(load(memory, settings) == Found::New);
+    CHECK(same(settings, default_settings()));
+    REQUIRE(save(memory, some_settings(2)));
+    CHECK(load(memory, settings) == Found::Ok);
 }
 
 TEST_CASE("a copy for another number of joints keeps what both have") {
@@ -295,11 +283,7 @@ TEST_CASE("a copy for another number of joints keeps what both have") {
     REQUIRE(save(memory, some_settings(3)));
     uint8_t* const record = &memory.bytes[Store::slot_at(0)];
     record[5] = kJoints - 1;  // the last joint's trim goes, the CRC moves up
-    uint16_t crc = kCrcStart;
-    const int end = Store::kRecord - 2 - 4 * kTrimFieldCount;
-    for (int i = 1; i < end; ++i) crc = crc16_next(crc, record[i]);
-    record[end] = static_cast<uint8_t>(crc >> 8);
-    record[end + 1] = static_cast<uint8_t>(crc & 0xFF);
+    seal_copy(memory, 0, Store::kRecord - 2 - 4 * kTrimFieldCount);
     Settings settings = default_settings();
     CHECK(load(memory, settings) == Found::Migrated);
     Settings wanted = some_settings(3);
@@ -339,21 +323,13 @@ TEST_CASE("a copy of a newer firmware is told, and lost only when asked for") {
         uint8_t* const record = &memory.bytes[Store::slot_at(0)];
         record[4] = kSettingCount + 1;  // the first trim is read as a setting, the rest moves down
         record[5] = kJoints - 1;
-        uint16_t crc = kCrcStart;
-        const int end = Store::kRecord - 2 - 4 * (kTrimFieldCount - 1);
-        for (int i = 1; i < end; ++i) crc = crc16_next(crc, record[i]);
-        record[end] = static_cast<uint8_t>(crc >> 8);
-        record[end + 1] = static_cast<uint8_t>(crc & 0xFF);
         // what is now each joint's centre was its scale: give all fields values that can be
         for (int j = 0; j < kJoints - 1; ++j) {
             const int32_t fine[] = {1500000000, 573000000, 1000000, -90000000, 90000000};
             std::memcpy(record + Store::kHead + 4 * (kSettingCount + 1 + j * kTrimFieldCount), fine,
                         sizeof fine);
         }
-        crc = kCrcStart;
-        for (int i = 1; i < end; ++i) crc = crc16_next(crc, record[i]);
-        record[end] = static_cast<uint8_t>(crc >> 8);
-        record[end + 1] = static_cast<uint8_t>(crc & 0xFF);
+        seal_copy(memory, 0, Store::kRecord - 2 - 4 * (kTrimFieldCount - 1));
     };
     Memory first;
     REQUIRE(save(first, some_settings(1)));

@@ -81,6 +81,38 @@ def test_a_refused_stop_is_told():
             fake.to_host = refusing_stop
 
 
+def deaf_to_stops(line: bytes) -> bytes:
+    """Change every stop into a ping, which a board answers with ok."""
+    return resealed(line.replace(b"!", b""), rb"^(#\d+) stop$", rb"\1 ping")
+
+
+def move(robot: Robot, every: int) -> None:
+    robot.set("every", every)
+    robot.set("pose_speed", 1.0)
+    robot.zigzag(0.4)
+
+
+@pytest.mark.parametrize("every", [0, 1])
+def test_a_stop_that_is_confirmed_and_not_obeyed_is_told(every):
+    with FakeBoard() as fake, pytest.raises(StopUnconfirmed, match=r"not confirmed.*'pose'.*power"):
+        with Robot(fake.port) as robot:
+            move(robot, every)
+            fake.to_board = deaf_to_stops
+            with pytest.raises(StopUnconfirmed, match=r"said ok.*'pose'.*cut its power"):
+                robot.stop()
+
+
+@pytest.mark.parametrize("every", [0, 1])
+def test_a_stop_is_sure_though_the_line_on_its_state_was_lost(every):
+    with FakeBoard(lambda line: b"" if line.startswith(b"state:") else line) as fake:
+        with Robot(fake.port) as robot:
+            move(robot, every)
+            robot.stop()
+            assert fake.state == "hold"
+            robot.idle()
+        assert fake.state == "idle"
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_does_not_hide_that_the_stop_is_not_sure(number):
     with FakeBoard() as fake, pytest.raises(StopUnconfirmed) as told:

@@ -73,14 +73,6 @@ def test_trims_and_counters_that_no_board_can_have_are_damage(lines):
         status_of([Data("status", "state=idle moving=0 boot=1e3 frame=1")])
 
 
-def test_pings_do_not_follow_a_silence_that_no_board_has():
-    with Robot("virtual:fast") as robot:
-        robot._dialogue.feed(-1.0)
-        assert robot._dialogue._ping_s == 0.4
-        robot._dialogue.feed(0.1)
-        assert robot._dialogue._ping_s == pytest.approx(0.025)
-
-
 def test_markup_in_a_path_and_in_a_greeting_is_text(serpenoid, tmp_path):
     file = tmp_path / "[" / "b]run[bold].wire"
     file.parent.mkdir()

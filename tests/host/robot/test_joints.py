@@ -28,10 +28,6 @@ def test_gait_pose_and_recording_have_so_many_joints(joints, joints_link, tmp_pa
         robot.zigzag(lam)
         *_, frame = robot.frames(2.0 + 0.1 * joints)
         assert frame.setpoint_rad == pytest.approx([2 * lam, -2 * lam] * (joints // 2), abs=2e-4)
-        robot.bent(lam, 0.01)
-        *_, frame = robot.frames(2.0)
-        bent = [0.01 + lam * k for k in joint_multiples(balanced_signs(joints + 1))]
-        assert frame.setpoint_rad == pytest.approx(bent, abs=2e-4)
         with pytest.raises(BadInput, match=f"a pose has {joints} angles"):
             robot.pose([0.0] * (joints - 1))
         robot.pose([0.1 * j for j in range(joints)])
@@ -109,7 +105,7 @@ def test_hours_without_a_line_do_not_confuse_a_recordings_clock(tmp_path, greete
 
 
 HELLO = sealed(
-    "hello: serpenoid fw=0.2.0 protocol=3 board=mega joints=8 frame_us=22500 boot=1 reset=power"
+    "hello: serpenoid fw=0.2.0 protocol=4 board=mega joints=8 frame_us=22500 boot=1 reset=power"
     " settings=ok silence=2"
 )
 

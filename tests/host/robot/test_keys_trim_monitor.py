@@ -215,13 +215,13 @@ def test_pings_keep_a_gait_going_and_stay_out_of_sight():
 def test_one_key_stops_before_all_that_waits():
     talk, link, shown = monitored()
     type_and_go(talk, "gait 30 80 5\n")
-    for key in [*"pose bent 2", "enter", "!"]:
+    for key in [*"pose straight 2", "enter", "!"]:
         talk.press(key)
     for _ in range(3):
         talk.step()
     assert link.board.state == "hold"
-    assert any(line.endswith("before it: pose bent 2") for line in shown)
-    type_and_go(talk, "pose bent 2\n")
+    assert any(line.endswith("before it: pose straight 2") for line in shown)
+    type_and_go(talk, "pose straight 2\n")
     assert link.board.state == "pose"
 
 

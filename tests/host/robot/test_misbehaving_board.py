@@ -65,7 +65,7 @@ def test_a_wrong_baud_rate():
 def test_another_protocol_is_refused_with_both_numbers_and_the_cure(greeting):
     with (
         FakeBoard(lambda line: greeting if line.startswith(b"hello") else b"") as fake,
-        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 3.*serpenoid flash --port"),
+        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 4.*serpenoid flash --port"),
         Robot(fake.port, timeout_s=1.0),
     ):
         pass
@@ -77,13 +77,13 @@ def test_another_protocol_is_known_by_the_last_answer_too():
     first = itertools.chain([b""], itertools.repeat(greeting))
     with (
         FakeBoard(lambda line: next(first) if line.startswith(b"hello") else b"") as fake,
-        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 3"),
+        pytest.raises(ProtocolMismatch, match=r"protocol 0.*protocol 4"),
         Robot(fake.port, timeout_s=1.0),
     ):
         pass
 
 
-@pytest.mark.parametrize("protocol", ["3", "9" * 5000])
+@pytest.mark.parametrize("protocol", ["4", "9" * 5000])
 def test_a_damaged_greeting_is_not_believed_but_asked_for_again(protocol):
     damaged = itertools.chain([True] * 2, itertools.repeat(False))
 

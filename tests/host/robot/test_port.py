@@ -13,7 +13,7 @@ import pytest
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 from serial.tools import list_ports
-from serpenoid.model.errors import NoAnswer, PortBusy, PortMissing, RobotClosed
+from serpenoid.model.errors import PortBusy, PortMissing, RobotClosed
 from serpenoid.robot import Robot
 from serpenoid.robot.wire import link, port_diagnosis
 
@@ -126,13 +126,6 @@ def test_several_boards_or_none_are_listed(plugged_in, processes):
     processes(brltty="")
     with pytest.raises(PortMissing, match=r"here: /dev/ttyS0\. Brltty.*plug the board in again"):
         link.find_port()
-
-
-def test_the_port_is_given_back_when_opening_fails():
-    with FakeBoard(lambda _: b"") as fake:
-        for _ in range(2):
-            with pytest.raises(NoAnswer, match="no greeting"), Robot(fake.port, timeout_s=0.2):
-                pass
 
 
 def test_a_robot_is_used_inside_its_block_only_and_once():

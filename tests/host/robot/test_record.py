@@ -11,21 +11,26 @@ import sys
 import termios
 import threading
 import time
+import warnings
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pytest
-from robot.fake_board import FakeBoard
+from hypothesis import given, seed, settings
+from hypothesis import strategies as st
+from robot.fake_board import FakeBoard, sealed
 from robot.patience import LONG_S, clock, until
 from robot.test_leaving import DRIVER, drive
 from serpenoid import Gait
-from serpenoid.model.errors import BadInput, NoAnswer, RecordingFailed
+from serpenoid.model.errors import BadInput, NoAnswer, RecordingFailed, RobotError
 from serpenoid.robot import Robot
 from serpenoid.robot.recording import recorder
 from serpenoid.robot.recording.recorder import Recorder
 from serpenoid.robot.recording.stream import load_stream
+from serpenoid.robot.wire.virtual import VirtualLink
 
 needs_pipe_size = pytest.mark.skipif(
     not hasattr(fcntl, "F_SETPIPE_SZ"), reason="needs Linux, where a pipe can be made small"
@@ -282,7 +287,6 @@ TITLE = b"# serpenoid wire 1, begun 2026\n"
         (b"0.5 < a\nnan < b\n", r":3: .*nan is no time"),
         (b"inf > a\n", ":2: "),
         (b"0.1 x a\n", r":2: .*SECONDS < LINE"),
-        (b"0.1 < a\n# end: \xff\n", r":3: .*utf-8"),
         (b"0.1 < \\xzz\n", r":2: .*escape"),
         ("٣.٥ < a\n".encode(), r":2: .*no time"),
         (b"1_0.0 < a\n", ":2: "),
@@ -294,6 +298,75 @@ def test_a_recording_that_cannot_be_true_is_refused_by_line(tmp_path, rows, wher
     path.write_bytes(TITLE + rows)
     with pytest.raises(BadInput, match=where):
         load_stream(path)
+
+
+class NoisyLink(VirtualLink):
+    """A virtual robot whose wire brings other bytes, too, one piece before each answer."""
+
+    def __init__(self, pieces: list[bytes]):
+        super().__init__(fast=True)
+        self._pieces = iter(pieces)
+
+    def read(self, timeout_s: float) -> bytes:
+        said = super().read(timeout_s)
+        return next(self._pieces, b"") + said if said else said
+
+
+COUNT = st.integers(0, 2**32 - 1)
+FRAME = st.builds(
+    lambda frame, joints, board_us: sealed(
+        f"t:{frame} {' '.join(f'j{j + 1}:0.00' for j in range(joints))} board_us={board_us} "
+        f"ph=0.000 p={','.join(['0'] * joints)} exec_us=9 late_us=0 clipped=0 st=idle"
+    ),
+    COUNT,
+    st.integers(2, 12),
+    COUNT,
+)
+PIECES = st.one_of(
+    st.binary(max_size=40),
+    st.builds(bytes.__mul__, st.binary(min_size=1, max_size=2), st.integers(0, 5000)),
+    FRAME,
+    st.text(st.characters(codec="ascii", exclude_characters="\n"), max_size=40).map(sealed),
+    st.sampled_from([b"\n", sealed("hello: x"), sealed("state: gait why=key")]),
+)
+
+
+@seed(30)
+@settings(max_examples=80, deadline=None)
+@given(pieces=st.lists(PIECES, max_size=12))
+def test_any_bytes_on_the_wire_give_a_recording_that_loads(tmp_path_factory, pieces):
+    path = tmp_path_factory.mktemp("noisy") / "run.txt"
+    frames = []
+    with suppress(RobotError):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # a stop amid noise
+            with Robot(NoisyLink(pieces), record=path) as robot:
+                robot.gait(GAIT)
+                frames += robot.frames(0.3)
+    if path.exists():
+        stream = load_stream(path)
+        assert set(stream.frame.tolist()) >= {f.frame for f in frames if len(f.pulse_us) == 5}
+        assert stream.setpoint_rad.shape == (len(stream.frame), 5) or not frames
+
+
+def test_a_line_without_an_end_and_a_clock_that_hops_are_counted(tmp_path):
+    path = tmp_path / "run.txt"
+    frame = "t:{} j1:0.00 j2:0.00 board_us={} ph=0.000 p=0,0 exec_us=9 late_us=0 clipped=0 st=idle"
+    lines = [
+        *(sealed(frame.format(n, 20_000 * n)) for n in (1, 2)),
+        bytes(1030),  # each takes four bytes of its row
+        b"\xff" * 70_000,
+        *(sealed(frame.format(n, 20_000 * n + 2**31)) for n in (3, 4, 5)),
+    ]
+    record = Recorder(path, 0.0)
+    for line in lines:
+        record.line(1.0, "<", line)
+    record.close()
+    stream = load_stream(path)
+    assert stream.frame.tolist() == [1, 2, 4, 5]
+    assert stream.damaged == 3
+    np.testing.assert_allclose(stream.board_s, [0.02, 0.04, 0.08, 0.1])
+    assert stream.end == "closed"
 
 
 def test_what_is_no_file_is_not_read():

@@ -1,4 +1,4 @@
-"""A recorded run, read back into arrays; what cannot be trusted is refused by line number."""
+"""A recorded run, read back into arrays: damage on the wire is counted, all else is kept."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...model.errors import BadInput, DamagedLine, RecordingFailed
+from ...model.errors import BadInput, ClockWrong, DamagedLine, RecordingFailed
 from ...model.files import check_file
 from ..wire.clock import BoardClock
 from ..wire.protocol import Hello, Telemetry, frame_us, parse
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST_BYTES = 1 << 31  # a fortnight of telemetry
-LONGEST_ROW = 4096  # bytes; the longest that a recorder writes is a tenth of it
-_COUNTS = ("frame", "board_us", "exec_us", "late_us", "clipped")  # whole numbers of a frame
+LONGEST_ROW = 4096  # bytes; a whole line takes a tenth of it, and what is longer is damaged
+_COUNTS = ("frame", "exec_us", "late_us", "clipped")  # whole numbers of a frame
 BACKWARDS_S = 0.01  # between lines that threads wrote a moment apart, as versions before 0.2 did
 
 
@@ -34,8 +34,9 @@ class Stream:
     (N, joints), exec_us (N,), late_us (N,), clipped (N,), state (N,): as in the telemetry of
     PROTOCOL.md. sent, said: all lines to the board, and those from it that are not telemetry, as
     (host_s, text).
-    damaged: lines from the board that cannot be trusted. lost: lines that a stalled disk did not
-    take. end: how the run ended, None if it was cut off.
+    damaged: lines from the board that cannot be trusted: a wrong CRC, too many bytes, a clock that
+    hops, another number of joints. lost: lines that a stalled disk did not take. end: how the run
+    ended, None if it was cut off.
     """
 
     begun: str
@@ -69,15 +70,16 @@ def load_stream(path: Path) -> Stream:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, bytes]]:
-    """Yield the rows that are whole, counted from 1."""
+    """Yield the rows that are whole, counted from 1, no more of each than LONGEST_ROW bytes."""
     check_file(path, MOST_BYTES)
     try:
         with path.open("rb") as file:
             for number, row in enumerate(iter(lambda: file.readline(LONGEST_ROW), b""), 1):
-                if row.endswith(b"\n"):  # else it is half a row
-                    yield number, row[:-1]
-                elif len(row) == LONGEST_ROW:
-                    raise BadInput(f"{path}:{number}: the row is longer than {LONGEST_ROW} bytes")
+                piece = row
+                while len(piece) == LONGEST_ROW and not piece.endswith(b"\n"):
+                    piece = file.readline(LONGEST_ROW)
+                if piece.endswith(b"\n"):  # else it is half a row
+                    yield number, row.removesuffix(b"\n")
     except OSError as error:
         raise RecordingFailed(f"cannot read {path}: {error.strerror or error}") from error
 
@@ -88,24 +90,29 @@ class _Reading:
     def __init__(self, path: Path):
         self._path = path
         self._last_s = 0.0
-        self._host_s, self._phase_rad, self._setpoint_rad = array("d"), array("d"), array("d")
-        self._counts = {name: array("q") for name in _COUNTS}
-        self._pulse_us, self._state, self._joints = array("q"), array("i"), 0
         self._states: dict[str, int] = {}
         self._sent: list[tuple[float, str]] = []
         self._said: list[tuple[float, str]] = []
         self._damaged = self._lost = 0
-        self._frame_us: int | None = None  # as greeted
+        self._greeted = False
         self._end: str | None = None
+        self._begin_frames(0)
+
+    def _begin_frames(self, joints: int) -> None:
+        """Expect frames of so many joints, as greeted; 0 for as many as the first one has."""
+        self._joints, self._clock = joints, BoardClock(frame_us(joints))
+        self._host_s, self._phase_rad, self._setpoint_rad = array("d"), array("d"), array("d")
+        self._counts = {name: array("q") for name in _COUNTS}
+        self._board_us, self._pulse_us, self._state = array("q"), array("q"), array("i")
 
     def take(self, number: int, row: bytes) -> None:
         """Take one row; raise BadInput, with its number, if it is not as Recorder writes it."""
         try:
             if row.startswith(b"#"):
-                self._note(row.decode())
+                self._note(row.decode("utf-8", "replace"))
             else:
                 self._line(*self._parts(row))
-        except ValueError as error:  # not UTF-8, no number, no direction, time runs backwards
+        except ValueError as error:  # no number, no direction, time runs backwards
             raise BadInput(f"{self._path}:{number}: {row[:60]!r} ({error})") from None
 
     def stream(self, begun: str) -> Stream:
@@ -113,15 +120,12 @@ class _Reading:
         import numpy as np
 
         count, joints = len(self._host_s), self._joints
-        clock = BoardClock(self._frame_us or frame_us(joints))
-        told = zip(self._counts["frame"], self._counts["board_us"], strict=True)
-        board_us = np.fromiter((clock.unwrap(*one) for one in told), float, count)
         names = np.array(list(self._states), dtype=str)
         return Stream(
             begun=begun,
             host_s=np.asarray(self._host_s),
             frame=np.asarray(self._counts["frame"]),
-            board_s=board_us * 1e-6,
+            board_s=np.asarray(self._board_us) * 1e-6,
             phase_rad=np.asarray(self._phase_rad),
             setpoint_rad=np.asarray(self._setpoint_rad).reshape(count, joints),
             pulse_us=np.asarray(self._pulse_us).reshape(count, joints),
@@ -153,6 +157,8 @@ class _Reading:
         if host_s < self._last_s - BACKWARDS_S:
             raise ValueError(f"time is {seconds.decode()} after {self._last_s}: it runs backwards")
         self._last_s = max(self._last_s, host_s)
+        if len(row) == LONGEST_ROW:  # cut, perhaps amid an escaped byte
+            return host_s, direction.decode(), b""
         return host_s, direction.decode(), text.decode("unicode_escape").encode("latin-1")
 
     def _line(self, host_s: float, direction: str, text: bytes) -> None:
@@ -161,21 +167,27 @@ class _Reading:
             return
         try:
             message = parse(text)
-        except DamagedLine:
+            if isinstance(message, Telemetry):
+                self._keep(host_s, message)
+            else:
+                self._said.append((host_s, text.decode("ascii")))
+        except (ClockWrong, DamagedLine):
             self._damaged += 1
             return
-        if not isinstance(message, Telemetry):
-            self._said.append((host_s, text.decode("ascii")))
-            if isinstance(message, Hello):
-                self._frame_us = message.frame_us
-        elif self._host_s and len(message.setpoint_rad) != self._joints:
-            raise ValueError("this frame has another number of joints than the first one")
-        else:
-            self._keep(host_s, message)
+        if isinstance(message, Hello) and not self._greeted:
+            self._greeted = True
+            if self._joints != message.joints:  # frames before this greeting were noise
+                self._damaged += len(self._host_s)
+                self._begin_frames(message.joints)
+            self._clock.frame_us = message.frame_us
 
     def _keep(self, host_s: float, frame: Telemetry) -> None:
         """Add a frame to the arrays: a run of days has millions."""
-        self._joints = len(frame.setpoint_rad)
+        if not self._joints:
+            self._begin_frames(len(frame.setpoint_rad))
+        if len(frame.setpoint_rad) != self._joints:
+            raise DamagedLine(f"a frame has another number of joints than {self._joints}")
+        self._board_us.append(self._clock.unwrap(frame.frame, frame.board_us))
         self._host_s.append(host_s)
         self._phase_rad.append(frame.phase_rad)
         self._setpoint_rad.extend(frame.setpoint_rad)

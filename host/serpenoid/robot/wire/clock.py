@@ -75,7 +75,7 @@ class BoardClock:
     """
 
     def __init__(self, frame_us: int = FRAME_US) -> None:
-        self._frame_us = frame_us
+        self.frame_us = frame_us
         self._blocks: list[_Arrival] = []
         self._block_s = BLOCK_S
         self._best: _Arrival | None = None
@@ -89,19 +89,21 @@ class BoardClock:
 
         frame counts 20 ms (or what the greeting says) each on the same clock, so any gap is
         bridged; a frame's lateness is far below half the 71.6 minutes of a wrap. Raises ClockWrong
-        if the time hops against the frames.
+        if the time hops against the frames, and goes on from there by the frames.
         """
         if self._board_us is None:
             self._board_us = board_us
         else:
-            expected = (frame - self._frame) * self._frame_us
+            expected = (frame - self._frame) * self.frame_us
             rest = (board_us - self._us - expected + 2**31) % 2**32 - 2**31
-            if abs(rest) > MOST_HOP_US:
+            hops = abs(rest) > MOST_HOP_US
+            self._board_us += expected + (0 if hops else rest)
+            before, self._frame, self._us = self._frame, frame, board_us
+            if hops:
                 raise ClockWrong(
-                    f"the board's clock hops by {rest / 1e6:.0f} s from frame {self._frame} to "
+                    f"the board's clock hops by {rest / 1e6:.0f} s from frame {before} to "
                     f"{frame}; is the firmware built for this board?"
                 )
-            self._board_us += expected + rest
         self._frame, self._us = frame, board_us
         return self._board_us
 

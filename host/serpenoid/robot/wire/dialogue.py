@@ -129,10 +129,27 @@ class Dialogue:
             self._write(STOP)
 
     def stop(self, *, stay: bool = False) -> Answer:
-        """Halt, from any thread, and return once the board has confirmed it."""
+        """Halt, from any thread, and return once the board has confirmed it and rests.
+
+        Raises StopUnconfirmed if it goes on moving.
+        """
         if not self._closing.is_set():  # what is closed is not lost
             self.halt(stay=stay)
-        return self._ask_within("stop", PATIENCE_S)
+        answer = self._ask_within("stop", PATIENCE_S)
+        if answer.verdict.accepted:
+            self._await_rest()
+        return answer
+
+    def _await_rest(self) -> None:
+        """Wait until a `state:` line, a frame or a status says that the board rests."""
+        states, until_s = self.inbox.states, self.link.now_s() + PATIENCE_S
+        while not self.wait(lambda: states.rested, self.link.now_s() + RETRY_S):
+            if self.link.now_s() >= until_s:
+                raise StopUnconfirmed(
+                    f"the board said ok to it, but its state is {states.last!r} "
+                    f"{PATIENCE_S:g} s later; if the robot moves, cut its power"
+                )
+            self._ask_within("status", PATIENCE_S)
 
     def release(self) -> None:
         """Allow motion again after stop(stay=True)."""
@@ -225,10 +242,10 @@ class Dialogue:
     def _stop_surely(self) -> StopUnconfirmed | None:
         """Stop the robot; return why it may be moving still, None if this is sure."""
         try:
-            self.halt()
             if not self.inbox.in_session:  # nothing was set in motion by this program
+                self.halt()
                 return None
-            verdict = self._ask_within("stop", PATIENCE_S).verdict
+            verdict = self.stop().verdict
             if verdict.accepted:
                 return None
             why = f"{refused('stop', verdict)}; if the robot moves, cut its power"

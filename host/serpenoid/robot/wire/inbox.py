@@ -14,6 +14,7 @@ from .state_tracker import StateTracker
 
 MOST_UNREAD = 15_000  # frames: five minutes
 LATE_GREETING_S = 0.5  # after a session opened, a greeting may still answer an earlier asking
+_STATUS = re.compile(r"state=([a-z]+) .*\bboot=(\d{1,5})\b", re.ASCII)
 CHANGES_CADENCE = ("set every ", "set silence ", "load", "defaults")
 
 
@@ -161,9 +162,11 @@ class Inbox:
             pending.damaged = True
 
     def _take_data(self, data: Data) -> None:
-        boot = re.search(r"\bboot=(\d{1,5})\b", data.text) if data.word == "status" else None
-        if boot and self.in_session and self.hello and int(boot[1]) != self.hello.boot:
-            raise self._started_again(int(boot[1]), "its greeting was lost")
+        status = _STATUS.match(data.text) if data.word == "status" else None
+        if status:
+            self.states.hear(status[1])
+        if status and self.in_session and self.hello and int(status[2]) != self.hello.boot:
+            raise self._started_again(int(status[2]), "its greeting was lost")
         if data.word == "state":
             state, _, why = data.text.partition(" ")
             self._judge(state, by_silence=why == "why=silence")
@@ -172,6 +175,7 @@ class Inbox:
 
     def _judge(self, state: str, *, by_silence: bool = False) -> None:
         """Keep the first surprise for the program's next call."""
+        self.states.hear(state)
         if self.in_session:
             surprise = self.states.surprise(state, by_silence=by_silence)
             self.notice = self.notice or surprise

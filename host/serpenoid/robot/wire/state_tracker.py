@@ -7,6 +7,7 @@ from ...model.errors import RobotError, RobotUnattended, StateUnasked
 LEADS_TO = {"gait": "gait", "pose": "pose", "idle": "idle"}
 STOPS = ("stop", "!")
 STOPPED = frozenset({"hold", "idle"})  # a stop does nothing to servos that are limp
+RESTING = frozenset({"hold", "idle", "safe"})
 SAFE = frozenset({"safing", "safe", "idle"})  # the way that silence leads
 
 
@@ -21,6 +22,8 @@ class StateTracker:
         self._states: frozenset[str] | None = None
         self._before: frozenset[str] | None = None
         self._halted = False
+        self.last = "unknown"
+        self.rested = True  # the board said so since the last stop
 
     def asking(self, text: str) -> None:
         """Note a command that goes out now."""
@@ -30,7 +33,7 @@ class StateTracker:
 
     def halting(self) -> None:
         """Note a stop key that goes out now, whatever else is under way."""
-        self._halted = True
+        self._halted, self.rested = True, False
         if self._states is not None:
             self._states |= STOPPED
 
@@ -42,6 +45,11 @@ class StateTracker:
             self._states = after
         if self._halted and self._states is not None:
             self._states |= STOPPED
+
+    def hear(self, state: str) -> None:
+        """Note a state that the board is in."""
+        self.last = state
+        self.rested = self.rested or state in RESTING
 
     def surprise(self, state: str, *, by_silence: bool = False) -> RobotError | None:
         """Return the error that the board is in a state nobody asked for, or None."""
