@@ -47,7 +47,7 @@ MOST_TOKENS = {
     "host/serpenoid/show": 42648,
     "host/serpenoid/simulation": 13262,
     "host/serpenoid/video": 27412,
-    "studies": 19953,
+    "studies": 25212,
     "tests": 3094,
     "tests/arm": 1428,
     "tests/avr": 29262,
@@ -70,7 +70,7 @@ MOST_TOKENS = {
     "tests/host/simulation": 39879,
     "tests/host/video": 17876,
     "tests/oracle": 48948,
-    "tests/studies": 353,
+    "tests/studies": 678,
 }
 PYTHON = (".py", ".pyi")
 OTHER = (".c", ".cpp", ".h", ".hpp", ".js", ".html", ".css", ".sh", ".svg")
