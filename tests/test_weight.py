@@ -30,7 +30,7 @@ MOST_TOKENS = {
     "host/core/python": 8363,
     "host/core/run": 3308,
     "host/core/scene": 10809,
-    "host/core/servos": 8781,
+    "host/core/servos": 8495,
     "host/core/web": 1369,
     "host/serpenoid": 857,
     "host/serpenoid/_core": 3052,

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <type_traits>
 #include <utility>
 
 namespace serpenoid {
@@ -15,25 +14,19 @@ constexpr int kAllAtOnce = 6, kMostRevisions = 60;
 constexpr double kHard = 1e3;     // times the stalled torque: what teeth can bear
 constexpr double kSpread = 1e-9;  // of the load, among more contacts than are needed to hold
 
-// Sizes are ints, or constants for which the compiler unrolls.
-template <int Value>
-using Constant = std::integral_constant<int, Value>;
-
 // Two numbers, for the vector instructions that every processor has.
 typedef double Pair __attribute__((vector_size(16), may_alias, aligned(8)));
 Pair& pair(double* x) { return *reinterpret_cast<Pair*>(x); }
 const Pair& pair(const double* x) { return *reinterpret_cast<const Pair*>(x); }
 
 // to += a from
-template <class Size>
-INLINED void add(double* to, Size size, double a, const double* from) {
+INLINED void add(double* to, int size, double a, const double* from) {
     int i = 0;
     for (; i + 1 < size; i += 2) pair(to + i) += a * pair(from + i);
     if (i < size) to[i] += a * from[i];
 }
 
-template <class Size>
-INLINED double dot(const double* a, const double* b, Size size) {
+INLINED double dot(const double* a, const double* b, int size) {
     Pair sum{};
     int i = 0;
     for (; i + 1 < size; i += 2) sum += pair(a + i) * pair(b + i);
@@ -41,8 +34,7 @@ INLINED double dot(const double* a, const double* b, Size size) {
 }
 
 // In place, m = U^T U by the upper triangle; reciprocals on the diagonal.
-template <class Size>
-void cholesky(double* m, Size size) {
+void cholesky(double* m, int size) {
     for (int k = 0; k < size; ++k) {
         double* row = m + k * size;
         const double inverse = 1 / std::sqrt(row[k]);
@@ -53,8 +45,7 @@ void cholesky(double* m, Size size) {
 }
 
 // x becomes U^-T x.
-template <class Size>
-void forward(const double* m, Size size, double* x) {
+void forward(const double* m, int size, double* x) {
     for (int i = 0; i < size; ++i) {
         const double* row = m + i * size;
         x[i] *= row[i];
@@ -63,8 +54,7 @@ void forward(const double* m, Size size, double* x) {
 }
 
 // x becomes U^-1 x.
-template <class Size>
-void backward(const double* m, Size size, double* x) {
+void backward(const double* m, int size, double* x) {
     for (int i = size; i-- > 0;) {
         const double* row = m + i * size;
         x[i] = (x[i] - dot(row + i + 1, x + i + 1, size - i - 1)) * row[i];
@@ -72,15 +62,6 @@ void backward(const double* m, Size size, double* x) {
 }
 
 }  // namespace
-
-// Links, and velocities of all that moves. Sizes of the common robot are known to the compiler.
-struct ServoSteps::AnySizes {
-    int links, all;
-};
-struct ServoSteps::SixLinks {
-    Constant<6> links;
-    Constant<8> all;
-};
 
 ServoSteps::ServoSteps(const Robot& robot, const Ground& ground, const Gait& gait,
                        const Servo& servo, double longest)
@@ -205,35 +186,33 @@ void ServoSteps::cycle() {
     samples_.clear();
     std::fill(wave_.begin(), wave_.end(), 0.0);
     std::fill(lines_.begin(), lines_.end(), 0.0);
-    const AnySizes any{n_, size_};
     for (t_ = 0; t_ < T - 1e-9 * servo_.frame;) {
         enter();
         const double stop = std::min({T, frame_, tick_ > 0 ? update_ : T});
         const double whole = std::ceil((stop - t_) / longest_ - 1e-6);
         const int parts = split_ * std::max(1, static_cast<int>(whole));
         const double h = (stop - t_) / parts;
-        for (int p = 0; p < parts; ++p) n_ == 6 && !play_ ? step(SixLinks{}, h) : step(any, h);
+        for (int p = 0; p < parts; ++p) step(h);
         t_ = stop;
     }
     frame_ -= T, update_ -= T;
     finish(theta_[0] - heading);
 }
 
-template <class Sizes>
-void ServoSteps::step(Sizes sizes, double h) {
-    for (int i = 0; i < sizes.links; ++i) {
+void ServoSteps::step(double h) {
+    for (int i = 0; i < n_; ++i) {
         const double theta = theta_[i] += 0.5 * h * u_[i + 2];
         c_[i] = std::cos(theta), s_[i] = std::sin(theta);
     }
-    for (int i = 0; i < sizes.all; ++i) ahead_[i] = 1.5 * u_[i] - 0.5 * before_[i];
+    for (int i = 0; i < size_; ++i) ahead_[i] = 1.5 * u_[i] - 0.5 * before_[i];
     before_ = u_;
-    masses(sizes, h);
+    masses(h);
     drive(h);
-    wheels(sizes, h);
+    wheels(h);
     if (play_) teeth(h);
-    cholesky(mass_.data(), sizes.all);
-    slide(sizes, h);
-    for (int i = 0; i < sizes.links; ++i) theta_[i] += 0.5 * h * u_[i + 2];
+    cholesky(mass_.data(), size_);
+    slide(h);
+    for (int i = 0; i < n_; ++i) theta_[i] += 0.5 * h * u_[i + 2];
     for (int i = 0; i + 1 < n_ && play_; ++i) {
         const Contact& c = contact_[3 * n_ - 1 + i];
         const double half = 0.5 * servo_.backlash, by = rotor(u_, i) - joint(u_, i);
@@ -244,10 +223,8 @@ void ServoSteps::step(Sizes sizes, double h) {
 }
 
 // M, and M u0 with the Coriolis forces.
-template <class Sizes>
-void ServoSteps::masses(Sizes sizes, double h) {
-    const auto n = sizes.links;
-    const auto size = sizes.all;
+void ServoSteps::masses(double h) {
+    const int n = n_, size = size_;
     std::fill(mass_.begin(), mass_.end(), 0.0);
     mass_[0] = mass_[size + 1] = n_ * robot_.m;
     double* to = &mass_[2 * size + 2];
@@ -298,9 +275,8 @@ void ServoSteps::drive(double h) {
 }
 
 // The rows of all contacts, and viscous friction.
-template <class Sizes>
-void ServoSteps::wheels(Sizes sizes, double h) {
-    const auto n = sizes.links;
+void ServoSteps::wheels(double h) {
+    const int n = n_;
     for (int i = 0; i < n; ++i) {
         double* __restrict along = contact_[2 * i].row.data();
         double* __restrict across = contact_[2 * i + 1].row.data();
@@ -323,14 +299,14 @@ void ServoSteps::wheels(Sizes sizes, double h) {
     for (int k = 0; k < static_cast<int>(contact_.size()); ++k) {
         Contact& contact = contact_[k];
         const double* g = contact.row.data();
-        contact.before = dot(g, u_.data(), sizes.all);
+        contact.before = dot(g, u_.data(), size_);
         if (k >= 2 * n_) continue;
         const double c = (k % 2 ? across : along).viscous(contact.before);
         if (c == 0) continue;
         const double damping = 0.5 * h * c;
-        add(right_.data(), sizes.all, -damping * contact.before, g);
-        for (int i = 0; i < sizes.all; ++i)
-            add(&mass_[i * sizes.all], sizes.all, damping * g[i], g);
+        add(right_.data(), size_, -damping * contact.before, g);
+        for (int i = 0; i < size_; ++i)  // what the Cholesky factor reads
+            add(&mass_[i * size_ + i], size_ - i, damping * g[i], g + i);
     }
 }
 
@@ -355,21 +331,19 @@ double ServoSteps::bound(const Contact& c, int mode, double h) const {
 }
 
 // Find the impulses of all contacts, and u1.
-template <class Sizes>
-void ServoSteps::slide(Sizes sizes, double h) {
+void ServoSteps::slide(double h) {
     free_ = right_;  // without what is dry
     for (Contact& c : contact_) c.reached = false;
     for (int look = 0; look < kMostRevisions; ++look) {
         for (Contact& c : contact_) c.impulse = bound(c, c.mode, h);
-        push(sizes);
-        if (!revise(sizes, h, look < kAllAtOnce)) break;
+        push();
+        if (!revise(h, look < kAllAtOnce)) break;
     }
-    if (turn_round(sizes, h)) push(sizes);
+    if (turn_round(h)) push();
 }
 
 // u1 by the impulses of what slides, and by those that keep the rest at rest.
-template <class Sizes>
-void ServoSteps::push(Sizes sizes) {
+void ServoSteps::push() {
     right_ = free_;
     resting_.clear();
     for (Contact& c : contact_) {
@@ -378,28 +352,26 @@ void ServoSteps::push(Sizes sizes) {
             resting_.push_back(&c);
             continue;
         }
-        add(right_.data(), sizes.all, c.impulse, c.row.data());
+        add(right_.data(), size_, c.impulse, c.row.data());
     }
-    forward(mass_.data(), sizes.all, right_.data());
-    hold(sizes);
+    forward(mass_.data(), size_, right_.data());
+    hold();
     u_ = right_;
-    backward(mass_.data(), sizes.all, u_.data());
+    backward(mass_.data(), size_, u_.data());
 }
 
-template <class Sizes>
-void ServoSteps::hold(Sizes sizes) {
+void ServoSteps::hold() {
     const int k = static_cast<int>(resting_.size());
     if (k == 0) return;
     gram_.resize(k * k), pull_.resize(k);
     double trace = 0;
     for (int i = 0; i < k; ++i) {
         Contact& c = *resting_[i];
-        if (!c.reached) c.reach = c.row, forward(mass_.data(), sizes.all, c.reach.data());
+        if (!c.reached) c.reach = c.row, forward(mass_.data(), size_, c.reach.data());
         c.reached = true;
         const double* a = c.reach.data();
-        pull_[i] = -dot(a, right_.data(), sizes.all);
-        for (int j = 0; j <= i; ++j)
-            gram_[j * k + i] = dot(a, resting_[j]->reach.data(), sizes.all);
+        pull_[i] = -dot(a, right_.data(), size_);
+        for (int j = 0; j <= i; ++j) gram_[j * k + i] = dot(a, resting_[j]->reach.data(), size_);
         trace += gram_[i * k + i];
     }
     for (int i = 0; i < k; ++i) gram_[i * k + i] += kSpread * trace;
@@ -408,13 +380,12 @@ void ServoSteps::hold(Sizes sizes) {
     for (int i = 0; i < k; ++i) {
         Contact& c = *resting_[i];
         c.impulse = pull_[i];
-        add(right_.data(), sizes.all, c.impulse, c.reach.data());
+        add(right_.data(), size_, c.impulse, c.reach.data());
     }
 }
 
 // Change the modes that cannot be, all or the worst; tell whether there were any.
-template <class Sizes>
-bool ServoSteps::revise(Sizes sizes, double h, bool all) {
+bool ServoSteps::revise(double h, bool all) {
     double most = 0;
     Contact* worst = nullptr;
     int to = 0;
@@ -429,7 +400,7 @@ bool ServoSteps::revise(Sizes sizes, double h, bool all) {
             if (wrong <= 1e-9) continue;
             mode = over > under ? -1 : 1;
         } else {
-            const double v = dot(c.row.data(), u_.data(), sizes.all);
+            const double v = dot(c.row.data(), u_.data(), size_);
             if (v * c.mode >= 0) continue;
             wrong = std::fabs(v) / (std::fabs(v) + std::fabs(c.before));
         }
@@ -444,12 +415,11 @@ bool ServoSteps::revise(Sizes sizes, double h, bool all) {
 }
 
 // What goes the other way at the end of the step has the mean of both ways' friction.
-template <class Sizes>
-bool ServoSteps::turn_round(Sizes sizes, double h) {
+bool ServoSteps::turn_round(double h) {
     bool any = false;
     for (Contact& c : contact_) {
         if (!c.dry() || c.teeth || c.mode * c.before >= 0) continue;
-        const double after = std::fabs(dot(c.row.data(), u_.data(), sizes.all));
+        const double after = std::fabs(dot(c.row.data(), u_.data(), size_));
         const double before = std::fabs(c.before), part = before / (before + after);
         c.impulse = part * bound(c, -c.mode, h) + (1 - part) * bound(c, c.mode, h);
         any = true;

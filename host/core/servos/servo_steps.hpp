@@ -65,12 +65,8 @@ class ServoSteps {
         bool teeth = false;
         bool dry() const { return ahead > 0 || back > 0; }
     };
-    struct AnySizes;
-    struct SixLinks;
-    template <class Sizes>
-    void step(Sizes sizes, double h);
-    template <class Sizes>
-    void masses(Sizes sizes, double h);
+    void step(double h);
+    void masses(double h);
     void rotor_term(int i, double f);
     double joint(const std::vector<double>& u, int i) const { return u[i + 3] - u[i + 2]; }
     double rotor(const std::vector<double>& u, int i) const {
@@ -78,19 +74,13 @@ class ServoSteps {
     }
     void control(const std::vector<double>& u);
     void drive(double h);
-    template <class Sizes>
-    void wheels(Sizes sizes, double h);
+    void wheels(double h);
     void teeth(double h);
-    template <class Sizes>
-    void slide(Sizes sizes, double h);
-    template <class Sizes>
-    void push(Sizes sizes);
-    template <class Sizes>
-    void hold(Sizes sizes);
-    template <class Sizes>
-    bool revise(Sizes sizes, double h, bool all);
-    template <class Sizes>
-    bool turn_round(Sizes sizes, double h);
+    void slide(double h);
+    void push();
+    void hold();
+    bool revise(double h, bool all);
+    bool turn_round(double h);
     double bound(const Contact& c, int mode, double h) const;
     void enter();
     void setpoints(double t);
