@@ -6,7 +6,7 @@ SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*')
 	pyproject.toml host/CMakeLists.txt
 # What takes long beside what it finds before a commit; `make test` has it all.
 LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden) \
-	$(addprefix tests/host/,bench commands gaits periodic robot show simulation/test_stability.py \
+	$(addprefix tests/host/,bench commands gaits model/test_stubs.py periodic robot show simulation/test_stability.py \
 	simulation/test_adaptive.py simulation/test_nonsmooth.py simulation/test_gaits.py) \
 	$(addprefix tests/host/calibration/test_,friction.py prediction.py page.py honest_fit.py \
 	dialogue.py comparison.py rounding.py ratchet_fit.py)
@@ -51,7 +51,7 @@ quick-tests:
 	$(PART) -q -m "not slow" $(addprefix --ignore=,$(LONG))
 
 test-slow: $(VENV)/built $(VENV)/dev
-	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs Xvfb=xvfb \
+	@sh .ci/need chromium=chromium chromedriver=chromium-driver em++=emscripten node=nodejs \
 		$$(cat tests/avr/packages.txt tests/arm/packages.txt) || echo "what needs these is skipped"
 	@$(MAKE) --no-print-directory --jobs=2 slow-host slow-board
 

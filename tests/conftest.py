@@ -15,7 +15,7 @@ settings.register_profile(
 )
 settings.load_profile("calm")
 
-# How somebody likes their terminal and their windows is nothing that tests may depend on.
+# How somebody likes their terminal is nothing that tests may depend on.
 for taste in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "PYTHONWARNINGS"):
     os.environ.pop(taste, None)
 os.environ["MPLBACKEND"] = "agg"
@@ -26,7 +26,6 @@ OPTIONAL = (
     "an optional peer",
     "needs actionlint",
     "needs x86",
-    "needs a Python with tkinter",
     "needs Linux",
     "needs a system with",
 )

@@ -26,7 +26,7 @@ from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from .alarms import parts, with_alarms
 from .crawls.result import fit_crawls
-from .fitting.data import ZERO_SIGMA_RAD, FitData, Floats, projections
+from .fitting.data import FitData, Floats, projections
 from .fitting.identifiability import bend_note, check_readings
 from .fitting.influence import BOTH_WAYS, Influence, influences
 from .fitting.joint import minimise, starting_point, whole_residuals
@@ -308,14 +308,4 @@ def _result(session: Session, data: FitData, raw: _Raw, method: str) -> Friction
         session_name=session.setup.name,
         session_sha256=session.sha256,
     )
-    return replace(fit, notes=(*notes_on(fit, session), *_zero_note(data), *bend_note(data)))
-
-
-def _zero_note(data: FitData) -> list[str]:
-    if not data.zero_assumed:
-        return []
-    return [
-        "The set-up claims a zero of the inclinometer without error; "
-        f"{ZERO_SIGMA_RAD:.3g} rad (0.1 degrees) is assumed. Read it both ways round, and "
-        "state what is left."
-    ]
+    return replace(fit, notes=(*notes_on(fit, session), *bend_note(data)))

@@ -24,6 +24,8 @@ NAMES = BOTH_WAYS[:4]
 UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in BOTH_WAYS})
 LEVEL = 0.95
 WHOLE = "_whole"
+NOT_WEIGHED = "The robot was not weighed"
+NO_ZERO = "The inclinometer's zero was not measured"
 SURELY = 2.0  # errors of its difference, beyond which a zero that drifted is told
 _MOST_ROUNDS = 64  # of draws, of which those below 0 are left out
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
@@ -179,6 +181,11 @@ class FrictionFit:
     session_sha256: str = ""
     draws: Floats | None = None
     servos: FittedServos | None = None
+
+    @property
+    def unmeasured(self) -> list[str]:
+        """Return the notes on what nobody measured: every prediction rests on its prior."""
+        return [note for note in self.notes if note.startswith((NOT_WEIGHED, NO_ZERO))]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -353,8 +360,16 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
         )
     if not session.setup.weighed:
         notes.append(
-            "The robot was not weighed, and one per cent of mass is one per cent of friction: "
+            f"{NOT_WEIGHED}, and one per cent of mass is one per cent of friction: "
             "`serpenoid calibrate amend DIR robot.mass_kg=480g` puts its mass in."
+        )
+    inclined = session.kept or session.kept_slides
+    if inclined and not session.zero.readings and session.setup.kind != "regenerated":
+        notes.append(
+            f"{NO_ZERO}: it is taken as 0, within incline_zero_sigma_deg of session.toml. 0.1 "
+            f"degrees are {np.radians(0.1) * session.setup.weight_n:.2g} N of ft0. "
+            "Read it both ways round: `serpenoid calibrate add DIR zero incline_deg=0.1 "
+            "reversed_deg=0`."
         )
     if session.zero_moved_sigmas > SURELY:
         notes.append(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..model.ground import Ground
     from ..model.robot import Robot
 
-ALARMS = "serpenoid.alarms"  # of click's context: what show_json puts into every answer
+ALARMS = "serpenoid.alarms"  # of click's context: keys that show_json puts into every answer
 
 
 def take_fit(given: dict[str, Any]) -> FrictionFit | None:
@@ -109,11 +109,14 @@ def predicted_band(
 
 
 def tell_alarms(fit: FrictionFit, more: list[str] | None = None) -> FrictionFit:
-    """Warn of all that forbids to trust a fit, and leave it to show_json; return the fit."""
-    told = [*fit.alarms, *(more or [])]
-    for alarm in told:
+    """Warn of what forbids to trust a fit, note what was not measured; show_json has both."""
+    alarms = [*fit.alarms, *(more or [])]
+    for alarm in alarms:
         say(f"serpenoid: warning: {alarm}", err=True)
+    for note in fit.unmeasured:
+        say(f"note: {note}", err=True)
     context = click.get_current_context(silent=True)
-    if context is not None and told:
-        context.meta[ALARMS] = told
+    if context is not None:
+        answers = {"fit_alarms": alarms, "fit_notes": fit.unmeasured}
+        context.meta[ALARMS] = {key: words for key, words in answers.items() if words}
     return fit

@@ -36,6 +36,10 @@ class Commands(click.Group):
         super().__init__(*args, **kwargs)
         self.sections = sections
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Print the plain help where no command is given: versions of click differ here."""
+        return super().parse_args(ctx, args or ["--help"])
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the commands, each with its whole first paragraph."""
         for title, names in (self.sections or {"Commands": self.list_commands(ctx)}).items():

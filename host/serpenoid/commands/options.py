@@ -304,11 +304,10 @@ def finite(values: Any) -> Any:
 
 
 def show_json(values: dict[str, Any]) -> None:
-    """Print strict JSON, with the alarms of its fit; what is not finite becomes null."""
+    """Print strict JSON, with alarms and notes of its fit; what is not finite becomes null."""
     context = click.get_current_context(silent=True)
-    alarms = context.meta.get(ALARMS) if context else None
-    told = values | {"fit_alarms": alarms} if alarms else values
-    say(json.dumps(finite(told), indent=2, allow_nan=False))
+    of_fit = context.meta.get(ALARMS, {}) if context else {}
+    say(json.dumps(finite(values | of_fit), indent=2, allow_nan=False))
 
 
 _TYPED = {

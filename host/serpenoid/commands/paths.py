@@ -12,7 +12,7 @@ _SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")
 FIGURES = (".png", ".pdf", ".svg")
 
 
-class OutFile(click.ParamType[Path]):
+class OutFile(click.ParamType):
     """A file to be written: its folder is there, its suffix is one of those given."""
 
     name = "file"
@@ -47,7 +47,7 @@ def _of_a_session(path: Path) -> Path | None:
     return next((own for own in (path, beside) if own.name in _SESSION and own.exists()), None)
 
 
-class OutFolder(click.ParamType[Path]):
+class OutFolder(click.ParamType):
     """A folder to be filled: it is there and may be written to, or can be made."""
 
     name = "directory"

@@ -11,11 +11,13 @@ import pytest
 import serpenoid as sn
 from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
-from click.testing import CliRunner
+from command_runner import separate_runner
 from serpenoid.calibration.fitting.data import FitData
 from serpenoid.calibration.fitting.joint import jacobian, residuals
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.calibration.kinds.belt import BeltCheck
+from serpenoid.calibration.taking.journal import Journal
+from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.gaits.optimize import optimize
 from serpenoid.commands.gaits.steady import steady
 from serpenoid.commands.main import cli
@@ -165,16 +167,36 @@ def test_a_contradictory_fit_is_told_by_every_command_that_rests_on_it(tmp_path)
     )
     gait = ["--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "0.5"]
     for command, more in ((steady, gait), (optimize, ["--speed-m-s", "0.05"])):
-        done = CliRunner().invoke(command, ["--session", str(tmp_path), *more, "--json"])
+        done = separate_runner().invoke(command, ["--session", str(tmp_path), *more, "--json"])
         assert done.exit_code == 0, done.output
-        text = done.stdout if hasattr(done, "stdout") else done.output
-        told = json.loads(text[text.index("{") :])
+        told = json.loads(done.stdout)
         assert f"Without reading {cells[0]} " in told["fit_alarms"][0]
         assert "do not trust" in done.stderr
         assert told["band"]["low_m_s"] < told["band"]["high_m_s"]
     asked = [str(tmp_path), "--gait", "70", "75", "0.5", "--samples", "16", "--servo", "ideal"]
-    done = CliRunner().invoke(cli, ["advise", *asked, "--json"])
+    done = separate_runner().invoke(cli, ["advise", *asked, "--json"])
     assert f"Without reading {cells[0]} " in json.loads(done.stdout)["fit_alarms"][0]
+
+
+def test_every_prediction_notes_what_was_not_measured(tmp_path):
+    folder = create_session(tmp_path / "asked", replace(default_setup("asked"), weighed=False))
+    with Journal(folder) as journal:
+        for bend, incline, belt in ((0, 2, 0.3), (0, 3, 1.0), (15, 3.0, 0.1), (15, 4.0, 0.5)):
+            cells = {"lambda_deg": bend, "incline_deg": incline, "belt_speed_m_s": belt}
+            journal.add("station", cells | {"drift_m_s": 0.0})
+    gait = ["--alpha-deg", "70", "--beta-deg", "75", "--frequency-hz", "0.5"]
+    sweep = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "3"]
+    for command, typed in (
+        ("steady", gait),
+        ("simulate", [*gait, "--duration-s", "0.1"]),
+        ("sweep", sweep),
+        ("optimize", ["--speed-m-s", "0.05"]),
+    ):
+        done = separate_runner().invoke(cli, [command, "--session", str(folder), *typed, "--json"])
+        weight, zero = json.loads(done.stdout)["fit_notes"]
+        assert weight.startswith("The robot was not weighed")
+        assert "0.1 degrees are 0.0078 N of ft0" in zero
+        assert f"note: {zero}" in done.stderr
 
 
 def test_one_misread_incline_is_named():

@@ -321,7 +321,7 @@ def test_a_mistyped_command_is_no_folder(serpenoid, tmp_path, monkeypatch):
     assert "no session here" in serpenoid("calibrate", "statsu")[2]
 
 
-@pytest.mark.parametrize("more", [["--page"], ["--port", "virtual"], ["--window"]])
+@pytest.mark.parametrize("more", [["--page"], ["--port", "virtual"]])
 def test_what_is_for_a_person_is_refused_where_nobody_is_asked(folder, serpenoid, more):
     status, *said = serpenoid("calibrate", str(folder), "--dry-run", *more)
     assert status == 2

@@ -105,6 +105,18 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
     assert setup.weighed
 
 
+def test_enter_at_the_mass_weighs_nothing(tmp_path):
+    with Person("calibrate", "new", str(tmp_path / "asked")) as person:
+        person.presses("belt\n\n\n6\n")
+        person.sees("mass of the whole robot as it crawls (kg, or 480 g) [later]")
+        person.presses(6 * "\n")
+        person.sees("begun:")
+        assert person.leaves() == 0
+    session = read_session(tmp_path / "asked")
+    assert not session.setup.weighed
+    assert session.mass_sigma == 0.05
+
+
 def test_pushes_at_a_terminal_outlive_a_kill_and_ctrl_c(tmp_path):
     typed = ("calibrate", "practice", str(tmp_path / "floor"), "--on", "floor", "--seed", "5")
     with Person(*typed) as person:

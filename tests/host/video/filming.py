@@ -14,6 +14,7 @@ from pathlib import Path
 import av
 import cv2
 import numpy as np
+import pytest
 
 Pose = Callable[[float], tuple[np.ndarray, np.ndarray]]  # time -> centres (n, 2), headings (n,)
 
@@ -248,6 +249,8 @@ def write(
         stream.time_base = Fraction(1, 90000)
         stream.codec_context.time_base = Fraction(1, 90000)
         stream.codec_context.thread_count = 1
+        if rotation_deg and not hasattr(stream, "set_display_rotation"):
+            pytest.skip("needs av 18, which can write how players turn a film")
         if rotation_deg:
             stream.set_display_rotation(rotation_deg)
         for image, t in zip(frames, times_s, strict=True):

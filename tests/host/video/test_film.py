@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_runner import separate_runner
 from serpenoid.commands.main import cli
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import measure
@@ -113,7 +113,7 @@ def test_the_command_tells_it_and_writes_what_was_asked_for(
     monkeypatch.setattr("serpenoid.video.measure_film.measure_film", once)
     names = {"--track": "track.csv", "--plot": "film.png", "--annotate": "drawn.mp4"}
     options = [part for option, name in names.items() for part in (option, str(tmp_path / name))]
-    done = CliRunner().invoke(cli, ["video", str(path), "--json", *options])
+    done = separate_runner().invoke(cli, ["video", str(path), "--json", *options])
     assert done.exit_code == 0, done.output
     told = json.loads(done.stdout)
     assert told["speed_m_s"] == pytest.approx(world.speed_m_s, rel=0.005)

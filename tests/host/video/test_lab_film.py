@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from click.testing import CliRunner
+from command_runner import separate_runner
 from serpenoid.calibration.session_file import read_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.commands.main import cli
@@ -46,7 +46,7 @@ def filmed(tmp_path):
         shoot(world, film, LENS, seconds=2.2 * GAIT.period_s, rate_hz=20, up=2)
         folder = create_session(tmp_path / "session", replace(SETUP, procedure=ON_FLOOR))
         typed = ["video", film, "--recording", wire, "--session", folder, "--way", "back", "--json"]
-        done = CliRunner().invoke(cli, [str(part) for part in typed])
+        done = separate_runner().invoke(cli, [str(part) for part in typed])
         assert done.exit_code == 0, done.output
         return json.loads(done.stdout), world, folder
 

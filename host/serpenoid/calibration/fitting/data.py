@@ -40,11 +40,11 @@ class FitData:
     speed_sigma_m_s: per reading. posture: per reading, which of posture_sigma_rad's bends it was
     taken at; -1 when straight. rounding: per reading, which of rounding_sigma_rad's errors its
     incline has; -1 where that is its own. rounding_draws: (draws, errors) of these, in sigmas.
-    zero_sigma_rad: per reading, of what is left of the inclinometer's zero, common to all.
-    zero_assumed: it is ours, since the set-up claimed 0. back: whether a reading's wheels rolled
-    backwards, the snake facing up the belt. ratchet: there are readings of both ways, or were
-    before some were left out. astray_rad, astray_sigma_rad: per reading, mean and standard
-    deviation of the straight links' mean |angle| to the path, times their share. belt_sigma,
+    zero_sigma_rad: per reading, of what is left of the inclinometer's zero, common to all. back:
+    whether a reading's wheels rolled backwards, the snake facing up the belt. ratchet: there are
+    readings of both ways, or were before some were left out. astray_rad, astray_sigma_rad: per
+    reading, mean and standard deviation of the straight links' mean |angle| to the path, times
+    their share. belt_sigma,
     mass_sigma: relative, of their scales. tracks: places of short readings, whose slip_m_s is the
     mean. inertia_n, inertia_sigma_n: per reading, the force that changes its speed, roughly, and
     its standard deviation; 0 where it was held.
@@ -65,7 +65,6 @@ class FitData:
     rounding_draws: Floats
     weight_n: float
     zero_sigma_rad: Floats
-    zero_assumed: bool
     astray_rad: Floats
     astray_sigma_rad: Floats
     tracks: Tracks
@@ -111,7 +110,6 @@ class FitData:
             rounding_draws=draws,
             weight_n=session.setup.weight_n,
             zero_sigma_rad=np.where(zero_sigma_rad > 0.0, zero_sigma_rad, ZERO_SIGMA_RAD),
-            zero_assumed=bool((zero_sigma_rad == 0.0).any()),
             tracks=tracks,
             inertia_n=inertia_n,
             inertia_sigma_n=inertia_sigma_n,

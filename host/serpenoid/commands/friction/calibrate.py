@@ -47,7 +47,7 @@ def calibrate() -> None:
     Every reading is on the disk before the next is asked for; nothing is ever overwritten.
 
     `calibrate DIR` takes --on floor, --port (a robot that bends and steers itself), --page, --lan,
-    --window, --script and --dry-run: see `serpenoid calibrate take --help`.
+    --script and --dry-run: see `serpenoid calibrate take --help`.
     """
 
 
@@ -82,11 +82,6 @@ calibrate.add_command(push)
     "--page", "with_page", is_flag=True, help="Serve a page for whoever stands at the treadmill."
 )
 @click.option("--lan", is_flag=True, help="With --page: reachable from a phone in the same net.")
-@click.option(
-    "--window/--no-window",
-    default=None,
-    help="A window for the picture; where there is a display unless told.",
-)
 def take(
     folder: Path,
     on: str | None,
@@ -96,7 +91,6 @@ def take(
     patience_s: float,
     with_page: bool,
     lan: bool,
-    window: bool | None,
 ) -> None:
     """Start or resume a session; `serpenoid calibrate DIR` is short for this."""
     if lan and not with_page:
@@ -109,7 +103,7 @@ def take(
         _carry_out_on(folder, on)
     if script is not None:
         return _scripted(folder, script)
-    return with_a_person(folder, port, patience_s, with_page, lan, window)
+    return with_a_person(folder, port, patience_s, with_page, lan)
 
 
 def _nobody_there(given: str) -> None:
@@ -121,7 +115,6 @@ def _nobody_there(given: str) -> None:
         "port": "--port",
         "patience_s": "--patience-s",
         "with_page": "--page",
-        "window": "--window",
     }
     for name, option in needless.items():
         if context.get_parameter_source(name) is typed and context.params[name] is not False:

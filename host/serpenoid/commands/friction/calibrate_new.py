@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 LATER = "later"
 
 
-class Quantity(click.ParamType[float]):
+class Quantity(click.ParamType):
     """A number with a unit or in the field's own; decimals take a point or a comma.
 
     A bare number that only another unit makes likely is asked about where somebody can answer.
@@ -30,9 +30,8 @@ class Quantity(click.ParamType[float]):
     def __init__(self, field: str):
         self.field = field
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> float:
-        """Return the number, or say what is wrong with it."""
-        import math
+    def convert(self, value: Any, param: Any, ctx: Any) -> float | str:
+        """Return the number or LATER, or say what is wrong with it."""
         import sys
 
         from ...calibration.taking.parse_number import parse_number
@@ -41,7 +40,7 @@ class Quantity(click.ParamType[float]):
             return value
         field = field_of(self.field)
         if field.column in ("mass_kg", "wheels_kg") and str(value).strip().lower() == LATER:
-            return math.nan
+            return LATER
         try:
             typed = parse_number(str(value), field)
         except BadInput as error:
@@ -103,7 +102,6 @@ def new(
 ) -> None:
     """Begin a session: asks for robot, surface and instruments, or takes them from a template."""
     import dataclasses
-    import math
     import sys
 
     from ...calibration.taking.new_session import (
@@ -123,19 +121,13 @@ def new(
                 "--surface and --mass-kg"
             )
         answers = _asked(setup, answers, on)
-    if answers["wheels_kg"] is not None and math.isnan(answers["wheels_kg"]):
-        answers = answers | {"wheels_kg": None}
-    mass_kg = answers["mass_kg"]
-    unweighed = mass_kg is None or math.isnan(mass_kg)
-    setup = dataclasses.replace(setup, procedure=on_place(setup.procedure, on))
-    given = answered(setup, answers | ({"mass_kg": None} if unweighed else {}))
-    if ratchet:
-        given = dataclasses.replace(
-            given, procedure=dataclasses.replace(given.procedure, ratchet=True)
-        )
+    answers = {name: None if value == LATER else value for name, value in answers.items()}
+    plan = on_place(setup.procedure, on)
+    plan = dataclasses.replace(plan, ratchet=ratchet or plan.ratchet)
+    given = answered(dataclasses.replace(setup, procedure=plan), answers)
     if simulated:
         given = dataclasses.replace(given, kind="simulated", source=f"simulated {on}")
-    elif template is None and unweighed:
+    elif template is None and answers["mass_kg"] is None:
         given = dataclasses.replace(given, weighed=False)
     create_session(folder, given)
     say(f"begun: {folder / 'session.toml'}; go on with `serpenoid calibrate {folder}`")
@@ -150,23 +142,15 @@ def _asked(setup: Setup, answers: dict[str, Any], on: str) -> dict[str, Any]:
     for name, words in WORDS.items():
         if found.get(name) is None:
             found[name] = click.prompt(words, default=getattr(setup, name))
-    found["links"] = click.prompt("number of links", default=setup.robot.links, value_proc=_links)
+    links = click.IntRange(2, 100)
+    found["links"] = click.prompt("number of links", default=setup.robot.links, type=links)
     usual = _usual(setup)
     for field in NUMBERS if on == "treadmill" else (*NUMBERS[:ROBOT], WHEELS):
         if found.get(field.column) is None:
-            words = field.words + (f"; or {LATER}" if field.column.endswith("s_kg") else "")
             found[field.column] = click.prompt(
-                words, default=usual[field.column], type=Quantity(field.column)
+                field.words, default=usual[field.column], type=Quantity(field.column)
             )
     return found
-
-
-def _links(typed: str | int) -> int:
-    """Read a number of links, or fail in words that say which are allowed."""
-    text = str(typed).strip()
-    if not text.isdecimal() or not 2 <= int(text[:9]) <= 100:
-        raise click.UsageError(f"{text!r} is no number of links; type one from 2 to 100")
-    return int(text)
 
 
 def _usual(setup: Setup) -> dict[str, str]:
@@ -176,7 +160,7 @@ def _usual(setup: Setup) -> dict[str, str]:
     robot, steps = setup.robot, setup.treadmill
     shown_deg = math.degrees(setup.uncertainty.incline_sigma_rad) * math.sqrt(12)
     return {
-        "mass_kg": f"{1000 * robot.links * robot.link_mass_kg:.6g} g",
+        "mass_kg": LATER,
         "link_length_m": f"{1000 * robot.link_length_m:.6g} mm",
         "wheels_kg": LATER,
         "incline_step_deg_shown": f"{shown_deg:.2g}",

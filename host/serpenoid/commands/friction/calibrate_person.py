@@ -26,14 +26,12 @@ def with_a_person(
     patience_s: float,
     with_page: bool,
     lan: bool,
-    window: bool | None = None,
     console: Any = None,
     watching: Any = None,
 ) -> None:
     """Take or resume a session at the terminal; exit status 1 where the robot was lost.
 
-    window: whether to open one for the picture; None where there is a display. console: another
-    terminal than standard input and output. watching: is told of every step, too.
+    console: another terminal than standard input and output. watching: is told of every step, too.
     """
     from contextlib import ExitStack, suppress
 
@@ -60,7 +58,7 @@ def with_a_person(
         board = BY_HAND if robot is None else robot.greeting
         for line in begin(journal, people, board):
             console.say(line)
-        told = [_pictures(console, *_window(stack, journal, window))]
+        told = [_pictures(console)]
         told += [] if watching is None else [watching]
         if with_page:
             page, keys = _page(stack, journal, robot, lan, console)
@@ -168,24 +166,8 @@ def _state(robot: SessionRobot) -> str:
     return "stopped" if robot.held else "holds" if robot.powered else "idle"
 
 
-def _window(stack: Any, journal: Journal, wanted: bool | None) -> list[Any]:
-    """Open a window and return a function that draws in it, if there is a display for it."""
-    from ...calibration.taking.procedure import skipped_keys
-    from ...show.session.state import state_of
-    from ...show.session.window import Window, display_is_there
-
-    if wanted is False or not (wanted or display_is_there()):
-        return []
-    window = stack.enter_context(Window())
-    return [
-        lambda session, step: window.show(
-            state_of(session, step, skipped_keys(journal.events), BY_HAND)
-        )
-    ]
-
-
-def _pictures(console: Any, *windows: Any) -> Any:
-    """Return a function that draws the session after each new station: in a window, or in text.
+def _pictures(console: Any) -> Any:
+    """Return a function that draws the session in text after each new station.
 
     A push is drawn at a terminal only, a void one, too.
     """
@@ -196,7 +178,6 @@ def _pictures(console: Any, *windows: Any) -> Any:
     shown, drawn_pushes = [-1], [0]
 
     def told(session: Session, step: Any) -> None:
-        in_window = [show(session, step) for show in windows]
         pushes = session.of("coast")
         if shown[0] >= 0 and at_terminal():
             for push in pushes[drawn_pushes[0] :]:
@@ -206,7 +187,7 @@ def _pictures(console: Any, *windows: Any) -> Any:
         drawn = picture(session) if kept != shown[0] else ""
         told_of = drawn or (session.on_floor and kept != shown[0])
         if told_of and shown[0] >= 0:
-            console.say("" if any(in_window) else drawn)
+            console.say(drawn)
             console.say(_so_far(session))
         shown[0] = kept
 

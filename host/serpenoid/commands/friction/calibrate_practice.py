@@ -85,7 +85,7 @@ def practice(
     terminal.say(HELP + "\nThese words once more: treadmill.")
     try:
         with _page(room, terminal, lan) if with_page else _nothing():
-            with_a_person(folder, link, 1e9, False, False, False, terminal)
+            with_a_person(folder, link, 1e9, False, False, terminal)
     finally:
         room.stop()
         session = read_session(folder)
@@ -131,7 +131,7 @@ def _on_floor(folder: Path, seed: int | None) -> None:
     terminal = FloorTerminal(Console(), session.setup, has, folder / "films")
     terminal.say(HELP + "\nThese words once more: floor.")
     try:
-        with_a_person(folder, None, 1e9, False, False, False, terminal, terminal.watch)
+        with_a_person(folder, None, 1e9, False, False, terminal, terminal.watch)
     finally:
         if len(read_session(folder).kept_pushes) >= ENOUGH:
             terminal.say(f"\n{terminal.truth.in_words()}; `serpenoid fit {folder}`")

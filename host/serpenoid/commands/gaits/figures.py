@@ -60,7 +60,7 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
     """Draw the figures of the 2005 paper anew, and set its claims beside what is found.
 
     Writes Figs. 6 to 13 and 15 to 17, fronts of least-power and robust gaits, the cliff of a
-    fragile and a robust gait, the robot crawling (SVG; GIF for slides), a data file beside each,
+    fragile and a robust gait, the robot crawling (SVG), a data file beside each,
     claims.json and index.html. Some ten seconds. Joints follow the gait exactly, as the paper's
     do, so there is no --servo; the speeds of Fig. 17 have the band of any hobby servo beside them.
     """
@@ -114,9 +114,8 @@ def _crawling(out: Path) -> Shown:
 
     found = crawl.crawl(study.OF_2005, study.BINGHAM, study.EXPERIMENT)
     crawl.write_svg(found, out / "crawl.svg")
-    crawl.write_gif(found, out / "crawl.gif")
     crawl.write_data(found, out / "crawl.svg")
-    return [("crawl.svg", "The 2005 robot crawling, with slip and forces (crawl.gif for slides)")]
+    return [("crawl.svg", "The 2005 robot crawling, with slip and forces")]
 
 
 def _of_time(out: Path, closed: Comparison, opened: Comparison) -> Shown:

@@ -56,7 +56,7 @@ def _span(text: str, name: str) -> list[float]:
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
-class _Result(click.ParamType[Path]):
+class _Result(click.ParamType):
     """A file with a suffix, or a folder for a study."""
 
     name = "path"

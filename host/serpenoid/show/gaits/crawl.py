@@ -1,4 +1,4 @@
-"""One cycle of a gait as a picture that moves: SVG for a page, GIF for slides, and its data.
+"""One cycle of a gait as a picture that moves: SVG for a page, and its data.
 
 The camera goes along at the mean speed, so that the cycle closes in itself and repeats for ever.
 """
@@ -9,7 +9,6 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +21,13 @@ from ...simulation.run import Run
 from ...simulation.scene import Scene
 from ...simulation.simulate import simulate
 from ..figure_data import beside
-from ..plot import BLUE, GREY, RED, along_travel, figure, robot_words
+from ..plot import BLUE, GREY, RED, along_travel, robot_words
 from .gait_figures import gait_words
 
 Array = NDArray[np.float64]
 FRAMES = 48
 _STUCK = 1e-6  # of body length x rate: a wheel slower than this across the link sticks
 _ARROW = 0.9  # link lengths that the largest force is drawn as
-_HALF_VIEW = 1.9  # of the GIF across the way, link lengths
 _WIDE, _HIGH, _HEAD_ROOM = 720, 370, 24  # of the SVG, in its units
 
 
@@ -239,89 +237,3 @@ def _words(found: Crawl, seconds: float) -> str:
         f'<text x="8" y="{_HIGH - 8}" fill="{GREY}">shaded: head; wheels filled: they stick'
         f" sideways, open: they slip; thin: force of the ground; {pace_words}</text>\n"
     )
-
-
-def write_gif(found: Crawl, path: Path) -> None:
-    """Write the cycle as a GIF that repeats; what stands still is drawn once."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image
-
-    frames = found.t_s.size - 1
-    images: list[Any] = []
-    with figure(7.2, 3.2) as (fig, ax):
-        fig.set_dpi(100)
-        fig.suptitle(robot_words(found.robot, found.ground), fontsize=8, color=GREY)
-        moving = _Moving(ax, found)
-        agg = cast(FigureCanvasAgg, fig.canvas)
-        agg.draw()
-        still = agg.copy_from_bbox(fig.bbox)
-        for k in range(frames):
-            agg.restore_region(still)
-            moving.draw(k)
-            images.append(Image.fromarray(np.array(agg.buffer_rgba())).convert("RGB"))
-    seconds = max(2.0, min(found.gait.period_s, 6.0))
-    each_ms = int(1000 / round(frames / seconds))
-    images[0].save(path, save_all=True, append_images=images[1:], duration=each_ms, loop=0)
-
-
-class _Moving:
-    """The parts of a frame that move: links, forces, wheels, marks on the ground."""
-
-    def __init__(self, ax: Any, found: Crawl) -> None:
-        canvas = _Canvas(found)
-        self.ax, self.found, self.left = ax, found, canvas.left
-        (self.tails, self.heads), self.tips, self.stuck = found.ends(), found.arrows(), found.stuck
-        _set_scene(ax, found, canvas)
-        low = canvas.middle - _HALF_VIEW * found.robot.link_length_m
-        self.marks = np.arange(canvas.left, canvas.right + found.mark_m, found.mark_m)
-        height = np.full(self.marks.size, low)
-        (self.ground,) = ax.plot(self.marks, height, "|", color=GREY, animated=True)
-        n = found.robot.links
-        self.links = [
-            ax.plot(
-                [],
-                [],
-                color="#003a5c" if i == n - 1 else BLUE,
-                lw=6,
-                solid_capstyle="round",
-                animated=True,
-            )[0]
-            for i in range(n)
-        ]
-        self.forces = [ax.plot([], [], color=RED, lw=2, animated=True)[0] for _ in range(n)]
-        self.wheels = [
-            ax.plot([], [], "o", color="black", ms=6, animated=True)[0] for _ in range(n)
-        ]
-
-    def draw(self, k: int) -> None:
-        """Draw frame k onto what stands still."""
-        found = self.found
-        centres = np.stack([found.x_m[k], found.y_m[k]], axis=1)
-        for i, (link, force) in enumerate(zip(self.links, self.forces, strict=True)):
-            link.set_data(*np.array([self.tails[k, i], self.heads[k, i]]).T)
-            force.set_data(*np.array([centres[i], self.tips[k, i]]).T)
-            self.ax.draw_artist(link)
-            self.ax.draw_artist(force)
-        gone = found.way_m * k / (found.t_s.size - 1) % found.mark_m
-        self.ground.set_xdata(self.marks - gone)
-        self.ax.draw_artist(self.ground)
-        for wheel, centre, stuck in zip(self.wheels, centres, self.stuck[k], strict=True):
-            wheel.set_data(centre[:1], centre[1:])
-            wheel.set_markerfacecolor("black" if stuck else "white")
-            self.ax.draw_artist(wheel)
-
-
-def _set_scene(ax: Any, found: Crawl, canvas: _Canvas) -> None:
-    """Set limits and words, which stand still."""
-    half = _HALF_VIEW * found.robot.link_length_m
-    ax.set(xlim=(canvas.left, canvas.right), yticks=[], xticks=[])
-    ax.set_ylim(canvas.middle - half, canvas.middle + half)
-    ax.set_aspect("equal")
-    ax.set_title(found.title, fontsize=10)
-    ax.set_xlabel(
-        "shaded: head; thin: force of the ground; filled wheels stick sideways, open ones slip",
-        fontsize=8,
-    )
-    ax.grid(visible=False)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
