@@ -26,7 +26,7 @@ CORE, FIRMWARE, PARTS = (
     ROOT / "firmware" / "lib",
     ROOT / "docs" / "playground",
 )
-# Not in a browser: Python's glue, boards, other processors' kernels, what the page does not ask.
+# Not in a browser: Python's glue, boards, what the page does not ask.
 LEFT_OUT = ("python", "board", "lab")
 FLAGS = [
     "-std=c++20",
@@ -66,7 +66,6 @@ def compile_core(build: Path) -> Path:
     build.mkdir(parents=True, exist_ok=True)
     every = sorted(CORE.rglob("*.cpp"))
     sources = [p for p in every if p.relative_to(CORE).parts[0] not in LEFT_OUT]
-    sources = [p for p in sources if not p.stem.startswith("avx")]
     sources += sorted(FIRMWARE.glob("gait/*.cpp"))
     headers = [*CORE.rglob("*.hpp"), *FIRMWARE.glob("*/*.h"), Path(__file__)]
     newest = max(p.stat().st_mtime for p in headers)

@@ -13,92 +13,98 @@
 // times omega: v_i^t = t_i . V + (rho_i x t_i) w + omega t_i . rho_i', and likewise for n_i.
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 #include "model/gait.hpp"
 #include "model/params.hpp"
+#include "numerics/pack.hpp"
 
 namespace serpenoid {
 
-// One direction of one wheel: speed = x Vx + y Vy + r w + omega e.
-struct WheelDirection {
-    double x, y, r, e;
-    double speed(const double u[3], double omega) const {
+// One direction of one wheel: speed = x Vx + y Vy + r w + omega e. Real: double, or a Pack of
+// phases.
+template <class Real>
+struct DirectionOf {
+    Real x, y, r, e;
+    Real speed(const Real u[3], double omega) const {
         return x * u[0] + y * u[1] + r * u[2] + omega * e;
     }
 };
+using WheelDirection = DirectionOf<double>;
 
-struct LinkShape {
-    WheelDirection t, n;  // (t.x, t.y) is the tangent, (n.x, n.y) the normal
-    double rx, ry;        // rho, m
-    double rx1, ry1;      // rho', m/rad
-    double s1;            // sigma'
-    double rx2, ry2, s2;  // second derivatives, filled only when asked for
+template <class Real>
+struct LinkShapeOf {
+    DirectionOf<Real> t, n;  // (t.x, t.y) is the tangent, (n.x, n.y) the normal
+    Real rx, ry;             // rho, m
+    Real rx1, ry1;           // rho', m/rad
+    Real s1;                 // sigma'
+    Real rx2, ry2, s2;       // second derivatives, filled only when asked for
 };
+using LinkShape = LinkShapeOf<double>;
 
-struct BodyShape {
-    std::vector<LinkShape> link;
-    double J, K;    // kg m^2
-    double J1, K1;  // their derivatives by tau, filled with the second derivatives
+template <class Real>
+struct BodyShapeOf {
+    std::vector<LinkShapeOf<Real>> link;
+    Real J, K;    // kg m^2
+    Real J1, K1;  // their derivatives by tau, filled with the second derivatives
 
-    // Fill for one phase. `second` adds what accelerations need and friction does not.
-    void set(const Robot& robot, const GaitTable& gait, double sin_tau, double cos_tau,
-             bool second);
+    // Fill for one phase, or a pack of them. `second` adds what accelerations need and friction
+    // does not.
+    void set(const Robot& robot, const GaitTable& gait, Real sin_tau, Real cos_tau, bool second);
 
   private:
-    void chain(double l, const GaitTable& gait, double sin_tau, double cos_tau);
-    void centre();
-    void rows();
+    void chain(double l, const GaitTable& gait, Real sin_tau, Real cos_tau, bool second);
+    void centre(bool second);
 };
+using BodyShape = BodyShapeOf<double>;
 
-inline void BodyShape::chain(double l, const GaitTable& gait, double sin_tau, double cos_tau) {
+template <class Real>
+INLINED void BodyShapeOf<Real>::chain(double l, const GaitTable& gait, Real sin_tau, Real cos_tau,
+                                      bool second) {
     const int n = gait.joints() + 1;
     link.resize(n);
-    double angle = 0, s1 = 0, s2 = 0, c = 1, s = 0;
-    double x = 0, y = 0, x1 = 0, y1 = 0, x2 = 0, y2 = 0;
+    Real angle{}, s1{}, s2{}, c = Real{} + 1.0, s{}, x{}, y{}, x1{}, y1{}, x2{}, y2{};
+    const auto half = [&] {
+        x += l * c, y += l * s, x1 -= l * s1 * s, y1 += l * s1 * c;
+        if (second) x2 -= l * (s2 * s + s1 * s1 * c), y2 += l * (s2 * c - s1 * s1 * s);
+    };
     for (int i = 0;; ++i) {
-        LinkShape& k = link[i];
+        LinkShapeOf<Real>& k = link[i];
         k.t.x = c, k.t.y = s, k.n.x = -s, k.n.y = c;
-        k.rx = x, k.ry = y, k.rx1 = x1, k.ry1 = y1, k.rx2 = x2, k.ry2 = y2;
-        k.s1 = s1, k.s2 = s2;
+        k.rx = x, k.ry = y, k.rx1 = x1, k.ry1 = y1, k.s1 = s1;
+        if (second) k.rx2 = x2, k.ry2 = y2, k.s2 = s2;
         if (i + 1 == n) return;
-        // from this centre to the joint with the old angle, from the joint on with the new one
-        x += l * c, y += l * s, x1 -= l * s1 * s, y1 += l * s1 * c;
-        x2 -= l * (s2 * s + s1 * s1 * c), y2 += l * (s2 * c - s1 * s1 * s);
-        const GaitTable::Joint j = gait.at(i, sin_tau, cos_tau);
+        half();  // to the joint with the old angle, from the joint on with the new one
+        const auto j = gait.at(i, sin_tau, cos_tau);
         angle += j.angle, s1 += j.slope, s2 += j.curvature;
-        c = std::cos(angle), s = std::sin(angle);
-        x += l * c, y += l * s, x1 -= l * s1 * s, y1 += l * s1 * c;
-        x2 -= l * (s2 * s + s1 * s1 * c), y2 += l * (s2 * c - s1 * s1 * s);
+        sincos(angle, s, c);
+        half();
     }
 }
 
-inline void BodyShape::centre() {
-    double x = 0, y = 0, x1 = 0, y1 = 0, x2 = 0, y2 = 0;
-    for (const LinkShape& k : link)
-        x += k.rx, y += k.ry, x1 += k.rx1, y1 += k.ry1, x2 += k.rx2, y2 += k.ry2;
+template <class Real>
+INLINED void BodyShapeOf<Real>::centre(bool second) {
+    Real x{}, y{}, x1{}, y1{}, x2{}, y2{};
+    for (const auto& k : link) {
+        x += k.rx, y += k.ry, x1 += k.rx1, y1 += k.ry1;
+        if (second) x2 += k.rx2, y2 += k.ry2;
+    }
     const double f = 1.0 / static_cast<double>(link.size());
-    for (LinkShape& k : link) {
+    for (auto& k : link) {
         k.rx -= f * x, k.ry -= f * y, k.rx1 -= f * x1, k.ry1 -= f * y1;
-        k.rx2 -= f * x2, k.ry2 -= f * y2;
-    }
-}
-
-inline void BodyShape::rows() {
-    for (LinkShape& k : link) {
+        if (second) k.rx2 -= f * x2, k.ry2 -= f * y2;
         k.t.r = k.rx * k.t.y - k.ry * k.t.x, k.t.e = k.t.x * k.rx1 + k.t.y * k.ry1;
         k.n.r = k.rx * k.n.y - k.ry * k.n.x, k.n.e = k.n.x * k.rx1 + k.n.y * k.ry1;
     }
 }
 
-inline void BodyShape::set(const Robot& robot, const GaitTable& gait, double sin_tau,
-                           double cos_tau, bool second) {
-    chain(robot.l, gait, sin_tau, cos_tau);
-    centre();
-    rows();
-    double square = 0, cross = 0, turn = 0;
-    for (const LinkShape& k : link) {
+template <class Real>
+INLINED void BodyShapeOf<Real>::set(const Robot& robot, const GaitTable& gait, Real sin_tau,
+                                    Real cos_tau, bool second) {
+    chain(robot.l, gait, sin_tau, cos_tau, second);
+    centre(second);
+    Real square{}, cross{}, turn{};
+    for (const auto& k : link) {
         square += k.rx * k.rx + k.ry * k.ry;
         cross += k.rx * k.ry1 - k.ry * k.rx1;
         turn += k.s1;
@@ -106,8 +112,8 @@ inline void BodyShape::set(const Robot& robot, const GaitTable& gait, double sin
     J = robot.n * robot.I + robot.m * square;
     K = robot.I * turn + robot.m * cross;
     if (!second) return;
-    double dot = 0, cross2 = 0, turn2 = 0;
-    for (const LinkShape& k : link) {
+    Real dot{}, cross2{}, turn2{};
+    for (const auto& k : link) {
         dot += k.rx * k.rx1 + k.ry * k.ry1;
         cross2 += k.rx * k.ry2 - k.ry * k.rx2;
         turn2 += k.s2;

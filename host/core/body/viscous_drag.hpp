@@ -9,16 +9,17 @@ namespace serpenoid {
 
 // In the body frame of body_shape.hpp the friction force and couple on the chain is -(D u + omega
 // d). It dissipates u.D u + 2 omega d.u + omega^2 dd.
-struct ViscousSums {
-    double D[6] = {};  // xx xy xw yy yw ww
-    double d[3] = {}, dd = 0;
+template <class Real>
+struct ViscousSumsOf {
+    Real D[6] = {};  // xx xy xw yy yw ww
+    Real d[3] = {}, dd{};
 
-    ViscousSums() = default;
-    ViscousSums(const BodyShape& shape, const Ground& ground) {
-        for (const LinkShape& k : shape.link) add(k.t, ground.ct), add(k.n, ground.cn);
+    ViscousSumsOf() = default;
+    ViscousSumsOf(const BodyShapeOf<Real>& shape, const Ground& ground) {
+        for (const auto& k : shape.link) add(k.t, ground.ct), add(k.n, ground.cn);
     }
 
-    void add(const WheelDirection& g, double c) {
+    void add(const DirectionOf<Real>& g, double c) {
         D[0] += c * g.x * g.x, D[1] += c * g.x * g.y, D[2] += c * g.x * g.r;
         D[3] += c * g.y * g.y, D[4] += c * g.y * g.r, D[5] += c * g.r * g.r;
         d[0] += c * g.x * g.e, d[1] += c * g.y * g.e, d[2] += c * g.r * g.e;
@@ -38,5 +39,6 @@ struct ViscousSums {
                omega * (d[0] * u[0] + d[1] * u[1] + d[2] * u[2] + omega * dd);
     }
 };
+using ViscousSums = ViscousSumsOf<double>;
 
 }  // namespace serpenoid

@@ -7,13 +7,21 @@
 
 #include "model/chain.hpp"
 #include "model/gait.hpp"
+#include "numerics/pack.hpp"
 
 namespace serpenoid {
 
 // All joints follow the gait (Eq. 57).
 class GaitDrive {
   public:
-    GaitDrive(int links, const Gait& g) : omega_(g.omega), table_(links, g), accel_(links - 1) {}
+    GaitDrive(int links, const Gait& g)
+        : omega_(g.omega),
+          table_(links, g),
+          accel_(links - 1),
+          turn_((links + kPack - 1) / kPack * kPack),
+          rate_(turn_),
+          cos_(turn_),
+          sin_(turn_) {}
 
     // Stages of a step share their times: a wave is kept until another time is asked for.
     const GaitWave& wave(double t) {
@@ -21,25 +29,34 @@ class GaitDrive {
         return wave_;
     }
 
-    // Angles and rates of all links from those of link 1; keeps phi''.
+    // Angles, directions and rates of all links from those of link 1; keeps phi''.
     void place(double t, double theta1, double omega1, Chain& k) {
-        const GaitWave& now = wave(t);
-        k.theta[0] = theta1, k.omega[0] = omega1;
-        for (int i = 0; i + 1 < k.n(); ++i) {
-            const GaitWave::Joint j = now.at(i);
-            k.theta[i + 1] = k.theta[i] + j.angle;
-            k.omega[i + 1] = k.omega[i] + j.rate;
-            accel_[i] = j.acceleration;
+        if (t != shape_t_) set_shape(t);
+        const double c = std::cos(theta1), s = std::sin(theta1);
+        for (int i = 0; i < k.n(); ++i) {
+            k.theta[i] = theta1 + turn_[i], k.omega[i] = omega1 + rate_[i];
+            k.c[i] = c * cos_[i] - s * sin_[i], k.s[i] = s * cos_[i] + c * sin_[i];
         }
-        k.directions();
     }
     const double* joint_accel() const { return accel_.data(); }
 
   private:
-    double omega_, t_ = std::numeric_limits<double>::quiet_NaN();
+    // The links' angles from link 1, their cosines and sines, and the rates of these angles.
+    void set_shape(double t) {
+        const GaitWave& now = wave(shape_t_ = t);
+        for (std::size_t i = 0; i < accel_.size(); ++i) {
+            const GaitWave::Joint j = now.at(static_cast<int>(i));
+            turn_[i + 1] = turn_[i] + j.angle, rate_[i + 1] = rate_[i] + j.rate;
+            accel_[i] = j.acceleration;
+        }
+        for (std::size_t i = 0; i < turn_.size(); i += kPack)
+            sincos(pack_at(&turn_[i]), pack_at(&sin_[i]), pack_at(&cos_[i]));
+    }
+
+    double omega_, t_ = std::numeric_limits<double>::quiet_NaN(), shape_t_ = t_;
     GaitTable table_;
     GaitWave wave_{};
-    std::vector<double> accel_;
+    std::vector<double> accel_, turn_, rate_, cos_, sin_;
 };
 
 // Faults of a joint.

@@ -1,13 +1,5 @@
-// Packs of doubles for one instruction set: arithmetic, neighbours, sine and cosine.
-//
-// Included by the translation units of kernel_table.hpp alone, each with its own flags. Everything
-// here has internal linkage, and nothing comes from std. A linker keeps one copy of a shared
-// function; it must not be one with instructions that an older processor lacks.
+// Packs of doubles: arithmetic, sine and cosine.
 #pragma once
-
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
 
 namespace serpenoid::kernels {
 namespace {
@@ -27,21 +19,15 @@ inline V all(double value) {
     return V{} + value;
 }
 
-// a b + c, rounded once where the processor can.
+// a b + c
 template <class V>
 inline V fused(V a, V b, V c) {
-#ifdef __AVX2__
-    if constexpr (sizeof(V) == 32) return _mm256_fmadd_pd(a, b, c);
-#endif
     return a * b + c;
 }
 
 // a b - c, likewise.
 template <class V>
 inline V fused_less(V a, V b, V c) {
-#ifdef __AVX2__
-    if constexpr (sizeof(V) == 32) return _mm256_fmsub_pd(a, b, c);
-#endif
     return a * b - c;
 }
 
@@ -59,9 +45,6 @@ inline V square_root(V x) {
 
 template <class V>
 inline bool any(BitsOf<V> mask) {
-#ifdef __AVX2__
-    if constexpr (sizeof(V) == 32) return _mm256_movemask_pd((__m256d)mask) != 0;
-#endif
     long long bits = 0;
     for (unsigned j = 0; j < sizeof(V) / 8; ++j) bits |= mask[j];
     return bits != 0;

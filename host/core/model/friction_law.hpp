@@ -1,8 +1,7 @@
 // Friction of one wheel direction: the law as a whole, and the types with which a model is
 // compiled.
 //
-// What a solver needs of the law (force, dissipation, bounds at rest, slope) stands here. Only the
-// vector kernels have copies: Packed... in kernels/rk4_kernel.hpp.
+// What a solver needs of the law (force, dissipation, bounds at rest, slope) stands here.
 #pragma once
 
 #include <algorithm>

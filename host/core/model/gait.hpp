@@ -37,13 +37,17 @@ class GaitTable {
         }
     }
 
-    struct Joint {
-        double angle, slope, curvature;  // phi, dphi/dtau, d2phi/dtau2
+    template <class Real>
+    struct JointOf {
+        Real angle, slope, curvature;  // phi, dphi/dtau, d2phi/dtau2
     };
+    using Joint = JointOf<double>;
 
-    Joint at(int i, double sin_tau, double cos_tau) const {
-        const double s = alpha_ * (sin_tau * cos_[i] + cos_tau * sin_[i]);
-        const double c = alpha_ * (cos_tau * cos_[i] - sin_tau * sin_[i]);
+    // At one phase, or a pack of them.
+    template <class Real>
+    JointOf<Real> at(int i, Real sin_tau, Real cos_tau) const {
+        const Real s = alpha_ * (sin_tau * cos_[i] + cos_tau * sin_[i]);
+        const Real c = alpha_ * (cos_tau * cos_[i] - sin_tau * sin_[i]);
         return {offset_ + s, c, -s};
     }
 

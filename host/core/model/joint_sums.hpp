@@ -10,16 +10,17 @@
 namespace serpenoid {
 
 // Running sums over the links; the value after link i is the force and torque of joint i.
-struct JointSums {
-    double Fx = 0, Fy = 0, T = 0;  // on link i from link i+1
+template <class Real>
+struct JointSumsOf {
+    Real Fx{}, Fy{}, T{};  // on link i from link i+1
 
     // Add a link: normal (nx, ny), acceleration (ax, ay), angular acceleration, friction (fx, fy).
-    void add(const Robot& r, double nx, double ny, double ax, double ay, double angular, double fx,
-             double fy) {
-        const double Gx = Fx + r.m * ax - fx, Gy = Fy + r.m * ay - fy;
+    void add(const Robot& r, Real nx, Real ny, Real ax, Real ay, Real angular, Real fx, Real fy) {
+        const Real Gx = Fx + r.m * ax - fx, Gy = Fy + r.m * ay - fy;
         T += r.I * angular - r.l * (nx * (Fx + Gx) + ny * (Fy + Gy));
         Fx = Gx, Fy = Gy;
     }
 };
+using JointSums = JointSumsOf<double>;
 
 }  // namespace serpenoid

@@ -22,11 +22,13 @@ bool solve_dense(double* A, double* b) {
             for (int j = 0; j < columns; ++j) std::swap(b[k * columns + j], b[pivot * columns + j]);
         }
         const double inverse = 1.0 / A[k * n + k];
+        const double* __restrict above = A + k * n, * __restrict right = b + k * columns;
         for (int i = k + 1; i < n; ++i) {
-            const double f = A[i * n + k] * inverse;
+            double* __restrict row = A + i * n, * __restrict to = b + i * columns;
+            const double f = row[k] * inverse;
             if (f == 0) continue;
-            for (int j = k + 1; j < n; ++j) A[i * n + j] -= f * A[k * n + j];
-            for (int j = 0; j < columns; ++j) b[i * columns + j] -= f * b[k * columns + j];
+            for (int j = k + 1; j < n; ++j) row[j] -= f * above[j];
+            for (int j = 0; j < columns; ++j) to[j] -= f * right[j];
         }
     }
     for (int k = n - 1; k >= 0; --k) {

@@ -319,7 +319,7 @@ RatesOfShape::RatesOfShape(const Robot& robot, const Ground& ground, const Gait&
 
 void RatesOfShape::solve(const double* omega, int count, const SteadyOptions& options,
                          SteadyState* to) {
-    const int width = packs_ ? packs_->width() : 1;
+    const int width = packs_ ? SpectralViscous::kWidth : 1;
     for (int first = 0; first < count; first += width) {
         const int here = std::min(width, count - first);
         if (packs_) packs_->solve(omega + first, here, options, to + first);

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "kernels/cycle_powers.hpp"
+
 namespace serpenoid {
 
 namespace {
 
+constexpr kernels::CycleKernel kKernel = kernels::cycle_kernel<SpectralViscous::kWidth>();
 constexpr int kTableWork = 16;  // packs a link
 constexpr int kMostNodes = SpectralMesh::kCoarsest << (SpectralMesh::kLevels - 1);
 
@@ -30,17 +33,15 @@ double lane(const double* out, int what, int width, int k) { return out[what * w
 
 }  // namespace
 
-SpectralViscous::SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait,
-                                 const kernels::Set& set)
+SpectralViscous::SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait)
     : robot_(robot),
       ground_(ground),
       table_(robot.n, gait),
       alpha_(gait.alpha),
-      set_(set),
-      y_(memory_.take(3 * kMostNodes * set_.width)),
+      y_(memory_.take(3 * kMostNodes * kWidth)),
       seed_y_(memory_.take(kSeeds * kCoarse)),
-      g_(memory_.take(set_.width)),
-      out_(memory_.take(kernels::kCycleOuts * set_.width)) {}
+      g_(memory_.take(kWidth)),
+      out_(memory_.take(kernels::kCycleOuts * kWidth)) {}
 
 void SpectralViscous::tables(int k, bool powers) {
     Level& to = level_[k];
@@ -55,11 +56,11 @@ void SpectralViscous::tables(int k, bool powers) {
     if (N > work_nodes_) {
         work_nodes_ = std::max(N, 2 * SpectralMesh::kCoarsest);  // the second mesh needs it as well
         const int packs = std::max(kernels::CycleTask::kWork * work_nodes_, kTableWork * n);
-        work_ = memory_.take(long{packs} * set_.width);
+        work_ = memory_.take(long{packs} * kWidth);
     }
     const kernels::CycleChain chain{n,          robot_.m,   robot_.l,      robot_.I,
                                     ground_.ct, ground_.cn, cosine.data(), sine.data()};
-    set_.cycle.tables(chain, mesh.sine.data(), mesh.cosine.data(), N, to.node, to.joint, work_);
+    kKernel.tables(chain, mesh.sine.data(), mesh.cosine.data(), N, to.node, to.joint, work_);
     to.powers = powers;
     if (powers) to.turns = turns(k);
     to.stiffest = 0;
@@ -67,7 +68,7 @@ void SpectralViscous::tables(int k, bool powers) {
         to.stiffest =
             std::max(to.stiffest, to.node[kernels::kBxx * N + i] + to.node[kernels::kByy * N + i] +
                                       to.node[kernels::kWw * N + i]);
-    set_.cycle.slopes(N, mesh.even_slope.data(), mesh.odd_slope.data(), to.node);
+    kKernel.slopes(N, mesh.even_slope.data(), mesh.odd_slope.data(), to.node);
 }
 
 std::vector<kernels::JointTurn> SpectralViscous::turns(int k) const {
@@ -124,11 +125,11 @@ bool SpectralViscous::iterate(int k, double enough, bool first, Batch& found) {
     constexpr double kLeast = 0.01, kFirst = 0.1;
     kernels::CycleTask work = task(k);
     for (int i = 0; i < kMost; ++i) {
-        set_.cycle.newton(work, out_);
+        kKernel.newton(work, out_);
         bool done = true;
-        for (int j = 0; j < set_.width; ++j) {
-            const double size = lane(out_, kernels::kSize2, set_.width, j);
-            const double change2 = lane(out_, kernels::kChange2, set_.width, j);
+        for (int j = 0; j < kWidth; ++j) {
+            const double size = lane(out_, kernels::kSize2, kWidth, j);
+            const double change2 = lane(out_, kernels::kChange2, kWidth, j);
             if (!std::isfinite(change2)) return false;
             const double change = size > 0 ? std::sqrt(change2 / size) : 0;
             ++found[j].iterations;
@@ -145,10 +146,10 @@ bool SpectralViscous::iterate(int k, double enough, bool first, Batch& found) {
 
 void SpectralViscous::evaluate(int k, bool powers, const double* omega, Batch& found) {
     kernels::CycleTask work = task(k);
-    const int W = set_.width;
+    const int W = kWidth;
     double* out = out_;
-    set_.cycle.averages(work, out);
-    if (powers) set_.cycle.powers(work, out);
+    kKernel.averages(work, out);
+    if (powers) kKernel.powers(work, out);
     const int N = SpectralMesh::level(k).nodes;
     const double* loss = &level_[k].node[kernels::kLoss * N];
     const double still = std::accumulate(loss, loss + N, 0.0) / N;
@@ -171,7 +172,7 @@ void SpectralViscous::evaluate(int k, bool powers, const double* omega, Batch& f
 // The state of one gait of a pack, with its errors.
 SteadyState SpectralViscous::state_of(int k, const SteadyOptions& options, double omega,
                                       const Solution& coarse, const Solution& fine, int j) const {
-    const int W = set_.width;
+    const int W = kWidth;
     SteadyState to;
     to.speed = to.chord = std::fabs(fine.speed);
     to.direction = fine.speed < 0 ? M_PI - fine.heading : -fine.heading;
@@ -250,7 +251,7 @@ bool SpectralViscous::settle(int k, const double* omega, int count, const Steady
 
 // Start from Lagrange's polynomial in log omega through the seeds; without seeds, from rest.
 void SpectralViscous::guess(const double* omega) {
-    const int W = set_.width, count = seed_count_;
+    const int W = kWidth, count = seed_count_;
     for (int j = 0; j < W && count > 0; ++j) {
         const double at = std::log(omega[j]);
         for (int i = 0; i < count; ++i) {
@@ -260,7 +261,7 @@ void SpectralViscous::guess(const double* omega) {
             work_[i * W + j] = weight;
         }
     }
-    set_.cycle.blend(count, kCoarse, work_, seed_y_, y_);
+    kKernel.blend(count, kCoarse, work_, seed_y_, y_);
 }
 
 // Keep solutions as seeds, with the part of Lagrange's weights that all rates share.
@@ -278,15 +279,15 @@ void SpectralViscous::remember(const double* omega, int count) {
             next.weight /= next.log_omega - other->log_omega;
         }
         double* to = seed_y_ + kCoarse * seed_count_;
-        for (int i = 0; i < kCoarse; ++i) to[i] = y_[i * set_.width + j];
+        for (int i = 0; i < kCoarse; ++i) to[i] = y_[i * kWidth + j];
         seeds_[seed_count_++] = next;
     }
 }
 
 void SpectralViscous::solve(const double* omega, int count, const SteadyOptions& options,
                             SteadyState* to) {
-    const int W = set_.width;
-    std::array<double, kWidest> rates;
+    const int W = kWidth;
+    std::array<double, kWidth> rates;
     for (int j = 0; j < W; ++j) {
         rates[j] = omega[std::min(j, count - 1)];
         g_[j] = 1 / rates[j];
@@ -297,7 +298,7 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
     for (int k = 0; k < SpectralMesh::kLevels; ++k) {
         if (k > 0) {
             const SpectralMesh& mesh = SpectralMesh::level(k - 1);
-            set_.cycle.refine(mesh.nodes, mesh.even_half.data(), mesh.odd_half.data(), y_, work_);
+            kKernel.refine(mesh.nodes, mesh.even_half.data(), mesh.odd_half.data(), y_, work_);
         }
         tables(k, options.powers && k > 0);
         if (k == 0) guess(rates.data());

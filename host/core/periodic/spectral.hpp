@@ -24,8 +24,7 @@
 #include <array>
 #include <vector>
 
-#include "kernels/kernel_table.hpp"
-#include "kernels/packed_run.hpp"
+#include "kernels/cycle_table.hpp"
 #include "model/gait.hpp"
 #include "model/params.hpp"
 #include "numerics/spectral_mesh.hpp"
@@ -37,13 +36,11 @@ namespace serpenoid {
 class SpectralViscous {
   public:
     // The gait must not steer (offset 0).
-    SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait,
-                    const kernels::Set& set = *instruction_sets().front());
+    SpectralViscous(const Robot& robot, const Ground& ground, const Gait& gait);
 
-    static constexpr int kWidest = 8;
-    int width() const { return set_.width; }  // of a batch
+    static constexpr int kWidth = 2;  // of a batch
 
-    // States at up to `width` rates. Where `converged` is false the state has no meaning: no mesh
+    // States at up to kWidth rates. Where `converged` is false the state has no meaning: no mesh
     // resolved the motion, or it is too stiff for the multiplier.
     void solve(const double* omega, int count, const SteadyOptions& options, SteadyState* to);
 
@@ -64,7 +61,7 @@ class SpectralViscous {
         std::array<double, 9> transfer;
         int iterations;
     };
-    using Batch = std::array<Solution, kWidest>;
+    using Batch = std::array<Solution, kWidth>;
 
     // A solved rate to start others from, with its weight in Lagrange's polynomial.
     struct Seed {
@@ -89,7 +86,6 @@ class SpectralViscous {
     Ground ground_;
     GaitTable table_;
     double alpha_;
-    const kernels::Set& set_;
     std::array<Level, SpectralMesh::kLevels> level_;
     std::array<Seed, kSeeds> seeds_;
     int seed_count_ = 0;

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "periodic/at_speed.hpp"
-#include "periodic/spectral.hpp"
 #include "periodic/sweep.hpp"
 #include "python/core_model.hpp"
 #include "run/evaluate.hpp"
@@ -28,7 +27,6 @@ namespace nb = nanobind;
 using namespace serpenoid;
 
 void bind_firmware(nb::module_& m);  // bind_firmware.cpp
-void bind_kernels(nb::module_& m);   // bind_kernels.cpp
 void bind_servos(nb::module_& m);    // bind_servos.cpp
 void bind_lab(nb::module_& m);       // bind_lab.cpp
 
@@ -48,16 +46,6 @@ Array to_numpy(std::vector<double>&& values, std::initializer_list<std::size_t> 
 
 SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
     return steady_state({m.robot, m.ground, m.gait}, {rtol, powers, max_elements});
-}
-
-// By the packs of one instruction set alone, for tests; `converged` tells whether they resolve it.
-SteadyState steady_by(const std::string& set_name, const Model& m, double rtol) {
-    SteadyState found;
-    for (const kernels::Set* set : instruction_sets())
-        if (set_name == set->name)
-            SpectralViscous(m.robot, m.ground, m.gait, *set)
-                .solve(&m.gait.omega, 1, {rtol, true, 0}, &found);
-    return found;
 }
 
 // Solve with Ctrl-C and progress coming through; solve(go_on) fills the table.
@@ -378,7 +366,6 @@ NB_MODULE(_core, m) {
         .def_prop_ro("start", [](const SteadyState& s) { return in_tuple(s.start); })
         .def_prop_ro("monodromy", [](const SteadyState& s) { return in_tuple(s.monodromy); });
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
-    m.def("steady_by", &steady_by);
     m.attr("SPEED_FLOOR") = kSpeedFloor;
     m.def("neighbours", &solve_neighbours, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg(), nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{});
@@ -389,6 +376,5 @@ NB_MODULE(_core, m) {
     bind_servos(m);
     bind_run(m);
     bind_firmware(m);
-    bind_kernels(m);
     bind_lab(m);
 }

@@ -12,7 +12,6 @@
 #include "methods/adaptive/mode_steps.hpp"
 #include "methods/paper_scheme.hpp"
 #include "methods/rk4.hpp"
-#include "methods/rk4_vector.hpp"
 #include "methods/set_valued_motion.hpp"
 #include "methods/stick_slip.hpp"
 #include "methods/stiff/radau.hpp"
@@ -37,10 +36,6 @@ template <class OfFixedStep>
 Made fixed(const RunRequest& q, System& system) {
     return std::make_unique<OfFixedStep>(system, q.dt);
 }
-Made rk4(const RunRequest& q, System& system) {
-    if (Rk4Vector::runs(q)) return std::make_unique<Rk4Vector>(system, q);
-    return fixed<Rk4>(q, system);
-}
 Made dop853(const RunRequest& q, System& system) {
     return std::make_unique<Dop853>(system, error_scale(q, system), q.tolerance);
 }
@@ -62,9 +57,8 @@ struct Maker {
     Made (*make)(const RunRequest&, System&);
 };
 constexpr Maker kMakers[] = {
-    {"rk4", rk4},          {"paper", fixed<PaperScheme>},
-    {"dop853", dop853},    {"collocation", collocation},
-    {"radau", make_radau}, {"nonsmooth", nonsmooth},
+    {"rk4", fixed<Rk4>},          {"paper", fixed<PaperScheme>}, {"dop853", dop853},
+    {"collocation", collocation}, {"radau", make_radau},         {"nonsmooth", nonsmooth},
 };
 
 constexpr bool every_method_has_its_maker() {

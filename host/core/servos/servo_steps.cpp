@@ -117,7 +117,7 @@ void ServoSteps::start(double vx, double vy, double rate) {
     std::fill(theta_.begin(), theta_.end(), 0.0);
     u_[2] = rate;
     for (int i = 0; i + 1 < n_; ++i) {
-        const GaitTable::Joint j = table_.at(i, 0, 1);
+        const GaitTable::Joint j = table_.at(i, 0.0, 1.0);
         theta_[i + 1] = theta_[i] + j.angle;
         u_[i + 3] = u_[i + 2] + gait_.omega * j.slope;
     }

@@ -38,7 +38,7 @@ Chain placed(const SweepShape& s, double vx, double vy, double turn) {
     const GaitTable table(s.robot.n, s.gait);
     c.vx[0] = vx, c.vy[0] = vy, c.omega[0] = turn;
     for (int i = 0; i + 1 < s.robot.n; ++i) {
-        const GaitTable::Joint joint = table.at(i, 0, 1);
+        const GaitTable::Joint joint = table.at(i, 0.0, 1.0);
         c.theta[i + 1] = c.theta[i] + joint.angle;
         c.omega[i + 1] = c.omega[i] + s.gait.omega * joint.slope;
     }

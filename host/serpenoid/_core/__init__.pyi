@@ -81,7 +81,6 @@ class SteadyState:
     def monodromy(self) -> tuple[float, ...]: ...
 
 def steady(arg0: Model, arg1: float, arg2: bool, arg3: int, /) -> SteadyState: ...
-def steady_by(arg0: str, arg1: Model, arg2: float, /) -> SteadyState: ...
 
 SPEED_FLOOR: float
 
@@ -342,22 +341,6 @@ def evaluate(
     /,
 ) -> dict: ...
 def method_table() -> list: ...
-def instruction_sets() -> list[str]: ...
-def kernel_run(
-    arg0: str,
-    arg1: RunRequest,
-    arg2: Annotated[
-        NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)
-    ],
-    /,
-) -> NDArray[numpy.float64]: ...
-def kernel_sincos(
-    arg0: str,
-    arg1: Annotated[
-        NDArray[numpy.float64], dict(shape=(None,), order="C", device="cpu", writable=False)
-    ],
-    /,
-) -> NDArray[numpy.float64]: ...
 
 class DrivenChain:
     def __init__(

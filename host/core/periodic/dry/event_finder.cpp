@@ -65,7 +65,7 @@ double EventFinder::end_of_rest(int wheel, double first) const {
     const double far = 2 * piece_.grip(wheel) / force_eps_;  // from one bound to the other
     const double end = lowest_[wheel] < kBeyond ? end_of_wheel(m, first) : first;
     if (*std::max_element(m, m + s + 1) <= far / 2) return end;
-    SlidingPiece::Lanes other{};
+    Lanes other{};
     for (int j = 0; j <= s; ++j) other.at[j] = far - m[j];
     return end_of_wheel(other.at, end);
 }

@@ -41,7 +41,7 @@ class EventFinder {
 
     int wheels_;
     SlidingPiece& piece_;
-    std::vector<SlidingPiece::Lanes> margin_;
+    std::vector<Lanes> margin_;
     std::vector<double> lowest_;
     double speed_eps_ = 0, force_eps_ = 0;
 };

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "kernels/packed_run.hpp"
-
 namespace serpenoid {
 
 namespace {
@@ -52,7 +50,7 @@ SlidingCycle::SlidingCycle(const Robot& robot, const Ground& ground, const Gait&
     : CycleMap(robot, gait),
       omega_(gait.omega),
       least_dry_(least_dry(ground)),
-      piece_(robot, ground, gait, instruction_sets().front()->stage),
+      piece_(robot, ground, gait),
       events_(robot, piece_),
       event_step_(*this, piece_),
       meter_(robot, gait, piece_, events_),

@@ -51,45 +51,29 @@ Vec3 least_squares(const Vec3* g, int count, const Vec3& Q) {
 
 }  // namespace
 
-SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait,
-                           const kernels::StageKernel& kernel)
+SlidingPiece::SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait)
     : robot_(robot),
       omega_(gait.omega),
       nm_(robot.n * robot.m),
       inverse_nm_(1 / nm_),
       law_{WheelLaw::along(ground), WheelLaw::across(ground)},
       grip_(law_[0].grip(nm_ * gait.omega * gait.omega * robot.l * std::max(gait.alpha, 1e-9))),
-      kernel_(kernel),
-      wheel_(2 * robot.n),
-      aside_(2 * robot.n),
+      table_(robot.n, gait),
+      stages_(robot, gait),
       viscous_(2 * robot.n),
       dry_(2 * robot.n),
-      force_(2 * robot.n),
-      scratch_(8 * robot.n) {
-    const GaitTable table(robot.n, gait);
-    for (int i = 0; i + 1 < robot.n; ++i) {
-        cosine_.push_back(gait.alpha * table.cosine(i));
-        sine_.push_back(gait.alpha * table.sine(i));
-    }
-    chain_ = {robot.n,   robot.m,        robot.l,      robot.I,    ground.ct,
-              ground.cn, cosine_.data(), sine_.data(), gait.offset};
-}
+      force_(2 * robot.n) {}
 
 void SlidingPiece::shape(int lanes, const Lanes& tau) {
-    kernel_.shape(chain_, lanes, tau, sums_, wheel_.data(), scratch_.front().at);
+    stages_.set(lanes, tau);
     for (int j = 0; j < lanes; ++j)
-        node_[j].J = sums_.J.at[j], node_[j].K = sums_.K.at[j], node_[j].iJ = 1 / sums_.J.at[j];
+        node_[j].J = stages_.J(j), node_[j].K = stages_.K(j), node_[j].iJ = 1 / node_[j].J;
 }
 
 void SlidingPiece::sum(int lanes, const std::vector<double>& direction) {
     for (int c = 0; c < 2 * robot_.n; ++c) viscous_[c] = law(c).viscous(direction[c]);
-    kernel_.sums(2 * robot_.n, lanes, wheel_.data(), viscous_.data(), dry_.data(), sums_);
-    for (int j = 0; j < lanes; ++j) {
-        Node& k = node_[j];
-        for (int i = 0; i < 6; ++i) k.D[i] = sums_.D[i].at[j];
-        for (int i = 0; i < 3; ++i) k.d[i] = sums_.d[i].at[j], k.dry[i] = sums_.dry[i].at[j];
-        k.dd = sums_.dd.at[j], k.dry_e = sums_.dry_e.at[j];
-    }
+    for (int j = 0; j < lanes; j += kPack)
+        stages_.sums(j / kPack, viscous_.data(), dry_.data(), {&node_[j], &node_[j + 1]});
 }
 
 void SlidingPiece::set_nodes(double tau0, double tau1) { shape(2, {{tau0, tau1}}); }
@@ -100,8 +84,8 @@ void SlidingPiece::sum_nodes(const std::vector<double>& direction) {
 }
 
 Vec3 SlidingPiece::direction(int wheel, int j) const {
-    const kernels::StageWheel& g = wheel_[wheel];
-    return {g.x.at[j], g.y.at[j], g.r.at[j]};
+    const WheelDirection g = row(wheel, j);
+    return {g.x, g.y, g.r};
 }
 
 // dp/dtau without the stuck wheels' forces.
@@ -144,6 +128,8 @@ Vec3 SlidingPiece::stage_rate(int j) const {
 // One step of Newton's method, and the derivative by p0.
 bool SlidingPiece::step() {
     const auto& diff = differentiation();
+    std::array<double, N * N> matrix{};
+    std::array<double, N * 4> change;
     for (int j = 0; j < s; ++j) {
         const Node& k = node_[j + 1];
         int constraints;
@@ -153,9 +139,7 @@ bool SlidingPiece::step() {
         Vec3 Q = stage_rate(j);
         for (int i = 0; i < 3; ++i) Q[i] -= h_ * F[i];
         for (int r = 0; r < 3; ++r) {
-            double* line = &rows_[(3 * j + r) * kRow];
-            double* right = line + kRight;
-            std::fill_n(line, kRight, 0.0);
+            double *line = &matrix[(3 * j + r) * N], *right = &change[(3 * j + r) * 4];
             Vec3 own;  // derivative by this stage beyond the polynomial's rate
             if (r < 3 - constraints) {
                 for (int m = 0; m < s; ++m)
@@ -172,11 +156,11 @@ bool SlidingPiece::step() {
             for (int i = 0; i < 3; ++i) right[1 + i] = -own[i];
         }
     }
-    if (!kernel_.solve(rows_.data())) return false;
-    change_[0] = change_[1] = change_[2] = 0;
+    if (!solve_dense<N, 4>(matrix.data(), change.data())) return false;
+    change_ = {};
     for (int j = 0; j < s; ++j)
         for (int i = 0; i < 3; ++i) {
-            const double* r = &rows_[(3 * j + i) * kRow + kRight];
+            const double* r = &change[(3 * j + i) * 4];
             Y_[j][i] += r[0];
             change_[i] = std::max(change_[i], std::fabs(r[0]));
             for (int c = 0; c < 3; ++c) T_[j][3 * i + c] = (i == c) + r[1 + c];
@@ -222,15 +206,16 @@ void SlidingPiece::speeds(Lanes* to) const {
     Lanes u[3]{};
     for (int j = 0; j <= s; ++j)
         for (int i = 0; i < 3; ++i) u[i].at[j] = u_[j][i];
-    kernel_.speeds(2 * robot_.n, s + 1, wheel_.data(), u, omega_, to);
+    stages_.speeds(s + 1, u, to);
 }
 
 double SlidingPiece::speed(int wheel, double x) {
-    kernel_.shape(chain_, 1, {{tau_ + h_ * x}}, aside_sums_, aside_.data(), scratch_.front().at);
-    const kernels::StageWheel& g = aside_[wheel];
-    const Vec3 p = at(x);
-    const double w = (p[2] - omega_ * aside_sums_.K.at[0]) / aside_sums_.J.at[0];
-    return (g.x.at[0] * p[0] + g.y.at[0] * p[1]) * inverse_nm_ + g.r.at[0] * w + omega_ * g.e.at[0];
+    const double tau = tau_ + h_ * x;
+    aside_.set(robot_, table_, std::sin(tau), std::cos(tau), false);
+    const LinkShape& link = aside_.link[wheel / 2];
+    const Vec3 p = at(x),
+               u{p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * aside_.K) / aside_.J};
+    return (wheel % 2 ? link.n : link.t).speed(u.data(), omega_);
 }
 
 void SlidingPiece::lowest(const Lanes* values, double* to) const {
@@ -244,7 +229,13 @@ void SlidingPiece::lowest(const Lanes* values, double* to) const {
         }
         return w;
     }();
-    kernel_.lowest(2 * robot_.n, s + 1, weights.data(), values, to);
+    for (int wheel = 0; wheel < wheels(); ++wheel) {
+        std::array<double, Lanes::kCount> sum{};
+        for (int j = 0; j <= s; ++j)
+            for (int i = 0; i < Lanes::kCount; ++i)
+                sum[i] += weights[j].at[i] * values[wheel].at[j];
+        to[wheel] = *std::min_element(sum.begin(), sum.end());
+    }
 }
 
 void SlidingPiece::stuck_forces(const SlidingMode& mode) {
@@ -371,8 +362,7 @@ void SlidingPiece::torques(int count, const double* x, Lanes* torque, Lanes* rat
         const Vec3 p = at(x[q]);
         for (int i = 0; i < 3; ++i) momenta[i].at[q] = p[i];
     }
-    kernel_.torques(chain_, count, tau, momenta, omega_, viscous_.data(), force_.data(), torque,
-                    rate, scratch_.front().at);
+    stages_.torques(count, tau, momenta, viscous_.data(), force_.data(), torque, rate);
 }
 
 }  // namespace serpenoid

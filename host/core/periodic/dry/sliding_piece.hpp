@@ -18,14 +18,12 @@
 #include <array>
 #include <vector>
 
-#include "body/body_shape.hpp"
-#include "body/viscous_drag.hpp"
-#include "kernels/kernel_table.hpp"
 #include "model/friction_law.hpp"
 #include "model/gait.hpp"
 #include "model/params.hpp"
 #include "numerics/dense.hpp"
 #include "numerics/radau_collocation.hpp"
+#include "periodic/dry/stage_shape.hpp"
 
 namespace serpenoid {
 
@@ -41,17 +39,13 @@ class SlidingPiece {
   public:
     static constexpr int kStages = 5;
     using Rule = RadauRule<kStages>;
-    using Lanes = kernels::Lanes;  // of the start (0) and the stages
 
-    // One phase: viscous friction, moments of the shape, and sums over the wheels.
-    struct Node : ViscousSums {
+    // One phase: sums over the wheels, moments of the shape.
+    struct Node : StageSums {
         double J, K, iJ;
-        Vec3 dry;      // sum of the dry forces times g
-        double dry_e;  // and times e
     };
 
-    SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait,
-                 const kernels::StageKernel& kernel);
+    SlidingPiece(const Robot& robot, const Ground& ground, const Gait& gait);
     SlidingPiece(const SlidingPiece&) = delete;
     SlidingPiece& operator=(const SlidingPiece&) = delete;
 
@@ -62,10 +56,7 @@ class SlidingPiece {
 
     int wheels() const { return 2 * robot_.n; }
     const Node& node(int j) const { return node_[j]; }
-    WheelDirection row(int wheel, int j) const {
-        const kernels::StageWheel& g = wheel_[wheel];
-        return {g.x.at[j], g.y.at[j], g.r.at[j], g.e.at[j]};
-    }
+    WheelDirection row(int wheel, int j) const { return stages_.row(wheel, j); }
     Vec3 velocity(const Node& node, const Vec3& p) const {
         return {p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * node.K) * node.iJ};
     }
@@ -99,7 +90,7 @@ class SlidingPiece {
     void torques(int count, const double* x, Lanes* torque, Lanes* rate);
 
   private:
-    static constexpr int s = kStages, N = 3 * s, kRow = 20, kRight = 16;
+    static constexpr int s = kStages, N = 3 * s;
     void shape(int lanes, const Lanes& tau);
     void sum(int lanes, const std::vector<double>& direction);
     void velocities();
@@ -115,16 +106,12 @@ class SlidingPiece {
     double omega_, nm_, inverse_nm_;
     std::array<WheelLaw, 2> law_;  // along links, across them
     double grip_;
-    std::vector<double> cosine_, sine_;  // of the joints' angles
-    kernels::CycleChain chain_;
-    kernels::StageKernel kernel_;
-    kernels::StageSums sums_{};
-    std::vector<kernels::StageWheel> wheel_;
-    kernels::StageSums aside_sums_{};
-    std::vector<kernels::StageWheel> aside_;
+    GaitTable table_;
+    StageShape stages_;  // at the start, the stages, and a phase between them
+    BodyShape aside_;
     std::vector<double> viscous_, dry_;  // every wheel's coefficient, and force where it slides
-    std::vector<Lanes> force_, scratch_;
-    std::array<Node, kStages + 2> node_;  // the last one is between stages
+    std::vector<Lanes> force_;
+    std::array<Node, Lanes::kCount> node_;
     const SlidingMode* mode_ = nullptr;
     double tau_ = 0, h_ = 0;
     Vec3 p0_{};
@@ -132,8 +119,7 @@ class SlidingPiece {
     std::array<Vec3, kStages + 1> u_{};  // u at the start and there
     std::array<Mat3, kStages> T_{};      // dp/dp0 there
     std::array<Vec3, kStages> lambda_{};
-    alignas(64) std::array<double, N * kRow> rows_;
-    double change_[3] = {0, 0, 0};
+    Vec3 change_{};
 };
 
 }  // namespace serpenoid

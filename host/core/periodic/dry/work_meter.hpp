@@ -33,7 +33,7 @@ class WorkMeter {
     std::vector<double> lag_;  // of every joint, rad
     SlidingPiece& piece_;
     const EventFinder& events_;
-    std::vector<SlidingPiece::Lanes> torque_, rate_;
+    std::vector<Lanes> torque_, rate_;
     std::vector<char> fresh_;  // wheels whose sliding has just begun
     JointWork work_;
     double longest_ = 0;  // part of a piece, rad

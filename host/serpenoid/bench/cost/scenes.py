@@ -29,7 +29,7 @@ RUNGS = {
 FORMULATIONS = ("explicit", "implicit")
 STEPS = 500
 _OTHERS = ("python", "board", "lab", "web")  # rooms of the core that no run needs
-# as in CMakeLists.txt; the kernels for wider vectors carry their own flags there
+# as in CMakeLists.txt
 FLAGS = (
     "-std=c++20",
     "-O3",
@@ -38,11 +38,6 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-trapping-math",
 )
-_AVX2 = ("-mavx2", "-mfma")
-OWN_FLAGS = {
-    "avx2.cpp": _AVX2,
-    "avx512.cpp": (*_AVX2, "-mavx512f", "-mavx512vl", "-mavx512dq"),
-}
 COLUMNS = ("formulation", "rung", "title", "instructions_per_step", "ratio_to_hand")
 
 
@@ -85,8 +80,7 @@ def build(folder: Path) -> Path:
     objects = []
     for source in sources:
         target = folder / f"{source.stem}.o"
-        extra = OWN_FLAGS.get(source.name, ())
-        command = ["g++", *FLAGS, *extra, *include, "-c", str(source), "-o", str(target)]
+        command = ["g++", *FLAGS, *include, "-c", str(source), "-o", str(target)]
         _run(command, f"compiling {source.name}")
         objects.append(str(target))
     program = folder / "ladder"
