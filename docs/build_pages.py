@@ -170,7 +170,7 @@ def pictures(folder: Path) -> None:
     """Draw every figure of the documentation, and the pages to watch."""
     folder.mkdir(parents=True, exist_ok=True)
     film_pictures.draw(folder)
-    wiring_diagram.draw(folder / "wiring.svg")
+    wiring_diagram.draw_both(folder)
     with tempfile.TemporaryDirectory() as scratch, chdir(scratch):
         invoke(["demo", "--out", "demo"])
         for name in ("speed", "path", "friction"):

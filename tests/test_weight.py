@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # moves into strings, data, generated files, docs or another suffix counts where it goes.
 MOST_TOKENS = {
     "calibration_data": 344,
-    "docs": 22502,
+    "docs": 22850,
     "firmware": 24682,
     "host": 1118,
     "host/core/board": 1109,
