@@ -66,6 +66,7 @@ class CyclePowers {
         for (int k = 0; k < N; ++k) {
             V T{};
             for (int b = 0; b < 10; ++b) T = fused(all<V>(table[b * N + k]), motion[10 * k + b], T);
+            T = choose<V>(T == V{}, all<V>(1e-300), T);  // a sign, opposite half a cycle later
             torque[k] = T, power[k] = T * all<V>(table[kRate * N + k]);
             sum += choose<V>(power[k] < 0, -power[k], power[k]);
             for (int c = 0; c < 4; ++c) high[c] = fused(all<V>(q.modes[8 * k + 4 + c]), T, high[c]);

@@ -144,6 +144,14 @@ def test_a_torque_that_touches_zero_between_two_nodes() -> None:
     assert s.abs_power_w == pytest.approx(fine.abs_power_w, rel=1e-6)
 
 
+def test_a_torque_that_is_nothing_at_phase_0() -> None:
+    """It has a sign all the same, the other one half a cycle later: else a kink is missed."""
+    robot, ground, shape = sn.Robot(2, 0.42, 0.085), sn.Ground(0.0075, 0.41), (0.19, 0.64, 4.9)
+    s = sn.steady_gait(robot, ground, sn.Gait(*shape))
+    fine = by_elements(robot, ground, *shape)
+    assert abs(s.positive_power_w - fine.positive_power_w) < 2 * s.positive_power_error_w
+
+
 def test_the_slowest_multiplier_where_hardly_anything_decays() -> None:
     """Two multipliers of nearly one size: both solvers give the larger, not their mean."""
     robot = sn.Robot(3, 1.0394581138114403, 0.09192328410587881)
