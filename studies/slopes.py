@@ -24,7 +24,7 @@ from serpenoid.calibration import advice
 from serpenoid.calibration.advising.speed_slopes import SpeedSlopes, speed_slopes
 from serpenoid.calibration.advising.stations import places
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import FrictionFit, band
+from serpenoid.calibration.friction_result import FrictionFit
 from serpenoid.calibration.session import Session
 from serpenoid.calibration.speed_samples import sample_speeds
 from serpenoid.gaits.margins import gait_margins
@@ -32,6 +32,7 @@ from serpenoid.model.gait import Gait
 from serpenoid.model.ground import Ground
 from serpenoid.model.robot import Robot
 from serpenoid.periodic.sensitivities import differentiate
+from serpenoid.periodic.servo_steady import band
 
 
 def random_gait(rng: np.random.Generator) -> Gait:

@@ -13,13 +13,14 @@ from ..model.checks import check_kind, check_number
 from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
+from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
 from .crawls.level import floor_slope, on_level
 from .crawls.runs import runs_by_gait, same_gait
 from .filmed_joints import gaits_seen, seen_on_film, servo_seen
 from .friction_fit import fit_friction
-from .friction_result import FrictionFit, band
+from .friction_result import FrictionFit
 from .kinds.gait import GaitRun
 from .session import Session
 from .speed_samples import AMPLITUDE_SIGMA, Progress, SpeedSamples, sample_speeds, speed

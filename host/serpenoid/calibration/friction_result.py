@@ -73,17 +73,6 @@ class WholeSnake(Mapping[str, T]):
         return f"WholeSnake({dict(self)})"
 
 
-def band(drawn: Floats) -> tuple[float, float]:
-    """Return the ends that hold LEVEL of what the draws were drawn from.
-
-    Of n draws the k-th leaves k / (n + 1) below it, on average: quantiles that take the least for
-    the 0 % one would hold only 92 % with 64 draws.
-    """
-    tail = (1.0 - LEVEL) / 2
-    low, high = np.quantile(drawn, [tail, 1.0 - tail], method="weibull").tolist()
-    return low, high
-
-
 class TableRow(NamedTuple):
     """One line of a table of results; low and high bound the 95 % interval."""
 

@@ -16,13 +16,14 @@ from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..periodic.servo_steady import band
 from ..periodic.steady import Steady, steady_gait
 from ..servos.catalogue import HOBBY
 from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
-from .friction_result import FrictionFit, band
+from .friction_result import FrictionFit
 from .speed_samples import AMPLITUDE_SIGMA, sample_speeds
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's

@@ -18,10 +18,10 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.drawn_states import Draw, drawn_speeds, drawn_states
-from ..periodic.servo_steady import drawn_ripple_shares, drawn_servo_speeds, servo_speed
+from ..periodic.servo_steady import band, drawn_ripple_shares, drawn_servo_speeds, servo_speed
 from ..periodic.steady import steady_gait
 from ..servos.catalogue import HOBBY
-from .friction_result import FrictionFit, band
+from .friction_result import FrictionFit
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]

@@ -133,23 +133,57 @@ gait_options = stacked(
 )
 
 
-servo_option = click.option(
-    "--servo",
-    "servo_name",
-    metavar="NAME|FILE|ideal",
-    help="Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
+def _kept(context: click.Context, option: click.Parameter, value: float | None) -> None:
+    """Keep what take_servo asks for, so that no command has to hand it on."""
+    context.meta[f"serpenoid.{option.name}"] = value
+
+
+plug_options = stacked(
+    [
+        click.option(
+            "--volts",
+            type=click.FloatRange(1.0, 60.0),
+            callback=_kept,
+            expose_value=False,
+            help="Voltage at the servos' plug; else the session's, or 4.8 to 6 V.",
+        ),
+        click.option(
+            "--frame-ms",
+            type=click.FloatRange(1.0, 100.0),
+            callback=_kept,
+            expose_value=False,
+            help="From setpoint to setpoint of the board; else the session's, or 20 ms.",
+        ),
+    ]
+)
+servo_option = stacked(
+    [
+        click.option(
+            "--servo",
+            "servo_name",
+            metavar="NAME|FILE|ideal",
+            help="Servos of the joints: hobby (any), SG90, MG996R, ..., a TOML file, or ideal.",
+        ),
+        plug_options,
+    ]
 )
 IDEAL = "ideal"
 
 
 def take_servo(name: str | None, default: str = IDEAL) -> ServoKind | None:
-    """Return the servo of --servo; None for joints that follow the gait exactly."""
+    """Return the servo of --servo, --volts and --frame-ms; None for joints that follow the gait."""
     wanted = default if name is None else name
+    meta = click.get_current_context().meta
+    volts, frame_ms = (meta.get(f"serpenoid.{option}") for option in ("volts", "frame_ms"))
     if wanted.lower() == IDEAL:
+        if volts or frame_ms:
+            raise click.UsageError("--volts and --frame-ms need servos: give --servo NAME")
         return None
     from ..servos.catalogue import servo
 
-    return servo(wanted)
+    kind = servo(wanted)
+    kind = kind if volts is None else kind.at_volts(volts)
+    return kind if frame_ms is None else kind.at_frames(frame_ms / 1e3)
 
 
 def _take(given: dict[str, Any], options: Mapping[str, str]) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from statistics import NormalDist
 from types import MappingProxyType
 from typing import Any
 
@@ -20,7 +21,6 @@ from .vectors import number_array
 # rotor): their own sigma says how uncertain the ratio is.
 _WITH_TORQUE = ("stiffness_nm_rad", "gear_friction_nm")
 _WITH_LINE = ("damping_nms_rad", "gear_damping_nms_rad", "armature_kg_m2")
-_HUNTS, _TRIES = 0.97, 1000
 UNCERTAIN = (
     "torque_limit_nm",
     "speed_limit_rad_s",
@@ -28,7 +28,12 @@ UNCERTAIN = (
     *_WITH_LINE,
     "dead_band_rad",
     "supply_sag",
+    "supply_v",
 )
+_MOST_FRICTION = 0.15  # of the stalled torque; identified servos have 0.015 to 0.13
+_MOST_LOSS = 2.0  # the motor's free speed over the servo's no-load speed
+_BEYOND_TYPICAL = 1.5  # a source may say more: both limits over the typical servo's value
+_HUNTS, _TRIES = 0.97, 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +80,9 @@ class Servo:
     stiffness_nm_rad, damping_nms_rad
         K and D of the position loop, N m/rad and N m s/rad.
     torque_limit_nm
-        Stalled torque S, N m.
+        Stalled torque S of the motor, at the joint, N m.
     speed_limit_rad_s
-        Free speed w0, rad/s.
+        Free speed w0 of the motor, at the joint, rad/s.
     dead_band_rad
         The loop's error counts from here on, rad.
     armature_kg_m2
@@ -92,6 +97,8 @@ class Servo:
         Time from one setpoint to the next, s; setpoints are the firmware's, in fixed point.
     backlash_rad
         Play of the gear, rad: so far the output turns while the rotor is held.
+    supply_v
+        Voltage at the plug for which torque and speed hold, V; 0: not stated.
 
     Raises
     ------
@@ -106,6 +113,9 @@ class Servo:
     none at the free speed; driven against its duty it brakes with more than S. V is the supply over
     its voltage without load, 1 - supply_sag * sum of d_i (V d_i - r_i / w0) over the joints. Inside
     all limits the torque is K e - D r.
+
+    A data sheet measures the whole servo, with its gear: `stall_torque_nm` is S - f and
+    `no_load_rad_s` is (S - f) / (S / w0 + c), with the gear's dry friction f and damping c.
     """
 
     stiffness_nm_rad: float = 3.0
@@ -120,6 +130,7 @@ class Servo:
     supply_sag: float = 0.0
     frame_s: float = 0.02
     backlash_rad: float = 0.0
+    supply_v: float = 0.0
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
@@ -134,6 +145,38 @@ class Servo:
                 f"backlash_rad is {self.backlash_rad:g} and armature_kg_m2 is 0; a gear with play "
                 "needs a rotor behind it: give armature_kg_m2 above 0"
             )
+
+    @property
+    def stall_torque_nm(self) -> float:
+        """Return the torque that the whole servo gives when it is held, N m."""
+        return self.torque_limit_nm - self.gear_friction_nm
+
+    @property
+    def no_load_rad_s(self) -> float:
+        """Return how fast the whole servo turns without load, rad/s."""
+        line = self.torque_limit_nm / self.speed_limit_rad_s
+        return max(self.stall_torque_nm, 0.0) / (line + self.gear_damping_nms_rad)
+
+    def at_volts(self, supply_v: float) -> Servo:
+        """Return the servo with another voltage at its plug.
+
+        Stalled torque, free speed and stiffness follow the voltage. The motor's line S / w0, and
+        so damping, and all of the gear stay. Raises BadInput.
+        """
+        check_number("supply_v", supply_v, 0.0, open_low=True)
+        if self.supply_v == 0:
+            raise BadInput(
+                f"the servo cannot be taken to {supply_v:g} V: nothing says for which voltage its "
+                "values hold; give it supply_v"
+            )
+        ratio = supply_v / self.supply_v
+        return replace(
+            self,
+            stiffness_nm_rad=ratio * self.stiffness_nm_rad,
+            torque_limit_nm=ratio * self.torque_limit_nm,
+            speed_limit_rad_s=ratio * self.speed_limit_rad_s,
+            supply_v=supply_v,
+        )
 
     @property
     def simple(self) -> bool:
@@ -162,8 +205,11 @@ class ServoKind:
         The typical servo.
     sigma
         Standard deviation of the logarithm of Servo's fields, by name (0.1 is 10 %); fields without
-        one are exact. Stiffness and gear friction are drawn as ratios to the stalled torque;
-        damping, gear damping and rotor as ratios to torque over speed.
+        one are exact. Those of torque_limit_nm and speed_limit_rad_s are of the whole servo, as a
+        data sheet has it: of `Servo.stall_torque_nm` and `Servo.no_load_rad_s`. Stiffness and gear
+        friction are drawn as ratios to the motor's stalled torque; damping, gear damping and rotor
+        as ratios to its torque over its speed. supply_v: of the voltage at the plug; its logarithm
+        is evenly spread, within sqrt(3) standard deviations. All others are normal.
     updates_hz
         Rates at which loops of this kind may look, Hz, each as likely; () for the typical one's.
     source
@@ -188,6 +234,13 @@ class ServoKind:
         for name, value in self.sigma.items():
             check_choice("sigma", name, UNCERTAIN)
             check_number(f"sigma of {name}", value, 0.0, 3.0)
+        if self.sigma.get("supply_v") and not self.servo.supply_v:
+            raise BadInput("sigma has supply_v, but the servo has none; give it supply_v, V")
+        if not self.exact and self.servo.stall_torque_nm <= 0:
+            raise BadInput(
+                f"gear_friction_nm is {self.servo.gear_friction_nm:g}; it must be below "
+                f"torque_limit_nm, {self.servo.torque_limit_nm:g}: else no servo moves"
+            )
         for rate in self.updates_hz:
             check_number("updates_hz", rate, 0.0, 1e4)
         object.__setattr__(self, "sigma", MappingProxyType(dict(self.sigma)))
@@ -197,6 +250,17 @@ class ServoKind:
         """Tell whether nothing is in doubt."""
         doubt = any(self.sigma.values()) or len(self.updates_hz) > 1
         return not doubt and len(self.drawn) < 2
+
+    def at_volts(self, supply_v: float) -> ServoKind:
+        """Return the kind with a voltage at the plug that is known. Raises BadInput."""
+        sigma = {name: value for name, value in self.sigma.items() if name != "supply_v"}
+        drawn = tuple(one.at_volts(supply_v) for one in self.drawn)
+        return replace(self, servo=self.servo.at_volts(supply_v), sigma=sigma, drawn=drawn)
+
+    def at_frames(self, frame_s: float) -> ServoKind:
+        """Return the kind on a board with another time between setpoints. Raises BadInput."""
+        drawn = tuple(replace(one, frame_s=frame_s) for one in self.drawn)
+        return replace(self, servo=replace(self.servo, frame_s=frame_s), drawn=drawn)
 
     def draws(self, count: int, seed: int = 0) -> list[Servo]:
         """Return servos of this kind, drawn at random.
@@ -214,7 +278,8 @@ class ServoKind:
         Raises
         ------
         BadInput
-            For a count that is no whole number of 1 or more.
+            For a count that is no whole number of 1 or more, and for a kind of which no servo is
+            possible.
         """
         if isinstance(count, bool) or not isinstance(count, int) or count < 1:
             raise BadInput(f"count is {count!r}; it must be a whole number, 1 or more")
@@ -223,57 +288,110 @@ class ServoKind:
             times = -(-count // len(self.drawn))
             order = [int(k) for _ in range(times) for k in rng.permutation(len(self.drawn))]
             return [self.drawn[k] for k in order[:count]]
-        return [self._sound(rng) for _ in range(count)]
+        if self.exact:
+            rates = (*self.updates_hz, self.servo.update_hz)
+            return [replace(self.servo, update_hz=rates[0])] * count
+        return self._sold(count, rng.random(len(UNCERTAIN) + 1))
 
-    def _sound(self, rng: np.random.Generator) -> Servo:
-        """Return a servo that does not hunt by itself: such ones are not sold."""
-        drawn = self._draw(rng)
-        for _ in range(_TRIES):
-            if not hunts(drawn):
-                break
-            drawn = self._draw(rng)
-        return drawn
+    def _sold(self, count: int, shift: NDArray[np.float64]) -> list[Servo]:
+        """Return servos evenly spread over the doubt: a lattice's points, shifted at random.
 
-    def _draw(self, rng: np.random.Generator) -> Servo:
-        units = [float(rng.normal()) for _ in UNCERTAIN]
-        made = self.at(units)
-        if not self.updates_hz:
-            return made
-        return replace(made, update_hz=float(rng.choice(self.updates_hz)))
+        The lattice is the one that powers of an irrational number make (Roberts, 2018).
+        """
+        irrational = 2.0
+        for _ in range(64):  # x^(d + 1) = x + 1
+            irrational = (1.0 + irrational) ** (1.0 / (len(shift) + 1))
+        step = irrational ** -np.arange(1.0, len(shift) + 1)
+        rates = self.updates_hz or (self.servo.update_hz,)
+        normal, sold = NormalDist(), []
+        for k in range(_TRIES * count):
+            *even, rate = np.clip((shift + k * step) % 1.0, 1e-12, 1 - 1e-12).tolist()
+            servo = self.at([normal.inv_cdf(x) for x in even], rates[int(rate * len(rates))])
+            if servo is not None:
+                sold.append(servo)
+            if len(sold) == count:
+                return sold
+        raise BadInput(
+            f"servo {self.name!r}: too few of {_TRIES * count} drawn ones are possible: their "
+            "loops hunt, or their gears take too much; look at stiffness_nm_rad and sigma"
+        )
 
-    def at(self, units: Sequence[float]) -> Servo:
-        """Return the servo whose UNCERTAIN fields lie off the typical ones by units, in sigma."""
+    def at(self, units: Sequence[float], update_hz: float | None = None) -> Servo | None:
+        """Return the servo whose UNCERTAIN values lie off the typical ones by units, in sigma.
+
+        None if no such servo is sold: its loop hunts, its gear's friction is above 0.15 S, or its
+        motor's free speed is above twice its no-load speed (or what the typical one has, and half
+        as much again). Units are independent and normal, but for that. update_hz: of the loop.
+
+        With f = q S and c = g S / w0 the whole servo's torque T = S - f and no-load speed
+        w = (S - f) / (S / w0 + c) give S = T / (1 - q) and w0 = w (1 + g) / (1 - q).
+        """
+        *normal, plug = units
+        even = math.sqrt(3) * math.erf(plug / math.sqrt(2))
         factor = {
             name: math.exp(self.sigma.get(name, 0.0) * x)
-            for name, x in zip(UNCERTAIN, units, strict=True)
+            for name, x in zip(UNCERTAIN, (*normal, even), strict=True)
         }
-        torque, line = factor["torque_limit_nm"], 1 / factor["speed_limit_rad_s"]
+        typical = self.servo
+        friction = _friction(typical) * factor["gear_friction_nm"]
+        if friction > max(_MOST_FRICTION, _BEYOND_TYPICAL * _friction(typical)):
+            return None
+        loss = (1 + _damping(typical) * factor["gear_damping_nms_rad"]) / (1 - friction)
+        if loss > max(_MOST_LOSS, _BEYOND_TYPICAL * _loss(typical)):
+            return None
+        factor["torque_limit_nm"] *= (1 - _friction(typical)) / (1 - friction)
+        factor["speed_limit_rad_s"] *= loss / _loss(typical)
         for name in _WITH_TORQUE:
-            factor[name] *= torque
+            factor[name] *= factor["torque_limit_nm"]
         for name in _WITH_LINE:
-            factor[name] *= torque * line
-        values = {name: getattr(self.servo, name) * factor[name] for name in UNCERTAIN}
+            factor[name] *= factor["torque_limit_nm"] / factor["speed_limit_rad_s"]
+        supply_v = typical.supply_v * factor.pop("supply_v")
+        values = {name: getattr(typical, name) * by for name, by in factor.items()}
         values["supply_sag"] = min(values["supply_sag"], 1.0)
-        return replace(self.servo, **values)
+        rate = typical.update_hz if update_hz is None else update_hz
+        servo = replace(typical, **values, update_hz=rate)
+        if self.sigma.get("supply_v"):
+            servo = servo.at_volts(supply_v)
+        return None if loop_radius(servo) >= _HUNTS else servo
 
     def units_of(self, servo: Servo) -> list[float]:
-        """Return by how many sigma a servo's UNCERTAIN fields lie off: the inverse of `at`."""
-        log = {
-            name: math.log(getattr(servo, name) / getattr(self.servo, name))
-            if self.sigma.get(name) and getattr(self.servo, name)
+        """Return by how many sigma a servo's UNCERTAIN values lie off: the inverse of `at`."""
+        plugged = servo.at_volts(self.servo.supply_v) if self.sigma.get("supply_v") else servo
+        ours, typical = _ratios(plugged), _ratios(self.servo)
+        ours["supply_v"] = servo.supply_v
+        *normal, even = (
+            math.log(ours[name] / typical[name]) / self.sigma[name]
+            if self.sigma.get(name) and typical[name]
             else 0.0
             for name in UNCERTAIN
-        }
-        torque, line = log["torque_limit_nm"], -log["speed_limit_rad_s"]
-        for names, common in ((_WITH_TORQUE, torque), (_WITH_LINE, torque + line)):
-            for name in names:
-                log[name] -= common
-        return [log[n] / self.sigma[n] if self.sigma.get(n) else 0.0 for n in UNCERTAIN]
+        )
+        return [*normal, NormalDist().inv_cdf((1 + even / math.sqrt(3)) / 2)]
 
 
-def hunts(servo: Servo) -> bool:
-    """Tell whether a servo hunts by itself; such ones are not sold."""
-    return loop_radius(servo) >= _HUNTS
+def _friction(servo: Servo) -> float:
+    """Return the gear's dry friction over the stalled torque."""
+    return servo.gear_friction_nm / servo.torque_limit_nm
+
+
+def _damping(servo: Servo) -> float:
+    """Return the gear's damping over the motor's S / w0."""
+    return servo.gear_damping_nms_rad * servo.speed_limit_rad_s / servo.torque_limit_nm
+
+
+def _loss(servo: Servo) -> float:
+    """Return the motor's free speed over the whole servo's no-load speed."""
+    return (1 + _damping(servo)) / (1 - _friction(servo))
+
+
+def _ratios(servo: Servo) -> dict[str, float]:
+    """Return what is drawn of a servo, by the names of UNCERTAIN: `ServoKind.at` says which."""
+    torque, line = servo.torque_limit_nm, servo.torque_limit_nm / servo.speed_limit_rad_s
+    return (
+        {name: getattr(servo, name) for name in UNCERTAIN}
+        | {name: getattr(servo, name) / torque for name in _WITH_TORQUE}
+        | {name: getattr(servo, name) / line for name in _WITH_LINE}
+        | {"torque_limit_nm": servo.stall_torque_nm, "speed_limit_rad_s": servo.no_load_rad_s}
+    )
 
 
 def loop_radius(servo: Servo) -> float:
@@ -291,6 +409,12 @@ def loop_radius(servo: Servo) -> float:
     decay = math.exp(-rate * look)
     glide = (1 - decay) / rate  # angle by a unit of rate, rate by a unit of acceleration
     drift = (look - glide) / rate  # angle by a unit of acceleration
-    gain = np.array([servo.stiffness_nm_rad, servo.damping_nms_rad - line]) / J
-    step = np.array([[1.0, glide], [0.0, decay]]) - np.outer([drift, glide], gain)
-    return float(np.abs(np.linalg.eigvals(step)).max() ** (0.02 / look))
+    spring, damper = servo.stiffness_nm_rad / J, (servo.damping_nms_rad - line) / J
+    # the step of angle and rate from look to look: half its trace, and its determinant
+    half = (1.0 - drift * spring + decay - glide * damper) / 2
+    product = (1.0 - drift * spring) * (decay - glide * damper) + (
+        (glide - drift * damper) * glide * spring
+    )
+    apart = half**2 - product
+    most = math.sqrt(product) if apart < 0 else abs(half) + math.sqrt(apart)
+    return most ** (0.02 / look)

@@ -20,17 +20,27 @@ from ..model.gait import Gait
 from .steady import Steady, relative_error, steady_gait
 
 Array = NDArray[np.float64]
-DRAWS = 32
+DRAWS = 512
+CANNOT = 0.9  # of the free speed: what most servos cannot follow, and no band is given for
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
-BAND = (2.5, 97.5)  # per cent
+_LEVEL = 0.95
 _INSIDE = 4  # draws of a band solved finely between two at either end
 _FEW = 16  # draws, of which none is solved roughly
 _MOST_OFF = 0.15  # of the draws' scatter: what a rough one may be off by, once put right
 
 
-def band_end(speeds: Sequence[float], percentile: float) -> float:
-    """Return a percentile of what speeds were drawn from: k / (n + 1) lie below the k-th of n."""
-    return float(np.percentile(speeds, percentile, method="weibull"))
+def band(drawn: Array | Sequence[float]) -> tuple[float, float]:
+    """Return the ends that hold 95 % of what the draws were drawn from.
+
+    Harrell and Davis' quantiles: means of all draws in order, weighted by how likely each of them
+    is the quantile of n. One draw alone decides no end.
+    """
+    from scipy.special import betainc
+
+    n, tail = len(drawn), (1.0 - _LEVEL) / 2
+    weight = np.diff(betainc((n + 1) * tail, (n + 1) * (1 - tail), np.arange(n + 1) / n))
+    ordered = np.sort(drawn)
+    return float(weight @ ordered), float(weight[::-1] @ ordered)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +68,8 @@ class ServoSteady:
         Change of heading in a period, rad.
     samples_m_s
         Speeds of servos drawn from the kind, m/s; () for a servo that is exact. low_m_s and
-        high_m_s are their 95 % interval, or the spread of an exact one.
+        high_m_s are their 95 % interval, or the spread of an exact one. Most servos cannot run the
+        gait, and the band means little, unless `follows`.
     """
 
     ideal: Steady
@@ -81,41 +92,56 @@ class ServoSteady:
     @property
     def low_m_s(self) -> float:
         """Return the lower end of the band that the servo leaves, m/s."""
-        return self._end(BAND[0], -1)
+        return self._ends[0]
 
     @property
     def high_m_s(self) -> float:
         """Return the upper end of the band that the servo leaves, m/s."""
-        return self._end(BAND[1], 1)
+        return self._ends[1]
+
+    @property
+    def asked_rad_s(self) -> float:
+        """Return the fastest rate that the gait asks of a joint, rad/s."""
+        gait = self.ideal.gait
+        return gait.alpha_rad * gait.omega_rad_s * max(gait.joint_gain or (1.0,))
+
+    @property
+    def free_rad_s(self) -> float:
+        """Return how fast the typical servo turns without load, rad/s."""
+        servo = self.servo.servo if isinstance(self.servo, ServoKind) else self.servo
+        return servo.no_load_rad_s
 
     @property
     def asked_over_free_speed(self) -> float:
         """Return the fastest rate that the gait asks of a joint over the servo's free speed."""
-        return self._asked_rad_s / self._typical.speed_limit_rad_s
+        return self.asked_rad_s / self.free_rad_s
+
+    @property
+    def follows(self) -> bool:
+        """Tell whether the typical servo can follow the gait, with a tenth to spare."""
+        return self.asked_over_free_speed <= CANNOT
+
+    @property
+    def managed_hz(self) -> float:
+        """Return the highest frequency at which the typical servo follows a gait of this shape."""
+        hz = self.ideal.gait.omega_rad_s / math.tau
+        return hz * CANNOT / self.asked_over_free_speed if self.asked_rad_s else math.inf
 
     @property
     def slower_servos(self) -> float:
         """Return the share of such servos whose free speed is less than the gait asks."""
         kind = self.servo
         servos = kind.draws(DRAWS) if isinstance(kind, ServoKind) else [kind]
-        return float(np.mean([one.speed_limit_rad_s < self._asked_rad_s for one in servos]))
+        return float(np.mean([one.no_load_rad_s < self.asked_rad_s for one in servos]))
 
     @property
-    def _typical(self) -> Servo:
-        return self.servo.servo if isinstance(self.servo, ServoKind) else self.servo
-
-    @property
-    def _asked_rad_s(self) -> float:
-        gait = self.ideal.gait
-        return gait.alpha_rad * gait.omega_rad_s * max(gait.joint_gain or (1.0,))
-
-    def _end(self, percentile: float, sign: int) -> float:
-        if not self.samples_m_s:
-            return max(self.speed_m_s + sign * self.spread_m_s, 0.0)
-        return band_end(self.samples_m_s, percentile)
+    def _ends(self) -> tuple[float, float]:
+        if self.samples_m_s:
+            return band(self.samples_m_s)
+        return max(self.speed_m_s - self.spread_m_s, 0.0), self.speed_m_s + self.spread_m_s
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures as plain numbers, for JSON."""
+        """Return the figures as plain numbers, for JSON; no band where servos cannot follow."""
         names = (
             "speed_m_s",
             "low_m_s",
@@ -129,8 +155,11 @@ class ServoSteady:
             "turn_rad_per_cycle",
             "asked_over_free_speed",
             "slower_servos",
+            "follows",
+            "managed_hz",
         )
-        return {"name": self.name} | {name: getattr(self, name) for name in names}
+        values = {"name": self.name} | {name: getattr(self, name) for name in names}
+        return values if self.follows else values | {"low_m_s": None, "high_m_s": None}
 
 
 def servo_state(ideal: Steady, servo: Servo, rough: bool = False, watch: Sequence[int] = ()) -> Any:
@@ -262,8 +291,7 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
         )
     drawn: tuple[float, ...] = ()
     if isinstance(servo, ServoKind) and not servo.exact and draws > 0:
-        servos = servo.draws(draws)
-        drawn = tuple(drawn_servo_speeds([ideal] * draws, servos).tolist())
+        drawn = tuple(drawn_servo_speeds([ideal] * draws, servo.draws(draws)).tolist())
     error = relative_error(s.error, s.speed, ideal.robot, ideal.gait)
     found = ServoSteady(
         ideal, servo, s.speed, s.spread, error, s.amplitude, s.lag, s.ripple, s.power, s.turn, drawn

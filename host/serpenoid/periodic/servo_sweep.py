@@ -14,11 +14,12 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .servo_steady import BAND, DRAWS, band_end, drawn_servo_speeds, servo_state
+from .servo_steady import band, drawn_servo_speeds, servo_state
 from .steady import Steady, steady_gait
 
 Array = NDArray[np.float64]
 _RTOL = 1e-3
+_DRAWS = 64  # a gait: a grid has many
 
 
 def servo_grid(
@@ -29,7 +30,7 @@ def servo_grid(
     threads: int,
     progress: Callable[[int], None] | None = None,
 ) -> tuple[Array, Array, Array]:
-    """Return speed of the typical servo, and ends of the band of DRAWS drawn ones, m/s.
+    """Return speed of the typical servo, and ends of the band of drawn ones, m/s.
 
     axes: alpha_rad, beta_rad, omega_rad_s; the answers are indexed so. NaN where the motion with
     servos does not settle. An exact servo's band is its spread over the frames' phase.
@@ -60,13 +61,11 @@ def _of_gait(ideal: Steady, servos: list[Servo]) -> tuple[float, float, float]:
     typical = first.speed if first.converged else np.nan
     if not others:
         return typical, max(typical - first.spread, 0.0), typical + first.spread
-    speeds = drawn_servo_speeds([ideal] * len(others), others, threads=1)
-    low, high = (band_end(speeds.tolist(), end) for end in BAND)
-    return typical, low, high
+    return typical, *band(drawn_servo_speeds([ideal] * len(others), others, threads=1))
 
 
 def _servos(servo: Servo | ServoKind) -> list[Servo]:
     """Return the typical servo, and some drawn ones where it is in doubt."""
     if isinstance(servo, Servo):
         return [servo]
-    return [servo.servo, *([] if servo.exact else servo.draws(DRAWS))]
+    return [servo.servo, *([] if servo.exact else servo.draws(_DRAWS))]

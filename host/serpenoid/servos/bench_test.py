@@ -8,21 +8,22 @@ likelihood, with Metropolis steps. All servos step through the test side by side
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.checks import check_number
-from ..model.drives import UNCERTAIN, Servo, ServoKind, loop_radius
+from ..model.drives import UNCERTAIN, Servo, ServoKind
 from ..model.errors import BadInput
 from ..model.vectors import finite_vector
 
 Array = NDArray[np.float64]
 PARTICLES, MOVES, KEPT = 192, 4, 48
 _STEP_S, _MOST_STEPS, _MOST_DELAY_S = 1e-3, 20_000, 0.03
-_HUNTS, _STRIDE, _MOST_POWERS = 1.0, 0.6, 40
+_STRIDE, _MOST_POWERS = 0.6, 40
+_NEVER = -1e9  # a log likelihood
 _FIELDS = (
     "stiffness_nm_rad",
     "damping_nms_rad",
@@ -135,27 +136,26 @@ class _Sampler:
         self.rates = kind.updates_hz or (kind.servo.update_hz,)
         self.free = [k for k, n in enumerate(UNCERTAIN) if kind.sigma.get(n, 0.0) > 0]
 
-    def servos(self, x: Array, rate: NDArray[np.intp]) -> list[Servo]:
+    def servos(self, x: Array, rate: NDArray[np.intp]) -> list[Servo | None]:
+        """Return the servo of each row; None where no such servo is sold."""
         return [
-            replace(self.kind.at(row[:-1].tolist()), update_hz=self.rates[k])
-            for row, k in zip(x, rate, strict=True)
+            self.kind.at(row[:-1].tolist(), self.rates[k]) for row, k in zip(x, rate, strict=True)
         ]
 
     def log_likely(self, x: Array, rate: NDArray[np.intp]) -> Array:
         from scipy.special import ndtr
 
         servos = self.servos(x, rate)
-        off = moved(self.test, servos, _MOST_DELAY_S * ndtr(x[:, -1])) - self.test.angle_rad
-        found = -0.5 * np.sum((off / self.test.sigma_rad) ** 2, axis=1)
-        hunting = [loop_radius(s) > _HUNTS for s in servos]
-        return np.where(hunting, -1e9, np.nan_to_num(found, nan=-1e9))
+        sold = [k for k, servo in enumerate(servos) if servo is not None]
+        delay_s = _MOST_DELAY_S * ndtr(x[sold, -1])
+        off = moved(self.test, list(filter(None, servos)), delay_s) - self.test.angle_rad
+        likely = np.full(len(x), _NEVER)
+        likely[sold] = -0.5 * np.sum((off / self.test.sigma_rad) ** 2, axis=1)
+        return np.nan_to_num(likely, nan=_NEVER)
 
     def run(self) -> tuple[Array, NDArray[np.intp], Array]:
         """Return unknowns, rates and log likelihoods of servos that the test leaves possible."""
-        x = np.zeros((PARTICLES, len(UNCERTAIN) + 1))
-        for k in (*self.free, -1):
-            x[:, k] = self.rng.normal(size=PARTICLES)
-        rate = self.rng.integers(len(self.rates), size=PARTICLES)
+        x, rate = self._start()
         likely, power = self.log_likely(x, rate), 0.0
         for _ in range(_MOST_POWERS):
             power, weight = self._next(likely, power)
@@ -166,6 +166,13 @@ class _Sampler:
             if power >= 1.0:
                 break
         return x, rate, likely
+
+    def _start(self) -> tuple[Array, NDArray[np.intp]]:
+        """Return unknowns and rates of drawn servos, the delay last."""
+        servos = self.kind.draws(PARTICLES, int(self.rng.integers(2**31)))
+        units = [self.kind.units_of(one) for one in servos]
+        x = np.column_stack([units, self.rng.normal(size=PARTICLES)])
+        return x, np.array([self.rates.index(one.update_hz) for one in servos])
 
     def _next(self, likely: Array, power: float) -> tuple[float, Array]:
         """Return the next power, at which half the servos still count, and their weights."""
@@ -224,9 +231,15 @@ def servo_of_test(
     best = int(np.argmax(likely))
     order = np.random.default_rng(seed).permutation(PARTICLES)[:KEPT]
     source = f"a bench test of one joint, from {like.name}"
-    kept = tuple(servos[k] for k in order)
+    kept = tuple(filter(None, (servos[k] for k in order)))
     return measured_servo(
-        like, servos[best], kept, name, source, -2 * float(likely[best]), test.t_s.size
+        like,
+        servos[best] or like.servo,
+        kept,
+        name,
+        source,
+        -2 * float(likely[best]),
+        test.t_s.size,
     )
 
 

@@ -21,6 +21,7 @@ from .screen import screen
 
 if TYPE_CHECKING:
     from ..calibration.friction_result import FrictionFit
+    from ..model.drives import Servo, ServoKind
     from ..model.gait import Gait
     from ..periodic.servo_steady import ServoSteady
     from ..periodic.steady import Steady
@@ -102,10 +103,37 @@ def steady(s: Steady) -> None:
     table(gait_words(s.gait), ["periodic state, exact model", "value"], rows)
 
 
+def servo_words(s: ServoSteady) -> str:
+    """Return what a builder may expect: a speed with its band, or that servos cannot run it."""
+    if not s.follows:
+        return (
+            f"Most {s.name} servos cannot run this gait: it asks {s.asked_rad_s:.2g} rad/s of "
+            f"their {s.free_rad_s:.2g}; they manage {s.managed_hz:.2g} Hz. So it has no band."
+        )
+    band = f"{s.low_m_s:#.2g} to {s.high_m_s:#.2g}"
+    return (
+        f"About {s.speed_m_s:#.2g} m/s with typical servos ({band}); ideal joints "
+        f"{s.ideal.speed_m_s:#.2g}."
+    )
+
+
+def _kind_rows(servo: Servo | ServoKind) -> list[list[str]]:
+    """Return where a kind of servo comes from, and at which voltage."""
+    from ..model.drives import ServoKind
+
+    if not isinstance(servo, ServoKind):
+        return []
+    spread = math.exp(math.sqrt(3) * servo.sigma.get("supply_v", 0.0))
+    low, high = servo.servo.supply_v / spread, servo.servo.supply_v * spread
+    volts = f"{low:.3g} to {high:.3g} V: not measured" if spread > 1 else f"{low:.3g} V"
+    return [["source", servo.source], ["voltage at the plug", volts if low else "not stated"]]
+
+
 def with_servo(s: ServoSteady) -> None:
     """Print the speed with servos beside that of ideal joints."""
-    band = f"{s.low_m_s:.3g} to {s.high_m_s:.3g} m/s"
+    band = f"{s.low_m_s:#.2g} to {s.high_m_s:#.2g} m/s" if s.follows else "none"
     rows = [
+        *_kind_rows(s.servo),
         ["speed, ideal joints", f"{s.ideal.speed_m_s:.4g} m/s"],
         ["speed, typical servo", f"{s.speed_m_s:.4g} m/s"],
         ["speed, 95 % of such servos", band],

@@ -10,11 +10,11 @@ from click.testing import CliRunner
 from serpenoid.bench.calibration.coverage import GAIT, WHOLE, DrivenTable
 from serpenoid.bench.calibration.floor_coverage import CASES, drawn_person
 from serpenoid.bench.calibration.speed_table import SpeedTable
-from serpenoid.calibration.friction_result import band
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, scaled
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.commands.main import cli
 from serpenoid.lab.crawl import crawl_speed
+from serpenoid.periodic.servo_steady import band
 
 WITH_SERVOS = next(case for case in CASES if case.servos)
 

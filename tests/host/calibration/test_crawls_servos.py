@@ -21,7 +21,7 @@ from serpenoid.calibration.friction_result import Estimate, ground_of
 from serpenoid.calibration.speed_samples import scaled
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.lab.robot import LabRobot
-from serpenoid.model.drives import UNCERTAIN, Servo
+from serpenoid.model.drives import Servo
 from serpenoid.model.gait import Gait
 from serpenoid.servos.catalogue import HOBBY
 
@@ -42,12 +42,6 @@ def moved(servos):
 
 def off(effects):
     return (effects.amplitude - SEEN) / 0.01
-
-
-def test_units_are_what_a_servo_is_made_of() -> None:
-    units = np.random.default_rng(1).normal(size=len(UNCERTAIN))
-    known = [x if HOBBY.sigma.get(name) else 0.0 for name, x in zip(UNCERTAIN, units, strict=True)]
-    assert HOBBY.units_of(HOBBY.at(known)) == pytest.approx(known, abs=1e-9)
 
 
 def test_servos_near_the_best_leave_the_answer_of_many_plain_draws() -> None:

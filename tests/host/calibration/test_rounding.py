@@ -23,7 +23,8 @@ from serpenoid.calibration.fitting.rounding import (
     shown_step_rad,
 )
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import NAMES, band
+from serpenoid.calibration.friction_result import NAMES
+from serpenoid.periodic.servo_steady import band
 
 STEP = np.radians(0.1)
 SIGMA = STEP / np.sqrt(12)

@@ -83,7 +83,7 @@ def crawled(fit: sn.FrictionFit, gait: sn.Gait, servo: sn.Servo) -> float:
 @pytest.fixture(scope="module")
 def crawls():
     """Return the 2005 session with runs of three gaits by a hidden servo; its fit; the servo."""
-    true = sn.servo().draws(1, 102)[0]
+    true = sn.servo().draws(1, 104)[0]
     session = load_session(session_folder())
     fit = sn.fit_friction(session)
     runs = []

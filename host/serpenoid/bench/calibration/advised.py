@@ -18,7 +18,6 @@ import numpy as np
 from ...calibration.advice import advise
 from ...calibration.advising.next_reading import NextReading
 from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import band as speed_band
 from ...calibration.session import Session
 from ...calibration.taking.memory import MemoryRecord
 from ...calibration.taking.new_session import default_setup
@@ -26,6 +25,7 @@ from ...calibration.taking.simulated import SimulatedTreadmill, drawn_truth
 from ...calibration.taking.steps import Step
 from ...calibration.taking.treadmill import record_step, take_all
 from ...model.errors import BadInput
+from ...periodic.servo_steady import band as speed_band
 from ..child_process import all_cores
 from .coverage import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
 from .speed_table import SpeedTable

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import NAMES, band, ground_of
+from ...calibration.friction_result import NAMES, ground_of
 from ...calibration.session import Setup
 from ...calibration.speed_samples import AMPLITUDE_SIGMA, scaled
 from ...calibration.taking.memory import MemoryRecord
@@ -28,7 +28,7 @@ from ...model.errors import SerpenoidError
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ...periodic.servo_steady import servo_speeds
+from ...periodic.servo_steady import band, servo_speeds
 from ...periodic.steady import steady_gait
 from ...servos.catalogue import servo
 from ..child_process import all_cores

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...calibration.crawls.result import fit_crawls
 from ...calibration.crawls.servos import SERVO_DRAWS, ServoEffects, effects_of, together
 from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import NAMES, FrictionFit, band, ground_of
+from ...calibration.friction_result import NAMES, FrictionFit, ground_of
 from ...calibration.kinds.instruments import FloorTools
 from ...calibration.session import Setup
 from ...calibration.speed_samples import (
@@ -37,6 +37,7 @@ from ...lab.recording import Camera
 from ...model.drives import Servo, ServoKind
 from ...model.errors import SerpenoidError
 from ...model.gait import Gait
+from ...periodic.servo_steady import band
 from .coverage import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from .speed_table import SpeedTable
 

@@ -11,9 +11,9 @@ import numpy as np
 from ...model.gait import Gait
 from ...periodic.drawn_states import drawn_speeds
 from ...periodic.sensitivities import Sensitivities
+from ...periodic.servo_steady import band as speed_interval
 from ..fitting.data import Floats
 from ..friction_result import FrictionFit, ground_of
-from ..friction_result import band as speed_interval
 from ..speed_samples import AMPLITUDE_SIGMA, MODEL_SIGMA, SpeedBand, drawn_amplitudes, scaled
 
 _Z95 = 1.959964

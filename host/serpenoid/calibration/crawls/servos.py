@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.drives import Servo, ServoKind, hunts
+from ...model.drives import Servo, ServoKind
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
@@ -193,15 +193,15 @@ class _Near:
         )
 
     def draw(self, kind: ServoKind, rng: np.random.Generator) -> Servo:
-        """Return a servo that does not hunt."""
+        """Return a servo that is possible."""
         rates = list(self.rates)
         while True:
             wide = np.sqrt(_FREEDOM / rng.chisquare(_FREEDOM))
             units = np.zeros(len(kind.units_of(kind.servo)))
             units[self.free] = self.centre + wide * self.root @ rng.normal(size=len(self.free))
             rate = rates[int(rng.choice(len(rates), p=list(self.rates.values())))]
-            made = replace(kind.at(units.tolist()), update_hz=rate)
-            if not hunts(made):
+            made = kind.at(units.tolist(), rate)
+            if made is not None:
                 return made
 
     def log_density(self, units: Array, rates: Array) -> Array:

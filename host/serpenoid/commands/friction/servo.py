@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..given import session_fit
-from ..options import AS_JSON, show_json
+from ..options import AS_JSON, plug_options, show_json, take_servo
 from ..paths import OutFile
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ _EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option(
     "--like", default="hobby", show_default=True, metavar="NAME|FILE", help="What is known before."
 )
+@plug_options
 @click.option(
     "--sigma-deg",
     type=float,
@@ -68,24 +69,28 @@ def servo(
     """
     from ...model.checks import check_number
     from ...servos.bench_test import servo_of_test
-    from ...servos.catalogue import servo as kind_of
     from ...servos.servo_file import save_servo
 
     if (table is None) == (session is None):
         raise click.UsageError("give --test CSV or --session DIR, one of both")
     name = "measured" if out is None else out.stem
+    kind = take_servo(like)
+    if kind is None:
+        raise click.UsageError(
+            "--like ideal has no servo to measure; give hobby, or a sheet's name"
+        )
     if table is not None:
         check_number("--sigma-deg", sigma_deg, 0.0, 57.0, open_low=True)
         check_number("--inertia-kg-m2", inertia_kg_m2, 0.0)
         test = read_test(table, math.radians(sigma_deg), inertia_kg_m2)
-        found = servo_of_test(test, kind_of(like), name=name)
+        found = servo_of_test(test, kind, name=name)
     else:
         assert session is not None
         from ...calibration.servos.from_runs import servo_of_session
         from ...calibration.session_file import load_session
 
         fit = session_fit(session)  # tells its alarms
-        found = servo_of_session(load_session(session), kind_of(like), fit, name=name)
+        found = servo_of_session(load_session(session), kind, fit, name=name)
     if out is not None:
         save_servo(found.kind, out)
     show_json(found.to_dict()) if as_json else show(found, out)

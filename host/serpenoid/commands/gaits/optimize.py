@@ -29,7 +29,7 @@ from ..options import (
     take_servo,
 )
 from ..paths import FIGURES, OutFile
-from .steady import beside_servo
+from .steady import beside_servo, no_band
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
@@ -159,12 +159,14 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     told |= {"servo": moved.to_dict()} if moved else {}
     fit = None if send else ask.fit  # what is sent is predicted when it is driven
     band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, found.gait, servo))
-    told |= {"band": band.to_dict()} if band else {}
+    told |= {"band": band.to_dict() | no_band(moved)} if band else {}
     if not as_json:
+        if moved is not None:
+            say(report.servo_words(moved))
         _print(found, margins)
         if moved is not None:
             report.with_servo(moved)
-        if band is not None:
+        if band is not None and not no_band(moved):
             say(f"predicted: {band.in_words()}")
     if send:
         from ...robot.robot_match import RobotMatch

@@ -159,16 +159,18 @@ def _pinned(
     if as_json:
         told = margins.to_dict() | (sigmas or {})
         values = {"gait": describe(gait)} | s.to_dict() | {"margins": told}
-        values |= {"band": band.to_dict()} if band else {}
+        values |= {"band": band.to_dict() | no_band(moved)} if band else {}
         values |= {"doubts": doubts.to_dict()} if doubts else {}
         return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
+    if moved is not None:
+        report.console.print(report.servo_words(moved), highlight=False)
     report.steady(s)
     if moved is not None:
         report.with_servo(moved)
     if s.sensitivities is not None:
         floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
         gait_report.sensitivities(s.sensitivities, floor_m_s)
-    if band is not None:
+    if band is not None and not no_band(moved):
         report.console.print(f"predicted: {band.in_words()}", highlight=False)
     if doubts is not None:
         gait_report.doubts(doubts)
@@ -193,6 +195,11 @@ def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> Speed
     from ...calibration.advising.speed_doubts import speed_doubts
 
     return speed_doubts(fit, s.gait, s.sensitivities, band)
+
+
+def no_band(moved: ServoSteady | None) -> dict[str, None]:
+    """Return what stands in place of a band's ends, where servos cannot run the gait."""
+    return {} if moved is None or moved.follows else {"low_m_s": None, "high_m_s": None}
 
 
 def beside_servo(ideal: Steady, servo: ServoKind | None) -> ServoSteady | None:
