@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import chdir
@@ -12,14 +13,15 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
 import build_playground
 import click
 import film_pictures
 import serpenoid as sn
 import tomllib
 import wiring_diagram
+from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from click.testing import CliRunner
-from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.commands.main import cli
 from serpenoid.model import errors
 from serpenoid.robot.wire.error_table import ERRORS

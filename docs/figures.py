@@ -5,13 +5,15 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
+from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.files import read_csv
-from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.stability.figure import overview
 from serpenoid.bench.stability.files import read_cells
 from serpenoid.commands.demo import run_demo
@@ -39,17 +41,17 @@ def stability(path: Path) -> None:
 
 
 def coverage(path: Path) -> None:
-    """Draw the study that stands in coverage.json; `serpenoid bench coverage` makes it."""
+    """Draw the study that stands in coverage.json; `studies/calibration_study.py` makes it."""
     coverage_figure(json.loads((STORED / "coverage.json").read_text()), path)
 
 
 def advise(path: Path) -> None:
-    """Draw the study that stands in advise.json; `serpenoid bench advise` makes it."""
+    """Draw the study that stands in advise.json; `studies/calibration_study.py` makes it."""
     advised_figure(json.loads((STORED / "advise.json").read_text()), path)
 
 
 def verdict(path: Path) -> None:
-    """Draw the study that stands in verdict.json; `serpenoid bench verdict` makes it."""
+    """Draw the study that stands in verdict.json; `studies/calibration_study.py` makes it."""
     verdict_figure(json.loads((STORED / "verdict.json").read_text()), path)
 
 

@@ -14,7 +14,7 @@ import sys
 from dataclasses import replace
 
 import numpy as np
-from serpenoid.bench.calibration.floor_coverage import CASES, UNSEEN, floor_setup
+from coverage_floor import CASES, UNSEEN, floor_setup
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed

@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 import numpy as np
-from serpenoid.bench.cost.steady import OF_2005, PAPER, alone_s, grid, processor_s
+from steady_cost import OF_2005, PAPER, alone_s, grid, processor_s
 
 GAITS = 4500  # of the paper's grid
 

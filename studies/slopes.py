@@ -18,8 +18,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from advised import PLANS_DEG, opening, planned
 from scipy.stats import rankdata
-from serpenoid.bench.calibration.advised import PLANS_DEG, opening, planned
 from serpenoid.calibration import advice
 from serpenoid.calibration.advising.speed_slopes import SpeedSlopes, speed_slopes
 from serpenoid.calibration.advising.stations import places

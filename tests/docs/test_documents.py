@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coverage_floor import CASES, drawn_person, floor_setup
 from docs.documents import PAGES, ROOT, blocks, mentioned, typed, unknown
-from serpenoid.bench.calibration.floor_coverage import CASES, drawn_person, floor_setup
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session
 from serpenoid.calibration.taking.treadmill import take_all

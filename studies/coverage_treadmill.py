@@ -14,25 +14,24 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import NAMES, ground_of
-from ...calibration.session import Setup
-from ...calibration.speed_samples import AMPLITUDE_SIGMA, scaled
-from ...calibration.taking.memory import MemoryRecord
-from ...calibration.taking.new_session import default_setup
-from ...calibration.taking.simulated import SimulatedTreadmill, drawn_truth
-from ...calibration.taking.treadmill import take_all
-from ...lab.crawl import crawl_speed
-from ...model.errors import SerpenoidError
-from ...model.gait import Gait
-from ...model.ground import Ground
-from ...model.robot import Robot
-from ...periodic.servo_steady import band, servo_speeds
-from ...periodic.steady import steady_gait
-from ...servos.catalogue import servo
-from ..child_process import all_cores
-from .speed_table import SpeedTable
+from serpenoid.bench.child_process import all_cores
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.friction_result import NAMES, ground_of
+from serpenoid.calibration.session import Setup
+from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, scaled
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, drawn_truth
+from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.lab.crawl import crawl_speed
+from serpenoid.model.errors import SerpenoidError
+from serpenoid.model.gait import Gait
+from serpenoid.model.ground import Ground
+from serpenoid.model.robot import Robot
+from serpenoid.periodic.servo_steady import band, servo_speeds
+from serpenoid.periodic.steady import steady_gait
+from serpenoid.servos.catalogue import servo
+from speed_table import SpeedTable
 
 WHOLE_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 WHOLE = np.array([getattr(WHOLE_2005, name) for name in NAMES])

@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...model.errors import SerpenoidError
+from ..model.errors import SerpenoidError
 
-SOURCE = Path(__file__).resolve().parents[3]  # host/, of a checkout
+SOURCE = Path(__file__).resolve().parents[2]  # host/, of a checkout
 LADDER = SOURCE.parent / "studies" / "ladder"
 RUNGS = {
     "by hand": "viscous, level, written by hand",

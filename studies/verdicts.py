@@ -19,23 +19,22 @@ from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
+from coverage_treadmill import INCLINE_STEP_DEG, WHOLE, WHOLE_2005, shown_in_steps
 from numpy.typing import NDArray
-
-from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import ground_of, whole_ground
-from ...calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
-from ...calibration.taking.memory import MemoryRecord
-from ...calibration.taking.new_session import default_setup
-from ...calibration.taking.simulated import RUN_M, RUN_S, SimulatedTreadmill, drawn_truth
-from ...calibration.taking.treadmill import take_all
-from ...calibration.verdict import Judge, Measured
-from ...lab.crawl import crawl_speed
-from ...lab.robot import LabRobot
-from ...model.drives import Servo
-from ...model.gait import Gait
-from ...model.robot import Robot
-from ...servos.catalogue import servo
-from .coverage import INCLINE_STEP_DEG, WHOLE, WHOLE_2005, shown_in_steps
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.friction_result import ground_of, whole_ground
+from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, sample_speeds, scaled, speed
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.simulated import RUN_M, RUN_S, SimulatedTreadmill, drawn_truth
+from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.calibration.verdict import Judge, Measured
+from serpenoid.lab.crawl import crawl_speed
+from serpenoid.lab.robot import LabRobot
+from serpenoid.model.drives import Servo
+from serpenoid.model.gait import Gait
+from serpenoid.model.robot import Robot
+from serpenoid.servos.catalogue import servo
 
 Array = NDArray[np.float64]
 MORE = "two of them or more"

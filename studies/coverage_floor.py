@@ -13,33 +13,32 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from coverage_treadmill import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
 from numpy.typing import NDArray
-
-from ...calibration.crawls.result import fit_crawls
-from ...calibration.crawls.servos import SERVO_DRAWS, ServoEffects, effects_of, together
-from ...calibration.friction_fit import fit_friction
-from ...calibration.friction_result import NAMES, FrictionFit, ground_of
-from ...calibration.kinds.instruments import FloorTools
-from ...calibration.session import Setup
-from ...calibration.speed_samples import (
+from serpenoid.calibration.crawls.result import fit_crawls
+from serpenoid.calibration.crawls.servos import SERVO_DRAWS, ServoEffects, effects_of, together
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.friction_result import NAMES, FrictionFit, ground_of
+from serpenoid.calibration.kinds.instruments import FloorTools
+from serpenoid.calibration.session import Setup
+from serpenoid.calibration.speed_samples import (
     AMPLITUDE_SIGMA,
     likeliest_speed,
     sample_speeds,
     scaled,
     speed,
 )
-from ...calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
-from ...calibration.taking.memory import MemoryRecord
-from ...calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
-from ...calibration.taking.treadmill import take_all
-from ...lab.crawl import crawl_speed
-from ...lab.recording import Camera
-from ...model.drives import Servo, ServoKind
-from ...model.errors import SerpenoidError
-from ...model.gait import Gait
-from ...periodic.servo_steady import band
-from .coverage import GAIT, SERVOS, WHOLE, WHOLE_2005, DrivenTable
-from .speed_table import SpeedTable
+from serpenoid.calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import CRAWL_RUNS, CRAWLS, PUSHES, default_setup
+from serpenoid.calibration.taking.treadmill import take_all
+from serpenoid.lab.crawl import crawl_speed
+from serpenoid.lab.recording import Camera
+from serpenoid.model.drives import Servo, ServoKind
+from serpenoid.model.errors import SerpenoidError
+from serpenoid.model.gait import Gait
+from serpenoid.periodic.servo_steady import band
+from speed_table import SpeedTable
 
 WHEELS_KG = 0.036
 UNSEEN = tuple(

@@ -1,21 +1,21 @@
-"""Time periodic states: against a run in time, the paper's grid, n, and the error asked for."""
+"""Time periodic states: against a run in time, the paper's grid, n, and the error asked for.
+
+python studies/steady_cost.py OUT       some minutes
+"""
 
 from __future__ import annotations
 
 import csv
 import math
 import statistics
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
 import serpenoid as sn
-
-from ...show.plot import GREY, figure
-from .. import machine
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
@@ -26,7 +26,6 @@ RTOLS = {
     "viscous": (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
     "dry": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
 }
-_ROUNDING = 1e-16  # what no error at all is drawn at
 GRID_RTOL = {"viscous": 1e-6, "dry": 1e-4}
 
 
@@ -67,23 +66,23 @@ def _gaits(links: int) -> list[sn.Gait]:
     return [sn.Gait(a * alpha, lag, w) for a in (0.4, 0.9) for w in (2.0, 7.0)]
 
 
-def grid(ground: str, step: int = 1) -> sn.Sweep:
-    """Solve the paper's 4500 gaits, or every step-th shape each way, with all powers."""
+def grid(ground: str) -> sn.Sweep:
+    """Solve the paper's 4500 gaits with all powers."""
     robot, friction = CASES[ground]
     return sn.sweep(
         robot,
         friction,
-        alpha_rad=np.radians(np.arange(5, 76, 5 * step)),
-        beta_rad=np.radians(np.arange(20, 91, 5 * step)),
+        alpha_rad=np.radians(np.arange(5, 76, 5)),
+        beta_rad=np.radians(np.arange(20, 91, 5)),
         omega_rad_s=np.arange(1.0, 21.0),
         rtol=GRID_RTOL[ground],
         threads=1,
     )
 
 
-def _grid_cost(ground: str, step: int) -> Cost:
-    count = grid(ground, 4).speed_m_s.size and grid(ground, step).speed_m_s.size
-    taken = processor_s(lambda: grid(ground, step), 25 if ground == "viscous" else 1)
+def _grid_cost(ground: str) -> Cost:
+    count = grid(ground).speed_m_s.size
+    taken = processor_s(lambda: grid(ground), 25 if ground == "viscous" else 1)
     return Cost("grid", ground, 6, GRID_RTOL[ground], math.nan, taken / count)
 
 
@@ -127,12 +126,11 @@ def _solve_s(ground: str, links: int, rtol: float) -> float:
     return processor_s(solve, 5) / len(gaits)
 
 
-def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
-    """Measure everything, in one process and one thread; quick: a ninth of the grids."""
+def measure() -> list[Cost]:
+    """Measure everything, in one process and one thread."""
     rows = []
     for ground in CASES:
-        tell(f"{ground}: grid, run, links, errors")
-        rows += [_grid_cost(ground, 3 if quick else 1), _run_cost(ground)]
+        rows += [_grid_cost(ground), _run_cost(ground)]
         rows.append(Cost("gait", ground, 6, 1e-8, math.nan, alone_s(ground)))
         rows += [
             Cost(
@@ -143,9 +141,9 @@ def measure(quick: bool, tell: Callable[[str], None]) -> list[Cost]:
                 math.nan,
                 _solve_s(ground, n, GRID_RTOL[ground]),
             )
-            for n in (LINKS[:3] if quick else LINKS)
+            for n in LINKS
         ]
-        rows += [_error_cost(ground, rtol) for rtol in RTOLS[ground][:: 2 if quick else 1]]
+        rows += [_error_cost(ground, rtol) for rtol in RTOLS[ground]]
     return rows
 
 
@@ -184,53 +182,16 @@ def summary(rows: list[Cost]) -> list[str]:
 
 
 def write(rows: list[Cost], folder: Path) -> None:
-    """Write steady.csv and steady.png."""
+    """Write steady.csv."""
     folder.mkdir(parents=True, exist_ok=True)
     names = ("what", "ground", "links", "rtol", "error", "seconds")
     with (folder / "steady.csv").open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow([*names[:-1], "seconds_per_gait"])
         writer.writerows([getattr(row, name) for name in names] for row in rows)
-    _draw(rows, folder / "steady.png")
 
 
-def _draw(rows: list[Cost], path: Path) -> None:
-    """Draw the cost of a gait against the number of links, and against the error asked for."""
-    from matplotlib.ticker import NullLocator
-
-    look = {
-        "viscous": {"color": "#0072B2", "marker": "o"},
-        "dry": {"color": "#D55E00", "marker": "s"},
-    }
-    with figure(9.0, 4.2) as (fig, unused):
-        unused.remove()
-        by_links, by_error = fig.subplots(1, 2, sharey=True)
-        for ground, style in look.items():
-            own = [r for r in rows if r.ground == ground]
-            line = [(r.links, 1e3 * r.seconds) for r in own if r.what == "links"]
-            by_links.loglog(
-                *zip(*line, strict=True),
-                label=f"{ground}, to $10^{{{math.log10(GRID_RTOL[ground]):.0f}}}$",
-                **style,
-            )
-            asked = [(r.rtol, r.error, 1e3 * r.seconds) for r in own if r.what == "error"]
-            rtol, reached, cost = zip(*asked, strict=True)
-            by_error.loglog(rtol, cost, label=f"{ground}: asked for", **style)
-            by_error.loglog(
-                np.maximum(reached, _ROUNDING),
-                cost,
-                label=f"{ground}: reached",
-                **style | {"linestyle": "none", "markerfacecolor": "white"},
-            )
-        by_links.set(xlabel="links", ylabel="processor time of a gait (ms)")
-        by_links.set_xticks(sorted({r.links for r in rows if r.what == "links"}))
-        by_links.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
-        by_links.xaxis.set_minor_locator(NullLocator())
-        by_error.set(xlabel="error of the speed, relative (largest of four gaits, six links)")
-        by_error.invert_xaxis()
-        by_links.legend(loc="center left")
-        by_error.legend(loc="center right")
-        fig.suptitle(
-            f"Periodic states, all powers. {machine.cpu()}, one core", fontsize=9, color=GREY
-        )
-        fig.savefig(path, dpi=120)
+if __name__ == "__main__":
+    costs = measure()
+    write(costs, Path(sys.argv[1]))
+    print(*summary(costs), sep="\n")

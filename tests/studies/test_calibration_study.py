@@ -4,8 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from serpenoid.bench.calibration.advised import Saved, advised, plan_of, planned, ratios
-from serpenoid.bench.calibration.coverage import (
+from advised import Saved, advised, plan_of, planned, ratios
+from calibration_figures import advised_figure, coverage_figure, verdict_figure
+from coverage_treadmill import (
     CASES,
     GAIT,
     WHOLE,
@@ -15,9 +16,12 @@ from serpenoid.bench.calibration.coverage import (
     one,
     run,
 )
-from serpenoid.bench.calibration.figure import advised_figure, coverage_figure, verdict_figure
-from serpenoid.bench.calibration.speed_table import SpeedTable
-from serpenoid.bench.calibration.verdicts import (
+from serpenoid.bench.page import renew_table
+from serpenoid.calibration.speed_samples import speed
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.model.ground import Ground
+from speed_table import SpeedTable
+from verdicts import (
     FAULTS,
     MORE,
     TrueSpeeds,
@@ -25,10 +29,6 @@ from serpenoid.bench.calibration.verdicts import (
     markdown,
     words,
 )
-from serpenoid.bench.page import renew_table
-from serpenoid.calibration.speed_samples import speed
-from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.model.ground import Ground
 
 ROBOT = default_setup("test").robot
 NAMES = ("ct", "cn", "ft0", "fn0", "speed")

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from ...show.plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure
+from serpenoid.show.plot import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure
 
 Row = Mapping[str, Any]
 WANTED = (0.93, 0.97)

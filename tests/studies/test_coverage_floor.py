@@ -1,4 +1,4 @@
-"""`bench floor`: sessions of pushes by the whole chain, counted."""
+"""The floor study: sessions of pushes by the whole chain, counted."""
 
 from __future__ import annotations
 
@@ -6,25 +6,24 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from serpenoid.bench.calibration.coverage import GAIT, WHOLE, DrivenTable
-from serpenoid.bench.calibration.floor_coverage import CASES, drawn_person
-from serpenoid.bench.calibration.speed_table import SpeedTable
+from calibration_study import main
+from coverage_floor import CASES, drawn_person
+from coverage_treadmill import GAIT, WHOLE, DrivenTable
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA, scaled
 from serpenoid.calibration.taking.new_session import default_setup
-from serpenoid.commands.main import cli
 from serpenoid.lab.crawl import crawl_speed
 from serpenoid.periodic.servo_steady import band
+from speed_table import SpeedTable
 
 WITH_SERVOS = next(case for case in CASES if case.servos)
 
 
 @pytest.mark.slow
-def test_intervals_of_a_few_sessions_mostly_hold(tmp_path) -> None:
+def test_intervals_of_a_few_sessions_mostly_hold(tmp_path, monkeypatch) -> None:
     """Four sessions of each kind: fewer than 80 % of all would be no intervals of 95 %."""
-    asked = ["bench", "floor", "--sessions", "4", "--out", str(tmp_path)]
-    done = CliRunner().invoke(cli, asked)
-    assert done.exit_code == 0, done.output
+    asked = ["calibration_study.py", "floor", "--sessions", "4", "--out", str(tmp_path)]
+    monkeypatch.setattr("sys.argv", asked)
+    main()
     rows = json.loads((tmp_path / "floor.json").read_text())
     assert len(rows) == len(CASES)
     for row in rows:

@@ -14,21 +14,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from ...calibration.advice import advise
-from ...calibration.advising.next_reading import NextReading
-from ...calibration.friction_fit import fit_friction
-from ...calibration.session import Session
-from ...calibration.taking.memory import MemoryRecord
-from ...calibration.taking.new_session import default_setup
-from ...calibration.taking.simulated import SimulatedTreadmill, drawn_truth
-from ...calibration.taking.steps import Step
-from ...calibration.taking.treadmill import record_step, take_all
-from ...model.errors import BadInput
-from ...periodic.servo_steady import band as speed_band
-from ..child_process import all_cores
-from .coverage import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
-from .speed_table import SpeedTable
+from coverage_treadmill import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
+from serpenoid.bench.child_process import all_cores
+from serpenoid.calibration.advice import advise
+from serpenoid.calibration.advising.next_reading import NextReading
+from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.session import Session
+from serpenoid.calibration.taking.memory import MemoryRecord
+from serpenoid.calibration.taking.new_session import default_setup
+from serpenoid.calibration.taking.simulated import SimulatedTreadmill, drawn_truth
+from serpenoid.calibration.taking.steps import Step
+from serpenoid.calibration.taking.treadmill import record_step, take_all
+from serpenoid.model.errors import BadInput
+from serpenoid.periodic.servo_steady import band as speed_band
+from speed_table import SpeedTable
 
 # Bends, and the incline's step where it is not that of a treadmill of today (0.5 % of grade).
 PLANS_DEG: dict[str, tuple[tuple[float, ...], float | None]] = {

@@ -1,0 +1,60 @@
+"""Run a study of the calibration, over simulated sessions whose truth is known.
+
+python studies/calibration_study.py coverage --sessions 1000    how often 95 % intervals hold it
+python studies/calibration_study.py floor --sessions 1000       the same, of pushes on a floor
+python studies/calibration_study.py advise --sessions 100       the readings that advice saves
+python studies/calibration_study.py verdict --sessions 100      how often compare's verdict is right
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import advised
+import calibration_figures as figures
+import coverage_floor
+import coverage_treadmill
+import verdicts
+from serpenoid.bench.page import renew_table
+
+STUDIES = {
+    "coverage": (coverage_treadmill.run, figures.coverage_figure),
+    "floor": (coverage_floor.run_floor, figures.coverage_figure),
+    "advise": (advised.run, figures.advised_figure),
+    "verdict": (verdicts.run, figures.verdict_figure),
+}
+
+
+def main() -> None:
+    """Run one, and write its rows and their figure."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("study", choices=STUDIES)
+    parser.add_argument("--sessions", type=int, required=True, help="of each kind; 20 at least")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=Path("bench-out"))
+    parser.add_argument("--page", type=Path, help="a page whose table of verdicts is renewed")
+    asked = parser.parse_args()
+    run, draw = STUDIES[asked.study]
+    found = list(run(asked.sessions, asked.seed, print))
+    rows = [asdict(row) for row in found]
+    asked.out.mkdir(parents=True, exist_ok=True)
+    path = asked.out / f"{asked.study}.json"
+    path.write_text(json.dumps(rows, indent=2) + "\n")
+    draw(rows, path.with_suffix(".png"))
+    if asked.study == "advise":
+        print(*advised.ratios(found), sep="\n")
+    elif asked.study == "verdict":
+        print(verdicts.markdown(rows))
+    else:
+        print(*rows, sep="\n")
+    if asked.page is not None:
+        renew_table(asked.page, "verdicts", verdicts.markdown(rows))
+
+
+if __name__ == "__main__":
+    main()
