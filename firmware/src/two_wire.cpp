@@ -28,9 +28,20 @@ bool send(uint8_t byte, uint8_t wanted) {
     return step(0, wanted);
 }
 
-bool address(uint8_t device, uint8_t first) {
-    return step(_BV(TWSTA), TW_START) && send(static_cast<uint8_t>(device << 1), TW_MT_SLA_ACK) &&
+bool address(uint8_t started, uint8_t device, uint8_t first) {
+    return step(_BV(TWSTA), started) && send(static_cast<uint8_t>(device << 1), TW_MT_SLA_ACK) &&
            send(first, TW_MT_DATA_ACK);
+}
+
+bool burst(uint8_t started, uint8_t device, uint8_t first, const uint8_t* bytes, uint8_t count) {
+    bool good = address(started, device, first);
+    for (uint8_t i = 0; good && i < count; ++i) good = send(bytes[i], TW_MT_DATA_ACK);
+    return good;
+}
+
+bool fetch(uint8_t started, uint8_t device, uint8_t first) {
+    return address(started, device, first) && step(_BV(TWSTA), TW_REP_START) &&
+           send(static_cast<uint8_t>(device << 1 | 1), TW_MR_SLA_ACK) && step(0, TW_MR_DATA_NACK);
 }
 
 // A chip that a reset cut off in the middle of a byte holds the data line until it has had its nine
@@ -65,16 +76,15 @@ void begin() {
     release();
 }
 
+// Servos beside the bus may spoil one acknowledgement: each job is tried a second time, behind a
+// repeated START. A STOP between would let the chip show half a frame.
 bool write(uint8_t device, uint8_t first, const uint8_t* bytes, uint8_t count) {
-    bool good = address(device, first);
-    for (uint8_t i = 0; good && i < count; ++i) good = send(bytes[i], TW_MT_DATA_ACK);
-    return end(good);
+    return end(burst(TW_START, device, first, bytes, count) ||
+               burst(TW_REP_START, device, first, bytes, count));
 }
 
 int16_t read(uint8_t device, uint8_t first) {
-    const bool good = address(device, first) && step(_BV(TWSTA), TW_REP_START) &&
-                      send(static_cast<uint8_t>(device << 1 | 1), TW_MR_SLA_ACK) &&
-                      step(0, TW_MR_DATA_NACK);
+    const bool good = fetch(TW_START, device, first) || fetch(TW_REP_START, device, first);
     const uint8_t byte = TWDR;
     return end(good) ? byte : -1;
 }

@@ -9,7 +9,8 @@
 namespace two_wire {
 
 void begin();
-// Write bytes to registers from `first` on, in one go. False if anything was not acknowledged.
+// Write bytes to registers from `first` on, in one go. False if some byte was twice not
+// acknowledged.
 bool write(uint8_t device, uint8_t first, const uint8_t* bytes, uint8_t count);
 // Read one register, or -1.
 int16_t read(uint8_t device, uint8_t first);

@@ -24,7 +24,7 @@ SERVO_PINS = {
 }
 ENABLE_PIN = {**dict.fromkeys(("uno", "nano", "nano_old"), "D4"), "mega": "G5"}
 TWO_WIRES = {**dict.fromkeys(("uno", "nano", "nano_old"), ("C", 5, 4)), "mega": ("D", 0, 1)}
-FAULTS = ("well", "silent", "data low", "clock low")
+FAULTS = ("well", "silent", "data low", "clock low", "no ack")
 STATES = ("running", "power cut", "crashed")
 CAUSES = ("power-on", "external", "brown-out")
 TORN = ("old", "erased", "new")
@@ -274,7 +274,8 @@ class Board:
     def fault_pca9685(self, fault: str, after_bytes: int = 0) -> None:
         """Make the servo driver well, silent (no power), or hold a wire low; see FAULTS.
 
-        after_bytes: silent only when it has taken so many more bytes, in the middle of a burst.
+        after_bytes: silent only when it has taken so many more bytes, in the middle of a burst;
+        or which of the next bytes is not acknowledged.
         """
         self._lib.board_fault_pca9685(self._board, FAULTS.index(fault), after_bytes)
 

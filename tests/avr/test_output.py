@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from avr.dialogue import Dialogue, seal, telemetry
-from avr.test_pulses import EXTREME_US, P99_US, observe, settled_gait, wave_of
+from avr.test_pulses import EXTREME_US, P99_US, settled_gait, wave_of
 from avr.truth import pulse_errors_us
 
 pytestmark = pytest.mark.avr
@@ -34,15 +34,6 @@ def test_a_flood_costs_lines_but_no_motion(start):
     assert np.max(errors) <= EXTREME_US
 
 
-def test_telemetry_can_be_thinned_out_and_off(start):
-    talk = settled_gait(start())
-    assert talk.ask("set every 7").startswith("ok:")
-    assert set(np.diff(observe(talk, 2.0).frame)) == {7}
-    assert talk.ask("set every 0").startswith("ok:")
-    talk.board.run(0.05)
-    assert len(observe(talk, 1.0).frame) == 0
-
-
 def test_a_line_may_take_its_time(start):
     talk = Dialogue(start())
     talk.hello()
@@ -56,9 +47,3 @@ def test_a_line_may_take_its_time(start):
     after = talk.counters()
     assert (after["good"], after["garbled"]) == (before["good"] + 2, before["garbled"])
     assert len(talk.board.edges) > 0
-
-
-def test_the_rate_on_the_wire_is_the_one_promised(start):
-    board = start()
-    board.run(0.5)
-    assert board.actual_baud == board.baud == 250_000

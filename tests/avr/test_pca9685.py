@@ -156,6 +156,29 @@ def test_a_lost_driver_ends_all_pulses_and_is_found_again(start, fault):
     assert np.all(np.abs(outputs_us(board) - 1500) < 3)
 
 
+@pytest.mark.parametrize(("name", "joints", "frame_ms"), [("uno", 5, 20.0), ("mega", 12, 9.2)])
+def test_one_lost_acknowledgement_costs_neither_pulse_nor_frame(start, name, joints, frame_ms):
+    talk = opened(start(name, joints=joints, output="pca9685"))
+    obeyed(talk, f"set frame_ms {frame_ms}", "save")
+    talk.board.reset()
+    talk = opened(talk.board)
+    obeyed(talk, "set silence off", "gait 45 80 8")
+    board = talk.board
+    board.run(3.0)
+    before, first, bursts = talk.counters(), len(board.lines), board.pca9685_bursts
+    begun = telemetry(board.lines[-5:]).frame[-1]
+    for nth in range(1, 6 + 4 * joints):  # the bytes of the burst, then three of a question
+        board.fault_pca9685("no ack", after_bytes=nth)
+        board.run(2e-3 * frame_ms)
+    after = talk.counters()
+    seen = telemetry(board.lines[first:])
+    assert set(seen.state) == {"gait"}
+    assert enabled(board)
+    assert abs(board.pca9685_bursts - bursts - (seen.frame[-1] - begun)) <= 2
+    assert after["overruns"] == before["overruns"] == 0
+    assert after["late_us"] <= 2000
+
+
 def test_a_hang_ends_all_pulses(start):
     board = in_gait(start).board
     board.hang()

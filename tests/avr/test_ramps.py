@@ -71,26 +71,3 @@ def test_what_is_clipped_is_told(start):
     assert talk.counters()["clipped"] >= 25
     speed = np.abs(np.diff(np.degrees(seen.angle_rad), axis=0)) / FRAME_S
     assert np.max(speed[1:]) <= 300 + 0.03 / FRAME_S
-
-
-@pytest.mark.parametrize(
-    ("command", "error"),
-    [
-        ("gait 95 80 5", "range"),
-        ("gait 60 80 5 40", "range"),
-        ("gait 60 80 20", "speed"),
-        ("gait 30 80 nan", "number"),
-        ("gait 30 80", "arguments"),
-        ("pose 0 0 0 0 95", "range"),
-        ("wriggle", "command"),
-    ],
-)
-def test_a_refused_command_changes_nothing(start, command, error):
-    board = start()
-    talk = Dialogue(board)
-    talk.hello()
-    verdict = talk.ask(command)
-    assert verdict.startswith("err:")
-    assert verdict.split()[2] == error
-    board.run(0.2)
-    assert len(board.edges) == 0

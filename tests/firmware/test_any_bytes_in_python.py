@@ -36,7 +36,7 @@ FIELDS = [
 MOTIONS = [
     st.tuples(st.just("gait"), GAIT["alpha"], GAIT["beta"], GAIT["omega"]),
     st.tuples(st.just("gait"), GAIT["alpha"], GAIT["beta"], GAIT["omega"], GAIT["offset"]),
-    st.tuples(st.just("pose"), st.just("bent"), ANGLE),
+    st.tuples(st.just("pose"), st.just("straight"), ANGLE),
     st.tuples(st.just("pose"), ANGLE, ANGLE, ANGLE, ANGLE, ANGLE),
 ]
 WORDS = [

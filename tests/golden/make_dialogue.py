@@ -114,8 +114,9 @@ set: servo_speed value=500 low=10 high=1000 unit=deg/s
 set: silence value=1.5 low=0.1 high=600 unit=s
 set: every value=1 low=0 high=1000 unit=frames
 set: limp value=0 low=1 high=2000 unit=s
-set: frame_ms value=20 low=3 high=32.5 unit=ms
+set: frame_ms value=20 low=3 high=20 unit=ms
 set: oscillator value=25 low=22 high=28 unit=MHz
+set: released value=0 low=0 high=2 unit=code
 ok: #113
 ask 114 trim 3 centre 1512
 ok: #114

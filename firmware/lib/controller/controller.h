@@ -28,10 +28,16 @@ struct Start {
     uint32_t first_frame;  // 0 on a board; elsewhere, to try the rollover
 };
 
+// Those of `counters:`, by the names that they have on the wire.
+#define FIRMWARE_COUNTERS(X) \
+    X(good) X(crc) X(nocrc) X(garbled) X(overlong) X(sequence) X(lost) X(repeated) X(dropped)
+
 // 16-bit counters that stay at their end.
 struct Counters {
-    uint16_t good, crc, nocrc, garbled, overlong, sequence, lost, repeated, dropped, overruns,
-        clipped;
+#define FIRMWARE_COUNTER(name) uint16_t name;
+    FIRMWARE_COUNTERS(FIRMWARE_COUNTER)
+#undef FIRMWARE_COUNTER
+    uint16_t overruns, clipped;
     uint32_t late_us, pass_us;  // the worst so far
 };
 
@@ -126,11 +132,11 @@ class Controller : private Memory {
     Error obstacle();
     OWN_FRAME Refusal start_gait(const Command& command);
     OWN_FRAME Refusal start_pose(const Command& command);
-    Refusal change_setting(const Command& command);
+    OWN_FRAME Refusal change_setting(const Command& command);
+    Field setting(uint8_t index) const;
     OWN_FRAME Refusal change_trim(const Command& command);
     Refusal begin_save(const Command& command);
-    Refusal begin_load();
-    Refusal take_defaults();
+    Refusal take_all(bool saved);
     OWN_FRAME Refusal within_joint_limits(uint8_t joint, int32_t angle_udeg) const;
     void stop(const char* why);
     void go_idle(const char* why);

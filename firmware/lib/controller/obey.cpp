@@ -8,30 +8,10 @@ const char kWhyCommand[] FLASH = "command";
 
 Refusal Controller::obey(const Command& command) {
     switch (command.verb) {
-        case Verb::Hello:
-            greet();
-            return Refusal();
-        case Verb::Bye:
-            session_ = false;
-            return Refusal();
-        case Verb::Ping:
-            return Refusal();
-        case Verb::Help:
-            report_ = Report::Help;
-            return Refusal();
-        case Verb::Status:
-            report_ = Report::Status;
-            return Refusal();
         case Verb::Gait:
             return start_gait(command);
         case Verb::Pose:
             return start_pose(command);
-        case Verb::Stop:
-            stop(kWhyCommand);
-            return Refusal();
-        case Verb::Idle:
-            go_idle(kWhyCommand);
-            return Refusal();
         case Verb::Set:
             return change_setting(command);
         case Verb::Trim:
@@ -39,11 +19,30 @@ Refusal Controller::obey(const Command& command) {
         case Verb::Save:
             return begin_save(command);
         case Verb::Load:
-            return begin_load();
         case Verb::Defaults:
-            return take_defaults();
+            return take_all(command.verb == Verb::Load);
+        case Verb::Hello:
+            greet();
+            break;
+        case Verb::Bye:
+            session_ = false;
+            break;
+        case Verb::Help:
+            report_ = Report::Help;
+            break;
+        case Verb::Status:
+            report_ = Report::Status;
+            break;
+        case Verb::Stop:
+            stop(kWhyCommand);
+            break;
+        case Verb::Idle:
+            go_idle(kWhyCommand);
+            break;
+        case Verb::Ping:
+            break;
     }
-    return Refusal(Error::Command);
+    return Refusal();
 }
 
 Refusal Controller::within_joint_limits(uint8_t joint, int32_t angle_udeg) const {
@@ -132,20 +131,26 @@ Refusal Controller::change_setting(const Command& command) {
         return Refusal();
     }
     if (store_.busy()) return Refusal(Error::Saving);
-    int32_t value_u = command.value_u[0], low_u = value_u, high_u = 1000000000;
-    if (command.field == kFrame) {
-        low_u = hardware_.least_frame_us() * 1000L;
-        high_u = low_u > kFrameUs * 1000L ? low_u : kFrameUs * 1000L;
-    } else if (command.field == kEvery && value_u != 0) {
-        low_u = least_every() * 1000000L;
-    }
-    if (value_u < low_u || value_u > high_u) {
-        return Refusal(Error::Range, "value", value_u, low_u, high_u);
+    const int32_t value_u = command.value_u[0];
+    Field field = setting(command.field);
+    if (command.field == kEvery) field.low_u = least_every() * 1000000L;
+    if (value_u != 0 && !in_range(field, value_u)) {
+        return Refusal(Error::Range, "value", value_u, field.low_u, field.high_u);
     }
     settings_.value_u[command.field] = value_u;
     if (command.field == kEvery) telemetry_wait_ = 0;
     configure();
     return Refusal();
+}
+
+// A setting's field, with the limits that this board has for it.
+Field Controller::setting(uint8_t index) const {
+    Field field = setting_field(index);
+    if (index == kFrame) {
+        field.low_u = hardware_.least_frame_us() * 1000L;
+        field.high_u = field.low_u > kFrameUs * 1000L ? field.low_u : kFrameUs * 1000L;
+    }
+    return field;
 }
 
 Refusal Controller::change_trim(const Command& command) {
@@ -195,20 +200,17 @@ Refusal Controller::begin_save(const Command& command) {
     return Refusal();
 }
 
-Refusal Controller::begin_load() {
+// All settings and trims, from EEPROM or from the firmware.
+Refusal Controller::take_all(bool saved) {
     if (store_.busy()) return Refusal(Error::Saving);
     if (state_ != State::Idle) return Refusal(Error::Attached);
-    store_.load(settings_);
     telemetry_wait_ = 0;
-    return Refusal();
-}
-
-Refusal Controller::take_defaults() {
-    if (store_.busy()) return Refusal(Error::Saving);
-    if (state_ != State::Idle) return Refusal(Error::Attached);
-    set_defaults(settings_);
-    telemetry_wait_ = 0;
-    configure();
+    if (saved) {
+        store_.load(settings_);
+    } else {
+        set_defaults(settings_);
+        configure();
+    }
     return Refusal();
 }
 

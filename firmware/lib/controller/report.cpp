@@ -3,22 +3,6 @@
 #include "progmem.h"
 
 namespace firmware {
-namespace {
-
-struct CounterName {
-    char name[10];
-    uint16_t Counters::* member;
-};
-
-const CounterName kCounterNames[] FLASH = {
-    {"good", &Counters::good},         {"crc", &Counters::crc},
-    {"nocrc", &Counters::nocrc},       {"garbled", &Counters::garbled},
-    {"overlong", &Counters::overlong}, {"sequence", &Counters::sequence},
-    {"lost", &Counters::lost},         {"repeated", &Counters::repeated},
-    {"dropped", &Counters::dropped},
-};
-
-}  // namespace
 
 void Controller::greet() {
     line_.begin().put_flash(FLASH_TEXT("hello: serpenoid fw=")).put_flash(kVersion);
@@ -73,7 +57,7 @@ void Controller::put_report_line(uint8_t row) {
             line_.put_flash(FLASH_TEXT("help: ")).put_flash(verb_help(row));
             return;
         case Report::Set:
-            return put_field(setting_field(row), settings_.value_u[row]);
+            return put_field(setting(row), settings_.value_u[row]);
         case Report::Trim:
             return put_servo(row);
         default:
@@ -97,14 +81,10 @@ void Controller::put_status() {
 
 void Controller::put_counters() {
     line_.put_flash(FLASH_TEXT("counters:"));
-    for (const CounterName& entry : kCounterNames) {
-        CounterName row;
-        uint8_t* const bytes = reinterpret_cast<uint8_t*>(&row);
-        for (uint8_t i = 0; i < sizeof row; ++i) {
-            bytes[i] = flash_u8(reinterpret_cast<const uint8_t*>(&entry) + i);
-        }
-        line_.put(' ').put(row.name).put('=').put_unsigned(counters_.*row.member);
-    }
+#define FIRMWARE_PUT_COUNTER(name) \
+    line_.put_flash(FLASH_TEXT(" " #name "=")).put_unsigned(counters_.name);
+    FIRMWARE_COUNTERS(FIRMWARE_PUT_COUNTER)
+#undef FIRMWARE_PUT_COUNTER
     line_.put_flash(FLASH_TEXT(" rxfull=")).put_unsigned(in_.full());
 }
 

@@ -18,7 +18,7 @@
     X(Gait, "gait", 3, 4, " ALPHA BETA OMEGA [OFFSET] - deg, rad/s")    \
     X(Pose, "pose", 1, kJoints, " straight [OFFSET] | J1 J2 ... - deg") \
     X(Stop, "stop", 0, 0, " - freeze and hold; so does any !")          \
-    X(Idle, "idle", 0, 0, " - let the servos go limp")                  \
+    X(Idle, "idle", 0, 0, " - end all pulses")                          \
     X(Set, "set", 0, 2, " [NAME VALUE]")                                \
     X(Trim, "trim", 0, 3, " [J FIELD VALUE]")                           \
     X(Save, "save", 0, 2, " [unattended] [replace]")                    \

@@ -22,6 +22,7 @@ const Field kSettingFields[kSettingCount] FLASH = {
     {"limp", "s", u(1), u(2000), u(0), false},
     {"frame_ms", "ms", u(3), u(32.5), u(20), false},
     {"oscillator", "MHz", u(22), u(28), u(25), false},
+    {"released", "code", u(0), u(2), u(0), true},
 };
 
 const Field kTrimFields[kTrimFieldCount] FLASH = {

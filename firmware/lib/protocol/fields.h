@@ -23,6 +23,7 @@ enum Setting : uint8_t {
     kLimp,
     kFrame,
     kOscillator,
+    kReleased,  // for the host alone: what its person saw the servos do without pulses
     kSettingCount
 };
 enum TrimField : uint8_t { kCentre, kScale, kDir, kLow, kHigh, kTrimFieldCount };

@@ -60,6 +60,7 @@ struct pca9685 {
     uint8_t changed, bits_left;           // since the stop; of a byte that was cut off
     enum pca9685_fault fault;
     uint32_t bursts, bytes_left;  // changes of outputs; until it falls silent, 0 = never
+    uint32_t acks_left;           // until one is lost, 0 = never
     uint32_t clock_mask, data_mask;
     int clock_high;
     uint8_t* pins;  // what the board reads of the port that has both wires

@@ -59,6 +59,7 @@ void pca9685_begin(struct pca9685* p) { p->addressed = 0; }
 
 int pca9685_take(struct pca9685* p, uint8_t byte, int is_address) {
     if (p->fault == PCA9685_SILENT) return 0;
+    if (p->acks_left && --p->acks_left == 0) return 0;
     if (is_address) {
         p->addressed = byte >> 1 == ADDRESS;
         p->pointed = byte & 1;  // a read goes on where the pointer stands
@@ -133,6 +134,10 @@ void board_add_pca9685(struct board* b, char port, int clock_bit, int data_bit) 
 
 void board_fault_pca9685(struct board* b, enum pca9685_fault fault, uint32_t after_bytes) {
     struct pca9685* p = &b->pca9685;
+    if (fault == PCA9685_NO_ACK) {
+        p->acks_left = after_bytes;
+        return;
+    }
     p->bytes_left = after_bytes;
     if (after_bytes) return;
     if (fault == PCA9685_SILENT || p->fault == PCA9685_SILENT) power_up(p);

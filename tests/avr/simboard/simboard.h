@@ -14,8 +14,15 @@ enum board_state { BOARD_RUNNING, BOARD_POWER_CUT, BOARD_CRASHED };
 enum reset_cause { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT };
 // What a byte of EEPROM holds when the power went while it was being written.
 enum torn_byte { TORN_OLD, TORN_ERASED, TORN_NEW };
-// What ails a PCA9685: no power (it comes back as at power-up); it holds a wire low.
-enum pca9685_fault { PCA9685_WELL, PCA9685_SILENT, PCA9685_DATA_LOW, PCA9685_CLOCK_LOW };
+// What ails a PCA9685: no power (it comes back as at power-up); it holds a wire low;
+// one byte is not acknowledged.
+enum pca9685_fault {
+    PCA9685_WELL,
+    PCA9685_SILENT,
+    PCA9685_DATA_LOW,
+    PCA9685_CLOCK_LOW,
+    PCA9685_NO_ACK
+};
 
 struct edge {
     uint64_t cycle;
@@ -61,7 +68,7 @@ double board_baud(const struct board* b);  // as the program has set its UART
 
 // A PCA9685 at the two wires, bits of one port.
 void board_add_pca9685(struct board* b, char port, int clock_bit, int data_bit);
-// Now, or in the middle of a burst after so many bytes: only its silence can come so.
+// Now, or in the middle of a burst after so many bytes: its silence, or a lost acknowledgement.
 void board_fault_pca9685(struct board* b, enum pca9685_fault fault, uint32_t after_bytes);
 // Its 256 registers, the outputs' as they are in effect; returns how often the outputs changed.
 uint32_t board_read_pca9685(const struct board* b, uint8_t* out);

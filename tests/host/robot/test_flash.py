@@ -108,6 +108,8 @@ def test_without_platformio(serpenoid, monkeypatch):
     monkeypatch.setattr(flash, "find_platformio", lambda: None)
     status, _, errors = serpenoid("flash", "--board", "uno", "--port", "/dev/null")
     assert (status, "pip install platformio" in errors) == (1, True)
+    refused = serpenoid("flash", "--board", "uno", "--port", "/dev/null", "--joints", "9")
+    assert (refused[0], "take a Mega" in refused[2]) == (2, True)
 
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])

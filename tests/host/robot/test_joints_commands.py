@@ -77,8 +77,3 @@ def test_a_gait_searched_for_another_robot_is_not_sent(joints, joints_link, serp
     status, said, errors = serpenoid(*asked, "--links", str(joints + 1))
     assert status == 0, errors
     assert "frames" in said
-
-
-def test_doctor_finds_nothing_to_mend(joints, joints_link, serpenoid):
-    status, said, _ = serpenoid("doctor", "--port", "virtual", "--json")
-    assert status == 0, said

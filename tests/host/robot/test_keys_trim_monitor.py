@@ -79,13 +79,6 @@ def test_keys_move_the_chosen_servo(trimming):
     assert [t.centre_us for t in trimming.trims] == centres(trimming.robot)
 
 
-def test_the_choice_goes_round(trimming):
-    trimming.press("left")
-    assert trimming.chosen == 4
-    trimming.press("right")
-    assert trimming.chosen == 0
-
-
 def test_saved_outlives_the_power(trimming):
     trimming.press("page up")
     assert trimming.unsaved

@@ -218,17 +218,6 @@ def test_a_greeting_that_was_asked_for_is_no_reset():
         assert robot.status().state == "gait"
 
 
-def test_settings_that_no_board_can_have_are_damage():
-    def swell(line: bytes) -> bytes:
-        body = re.sub(rb"^(set: every value=)\S+(.*) \*\w+\n", rb"\g<1>1e400\2", line)
-        return line if body == line else sealed(body.decode())
-
-    with FakeBoard() as fake, Robot(fake.port) as robot:
-        fake.to_host = swell
-        with pytest.raises(DamagedLine, match="answers to 'set'"):
-            robot.settings()
-
-
 def test_a_board_that_does_not_list_its_settings_can_be_driven():
     with FakeBoard(without("set:")) as fake, Robot(fake.port) as robot:
         robot.gait(GAIT)

@@ -11,8 +11,10 @@ from types import SimpleNamespace
 
 import pytest
 from robot.fake_board import FakeBoard, eeprom_after, nothing, sealed
-from serpenoid.robot.tools import doctor
+from serpenoid.robot import Robot
+from serpenoid.robot.tools import doctor, first_day
 from serpenoid.robot.wire import port_diagnosis, ports
+from serpenoid.robot.wire.virtual import VirtualLink
 
 FAST = {"listen_s": 0.3, "timeout_s": 2.0}
 
@@ -65,6 +67,7 @@ def test_nothing_is_wrong_with_the_virtual_board(serpenoid, port):
         "greeting",
         "protocol",
         "settings",
+        "without pulses",
         "counters",
         "timing",
         "clock",
@@ -87,6 +90,29 @@ def test_who_does_not_listen_is_not_told_to_flash(serpenoid):
     assert status == 0
     assert "listen longer: --listen-s 3" in said
     assert "serpenoid flash" not in said
+
+
+def test_a_report_moves_nothing_and_says_what_it_left_out(serpenoid, tmp_path):
+    file = tmp_path / "day.json"
+    status, _, errors = serpenoid("doctor", "--port", "virtual:fast", "--report", str(file))
+    facts = json.loads(file.read_text())
+    assert (status, facts["frames"]["count"]) == (0, first_day.FRAMES)
+    assert facts["left_out"] in errors
+    assert (facts["status"]["state"], facts["settings"]["released"]) == ("idle", 0)
+    assert "slow_gait" not in facts
+
+
+@pytest.mark.parametrize(("turns", "code"), [(True, 1), (False, 2)])
+def test_the_limp_tests_answer_is_kept_on_the_board(monkeypatch, turns, code):
+    monkeypatch.setattr(first_day, "FRAMES", 50)
+    link = VirtualLink(fast=True)
+    facts = first_day.measure(link, lambda text: turns or text == first_day.FREE)
+    assert "failure" not in facts
+    assert facts["released"] == first_day.RELEASED[code]
+    assert facts["slow_gait"]["clipped"] == 0
+    link.board.boot("power")
+    with Robot(link) as robot:
+        assert (robot.hello.settings, robot.settings()["released"]) == ("ok", code)
 
 
 def test_the_robot_is_not_moved_by_a_doctor():
@@ -132,11 +158,6 @@ def test_of_a_crowd_some_are_named():
     said = port_diagnosis.why_held("/dev/ttyX", crowd)
     assert "(process 10000002) and 27 more; close it" in said
     assert "10000003" not in said
-
-
-def test_who_plays_a_board_may_hold_its_port():
-    with FakeBoard() as board, open(board.port, "rb"):
-        assert marks(board.port)["greeting"] == "ok"
 
 
 def test_a_service_that_meddles_is_a_note(monkeypatch):

@@ -15,6 +15,7 @@ from ..wire.inbox import Losses
 from ..wire.ports import allowed, users
 from ..wire.protocol import PROTOCOL, Hello
 from ..wire.reports import Status
+from .first_day import RELEASED
 
 Mark = Literal["ok", "note", "fix"]
 SETTINGS = {
@@ -134,6 +135,10 @@ def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
     if not settings["silence"]:
         fix = "send `set silence 2` and `save`: serpenoid monitor"
         yield Finding("silence", "note", "off: nothing stops the robot if the host dies", fix)
+    released = settings["released"]
+    mark: Mark = "ok" if released == 1.0 else "note"
+    fix = "" if released else "try it once, one servo unlinked: serpenoid doctor --move"
+    yield Finding("without pulses", mark, RELEASED.get(released, f"code {released:g}"), fix)
     if hello.reset in RESETS:
         yield Finding("last reset", "fix", hello.reset, RESETS[hello.reset])
 

@@ -85,6 +85,8 @@ def flash(
     it comes. output: one of OUTPUTS, what makes the servos' pulses. Raises BadInput, PortMissing,
     PortBusy, FlashFailed, NoAnswer.
     """
+    if board is not None:
+        check_joints(board, joints)
     folder = find_project(project)
     pio = find_platformio()
     if not pio:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from statistics import fmean, linear_regression
 
 from ..._core import firmware
 from ...model.errors import ClockWrong
@@ -148,14 +149,12 @@ def _line(arrivals: list[_Arrival]) -> tuple[float, float]:
     The scatter is taken as no smaller than a step of micros(), evenly spread. The slope of a
     board whose clock stands is infinite.
     """
-    n = len(arrivals)
-    mean_b = sum(a.board_s for a in arrivals) / n
-    mean_h = sum(a.host_s for a in arrivals) / n
-    x = [a.board_s - mean_b for a in arrivals]
-    y = [a.host_s - mean_h for a in arrivals]
-    xx = sum(v * v for v in x)
-    if not xx:
+    board_s, host_s = ([getattr(a, name) for a in arrivals] for name in ("board_s", "host_s"))
+    mean_s = fmean(board_s)
+    spread = sum((b - mean_s) ** 2 for b in board_s)
+    if not spread:
         return math.inf, math.inf
-    slope = sum(v * w for v, w in zip(x, y, strict=True)) / xx
-    scatter = sum((w - slope * v) ** 2 for v, w in zip(x, y, strict=True)) / (n - 2)
-    return slope, math.sqrt(max(scatter, (STEP_US * 1e-6) ** 2 / 12) / xx)
+    slope, begin_s = linear_regression(board_s, host_s)
+    misses_s = (h - begin_s - slope * b for b, h in zip(board_s, host_s, strict=True))
+    scatter = sum(miss_s**2 for miss_s in misses_s) / (len(arrivals) - 2)
+    return slope, math.sqrt(max(scatter, (STEP_US * 1e-6) ** 2 / 12) / spread)

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ...model.errors import PortBusy
 from . import port_diagnosis
-from .link import missing, serial_ports
+from .link import SerialPort, missing, serial_ports
 
 
 @dataclass(frozen=True)
-class PortState:
-    """One port: its USB ids (0 if it is not USB), the maker of a likely board's chip, its users."""
+class PortState(SerialPort):
+    """One port, whether this user may open it, and who has it open."""
 
-    device: str
-    description: str
-    vendor_id: int
-    product_id: int
-    chip: str
     allowed: bool
     held_by: tuple[port_diagnosis.Holder, ...]
 
@@ -37,7 +32,7 @@ class PortState:
             "likely_board": bool(self.chip),
             "chip": self.chip or None,
             "allowed": self.allowed,
-            "held_by": [{"pid": h.pid, "name": h.name} for h in self.held_by],
+            "held_by": [asdict(holder) for holder in self.held_by],
         }
 
 
@@ -45,15 +40,11 @@ def port_states() -> list[PortState]:
     """List the serial ports, by name."""
     return [
         PortState(
-            p.device,
-            p.description,
-            p.vendor_id or 0,
-            p.product_id or 0,
-            p.chip,
-            allowed(p.device),
-            tuple(port_diagnosis.who_holds(p.device)),
+            **vars(port),
+            allowed=allowed(port.device),
+            held_by=tuple(port_diagnosis.who_holds(port.device)),
         )
-        for p in serial_ports()
+        for port in serial_ports()
     ]
 
 

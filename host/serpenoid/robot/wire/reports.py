@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from ..._core import firmware
@@ -57,39 +59,38 @@ class Trim:
     high_deg: float
 
 
+@contextmanager
+def _whole(what: str) -> Iterator[None]:
+    """Raise DamagedLine for what a broken line lacks."""
+    try:
+        yield
+    except (KeyError, IndexError, ValueError) as error:
+        raise DamagedLine(f"{what} lacks {error}; ask again") from None
+
+
 def status_of(data: list[Data]) -> Status:
     """Return the status in the three lines that answer `status`; raise DamagedLine."""
-    told: dict[str, str] = {}
-    for line in data:
-        told |= _values(line.text)
-    try:
+    with _whole("the board's status"):
+        told = {name: value for line in data for name, value in _values(line.text).items()}
         return Status(
             state=told["state"],
             moving=told["moving"] == "1",
             stack_bytes=int(said("stack", told["stack"], 0, MOST_COUNT)),
             **{n: int(said(n, told[n], 0, MOST_COUNT)) for n in _COUNTS},
         )
-    except (KeyError, ValueError) as error:
-        raise DamagedLine(f"the board's status lacks {error}; ask again") from None
 
 
 def settings_of(data: list[Data]) -> dict[str, float]:
     """Return name -> value from the lines that answer `set`; raise DamagedLine."""
-    try:
+    with _whole("a setting of the board"):
         found = {n: said_field(firmware.SETTINGS, n, v) for n, v in map(_setting, data)}
-    except (KeyError, IndexError, ValueError) as error:
-        raise DamagedLine(f"a setting of the board lacks {error}; ask again") from None
-    if missing := [name for name in SETTINGS if name not in found]:
-        raise DamagedLine(f"the board's list of settings lacks {', '.join(missing)}; ask again")
-    return found
+        return {name: found[name] for name in SETTINGS} | found
 
 
 def trims_of(data: list[Data], joints: int) -> tuple[Trim, ...]:
     """Return all servos from the lines that answer `trim`; raise DamagedLine."""
-    try:
+    with _whole("a trim of the board"):
         found = [_trim(d.text) for d in data]
-    except (KeyError, IndexError, ValueError) as error:
-        raise DamagedLine(f"a trim of the board lacks {error}; ask again") from None
     if [t.joint for t in found] != list(range(1, joints + 1)):
         raise DamagedLine(f"the board listed the trims of joints {[t.joint for t in found]}")
     return tuple(found)

@@ -99,8 +99,11 @@ class SessionRobot:
         """
         if self.powered and self._posed is not None and not self.held:
             wanted_rad = self.offset_rad + steps * STEER_RAD
-            with suppress(CommandRefused, RobotHeld):
-                self._lie(*self._posed, wanted_rad)
+            with suppress(RobotHeld):
+                try:
+                    self._lie(*self._posed, wanted_rad)
+                except CommandRefused as error:
+                    return f"not steered: {error}"
                 self.offset_rad = wanted_rad
         return f"{math.degrees(self.offset_rad):+.2f} deg on every joint"
 
