@@ -33,7 +33,6 @@ _LEVEL = (
     "Crawls there and back are shown as they would be on level ground: the floor falls by "
     "{:.2f} ± {:.2f} deg towards there."
 )
-_CURVE_SAMPLES = 32
 _CURVE_POINTS, _SPRINGS_EVERY = 49, 6  # chords between them are 0.1 % off; springs take longer
 
 
@@ -174,7 +173,7 @@ def compare(
         progress=progress,
     )
     points = tuple(_point(fit, drawn, j, runs.get(g, [])) for j, g in enumerate(wanted))
-    curve = _curve(fit, wanted, seed, progress)
+    curve = _curve(fit, wanted, samples, seed, progress)
     common = (session.setup.name, amplitude_sigma, points, curve, session.kept_crawls)
     stated = amplitude_sigma, seed, servo
     judged = _judged(session, fit, drawn, points, stated, levelled)
@@ -270,11 +269,11 @@ def _point(
 
 
 def _curve(
-    fit: FrictionFit, wanted: list[Gait], seed: int, progress: Progress | None
+    fit: FrictionFit, wanted: list[Gait], samples: int, seed: int, progress: Progress | None
 ) -> tuple[ComparedGait, ...]:
     rates = [g.omega_rad_s for g in wanted]
     first = wanted[0]
     grid = np.geomspace(0.5 * min(rates), 1.3 * max(rates), _CURVE_POINTS).tolist()
     gaits = [Gait(first.alpha_rad, first.beta_rad, rate) for rate in grid]
-    drawn = sample_speeds(fit, gaits, count=_CURVE_SAMPLES, seed=seed, progress=progress)
+    drawn = sample_speeds(fit, gaits, count=samples, seed=seed, progress=progress)
     return tuple(_point(fit, drawn, j, [], j % _SPRINGS_EVERY == 0) for j in range(len(gaits)))

@@ -16,7 +16,7 @@ from ..model.drives import ServoKind
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.servo_steady import band
+from ..periodic.servo_steady import band, managed_hz
 from ..periodic.steady import Steady, steady_gait
 from ..servos.catalogue import HOBBY
 from ..simulation.run import Run
@@ -24,7 +24,7 @@ from ..simulation.scene import Scene
 from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
 from .friction_result import FrictionFit
-from .speed_samples import AMPLITUDE_SIGMA, sample_speeds
+from .speed_samples import AMPLITUDE_SIGMA, likeliest_speed, sample_speeds
 
 STIFFNESS_N_M, DAMPING_N_S_M = 1000.0, 1.0  # the paper's
 SPRINGS_RTOL = 1e-3
@@ -40,8 +40,10 @@ class SpeedPoint:
     explicit_m_s: periodic state of the exact model, explicit_error_m_s: its numerical error;
     sigma_m_s, low_m_s, high_m_s: standard deviation and 95 % interval of the speed that friction
     fit, joints and servos leave, by 64 samples (`speed_samples.SpeedBand`); low_ideal_m_s,
-    high_ideal_m_s: without the servos. implicit_m_s: periodic state of the implicit model with the
-    paper's springs, run until it repeats; implicit_error_m_s: what cycles and time steps leave open
+    high_ideal_m_s: without the servos. servo_m_s: with the typical servo; managed_hz: the highest
+    frequency at which it follows such a gait: beyond, the band with servos means little.
+    implicit_m_s: periodic state of the implicit model with the paper's springs, run until it
+    repeats; implicit_error_m_s: what cycles and time steps leave open
     in it.
     """
 
@@ -56,6 +58,13 @@ class SpeedPoint:
     implicit_m_s: float
     implicit_error_m_s: float
     settling_time_s: float
+    servo_m_s: float
+    managed_hz: float
+
+    @property
+    def follows(self) -> bool:
+        """Tell whether typical servos can run the gait."""
+        return self.frequency_hz <= self.managed_hz
 
     def to_dict(self) -> dict[str, float]:
         """Return the figures by name."""
@@ -95,6 +104,8 @@ def predict(
         implicit_m_s=springs.speed_m_s,
         implicit_error_m_s=springs.error_estimate * springs.speed_m_s,
         settling_time_s=s.settling_time_s,
+        servo_m_s=likeliest_speed(fit, gait, servo),
+        managed_hz=math.inf if servo is None else managed_hz(gait, servo.servo.no_load_rad_s),
     )
 
 

@@ -39,8 +39,19 @@ def band(drawn: Array | Sequence[float]) -> tuple[float, float]:
 
     n, tail = len(drawn), (1.0 - _LEVEL) / 2
     weight = np.diff(betainc((n + 1) * tail, (n + 1) * (1 - tail), np.arange(n + 1) / n))
-    ordered = np.sort(drawn)
+    ordered = np.sort(np.ravel(drawn))
     return float(weight @ ordered), float(weight[::-1] @ ordered)
+
+
+def asked_rad_s(gait: Gait) -> float:
+    """Return the fastest rate that a gait asks of a joint, rad/s."""
+    return gait.alpha_rad * gait.omega_rad_s * max(gait.joint_gain or (1.0,))
+
+
+def managed_hz(gait: Gait, free_rad_s: float) -> float:
+    """Return the highest frequency at which servos of a free speed follow a gait of this shape."""
+    asked = asked_rad_s(gait)
+    return CANNOT * free_rad_s / asked * gait.omega_rad_s / math.tau if asked else math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,8 +113,7 @@ class ServoSteady:
     @property
     def asked_rad_s(self) -> float:
         """Return the fastest rate that the gait asks of a joint, rad/s."""
-        gait = self.ideal.gait
-        return gait.alpha_rad * gait.omega_rad_s * max(gait.joint_gain or (1.0,))
+        return asked_rad_s(self.ideal.gait)
 
     @property
     def free_rad_s(self) -> float:
@@ -124,8 +134,7 @@ class ServoSteady:
     @property
     def managed_hz(self) -> float:
         """Return the highest frequency at which the typical servo follows a gait of this shape."""
-        hz = self.ideal.gait.omega_rad_s / math.tau
-        return hz * CANNOT / self.asked_over_free_speed if self.asked_rad_s else math.inf
+        return managed_hz(self.ideal.gait, self.free_rad_s)
 
     @property
     def slower_servos(self) -> float:

@@ -168,13 +168,11 @@ def draw_friction(
 
 def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
     """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
-    f, exact, low, high, low_ideal, high_ideal, implicit = (
+    f, exact, low_ideal, high_ideal, implicit = (
         np.array([getattr(p, name) for p in points])
         for name in (
             "frequency_hz",
             "explicit_m_s",
-            "low_m_s",
-            "high_m_s",
             "low_ideal_m_s",
             "high_ideal_m_s",
             "implicit_m_s",
@@ -192,10 +190,7 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
             lw=0,
             label="95 %, ideal joints, by friction and amplitude",
         )
-        if not (np.array_equal(low, low_ideal) and np.array_equal(high, high_ideal)):
-            top.fill_between(
-                f, low, high, color=GREY, alpha=0.25, lw=0, label="95 %, with servos besides"
-            )
+        _servos(top, points)
         top.plot(f, exact, color=BLUE, label="exact model (explicit), ideal joints")
         top.plot(
             f,
@@ -208,15 +203,36 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
             label="the paper's implicit model, k = 1000 N/m, c = 1 N s/m",
         )
         top.set(title=title, ylabel="speed (m/s)")
-        top.set_ylim(bottom=0)
-        top.legend(loc="upper left")
+        top.set_ylim(0, 1.5 * exact.max())  # room for the legend
+        top.legend(loc="upper left", frameon=True, framealpha=0.95, edgecolor="none")
         bottom.axhline(0, color=BLUE)
         bottom.plot(f, 100 * (implicit / exact - 1), "o-", mfc="white", color=ORANGE, ms=5, lw=1)
         bottom.set(xlabel="gait frequency (Hz)", ylabel="implicit less\nexact (%)")
-        bottom.set_xlim(left=0)
+        bottom.set_xlim(0, 1.02 * f[-1])
         fig.align_ylabels()
         fig.supxlabel(HUGS, fontsize=8, color=GREY)
         save(fig, path)
+
+
+def _servos(ax: Axes, points: Sequence[SpeedPoint]) -> None:
+    """Draw typical servos with their band, and hatch the frequencies that they cannot follow."""
+    followed = [(p.frequency_hz, p.servo_m_s, p.low_m_s, p.high_m_s) for p in points if p.follows]
+    f, typical, low, high = np.array(followed).reshape(-1, 4).T
+    ax.fill_between(f, low, high, color=RED, alpha=0.25, lw=0, label="95 %, with servos besides")
+    ax.plot(f, typical, color=RED, lw=2.2, label="typical hobby servos")
+    last, managed = 1.02 * points[-1].frequency_hz, points[-1].managed_hz
+    if managed < last:
+        ax.axvspan(
+            managed,
+            last,
+            facecolor="none",
+            edgecolor=GREY,
+            alpha=0.3,
+            hatch="//",
+            zorder=0,
+            lw=0,
+            label=f"beyond {managed:.2g} Hz most hobby servos cannot follow",
+        )
 
 
 def draw_links(ax: Axes, run: Run, index: int, lift_m: float, colour: Any) -> None:

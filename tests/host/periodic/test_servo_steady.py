@@ -247,7 +247,7 @@ def test_the_bands_ends_leave_as_many_servos_as_they_say() -> None:
         low, high = band(rng.normal(size=128))
         held += [low <= rng.normal() <= high for _ in range(4)]
     assert np.mean(held) == pytest.approx(0.95, abs=0.015)
-    assert band([3.0, 3.0, 3.0]) == pytest.approx((3.0, 3.0))
+    assert band(np.full((3, 1), 3.0)) == pytest.approx((3.0, 3.0))
 
 
 def test_one_draw_decides_no_end_of_a_band() -> None:

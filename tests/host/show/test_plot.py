@@ -41,7 +41,19 @@ def test_a_turned_run_travels_along_x_and_keeps_its_shape(run) -> None:
 def _points() -> list[SpeedPoint]:
     return [
         SpeedPoint(
-            f, 0.1 * f, 1e-8, 0.01, 0.08 * f, 0.12 * f, 0.09 * f, 0.11 * f, 0.099 * f, 1e-6, 1.0
+            f,
+            0.1 * f,
+            1e-8,
+            0.01,
+            0.08 * f,
+            0.12 * f,
+            0.09 * f,
+            0.11 * f,
+            0.099 * f,
+            1e-6,
+            1.0,
+            servo_m_s=0.095 * f,
+            managed_hz=1.2,
         )
         for f in (0.5, 1.0, 2.0)
     ]
@@ -68,6 +80,17 @@ def test_every_figure_has_units_and_ink(name, run, tmp_path, monkeypatch) -> Non
     assert min(pixels.shape[:2]) >= 600  # dots: sharp on a page
     ink = float((pixels.min(axis=2) < 0.9).mean())
     assert 0.01 < ink < 0.5
+
+
+def test_servos_that_cannot_follow_have_no_curve(tmp_path, monkeypatch) -> None:
+    saved: list[Figure] = []
+    save = Figure.savefig
+    monkeypatch.setattr(Figure, "savefig", lambda self, p: (saved.append(self), save(self, p)))
+    plot.speed_against_frequency(_points(), "title", tmp_path / "speed.png")
+    (servos,) = (x for x in saved[0].axes[0].lines if x.get_label() == "typical hobby servos")
+    assert list(servos.get_xdata()) == [0.5, 1.0]
+    (hatched,) = (x for x in saved[0].axes[0].patches if x.get_hatch())
+    assert hatched.get_bbox().x0 == pytest.approx(1.2)
 
 
 def test_the_path_of_a_ratchet_is_drawn_and_named_both_ways(run, tmp_path) -> None:
