@@ -312,25 +312,6 @@ class Valley {
 
 }  // namespace
 
-RatesOfShape::RatesOfShape(const Robot& robot, const Ground& ground, const Gait& gait)
-    : robot_(robot), ground_(ground), gait_(gait) {
-    if (gait.offset == 0) packs_.emplace(robot, ground, gait);
-}
-
-void RatesOfShape::solve(const double* omega, int count, const SteadyOptions& options,
-                         SteadyState* to) {
-    const int width = packs_ ? SpectralViscous::kWidth : 1;
-    for (int first = 0; first < count; first += width) {
-        const int here = std::min(width, count - first);
-        if (packs_) packs_->solve(omega + first, here, options, to + first);
-        for (int i = first; i < first + here; ++i) {
-            if (packs_ && to[i].converged) continue;
-            if (!by_elements_) by_elements_.emplace(robot_, ground_, gait_);
-            to[i] = by_elements_->solve(omega[i], options);
-        }
-    }
-}
-
 AtSpeed at_speed(const Robot& robot, const Ground& ground, const Gait& gait, const SpeedWish& wish,
                  const SteadyOptions& options) {
     return Search(robot, ground, gait, wish, options).run();

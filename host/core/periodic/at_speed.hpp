@@ -6,27 +6,10 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
-#include "periodic/spectral.hpp"
-#include "periodic/viscous.hpp"
+#include "periodic/rates_of_shape.hpp"
 
 namespace serpenoid {
-
-// Periodic states of one shape at any rates: by packs; by elements what no pack resolves.
-class RatesOfShape {
-  public:
-    RatesOfShape(const Robot& robot, const Ground& ground, const Gait& gait);
-
-    void solve(const double* omega, int count, const SteadyOptions& options, SteadyState* to);
-
-  private:
-    Robot robot_;
-    Ground ground_;
-    Gait gait_;
-    std::optional<SpectralViscous> packs_;
-    std::optional<SteadyViscous> by_elements_;
-};
 
 struct SpeedWish {
     double speed = 0;    // m/s

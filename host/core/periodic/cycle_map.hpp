@@ -99,6 +99,9 @@ class CycleMap {
         return {};
     }
 
+    // Whether no wheel has modes. Then the ends of pieces are far more accurate than `tolerance`.
+    virtual bool smooth() const { return false; }
+
     bool mirrored() const { return mirrored_; }
     double span() const { return mirrored_ ? M_PI : 2 * M_PI; }  // of phase
     double time() const { return span() / gait_.omega; }         // of the span, s

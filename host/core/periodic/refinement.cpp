@@ -13,6 +13,9 @@ namespace {
 constexpr double kEarlier = 0.05;  // of the change before: one change may be small by luck
 
 constexpr double kLeastSettling = 4;  // levels may agree by luck
+constexpr double kRounding = 1e-15;   // of a map on smooth ground, over the scales
+constexpr double kTwice = 2;          // smooth ground: a change may be a part of the error alone
+constexpr double kKinks = 0.3;        // the same for positive power on smooth ground
 constexpr double kSpikes = 0.6;       // the same for positive power by steps
 
 // The derivative over a period in (Vx, Vy, L), of that of the image by p.
@@ -81,7 +84,7 @@ void Refinement::add_positive(const JointWork& work, double mismatch, SteadyStat
         change += std::fabs(work.positive[i] - positive_[i]) / time;
     }
     // spikes of torque that steps hit or miss make levels agree by luck
-    const double earlier = map_.measures_derivative() ? kSpikes : 0;
+    const double earlier = map_.measures_derivative() ? kSpikes : map_.smooth() ? kKinks : 0;
     next.positive_power_error =
         change + earlier * positive_change_ + (mismatch + work.doubtful) / time;
     positive_change_ = first_ ? 0 : change;
@@ -104,16 +107,21 @@ void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) 
     // a measured derivative knows neither the rest of Newton's way nor what an error of the map
     // does
     const bool measured = map_.measures_derivative();
-    const double state = measured ? step : kState * (moved + tolerance * orbit.condition());
+    // smooth pieces gain so much from a level to the next that its change tells all but rounding
+    const bool smooth = map_.smooth();
+    const double by_map = smooth ? kRounding : tolerance;
+    const double state =
+        measured ? step : kState * ((smooth ? kTwice : 1) * moved + by_map * orbit.condition());
     const double by_state =
         measured ? 0 : state * orbit.sensitivity(CycleState::kDissipated, scale) / map_.time();
     // where wheels hardly roll back, coarse levels say little about the power
-    ErrorRule rule{1,
-                   kEarlier,
-                   measured ? 0 : kEarlier,
+    const double earlier = smooth ? kKinks : kEarlier;
+    ErrorRule rule{smooth ? kTwice : 1,
+                   earlier,
+                   measured ? 0 : earlier,
                    state * scale[0] / map_.nm(),
-                   kLuck * tolerance * next.power + by_state,
-                   kLuck * tolerance + state * orbit.sensitivity(CycleState::kTheta, scale)};
+                   kLuck * by_map * next.power + by_state,
+                   kLuck * by_map + state * orbit.sensitivity(CycleState::kTheta, scale)};
     if (options_.powers) {
         const double mismatch = std::fabs(orbit.end.work.net - orbit.end.state.dissipated);
         add_positive(orbit.end.work, mismatch, next);
@@ -123,7 +131,7 @@ void Refinement::bound(const Orbit& orbit, double tolerance, SteadyState& next) 
     const LevelChange change(next, coarse_);
     bound_errors(change, before_, rule, options_.rtol, next);
     // derivatives jump where the sequence of modes does: one change tells little of the next
-    next.slowest_error = std::max(5 * change.slowest + 0.3 * before_.slowest,
+    next.slowest_error = std::max(5 * change.slowest + (smooth ? 1 : 0.3) * before_.slowest,
                                   kLeastSettling * options_.rtol * std::fabs(next.slowest));
     if (orbit.end.simultaneous_events)
         next.slowest_error = std::max(next.slowest_error, std::fabs(next.slowest));

@@ -12,8 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "periodic/at_speed.hpp"
-#include "periodic/dry.hpp"
+#include "periodic/rates_of_shape.hpp"
 
 namespace serpenoid {
 
@@ -117,7 +116,7 @@ void share_out(std::size_t count, int threads, const std::function<bool(long)>& 
 
 SteadyState steady_state(const SweepShape& k, const SteadyOptions& options) {
     const double omega = k.gait.omega;
-    if (!k.ground.smooth()) return SteadyDry(k.robot, k.ground, k.gait).solve(omega, options);
+    if (!k.ground.smooth()) return SteadyByPieces(k.robot, k.ground, k.gait).solve(omega, options);
     SteadyState found;
     RatesOfShape(k.robot, k.ground, k.gait).solve(&omega, 1, options, &found);
     return found;
@@ -133,7 +132,7 @@ void sweep_shapes(const std::vector<SweepShape>& shapes, const std::vector<doubl
         if (ground.smooth())
             solve_viscous(shapes[k], omegas, order, options, own);
         else
-            solve_rates(SteadyDry(robot, ground, gait), omegas, options, own);
+            solve_rates(SteadyByPieces(robot, ground, gait), omegas, options, own);
         return static_cast<long>(omegas.size());
     });
 }
@@ -142,7 +141,7 @@ std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<
                                     const SteadyOptions& options, int threads,
                                     const std::function<bool(long)>& go_on,
                                     const std::vector<Vec3>& starts) {
-    SteadyDry begin(middle.robot, middle.ground, middle.gait);
+    SteadyByPieces begin(middle.robot, middle.ground, middle.gait);
     if (!middle.ground.smooth() && starts.empty())
         begin.solve(middle.gait.omega, {options.rtol, false, 0});
     std::vector<SteadyState> found(shapes.size());
@@ -152,7 +151,7 @@ std::vector<SteadyState> neighbours(const SweepShape& middle, const std::vector<
             found[k] = steady_state(shapes[k], options);
             return 1L;
         }
-        SteadyDry dry(robot, ground, gait, begin);
+        SteadyByPieces dry(robot, ground, gait, begin);
         if (!starts.empty()) dry.start_from(starts[k]);
         found[k] = dry.solve(gait.omega, options);
         return 1L;

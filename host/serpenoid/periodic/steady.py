@@ -204,8 +204,8 @@ def steady_gait(
 ) -> Steady:
     """Solve for the periodic state of a gait under imposed joint angles, explicit model.
 
-    Newton's method on the period map, with half a period where mirror symmetry allows it; viscous
-    ground by collocation, dry ground as the set-valued law with exact sticking. rtol: wanted
+    Newton's method on the period map, with half a period where mirror symmetry allows it; dry
+    ground as the set-valued law with exact sticking. rtol: wanted
     relative accuracy of speed and powers, 0.1 to 1e-12 (dry ground: to 1e-7, powers to 10 rtol).
     powers=False leaves abs_power_w and positive_power_w out (0) and is faster. Raises BadInput, and
     NotConverged whose `best` is the best Steady found, with the error that it has.

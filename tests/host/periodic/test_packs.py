@@ -1,4 +1,4 @@
-"""Packs of rates on viscous ground: against the other solver, and their claims."""
+"""Packs of rates on viscous ground: against the pieces of motion, and their claims."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ def wild(rng: np.random.Generator) -> tuple[sn.Robot, sn.Ground, float, float, n
     return robot, ground, rng.uniform(0.05, 1.5), rng.uniform(0.1, 1.7), rates
 
 
-def by_elements(
+def by_pieces(
     robot: sn.Robot, ground: sn.Ground, alpha: float, beta: float, rate: float
 ) -> sn.Steady:
-    """Solve by elements over the whole cycle: a gait that steers by next to nothing."""
+    """Solve by pieces over the whole cycle: a gait that steers by next to nothing."""
     gait = sn.Gait(alpha, beta, rate, offset_rad=1e-13)
     return sn.steady_gait(robot, ground, gait, rtol=1e-8)
 
 
-def test_packs_agree_with_elements_for_wild_robots() -> None:
+def test_packs_agree_with_pieces_for_wild_robots() -> None:
     rng = np.random.default_rng(4)
     for _ in range(6):
         robot, ground, alpha, beta, rates = wild(rng)
         m = sn.sweep(robot, ground, alpha_rad=alpha, beta_rad=beta, omega_rad_s=rates, threads=1)
         assert m.converged.all()
         for k, rate in enumerate(rates.tolist()):
-            s = by_elements(robot, ground, alpha, beta, rate)
+            s = by_pieces(robot, ground, alpha, beta, rate)
             floor = 1e-4 * rate * robot.links * robot.link_length_m
             assert abs(m.speed_m_s[0, 0, k] - s.speed_m_s) < 1e-7 * max(s.speed_m_s, floor)
             assert m.power_w[0, 0, k] == pytest.approx(s.power_w, rel=1e-6)
@@ -118,16 +118,16 @@ def cost_s(gait_offset_rad: float, runs: int) -> float:
 
 
 def test_packs_are_used_and_cheap() -> None:
-    """Packs cost a 45th of elements over the whole cycle, so a 22nd of those over its half.
+    """Packs cost a few hundredths of pieces over the whole cycle.
 
-    The elements' least of three runs is an upper bound that load only raises, the packs' least of
-    fifteen, 0.3 ms each, a quiet moment's: half a cycle by elements would be a factor of two.
+    The pieces' least of three runs is an upper bound that load only raises, the packs' least of
+    fifteen, 0.5 ms each, a quiet moment's.
     """
     assert cost_s(1e-13, 3) > 10 * cost_s(0.0, 15)
 
 
 def test_one_gait_alone_is_solved_by_a_pack() -> None:
-    """A pack's mesh has 12, 24, 48 or 96 nodes, the other solver's a power of two elements."""
+    """A pack's mesh has 12, 24, 48 or 96 nodes; the other solver has none."""
     for omega in (0.5, 5.0, 20.0):
         alone = _core.steady(core_model(PAPER, VISCOUS, sn.Gait(0.6, 1.4, omega)), 1e-6, True, 1024)
         assert alone.elements in {24, 48}
@@ -140,7 +140,7 @@ def test_a_torque_that_touches_zero_between_two_nodes() -> None:
     ground = sn.Ground(0.7673112770284728, 60.83189479289118)
     shape = (0.8035949122116643, 0.5876476856635192)
     s = sn.steady_gait(robot, ground, sn.Gait(*shape, 0.5115080579256062))
-    fine = by_elements(robot, ground, *shape, 0.5115080579256062)
+    fine = by_pieces(robot, ground, *shape, 0.5115080579256062)
     assert s.abs_power_w == pytest.approx(fine.abs_power_w, rel=1e-6)
 
 
@@ -148,7 +148,7 @@ def test_a_torque_that_is_nothing_at_phase_0() -> None:
     """It has a sign all the same, the other one half a cycle later: else a kink is missed."""
     robot, ground, shape = sn.Robot(2, 0.42, 0.085), sn.Ground(0.0075, 0.41), (0.19, 0.64, 4.9)
     s = sn.steady_gait(robot, ground, sn.Gait(*shape))
-    fine = by_elements(robot, ground, *shape)
+    fine = by_pieces(robot, ground, *shape)
     assert abs(s.positive_power_w - fine.positive_power_w) < 2 * s.positive_power_error_w
 
 
@@ -159,7 +159,7 @@ def test_the_slowest_multiplier_where_hardly_anything_decays() -> None:
     shape, rate = (0.7844566659643128, 1.3900706037442236), 21.26329495906344
     for s in (
         sn.steady_gait(robot, ground, sn.Gait(*shape, rate)),
-        by_elements(robot, ground, *shape, rate),
+        by_pieces(robot, ground, *shape, rate),
     ):
         largest = abs(s.floquet_multipliers[0])
         period = 2 * math.pi / rate
@@ -167,12 +167,12 @@ def test_the_slowest_multiplier_where_hardly_anything_decays() -> None:
 
 
 @pytest.mark.slow
-def test_the_papers_whole_grid_against_elements() -> None:
+def test_the_papers_whole_grid_against_pieces() -> None:
     alpha, beta = np.radians(np.arange(5, 76, 14)), np.radians(np.arange(20, 91, 14))
     m = sn.sweep(
         PAPER, VISCOUS, alpha_rad=alpha, beta_rad=beta, omega_rad_s=np.arange(1.0, 21.0, 3)
     )
     for at in np.ndindex(m.speed_m_s.shape):
-        s = by_elements(PAPER, VISCOUS, alpha[at[0]], beta[at[1]], float(m.omega_rad_s[at[2]]))
+        s = by_pieces(PAPER, VISCOUS, alpha[at[0]], beta[at[1]], float(m.omega_rad_s[at[2]]))
         assert m.speed_m_s[at] == pytest.approx(s.speed_m_s, rel=1e-8)
         assert m.positive_power_w[at] == pytest.approx(s.positive_power_w, rel=1e-6)

@@ -1,5 +1,5 @@
 // Pieces, events and derivative of sliding_cycle.hpp.
-#include "periodic/dry/sliding_cycle.hpp"
+#include "periodic/pieces/sliding_cycle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -64,6 +64,8 @@ void SlidingCycle::aim(double tolerance) {
     const double speed_eps = std::max(0.01 * tolerance, 1e-12) * scale_[0] / nm_;
     events_.aim(speed_eps, std::max(0.1 * tolerance, 1e-7));
     event_step_.aim(std::max(10 * tolerance, 1e-8));
+    // by the order of a piece's end: the same pieces at two tolerances would tell of no error
+    longest_piece_ = smooth() ? std::min(0.8, 0.57 * std::pow(tolerance / 6e-7, 1.0 / 9)) : 0.8;
     longest_step_ = std::clamp(0.03 * std::sqrt(tolerance), 1e-6, 1e-3);
     shortest_step_ = std::clamp(20 * speed_eps * nm_ * omega_ / least_dry_, 1e-7, longest_step_);
 }
@@ -84,7 +86,7 @@ std::optional<CycleEnd> SlidingCycle::follow(const Vec3& p, const Following& how
 
 bool SlidingCycle::advance() {
     const double end = span();
-    if (!change_mode({})) return false;
+    if (piece_.has_modes() && !change_mode({})) return false;
     for (int stalled = 0; tau_ < end;) {
         if (++pieces_ > most_pieces_) return false;
         double h = std::min(piece_length_, end - tau_);
@@ -102,7 +104,7 @@ bool SlidingCycle::advance() {
         meter_.add(mode_, tau_, h, event.at, skipped_);
         skipped_ = 0;
         accumulate(h, event.at);
-        piece_length_ = std::min(h * growth_, 0.8);
+        piece_length_ = std::min(h * growth_, longest_piece_);
         if (h * event.at > 100 * step_length_) step_length_ = 0;
         if (event.sliding) await_saltation(event);
         tau_ = event.wheel < 0 && h == end - tau_ ? end : tau_ + h * event.at;
@@ -118,7 +120,9 @@ SlidingCycle::Piece SlidingCycle::solve_piece(double h) {
         piece_length_ = length;
         return length < kShortest ? Piece::broken : Piece::shorter;
     };
-    if (!piece_.solve(mode_, tau_, h, now_.p, scale_, 0.1 * tolerance_)) return shorter(h / 4);
+    // on smooth ground derivatives are to be as good as the motion: they miss Newton's last step
+    const double close = smooth() ? std::max(tolerance_ * tolerance_, 1e-15) : 0.1 * tolerance_;
+    if (!piece_.solve(mode_, tau_, h, now_.p, scale_, close)) return shorter(h / 4);
     const double error = piece_.error(scale_) / tolerance_;
     growth_ = std::clamp(0.8 * std::pow(error + 1e-30, -1.0 / (s + 1)), 0.1, 3.0);
     if (!(error < 1e30)) return Piece::broken;

@@ -1,9 +1,9 @@
-// Periodic state on dry ground: Newton's method (fixed_point.hpp) on the map of a cycle, at ever
+// Periodic state on any ground: Newton's method (fixed_point.hpp) on the map of a cycle, at ever
 // tighter tolerances until the errors are small enough.
 //
 // At a tolerance Newton's method runs until its next step is so small that the derivatives stand
-// for it. The map goes by smooth pieces (dry/sliding_cycle.hpp); where they run out the implicit
-// steps of dry/stepped_cycle.hpp take over.
+// for it. The map goes by smooth pieces (pieces/sliding_cycle.hpp); where they run out the implicit
+// steps of pieces/stepped_cycle.hpp take over.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@
 namespace serpenoid {
 
 // Solves for one shape and any number of rates; each starts from the ones before.
-class SteadyDry {
+class SteadyByPieces {
   public:
-    SteadyDry(const Robot& robot, const Ground& ground, const Gait& gait)
+    SteadyByPieces(const Robot& robot, const Ground& ground, const Gait& gait)
         : robot_(robot), ground_(ground), gait_(gait) {}
     // Starts from the last state of a neighbour.
-    SteadyDry(const Robot& robot, const Ground& ground, const Gait& gait,
-              const SteadyDry& neighbour)
+    SteadyByPieces(const Robot& robot, const Ground& ground, const Gait& gait,
+                   const SteadyByPieces& neighbour)
         : robot_(robot), ground_(ground), gait_(gait), solutions_(neighbour.solutions_) {}
 
     // The first solution is looked for from these velocities in the body frame at phase 0.

@@ -1,5 +1,5 @@
 // Newton's method on the stages of sliding_piece.hpp, and what its polynomial tells.
-#include "periodic/dry/sliding_piece.hpp"
+#include "periodic/pieces/sliding_piece.hpp"
 
 #include <algorithm>
 #include <cmath>

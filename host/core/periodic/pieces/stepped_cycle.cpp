@@ -1,5 +1,5 @@
 // Steps and measured derivatives of stepped_cycle.hpp.
-#include "periodic/dry/stepped_cycle.hpp"
+#include "periodic/pieces/stepped_cycle.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "periodic/cycle_map.hpp"
-#include "periodic/dry/event_finder.hpp"
-#include "periodic/dry/event_step.hpp"
-#include "periodic/dry/sliding_piece.hpp"
-#include "periodic/dry/work_meter.hpp"
+#include "periodic/pieces/event_finder.hpp"
+#include "periodic/pieces/event_step.hpp"
+#include "periodic/pieces/sliding_piece.hpp"
+#include "periodic/pieces/work_meter.hpp"
 
 namespace serpenoid {
 
@@ -23,6 +23,7 @@ class SlidingCycle : public CycleMap {
     SlidingCycle(const Robot& robot, const Ground& ground, const Gait& gait, long most_pieces);
 
     std::optional<CycleEnd> follow(const Vec3& p, const Following& how) override;
+    bool smooth() const override { return !piece_.has_modes(); }
 
   private:
     // A saltation waits for the rate after the event.
@@ -54,8 +55,8 @@ class SlidingCycle : public CycleMap {
     Saltation saltation_;
     bool simultaneous_ = false;
     double tau_ = 0, tolerance_ = 0, spin_ = 0, growth_ = 1;
-    double piece_length_ = 0.3, step_length_ = 0, shortest_step_ = 0, longest_step_ = 0,
-           skipped_ = 0;
+    double piece_length_ = 0.3, longest_piece_ = 0.8, step_length_ = 0, shortest_step_ = 0,
+           longest_step_ = 0, skipped_ = 0;
     long pieces_ = 0, most_pieces_;
 };
 

@@ -23,7 +23,7 @@
 #include "model/params.hpp"
 #include "numerics/dense.hpp"
 #include "numerics/radau_collocation.hpp"
-#include "periodic/dry/stage_shape.hpp"
+#include "periodic/pieces/stage_shape.hpp"
 
 namespace serpenoid {
 
@@ -61,6 +61,7 @@ class SlidingPiece {
         return {p[0] * inverse_nm_, p[1] * inverse_nm_, (p[2] - omega_ * node.K) * node.iJ};
     }
     const WheelLaw& law(int wheel) const { return law_[wheel % 2]; }
+    bool has_modes() const { return law_[0].has_modes() || law_[1].has_modes(); }
     // The bound over the force that counts as little or much for a wheel that is held.
     double grip(int wheel) const { return wheel % 2 ? 1 : grip_; }
 

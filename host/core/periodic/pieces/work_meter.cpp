@@ -1,12 +1,12 @@
 // Parts and doubts of work_meter.hpp.
-#include "periodic/dry/work_meter.hpp"
+#include "periodic/pieces/work_meter.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "numerics/gauss_rule.hpp"
-#include "periodic/positive_power.hpp"
+#include "periodic/pieces/mean_positive_swing.hpp"
 
 namespace serpenoid {
 
@@ -25,9 +25,10 @@ WorkMeter::WorkMeter(const Robot& robot, const Gait& gait, SlidingPiece& piece,
 }
 
 void WorkMeter::start(bool wanted, double tolerance) {
-    constexpr double kOrder = 8;  // of the Gauss points
+    // of the Gauss points; on smooth ground kinks of P_i^+ alone limit it
+    const double order = piece_.has_modes() ? 12 : 6;
     wanted_ = wanted;
-    longest_ = std::clamp(0.21 * std::pow(tolerance / 6e-7, 1 / kOrder), 0.02, 0.4);
+    longest_ = std::clamp(0.3 * std::pow(tolerance / 6e-7, 1 / order), 0.01, 0.5);
     work_.net = work_.doubtful = 0;
     work_.positive.assign(wanted ? lag_.size() : 0, 0.0);
     std::fill(fresh_.begin(), fresh_.end(), 0);
@@ -82,7 +83,7 @@ void WorkMeter::add_doubt(const SlidingMode& mode, double h, double x) {
 
 // The integrals between two fractions of a piece, `wide` apart.
 void WorkMeter::add_part(double tau, double h, double from, double wide) {
-    constexpr int g = 4;  // phases: one pack of them
+    constexpr int g = 6;
     const double span = h * wide;
     const Gauss<g>& rule = Gauss<g>::get();
     double x_of[g];

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "periodic/dry/sliding_piece.hpp"
+#include "periodic/pieces/sliding_piece.hpp"
 
 namespace serpenoid {
 

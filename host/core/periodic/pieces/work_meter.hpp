@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "periodic/cycle_map.hpp"
-#include "periodic/dry/event_finder.hpp"
-#include "periodic/dry/sliding_piece.hpp"
+#include "periodic/pieces/event_finder.hpp"
+#include "periodic/pieces/sliding_piece.hpp"
 
 namespace serpenoid {
 

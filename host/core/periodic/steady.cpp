@@ -1,11 +1,11 @@
-// Starts, continuation and fallback of dry.hpp.
-#include "periodic/dry.hpp"
+// Starts, continuation and fallback of steady.hpp.
+#include "periodic/steady.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "periodic/dry/sliding_cycle.hpp"
-#include "periodic/dry/stepped_cycle.hpp"
+#include "periodic/pieces/sliding_cycle.hpp"
+#include "periodic/pieces/stepped_cycle.hpp"
 #include "periodic/refinement.hpp"
 
 namespace serpenoid {
@@ -25,11 +25,18 @@ constexpr double kSettled = 0.02;  // a cycle's change, over the scales
 // The first tolerance: the second level is then mostly enough.
 double first_tolerance(double rtol) { return std::clamp(0.12 * rtol, 1e-7, 3e-4); }
 
+// Newton's last step is short where pieces are that accurate: what it misses is its square.
+Levels levels(const CycleMap& map, double first) {
+    Levels to{first};
+    if (map.smooth()) to.first = std::min(first, 1e-6), to.root_goal = 0;
+    return to;
+}
+
 }  // namespace
 
 // The parabola through the last three rates' states, over the period, or the line through two,
 // unless that is far out.
-Vec3 SteadyDry::guess(double omega) const {
+Vec3 SteadyByPieces::guess(double omega) const {
     constexpr double kFar = 8;
     for (std::size_t count = solutions_.size(); count > 1; --count) {
         const Solution* const from = solutions_.data() + solutions_.size() - count;
@@ -50,7 +57,7 @@ Vec3 SteadyDry::guess(double omega) const {
 }
 
 // Keep a state for the rates to come; after one that failed they begin anew.
-void SteadyDry::remember(double omega, const Vec3& z, bool converged) {
+void SteadyByPieces::remember(double omega, const Vec3& z, bool converged) {
     if (!converged) solutions_.clear();
     std::erase_if(solutions_, [&](const Solution& k) { return k.omega == omega; });
     if (solutions_.size() == 3) solutions_.erase(solutions_.begin());
@@ -59,10 +66,10 @@ void SteadyDry::remember(double omega, const Vec3& z, bool converged) {
 
 // Joints at rest give no scales. Disturbances decay as in the smallest waves; speed and power are
 // zero.
-SteadyState SteadyDry::at_rest(double omega, const SteadyOptions& options) const {
+SteadyState SteadyByPieces::at_rest(double omega, const SteadyOptions& options) const {
     Gait small = gait_;
     small.alpha = 1e-3;
-    const SteadyState waving = SteadyDry(robot_, ground_, small).solve(omega, options);
+    const SteadyState waving = SteadyByPieces(robot_, ground_, small).solve(omega, options);
     SteadyState rest;
     rest.monodromy = waving.monodromy, rest.slowest = waving.slowest;
     rest.slowest_error = waving.slowest_error;
@@ -74,8 +81,8 @@ SteadyState SteadyDry::at_rest(double omega, const SteadyOptions& options) const
 // tolerances mostly succeeds with another. An unstable state is accepted only if a motion led to
 // it. From rest, half of the first cycle's change is applied: the angular momentum of a fast gait
 // hardly changes, but the mirror changes its sign.
-void SteadyDry::from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
-                          const SteadyOptions& options, SteadyState& out) const {
+void SteadyByPieces::from_rest(CycleMap& map, FixedPoint& point, const Acceptance& accepted,
+                               const SteadyOptions& options, SteadyState& out) const {
     struct Try {
         double from;
         int cycles;
@@ -88,7 +95,7 @@ void SteadyDry::from_rest(CycleMap& map, FixedPoint& point, const Acceptance& ac
         settled = settled || cycles > 4;
         if (!point.follow_cycles(cycles, kSettled, 1e-3 * from, share)) continue;
         SteadyState anew = Refinement(map, point, options)
-                               .refine({from * first_tolerance(options.rtol)}, accepted);
+                               .refine(levels(map, from * first_tolerance(options.rtol)), accepted);
         if (!settled && anew.slowest > 0) anew.converged = false;
         if (anew.converged || accepted.excess(anew) < accepted.excess(out)) out = anew;
         if (anew.converged) break;
@@ -96,7 +103,8 @@ void SteadyDry::from_rest(CycleMap& map, FixedPoint& point, const Acceptance& ac
 }
 
 // Steps cost much at a tight tolerance: the state is found at a wide one first.
-SteadyState SteadyDry::by_steps(const Acceptance& accepted, const SteadyOptions& options) const {
+SteadyState SteadyByPieces::by_steps(const Acceptance& accepted,
+                                     const SteadyOptions& options) const {
     constexpr Levels kLevels{1e-4, 0.03, 1e-11, 3, 0};
     SteppedCycle map(robot_, ground_, gait_, 3'000'000 / robot_.n);  // half a second
     FixedPoint point(map, false);
@@ -105,7 +113,7 @@ SteadyState SteadyDry::by_steps(const Acceptance& accepted, const SteadyOptions&
     return Refinement(map, point, options).refine(kLevels, accepted);
 }
 
-SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
+SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options) {
     if (gait_.alpha == 0) return at_rest(omega, options);
     gait_.omega = omega;
     const Acceptance accepted(options, robot_, ground_, omega);
@@ -115,7 +123,8 @@ SteadyState SteadyDry::solve(double omega, const SteadyOptions& options) {
     if (start_ || !solutions_.empty()) {
         point.z = start_ ? map.scaled(*start_) : guess(omega);
         start_.reset();
-        out = Refinement(map, point, options).refine({first_tolerance(options.rtol)}, accepted);
+        out = Refinement(map, point, options)
+                  .refine(levels(map, first_tolerance(options.rtol)), accepted);
     }
     if (!out.converged) from_rest(map, point, accepted, options, out);
     promising_ = point.promising();

@@ -1,5 +1,5 @@
 // The convex problem of event_step.hpp and what its solution tells.
-#include "periodic/dry/event_step.hpp"
+#include "periodic/pieces/event_step.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Margins and their roots of event_finder.hpp.
-#include "periodic/dry/event_finder.hpp"
+#include "periodic/pieces/event_finder.hpp"
 
 #include <algorithm>
 #include <cmath>
