@@ -21,6 +21,7 @@ from ..model.errors import (
     RobotClosed,
     RobotError,
     RobotLost,
+    RobotUnattended,
 )
 from .recording.recorder import Recorder
 from .signals import SignalGuard
@@ -53,10 +54,11 @@ class RobotBoard:
     unattended_s: if the program calls nothing for so long (iterating frames() counts as calling),
     it is taken to hang: the robot is stopped and the next call raises.
 
-    When the block ends, also by an exception, Ctrl-C, SIGTERM or SIGHUP, the robot is stopped
-    first. If the board did not confirm that, StopUnconfirmed is raised; beside an error of the
-    program itself it is a warning. Signals are caught in the main thread only: elsewhere, after a
-    kill, the board's own silence time has to do. A fork of the process cannot use the robot.
+    When the block ends, also by an exception, Ctrl-C, SIGTERM or SIGHUP, and before Ctrl-Z suspends
+    the program, the robot is stopped first. If the board did not confirm that, StopUnconfirmed is
+    raised; beside an error of the program itself it is a warning. Signals are caught in the main
+    thread only: elsewhere, after a kill, the board's own silence time has to do. A fork of the
+    process cannot use the robot.
 
     Opening raises PortMissing, PortBusy, NoAnswer or ProtocolMismatch; any call may raise
     RobotLost (unplugged or hung), RobotReset (it started again), StateUnasked (it left the motion
@@ -79,7 +81,9 @@ class RobotBoard:
         self._unattended_s = check_number("unattended_s", unattended_s, 0.0, open_low=True)
         self._talk: Dialogue | None = None
         self._recorder: Recorder | None = None
-        self._signals = SignalGuard(self._halt, (RobotBoard.__exit__, RobotBoard._leave))
+        self._signals = SignalGuard(
+            self._halt, (RobotBoard.__exit__, RobotBoard._leave), self._resumed
+        )
         self._process = os.getpid()
 
     def __enter__(self) -> RobotBoard:
@@ -161,7 +165,7 @@ class RobotBoard:
 
     def straight(self, offset_rad: float = 0.0) -> None:
         """Move all joints to 0, or to the offset in rad, which steers."""
-        self._obeyed(f"pose straight {degrees(offset_rad)}")
+        self._obeyed("pose straight" + (f" {degrees(offset_rad)}" if offset_rad else ""))
 
     def bent(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
         """Bend the robot so that it stays on course on a moving belt.
@@ -226,7 +230,7 @@ class RobotBoard:
 
     def trim(self, joint: int, field: str, value: float) -> None:
         """Set a joint's centre, scale, dir, low or high to a value; units: PROTOCOL.md."""
-        self._obeyed(f"trim {joint:d} {word(field)} {digits(value)}")
+        self._obeyed(f"trim {digits(joint)} {word(field)} {digits(value)}")
 
     def save(self, *, unattended: bool = False) -> None:
         """Write settings and trims to the board's EEPROM; return when they were read back.
@@ -297,6 +301,12 @@ class RobotBoard:
         if self._talk is not None and os.getpid() == self._process:
             with suppress(RobotError):
                 self._talk.halt()
+
+    def _resumed(self) -> None:
+        if self._talk is not None:
+            self._talk.inbox.notice = RobotUnattended(
+                "the program was suspended (Ctrl-Z), so the robot was stopped first; start again"
+            )
 
     def _open(self) -> None:
         link = open_link(self._port)

@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and SIGHUP while a robot is in use: it is stopped before anything else."""
+"""Ctrl-C, Ctrl-Z, SIGTERM and SIGHUP while a robot is in use: it is stopped before all else."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from collections.abc import Callable
 from types import FrameType, FunctionType
 
 _WATCHED = tuple(
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGTSTP")
+    if hasattr(signal, name)
 )
 
 
@@ -17,14 +19,20 @@ class SignalGuard:
     """Call `stop` at once on a signal, then let it do what it did before.
 
     SIGTERM and SIGHUP, which would kill, raise SystemExit instead, so that `with` blocks are
-    left in order. A signal that is ignored stays ignored. While `held` is set, and at the start of
+    left in order. Ctrl-Z (SIGTSTP) suspends as ever; `resumed` is called when that is over. A
+    signal that is ignored stays ignored. While `held` is set, and at the start of
     the functions `leaving`, which set it, signals are kept for restore(): an impatient second
     Ctrl-C cannot cut the stopping short. Outside the main thread Python allows no handlers, and
     this does nothing.
     """
 
-    def __init__(self, stop: Callable[[], None], leaving: tuple[FunctionType, ...] = ()):
-        self._stop = stop
+    def __init__(
+        self,
+        stop: Callable[[], None],
+        leaving: tuple[FunctionType, ...] = (),
+        resumed: Callable[[], None] = lambda: None,
+    ):
+        self._stop, self._resumed = stop, resumed
         self._leaving = {function.__code__ for function in leaving}
         self._before: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
         self._kept: int | None = None
@@ -63,5 +71,10 @@ class SignalGuard:
         before = self._before.get(number)
         if callable(before):
             before(number, frame)
+        elif number == getattr(signal, "SIGTSTP", None):
+            signal.signal(number, signal.SIG_DFL)
+            os.kill(os.getpid(), number)
+            signal.signal(number, self._on_signal)
+            self._resumed()
         else:
             raise SystemExit(128 + number)

@@ -158,6 +158,19 @@ def test_a_greeting_behind_half_a_line_is_one():
                 pass
 
 
+FOLLOWING = DRIVER.partition("    while True")[0] + "    list(robot.frames())\n"
+
+
+def test_ctrl_z_stops_the_robot_before_it_suspends():
+    with FakeBoard() as fake:
+        child = drive(fake.port, FOLLOWING)
+        assert fake.await_state("gait")
+        child.send_signal(signal.SIGTSTP)
+        assert fake.await_state("hold")
+        assert until(lambda: child.send_signal(signal.SIGCONT) or child.poll() is not None)
+        assert "RobotUnattended: the program was suspended" in child.communicate()[1]
+
+
 def test_handlers_are_given_back():
     before = [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     with Robot("virtual:fast"):

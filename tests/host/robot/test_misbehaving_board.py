@@ -71,6 +71,17 @@ def test_another_protocol_is_refused_with_both_numbers_and_the_cure(greeting):
         pass
 
 
+def test_a_greeting_of_other_joints_than_the_frames_have_ends_the_run():
+    def boasting(line: bytes) -> bytes:
+        body = line.rpartition(b" *")[0].replace(b"joints=5", b"joints=12")
+        return sealed(body.decode()) if line.startswith(b"hello:") else line
+
+    with FakeBoard(boasting) as fake:
+        with pytest.raises(ProtocolMismatch, match="12 joints, and a frame has 5"):
+            with Robot(fake.port) as robot:
+                list(robot.frames(LONG_S))
+
+
 def test_another_protocol_is_known_by_the_last_answer_too():
     """As when the first greeting is lost in the opening."""
     greeting = sealed("hello: serpenoid fw=9.0.0 protocol=0 name=snake")
@@ -200,6 +211,7 @@ def test_data_lines_that_come_damaged_are_asked_for_again():
         assert robot.losses.damaged_lines == 3
 
 
+@pytest.mark.filterwarnings("error")
 def test_a_reset_without_greeting_or_frames_shows_in_the_status():
     with FakeBoard() as fake, pytest.raises(RobotReset, match=r"boot \d+, now \d+.*lost"):
         with Robot(fake.port) as robot:

@@ -99,7 +99,6 @@ def test_well_sealed_nonsense_never_raises_anything_else(text):
     [
         ("t:1234", f"t:{2**32}"),
         ("board_us=24680124", f"board_us={2**32}"),
-        ("board_us=24680124", "board_us=" + "9" * 5000),
         ("exec_us=412", f"exec_us={2**32}"),
         ("late_us=8", f"late_us={2**32}"),
         ("clipped=1", "clipped=6"),

@@ -357,7 +357,8 @@ class Dialogue:
         """End the run with its first error: stop the robot if the wire still carries that."""
         with self._changed:
             first, self._failure = self._failure, self._failure or error
-            self.inbox.states.halting()
+            if not first:
+                self.inbox.states.halting()
             self._changed.notify_all()
         if not first:
             with suppress(RobotError):

@@ -7,7 +7,7 @@ from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
-from ...model.errors import DamagedLine, RobotError, RobotReset
+from ...model.errors import DamagedLine, ProtocolMismatch, RobotError, RobotReset
 from .clock import FRAME_US, BoardClock
 from .protocol import Data, Hello, Telemetry, Verdict, parse, unseal
 from .state_tracker import StateTracker
@@ -181,6 +181,12 @@ class Inbox:
             self.notice = self.notice or surprise
 
     def _take_frame(self, frame: Telemetry, host_s: float) -> None:
+        joints = len(frame.setpoint_rad)
+        if self.in_session and self.hello and joints != self.hello.joints:
+            raise ProtocolMismatch(
+                f"the board greeted with {self.hello.joints} joints, and a frame has {joints}: is "
+                "another program's board on this wire? else flash it anew: `serpenoid flash`"
+            )
         last = self.latest
         gap = (frame.frame - last.frame) & 0xFFFFFFFF if last else 1
         if self.in_session and last and gap >= 1 << 31:
