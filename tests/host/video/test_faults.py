@@ -281,7 +281,7 @@ def test_damaged_files_end_in_words(frames, tmp_path) -> None:
     [
         ("words.mp4", b"no film at all" * 99, "cannot be read as a film"),
         ("empty.mp4", b"", "cannot be read as a film"),
-        ("none.mp4", None, "there is no such file"),
+        ("none.mp4", None, "No such file"),
     ],
 )
 def test_what_is_no_film_is_named(tmp_path, name, content, words) -> None:
@@ -295,7 +295,7 @@ def test_a_picture_is_no_film(frames, tmp_path) -> None:
     cv2.imwrite(str(tmp_path / "one.png"), frames[0])
     with pytest.raises(BadInput, match="is a picture, not a film"):
         measure_film(tmp_path / "one.png", 6, LINK_M)
-    with pytest.raises(BadInput, match="a folder; name the film"):
+    with pytest.raises(BadInput, match="this is a folder"):
         measure_film(tmp_path, 6, LINK_M)
 
 

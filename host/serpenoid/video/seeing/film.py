@@ -202,10 +202,6 @@ def _library() -> Any:
 
 
 def _unreadable(path: Path, error: Exception) -> str:
-    if not path.exists():
-        return f"{path}: there is no such file"
-    if path.is_dir():
-        return f"{path}: a folder; name the film in it"
     words = str(getattr(error, "strerror", None) or error)
     return (
         f"{path}: cannot be read as a film ({words}); copy it from the phone again, as MP4 or MOV"
