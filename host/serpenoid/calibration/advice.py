@@ -98,7 +98,7 @@ def advise(
         raise BadInput(f"{session.where}: no station was held, and no push; take one first")
     fit = fit_friction(session)
     whole = np.array(list(fit.whole_snake.values()))
-    servo = servo and servo_seen(servo, session.kept_films, fit)
+    servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit)
     slopes = speed_slopes(fit, wanted, samples, progress)
     ran = [_sigmas_of_runs(session, gait) if runs else [] for gait in wanted]
     readings = [

@@ -161,7 +161,7 @@ def compare(
         raise BadInput(f"{session.where}: {NO_GAIT}")
     session, levelled = _levelled(session, fit)
     runs, wanted = runs_by_gait(session), compared_gaits(session, gaits)
-    servo = servo and servo_seen(servo, session.kept_films, fit, seed)
+    servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit, seed)
     drawn = sample_speeds(
         fit,
         wanted,

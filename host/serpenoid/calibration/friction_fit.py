@@ -97,6 +97,7 @@ def fit_friction(
     if crawls:
         if method != "joint":
             raise BadInput(f"crawls are fitted by method 'joint', not {method!r}")
+        servo = servo and session.setup.driving(servo)
         return fit_crawls(session, _beside_crawls(session), servo, seed)
     if session.on_floor:
         return _on_floor(session, method)

@@ -15,8 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from ..model.drives import FRAME_S, ServoKind
 from ..model.gait import Gait
 from ..model.robot import Robot
+from ..robot.wire.protocol import frame_us
 from .kinds.bend import BendCheck
 from .kinds.coast import Coast
 from .kinds.declaration import Kind
@@ -80,7 +82,8 @@ class Setup:
     kind: measured, regenerated (from published fits) or simulated. source, note: where the
     readings come from, in words. surface, place, people: of the laboratory, in words. treadmill:
     what it can be set to. stopwatch: how gait runs are timed. weighed: the mass is no assumption.
-    floor: what pushes are measured with.
+    floor: what pushes are measured with. supply_v: voltage at the servos' plug, frame_s: time
+    between the board's setpoints; None where nobody said it.
     """
 
     name: str
@@ -97,6 +100,16 @@ class Setup:
     stopwatch: Stopwatch = field(default_factory=Stopwatch)
     weighed: bool = True
     floor: FloorTools = field(default_factory=FloorTools)
+    supply_v: float | None = None
+    frame_s: float | None = None
+
+    def driving(self, kind: ServoKind) -> ServoKind:
+        """Return a kind of servo at the session's voltage and frames, where it states none."""
+        if self.supply_v is not None and kind.sigma.get("supply_v"):
+            kind = kind.at_volts(self.supply_v)
+        if kind.servo.frame_s != FRAME_S:
+            return kind
+        return kind.at_frames(self.frame_s or 1e-6 * frame_us(self.robot.links - 1))
 
     @property
     def weight_n(self) -> float:

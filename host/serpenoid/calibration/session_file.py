@@ -58,6 +58,10 @@ _FLOOR = {  # optional, of pushes and slides: key -> field of FloorTools, its un
     "push_time_sigma_s": ("push_time_sigma_s", 1.0),
     "floor_slope_sigma_deg": ("slope_sigma_rad", math.radians(1.0)),
 }
+_PLUG = {  # optional, of the robot: key -> field of Setup, its unit in SI, limits
+    "supply_v": ("supply_v", 1.0, 1.0, 60.0),
+    "frame_ms": ("frame_s", 1e-3, 1.0, 100.0),
+}
 _WORDS = ("surface", "place", "people")
 _PLAN_TOO = ("gaits", "gait_runs", "ratchet", "bend", "on", "pushes", "push_lambda_deg")
 _PLAN = ("lambda_deg", "incline_start_deg", "incline_step_deg", "belt_speed_max_m_s")
@@ -132,7 +136,8 @@ def amended(setup: Setup, change: Table) -> Setup:
 
 def _corrected(table: Table, setup: Setup) -> Setup:
     """Return a set-up with the robot's mass, wheels or length of links corrected."""
-    table.only(optional=("mass_kg", "link_length_m", "wheels_kg"))
+    table.only(optional=("mass_kg", "link_length_m", "wheels_kg", *_PLUG))
+    setup = replace(setup, **_plug(table))
     if "wheels_kg" in table.values:
         wheels_kg = table.number("wheels_kg", 0.0)
         setup = replace(setup, floor=replace(setup.floor, wheels_kg=wheels_kg))
@@ -182,7 +187,7 @@ def _setup(top: Table) -> Setup:
         "note": provenance.string("note"),
         "robot": _robot(top.table("robot")),
         "weighed": _flag(top.table("robot"), "weighed", usual=True),
-    }
+    } | _plug(top.table("robot"))
     if "wheels_kg" in top.table("robot").values:
         words["floor"] = FloorTools(wheels_kg=top.table("robot").number("wheels_kg", 0.0))
     return _setup_1(top, words) if old else _setup_2(top, words)
@@ -220,12 +225,21 @@ _NO_PLAN = Procedure((), 0.0, 0.0, 0.0, 0.0)
 
 
 def _robot(table: Table) -> Robot:
-    table.only("links", "link_mass_kg", "link_length_m", optional=("weighed", "wheels_kg"))
+    table.only("links", "link_mass_kg", "link_length_m", optional=("weighed", "wheels_kg", *_PLUG))
     links = table.whole("links")
     mass_kg = table.number("link_mass_kg", 0.0, open_low=True)
     length_m = table.number("link_length_m", 0.0, open_low=True)
     with located(table.where("links")):
         return Robot(links, mass_kg, length_m)
+
+
+def _plug(table: Table) -> dict[str, float]:
+    """Return what a table says of the servos' plug, by the fields of Setup."""
+    return {
+        field: unit * table.number(name, low, high)
+        for name, (field, unit, low, high) in _PLUG.items()
+        if name in table.values
+    }
 
 
 def _flag(table: Table, name: str, *, usual: bool) -> bool:

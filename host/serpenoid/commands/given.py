@@ -71,16 +71,22 @@ def session_fit(folder: Path, with_crawls: bool = True) -> FrictionFit:
 def servo_as_filmed(
     kind: ServoKind | None, session: Path | None, fit: FrictionFit | None
 ) -> ServoKind | None:
-    """Return the kind with the servos that a fit's crawls or a session's films leave; tell it."""
+    """Return the kind with the servos that a fit's crawls or a session's films leave; tell it.
+
+    At the session's voltage, with the frames of its board.
+    """
+    from ..calibration.session_file import read_session
+
     if kind is None or fit is None:
         return kind
+    if session is not None:
+        kind = read_session(session).setup.driving(kind)
     if fit.servos is not None and fit.servos.kind == kind.name:
         say(f"servos: those of {kind.name} that the fit's crawls leave possible", err=True)
         return replace(kind, drawn=tuple(fit.sample_servos(kind, len(fit.servos.index))))
     if session is None:
         return kind
     from ..calibration.filmed_joints import servo_seen
-    from ..calibration.session_file import read_session
 
     films = read_session(session).kept_films
     seen = servo_seen(kind, films, fit)

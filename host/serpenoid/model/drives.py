@@ -33,6 +33,7 @@ UNCERTAIN = (
 _MOST_FRICTION = 0.15  # of the stalled torque; identified servos have 0.015 to 0.13
 _MOST_LOSS = 2.0  # the motor's free speed over the servo's no-load speed
 _BEYOND_TYPICAL = 1.5  # a source may say more: both limits over the typical servo's value
+FRAME_S = 0.02  # of a board with up to seven joints
 _HUNTS, _TRIES = 0.97, 100
 
 
@@ -128,7 +129,7 @@ class Servo:
     gear_damping_nms_rad: float = 0.0
     update_hz: float = 0.0
     supply_sag: float = 0.0
-    frame_s: float = 0.02
+    frame_s: float = FRAME_S
     backlash_rad: float = 0.0
     supply_v: float = 0.0
 

@@ -8,11 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import serpenoid as sn
+from click.testing import CliRunner
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from serpenoid import BadInput, Robot
+from serpenoid.calibration import session_file
 from serpenoid.calibration.kinds.station import Reading
 from serpenoid.calibration.session_file import COLUMNS, load_session, load_setup
+from serpenoid.commands.main import cli
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 ROW_1 = "1,,0.0,2.0,0.181468,0.0,kept,regenerated from Eq. 59 through Eq. 58"
@@ -285,3 +289,28 @@ def test_whatever_is_typed_loads_or_is_refused_clearly(folder, name, start, leng
         refused = str(error)
     (folder / name).write_text(good, encoding="utf-8")
     assert not refused or refused.startswith(str(folder / name))
+
+
+def test_a_session_keeps_the_voltage_and_the_frames_of_its_servos(tmp_path) -> None:
+    folder = str(tmp_path / "mine")
+
+    def run(*args: str) -> None:
+        done = CliRunner().invoke(cli, ["calibrate", *args])
+        assert done.exit_code == 0, done.output
+
+    run("new", folder, "--defaults", "--surface", "wood", "--mass-kg", "480g", "--volts", "5.2")
+    setup = session_file.read_session(folder).setup
+    assert setup.supply_v == 5.2
+    kind = setup.driving(sn.servo("S3003"))
+    assert {s.supply_v for s in kind.draws(8)} == {5.2}
+    assert kind.servo.frame_s == 0.02  # of five joints
+    run("amend", folder, "robot.supply_v=5.6V")
+    run("amend", folder, "robot.frame_ms=5")
+    setup = session_file.read_session(folder).setup
+    assert setup.driving(sn.servo()).servo.supply_v == 5.6
+    assert {s.frame_s for s in setup.driving(sn.servo()).draws(8)} == {0.005}
+    stated = sn.servo().at_volts(4.9).at_frames(0.01)
+    assert setup.driving(stated) == stated
+    longer = replace(setup, supply_v=None, frame_s=None, robot=replace(setup.robot, links=11))
+    assert longer.driving(sn.servo()).servo.frame_s == 0.0275  # what the firmware has for ten
+    assert longer.driving(sn.servo()).sigma["supply_v"] > 0

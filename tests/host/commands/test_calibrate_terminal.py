@@ -89,7 +89,9 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
         person.sees("did you mean 480 g = 0.48 kg?")
         person.presses("y\n")
         person.sees("length of a link")
-        person.presses("80 mm\n\n")
+        person.presses("80 mm\n")
+        person.sees("voltage at their plug")
+        person.presses("5,2 V\n\n")
         person.sees("smallest step of its incline")
         person.presses("0,5 deg\n")
         person.sees("smallest step it can be set to")
@@ -100,6 +102,7 @@ def test_a_new_session_asks_what_it_needs(tmp_path):
     assert setup.surface == "rubber belt"
     assert setup.robot.link_mass_kg == pytest.approx(0.08)
     assert setup.robot.link_length_m == pytest.approx(0.08)
+    assert setup.supply_v == 5.2
     assert setup.treadmill.incline_step_rad == pytest.approx(0.0087269, rel=1e-4)
     assert setup.treadmill.belt_step_m_s == pytest.approx(0.044704)
     assert setup.weighed
@@ -109,7 +112,7 @@ def test_enter_at_the_mass_weighs_nothing(tmp_path):
     with Person("calibrate", "new", str(tmp_path / "asked")) as person:
         person.presses("belt\n\n\n6\n")
         person.sees("mass of the whole robot as it crawls (kg, or 480 g) [later]")
-        person.presses(6 * "\n")
+        person.presses(7 * "\n")
         person.sees("begun:")
         assert person.leaves() == 0
     session = read_session(tmp_path / "asked")

@@ -40,7 +40,7 @@ def advise_on_floor(
     fit = fit_friction(session)
     filmed = any(p.track is not None for p in session.kept_pushes) if by_film is None else by_film
     now, options = candidates(session, filmed)
-    servo = servo and servo_seen(servo, session.kept_films, fit)
+    servo = servo and servo_seen(session.setup.driving(servo), session.kept_films, fit)
     slopes = speed_slopes(fit, wanted, samples, progress)
     parts = band_parts(fit, wanted, servo)
     linear = slopes.band(now)

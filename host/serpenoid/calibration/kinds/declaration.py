@@ -23,6 +23,7 @@ UNITS: dict[str, dict[str, float]] = {
     "count": {"": 1.0},
     "rate": {"rad/s": 1.0, "Hz": 2 * math.pi},
     "time": {"s": 1.0, "min": 60.0},
+    "voltage": {"V": 1.0},
 }
 READ, PLANNED, DERIVED = "read", "planned", "derived"
 

@@ -48,7 +48,7 @@ def servo_of_session(
     fit: the session's own unless given. Speeds count with the doubt about friction and the joints'
     amplitude; films also with amplitude and ripple of the joints. Raises BadInput.
     """
-    fit = fit or fit_friction(session)
+    fit, like = fit or fit_friction(session), session.setup.driving(like)
     session = on_level(session, fit)
     runs = runs_by_gait(session)
     films = [film for film in session.kept_films if film.gait in runs]

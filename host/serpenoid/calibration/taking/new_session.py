@@ -43,7 +43,7 @@ links = {links}
 link_mass_kg = {link_mass_kg}       # the whole robot's mass, cables and all, over the links
 link_length_m = {link_length_m}      # joint to joint
 weighed = {weighed}          # false: the mass is an assumption, asked for when readings are taken
-{wheels}
+{wheels}{plug}
 [laboratory]
 surface = {surface}    # what the wheels roll on; friction holds for it alone
 place = {place}
@@ -107,6 +107,14 @@ NUMBERS = (
         (0.01, 1.0),
     ),
     Field(
+        "supply_v",
+        "servos: voltage at their plug while they move (V, or later)",
+        "voltage",
+        1.0,
+        60.0,
+        (4.0, 15.0),
+    ),
+    Field(
         "incline_step_deg_shown", "inclinometer: smallest step it shows (deg)", "angle", 0.0001, 5.0
     ),
     Field(
@@ -127,7 +135,7 @@ NUMBERS = (
         "belt_speed_least_km_h", "belt: least speed above 0 (km/h, m/s or mph)", "belt", 0.0, 10.0
     ),
 )
-ROBOT = 2  # of the numbers: those that a floor needs, too
+ROBOT = 3  # of the numbers: those that a floor needs, too
 WHEELS = Field(
     "wheels_kg", "mass of all wheels together (kg, or 36 g)", "mass", 0.0, 100.0, (0.001, 2.0)
 )
@@ -185,6 +193,7 @@ def answered(setup: Setup, answers: Mapping[str, Any]) -> Setup:
         setup = replace(setup, procedure=replace(setup.procedure, bend="zigzag"))
     if "wheels_kg" in given:
         setup = replace(setup, floor=replace(setup.floor, wheels_kg=given["wheels_kg"]))
+    setup = replace(setup, supply_v=given.get("supply_v", setup.supply_v))
     unsure, steps = setup.uncertainty, setup.treadmill
     if "incline_step_deg_shown" in given:
         sigma_rad = math.radians(given["incline_step_deg_shown"]) / math.sqrt(12)
@@ -263,6 +272,14 @@ def setup_text(setup: Setup) -> str:
         wheels=""
         if setup.floor.wheels_kg is None
         else f"wheels_kg = {_number(setup.floor.wheels_kg)}          # all wheels together\n",
+        plug="".join(
+            f"{name} = {_number(value)}{words}\n"
+            for name, value, words in (
+                ("supply_v", setup.supply_v, "              # at the servos' plug, as they move"),
+                ("frame_ms", setup.frame_s and 1e3 * setup.frame_s, "              # of the board"),
+            )
+            if value is not None
+        ),
         film_scale_sigma_percent=_number(100 * setup.floor.film_scale_sigma),
         push_time_sigma_s=_number(setup.floor.push_time_sigma_s),
         floor_slope_sigma_deg=_degrees(setup.floor.slope_sigma_rad),

@@ -142,6 +142,7 @@ _SAMPLES = {
     "mass": "0.48 or 480 g",
     "grade": "0.5",
     "belt": "0.1",
+    "voltage": "5.2",
 }
 
 
@@ -236,6 +237,7 @@ _QUANTITIES = {
     "_deg": "angle",
     "_percent": "grade",
     "_s": "time",
+    "_v": "voltage",
 }
 
 

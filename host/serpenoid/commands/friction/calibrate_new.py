@@ -22,7 +22,7 @@ class Quantity(click.ParamType):
     """A number with a unit or in the field's own; decimals take a point or a comma.
 
     A bare number that only another unit makes likely is asked about where somebody can answer.
-    `later` answers for a mass.
+    `later` answers for a mass or a voltage.
     """
 
     name = "quantity"
@@ -39,7 +39,10 @@ class Quantity(click.ParamType):
         if isinstance(value, float):
             return value
         field = field_of(self.field)
-        if field.column in ("mass_kg", "wheels_kg") and str(value).strip().lower() == LATER:
+        if (
+            field.column in ("mass_kg", "wheels_kg", "supply_v")
+            and str(value).strip().lower() == LATER
+        ):
             return LATER
         try:
             typed = parse_number(str(value), field)
@@ -84,6 +87,12 @@ def field_of(name: str) -> Field:
     "--wheels-kg",
     type=Quantity("wheels_kg"),
     help="Mass of all wheels together, which a push sets turning.",
+)
+@click.option(
+    "--volts",
+    "supply_v",
+    type=Quantity("supply_v"),
+    help="Voltage at the servos' plug, measured while they move.",
 )
 @click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
 @click.option(
@@ -163,6 +172,7 @@ def _usual(setup: Setup) -> dict[str, str]:
         "mass_kg": LATER,
         "link_length_m": f"{1000 * robot.link_length_m:.6g} mm",
         "wheels_kg": LATER,
+        "supply_v": LATER,
         "incline_step_deg_shown": f"{shown_deg:.2g}",
         "incline_step_percent": f"{100 * steps.incline_step_rad:.3g} %",
         "belt_speed_step_km_h": f"{3.6 * steps.belt_step_m_s:.3g} km/h",
