@@ -33,7 +33,6 @@ CORE_ROOMS = [
     "drive",
     "body",
     "lab",
-    "kernels",
     "scene",
     "methods",
     "periodic",

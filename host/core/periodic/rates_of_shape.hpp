@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "periodic/spectral.hpp"
 #include "periodic/steady.hpp"
+#include "periodic/viscous/spectral.hpp"
 
 namespace serpenoid {
 

@@ -45,7 +45,9 @@ def packed(state: LinkState) -> np.ndarray:
     return np.concatenate([state.x_m, state.y_m, state.vx_m_s, state.vy_m_s, tail])
 
 
-def moved(state: LinkState, heading_rad: float = 0.0, faster_m_s: object = 0.0) -> LinkState:
+def moved(
+    state: LinkState, heading_rad: float = 0.0, faster_m_s: float | np.ndarray = 0.0
+) -> LinkState:
     """Return a state whose links' angles and velocities along x are changed."""
     return replace(state, theta_rad=state.theta_rad + heading_rad, vx_m_s=state.vx_m_s + faster_m_s)
 

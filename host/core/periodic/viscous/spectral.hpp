@@ -24,12 +24,12 @@
 #include <array>
 #include <vector>
 
-#include "kernels/cycle_table.hpp"
 #include "model/gait.hpp"
 #include "model/params.hpp"
-#include "numerics/spectral_mesh.hpp"
-#include "periodic/pack_memory.hpp"
 #include "periodic/periodic_state.hpp"
+#include "periodic/viscous/cycle_table.hpp"
+#include "periodic/viscous/pack_memory.hpp"
+#include "periodic/viscous/spectral_mesh.hpp"
 
 namespace serpenoid {
 
@@ -50,7 +50,7 @@ class SpectralViscous {
     // Tables of the shape on a mesh.
     struct Level {
         double *node = nullptr, *joint = nullptr;
-        std::vector<kernels::JointTurn> turns;
+        std::vector<JointTurn> turns;
         bool powers = false;
         double stiffest = 0;  // largest sum of decay rates, times omega
     };
@@ -71,7 +71,7 @@ class SpectralViscous {
     void guess(const double* omega);
     void remember(const double* omega, int count);
     void tables(int level, bool powers);
-    std::vector<kernels::JointTurn> turns(int level) const;
+    std::vector<JointTurn> turns(int level) const;
     bool iterate(int level, double enough, bool first, Batch& found);
     void evaluate(int level, bool powers, const double* omega, Batch& found);
     bool settle(int level, const double* omega, int count, const SteadyOptions& options,
@@ -80,7 +80,7 @@ class SpectralViscous {
                          const Solution& coarse, const Solution& fine, int lane) const;
     bool multipliers(int level, double omega, const Solution& coarse, const Solution& fine,
                      SteadyState& to) const;
-    kernels::CycleTask task(int level) const;
+    CycleTask task(int level) const;
 
     Robot robot_;
     Ground ground_;

@@ -9,16 +9,13 @@
 // Maclaurin. b is a polynomial through eight nodes; that is accurate enough for a small correction.
 #pragma once
 
-#include "kernels/cycle_kernel.hpp"
-#include "kernels/cycle_shape.hpp"
+#include "periodic/viscous/cycle_kernel.hpp"
+#include "periodic/viscous/cycle_tables.hpp"
 
-namespace serpenoid::kernels {
+namespace serpenoid {
 namespace {
 
-template <int W>
 class CyclePowers {
-    using V = Pack<W>;
-    using B = BitsOf<V>;
     static constexpr int kWide = kLocal;
     static constexpr int kBeyond = 4;  // nodes repeated before and after the half cycle
 
@@ -26,68 +23,68 @@ class CyclePowers {
     explicit CyclePowers(const CycleTask& task)
         : q(task),
           N(task.nodes),
-          motion(reinterpret_cast<V*>(task.work)),
+          motion(reinterpret_cast<Pack*>(task.work)),
           torque(motion + 10 * N + kBeyond),
           power(torque + N + 2 * kBeyond) {
-        const CycleNewton<W> gait(q);
-        const V* y = reinterpret_cast<const V*>(q.y);
-        const V g = *reinterpret_cast<const V*>(q.g);
+        const CycleNewton gait(q);
+        const Pack* y = reinterpret_cast<const Pack*>(q.y);
+        const Pack g = *reinterpret_cast<const Pack*>(q.g);
         for (int k = 0; k < N; ++k) {
-            V f[3];
+            Pack f[3];
             gait.slope(k, f);
-            const V *u = y + 3 * k, nu = u[2];
-            const V row[10] = {f[0] - nu * u[1], f[1] + nu * u[0], f[2],     nu * nu, nu,
-                               all<V>(1),        g * u[0],         g * u[1], g * nu,  g};
+            const Pack *u = y + 3 * k, nu = u[2];
+            const Pack row[10] = {f[0] - nu * u[1], f[1] + nu * u[0], f[2],     nu * nu, nu,
+                                  all(1),           g * u[0],         g * u[1], g * nu,  g};
             for (int b = 0; b < 10; ++b) motion[10 * k + b] = row[b];
         }
     }
 
-    void run(V* out) {
-        sum_ = V{}, error_ = V{};
+    void run(Pack* out) {
+        sum_ = Pack{}, error_ = Pack{};
         for (int i = 0; i < q.joints; ++i) joint(i);
         if (count_ > 0) flush();
-        const V each = all<V>(1.0 / N);
-        out[kAbsPower] = sum_ * each, out[kAbsPowerError] = error_ * each;
+        const Pack each = all(1.0 / N);
+        out[kMeanAbsPower] = sum_ * each, out[kMeanAbsPowerError] = error_ * each;
     }
 
   private:
     // A pack of kinks where torques change sign; they may belong to different gaits and joints.
     struct Kinks {
-        V torque[kWide], power[kWide];
-        V sigma, place;  // in the cell; sigma 0: both are not known yet
-        V turn;          // place at which the rate changes its sign, in the cell or outside
-        V before;        // sign of the rate to the left of that
+        Pack torque[kWide], power[kWide];
+        Pack sigma, place;  // in the cell; sigma 0: both are not known yet
+        Pack turn;          // place at which the rate changes its sign, in the cell or outside
+        Pack before;        // sign of the rate to the left of that
     };
 
     void joint(int i) {
         const double* table = q.joint + static_cast<long>(i) * kJointFields * N;
         const JointTurn& turn = q.turns[i];
-        V high[4] = {}, sum{};
+        Pack high[4] = {}, sum{};
         for (int k = 0; k < N; ++k) {
-            V T{};
-            for (int b = 0; b < 10; ++b) T = fused(all<V>(table[b * N + k]), motion[10 * k + b], T);
-            T = choose<V>(T == V{}, all<V>(1e-300), T);  // a sign, opposite half a cycle later
-            torque[k] = T, power[k] = T * all<V>(table[kRate * N + k]);
-            sum += choose<V>(power[k] < 0, -power[k], power[k]);
-            for (int c = 0; c < 4; ++c) high[c] = fused(all<V>(q.modes[8 * k + 4 + c]), T, high[c]);
+            Pack T{};
+            for (int b = 0; b < 10; ++b) T += all(table[b * N + k]) * motion[10 * k + b];
+            T = choose(T == Pack{}, all(1e-300), T);  // a sign, opposite half a cycle later
+            torque[k] = T, power[k] = T * all(table[kRate * N + k]);
+            sum += choose(power[k] < 0, -power[k], power[k]);
+            for (int c = 0; c < 4; ++c) high[c] += all(q.modes[8 * k + 4 + c]) * T;
         }
         sum_ += sum;
         // error by modes that the nodes do not resolve
-        V tail{};
-        for (const V& v : high) tail += v * v;
-        error_ += square_root(tail * turn.swing) * all<V>(kHidden / N);
+        Pack tail{};
+        for (const Pack& v : high) tail += v * v;
+        error_ += square_root(tail * turn.swing) * all(kHidden / N);
         repeat();
         turns(turn);
-        V begins = third_of_slope(0);
-        B above = torque[0] > 0;
+        Pack begins = third_of_slope(0);
+        PackBits above = torque[0] > 0;
         for (int k = 0; k < N; ++k) {
-            const V ends = third_of_slope(k + 1);
+            const Pack ends = third_of_slope(k + 1);
             // A cubic has no more roots in the cell than its Bezier points, of the nodes' values
             // and slopes, have changes of sign.
-            const B inner = torque[k] + begins > 0, outer = torque[k + 1] - ends > 0;
-            const B next = torque[k + 1] > 0;
-            const B first = above ^ inner, second = inner ^ outer, last = outer ^ next;
-            if (any<V>(first | second | last)) cell(k, first, second, last, turn);
+            const PackBits inner = torque[k] + begins > 0, outer = torque[k + 1] - ends > 0;
+            const PackBits next = torque[k + 1] > 0;
+            const PackBits first = above ^ inner, second = inner ^ outer, last = outer ^ next;
+            if (any(first | second | last)) cell(k, first, second, last, turn);
             begins = ends, above = next;
         }
     }
@@ -103,30 +100,29 @@ class CyclePowers {
     // The kink where the joint's rate changes its sign.
     void turns(const JointTurn& turn) {
         const int k = turn.place < N ? static_cast<int>(turn.place) : N - 1;
-        V mend{}, at_place{}, sixth{}, seventh{};
+        Pack mend{}, at_place{}, sixth{}, seventh{};
         for (int j = 0; j < kWide; ++j) {
-            const V own = power[k + j - 3];
-            mend = fused(all<V>(turn.mend[j]), own, mend);
-            sixth = fused(all<V>(q.stencil[kWide * 6 + j]), own, sixth);
-            seventh = fused(all<V>(q.stencil[kWide * 7 + j]), own, seventh);
-            at_place = fused(all<V>(turn.value[j]), torque[k + j - 3], at_place);
+            const Pack own = power[k + j - 3];
+            mend += all(turn.mend[j]) * own;
+            sixth += all(q.stencil[kWide * 6 + j]) * own;
+            seventh += all(q.stencil[kWide * 7 + j]) * own;
+            at_place += all(turn.value[j]) * torque[k + j - 3];
         }
-        sum_ += choose<V>(at_place > 0, -mend, mend) * turn.before;
+        sum_ += choose(at_place > 0, -mend, mend) * turn.before;
         error_ += doubt(sixth, seventh);
     }
 
     // Error of a correction, by the last coefficients of the power's polynomial.
-    static V doubt(V sixth, V seventh) {
-        const V a = choose<V>(sixth < 0, -sixth, sixth),
-                b = choose<V>(seventh < 0, -seventh, seventh);
-        return (a + b) * all<V>(kLast);
+    static Pack doubt(Pack sixth, Pack seventh) {
+        const Pack a = choose(sixth < 0, -sixth, sixth), b = choose(seventh < 0, -seventh, seventh);
+        return (a + b) * all(kLast);
     }
 
     // Roots of the torque in a cell; where Bezier points change their sign.
-    void cell(int k, B first, B second, B last, const JointTurn& turn) {
-        const B change = first ^ second ^ last;
-        const B several = (first & second) | (second & last) | (first & last);
-        for (int lane = 0; lane < W; ++lane) {
+    void cell(int k, PackBits first, PackBits second, PackBits last, const JointTurn& turn) {
+        const PackBits change = first ^ second ^ last;
+        const PackBits several = (first & second) | (second & last) | (first & last);
+        for (int lane = 0; lane < kPack; ++lane) {
             if (several[lane])
                 search(k, lane, turn);
             else if (change[lane])
@@ -135,8 +131,8 @@ class CyclePowers {
     }
 
     // A third of the torque's slope at a node, per step: centred, of fourth order.
-    V third_of_slope(int k) const {
-        const V near = torque[k + 1] - torque[k - 1], far = torque[k + 2] - torque[k - 2];
+    Pack third_of_slope(int k) const {
+        const Pack near = torque[k + 1] - torque[k - 1], far = torque[k + 2] - torque[k - 2];
         return near * (2.0 / 9) - far * (1.0 / 36);
     }
 
@@ -148,7 +144,7 @@ class CyclePowers {
         }
         kinks_.place[c] = place, kinks_.sigma[c] = sigma;
         kinks_.turn[c] = turn.place - k, kinks_.before[c] = turn.before, lane_[c] = lane;
-        if (count_ == W) flush();
+        if (count_ == kPack) flush();
     }
 
     // Find all roots in one cell, also a close pair, by the signs at sixteen places, denser near
@@ -182,52 +178,51 @@ class CyclePowers {
     }
 
     void flush() {
-        V t[kWide] = {}, b[kWide] = {}, ends{};
+        Pack t[kWide] = {}, b[kWide] = {}, ends{};
         for (int p = 0; p < kWide; ++p)
             for (int j = 0; j < kWide; ++j) {
-                const V m = all<V>(q.stencil[kWide * p + j]);
-                t[p] = fused(m, kinks_.torque[j], t[p]), b[p] = fused(m, kinks_.power[j], b[p]);
+                const Pack m = all(q.stencil[kWide * p + j]);
+                t[p] += m * kinks_.torque[j], b[p] += m * kinks_.power[j];
             }
-        for (int j = 0; j < kWide; ++j)
-            ends = fused(all<V>(q.stencil[kWide * kWide + j]), kinks_.power[j], ends);
-        const B given = (kinks_.sigma > 0) | (kinks_.sigma < 0);
-        const V a = choose<V>(given, kinks_.place, root(t));
-        V reach{};
-        for (int p = kWide - 1; p >= 0; --p) reach = fused(reach, a, b[p] * all<V>(1.0 / (p + 1)));
-        const V rate = choose<V>(a < kinks_.turn, kinks_.before, -kinks_.before);
-        const V after = kinks_.torque[4];  // at the cell's end
-        const V sigma = choose<V>(given, kinks_.sigma, choose<V>(after > 0, rate, -rate));
-        const V mend = 2 * sigma * (ends - a * reach), unsure = doubt(b[6], b[7]);
+        for (int j = 0; j < kWide; ++j) ends += all(q.stencil[kWide * kWide + j]) * kinks_.power[j];
+        const PackBits given = (kinks_.sigma > 0) | (kinks_.sigma < 0);
+        const Pack a = choose(given, kinks_.place, root(t));
+        Pack reach{};
+        for (int p = kWide - 1; p >= 0; --p) reach = reach * a + b[p] * all(1.0 / (p + 1));
+        const Pack rate = choose(a < kinks_.turn, kinks_.before, -kinks_.before);
+        const Pack after = kinks_.torque[4];  // at the cell's end
+        const Pack sigma = choose(given, kinks_.sigma, choose(after > 0, rate, -rate));
+        const Pack mend = 2 * sigma * (ends - a * reach), unsure = doubt(b[6], b[7]);
         for (int c = 0; c < count_; ++c) sum_[lane_[c]] += mend[c], error_[lane_[c]] += unsure[c];
         count_ = 0;
     }
 
     // Root in [0, 1] of a polynomial whose sign differs at the ends: bisection (another root may be
     // next to an end), then regula falsi, then Newton.
-    V root(const V* t) const {
-        V low{}, high = all<V>(1), at_low = kinks_.torque[3], at_high = kinks_.torque[4], slope;
+    Pack root(const Pack* t) const {
+        Pack low{}, high = all(1), at_low = kinks_.torque[3], at_high = kinks_.torque[4], slope;
         for (int i = 0; i < 3; ++i) {
-            const V x = 0.5 * (low + high), value = polynomial(t, x, slope);
-            const B left = (value > 0) ^ (at_low > 0);
-            high = choose<V>(left, x, high), at_high = choose<V>(left, value, at_high);
-            low = choose<V>(left, low, x), at_low = choose<V>(left, at_low, value);
+            const Pack x = 0.5 * (low + high), value = polynomial(t, x, slope);
+            const PackBits left = (value > 0) ^ (at_low > 0);
+            high = choose(left, x, high), at_high = choose(left, value, at_high);
+            low = choose(left, low, x), at_low = choose(left, at_low, value);
         }
-        V x = low + (high - low) * at_low / (at_low - at_high);
+        Pack x = low + (high - low) * at_low / (at_low - at_high);
         for (int i = 0; i < 2; ++i) {
-            const V value = polynomial(t, x, slope);
+            const Pack value = polynomial(t, x, slope);
             x -= value / slope;
-            x = choose<V>(x > low, x, low);
-            x = choose<V>(x < high, x, high);
+            x = choose(x > low, x, low);
+            x = choose(x < high, x, high);
         }
         return x;
     }
 
-    static V polynomial(const V* t, V x, V& slope) {
-        V value = t[kWide - 1];
-        slope = V{};
+    static Pack polynomial(const Pack* t, Pack x, Pack& slope) {
+        Pack value = t[kWide - 1];
+        slope = Pack{};
         for (int p = kWide - 2; p >= 0; --p) {
-            slope = fused(slope, x, value);
-            value = fused(value, x, t[p]);
+            slope = slope * x + value;
+            value = value * x + t[p];
         }
         return value;
     }
@@ -238,23 +233,14 @@ class CyclePowers {
 
     const CycleTask q;  // a copy: no store of packs can change it
     int N;
-    V *motion, *torque, *power;
-    V sum_, error_;
+    Pack *motion, *torque, *power;
+    Pack sum_, error_;
     Kinks kinks_{};
-    int lane_[W];
+    int lane_[kPack];
     int count_ = 0;
 };
 
-template <int W>
-void cycle_powers(CycleTask& q, double* out) {
-    CyclePowers<W>(q).run(reinterpret_cast<Pack<W>*>(out));
-}
-
-template <int W>
-constexpr CycleKernel cycle_kernel() {
-    return {CycleTables<W>::run, cycle_slopes<W>, cycle_blend<W>, cycle_newton<W>,
-            cycle_averages<W>,   cycle_powers<W>, cycle_refine<W>};
-}
+void cycle_powers(CycleTask& q, double* out) { CyclePowers(q).run(reinterpret_cast<Pack*>(out)); }
 
 }  // namespace
-}  // namespace serpenoid::kernels
+}  // namespace serpenoid

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "numerics/spectral_row.hpp"
+#include "periodic/viscous/spectral_row.hpp"
 
 namespace serpenoid {
 

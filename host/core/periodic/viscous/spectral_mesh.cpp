@@ -1,5 +1,5 @@
 // The matrices of spectral_mesh.hpp, from sums over modes.
-#include "numerics/spectral_mesh.hpp"
+#include "periodic/viscous/spectral_mesh.hpp"
 
 #include <array>
 #include <cmath>

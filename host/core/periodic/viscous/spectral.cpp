@@ -1,18 +1,16 @@
 // Periodic states for SIMD batches of rates; the derivation stands in spectral.hpp.
-#include "periodic/spectral.hpp"
+#include "periodic/viscous/spectral.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "kernels/cycle_powers.hpp"
+#include "periodic/viscous/cycle_powers.hpp"
 
 namespace serpenoid {
 
 namespace {
 
-constexpr kernels::CycleKernel kKernel = kernels::cycle_kernel<SpectralViscous::kWidth>();
-constexpr int kTableWork = 16;  // packs a link
 constexpr int kMostNodes = SpectralMesh::kCoarsest << (SpectralMesh::kLevels - 1);
 
 constexpr double kSlowest = 1e-3;  // most error of the multiplier's logarithm
@@ -41,49 +39,43 @@ SpectralViscous::SpectralViscous(const Robot& robot, const Ground& ground, const
       y_(memory_.take(3 * kMostNodes * kWidth)),
       seed_y_(memory_.take(kSeeds * kCoarse)),
       g_(memory_.take(kWidth)),
-      out_(memory_.take(kernels::kCycleOuts * kWidth)) {}
+      out_(memory_.take(kCycleOuts * kWidth)) {}
 
 void SpectralViscous::tables(int k, bool powers) {
     Level& to = level_[k];
     if (to.node && (to.powers || !powers)) return;
     const SpectralMesh& mesh = SpectralMesh::level(k);
     const int n = robot_.n, N = mesh.nodes;
-    std::vector<double> cosine(n - 1), sine(n - 1);
-    for (int i = 0; i + 1 < n; ++i)
-        cosine[i] = alpha_ * table_.cosine(i), sine[i] = alpha_ * table_.sine(i);
-    to.node = memory_.take(kernels::kNodeFields * N);
-    if (powers) to.joint = memory_.take(long{kernels::kJointFields} * N * (n - 1));
+    to.node = memory_.take(kNodeFields * N);
+    if (powers) to.joint = memory_.take(long{kJointFields} * N * (n - 1));
     if (N > work_nodes_) {
         work_nodes_ = std::max(N, 2 * SpectralMesh::kCoarsest);  // the second mesh needs it as well
-        const int packs = std::max(kernels::CycleTask::kWork * work_nodes_, kTableWork * n);
+        const int packs = CycleTask::kWork * work_nodes_;
         work_ = memory_.take(long{packs} * kWidth);
     }
-    const kernels::CycleChain chain{n,          robot_.m,   robot_.l,      robot_.I,
-                                    ground_.ct, ground_.cn, cosine.data(), sine.data()};
-    kKernel.tables(chain, mesh.sine.data(), mesh.cosine.data(), N, to.node, to.joint, work_);
+    cycle_tables(robot_, ground_, table_, mesh.sine.data(), mesh.cosine.data(), N, to.node,
+                 to.joint);
     to.powers = powers;
     if (powers) to.turns = turns(k);
     to.stiffest = 0;
     for (int i = 0; i < N; ++i)
-        to.stiffest =
-            std::max(to.stiffest, to.node[kernels::kBxx * N + i] + to.node[kernels::kByy * N + i] +
-                                      to.node[kernels::kWw * N + i]);
-    kKernel.slopes(N, mesh.even_slope.data(), mesh.odd_slope.data(), to.node);
+        to.stiffest = std::max(
+            to.stiffest, to.node[kBxx * N + i] + to.node[kByy * N + i] + to.node[kWw * N + i]);
+    cycle_slopes(N, mesh.even_slope.data(), mesh.odd_slope.data(), to.node);
 }
 
-std::vector<kernels::JointTurn> SpectralViscous::turns(int k) const {
+std::vector<JointTurn> SpectralViscous::turns(int k) const {
     const SpectralMesh& mesh = SpectralMesh::level(k);
     const int N = mesh.nodes;
-    constexpr int wide = kernels::kLocal;
-    std::vector<kernels::JointTurn> all;
+    constexpr int wide = kLocal;
+    std::vector<JointTurn> all;
     for (int i = 0; i + 1 < robot_.n; ++i) {
         const double from = table_.lag(i);  // the rate goes with cos(tau + lag)
         const double root = M_PI * (std::ceil(from / M_PI - 0.5) + 0.5) - from;
-        kernels::JointTurn to{};
+        JointTurn to{};
         to.place = std::clamp(root, 0.0, M_PI) / mesh.step;
         to.before = std::copysign(1.0, alpha_ * std::cos(from + root - M_PI / 2));
-        const double* rate =
-            &level_[k].joint[(long{kernels::kJointFields} * i + kernels::kRate) * N];
+        const double* rate = &level_[k].joint[(long{kJointFields} * i + kRate) * N];
         to.swing = std::inner_product(rate, rate + N, rate, 0.0);
         const double a = to.place - std::min(static_cast<int>(to.place), N - 1);
         for (int j = 0; j < wide; ++j) {
@@ -99,7 +91,7 @@ std::vector<kernels::JointTurn> SpectralViscous::turns(int k) const {
     return all;
 }
 
-kernels::CycleTask SpectralViscous::task(int k) const {
+CycleTask SpectralViscous::task(int k) const {
     const SpectralMesh& mesh = SpectralMesh::level(k);
     const Level& own = level_[k];
     return {mesh.nodes,
@@ -123,13 +115,13 @@ kernels::CycleTask SpectralViscous::task(int k) const {
 bool SpectralViscous::iterate(int k, double enough, bool first, Batch& found) {
     constexpr int kMost = 15;
     constexpr double kLeast = 0.01, kFirst = 0.1;
-    kernels::CycleTask work = task(k);
+    CycleTask work = task(k);
     for (int i = 0; i < kMost; ++i) {
-        kKernel.newton(work, out_);
+        cycle_newton(work, out_);
         bool done = true;
         for (int j = 0; j < kWidth; ++j) {
-            const double size = lane(out_, kernels::kSize2, kWidth, j);
-            const double change2 = lane(out_, kernels::kChange2, kWidth, j);
+            const double size = lane(out_, kSize2, kWidth, j);
+            const double change2 = lane(out_, kChange2, kWidth, j);
             if (!std::isfinite(change2)) return false;
             const double change = size > 0 ? std::sqrt(change2 / size) : 0;
             ++found[j].iterations;
@@ -145,27 +137,27 @@ bool SpectralViscous::iterate(int k, double enough, bool first, Batch& found) {
 }
 
 void SpectralViscous::evaluate(int k, bool powers, const double* omega, Batch& found) {
-    kernels::CycleTask work = task(k);
+    CycleTask work = task(k);
     const int W = kWidth;
     double* out = out_;
-    kKernel.averages(work, out);
-    if (powers) kKernel.powers(work, out);
+    cycle_averages(work, out);
+    if (powers) cycle_powers(work, out);
     const int N = SpectralMesh::level(k).nodes;
-    const double* loss = &level_[k].node[kernels::kLoss * N];
+    const double* loss = &level_[k].node[kLoss * N];
     const double still = std::accumulate(loss, loss + N, 0.0) / N;
     for (int j = 0; j < W; ++j) {
         const auto at = [&](int what) { return lane(out, what, W, j); };
-        const double w = omega[j], size = at(kernels::kSize2);
+        const double w = omega[j], size = at(kSize2);
         Solution& to = found[j];
-        to.speed = w * at(kernels::kAdvance);
-        to.heading = at(kernels::kHeading);
-        to.power = robot_.n * robot_.m * w * w * at(kernels::kDissipated);
+        to.speed = w * at(kAdvance);
+        to.heading = at(kHeading);
+        to.power = robot_.n * robot_.m * w * w * at(kDissipated);
         to.still_power = robot_.n * robot_.m * w * w * still;
-        to.tail = size > 0 ? std::sqrt(at(kernels::kTail) / size) : 0;
-        to.log_radius = 2 * M_LN2 * at(kernels::kLogRadius);
-        to.abs_power = powers ? w * w * w * at(kernels::kAbsPower) : 0;
-        to.abs_error = powers ? w * w * w * at(kernels::kAbsPowerError) : 0;
-        for (int i = 0; i < 9; ++i) to.transfer[i] = at(kernels::kTransfer + i);
+        to.tail = size > 0 ? std::sqrt(at(kTail) / size) : 0;
+        to.log_radius = 2 * M_LN2 * at(kLogRadius);
+        to.abs_power = powers ? w * w * w * at(kMeanAbsPower) : 0;
+        to.abs_error = powers ? w * w * w * at(kMeanAbsPowerError) : 0;
+        for (int i = 0; i < 9; ++i) to.transfer[i] = at(kTransfer + i);
     }
 }
 
@@ -202,7 +194,7 @@ SteadyState SpectralViscous::state_of(int k, const SteadyOptions& options, doubl
 bool SpectralViscous::multipliers(int k, double omega, const Solution& coarse, const Solution& fine,
                                   SteadyState& to) const {
     const int N = SpectralMesh::level(k).nodes;
-    const double J = level_[k].node[kernels::kArm2 * N] * robot_.n * robot_.m;
+    const double J = level_[k].node[kArm2 * N] * robot_.n * robot_.m;
     Mat3 half = {};
     for (int i = 0; i < 9; ++i) half[i] = fine.transfer[i];
     for (int i = 0; i < 2; ++i) half[3 * i + 2] /= J, half[6 + i] *= J;
@@ -261,7 +253,7 @@ void SpectralViscous::guess(const double* omega) {
             work_[i * W + j] = weight;
         }
     }
-    kKernel.blend(count, kCoarse, work_, seed_y_, y_);
+    cycle_blend(count, kCoarse, work_, seed_y_, y_);
 }
 
 // Keep solutions as seeds, with the part of Lagrange's weights that all rates share.
@@ -298,7 +290,7 @@ void SpectralViscous::solve(const double* omega, int count, const SteadyOptions&
     for (int k = 0; k < SpectralMesh::kLevels; ++k) {
         if (k > 0) {
             const SpectralMesh& mesh = SpectralMesh::level(k - 1);
-            kKernel.refine(mesh.nodes, mesh.even_half.data(), mesh.odd_half.data(), y_, work_);
+            cycle_refine(mesh.nodes, mesh.even_half.data(), mesh.odd_half.data(), y_, work_);
         }
         tables(k, options.powers && k > 0);
         if (k == 0) guess(rates.data());

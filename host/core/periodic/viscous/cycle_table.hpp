@@ -1,21 +1,12 @@
-// Vector kernels of periodic states on viscous ground: their data and their table. The derivation
-// stands in periodic/spectral.hpp.
+// The data of periodic states on viscous ground by packs; spectral.hpp has the derivation.
 //
 // A pack holds gaits of one shape at different rates, one a lane. They share the tables of the
 // shape.
 #pragma once
 
-#include "numerics/spectral_row.hpp"
+#include "periodic/viscous/spectral_row.hpp"
 
-namespace serpenoid::kernels {
-
-// The chain of a shape: joint i has the angle offset + sine[i] cos(tau) + cosine[i] sin(tau).
-struct CycleChain {
-    int links;
-    double mass, half_length, inertia, ct, cn;
-    const double *cosine, *sine;
-    double offset = 0;
-};
+namespace serpenoid {
 
 // Coefficients at a node of phase, [field][node]: v' = -g (B (v, nu) + b) + nu (v_y, -v_x) and nu'
 // = -g (W (v, nu) + w) - j nu - k, g = 1/omega, v = V/omega, nu = theta_1'/omega.
@@ -97,26 +88,9 @@ enum CycleOut : int {
     kDissipated,               // mean, per n m omega^2
     kTail,                     // size of the last modes, as a square beside kSize2
     kLogRadius,                // binary logarithm, of half a cycle's multiplier
-    kAbsPower,                 // mean of sum |T phi'| / omega^3
-    kAbsPowerError,
+    kMeanAbsPower,             // mean of sum |T phi'| / omega^3
+    kMeanAbsPowerError,
     kCycleOuts
 };
 
-struct CycleKernel {
-    // Tables of `nodes` phases, a multiple of the width; joint may be null. Scratch: 16 packs a
-    // link.
-    void (*tables)(const CycleChain&, const double* sine, const double* cosine, int nodes,
-                   double* node, double* joint, double* scratch);
-    // Derivatives of the matrix's fields (kSlope) by rows of the mesh's matrices, 2 nodes - 1 each.
-    void (*slopes)(int nodes, const double* even, const double* odd, double* node);
-    // y as a sum of `count` solutions [count][values], each times a pack of weights.
-    void (*blend)(int count, int values, const double* weight, const double* from, double* y);
-    void (*newton)(CycleTask&, double* out);    // one iteration: y, kChange2 to kTransfer
-    void (*averages)(CycleTask&, double* out);  // kAdvance to kLogRadius
-    void (*powers)(CycleTask&, double* out);    // kAbsPower, kAbsPowerError
-    // y on twice as many nodes; values at new nodes follow from the modes. `even`, `odd`: values at
-    // the middle of a cell, by cell minus node, from 1 - nodes on.
-    void (*refine)(int nodes, const double* even, const double* odd, double* y, double* scratch);
-};
-
-}  // namespace serpenoid::kernels
+}  // namespace serpenoid

@@ -1,4 +1,4 @@
-// The parts of a spectral mesh that kernels read. Nothing from std: see kernels/pack.hpp.
+// The parts of a spectral mesh that kernels read. Nothing from std: see numerics/pack.hpp.
 #pragma once
 
 namespace serpenoid {
