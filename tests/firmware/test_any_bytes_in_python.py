@@ -14,7 +14,7 @@ from serpenoid._core import firmware
 Q14_RAD = 1 / 16384  # what a setpoint resolves
 STEP_SLACK_RAD = 4 * Q14_RAD  # so that roundings are not told as clipping
 FRAME_S = 0.02
-SETTLE_S = 0.5  # longer than any report or save
+SETTLE_S = 0.6  # longer than any report or save
 
 
 def numbers(low: float, high: float) -> st.SearchStrategy[str]:
