@@ -84,12 +84,13 @@ scene_options = stacked(
         click.option("--incline-direction-deg", type=float, help="Uphill, from the x axis."),
         click.option("--drive", type=click.Choice(DRIVES), help="What moves the joints; angle."),
         click.option(
-            "--servo",
+            "--servo-fields",
+            "servo",
             metavar="[FIELD=VALUE,...]",
             is_flag=False,
             flag_value="none",
             callback=_reader(lambda parts: dict(_pairs(parts)), "FIELD=VALUE,..."),
-            help="Servos follow the gait: default ones, or stiffness_nm_rad=3,...",
+            help="Servos follow the gait: default ones, or stiffness_nm_rad=3,... (no kind).",
         ),
         click.option(
             "--torque-nm",
@@ -262,7 +263,7 @@ def _servo(fields: dict[str, float], base: Servo | None) -> Servo:
     from ..model.drives import Servo
     from ..model.toml_table import check_names
 
-    check_names(fields, (), "--servo", "field", tuple(Servo.__slots__))
+    check_names(fields, (), "--servo-fields", "field", tuple(Servo.__slots__))
     return replace(base or Servo(), **fields)
 
 

@@ -24,7 +24,7 @@ CHOICES = {
     "--accuracy": ["1e-3", "1e-5"],
     "--record": ["energy", "joints", "friction", "joints,friction,energy"],
     "--incline-deg": ["5"],
-    "--servo": [""],
+    "--servo-fields": [""],
     "--torque-nm": ["0.01,0.01,0,0,0"],
     "--limp": ["2"],
     "--locked-deg": ["1=10"],
@@ -67,7 +67,7 @@ def ways_out(options: Options, said: str) -> list[Options]:
         ways = [options | {given[1]: given[2]}] if given else []
         return [*ways, without(options, found[1])]
     if "choose one drive" in said:
-        return [without(options, "--servo"), without(options, "--torque-nm")]
+        return [without(options, "--servo-fields"), without(options, "--torque-nm")]
     if found := re.search(r"(--[\w-]+) \S+ was given; .* leave it open", said):
         return [without(options, found[1])]
     _, told, advice = said.rpartition("take ")

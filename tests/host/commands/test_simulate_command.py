@@ -36,7 +36,11 @@ OPTIONS = {
     "--smoothing-m-s": ("0.001", "smoothing_m_s", 0.001),
     "--incline-deg": ("3", "incline_rad", math.radians(3)),
     "--incline-direction-deg": ("90", "incline_direction_rad", math.radians(90)),
-    "--servo": ("dead_band_rad=0,torque_limit_nm=2", "servo", sn.Servo(3.0, 0.03, 2.0, 8.7, 0.0)),
+    "--servo-fields": (
+        "dead_band_rad=0,torque_limit_nm=2",
+        "servo",
+        sn.Servo(3.0, 0.03, 2.0, 8.7, 0.0),
+    ),
     "--limp": ("2", "limp", (2,)),
     "--locked-deg": ("1=10,3=-20", "locked", {1: math.radians(10), 3: math.radians(-20)}),
     "--method": ("dop853", "method", "dop853"),
@@ -94,7 +98,7 @@ def test_an_option_overrides_its_field_of_the_file_alone(option: str, tmp_path: 
     scene = make_scene(given, base)
     assert field(scene, name) == wanted
     goes_along = {"link_inertia_kg_m2"} if option in ("--mass-kg", "--length-m") else set()
-    goes_along |= {"drive"} if option == "--servo" else set()
+    goes_along |= {"drive"} if option == "--servo-fields" else set()
     goes_along |= (
         {"method"} if option in ("--ct", "--ft0", "--fn0") else set()
     )  # the scene's own choice
@@ -122,9 +126,12 @@ def test_a_uniform_rod_stays_one_and_a_given_inertia_is_kept(tmp_path: Path) -> 
 def test_a_drive_replaces_the_files(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     short = ["--scene", path, "--duration-s", "0.01"]
-    answer(*SHORT, "--servo", "stiffness_nm_rad=5", "--save-scene", path)
-    assert answer(*short, "--servo")["scene"]["servo"]["stiffness_nm_rad"] == 5
-    assert answer(*short, "--servo", "dead_band_rad=0")["scene"]["servo"]["stiffness_nm_rad"] == 5
+    answer(*SHORT, "--servo-fields", "stiffness_nm_rad=5", "--save-scene", path)
+    assert answer(*short, "--servo-fields")["scene"]["servo"]["stiffness_nm_rad"] == 5
+    assert (
+        answer(*short, "--servo-fields", "dead_band_rad=0")["scene"]["servo"]["stiffness_nm_rad"]
+        == 5
+    )
     torque = answer(*short, "--torque-nm", "0.1,0,0,0,-0.1")["scene"]
     assert torque["drive"] == "torque"
     assert torque["torque"] == {"torque_nm": [0.1, 0, 0, 0, -0.1]}
@@ -196,7 +203,7 @@ def test_dry_ground_takes_the_method_that_runs_the_scene() -> None:
     dry = [*GAIT, "--duration-s", "0.01"]
     assert answer(*dry)["method"] == "nonsmooth"
     assert answer(*dry, "--record", "energy")["method"] == "nonsmooth"
-    assert answer(*dry, "--servo")["method"] == "nonsmooth"
+    assert answer(*dry, "--servo-fields")["method"] == "nonsmooth"
     assert answer(*dry, "--smoothing-m-s", "1e-3")["method"] == "rk4"
     assert answer(*SHORT)["method"] == "rk4"
 
@@ -206,9 +213,9 @@ def test_dry_ground_takes_the_method_that_runs_the_scene() -> None:
     [
         (SHORT[:-4], "give one of --omega-rad-s and --frequency-hz"),
         (["--omega-rad-s", "5"], "give --alpha-deg"),
-        ([*SHORT, "--servo", "--drive", "angle"], "choose one drive"),
-        ([*SHORT, "--servo", "stifness_nm_rad=3"], "did you mean 'stiffness_nm_rad'"),
-        ([*SHORT, "--servo", "3"], "not of the form FIELD=VALUE"),
+        ([*SHORT, "--servo-fields", "--drive", "angle"], "choose one drive"),
+        ([*SHORT, "--servo-fields", "stifness_nm_rad=3"], "did you mean 'stiffness_nm_rad'"),
+        ([*SHORT, "--servo-fields", "3"], "not of the form FIELD=VALUE"),
         ([*SHORT, "--torque-nm", "1,2"], "must be 5 numbers"),
         ([*SHORT, "--torque-nm", "a"], "not of the form 0.1,0.2"),
         ([*SHORT, "--limp", "2;3"], "not of the form 2,4"),

@@ -165,7 +165,7 @@ def test_a_gait_that_asks_more_than_the_free_speed_is_told() -> None:
     assert exact.slower_servos == 0
     assert exact.follows
     assert exact.asked_over_free_speed < 0.9
-    gained = replace(found.ideal.gait, joint_gain=(1.0, 1.0, 1.2, 1.0, 1.0))
+    gained = replace(found.ideal.gait, joint_gain=(1.0, 1.0, 1.3, 1.0, 1.0))
     more = replace(exact, ideal=replace(found.ideal, gait=gained))
     assert more.slower_servos == 1
     assert not more.follows
