@@ -27,7 +27,8 @@ demo: $(VENV)/built
 	$(VENV)/bin/serpenoid demo --out demo-out
 
 test: $(VENV)/built lint
-	@sh .ci/need chromium=chromium chromedriver=chromium-driver $$(cat tests/avr/packages.txt) \
+	@sh .ci/need chromium=chromium chromedriver=chromium-driver node=nodejs \
+		$$(cat tests/avr/packages.txt) \
 		|| echo "what needs these is skipped"
 	@$(MAKE) --no-print-directory --jobs=2 test-host test-numbers test-board
 

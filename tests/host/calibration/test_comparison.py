@@ -56,6 +56,7 @@ def test_the_verdict_names_the_cause(fitted, amplitude, factor, verdict):
     assert {"agrees": "Agrees", "amplitude": "it is amplitude", "neither": "Neither"}[
         verdict
     ] in found.verdict_text
+    assert factor == 1.0 or "off: check tape" in found.verdict_text
     assert [p.runs for p in found.gaits] == [(100,), (101,), (102,)]
     json.dumps(found.to_dict(), allow_nan=False)
 
@@ -73,6 +74,7 @@ def test_another_surface_is_told_as_friction(fitted):
         replace(made, gait_runs=tight), fit, samples=24, amplitude_sigma=0.002
     )
     assert found.verdict == "friction"
+    assert "uphill would pull as much" in found.verdict_text
 
 
 def test_repeated_runs_are_one_mean(fitted):

@@ -124,6 +124,8 @@ def test_an_unweighed_robot_is_told_of_in_the_fit(folder):
             journal.add("station", cells | {"drift_m_s": 0.0})
         fit = fit_friction(replace(journal.session, setup=setup))
     assert any("was not weighed" in note for note in fit.notes)
+    # frictions go as the weight, of which an assumption is known to 5 %
+    assert all(friction.sigma > 0.049 * friction.value for friction in fit.parameters.values())
 
 
 def test_amendments_are_read_with_units_and_words_quoted():

@@ -21,6 +21,13 @@ def test_an_offset_takes_its_share_of_the_joint_angle() -> None:
     assert left == pytest.approx(math.log(1.0 / 0.9))
 
 
+def test_a_limit_counts_as_reached_from_a_thousandth_below_it_on() -> None:
+    limits = sn.GaitLimits(joint_angle_rad=1.0, servo_speed_rad_s=5.0)
+    assert limits.active(sn.Gait(0.999, 1.2, 5.0)) == ("joint angle", "servo speed")
+    assert limits.active(sn.Gait(0.999, 1.2, 4.0)) == ("joint angle",)
+    assert limits.active(sn.Gait(0.9, 1.2, 4.0)) == ()
+
+
 def test_the_cliffs_sigma_averages_what_each_joint_errs_alone() -> None:
     known = Uncertainty(amplitude=0.04, common_amplitude=0.03, friction=(0.06, 0.35, 0.06, 0.13))
     cliff = cliff_around(PAPER, VISCOUS, sn.Gait(0.5, 1.4, 3.0), known, points=2)

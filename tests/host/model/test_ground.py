@@ -55,6 +55,7 @@ def test_whole_body_and_factors_take_both_ways() -> None:
         ({"ft0": (0.1, math.nan)}, "ft0 backwards is nan"),
         ({"ct": "ab"}, "ct is 'ab'"),
         ({"ct": ("a", 1.0)}, "ct forwards is 'a'"),
+        ({"ct": True}, "ct is True"),
         ({"cn": (0.1, 0.2)}, r"cn is \(0.1, 0.2\)"),
     ],
 )

@@ -147,6 +147,8 @@ def test_an_uncertain_kind_leaves_a_band_around_its_typical_speed() -> None:
     found = sn.steady_gait(ROBOT, GROUND, GAIT, servo=sn.servo("XL-330"))
     assert found.low_m_s < found.speed_m_s < found.high_m_s < 1.05 * found.ideal.speed_m_s
     assert len(found.samples_m_s) == 512
+    within = [found.low_m_s <= speed <= found.high_m_s for speed in found.samples_m_s]
+    assert np.mean(within) == pytest.approx(0.95, abs=0.01)
     assert set(found.to_dict()) >= {"speed_m_s", "low_m_s", "high_m_s", "spread_m_s"}
 
 

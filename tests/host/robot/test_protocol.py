@@ -107,6 +107,7 @@ def test_well_sealed_nonsense_never_raises_anything_else(text):
         ("joints=5", "joints=13"),
         ("silence=2", "silence=" + "9" * 400),
         ("j2:-3.25", f"j2:{'9' * 400}.00"),
+        ("j2:-3.25", "j2:-180.01"),
         (",1575", ",157500"),
         ("ph=123.456", "ph=1234.567"),
         *(("frame_us=20000", f"frame_us={us}") for us in (0, 2999, 32501, 99999)),
