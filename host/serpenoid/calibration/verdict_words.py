@@ -30,7 +30,8 @@ def in_words(
     share = np.divide(measured.speed_m_s, best, out=np.full_like(best, np.inf), where=best > 0.0)
     worst = int(np.argmax(np.abs(share - 1.0)))
     hz = measured.gaits[worst].omega_rad_s / (2 * math.pi)
-    seen = f"at most {share[worst] - 1.0:+.1%} of the predicted speed, at {hz:.3g} Hz"
+    joints = "ideal joints" if servo is None else "typical servos"
+    seen = f"off the speed with {joints} by {share[worst] - 1.0:+.1%} at most, at {hz:.3g} Hz"
     if verdict.word == "agrees":
         named = "" if servo is None else f" with servos ({servo.name})"
         how = f"{seen}; {_p(verdict.p_value)}"

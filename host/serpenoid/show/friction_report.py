@@ -9,7 +9,7 @@ from ..calibration.advising.two_fits import TwoFits
 from ..calibration.comparison import ComparedGait, Comparison
 from .report import console, table
 
-MEASURED = ["gait", "measured", "95 % predicted", "off exact by"]
+MEASURED = ["gait", "measured", "95 % predicted", "off ideal joints by"]
 WORTH = 0.02  # of the band: a reading that saves less is not to be taken
 
 

@@ -32,7 +32,6 @@ def fitted():
 @pytest.fixture(autouse=True)
 def short_curve(monkeypatch):
     monkeypatch.setattr(comparison, "_CURVE_POINTS", 2)
-    monkeypatch.setattr(comparison, "_CURVE_SAMPLES", 4)
 
 
 def measured(made, amplitude=1.0, factor=1.0):
