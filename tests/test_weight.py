@@ -35,7 +35,7 @@ MOST_TOKENS = {
     "host/serpenoid/_core": 2910,
     "host/serpenoid/bench": 16663,
     "host/serpenoid/calibration": 102914,
-    "host/serpenoid/commands": 31440,
+    "host/serpenoid/commands": 31416,
     "host/serpenoid/exchange": 2226,
     "host/serpenoid/gaits": 28117,
     "host/serpenoid/lab": 7882,

@@ -34,16 +34,12 @@ PRESETS = {
     "paper": (1.0, 0.12, 0.1, 10.0, 0.0, 0.0),
     "2005": (0.0756, 0.076, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6),
 }
-_ROBOT = {
-    "links": "links",
-    "link_mass_kg": "mass_kg",
-    "link_length_m": "length_m",
-    "link_inertia_kg_m2": "inertia_kg_m2",
-}
+# Options of robot and ground are stored under the names of the fields that they fill.
+ROBOT = ("links", "link_mass_kg", "link_length_m", "link_inertia_kg_m2")
+GROUND = ("ct", "cn", "ft0", "fn0")
 _DEGREES = {"alpha": (0.0, 180.0), "beta": (-360.0, 360.0), "offset": (-180.0, 180.0)}  # Gait's
 _LONG_M, _HEAVY_KG = 3.0, 50.0  # of one link: beyond what anybody puts on wheels
 _FAST_RAD_S = 60.0  # ten waves a second
-_GROUND = {name: name for name in ("ct", "cn", "ft0", "fn0")}
 
 
 class BothWays(click.ParamType):
@@ -102,10 +98,15 @@ robot_options = stacked(
         ),
         fit_options,
         click.option("--links", type=int, help="Number of links; 6 unless given."),
-        click.option("--mass-kg", type=float, help="Mass of a link."),
-        click.option("--length-m", type=float, help="Length of a link, joint to joint."),
+        click.option("--mass-kg", "link_mass_kg", type=float, help="Mass of a link."),
         click.option(
-            "--inertia-kg-m2", type=float, help="Of a link; a uniform rod's unless given."
+            "--length-m", "link_length_m", type=float, help="Length of a link, joint to joint."
+        ),
+        click.option(
+            "--inertia-kg-m2",
+            "link_inertia_kg_m2",
+            type=float,
+            help="Of a link; a uniform rod's unless given.",
         ),
         click.option(
             "--ct",
@@ -186,10 +187,10 @@ def take_servo(name: str | None, default: str = IDEAL) -> ServoKind | None:
     return kind if frame_ms is None else kind.at_frames(frame_ms / 1e3)
 
 
-def _take(given: dict[str, Any], options: Mapping[str, str]) -> dict[str, Any]:
-    """Take the options that were given out of `given`, under the fields' names."""
-    taken = {field: given.pop(option) for field, option in options.items()}
-    return {field: value for field, value in taken.items() if value is not None}
+def _take(given: dict[str, Any], options: Sequence[str]) -> dict[str, Any]:
+    """Take the options that were given out of `given`."""
+    taken = {option: given.pop(option) for option in options}
+    return {option: value for option, value in taken.items() if value is not None}
 
 
 def preset_robot(name: str) -> tuple[Robot, Ground]:
@@ -223,10 +224,10 @@ def robot_with_fit(
     if preset is not None or base is None:
         base = preset_robot(preset or "2005")
     robot, ground = base
-    changes = _take(given, _ROBOT)
+    changes = _take(given, ROBOT)
     if robot == Robot(robot.links, robot.link_mass_kg, robot.link_length_m):
         changes.setdefault("link_inertia_kg_m2", None)  # a uniform rod stays one
-    return replace(robot, **changes), replace(ground, **_take(given, _GROUND))
+    return replace(robot, **changes), replace(ground, **_take(given, GROUND))
 
 
 def radians(name: str, degrees: float) -> float:
@@ -239,9 +240,10 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     from ..model.gait import Gait
 
     _doubt_gait(given)
-    degrees = _take(given, {name: f"{name}_deg" for name in _DEGREES})
-    changes: dict[str, Any] = {f"{name}_rad": radians(name, v) for name, v in degrees.items()}
-    rates = _take(given, {"omega_rad_s": "omega_rad_s", "frequency_hz": "frequency_hz"})
+    degrees = _take(given, [f"{name}_deg" for name in _DEGREES])
+    names = [option.removesuffix("_deg") for option in degrees]
+    changes: dict[str, Any] = {f"{n}_rad": radians(n, degrees[f"{n}_deg"]) for n in names}
+    rates = _take(given, ("omega_rad_s", "frequency_hz"))
     if len(rates) > 1 or not (rates or base):
         raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
     if "frequency_hz" in rates:
@@ -269,12 +271,12 @@ def listed_gait(alpha_deg: float, beta_deg: float, frequency_hz: float) -> Gait:
 
 
 def doubt_robot(given: Mapping[str, Any], names: str = "--{}") -> None:
-    """Warn of links whose length_m or mass_kg, where given, looks like mm or g."""
+    """Warn of links whose length or mass, where given, looks like mm or g."""
     for name, most, unit, small in (
         ("length_m", _LONG_M, "m", "mm"),
         ("mass_kg", _HEAVY_KG, "kg", "g"),
     ):
-        value = given.get(name)
+        value = given.get(f"link_{name}")
         if value is not None and most < value < math.inf:
             option = names.format(name.replace("_", "-"))
             _tell(option, f"{value:g} {unit} for one link", small, value / 1e3)
@@ -345,9 +347,6 @@ def show_json(values: dict[str, Any]) -> None:
 
 
 _TYPED = {
-    "link_mass_kg": "--mass-kg",
-    "link_length_m": "--length-m",
-    "link_inertia_kg_m2": "--inertia-kg-m2",
     "speed_m_s": "--speed-m-s",
     "joint_stiffness_n_m": "--stiffness-n-m",
     "joint_damping_n_s_m": "--damping-n-s-m",

@@ -145,7 +145,9 @@ def test_a_comparison_without_runs_says_so_in_its_picture(tmp_path: Path) -> Non
 
 def test_a_uniform_rod_of_another_length_stays_one() -> None:
     given = dict.fromkeys(option.name for option in cli.commands["steady"].params)
-    robot, _ = make_robot(given | {"length_m": 0.2, "preset": "paper"})
+    robot, _ = make_robot(given | {"link_length_m": 0.2, "preset": "paper"})
     assert robot == Robot(6, 1.0, 0.2)
-    robot, _ = make_robot(given | {"length_m": 0.2, "inertia_kg_m2": 0.01, "preset": "paper"})
+    robot, _ = make_robot(
+        given | {"link_length_m": 0.2, "link_inertia_kg_m2": 0.01, "preset": "paper"}
+    )
     assert robot == Robot(6, 1.0, 0.2, 0.01)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -278,7 +279,7 @@ def amend(folder: Path, changes: tuple[str, ...]) -> None:
         for change in changes:
             journal.event("amend", detail=amendment(change))
     robot = read_session(folder).setup.robot
-    doubt_robot({"mass_kg": robot.link_mass_kg, "length_m": robot.link_length_m}, "the {} now")
+    doubt_robot(asdict(robot), "the {} now")
     if all(change.startswith(("robot.", "laboratory.")) for change in changes):
         say("corrected, for all of the session")
     else:

@@ -18,9 +18,12 @@ from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, latest_film
 from ..options import (
     AS_JSON,
+    GROUND,
     IDEAL,
+    ROBOT,
     describe,
     interruptible,
+    options_of,
     robot_options,
     robot_with_fit,
     servo_option,
@@ -41,7 +44,6 @@ if TYPE_CHECKING:
     from ...model.robot import Robot
 
 _Found = TypeVar("_Found")
-_OF_A_FIT = ("links", "mass_kg", "length_m", "inertia_kg_m2", "ct", "cn", "ft0", "fn0")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
@@ -326,7 +328,8 @@ def _as_measured(
     given: dict[str, Any], fit: FrictionFit | None, robust: bool
 ) -> FrictionFit | None:
     """Return the fit, None where there is none or options change its friction or robot."""
-    changed = [f"--{name.replace('_', '-')}" for name in _OF_A_FIT if given.get(name) is not None]
+    options = options_of(click.get_current_context().command)
+    changed = [options[name] for name in (*ROBOT, *GROUND) if given.get(name) is not None]
     if fit is None or not changed:
         return fit
     if robust:

@@ -13,6 +13,7 @@ import click
 from ...show.screen import say
 from ..options import (
     AS_JSON,
+    GROUND,
     IDEAL,
     make_robot,
     radians,
@@ -31,7 +32,6 @@ SUFFIXES = (".csv", ".npz", ".json")
 _MOST = 100_000  # values of a range
 _FILE_GAITS, _JSON_GAITS = 20_000_000, 1_000_000  # what memory holds of one file, as arrays or text
 _BODY = {"links": "links", "mass_kg": "link_mass_kg", "length_m": "link_length_m"}
-_GRIP = ("ct", "cn", "ft0", "fn0")
 
 
 def _span(text: str, name: str) -> list[float]:
@@ -73,13 +73,13 @@ def _varied(given: tuple[str, ...], fixed: dict[str, Any]) -> dict[str, list[flo
     found: dict[str, list[float]] = {}
     for text in given:
         name, equals, span = text.partition("=")
-        if not equals or name not in (*_BODY, *_GRIP):
+        if not equals or name not in (*_BODY, *GROUND):
             raise click.BadParameter(
                 f"{text!r} is not NAME=FIRST:LAST:STEP with a NAME of "
-                + ", ".join((*_BODY, *_GRIP)),
+                + ", ".join((*_BODY, *GROUND)),
                 param_hint="--vary",
             )
-        if name in found or fixed[name] is not None:
+        if name in found or fixed[_BODY.get(name, name)] is not None:
             other = "another one" if name in found else f"--{name.replace('_', '-')}"
             raise click.UsageError(f"--vary {name} and {other} contradict each other; give one")
         found[name] = _span(span, "--vary")
@@ -91,7 +91,7 @@ def _designs(
 ) -> tuple[Robot | list[Robot], Ground | list[Ground]]:
     """Return all robots and all grounds of a study; one that does not vary stays alone."""
     body = [name for name in _BODY if name in varied]
-    grip = [name for name in _GRIP if name in varied]
+    grip = [name for name in GROUND if name in varied]
     uniform = robot == replace(robot, link_inertia_kg_m2=None)
     robots = []
     for values in product(*(varied[name] for name in body)):
