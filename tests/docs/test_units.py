@@ -22,6 +22,7 @@ UNITS = {
     "n": "N",
     "nm": "N m",
     "hz": "Hz",
+    "v": "V",
     "m_s": "m/s",
     "rad_s": "rad/s",
     "rad_s2": "rad/s^2",

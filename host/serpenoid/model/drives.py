@@ -162,7 +162,22 @@ class Servo:
         """Return the servo with another voltage at its plug.
 
         Stalled torque, free speed and stiffness follow the voltage. The motor's line S / w0, and
-        so damping, and all of the gear stay. Raises BadInput.
+        so damping, and all of the gear stay.
+
+        Parameters
+        ----------
+        supply_v
+            The voltage, V.
+
+        Returns
+        -------
+        Servo
+            The servo there.
+
+        Raises
+        ------
+        BadInput
+            For no voltage above 0, and for a servo whose values are for no stated one.
         """
         check_number("supply_v", supply_v, 0.0, open_low=True)
         if self.supply_v == 0:
@@ -253,13 +268,45 @@ class ServoKind:
         return not doubt and len(self.drawn) < 2
 
     def at_volts(self, supply_v: float) -> ServoKind:
-        """Return the kind with a voltage at the plug that is known. Raises BadInput."""
+        """Return the kind with a voltage at the plug that is known.
+
+        Parameters
+        ----------
+        supply_v
+            The voltage, V.
+
+        Returns
+        -------
+        ServoKind
+            The kind, with no doubt about the voltage.
+
+        Raises
+        ------
+        BadInput
+            As `Servo.at_volts`.
+        """
         sigma = {name: value for name, value in self.sigma.items() if name != "supply_v"}
         drawn = tuple(one.at_volts(supply_v) for one in self.drawn)
         return replace(self, servo=self.servo.at_volts(supply_v), sigma=sigma, drawn=drawn)
 
     def at_frames(self, frame_s: float) -> ServoKind:
-        """Return the kind on a board with another time between setpoints. Raises BadInput."""
+        """Return the kind on a board with another time between setpoints.
+
+        Parameters
+        ----------
+        frame_s
+            From setpoint to setpoint, s.
+
+        Returns
+        -------
+        ServoKind
+            The kind on that board.
+
+        Raises
+        ------
+        BadInput
+            For a time outside of 0 to 0.1 s.
+        """
         drawn = tuple(replace(one, frame_s=frame_s) for one in self.drawn)
         return replace(self, servo=replace(self.servo, frame_s=frame_s), drawn=drawn)
 
@@ -322,7 +369,7 @@ class ServoKind:
 
         None if no such servo is sold: its loop hunts, its gear's friction is above 0.15 S, or its
         motor's free speed is above twice its no-load speed (or what the typical one has, and half
-        as much again). Units are independent and normal, but for that. update_hz: of the loop.
+        as much again). Units are independent and normal, but for that. update_hz: of the loop, Hz.
 
         With f = q S and c = g S / w0 the whole servo's torque T = S - f and no-load speed
         w = (S - f) / (S / w0 + c) give S = T / (1 - q) and w0 = w (1 + g) / (1 - q).

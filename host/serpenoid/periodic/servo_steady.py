@@ -133,7 +133,7 @@ class ServoSteady:
 
     @property
     def managed_hz(self) -> float:
-        """Return the highest frequency at which the typical servo follows a gait of this shape."""
+        """Return the highest frequency, Hz, at which the typical servo follows such a gait."""
         return managed_hz(self.ideal.gait, self.free_rad_s)
 
     @property
