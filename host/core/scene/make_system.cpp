@@ -19,7 +19,7 @@ std::unique_ptr<System> make_sticking(const RunRequest& q) {
     const double speed = 2 * q.robot.l * q.robot.n * rate_unit(q);
     const double moves = q.robot.n * q.robot.m * speed * rate_unit(q);
     return std::make_unique<StickingSystem>(
-        make_paired(slippery), q, kAtRest * std::max(q.tolerance, kRounding) * speed, moves);
+        make_paired(slippery), q, kAtRest * std::max(mode_tolerance(q), kRounding) * speed, moves);
 }
 
 }  // namespace

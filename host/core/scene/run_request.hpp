@@ -56,6 +56,15 @@ inline double rate_unit(const RunRequest& q) {
     return q.drive == Drive::angle ? q.gait.omega : std::max(q.gait.omega, 1.0);
 }
 
+// The tolerance inside a mode: its end magnifies the errors before it. Rounding grows with the
+// links. Joints that are driven by torques give way, and it need not be so tight.
+inline double mode_tolerance(const RunRequest& q) {
+    if (q.drive != Drive::angle) return q.tolerance;
+    const double n = q.robot.n;
+    const double rounding = 1e-13 * std::max(1.0, n * n * n / 27);
+    return std::max(q.tolerance / 300, std::min(q.tolerance, rounding));
+}
+
 // Whether sticking can be followed in the body frame, three unknowns (body/sticking_motion.hpp).
 inline bool in_body_frame(const RunRequest& q) {
     const bool straight = q.gait.alpha == 0 && q.gait.offset == 0;

@@ -171,3 +171,16 @@ def random_scene(rng: np.random.Generator) -> sn.Scene:
         dt_s=0.01,
         **drive,
     )
+
+
+def test_a_small_error_stays_small_whatever_is_recorded() -> None:
+    scene = replace(
+        SCENE,
+        robot=sn.Robot(7, 0.31493201444654856, 0.0692664818715108),
+        ground=sn.Ground(0, 0, 0.0010186900340118912, 0.18339778663606485),
+        gait=sn.Gait(1.2558539431069247, 1.43031492379958, 0.987065874647493),
+        duration_s=31.0,
+        incline_rad=0.13807367894894465,
+    )
+    scenes = replace(scene, tolerance=1e-6, record=("energy",)), scene
+    assert difference(*map(sn.simulate, scenes)).size(0.485) < 2e-5

@@ -10,9 +10,9 @@ namespace serpenoid {
 
 // Body lengths (m), radians, and these times `rate` (1/s), whatever the layout of the state: the
 // system packs a chain that has these values everywhere, then one in which neighbours differ by
-// them, for states that hold joint angles. Entries that are neither are the ledger's: `energy` (J).
-inline std::vector<double> error_scale(const System& system, double body, double rate,
-                                       double energy) {
+// them, for states that hold joint angles. Entries that are neither are the ledger's: they choose
+// no steps, or the motion would depend on what is recorded.
+inline std::vector<double> error_scale(const System& system, double body, double rate) {
     Chain probe = system.chain;
     std::vector<double> scale(system.dim()), joints(system.dim());
     for (int i = 0; i < probe.n(); ++i) {
@@ -24,7 +24,7 @@ inline std::vector<double> error_scale(const System& system, double body, double
     system.set(probe, joints.data());
     for (std::size_t i = 0; i < scale.size(); ++i) {
         if (scale[i] == 0) scale[i] = std::fabs(joints[i]);
-        if (scale[i] == 0) scale[i] = energy;
+        if (scale[i] == 0) scale[i] = HUGE_VAL;
     }
     return scale;
 }
