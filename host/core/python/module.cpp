@@ -16,7 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "periodic/at_speed.hpp"
 #include "periodic/sweep.hpp"
 #include "python/core_model.hpp"
 #include "run/evaluate.hpp"
@@ -100,55 +99,6 @@ std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector
                            {rtol, powers, max_elements, rough}, threads, go_on, starts);
     });
     return found;
-}
-
-// The numbers of a shape at its speed, as rows of an array.
-std::array<double, 9> numbers_of(const AtSpeed& s) {
-    std::array<double, 9> row{s.omega, s.power, s.abs_power, s.positive_power, s.error};
-    std::copy(s.slope.begin(), s.slope.end(), row.begin() + 5);
-    return row;
-}
-
-// The rate at which each shape has its speed, and what it costs, (shapes, 9); NaN where none has.
-Array solve_at_speed(const Model& m, const std::vector<double>& alphas,
-                     const std::vector<double>& betas, const std::vector<double>& guesses,
-                     const std::vector<double>& spreads, double speed, double highest, double rtol,
-                     bool powers, int max_elements) {
-    constexpr std::size_t kColumns = 9;
-    const std::size_t count = alphas.size();
-    if (betas.size() != count || guesses.size() != count || spreads.size() != count)
-        throw nb::value_error("shapes");
-    std::vector<double> out(count * kColumns, NAN);
-    {
-        nb::gil_scoped_release release;
-        for (std::size_t k = 0; k < count; ++k) {
-            const Gait gait{alphas[k], betas[k], guesses[k], 0};
-            if (!(gait.alpha > 0 && gait.alpha <= M_PI)) continue;
-            const AtSpeed s = at_speed(m.robot, m.ground, gait, {speed, spreads[k], highest},
-                                       {rtol, powers, max_elements, true});
-            const auto row = numbers_of(s);
-            if (s.found) std::copy(row.begin(), row.end(), &out[k * kColumns]);
-        }
-    }
-    return to_numpy(std::move(out), {count, kColumns});
-}
-
-// The lowest cost's swing, lag, gap, tangent and numbers, and how many shapes were solved; no
-// numbers where the core has no answer.
-nb::tuple solve_lowest_shape(const Model& m, std::array<double, 5> start, std::array<double, 2> low,
-                             std::array<double, 2> high, int cost, double speed, double highest,
-                             double rtol, bool powers, int max_elements) {
-    if (cost < 0 || cost > 2) throw nb::value_error("cost");
-    const auto [swing, lag, log_rate, radius, smallest] = start;
-    ValleyEnd end;
-    {
-        nb::gil_scoped_release release;
-        end = lowest_shape(m.robot, m.ground, {swing, lag, log_rate, radius, smallest, low, high},
-                           cost, {speed, 0, highest}, {rtol, powers, max_elements, true});
-    }
-    if (!end.inside) return nb::make_tuple(end.shapes);
-    return nb::make_tuple(end.shapes, end.swing, end.lag, end.gap, end.tangent,
-                          numbers_of(end.state));
 }
 
 // A request that would read or write beyond its arrays, or never end, is refused here; what makes
@@ -369,8 +319,6 @@ NB_MODULE(_core, m) {
     m.attr("SPEED_FLOOR") = kSpeedFloor;
     m.def("neighbours", &solve_neighbours, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg(), nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{});
-    m.def("at_speed", &solve_at_speed);
-    m.def("lowest_shape", &solve_lowest_shape);
     m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
           nb::arg().none(), nb::arg("rough") = false);
     bind_servos(m);

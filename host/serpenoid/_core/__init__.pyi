@@ -94,32 +94,6 @@ def neighbours(
     rough: bool = False,
     starts: Sequence[Sequence[float]] = [],
 ) -> list[SteadyState]: ...
-def at_speed(
-    arg0: Model,
-    arg1: Sequence[float],
-    arg2: Sequence[float],
-    arg3: Sequence[float],
-    arg4: Sequence[float],
-    arg5: float,
-    arg6: float,
-    arg7: float,
-    arg8: bool,
-    arg9: int,
-    /,
-) -> NDArray[numpy.float64]: ...
-def lowest_shape(
-    arg0: Model,
-    arg1: Sequence[float],
-    arg2: Sequence[float],
-    arg3: Sequence[float],
-    arg4: int,
-    arg5: float,
-    arg6: float,
-    arg7: float,
-    arg8: bool,
-    arg9: int,
-    /,
-) -> tuple: ...
 def sweep(
     arg0: Sequence[Model],
     arg1: Sequence[float],

@@ -1,69 +1,45 @@
-"""Follows the valleys of a gait cloud to the gait that costs least power at a speed."""
+"""The search for the gait of least power at a speed: from a table down its valleys, then closer."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.optimize import minimize, minimize_scalar
 
 from ..model.checks import FORMULATIONS, check_choice, check_number
 from ..model.core_model import check_parts
-from ..model.errors import NotConverged
+from ..model.errors import NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.at_speed import COSTS
-from ..periodic.steady import Steady, check_ground
+from ..periodic.steady import Steady, check_ground, steady_gait
 from ..simulation.steady_springs import steady_springs
-from .fixed_rate import FixedRateSearch
-from .gait_cloud import GaitCloud
-from .gait_table import FollowedValleys, Optimum, refined_valleys
 from .limits import LIMIT_NAMES, GaitLimits
-from .quadratic_search import Point, Valley, minimize
-from .shape_search import (
-    Candidate,
-    GaitShape,
-    NearShapes,
-    ShapeSearch,
-    SmoothShapes,
-    Solve,
-    exact_solver,
-)
+from .shapes import COSTS, ROUNDING, Accuracy, Array, Candidate, Point, Shapes, Solve, exact_solver
+from .table import GaitTable
 
 ANY = GaitLimits()
-_MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense, and the cloud's rates would not end
-_LAST_SMOOTH = 0.006  # e-folds of shape: last box on viscous ground, away from limits
-_RADIUS, RADIUS_KNOWN = 0.15, 0.08  # first box: half a step of the cloud; round a known gait
-_NARROW = 1.2  # ratio of rates: a narrower range is searched at fixed rates
-_APART = 0.1  # e-folds of shape: two ends closer than this are one valley
-_ROUGHER = 0.3  # the same factor for the valleys of the cloud on dry ground
-_ONWARDS = 0.4  # the same for the valley of the gait of another speed
-_CLOSER = 4.0  # refinement factor for the best valley on dry ground
-_EDGE_TABLE = (0.12, 8)  # e-folds of shape either way, in so many steps; where there is an edge
-_FINE_TABLES = (0.25, 4), (0.06, 3), _EDGE_TABLE
-_OTHER_TABLES = _FINE_TABLES[1:]  # the same where another valley is cheaper than at that speed
-_NEXT_TABLES = (_EDGE_TABLE,)  # the same for a gait found from that of another speed
-_MOST_TABLES, _INSIDE = 6, 0.7  # of a width: while the best is farther out than this part of it
-_RING, _RING_AT_EDGE, _RING_NEXT = 16, 32, 8  # directions of a walk; of one from another speed
-_AT_EDGE = 0.01  # e-folds of cost: a model that expects so much more lies across an edge
-_WALK, _WALK_END, _WALK_SHRINK = 0.06, 0.002, 0.4  # e-folds of shape
-_WALK_NEXT = 0.02  # the first ring of a gait from another speed
-_WALK_GAIN = 1e-4  # e-folds of cost: a smaller gain ends a ring
-_SAME_END = 0.15  # e-folds of shape: two ends of one valley
-_SMALL_VALLEYS = 2  # followed of each table
-_ROUNDING = 1e-9  # body lengths x rate: a slower gait travels by rounding errors alone
-_AT_LIMIT = 2e-6  # e-folds of shape: last box beside a limit, on viscous ground
-_LIMIT_RTOL = 1e-9  # of speeds and powers there
-_LIMITS_WORTH = 2.0  # e-folds of cost at most, for one of a limit
-_ONWARDS_GAP = 7e-3  # e-folds: single searches found so much less than one that goes on
-_DRY_GAP = 3e-3  # e-folds: brute force found so much less, so no optimum is known better
-
-
-Tables = Sequence[tuple[float, int]]
+_MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense
+_WITHIN = 1.6  # times the cheapest of the table: what its coarseness may hide
+_APART = 0.35  # e-folds of shape: starts nearer than that lie in one valley
+_STARTS = 6  # valleys followed at most
+_FIRST, _CLOSER = 0.15, 0.08  # e-folds of shape: first simplex of a table's start, and closer
+_TURN = np.array([[1, 1], [-1, 1]]) / math.sqrt(2)
+_SIMPLEX = np.array([[0, 0], [1, 0], [0, 1]])
+_SIDES = np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])
+_DOUBT = 0.02  # e-folds of cost: ends this near to the lowest are searched closer
+_ROUNDS, _GAINED = 4, 3e-4  # closer descents repeat while they gain more, e-folds of cost
+_NEAR_LIMIT = 0.03  # e-folds: so near to a limit its own curve is searched
+_DRY_GAP = 1e-3  # e-folds of cost: what kinks smaller than the last box hide on dry ground
+_FAR_ALONG = 0.8  # of a stretch of a limit: an end so far out asks for the next stretch
+_BESIDE = 1e-3  # e-folds of shape, for slopes of a margin
+_ONTO = 8  # secants onto a limit; usual are 2
+_HOPELESS = 1e3  # price of a shape without a gait
+_SAME_VALLEY = 0.1  # e-folds of shape between ends
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +69,7 @@ class LeastPower:
     basins
         Number of separate valleys of shapes that were searched.
     runner_up_w
-        Power of the second best valley, W; inf if there was one valley. Of a front: as low as that
-        valley was followed.
+        Power of the second best valley, W; inf if there was one valley.
     evaluations
         Periodic states solved in the search, without those of tables.
     """
@@ -115,7 +90,7 @@ class LeastPower:
 
 
 class Finder:
-    """Finds the cheapest gaits of one robot on one ground, for any speed, from one cloud."""
+    """Finds the cheapest gaits of one robot on one ground, for any speed, from one table."""
 
     def __init__(
         self,
@@ -130,236 +105,253 @@ class Finder:
         self.robot, self.ground, self.limits, self.rtol = robot, ground, limits, rtol
         self.exact = solve is None
         solver = solve or exact_solver(robot, ground, powers=cost != "power")
-        self.near = NearShapes(robot, ground, solver, cost, limits)  # on dry ground
-        self.search = self.near
-        if ground.smooth or not self.exact:
-            kind = SmoothShapes if self.exact else ShapeSearch
-            self.search = kind(robot, ground, solver, cost, limits)
-        self.followed = FollowedValleys()
-        self.optimum = Optimum(math.nan, np.zeros(3))  # found last
-        self.cloud = GaitCloud(robot, ground, cost, limits, speeds)
-        self.coarse = 1e-7 if ground.smooth and self.exact else 3e-4  # accuracy of the search
-        self.least_gap = self.coarse if ground.smooth else _DRY_GAP
-        self.smallest = 0.002 if ground.smooth and self.exact else 0.012
+        self.shapes = Shapes(robot, ground, solver, cost, limits)
+        self.table = GaitTable(robot, ground, cost, limits, speeds)
+        self.rough, self.fine = Accuracy(1e-3, 3e-3), Accuracy(1e-4, 1e-4)
+        self.steps, self.least_gap = (0.02, 2e-3), _DRY_GAP
+        if self.exact and ground.smooth:
+            self.rough, self.fine = Accuracy(1e-5, 1e-3), Accuracy(1e-9, 1e-5)
+            self.steps, self.least_gap = (0.01, 1e-4), 1e-7
 
-    def follow(
-        self,
-        start: Candidate,
-        radius: float,
-        speed: float,
-        closer: float = 1.0,
-        beat: Point | None = None,
-    ) -> Valley:
-        """Return the lowest point of a candidate's valley; closer: refinement factor.
+    def starts(self, speed: float) -> list[Candidate]:
+        """Return the cheapest shapes of the table, far enough from each other."""
+        kept: list[Candidate] = []
+        for one in self.table.starts(speed, _WITHIN):
+            if all(math.dist(one.shape, other.shape) > _APART for other in kept):
+                kept.append(one)
+        return kept[:_STARTS]
 
-        beat: the lowest point of another valley. A way into that one, or too far above, ends.
+    def descend(
+        self, speed: float, start: Point | Candidate, size: float, fine: bool = False
+    ) -> Point:
+        """Return the lowest point of a valley, also along the limits that it reaches.
+
+        size: of the first simplex, e-folds of shape; below 0 it looks the other way.
         """
-        low, high = self.search.bounds()
-        rtol = max(self.rtol, self.coarse / closer)
-        if isinstance(self.search, SmoothShapes):
-            valley = self.search.lowest(start, radius, _LAST_SMOOTH, speed, rtol)
-            if valley is not None:
-                return valley
-        evaluate = partial(self.search.points, speed_m_s=speed, guess=start.omega_rad_s, rtol=rtol)
-        first = evaluate([np.array(start.shape)])[0]
-        end, gap, _ = minimize(evaluate, first, radius, self.smallest / closer, low, high, beat)
-        if self.search is self.near and end.data is not None:
-            end = self.near.solved(end, speed, rtol)
-        if self.exact and self.ground.smooth and not end.better[0] and end.margin < self.smallest:
-            # along a limit the cost is no valley: it rises with the distance from the limit
-            evaluate = partial(evaluate, rtol=max(self.rtol, _LIMIT_RTOL))
-            end = evaluate([end.at])[0]
-            end, gap, _ = minimize(evaluate, end, self.smallest, _AT_LIMIT, low, high)
-            gap = max(gap, _LIMITS_WORTH * max(end.margin, 0.0))
-        return Valley(end, gap)
+        valley = _Valley(self.shapes, speed, start, self.fine if fine else self.rough)
+        how = {
+            "initial_simplex": valley.start + size * _SIMPLEX,
+            "xatol": self.steps[fine],
+            "fatol": valley.how.miss / 10,
+            "maxfev": 90,
+        }
+        minimize(valley.price, valley.start, method="Nelder-Mead", options=how)
+        end = valley.best
+        if end.gait is not None:
+            for name, margin in self.shapes.margins(end.gait).items():
+                if margin < _NEAR_LIMIT:
+                    valley.along(name, end, abs(size))
+        return min(valley.points, key=_better)
 
-    def minimize(
-        self, speed: float, last: Sequence[Candidate] = (), radius: float = RADIUS_KNOWN
-    ) -> LeastPower:
-        """Return the cheapest gait; last: where it should be by lower speeds, this far off."""
-        if last:
-            ends, tried = self._onwards(speed, last, radius)
-        else:
-            ends, tried = self._from_cloud(speed)
-        ends = ends or self.at_fixed_rates(speed)
-        if not ends:
-            raise self.unreachable(speed, tried)
-        first = ends[0].end.at
-        ends.sort(key=lambda e: e.end.value)
-        if not self.ground.smooth:
-            tracked = np.abs(ends[0].end.at - first).max() < _SAME_END
-            tables = (_NEXT_TABLES if tracked else _OTHER_TABLES) if last else _FINE_TABLES
-            best, gap, _ = self.refined(ends[0].end, speed, tables)
-            ends[0] = Valley(best, max(gap, _ONWARDS_GAP) if last else gap)
-        self.optimum = Optimum.of(ends[0], speed, self.search.cost)
-        return self.finish(speed, ends)
+    def ends(self, speed: float, starts: Sequence[Point | Candidate]) -> list[Point]:
+        """Return the lowest points of the starts' valleys, cheapest first; the lowest closer."""
+        found = sorted([self.descend(speed, one, _FIRST) for one in starts], key=_better)
+        kept = []
+        for end in found:
+            if all(math.dist(end.at, other.at) > _SAME_VALLEY for other in kept):
+                kept.append(end)
+        closer = [
+            self.descend(speed, end, _CLOSER / 2, fine=True)
+            if end.value < kept[0].value + _DOUBT
+            else end
+            for end in kept
+        ]
+        return sorted(closer, key=_better)
 
-    def _from_cloud(
-        self, speed: float, best: Point | None = None
-    ) -> tuple[list[Valley], list[Point]]:
-        """Return the ends of the cloud's valleys and all points; best: what they must beat."""
-        ends, tried = [], []
-        rougher = _ROUGHER if self.search is self.near else 1.0
-        x = math.log(speed)
-        for start in self.cloud.starts(speed):
-            steps = self.cloud.steps_at(start.shape) if self.ground.smooth else np.zeros(2)
-            if best is None or self.followed.worth(start, best, steps, x):
-                led = self.followed.led(start, x)
-                valley = self.follow(*(led or (start, _RADIUS)), speed, rougher, best)
-                self.followed.add(start, Optimum.of(valley, speed, self.search.cost))
-                tried.append(valley.end)
-                ends += [] if valley.end.better[0] else [valley]
-        return ends, tried
-
-    def _onwards(
-        self, speed: float, last: Sequence[Candidate], radius: float
-    ) -> tuple[list[Valley], list[Point]]:
-        """Return the end of the last gait's valley first, and others that may be cheaper now."""
-        start, closer = last[0], 1.0
-        if self.search is self.near:
-            shapes, rates = [np.array(one.shape) for one in last], [one.omega_rad_s for one in last]
-            points = self.near.rated(shapes, speed, rates, self.coarse / _ONWARDS)
-            start, closer = last[min(range(len(last)), key=lambda k: points[k].better)], _ONWARDS
-        valley = self.follow(start, radius, speed, closer)
-        if valley.end.better[0]:
-            return self._from_cloud(speed)
-        others, tried = self._from_cloud(speed, valley.end)
-        return [valley, *others], [valley.end, *tried]
-
-    def at_fixed_rates(self, speed: float) -> list[Valley]:
-        """Return the cheapest gaits at the ends and the middle of a narrow range of rates."""
-        low, high = self.limits.omega_low_rad_s, self.limits.omega_high_rad_s
-        if not 0 < high <= _NARROW * low:
-            return []
-        rates = np.unique([low, math.sqrt(low * high), high])
-        searches = [FixedRateSearch(self.search, float(rate), speed) for rate in rates]
-        found = [search.minimize(self.rtol, self.coarse) for search in searches]
-        return [Valley(*end) for end in found if end is not None]
-
-    def refined(self, best: Point, speed: float, tables: Tables = _FINE_TABLES) -> Valley:
-        """Return the best of a dry valley, where kinks make small valleys in the large one.
-
-        Fine tables of shapes show them, and the best are followed. What the last one gained, or saw
-        below, may still be missing.
-        """
-        best = self.walked(best, speed, _RING_NEXT if tables is _NEXT_TABLES else _RING)
-        gap = model_gap = 0.0
-        for width, half in tables:
-            at_edge = model_gap > _AT_EDGE
-            if (width, half) == _EDGE_TABLE and not at_edge:
+    def closest(self, speed: float, best: Point) -> tuple[Point, float]:
+        """Return the end of closer descents from and around the best, and what the last gained."""
+        end, gain, radius, sides = best, math.inf, _CLOSER, _SIDES
+        for turn in range(_ROUNDS):
+            before, starts = end, [end]
+            if self.ground.dry:  # kinks make small valleys in a large one
+                around = [replace(end, at=end.at + radius * side) for side in sides]
+                rough = [self.descend(speed, start, -radius / 2) for start in around]
+                starts.append(min(rough, key=_better))  # whose value is not held against fine ones
+            fine = [self.descend(speed, start, -radius / 4, fine=True) for start in starts]
+            end = min([end, *fine], key=_better)
+            gain = before.value - end.value
+            if gain < _GAINED and (turn or self.ground.smooth):
                 break
-            before, seen = best.value, math.inf
-            for _ in range(_MOST_TABLES):
-                middle = best.at
-                starts = refined_valleys(self.near, best, speed, width, half, _SMALL_VALLEYS)
-                seen = math.log(starts[0].watts) if starts else math.inf
-                for start in starts:
-                    point, lower, _ = self.follow(start, width / 6, speed, closer=_CLOSER)
-                    if point.better < best.better:
-                        best, model_gap = point, lower
-                if np.abs(best.at - middle).max() < _INSIDE * width:
-                    break
-            best = self.walked(best, speed, _RING_AT_EDGE if at_edge else _RING)
-            gap = before - best.value
-            if self.exact:  # the tables are the exact model's
-                gap = max(gap, best.value - seen)
-        return Valley(best, gap)
+            radius, sides = radius / 2 if turn == 0 else radius, sides @ _TURN
+        return end, gain
 
-    def walked(self, best: Point, speed: float, directions: int) -> Point:
-        """Return the end of steps to the lowest point of ever smaller rings: along edges and kinks.
+    def front(self, speeds: Sequence[float]) -> list[LeastPower | NotConverged]:
+        """Return the cheapest gait of each speed, in ascending order, or why there is none.
 
-        A quadratic model says nothing beside an edge, where wheels begin to slide.
+        Each is searched from the table, then from the gait of the slower and of the faster speed.
         """
-        turns = 2 * math.pi * np.arange(directions) / directions
-        ring = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-        low, high = self.search.bounds()
-        radius = _WALK_NEXT if directions == _RING_NEXT else _WALK
-        while radius >= _WALK_END:
-            state: Any = best.data
-            points = self.search.points(
-                list(np.clip(best.at + radius * ring, low, high)),
-                speed,
-                state.gait.omega_rad_s,
-                max(self.rtol, self.coarse / _CLOSER),
-            )
-            lowest = min([best, *points], key=lambda p: p.better)
-            if lowest is not best and self.search is self.near:
-                lowest = self.near.solved(lowest, speed, self.coarse / _CLOSER)
-            if lowest.better < best.better and lowest.value < best.value - _WALK_GAIN:
-                best = lowest
-            else:
-                radius *= _WALK_SHRINK
-        return best
+        ends = [self.ends(speed, self.starts(speed)) for speed in speeds]
+        upwards = [(k, k + 1) for k in range(len(speeds) - 1)]
+        for known, k in [*upwards, *((k, known) for known, k in reversed(upwards))]:
+            if ends[known] and ends[known][0].allowed:
+                start = ends[known][0].faster(speeds[k] / speeds[known])
+                ends[k] = sorted([*self.ends(speeds[k], [start]), *ends[k]], key=_better)
+        return [self._best(speed, valleys) for speed, valleys in zip(speeds, ends, strict=True)]
 
-    def finish(self, speed: float, ends: list[Valley]) -> LeastPower:
+    def _best(self, speed: float, ends: list[Point]) -> LeastPower | NotConverged:
+        """Return the lowest of some valleys, searched more closely, or why there is none."""
+        allowed = [end for end in ends if end.allowed]
+        if not allowed:
+            return self.unreachable(speed, ends)
+        best, gain = self.closest(speed, allowed[0])
+        return self.finish(speed, best, gain, allowed[1:])
+
+    def finish(self, speed: float, best: Point, gain: float, others: list[Point]) -> LeastPower:
         """Solve the best once more, to the accuracy that was asked for."""
-        (best, gap, _), search = ends[0], self.search
-        rough: Any = best.data
-        state = (
-            search.at_speed(GaitShape(*best.at), speed, rough.gait.omega_rad_s, self.rtol) or rough
-        )
-        watts = search.watts(state)
-        apart = [p for p, *_ in ends[1:] if np.abs(p.at - best.at).max() > _APART]
-        exact, own = self.exact_state(state), _numerical(state, search.cost)
-        gap = max(gap, self.least_gap) + 3 * abs(
-            state.speed_m_s / speed - 1
-        )  # power goes as speed^2
+        shapes, how = self.shapes, Accuracy(self.rtol, self.rtol)
+        assert best.gait is not None
+        gait = shapes.point(best.at, speed, best.gait.omega_rad_s, how).gait or best.gait
+        state = shapes.solve(gait, self.rtol)
+        watts = shapes.watts(state)
+        apart = [p for p in others if math.dist(p.at, best.at) > _SAME_VALLEY]
+        solved = _numerical(state, shapes.cost)
+        # power goes as speed squared
+        gap = max(gain, self.least_gap) + 3 * abs(state.speed_m_s / speed - 1)
         return LeastPower(
             state.gait,
             watts,
             state.speed_m_s,
-            search.cost,
-            exact,
+            shapes.cost,
+            self.exact_state(state),
+            "explicit" if self.exact else "implicit",
             limits=self.limits,
-            active=self.limits.active(state.gait, search.torque_nm(state.gait)),
-            power_error_w=own + watts * min(gap, 1.0),
-            solved_error_w=own,
+            active=self.limits.active(state.gait, shapes.torque_nm(state.gait)),
+            power_error_w=solved + watts * min(gap, 1.0),
+            solved_error_w=solved,
             basins=1 + len(apart),
-            evaluations=search.evaluations,
+            evaluations=shapes.evaluations,
             runner_up_w=watts * math.exp(apart[0].value - best.value) if apart else math.inf,
         )
 
     def exact_state(self, state: Any) -> Steady:
         """Return the exact model's state of a gait with all powers, which a search leaves out."""
-        if self.exact and self.search.cost != "power":
+        if self.exact and self.shapes.cost != "power":
             return state
         rtol = max(self.rtol, 1e-8) if self.exact else 1e-6
-        return exact_solver(self.robot, self.ground, powers=True)(state.gait, rtol)
+        return steady_gait(self.robot, self.ground, state.gait, rtol=rtol)
 
     def unreachable(self, speed: float, tried: list[Point]) -> NotConverged:
         """Return the error that says how fast the robot can go, or what the speed would need."""
-        v, alpha, beta, rate = self.cloud.fastest()
+        v, alpha, beta, rate = self.table.fastest()
         within = f"within the limits ({self.limits.in_words()})"
         gait = f"alpha {math.degrees(alpha):.3g} deg, beta {math.degrees(beta):.3g} deg"
-        if not v > _ROUNDING * self.robot.body_length_m * rate:
+        if not v > 1e-9 * self.robot.body_length_m * rate:
             return NotConverged(
                 f"no gait travels at all {within}: ask for wider limits; three links and friction "
                 "that is greater across them than along them are needed, too"
             )
         if v >= speed:  # reached, but beyond what the servos hold, or at other rates
-            states: list[Any] = [point.data for point in tried if point.data is not None]
+            gaits = [point.gait for point in tried if point.gait is not None]
             return NotConverged(
                 f"no gait of {speed:g} m/s was found {within}, though some are faster: {v:.3g} m/s "
                 f"at {gait} and {rate:.3g} rad/s, whatever the torque"
-                f"{self._needed([state.gait for state in states])}; ask for a wider range of rates "
+                f"{self._needed(gaits)}; ask for a wider range of rates "
                 "or more torque"
             )
         return NotConverged(
             f"no gait reaches {speed:g} m/s {within} at up to "
-            f"{self.cloud.omega_rad_s[-1]:.3g} rad/s; the fastest found"
+            f"{self.table.omega_rad_s[-1]:.3g} rad/s; the fastest found"
             f"{'' if self.exact else ' by the exact model'} makes {v:.3g} m/s, at {gait} and "
             f"{rate:.3g} rad/s; ask for less speed, or wider limits"
         )
 
     def _needed(self, gaits: list[Gait]) -> str:
         """Return in words which limit the gaits break least, and what it would have to be."""
-        worst = [min((left, name) for name, left in self.search.margins(g).items()) for g in gaits]
+        worst = [min((left, name) for name, left in self.shapes.margins(g).items()) for g in gaits]
         if not worst or max(worst)[0] >= 0:
             return ""
         short, name = max(worst)
         way = "lower" if name == "omega_low_rad_s" else "higher"
         more = 100 * math.expm1(-short)
         return f"; the nearest of {len(gaits)} needs a {LIMIT_NAMES[name]} {more:.3g} % {way}"
+
+
+def _better(point: Point) -> tuple[bool, float]:
+    return point.better
+
+
+class _Valley:
+    """One descent: the points looked at, and the rates that they tell of others."""
+
+    def __init__(
+        self, shapes: Shapes, speed_m_s: float, start: Point | Candidate, how: Accuracy
+    ) -> None:
+        self._shapes, self._speed_m_s, self.how = shapes, speed_m_s, how
+        if isinstance(start, Candidate):
+            self.start, rate = np.array(start.shape), start.omega_rad_s
+        else:
+            assert start.gait is not None
+            self.start, rate = start.at, start.gait.omega_rad_s
+        self._rate = rate
+        self.points: list[Point] = []
+
+    @property
+    def best(self) -> Point:
+        """Return the point of the lowest price."""
+        return min(self.points, key=lambda point: point.price)
+
+    def point(self, at: Array) -> Point:
+        """Return the point of a shape."""
+        at = np.clip(at, *self._shapes.bounds())
+        self.points.append(self._shapes.point(at, self._speed_m_s, self._expected(at), self.how))
+        return self.points[-1]
+
+    def price(self, at: Array) -> float:
+        """Return the price of a shape, which a search makes least."""
+        return min(self.point(at).price, _HOPELESS)
+
+    def _expected(self, at: Array) -> float:
+        """Return the rate expected at a shape: a linear fit to the points, near ones most."""
+        known = [
+            (p.at, math.log(p.gait.omega_rad_s)) for p in self.points[-12:] if p.gait is not None
+        ]
+        if not known:
+            return self._rate
+        off = np.array([place for place, _ in known]) - at
+        logs = np.array([rate for _, rate in known])
+        weight = 1 / (np.hypot(*off.T) + 1e-3)
+        terms = weight[:, None] * np.column_stack([np.ones(len(off)), off])
+        fit = np.linalg.lstsq(terms, weight * logs, rcond=1e-3)[0][0]
+        return math.exp(min(max(fit, logs.min() - 0.3), logs.max() + 0.3))
+
+    def along(self, name: str, start: Point, radius: float) -> None:
+        """Look along the curve of shapes where a limit is just reached, near a start.
+
+        Along the limit's tangent; each point is put onto the limit along its normal.
+        """
+
+        def margin(point: Point) -> float:
+            return math.nan if point.gait is None else self._shapes.margins(point.gait)[name]
+
+        beside = [self.point(start.at + _BESIDE * axis) for axis in np.eye(2)]
+        slopes = np.array([margin(point) - margin(start) for point in beside]) / _BESIDE
+        steep = float(np.hypot(*slopes))
+        if not 0 < steep < math.inf:
+            return
+        normal = slopes / steep
+        tangent = np.array([-normal[1], normal[0]])
+
+        def onto(t: float) -> float:
+            u, slope = -margin(start) / steep, steep
+            point = self.point(start.at + t * tangent + u * normal)
+            for _ in range(_ONTO):
+                short = margin(point)
+                if not (
+                    abs(short) > min(self.how.rtol, ROUNDING / 2) and abs(u) < _FIRST and slope
+                ):
+                    break
+                before, u = u, u - short / slope
+                point = self.point(start.at + t * tangent + u * normal)
+                slope = (margin(point) - short) / (u - before)
+            return min(point.price, _HOPELESS)
+
+        t, before = 0.0, math.inf
+        while abs(t - before) > _FAR_ALONG * radius:
+            before = t
+            how = {"xatol": self.how.rtol**0.5}
+            bounds = (before - radius, before + radius)
+            found: Any = minimize_scalar(onto, bounds=bounds, method="bounded", options=how)
+            t = float(found.x)
 
 
 def _numerical(state: Any, cost: str) -> float:
@@ -393,16 +385,13 @@ def finder(
         )
     check_ground(ground, rtol)
 
-    def soft(gait: Gait, rtol: float) -> Any:
-        found = steady_springs(
-            robot,
-            ground,
-            gait,
-            joint_stiffness_n_m=stiffness,
-            joint_damping_n_s_m=damping,
-            rtol=rtol,
-        )
-        return _Soft(gait, **{k: v for k, v in found.to_dict().items() if k in _Soft.__slots__})
+    def soft(gait: Gait, rtol: float) -> _Soft | None:
+        springs = {"joint_stiffness_n_m": stiffness, "joint_damping_n_s_m": damping}
+        try:
+            found = steady_springs(robot, ground, gait, rtol=rtol, **springs).to_dict()
+        except SerpenoidError:
+            return None
+        return _Soft(gait, **{k: v for k, v in found.items() if k in _Soft.__slots__})
 
     return Finder(robot, ground, cost, limits, soft if springs else None, speeds, rtol)
 

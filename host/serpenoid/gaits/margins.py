@@ -17,7 +17,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s, steady_gait
-from .shape_search import on_threads
+from .shapes import on_threads
 from .uncertainty import FRICTION, Uncertainty
 
 Array = NDArray[np.float64]

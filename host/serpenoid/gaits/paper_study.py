@@ -23,7 +23,7 @@ from ..simulation.steady_springs import steady_springs
 from .finder import LeastPower
 from .least_power import power_front
 from .robust import RobustGait, robust_gait
-from .shape_search import GaitShape
+from .shapes import GaitShape
 
 Array = NDArray[np.float64]
 D = math.pi / 180

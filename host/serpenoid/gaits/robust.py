@@ -1,45 +1,44 @@
 """The cheapest gait that still crawls when friction and servos are not what was thought.
 
-Speeds of sampled robots are solved, never linearised: near a cliff their spread is skewed. The slow
-samples and a smoothed percentile choose the shape; the percentile itself sets the rate.
+It is the search for least power again: in place of the speed stands what all but the slowest of
+sampled robots keep. Their speeds are solved, never linearised: near a cliff their spread is skewed.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.checks import check_number
 from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.steady import Steady
+from ..periodic.steady import Steady, steady_gait
 from .finder import ANY, Finder, LeastPower, finder
-from .least_power import EitherWave
+from .least_power import cheaper, directions
 from .limits import GaitLimits
-from .quadratic_search import Point
-from .robust_search import KEEP, RobustSearch
-from .sampled_speeds import (
-    Places,
-    SampledSpeeds,
-    ServoShares,
-    driven_speeds,
-    low_speed,
-    low_speed_error,
-    percentile_rank,
-)
-from .shape_search import GaitShape, exact_solver
+from .sampled_speeds import KEEP, Samples, low_speed, low_speed_error
+from .shapes import Accuracy, Array, Point
 from .uncertainty import Sample, Uncertainty
 
 SAMPLES = 2048
-_FOR_SHAPE = (8, 2)  # one in so many samples chooses the shape, roughly and finely
-_OF_FRAGILE, _DRIVEN = 512, 512
-_NOMINAL = 1e-5  # accuracy of the wanted speed, where it is that which binds
+_FOR_RANK, _FOR_SHAPE = 32, 512  # samples by which shapes are ranked, and the best is searched
+_FOR_SHAPE_DRIVEN = 192  # the same with servos, which cost ten times as much
+_DRIVEN = 512  # samples that are solved with their servos, which cost ten times as much
+_ROUNDS = 3  # searches at most, each with what fresh samples showed of the one before
+_DEARER = 1.1  # times the best: shapes that cost more nominally are not ranked
+_WITHIN, _APART = 2.0, 0.1  # cost over the cheapest, and e-folds of shape, of shapes to rank
+_SEARCHES = (0.1, 12), (0.04, 6)  # first simplex, e-folds of shape; one sample in so many, the
+# slowest at the start, is followed: twice as many as make the percentile, then four times
+_STATE_RTOL, _SETTLED = 1e-5, 1e-3  # accuracy of states, and of the last rate's speed
+_STATES = 1e-3  # relative accuracy of sampled speeds
+_ROUNDING = 1e-3  # e-folds beyond a limit: less than a hundredth of what robustness asks
+_SURE = 2.0  # standard errors between two sets of samples: more is no chance
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,12 +54,11 @@ class RobustGait:
     steady
         The exact model's periodic state.
     low_speed_m_s
-        5th percentile of the speed over the samples that chose the gait, m/s.
+        5th percentile of the speed over the samples that set the rate, m/s.
     checked_low_m_s
         The same over other samples, which had no part in the choice, m/s.
     speeds_m_s : (S,)
-        Speeds of the samples that chose the gait, m/s: near the percentile to 3e-3 or better, the
-        others rough, without a bound, and partly from a rate up to 3 % away.
+        Speeds of the samples that set the rate, m/s, with their servos.
     fragile, fragile_low_m_s
         The least-power gait for the same speed, and its 5th percentile, m/s.
     active
@@ -78,7 +76,7 @@ class RobustGait:
     uncertainty: Uncertainty
     low_speed_m_s: float
     checked_low_m_s: float
-    speeds_m_s: NDArray[np.float64]
+    speeds_m_s: Array
     fragile: LeastPower
     fragile_low_m_s: float
     active: tuple[str, ...]
@@ -99,6 +97,12 @@ class RobustGait:
         """Return the standard error of the low speed that so many samples leave."""
         return low_speed_error(self.speeds_m_s)
 
+    @property
+    def confirmed(self) -> bool:
+        """Tell whether both sets of samples agree, to two standard errors of their difference."""
+        apart = abs(self.checked_low_m_s - self.low_speed_m_s)
+        return apart <= _SURE * math.sqrt(2) * self.low_error_m_s + _STATES * self.low_speed_m_s
+
 
 def robust_gait(
     robot: Robot,
@@ -113,9 +117,9 @@ def robust_gait(
 ) -> RobustGait:
     """Find the least power at which 95 % of the sampled robots keep 90 % of the speed.
 
-    On the nominal ground the gait makes at least the wanted speed, to 1e-5 of it. Speeds are solved
-    for sampled robots; as many other samples check the gait. On a ratchet, waves from tail to head
-    (beta below 0) are searched too.
+    On the nominal ground the gait makes at least the wanted speed, to 1e-5 of it. Few samples
+    choose the shape; then all of them, fresh ones, set the rate, and as many others check it. On a
+    ratchet, waves from tail to head (beta below 0) are searched too.
 
     Parameters
     ----------
@@ -126,7 +130,7 @@ def robust_gait(
     uncertainty
         How well friction and servos are known; the defaults of `Uncertainty` unless given.
     samples
-        Number of sampled robots, 20 to 65536.
+        Number of sampled robots, 20 to 65536; with servos at most 512 of them are used.
     seed
         Of the samples.
 
@@ -143,138 +147,151 @@ def robust_gait(
         If no gait keeps the speed.
     """
     check_number("samples", samples, 20, 65536)
-    uncertainty = uncertainty or Uncertainty()
-    wanted = float(speed_m_s)
-    waves = EitherWave(ground, lambda on: finder(robot, on, [speed_m_s], cost, limits))
-    fragile = waves.minimize(wanted)
-    drawn = uncertainty.samples(robot, ground, samples, seed)
-    tables = _shares(robot, ground, uncertainty)
-    best = _either_direction(waves, drawn, wanted, tables)
+    uncertainty, wanted = uncertainty or Uncertainty(), float(speed_m_s)
+    count = samples if uncertainty.servo is None else min(samples, _DRIVEN)
+    few = min(count, _FOR_SHAPE if uncertainty.servo is None else _FOR_SHAPE_DRIVEN)
+    finders = [finder(robot, on, [wanted], cost, limits) for on in directions(ground)]
+    fronts = [one.front([wanted])[0] for one in finders]
+    fragile = cheaper(finders, fronts)
+    if isinstance(fragile, NotConverged):
+        raise fragile
+
+    def draw(part: int, size: int) -> list[Sample]:
+        return uncertainty.samples(robot, ground, size, seed + part, skip=part * samples)
+
+    best: tuple[Robustness, Point] | None = None
+    for k, one in enumerate(finders):
+        work = Robustness(one, wanted, [draw(2, few), draw(0, count)], k > 0)
+        point = work.minimize()
+        if point is not None and (best is None or point.value < best[1].value):
+            best = work, point
     if best is None:
         raise NotConverged(
             f"no gait keeps 95 % of the sampled robots above {KEEP * wanted:.3g} m/s within the "
             f"limits ({limits.in_words()}); ask for less speed, or know friction and servos better"
         )
-    return _finished(best, ground, fragile, drawn, uncertainty, seed, tables[0])
-
-
-Tables = tuple[ServoShares, ServoShares] | tuple[None, None]
-
-
-def _shares(robot: Robot, ground: Ground, uncertainty: Uncertainty) -> Tables:
-    """Return tables of what servos leave, for waves from the head and from the tail."""
-    if uncertainty.servo is None:
-        return None, None
-    return ServoShares(robot, ground), ServoShares(robot, ground.turned_round())
-
-
-@dataclass(frozen=True)
-class _Found:
-    """A gait found with waves from head to tail, its cost, W, and the search that found it.
-
-    turned: the search knew the robot's tail as its head.
-    """
-
-    gait: Gait
-    watts: float
-    work: RobustSearch
-    turned: bool = False
-
-    @property
-    def as_sent(self) -> Gait:
-        """Return the gait for the robot that has its head in front."""
-        gait = self.gait
-        return replace(gait, beta_rad=-gait.beta_rad) if self.turned else gait
-
-
-def _either_direction(
-    waves: EitherWave, drawn: list[Sample], wanted: float, tables: Tables
-) -> _Found | None:
-    """Return the cheapest robust gait of both directions of waves."""
-    best: _Found | None = None
-    for least_w, k in sorted(zip(waves.watts, range(2), strict=False)):
-        if least_w >= (best.watts if best else math.inf):  # robust it would cost more still
-            continue
-        seen = [one.turned_round() for one in drawn] if k else drawn
-        found = _one_direction(waves.searches[k], seen, wanted, tables[k])
-        if found is not None and (best is None or found.watts < best.watts):
-            best = replace(found, turned=k > 0)
-    return best
-
-
-def _one_direction(
-    search: Finder, drawn: list[Sample], wanted: float, shares: ServoShares | None
-) -> _Found | None:
-    """Return the cheapest robust gait with waves from head to tail."""
-    everyone = np.arange(len(drawn))
-    few, many = (everyone[: max(20, len(drawn) // part)] for part in _FOR_SHAPE)
-    work = RobustSearch(search, SampledSpeeds(search.robot, drawn, shares), wanted)
-    start = work.coarse(few)
-    if start is None:
-        return None
-    rough = work.polish(start, few, 0.1, 0.04)
-    best = _settled(work, work.polish(rough, many, 0.04, 0.03), everyone)
-    if best is None:
-        return None
-    state: Any = best.data
-    return _Found(state.gait, search.search.watts(state), work)
-
-
-def _settled(work: RobustSearch, best: Point, drawn: Places) -> Point | None:
-    """Return the best shape at the rate that all samples ask for."""
-    state: Any = best.data
-    work.follow_slowest(drawn, state.gait)
-    rate = work.rate(state.gait, near=1e-3, exact=True)
-    if rate is None:
-        return None
-    gait = replace(state.gait, omega_rad_s=rate)
-    at_rate = work.search.solve(gait, 1e-3)
-    if at_rate.speed_m_s < work.wanted * (1 - _NOMINAL):
-        found = work.search.at_speed(GaitShape(*best.at), work.wanted, rate, _NOMINAL)
-        at_rate = found or state
-    return replace(best, data=at_rate)
-
-
-def _finished(
-    best: _Found,
-    ground: Ground,
-    fragile: LeastPower,
-    drawn: list[Sample],
-    uncertainty: Uncertainty,
-    seed: int,
-    shares: ServoShares | None,
-) -> RobustGait:
-    """Solve the gait once more, and look at all samples and at fresh ones."""
-    gait, work, search = best.as_sent, best.work, best.work.search
-    robot = search.robot
-    exact = exact_solver(robot, ground, powers=True)(gait, 1e-4)
-    fresh = uncertainty.samples(robot, ground, len(drawn), seed + 1, skip=len(drawn))
-    chosen = work.robots
-    like = None if best.turned else chosen
-    speeds = _all_speeds(chosen, best.gait, len(drawn))
-    if shares is None:
-        checked = _all_speeds(SampledSpeeds(robot, fresh, like=like), gait, len(fresh))
-    else:
-        checked = driven_speeds(robot, gait, fresh[:_DRIVEN])
-    few = drawn[:_OF_FRAGILE]
-    slow = _all_speeds(SampledSpeeds(robot, few, shares, like), fragile.gait, len(few))
+    work, point = best
+    gait = work.as_sent(point)
+    here = [Samples(robot, draw(part, count)) for part in (0, 1)]
+    speeds, checked = (samples.speeds(gait) for samples in here)
+    steady = steady_gait(robot, ground, gait, rtol=_STATE_RTOL)
+    shapes = work.finder.shapes
     return RobustGait(
         gait,
-        search.watts(exact),
-        exact.speed_m_s,
-        work.wanted,
-        search.cost,
-        exact,
+        shapes.watts(steady),
+        steady.speed_m_s,
+        wanted,
+        cost,
+        steady,
         uncertainty,
-        low_speed(speeds, speeds.size),
-        low_speed(checked, checked.size),
+        low_speed(speeds),
+        low_speed(checked),
         speeds,
         fragile,
-        low_speed(slow, slow.size),
-        search.limits.active(gait, search.torque_nm(best.gait)),
-        chosen.solved + slow.size + checked.size + search.evaluations,
+        low_speed(Samples(robot, here[0].samples[:_DRIVEN]).speeds(fragile.gait)),
+        limits.active(gait, shapes.torque_nm(gait)),
+        work.solved + shapes.evaluations + 2 * count + _DRIVEN,
     )
 
 
-def _all_speeds(robots: SampledSpeeds, gait: Gait, count: int) -> NDArray[np.float64]:
-    return robots.near_percentile(gait, np.arange(count), percentile_rank(count))
+class Robustness:
+    """The search for the shape that costs least where its slow cases are fast enough.
+
+    finder: of least power, for waves from head to tail; turned: of the robot that has its tail
+    called head. drawn: samples that choose the shape, and fresh ones that set the rate.
+    """
+
+    def __init__(
+        self, finder: Finder, wanted: float, drawn: Sequence[list[Sample]], turned: bool
+    ) -> None:
+        self.finder, self.wanted, self.turned = finder, wanted, turned
+        drawn = [[s.turned_round() for s in part] if turned else part for part in drawn]
+        self.few, self.many = (Samples(finder.robot, part) for part in drawn)
+        self.optimism = 1.0  # low speed of the few over that of the many
+
+    @property
+    def solved(self) -> int:
+        """Return the number of states of samples."""
+        return self.few.solved + self.many.solved
+
+    def as_sent(self, point: Point) -> Gait:
+        """Return a gait for the robot that has its head in front."""
+        assert point.gait is not None
+        gait = point.gait
+        return replace(gait, beta_rad=-gait.beta_rad) if self.turned else gait
+
+    def minimize(self) -> Point | None:
+        """Return the best shape at the rate that the many ask for, or None.
+
+        Where that rate is beyond a limit, the search goes on with what the many showed.
+        """
+        best, slow = self._ranked(), self.few
+        for _ in range(_ROUNDS):
+            for box, part in _SEARCHES:
+                if best is None or best.gait is None:
+                    return None
+                slow = self.few.slowest(best.gait, part)
+                best = self._search(slow).descend(self.wanted, best, box)
+            settled = self._settled(best)
+            if settled is None or settled.gait is None or settled.margin >= -_ROUNDING:
+                return settled
+            self.optimism *= slow.low(settled.gait) / low_speed(self.many.speeds(settled.gait))
+            best = settled
+        return None
+
+    def _ranked(self) -> Point | None:
+        """Return the best of the table's shapes, by few samples.
+
+        Shapes that cost more than the best even as they are thought to be are left out.
+        """
+        shapes = self._search(Samples(self.few.robot, self.few.samples[:_FOR_RANK])).shapes
+        best: Point | None = None
+        looked: list[Array] = []
+        for start in self.finder.table.starts(self.wanted, _WITHIN):
+            if best is not None and start.watts > _DEARER * math.exp(best.value):
+                break
+            at = np.array(start.shape)
+            if any(math.dist(at, other) < _APART for other in looked):
+                continue
+            looked.append(at)
+            point = shapes.point(at, self.wanted, start.omega_rad_s, self.finder.rough)
+            if point.gait is not None and (best is None or point.better < best.better):
+                best = point
+        return best
+
+    def _search(self, samples: Samples) -> Finder:
+        """Return the finder by what samples keep in place of the speed."""
+        finder = copy(self.finder)
+        nominal = self.finder.shapes.solve
+
+        def solve(gait: Gait, rtol: float) -> Steady | None:
+            state = nominal(gait, rtol)
+            if state is None:
+                return None
+            kept = samples.low(gait) / self.optimism / KEEP
+            return replace(state, speed_m_s=min(state.speed_m_s, kept))
+
+        finder.shapes = self.finder.shapes.solved_by(solve)
+        return finder
+
+    def _settled(self, best: Point | None) -> Point | None:
+        """Return a shape at the rate that the many samples and the nominal ground ask for."""
+        if best is None or best.gait is None:
+            return None
+        nominal = self.finder.shapes
+
+        def solve(gait: Gait, rtol: float) -> Steady | None:
+            state = nominal.solve(gait, rtol)
+            if state is None:
+                return None
+            kept = low_speed(self.many.speeds(gait, rough=True)) / KEEP
+            return replace(state, speed_m_s=min(state.speed_m_s, kept))
+
+        how = Accuracy(_STATE_RTOL, _SETTLED)
+        rate = best.gait.omega_rad_s
+        found = nominal.solved_by(solve).point(best.at, self.wanted, rate, how)
+        if found.gait is None:
+            return None
+        least = nominal.point(best.at, self.wanted, rate, Accuracy(_STATE_RTOL, _STATE_RTOL))
+        enough = least.gait is None or found.gait.omega_rad_s >= least.gait.omega_rad_s
+        return found if enough else least

@@ -17,7 +17,6 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 
 Array = NDArray[np.float64]
-SERVOS = 96  # drawn of a kind
 FRICTION = ("ct", "cn", "ft0", "fn0")
 # How the errors of the four hang together after a session with one bend of 7.5 deg.
 _AFTER_A_SESSION = np.array(
@@ -50,8 +49,8 @@ class Uncertainty:
     joint_gain, joint_shift_rad
         Measured factors of amplitude and phase shifts, rad, one a joint, in place of 1 and 0.
     servo
-        The kind of servo that moves the joints, each sample with one of SERVOS drawn ones; None:
-        joints follow what is told them, but for the errors above.
+        The kind of servo that moves the joints, drawn anew for each sample; None: joints follow
+        what is told them, but for the errors above.
 
     Raises
     ------
@@ -113,12 +112,10 @@ class Uncertainty:
         ]
 
     def _servos(self, count: int, seed: int) -> list[Servo] | list[None]:
-        """Return a servo for each sample, each of the drawn ones as often."""
+        """Return a servo for each sample."""
         if self.servo is None:
             return [None] * count
-        drawn = [self.servo.servo] if self.servo.exact else self.servo.draws(SERVOS, seed)
-        order = np.random.default_rng(seed).permutation(count)
-        return [drawn[k % len(drawn)] for k in order.tolist()]
+        return [self.servo.servo] * count if self.servo.exact else self.servo.draws(count, seed)
 
     def in_words(self) -> str:
         """Return the statement in one line."""

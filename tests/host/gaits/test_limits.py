@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.gaits.gait_table import GaitTable
 from serpenoid.gaits.margins import cliff_around
 from serpenoid.gaits.uncertainty import Uncertainty
 
@@ -39,18 +37,6 @@ def test_the_error_of_the_speed_is_part_of_the_powers() -> None:
     steady = best.steady
     assert best.solved_error_w >= 2 * steady.error_estimate * best.power_w
     assert best.solved_error_w >= steady.positive_power_error_w
-
-
-def test_an_amplitude_at_its_limit_is_in_the_table() -> None:
-    """exp(log(limit)) may be one rounding beyond it."""
-    limit = 0.7
-    beyond = np.nextafter(limit, 1.0)
-    limits = sn.GaitLimits(joint_angle_rad=limit)
-    table = GaitTable(
-        PAPER, VISCOUS, "power", limits, np.array([[0.5], [beyond], [0.8]]), np.array([1.2]), 1e-4
-    )
-    table.add_rates(np.array([3.0]))
-    assert np.isfinite(table.speed_m_s[:, 0, 0]).tolist() == [True, True, False]
 
 
 def test_a_ratchet_names_the_cheaper_of_both_waves_as_best_and_the_other_as_runner_up() -> None:

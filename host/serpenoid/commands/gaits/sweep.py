@@ -56,6 +56,15 @@ def _span(text: str, name: str) -> list[float]:
     return [first + i * step for i in range(int((last - first) / step + 1 + 1e-9))]
 
 
+def _rates(omega_rad_s: str | None, frequency_hz: str | None) -> list[float]:
+    """Read the rates, rad/s, from either option."""
+    if frequency_hz is None:
+        return _span(omega_rad_s or "1:20:1", "--omega-rad-s")
+    if omega_rad_s is not None:
+        raise click.UsageError("--omega-rad-s and --frequency-hz say the same; give one")
+    return [2 * math.pi * hz for hz in _span(frequency_hz, "--frequency-hz")]
+
+
 class _Result(click.ParamType):
     """A file with a suffix, or a folder for a study."""
 
@@ -121,7 +130,8 @@ def _designs(
 )
 @click.option("--alpha-deg", default="5:75:5", show_default=True, help="FIRST:LAST:STEP.")
 @click.option("--beta-deg", default="20:90:5", show_default=True, help="FIRST:LAST:STEP.")
-@click.option("--omega-rad-s", default="1:20:1", show_default=True, help="FIRST:LAST:STEP.")
+@click.option("--omega-rad-s", help="FIRST:LAST:STEP; 1:20:1 unless given.")
+@click.option("--frequency-hz", help="FIRST:LAST:STEP, in place of --omega-rad-s.")
 @click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
 @servo_option
 @click.option("--threads", type=int, help="Threads to solve in; one a processor unless given.")
@@ -143,7 +153,8 @@ def sweep(
     vary: tuple[str, ...],
     alpha_deg: str,
     beta_deg: str,
-    omega_rad_s: str,
+    omega_rad_s: str | None,
+    frequency_hz: str | None,
     rtol: float,
     threads: int | None,
     scheduler: str | None,
@@ -170,7 +181,7 @@ def sweep(
     grid = {
         "alpha_rad": [radians("alpha", a) for a in _span(alpha_deg, "--alpha-deg")],
         "beta_rad": [radians("beta", b) for b in _span(beta_deg, "--beta-deg")],
-        "omega_rad_s": _span(omega_rad_s, "--omega-rad-s"),
+        "omega_rad_s": _rates(omega_rad_s, frequency_hz),
     }
     how = {"rtol": rtol, "threads": threads, "scheduler": scheduler}
     if whole:

@@ -112,6 +112,11 @@ def robust(found: RobustGait) -> None:
         ["limits reached", ", ".join(found.active) or "none"],
     ]
     table("robust gait", ["", "value"], rows)
+    if not found.confirmed:
+        notices.print(
+            "serpenoid: warning: the other samples disagree by more than chance; believe the lower "
+            "of the two speeds"
+        )
     console.print(f"taken as uncertain: {found.uncertainty.in_words()}", highlight=False)
 
 
