@@ -92,6 +92,14 @@ class Comparison:
         Name of the kind of servo; None for joints that follow the gait.
     fit_alarms
         Why the friction fit that this rests on is not to be trusted.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> found = sn.compare(session, gaits=[gait], servo=None, samples=16)
+    >>> found.gaits[0].low_m_s < found.gaits[0].high_m_s
+    True
     """
 
     session: str
@@ -153,6 +161,14 @@ def compare(
     ------
     BadInput
         If there is neither a run nor a gait.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> found = sn.compare(session, gaits=[gait], servo=None, samples=16)
+    >>> len(found.gaits)
+    1
     """
     check_kind("session", session, Session)
     check_number("amplitude_sigma", amplitude_sigma, 0.0, 0.5)

@@ -56,6 +56,13 @@ def save_fit(fit: FrictionFit, path: str | Path) -> Path:
     ------
     OSError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> path = sn.save_fit(sn.fit_friction(session), "fit.json")
+    >>> path.name
+    'fit.json'
     """
     path = Path(path)
     path = path / NAME if path.is_dir() else path
@@ -81,6 +88,13 @@ def load_fit(path: str | Path) -> FrictionFit:
     ------
     BadInput
         The message names the file and what is wrong with it.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> path = sn.save_fit(sn.fit_friction(session), "fit.json")
+    >>> sn.load_fit(path).ground.ct > 0
+    True
     """
     path = Path(path)
     path = path / NAME if path.is_dir() else path

@@ -91,6 +91,13 @@ def fit_friction(
         The readings leave a friction open. It names the friction and the reading that would tell
         it: fewer than two straight or two bent ones (three if naive), speeds too close to each
         other, or a bend that its uncertainty could undo.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> fit = sn.fit_friction(session)
+    >>> round(fit.parameters["ct"].value, 3)
+    0.084
     """
     check_kind("session", session, Session)
     check_choice("method", method, METHODS)

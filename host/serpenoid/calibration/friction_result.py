@@ -149,6 +149,13 @@ class FrictionFit:
         commanded one. Each row is as likely as any other.
     servos
         Where crawls are fitted and the servos were in doubt: the servo that goes with each draw.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> fit = sn.fit_friction(session)
+    >>> round(fit.parameters["cn_whole"].value, 2)  # of the whole snake, N s/m
+    1.2
     """
 
     method: str

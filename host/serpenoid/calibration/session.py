@@ -141,6 +141,12 @@ class Session:
         The session's folder; None for a session in memory.
     notes
         Remarks from reading the files, in words.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> session.setup.robot.links
+    6
     """
 
     setup: Setup

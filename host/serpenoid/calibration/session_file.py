@@ -85,6 +85,12 @@ def load_session(folder: str | Path) -> Session:
     BadInput
         If anything is missing, unknown, in other units, out of range or of a newer format, or if no
         reading is left to use. The message names file, line, value and limits.
+
+    Examples
+    --------
+    >>> session = sn.load_session("calibration_data/nirakh-2005")
+    >>> len(session.kept)
+    11
     """
     session = read_session(folder)
     if not (session.kept or session.on_floor or session.kept_gait_runs or session.kept_films):

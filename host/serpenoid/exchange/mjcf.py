@@ -39,6 +39,13 @@ def to_mjcf(robot: Robot, ground: Ground, *, timestep_s: float = 1e-3) -> str:
     ------
     BadInput
         For ratchet wheels and arguments out of range.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> text = sn.to_mjcf(robot, sn.Ground(ct=0.01, cn=0.2))
+    >>> text.count("<hinge") + text.count('type="hinge"') >= 5
+    True
     """
     check_parts(robot, ground)
     timestep_s = check_number("timestep_s", timestep_s, 0.0, open_low=True)

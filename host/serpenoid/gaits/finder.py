@@ -72,6 +72,14 @@ class LeastPower:
         Power of the second best valley, W; inf if there was one valley.
     evaluations
         Periodic states solved in the search, without those of tables.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> best = sn.least_power_gait(robot, ground, speed_m_s=0.1)
+    >>> round(best.gait.omega_rad_s, 1)
+    1.8
     """
 
     gait: Gait

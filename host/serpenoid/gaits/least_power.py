@@ -65,6 +65,14 @@ def least_power_gait(
         For arguments out of range, and wheels without any rolling friction.
     NotConverged
         If no gait reaches the speed; the message names the fastest one.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> best = sn.least_power_gait(robot, ground, speed_m_s=0.1)
+    >>> round(1e3 * best.power_w, 2)
+    7.64
     """
     springs = joint_stiffness_n_m, joint_damping_n_s_m
     (best,) = _front(robot, ground, [speed_m_s], cost, limits, rtol, formulation, springs)
@@ -108,6 +116,14 @@ def power_front(
     ------
     BadInput
         For arguments out of range.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> front = sn.power_front(robot, ground, speeds_m_s=[0.05, 0.1])
+    >>> [round(1e3 * best.power_w, 1) for best in front]
+    [1.9, 7.6]
     """
     wanted = _wanted(speeds_m_s)
     speeds = sorted(set(wanted))

@@ -52,6 +52,15 @@ class GaitLimits:
     ------
     BadInput
         For values out of range.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> limits = sn.GaitLimits(joint_angle_rad=0.5)
+    >>> best = sn.least_power_gait(robot, ground, speed_m_s=0.1, limits=limits)
+    >>> round(best.gait.alpha_rad, 3), best.active
+    (0.5, ('joint angle',))
     """
 
     joint_angle_rad: float = math.radians(110.0)

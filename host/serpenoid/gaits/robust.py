@@ -65,6 +65,14 @@ class RobustGait:
         The limits that the gait has reached, in words.
     evaluations
         Periodic states solved in the search.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    >>> robust = sn.robust_gait(robot, ground, speed_m_s=0.05, samples=256)
+    >>> robust.low_speed_m_s > robust.fragile_low_m_s
+    True
     """
 
     gait: Gait
@@ -145,6 +153,14 @@ def robust_gait(
         For arguments out of range.
     NotConverged
         If no gait keeps the speed.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    >>> robust = sn.robust_gait(robot, ground, speed_m_s=0.05, samples=256)
+    >>> robust.low_speed_m_s > robust.fragile_low_m_s
+    True
     """
     check_number("samples", samples, 20, 65536)
     uncertainty, wanted = uncertainty or Uncertainty(), float(speed_m_s)

@@ -169,21 +169,28 @@ class Shapes:
         shape = GaitShape(*at)
         if not 0 < shape.alpha_rad <= math.pi:
             return Point(at)
-        end = _WayToSpeed(self, shape, speed_m_s, how).end(math.log(rate))
+        angles = self._within(shape.alpha_rad), shape.beta_rad
+        end = _WayToSpeed(self, angles, speed_m_s, how).end(math.log(rate))
         if end is None:
             return Point(at)
-        gait = Gait(shape.alpha_rad, shape.beta_rad, math.exp(end[0]))
+        gait = Gait(*angles, math.exp(end[0]))
         # rounding of the rate is no violation of a limit
         margin = min(self.margins(gait).values(), default=math.inf) + min(3 * how.rtol, ROUNDING)
         return Point(at, gait, end[1], margin)
+
+    def _within(self, alpha_rad: float) -> float:
+        """Return an amplitude, or the greatest allowed where it is beyond that by rounding."""
+        most = self.limits.joint_angle_rad
+        return most if most < alpha_rad <= most * (1 + ROUNDING) else alpha_rad
 
 
 class _WayToSpeed:
     """The way to the rate at which a shape makes a speed, on logarithms."""
 
-    def __init__(self, shapes: Shapes, shape: GaitShape, speed_m_s: float, how: Accuracy) -> None:
-        self._shapes, self._speed_m_s, self._how = shapes, speed_m_s, how
-        self._angles = shape.alpha_rad, shape.beta_rad
+    def __init__(
+        self, shapes: Shapes, angles: tuple[float, float], speed_m_s: float, how: Accuracy
+    ) -> None:
+        self._shapes, self._angles, self._speed_m_s, self._how = shapes, angles, speed_m_s, how
         self._known: dict[
             float, tuple[float, float]
         ] = {}  # ln rate -> ln speed over wanted, ln cost

@@ -56,6 +56,12 @@ class Uncertainty:
     ------
     BadInput
         For values out of range.
+
+    Examples
+    --------
+    >>> doubt = sn.Uncertainty(amplitude=0.01)  # each joint's amplitude, 1 %
+    >>> doubt.friction
+    (0.06, 0.35, 0.06, 0.13)
     """
 
     friction: tuple[float, float, float, float] = (0.06, 0.35, 0.06, 0.13)

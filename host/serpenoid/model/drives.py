@@ -52,6 +52,12 @@ class TorqueTable:
     ------
     BadInput
         For times that do not rise, or arrays that do not fit.
+
+    Examples
+    --------
+    >>> table = sn.TorqueTable([0.0, 1.0], [[0.0, 0.0], [0.02, -0.01]])
+    >>> table.torque_nm.shape
+    (2, 2)
     """
 
     t_s: NDArray[np.float64]
@@ -117,6 +123,12 @@ class Servo:
 
     A data sheet measures the whole servo, with its gear: `stall_torque_nm` is S - f and
     `no_load_rad_s` is (S - f) / (S / w0 + c), with the gear's dry friction f and damping c.
+
+    Examples
+    --------
+    >>> quick = sn.Servo(speed_limit_rad_s=12.0, update_hz=300.0)
+    >>> quick.speed_limit_rad_s
+    12.0
     """
 
     stiffness_nm_rad: float = 3.0
@@ -237,6 +249,12 @@ class ServoKind:
     ------
     BadInput
         For values out of range and names that Servo does not have.
+
+    Examples
+    --------
+    >>> kind = sn.servo("hobby")
+    >>> kind.name, kind.exact
+    ('hobby', False)
     """
 
     name: str

@@ -17,6 +17,14 @@ class SerpenoidError(Exception):
     """Base of every error raised on purpose: what happened, the value, the limits, the way out.
 
     Way out: in the message.
+
+    Examples
+    --------
+    >>> try:
+    ...     sn.Robot(links=1, link_mass_kg=0.1, link_length_m=0.1)
+    ... except sn.SerpenoidError as error:
+    ...     print(type(error).__name__)
+    BadInput
     """
 
     def __str__(self) -> str:
@@ -27,6 +35,12 @@ class BadInput(SerpenoidError, ValueError):
     """A parameter, a file or a state is outside what the models or the robot allow.
 
     Way out: the message names the value, the limits and, of a file, the line: change it there.
+
+    Examples
+    --------
+    >>> sn.Ground(ct=-1.0, cn=10.0)
+    Traceback (most recent call last):
+    serpenoid.model.errors.BadInput: ct is -1.0; it must be a finite number, at least 0
     """
 
 
@@ -37,6 +51,11 @@ class NotConverged(SerpenoidError, ArithmeticError):
     tells.
 
     best: the best result there is, with the error that it has; None where there is none.
+
+    Examples
+    --------
+    >>> issubclass(sn.NotConverged, sn.SerpenoidError)
+    True
     """
 
     def __init__(self, message: str, best: Any = None):
@@ -48,6 +67,18 @@ class StepTooLarge(SerpenoidError, ArithmeticError):
     """A time step is outside the stability region of its method for this scene.
 
     Way out: take the step or the method that the message names.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> gait = sn.Gait(alpha_rad=0.5236, beta_rad=1.3963, omega_rad_s=5.0)
+    >>> scene = sn.Scene(robot, ground, gait, formulation="implicit", method="rk4", dt_s=0.1)
+    >>> try:
+    ...     sn.simulate(scene)
+    ... except sn.StepTooLarge:
+    ...     print("refused")
+    refused
     """
 
 
@@ -55,6 +86,11 @@ class Diverged(SerpenoidError, ArithmeticError):
     """A run left the finite numbers; names the time, the cause and a step that works.
 
     Way out: take the step or the method that the message names.
+
+    Examples
+    --------
+    >>> issubclass(sn.Diverged, sn.SerpenoidError)
+    True
     """
 
 

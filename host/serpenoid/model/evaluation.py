@@ -30,6 +30,15 @@ class TorqueDrive:
     ----------
     torque_nm : (n-1,)
         T_i on link i from link i+1, N m.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
+    >>> found = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
+    >>> found.alpha_rad_s2.round(3).tolist()
+    [5.963, -7.688, 2.551]
     """
 
     torque_nm: Array
@@ -43,6 +52,15 @@ class AngleDrive:
     ----------
     acceleration_rad_s2 : (n-1,)
         phi_i'', rad/s^2.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
+    >>> straight = [0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0]
+    >>> drive = sn.AngleDrive([1.0, -1.0])
+    >>> found = sn.acceleration(robot, sn.Ground(ct=0.1, cn=10.0), straight, drive=drive)
+    >>> (found.alpha_rad_s2[1:] - found.alpha_rad_s2[:-1]).round(9).tolist()
+    [1.0, -1.0]
     """
 
     acceleration_rad_s2: Array
@@ -67,6 +85,15 @@ class Acceleration:
         Force of the ground on each link, N.
     joint_force_x_n, joint_force_y_n, joint_torque_nm : (n-1,)
         On link i from link i+1, N and N m.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
+    >>> found = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
+    >>> found.joint_force_x_n.round(4).tolist()
+    [0.4285, 0.3458]
     """
 
     ax_m_s2: Array
@@ -122,6 +149,15 @@ def acceleration(
     ------
     BadInput
         For arguments of a wrong kind or out of range.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=3, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> q, qdot = [0.1, -0.2, 0.3, -0.4, 0.7], [0.05, -0.03, 1.1, -0.7, 0.4]
+    >>> found = sn.acceleration(robot, ground, (q, qdot), drive=sn.TorqueDrive([0.02, -0.01]))
+    >>> found.qddot.round(4).tolist()
+    [0.2964, 0.3223, 5.9634, -7.6883, 2.5509]
     """
     check_parts(robot, ground)
     check_choice("formulation", formulation, FORMULATIONS)

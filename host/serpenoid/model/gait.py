@@ -40,6 +40,12 @@ class Gait:
     ------
     BadInput
         For values out of range.
+
+    Examples
+    --------
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> round(gait.period_s, 4)
+    1.2566
     """
 
     alpha_rad: float

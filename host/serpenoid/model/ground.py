@@ -39,6 +39,13 @@ class Ground:
     Ratchet wheels: ct and ft0 may each be a pair (forwards, backwards), for v^t > 0 (towards the
     head) and v^t < 0. At rest the ground then holds with any force from -ft0[0] to +ft0[1]. A pair
     of equal values is the single one. Wheels that cannot roll back have a large backward value.
+
+    Examples
+    --------
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)  # of each link
+    >>> whole = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    >>> round(whole.ct, 4)
+    0.014
     """
 
     ct: Both

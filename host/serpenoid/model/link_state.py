@@ -28,6 +28,13 @@ class LinkState:
         Absolute angles, rad.
     vx_m_s, vy_m_s, omega_rad_s : (n,)
         Their rates, m/s and rad/s.
+
+    Examples
+    --------
+    >>> rest = [0.0, 0.0, 0.0]
+    >>> state = sn.LinkState([0.0, 0.12, 0.24], rest, rest, rest, rest, rest)
+    >>> state.x_m.shape
+    (3,)
     """
 
     x_m: Array

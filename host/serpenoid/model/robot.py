@@ -42,6 +42,12 @@ class Robot:
     ------
     BadInput
         For values out of range.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> robot.links, round(robot.inertia_kg_m2, 8)
+    (6, 3.639e-05)
     """
 
     links: int

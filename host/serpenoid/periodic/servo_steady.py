@@ -81,6 +81,15 @@ class ServoSteady:
         Speeds of servos drawn from the kind, m/s; () for a servo that is exact. low_m_s and
         high_m_s are their 95 % interval, or the spread of an exact one. Most servos cannot run the
         gait, and the band means little, unless `follows`.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> s = sn.steady_gait(robot, ground, gait, servo=sn.Servo())
+    >>> s.speed_m_s < s.ideal.speed_m_s
+    True
     """
 
     ideal: Steady

@@ -70,6 +70,15 @@ class Steady:
     If a wheel's speed comes so near to nothing that its stick or slip state is ambiguous, its dry
     friction is uncertain, and so are the joint torques, though hardly the speed or net power.
     positive_power_error_w covers both cases.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> s = sn.steady_gait(robot, ground, gait)
+    >>> bool(s.error_estimate < 1e-5), bool(s.positive_power_w > s.power_w)
+    (True, True)
     """
 
     robot: Robot

@@ -78,6 +78,15 @@ def steady_gait(
         A parameter is outside what the model allows.
     NotConverged
         No state was found to rtol; its `best` is the best one.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
+    >>> ground = sn.Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
+    >>> gait = sn.Gait(alpha_rad=1.22, beta_rad=1.31, omega_rad_s=5.0)
+    >>> s = sn.steady_gait(robot, ground, gait)
+    >>> round(s.speed_m_s, 4)
+    0.1332
     """
     ideal = ideal_gait(robot, ground, gait, rtol=rtol, powers=powers)
     if sensitivities:

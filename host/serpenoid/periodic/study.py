@@ -42,6 +42,17 @@ class Study:
         Robots, grounds, gaits and accuracy.
     length
         Number of shapes in a chunk.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> rates = [4.0, 5.0]
+    >>> study = sn.sweep_study(
+    ...     robot, ground, out="study", alpha_rad=[0.4], beta_rad=[1.4], omega_rad_s=rates
+    ... )
+    >>> study.folder.name
+    'study'
     """
 
     folder: Path
@@ -162,6 +173,17 @@ def sweep_study(
         If the folder holds something else.
     ClusterFailed
         If the cluster cannot be reached or has other versions.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> rates = [4.0, 5.0]
+    >>> study = sn.sweep_study(
+    ...     robot, ground, out="study", alpha_rad=[0.4], beta_rad=[1.4], omega_rad_s=rates
+    ... )
+    >>> study.grid.gaits
+    2
     """
     grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)
     count = threads_to_use(threads)
@@ -199,6 +221,17 @@ def load_study(folder: str | os.PathLike[str]) -> Study:
     ------
     BadInput
         If the folder holds no study.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> rates = [4.0, 5.0]
+    >>> study = sn.sweep_study(
+    ...     robot, ground, out="study", alpha_rad=[0.4], beta_rad=[1.4], omega_rad_s=rates
+    ... )
+    >>> sn.load_study("study").grid.gaits
+    2
     """
     path = Path(folder) / HEAD
     if not path.exists():

@@ -40,6 +40,14 @@ class Sweep:
     servo_speed_m_s, servo_low_m_s, servo_high_m_s
         Speed with the (typical) servo and the 95 % band of servos drawn from the kind, m/s. NaN
         where the motion does not settle; None without a servo. All others are of ideal joints.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> grid = sn.sweep(robot, ground, alpha_rad=[0.4, 0.5], beta_rad=[1.4], omega_rad_s=[5.0])
+    >>> grid.speed_m_s.shape, bool(grid.converged.all())
+    ((2, 1, 1), True)
     """
 
     alpha_rad: NDArray[np.float64]
@@ -111,6 +119,14 @@ def sweep(
         For arguments out of range.
     ClusterFailed
         If the cluster cannot be reached or has other versions.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> grid = sn.sweep(robot, ground, alpha_rad=[0.4, 0.5], beta_rad=[1.4], omega_rad_s=[5.0])
+    >>> grid.speed_m_s.shape, bool(grid.converged.all())
+    ((2, 1, 1), True)
     """
     _check_servo(servo, robot, ground)
     grid = Grid.of(robot, ground, (alpha_rad, beta_rad, omega_rad_s), rtol, powers)

@@ -164,6 +164,11 @@ def servo(name: str | Path = "hobby") -> ServoKind:
     ------
     BadInput
         For a name that is neither known nor a file.
+
+    Examples
+    --------
+    >>> sn.servo("MG996R").name
+    'MG996R'
     """
     wanted = str(name).lower().replace("-", "").replace(" ", "")
     for known, kind in SERVOS.items():

@@ -37,6 +37,12 @@ def load_servo(path: str | Path) -> ServoKind:
     ------
     BadInput
         The message names the file and what is wrong with it.
+
+    Examples
+    --------
+    >>> sn.save_servo(sn.servo("MG996R"), "servo.toml")
+    >>> sn.load_servo("servo.toml").name
+    'MG996R'
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
@@ -85,6 +91,12 @@ def save_servo(kind: ServoKind, path: str | Path) -> None:
     ------
     SerpenoidError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> sn.save_servo(sn.servo("MG996R"), "servo.toml")
+    >>> sn.load_servo("servo.toml").name
+    'MG996R'
     """
     import tomli_w
 

@@ -80,6 +80,15 @@ class Run:
     local_error
         Sum of the errors that an adaptive method estimates for its steps, in the scale of
         scene.tolerance, relative (0: it has no estimate).
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> gait = sn.Gait(alpha_rad=0.5236, beta_rad=1.3963, omega_rad_s=5.0)
+    >>> run = sn.simulate(sn.Scene(robot, ground, gait, duration_s=0.5, record=("energy",)))
+    >>> bool(run.error_estimate.integration.position_m < 1e-6)
+    True
     """
 
     scene: Scene

@@ -84,6 +84,15 @@ class Scene:
         "energy" adds a ledger (kinetic energy, work, heat), integrated with the motion.
     record_every
         Keep one of so many steps; unless given every one, thinned to 20 000 rows.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> gait = sn.Gait(alpha_rad=0.5236, beta_rad=1.3963, omega_rad_s=5.0)
+    >>> scene = sn.Scene(robot, ground, gait, method="rk4", dt_s=1e-3, duration_s=0.5)
+    >>> scene.formulation, scene.adaptive
+    ('explicit', False)
     """
 
     robot: Robot

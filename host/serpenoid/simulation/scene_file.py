@@ -66,6 +66,15 @@ def load_scene(path: str | Path) -> Scene:
     BadInput
         If something is missing, unknown, of a wrong type, out of range or of a newer format. The
         message names file, line, value and limits.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> gait = sn.Gait(alpha_rad=0.5236, beta_rad=1.3963, omega_rad_s=5.0)
+    >>> sn.save_scene(sn.Scene(robot, ground, gait, duration_s=0.5), "scene.toml")
+    >>> sn.load_scene("scene.toml").duration_s
+    0.5
     """
     top = Table.load(Path(path))
     top.check_format(FORMAT)
@@ -92,6 +101,15 @@ def save_scene(scene: Scene, path: str | Path) -> None:
         For a torque that is a Python function.
     SerpenoidError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> gait = sn.Gait(alpha_rad=0.5236, beta_rad=1.3963, omega_rad_s=5.0)
+    >>> sn.save_scene(sn.Scene(robot, ground, gait, duration_s=0.5), "scene.toml")
+    >>> sn.load_scene("scene.toml").duration_s
+    0.5
     """
     import tomli_w
 

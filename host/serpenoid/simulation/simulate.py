@@ -52,6 +52,15 @@ def simulate(
         If the state leaves the finite numbers or the method gives up; the message has the time.
     NotConverged
         If `accuracy` cannot be reached.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> gait = sn.Gait(alpha_rad=0.5236, beta_rad=1.3963, omega_rad_s=5.0)
+    >>> run = sn.simulate(sn.Scene(robot, ground, gait, duration_s=0.5))
+    >>> run.x_m.shape[1]
+    6
     """
     check_kind("scene", scene, Scene)
     if accuracy is not None:

@@ -42,6 +42,15 @@ class SteadySprings:
         Of the speed, relative to the exact model's, signed.
     cycles
         Run until then.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> gait = sn.Gait(alpha_rad=0.5236, beta_rad=1.3963, omega_rad_s=5.0)
+    >>> soft = sn.steady_springs(robot, ground, gait, joint_stiffness_n_m=1e4, rtol=1e-3)
+    >>> round(soft.speed_m_s, 2)
+    0.29
     """
 
     speed_m_s: float
@@ -149,6 +158,15 @@ def steady_springs(
         For arguments out of range.
     NotConverged
         If the motion does not repeat within 4096 cycles.
+
+    Examples
+    --------
+    >>> robot = sn.Robot(links=6, link_mass_kg=1.0, link_length_m=0.12)
+    >>> ground = sn.Ground(ct=0.1, cn=10.0)
+    >>> gait = sn.Gait(alpha_rad=0.5236, beta_rad=1.3963, omega_rad_s=5.0)
+    >>> soft = sn.steady_springs(robot, ground, gait, joint_stiffness_n_m=1e4, rtol=1e-3)
+    >>> round(soft.speed_m_s, 2)
+    0.29
     """
     check_number("rtol", rtol, 1e-9, 0.1)
     exact = steady_gait(robot, ground, gait, powers=False)
