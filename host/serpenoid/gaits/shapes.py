@@ -204,7 +204,7 @@ class _WayToSpeed:
         for _ in range(_SECANTS):
             y = self.miss(x)
             slope = 1.0 if x == last else (y - self.miss(last)) / (x - last)
-            if not slope > _LEAST_SLOPE:
+            if math.isnan(y) or not slope > _LEAST_SLOPE:
                 break
             if abs(y) <= self._how.miss and x != last:
                 return self._between(x, last)
