@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..model.checks import check_number
+from ..model.core_model import check_parts
 from ..model.errors import BadInput, NotConverged
 from ..model.ground import Ground
 from ..model.robot import Robot
@@ -144,6 +145,7 @@ def _front(
     springs: tuple[float, float],
 ) -> list[LeastPower | NotConverged]:
     """Return the cheapest gait of each speed, in ascending order, or why there is none."""
+    check_parts(robot, ground)
     finders = [
         finder(robot, on, speeds, cost, limits, rtol, formulation, *springs)
         for on in directions(ground)

@@ -25,7 +25,7 @@ def follows_gait(scene: Scene) -> bool:
 def exact_scene(scene: Scene, tolerance: float) -> Scene:
     """Return a scene in the explicit formulation, by the most accurate method for it."""
     record = _ledger(scene)
-    if scene.law == "dry":
+    if scene.law == "dry" or (scene.servo is not None and scene.servo.gear_friction_nm > 0):
         method = "nonsmooth"
     else:
         fast = plain(scene) and scene.law == "viscous" and not record

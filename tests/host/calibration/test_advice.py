@@ -162,7 +162,7 @@ def test_advise_says_when_a_servo_is_what_to_measure(weak):
         incline_sigma_rad=weak.setup.uncertainty.incline_sigma_rad / 20,
     )
     sure = replace(weak, setup=replace(weak.setup, uncertainty=small))
-    fast = replace(GAIT, omega_rad_s=math.tau * 0.5)
+    fast = replace(GAIT, omega_rad_s=math.tau * 0.7)
     told = advise(sure, [fast], samples=16)
     assert told.measure_servo
     assert "Measure a servo next" in told.note
