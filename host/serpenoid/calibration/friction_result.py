@@ -362,8 +362,9 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
     inclined = session.kept or session.kept_slides
     if inclined and not session.zero.readings and session.setup.kind != "regenerated":
         notes.append(
-            f"{NO_ZERO}: it is taken as 0, within incline_zero_sigma_deg of session.toml. 0.1 "
-            f"degrees are {np.radians(0.1) * session.setup.weight_n:.2g} N of ft0. "
+            f"{NO_ZERO}: it is taken as 0, within incline_zero_sigma_deg of session.toml, or 0.1 "
+            "degrees where that is 0. "
+            f"0.1 degrees are {np.radians(0.1) * session.setup.weight_n:.2g} N of ft0. "
             "Read it both ways round: `serpenoid calibrate add DIR zero incline_deg=0.1 "
             "reversed_deg=0`."
         )

@@ -24,6 +24,7 @@ DRAWS = 512
 CANNOT = 0.9  # of the free speed: what most servos cannot follow, and no band is given for
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
 _LEVEL = 0.95
+_LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
 _INSIDE = 4  # draws of a band solved finely between two at either end
 _FEW = 16  # draws, of which none is solved roughly
 _MOST_OFF = 0.15  # of the draws' scatter: what a rough one may be off by, once put right
@@ -33,11 +34,13 @@ def band(drawn: Array | Sequence[float]) -> tuple[float, float]:
     """Return the ends that hold 95 % of what the draws were drawn from.
 
     Harrell and Davis' quantiles: means of all draws in order, weighted by how likely each of them
-    is the quantile of n. One draw alone decides no end.
+    is the quantile of n. One draw alone decides no end. They lie half a draw too far inside, so
+    the quantile is taken half a draw farther out: the share held is then right from 64 draws on.
     """
     from scipy.special import betainc
 
-    n, tail = len(drawn), (1.0 - _LEVEL) / 2
+    n = len(drawn)
+    tail = max(((n + 1) * (1.0 - _LEVEL) / 2 - 0.5) / n, _LEAST_TAIL)
     weight = np.diff(betainc((n + 1) * tail, (n + 1) * (1 - tail), np.arange(n + 1) / n))
     ordered = np.sort(np.ravel(drawn))
     return float(weight @ ordered), float(weight[::-1] @ ordered)

@@ -62,7 +62,7 @@ def test_a_zero_that_is_claimed_exact_is_not_believed():
         claimed = replace(made.setup.uncertainty, incline_zero_sigma_rad=0.0)
         fits.append(fit_friction(replace(made, setup=replace(made.setup, uncertainty=claimed))))
     assert covered(fits)["ft0"] > 0.88  # 17 % where the claim is believed
-    assert any("0.1 degrees) is assumed" in note for note in fits[0].notes)
+    assert any("or 0.1 degrees where that is 0" in note for note in fits[0].notes)
     assert fits[0].nuisances["incline_zero_rad"].sigma == pytest.approx(math.radians(0.1), rel=0.01)
 
 

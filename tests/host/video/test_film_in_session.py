@@ -245,12 +245,12 @@ def test_predictions_and_advice_have_the_servos_that_a_film_leaves(
     """Joints at 0.8 of a quick gait: weak servos, which leave less of another gait's speed."""
     session, fit = of_2005
     weak = session.with_reading(VIDEO, replace(filmed(0.8, 0.1), omega_rad_s=8.0))
-    gait = sn.Gait(math.radians(70), math.radians(75), 5.0)
+    gait = sn.Gait(math.radians(70), math.radians(75), 3.0)
     before, after = (advise(s, [gait], samples=16) for s in (session, weak))
     assert before.band_servo_measured is not None
     assert after.band_servo_measured is None  # they are measured, by the film
     monkeypatch.setattr(session_file, "read_session", lambda folder: weak)
-    typed = ["steady", "--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5", "--json"]
+    typed = ["steady", "--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "3", "--json"]
     _, out, err = serpenoid(*typed, "--session", str(session_folder()))
     assert "those of hobby that would move the joints as filmed" in err
     band = json.loads(out)["band"]
