@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # moves into strings, data, generated files, docs or another suffix counts where it goes.
 MOST_TOKENS = {
     "calibration_data": 344,
-    "docs": 22896,
+    "docs": 23038,
     "firmware": 24643,
     "host": 1118,
     "host/core/board": 1109,
@@ -50,7 +50,7 @@ MOST_TOKENS = {
     "tests": 3086,
     "tests/arm": 1428,
     "tests/avr": 29288,
-    "tests/docs": 8026,
+    "tests/docs": 8071,
     "tests/end_to_end": 1071,
     "tests/firmware": 18706,
     "tests/golden": 3893,

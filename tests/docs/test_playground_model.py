@@ -9,6 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from serpenoid.periodic.servo_steady import band
 
 pytestmark = pytest.mark.skipif(not shutil.which("node"), reason="needs Node")
 PARTS = Path(__file__).resolve().parents[2] / "docs" / "playground"
@@ -62,7 +63,8 @@ console.log(JSON.stringify([0.5, 1, 1.03, 2].map((hz) => powerFor({hz}, 1))));""
     assert power == pytest.approx([1.0] * 4, abs=0.005)
 
 
-def test_a_band_holds_95_per_cent() -> None:
-    """Of n numbers the k-th leaves k / (n + 1) below it."""
-    assert asked("console.log(JSON.stringify(band([...Array(39).keys()])))") == [0, 38]
-    assert asked("console.log(JSON.stringify(band([...Array(79).keys()])))") == [1, 77]
+@pytest.mark.parametrize("count", [16, 64])
+def test_a_band_is_the_packages(count: int) -> None:
+    drawn = [math.sin(k * k) for k in range(count)]
+    ends = asked(f"console.log(JSON.stringify(band({json.dumps(drawn)})))")
+    assert ends == pytest.approx(band(drawn), rel=1e-7)
