@@ -37,7 +37,7 @@ MOST_TOKENS = {
     "host/serpenoid/calibration": 102915,
     "host/serpenoid/commands": 31494,
     "host/serpenoid/exchange": 2226,
-    "host/serpenoid/gaits": 15603,
+    "host/serpenoid/gaits": 15615,
     "host/serpenoid/lab": 7882,
     "host/serpenoid/model": 8489,
     "host/serpenoid/periodic": 10446,

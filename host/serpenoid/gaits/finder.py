@@ -36,6 +36,7 @@ _ROUNDS, _GAINED = 4, 3e-4  # closer descents repeat while they gain more, e-fol
 _NEAR_LIMIT = 0.03  # e-folds: so near to a limit its own curve is searched
 _DRY_GAP = 1e-3  # e-folds of cost: what kinks smaller than the last box hide on dry ground
 _FAR_ALONG = 0.8  # of a stretch of a limit: an end so far out asks for the next stretch
+_STRETCHES = 6  # of a limit at most: its curve may leave the range of shapes
 _BESIDE = 1e-3  # e-folds of shape, for slopes of a margin
 _ONTO = 8  # secants onto a limit; usual are 2
 _HOPELESS = 1e3  # price of a shape without a gait
@@ -354,7 +355,9 @@ class _Valley:
             return min(point.price, _HOPELESS)
 
         t, before = 0.0, math.inf
-        while abs(t - before) > _FAR_ALONG * radius:
+        for _ in range(_STRETCHES):
+            if abs(t - before) <= _FAR_ALONG * radius:
+                break
             before = t
             how = {"xatol": self.how.rtol**0.5}
             bounds = (before - radius, before + radius)
