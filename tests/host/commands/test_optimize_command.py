@@ -44,7 +44,7 @@ def test_limits_in_degrees_are_kept_and_told() -> None:
     words = run("optimize", "--robot", "paper", "--speed", "0.5", "--servo-speed-deg-s", "229")
     assert "servo speed" in words.output
     words = run("optimize", "--robot", "paper", "--speed", "9", "--omega-high-rad-s", "6", code=1)
-    assert "the fastest found makes 0.4" in str(words.exception)
+    assert "the fastest found makes 0.46" in str(words.exception)
 
 
 def test_several_speeds_are_a_front() -> None:

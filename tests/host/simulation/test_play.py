@@ -62,7 +62,6 @@ def test_teeth_push_both_sides_alike() -> None:
     assert np.ptp(spin) < 1e-6 * size
     assert np.ptp(run.vx_m_s.sum(axis=1)) < 1e-6
     gained, given = run.energy_j[:, 0] - run.energy_j[0, 0], run.energy_j[:, 3]
-    assert run.error_estimate.integration.energy_j["kinetic_j"] < np.inf
     # the ledger chooses no steps: it is off by 1.5e-5 of what was gained
     assert gained == pytest.approx(given, abs=3e-5 * gained.max())
 
