@@ -52,7 +52,7 @@ def drawn(rng: np.random.Generator, kind: str) -> Parts:
 def tight(parts: list[Parts], kind: str) -> Array:
     """Return speed, powers and turn of states near the first one, (N, Q), NaN where not found."""
     models = [core_model(*each) for each in parts]
-    states = _core.neighbours(models[0], models, TIGHT[kind], True, 1024, 1)
+    states = _core.neighbours(models[0], models, TIGHT[kind], True, 1)
     return np.array(
         [
             [s.speed, s.power, s.positive_power, s.turn]

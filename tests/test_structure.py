@@ -159,6 +159,13 @@ def test_core_arrows_run_down() -> None:
     assert uphill(core_graph(), CORE_ROOMS, "/") == []
 
 
+def test_the_labs_chain_knows_nothing_of_the_products_law() -> None:
+    """It has its law and its contacts a second time, so that an error in one of them shows."""
+    reached = {o for n, others in core_graph().items() if n.startswith("lab/") for o in others}
+    shared = {"drive/servo", "model/params", "numerics/cholesky"}
+    assert {o for o in reached if not o.startswith("lab/")} == shared
+
+
 def test_firmware_arrows_run_down() -> None:
     assert uphill(firmware_graph(), FIRMWARE_ROOMS, "/") == []
 

@@ -3,25 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace serpenoid {
 
-namespace {
-constexpr double kRest = 1e-9;   // m/s: a wheel that held has less, by rounding
-constexpr double kFlat = 1e-12;  // a wheel square to the rails: no motion along them turns it
-}  // namespace
-
 FreeChain::FreeChain(const Robot& robot, std::vector<LabLink> links)
-    : robot_(robot),
-      links_(std::move(links)),
-      angle_(robot.n - 1),
-      rate_(robot.n - 1),
-      aim_(robot.n - 1),
-      spin_(robot.n),
-      skid_(robot.n),
-      part_(robot.n),
-      along_(robot.n),
-      across_(robot.n) {
+    : LabChain(robot, std::move(links), 3, 0),
+      angle_(n_ - 1),
+      rate_(n_ - 1),
+      aim_(n_ - 1),
+      links_angle_(n_),
+      links_rate_(n_),
+      ones_(n_, 1.0) {
     restart();
 }
 
@@ -42,105 +35,50 @@ void FreeChain::aim(const std::vector<double>& angle, double rate) {
 // The chain as it stands, its joints at rest; no wheel is known to stick.
 void FreeChain::restart() {
     std::fill(rate_.begin(), rate_.end(), 0.0);
-    shape();
-    rows(theta_);
-    for (int i = 0; i < robot_.n; ++i) spin_[i] = along_[i].at(u_), skid_[i] = across_[i].at(u_);
-    convex_.forget();
+    shape(theta_);
+    for (Contact& wheel : contact_) wheel.impulse = 0;
+    settle();
 }
 
-void FreeChain::shape() {
-    const double l = robot_.l;
-    double a = 0, w = 0, x = 0, y = 0, dx = 0, dy = 0, mx = 0, my = 0, mdx = 0, mdy = 0;
-    for (int i = 0; i < robot_.n; ++i) {
-        Part& p = part_[i];
-        if (i > 0) {
-            x += l * part_[i - 1].c, y += l * part_[i - 1].s;
-            dx -= l * w * part_[i - 1].s, dy += l * w * part_[i - 1].c;
-            a += angle_[i - 1], w += rate_[i - 1];
-        }
-        p.c = std::cos(a), p.s = std::sin(a), p.w = w;
-        if (i > 0) x += l * p.c, y += l * p.s, dx -= l * w * p.s, dy += l * w * p.c;
-        p.rx = x, p.ry = y, p.dx = dx, p.dy = dy;
-        mx += x, my += y, mdx += dx, mdy += dy;
+// The wheels' rows with link 1 at this angle, inertia, and the momentum of the joints' motion.
+void FreeChain::shape(double theta) {
+    links_angle_[0] = theta;
+    for (int i = 0; i + 1 < n_; ++i) {
+        links_angle_[i + 1] = links_angle_[i] + angle_[i];
+        links_rate_[i + 1] = links_rate_[i] + rate_[i];
     }
-    const double f = 1.0 / robot_.n;
-    J_ = robot_.n * robot_.I, K_ = 0;
-    for (Part& p : part_) {
-        p.rx -= f * mx, p.ry -= f * my, p.dx -= f * mdx, p.dy -= f * mdy;
-        J_ += robot_.m * (p.rx * p.rx + p.ry * p.ry);
-        K_ += robot_.I * p.w + robot_.m * (p.rx * p.dy - p.ry * p.dx);
+    point(links_angle_);
+    J_ = n_ * robot_.I, K_ = 0;
+    const std::vector<double>& whole = turning(ones_);
+    for (int k = 0; k < 2 * n_; ++k) contact_[k].row[2] = whole[k];
+    const std::vector<double>& bending = turning(links_rate_);
+    for (int k = 0; k < 2 * n_; ++k) {
+        Contact& wheel = contact_[k];
+        const std::vector<double>& g = wheel.row;
+        J_ += robot_.m * g[2] * g[2], K_ += robot_.m * g[2] * bending[k];
+        wheel.offset = bending[k] - g[0] * ground_x_ - g[1] * ground_y_;
     }
-}
-
-// Speeds of all links over the ground as rows of u, link 1 at this angle.
-void FreeChain::rows(double theta) {
-    const double c = std::cos(theta), s = std::sin(theta);
-    for (int i = 0; i < robot_.n; ++i) {
-        const Part& p = part_[i];
-        const double tx = c * p.c - s * p.s, ty = s * p.c + c * p.s;
-        const double rx = c * p.rx - s * p.ry, ry = s * p.rx + c * p.ry;
-        const double ex = c * p.dx - s * p.dy - ground_x_, ey = s * p.dx + c * p.dy - ground_y_;
-        along_[i] = {{tx, ty, rx * ty - ry * tx}, tx * ex + ty * ey};
-        across_[i] = {{-ty, tx, rx * tx + ry * ty}, tx * ey - ty * ex};
-        // between rails a link goes along them alone, whatever stiff rails would still give way
-        if (guided_) along_[i].g = {tx, 0, 0}, across_[i].g = {-ty, 0, 0};
-    }
-}
-
-bool FreeChain::move_joints(double h) {
-    bool changed = false;
-    for (std::size_t i = 0; i < angle_.size(); ++i) {
-        const double most = most_rate_ * h;
-        const double by = std::clamp(aim_[i] - angle_[i], -most, most);
-        changed = changed || by != 0 || rate_[i] != 0;
-        angle_[i] += by, rate_[i] = by / h;
-    }
-    return changed;
+    for (const double rate : links_rate_) K_ += robot_.I * rate;
 }
 
 bool FreeChain::step(double h) {
-    const double momentum = J_ * u_[2] + K_;
-    if (move_joints(h)) shape();
-    rows(theta_ + h * u_[2]);
-    const double nm = robot_.n * robot_.m;
-    Mat3 H = {nm, 0, 0, 0, nm, 0, 0, 0, J_};
-    Vec3 b = {nm * (u_[0] + h * slope_.gx), nm * (u_[1] + h * slope_.gy), momentum - K_};
-    const auto add = [&](const Row& row, double weight, double offset) {
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) H[3 * i + j] += weight * row.g[i] * row.g[j];
-            b[i] -= offset * row.g[i];
-        }
-    };
-    kinks_.clear();
-    // A straight chain's six kinks meet in one point, where the active-set method could cycle.
-    // Moved by squares of their number no three of them meet (by the number itself they all would).
-    const auto kink = [&](const Row& row, double dry, double before, const LabLink& link) {
-        if (!(dry > 0) || (guided_ && std::fabs(row.g[0]) < kFlat)) return;
-        const bool rested = std::fabs(before) < kRest;
-        const auto c = static_cast<double>(kinks_.size() + 1);
-        const double apart = 1e-11 * std::fmod(0.6180339887 * c * c, 1.0);
-        kinks_.push_back({row.g, row.e + apart, h * dry * (rested ? link.breakaway : 1)});
-    };
-    for (int i = 0; i < robot_.n; ++i) {
-        const LabLink& k = links_[i];
-        const WheelLaw t = WheelLaw::along(k.ground), n = WheelLaw::across(k.ground);
-        const double ct = t.viscous(spin_[i]);
-        add(along_[i], h * ct + k.rolling,
-            (h * ct + k.rolling) * along_[i].e - k.rolling * spin_[i] - h * t.thrust);
-        add(across_[i], h * n.viscous(0), h * n.viscous(0) * across_[i].e);
-        kink(along_[i], t.bound, spin_[i], k);
-        kink(across_[i], n.bound, skid_[i], k);
+    const double momentum = J_ * u_[2] + K_, whole = n_ * robot_.m;
+    for (int i = 0; i + 1 < n_; ++i) {
+        const double by = std::clamp(aim_[i] - angle_[i], -most_rate_ * h, most_rate_ * h);
+        angle_[i] += by, rate_[i] = by / h;
     }
-    if (guided_) H[4] = H[8] = 1, b[1] = b[2] = 0;  // no row acts on them
-    if (!convex_.solve(H, b, kinks_)) return false;
-    u_ = convex_.minimum();
+    shape(theta_ + h * u_[2]);
+    mass_ = {whole, 0, 0, 0, whole, 0, 0, 0, J_};
+    right_ = {whole * (u_[0] + h * slope_.gx), whole * (u_[1] + h * slope_.gy), momentum - K_};
+    if (guided_) {
+        // a link goes along the rails alone, whatever stiff rails would still give way
+        for (Contact& wheel : contact_) wheel.row[1] = wheel.row[2] = 0;
+        right_[1] = right_[2] = 0;
+    }
+    resist(h);
+    if (!sweep()) return false;
     x_ += h * u_[0], y_ += h * u_[1], theta_ += h * u_[2];
-    for (int i = 0; i < robot_.n; ++i) {
-        const Ground& k = links_[i].ground;
-        const double t = spin_[i] = along_[i].at(u_), n = skid_[i] = across_[i].at(u_);
-        heat_ += h * (WheelLaw::along(k).dissipation(t) + WheelLaw::across(k).dissipation(n));
-    }
-    return std::isfinite(x_ + y_ + theta_);
+    return true;
 }
 
 bool FreeChain::advance(double duration, double h) {
@@ -168,25 +106,22 @@ bool FreeChain::lead(const std::vector<double>& angle, double duration, double h
 }
 
 double FreeChain::kinetic() const {
-    double sum = robot_.n * robot_.m * (u_[0] * u_[0] + u_[1] * u_[1]);
-    for (int i = 0; i < robot_.n; ++i) {
-        const Part& p = part_[i];
-        const double w = u_[2] + p.w, x = p.dx - u_[2] * p.ry, y = p.dy + u_[2] * p.rx;
-        sum +=
-            robot_.I * w * w + robot_.m * (x * x + y * y) + links_[i].rolling * spin_[i] * spin_[i];
-    }
-    return 0.5 * sum;
+    std::vector<double> rate = links_rate_;
+    for (double& r : rate) r += u_[2];
+    return LabChain::kinetic(rate);
 }
 
-std::vector<double> FreeChain::places() const {
-    std::vector<double> found;
-    const double c = std::cos(theta_), s = std::sin(theta_);
-    for (const Part& p : part_) {
-        found.push_back(x_ + c * p.rx - s * p.ry);
-        found.push_back(y_ + s * p.rx + c * p.ry);
-        found.push_back(theta_ + std::atan2(p.s, p.c));
+std::vector<double> FreeChain::places() {
+    std::vector<double> links;
+    shape(theta_);
+    const std::vector<double>& turn = turning(ones_);  // x is vy, y is -vx
+    for (int i = 0; i < n_; ++i) {
+        const double t = turn[2 * i], n = turn[2 * i + 1];
+        links.push_back(x_ + s_[i] * t + c_[i] * n);
+        links.push_back(y_ - c_[i] * t + s_[i] * n);
+        links.push_back(links_angle_[i]);
     }
-    return found;
+    return links;
 }
 
 }  // namespace serpenoid

@@ -6,34 +6,14 @@
 #include <cstddef>
 #include <numeric>
 
+#include "numerics/cholesky.hpp"
+
 namespace serpenoid {
 
 namespace {
 
 using Vector = std::vector<double>;
 constexpr double kInside = 1 - 1e-15;  // what is not at its bound
-
-// Lower triangle of the factor of a positive definite matrix, in place; rows of `size`.
-void cholesky(Vector& m, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i) {
-        for (std::size_t j = 0; j <= i; ++j) {
-            double sum = m[i * size + j];
-            for (std::size_t k = 0; k < j; ++k) sum -= m[i * size + k] * m[j * size + k];
-            m[i * size + j] = i == j ? std::sqrt(sum) : sum / m[j * size + j];
-        }
-    }
-}
-
-void solve_factored(const Vector& m, std::size_t size, Vector& x) {
-    for (std::size_t i = 0; i < size; ++i) {
-        for (std::size_t k = 0; k < i; ++k) x[i] -= m[i * size + k] * x[k];
-        x[i] /= m[i * size + i];
-    }
-    for (std::size_t i = size; i-- > 0;) {
-        for (std::size_t k = i + 1; k < size; ++k) x[i] -= m[k * size + i] * x[k];
-        x[i] /= m[i * size + i];
-    }
-}
 
 }  // namespace
 
@@ -45,13 +25,14 @@ void BoxQuadratic::solve() {
     for (std::size_t i = 0; i < size; ++i) most = std::max(most, matrix_[i * size + i]);
     factor_ = matrix_;
     for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] += 1e-9 * most;
-    cholesky(factor_, size);
+    const int rows = static_cast<int>(size);
+    cholesky(factor_.data(), rows);
     x_.assign(size, 0.0);
     for (int again = 0; again < 3; ++again) {
         rest_ = right_;
         for (std::size_t i = 0; i < size; ++i)
             for (std::size_t j = 0; j < size; ++j) rest_[i] -= matrix_[i * size + j] * x_[j];
-        solve_factored(factor_, size, rest_);
+        forward(factor_.data(), rows, rest_.data()), backward(factor_.data(), rows, rest_.data());
         for (std::size_t i = 0; i < size; ++i) x_[i] += rest_[i];
     }
 }

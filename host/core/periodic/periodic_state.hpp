@@ -11,9 +11,8 @@
 namespace serpenoid {
 
 struct SteadyOptions {
-    double rtol;       // of the speed, and of the powers when they are asked for
-    bool powers;       // also the means of |P_i| and P_i^+, which need every joint torque
-    int max_elements;  // of the finest mesh
+    double rtol;  // of the speed, and of the powers when they are asked for
+    bool powers;  // also the means of |P_i| and P_i^+, which need every joint torque
     // Dry ground: the first tolerance will do, whose errors are not known. Viscous ground: the
     // multipliers need not be known.
     bool rough = false;

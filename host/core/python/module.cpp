@@ -43,8 +43,8 @@ Array to_numpy(std::vector<double>&& values, std::initializer_list<std::size_t> 
     return Array(data, shape, free);
 }
 
-SteadyState steady(const Model& m, double rtol, bool powers, int max_elements) {
-    return steady_state({m.robot, m.ground, m.gait}, {rtol, powers, max_elements});
+SteadyState steady(const Model& m, double rtol, bool powers) {
+    return steady_state({m.robot, m.ground, m.gait}, {rtol, powers});
 }
 
 // Solve with Ctrl-C and progress coming through; solve(go_on) fills the table.
@@ -78,11 +78,11 @@ std::vector<SweepShape> shapes_of(const std::vector<Model>& models) {
 
 // Periodic states of all models at all rates, (models, rates, kSweepColumns).
 Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double rtol, bool powers,
-            int max_elements, int threads, nb::object progress, bool rough) {
+            int threads, nb::object progress, bool rough) {
     const std::vector<SweepShape> shapes = shapes_of(models);
     std::vector<double> out(shapes.size() * omegas.size() * kSweepColumns);
     with_progress(progress, [&](const auto& go_on) {
-        const SteadyOptions options{rtol, powers, max_elements, rough};
+        const SteadyOptions options{rtol, powers, rough};
         sweep_shapes(shapes, omegas, options, threads, go_on, out.data());
     });
     return to_numpy(std::move(out), {shapes.size(), omegas.size(), kSweepColumns});
@@ -90,13 +90,13 @@ Array sweep(const std::vector<Model>& models, std::vector<double> omegas, double
 
 // Periodic states of models that are all like `middle`.
 std::vector<SteadyState> solve_neighbours(const Model& middle, const std::vector<Model>& models,
-                                          double rtol, bool powers, int max_elements, int threads,
-                                          bool rough, const std::vector<Vec3>& starts) {
+                                          double rtol, bool powers, int threads, bool rough,
+                                          const std::vector<Vec3>& starts) {
     if (!starts.empty() && starts.size() != models.size()) throw nb::value_error("starts");
     std::vector<SteadyState> found;
     with_progress(nb::none(), [&](const auto& go_on) {
         found = neighbours({middle.robot, middle.ground, middle.gait}, shapes_of(models),
-                           {rtol, powers, max_elements, rough}, threads, go_on, starts);
+                           {rtol, powers, rough}, threads, go_on, starts);
     });
     return found;
 }
@@ -318,9 +318,9 @@ NB_MODULE(_core, m) {
     m.def("steady", &steady, nb::call_guard<nb::gil_scoped_release>());
     m.attr("SPEED_FLOOR") = kSpeedFloor;
     m.def("neighbours", &solve_neighbours, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
-          nb::arg(), nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{});
-    m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(),
-          nb::arg().none(), nb::arg("rough") = false);
+          nb::arg("rough") = false, nb::arg("starts") = std::vector<Vec3>{});
+    m.def("sweep", &sweep, nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg(), nb::arg().none(),
+          nb::arg("rough") = false);
     bind_servos(m);
     bind_run(m);
     bind_firmware(m);

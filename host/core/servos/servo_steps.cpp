@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "numerics/cholesky.hpp"
+
 namespace serpenoid {
 
 namespace {
@@ -13,53 +15,6 @@ namespace {
 constexpr int kAllAtOnce = 6, kMostRevisions = 60;
 constexpr double kHard = 1e3;     // times the stalled torque: what teeth can bear
 constexpr double kSpread = 1e-9;  // of the load, among more contacts than are needed to hold
-
-// Two numbers, for the vector instructions that every processor has.
-typedef double Pair __attribute__((vector_size(16), may_alias, aligned(8)));
-Pair& pair(double* x) { return *reinterpret_cast<Pair*>(x); }
-const Pair& pair(const double* x) { return *reinterpret_cast<const Pair*>(x); }
-
-// to += a from
-INLINED void add(double* to, int size, double a, const double* from) {
-    int i = 0;
-    for (; i + 1 < size; i += 2) pair(to + i) += a * pair(from + i);
-    if (i < size) to[i] += a * from[i];
-}
-
-INLINED double dot(const double* a, const double* b, int size) {
-    Pair sum{};
-    int i = 0;
-    for (; i + 1 < size; i += 2) sum += pair(a + i) * pair(b + i);
-    return sum[0] + sum[1] + (i < size ? a[i] * b[i] : 0.0);
-}
-
-// In place, m = U^T U by the upper triangle; reciprocals on the diagonal.
-void cholesky(double* m, int size) {
-    for (int k = 0; k < size; ++k) {
-        double* row = m + k * size;
-        const double inverse = 1 / std::sqrt(row[k]);
-        row[k] = inverse;
-        for (int i = k + 1; i < size; ++i) row[i] *= inverse;
-        for (int i = k + 1; i < size; ++i) add(m + i * size + i, size - i, -row[i], row + i);
-    }
-}
-
-// x becomes U^-T x.
-void forward(const double* m, int size, double* x) {
-    for (int i = 0; i < size; ++i) {
-        const double* row = m + i * size;
-        x[i] *= row[i];
-        add(x + i + 1, size - i - 1, -x[i], row + i + 1);
-    }
-}
-
-// x becomes U^-1 x.
-void backward(const double* m, int size, double* x) {
-    for (int i = size; i-- > 0;) {
-        const double* row = m + i * size;
-        x[i] = (x[i] - dot(row + i + 1, x + i + 1, size - i - 1)) * row[i];
-    }
-}
 
 }  // namespace
 

@@ -17,7 +17,6 @@
 namespace serpenoid {
 namespace {
 
-constexpr int kMaxElements = 1024;
 constexpr double kMotionRtol = 1e-5, kMotionTolerance = 1e-6, kServoRtol = 1e-6;
 
 SweepShape shape_of(const double* a) {
@@ -83,7 +82,7 @@ extern "C" {
 // turn. Returns 1 when they are within rtol, 0 when not, -1 when there is no answer.
 int serpenoid_steady(const double* ask, double rtol, int powers, double* to) {
     try {
-        const SteadyState s = steady_state(shape_of(ask), {rtol, powers != 0, kMaxElements});
+        const SteadyState s = steady_state(shape_of(ask), {rtol, powers != 0});
         const double values[] = {s.speed,     s.power,       s.abs_power,   s.positive_power,
                                  s.turn,      s.speed_error, s.power_error, s.positive_power_error,
                                  s.turn_error};
@@ -100,7 +99,7 @@ int serpenoid_steady(const double* ask, double rtol, int powers, double* to) {
 int serpenoid_servo(const double* ask, const double* servo, double longest, double* to) {
     try {
         const SweepShape s = shape_of(ask);
-        const SteadyState ideal = steady_state(s, {kServoRtol, false, kMaxElements});
+        const SteadyState ideal = steady_state(s, {kServoRtol, false});
         Servo of;
         each_servo_field([&](const char*, double Servo::* field) { of.*field = *servo++; });
         ServoGaitOptions options;
@@ -121,7 +120,7 @@ int serpenoid_servo(const double* ask, const double* servo, double longest, doub
 int serpenoid_motion(const double* ask, int frames, double* to) {
     try {
         const SweepShape s = shape_of(ask);
-        const SteadyState found = steady_state(s, {kMotionRtol, false, kMaxElements});
+        const SteadyState found = steady_state(s, {kMotionRtol, false});
         RunRequest q = one_period(s, frames);
         q.start = periodic_start(s, found.start);
         const RunResult run = simulate(q);

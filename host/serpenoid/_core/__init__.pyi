@@ -80,7 +80,7 @@ class SteadyState:
     @property
     def monodromy(self) -> tuple[float, ...]: ...
 
-def steady(arg0: Model, arg1: float, arg2: bool, arg3: int, /) -> SteadyState: ...
+def steady(arg0: Model, arg1: float, arg2: bool, /) -> SteadyState: ...
 
 SPEED_FLOOR: float
 
@@ -90,7 +90,6 @@ def neighbours(
     arg2: float,
     arg3: bool,
     arg4: int,
-    arg5: int,
     rough: bool = False,
     starts: Sequence[Sequence[float]] = [],
 ) -> list[SteadyState]: ...
@@ -100,8 +99,7 @@ def sweep(
     arg2: float,
     arg3: bool,
     arg4: int,
-    arg5: int,
-    arg6: object | None,
+    arg5: object | None,
     rough: bool = False,
 ) -> NDArray[numpy.float64]: ...
 

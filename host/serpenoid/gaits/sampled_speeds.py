@@ -14,7 +14,7 @@ from ..model.gait import Gait
 from ..model.robot import Robot
 from ..periodic.grid import threads_to_use
 from ..periodic.servo_steady import servo_speeds
-from ..periodic.steady import MAX_ELEMENTS, from_core
+from ..periodic.steady import from_core
 from .uncertainty import Sample
 
 Array = NDArray[np.float64]
@@ -53,9 +53,7 @@ class Samples:
             for sample, one in zip(self.samples, gaits, strict=True)
         ]
         threads = min(threads_to_use(None), len(models))
-        states = _core.neighbours(
-            models[0], models, _RTOL, False, MAX_ELEMENTS, threads, rough=rough
-        )
+        states = _core.neighbours(models[0], models, _RTOL, False, threads, rough=rough)
         self.solved += len(states)
         speeds = np.array([s.speed if s.converged else 0.0 for s in states])
         driven = [k for k, s in enumerate(self.samples) if s.servo is not None and speeds[k] > 0]

@@ -18,7 +18,7 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.steady import MAX_ELEMENTS, from_core, steady_gait
+from ..periodic.steady import from_core, steady_gait
 from .limits import GaitLimits, peak_torque_nm
 
 Array = NDArray[np.float64]
@@ -91,7 +91,7 @@ def exact_solver(robot: Robot, ground: Ground, powers: bool) -> Solve:
     def rough(gait: Gait, rtol: float) -> Any:
         model = core_model(robot, ground, gait)
         (state,) = _core.neighbours(
-            model, [model], rtol, powers, MAX_ELEMENTS, 1, rough=True, starts=[(0.0, 0.0, 0.0)]
+            model, [model], rtol, powers, 1, rough=True, starts=[(0.0, 0.0, 0.0)]
         )
         return from_core(robot, ground, gait, state) if state.converged else None
 

@@ -16,7 +16,6 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.grid import threads_to_use
-from ..periodic.steady import MAX_ELEMENTS
 from .limits import GaitLimits
 from .shapes import COSTS, Candidate, GaitShape
 
@@ -98,9 +97,7 @@ class GaitTable:
             for a, b in zip(alpha, beta, strict=True)
         ]
         powers, threads = self.cost != "power", min(threads_to_use(None), len(models))
-        rows = _core.sweep(
-            models, rates.tolist(), _RTOL, powers, MAX_ELEMENTS, threads, None, rough=True
-        )
+        rows = _core.sweep(models, rates.tolist(), _RTOL, powers, threads, None, rough=True)
         v, good = rows[..., 0], rows[..., 10] > 0.5
         v = np.where(v > _STILL * rates * self.robot.body_length_m, v, 1e-300)
         speed, cost = np.full((2, *useful.shape, rates.size), np.nan)

@@ -13,7 +13,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from .grid import threads_to_use
-from .steady import MAX_ELEMENTS, Steady, check_ground, from_core, steady_gait
+from .steady import Steady, check_ground, from_core, steady_gait
 
 Array = NDArray[np.float64]
 Draw = tuple[Ground, Gait]
@@ -65,4 +65,4 @@ def _solved(
         check_ground(ground, _RTOL)
     middle, *models = (core_model(robot, *draw) for draw in (near, *draws))
     threads = min(threads_to_use(None), max(len(models), 1))
-    return _core.neighbours(middle, models, _RTOL, False, MAX_ELEMENTS, threads, rough=rough)
+    return _core.neighbours(middle, models, _RTOL, False, threads, rough=rough)

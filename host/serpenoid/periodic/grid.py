@@ -19,7 +19,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..model.vectors import number_array
-from .steady import MAX_ELEMENTS, check_ground, speed_floor_m_s
+from .steady import check_ground, speed_floor_m_s
 
 Array = NDArray[np.float64]
 CHUNK = 4096  # shapes handed to the core at a time: what bounds the memory beside the result
@@ -125,7 +125,6 @@ class Grid:
                 list(self.omega_rad_s),
                 self.rtol,
                 self.powers,
-                MAX_ELEMENTS,
                 min(threads, len(models)),
                 progress,
             )

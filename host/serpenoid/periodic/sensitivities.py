@@ -24,7 +24,6 @@ QUANTITIES = ("speed_m_s", "power_w", "positive_power_w", "turn_rad_per_cycle")
 _STEP = 1e-3  # of the parameter, or rad
 _HALVINGS = 6
 _RTOL = 1e-7
-MAX_ELEMENTS = 1024
 _SMOOTH = 1e-2  # both sides agree to this part of the derivative: it is smooth
 _UNSEEN = 0.1  # of a jump: what the mean of both sides may be off by where nothing has kinks
 _BENT = 0.5  # and elsewhere: a kink within the step puts the mean off by half the jump
@@ -178,7 +177,7 @@ def _differences(here: Parts, moved: list[Parameter], steps: Array) -> tuple[Arr
         (p, p.value + sign * step) for p, step in zip(moved, steps, strict=True) for sign in (-1, 1)
     ]
     models = [core_model(*here), *(core_model(*p.moved(value)) for p, value in at)]
-    states = _core.neighbours(models[0], models, _RTOL, True, MAX_ELEMENTS, 1)
+    states = _core.neighbours(models[0], models, _RTOL, True, 1)
     values = np.array([[s.speed, s.power, s.positive_power, s.turn] for s in states])
     claims = np.array(
         [[s.speed_error, s.power_error, s.positive_power_error, s.turn_error] for s in states]

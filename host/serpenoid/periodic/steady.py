@@ -20,8 +20,6 @@ from ..model.robot import Robot
 if TYPE_CHECKING:
     from .sensitivities import Sensitivities
 
-MAX_ELEMENTS = 1024
-
 
 @dataclass(frozen=True, slots=True)
 class Steady:
@@ -221,7 +219,7 @@ def steady_gait(
     """
     check_parts(robot, ground, gait)
     check_ground(ground, rtol)
-    s = _core.steady(core_model(robot, ground, gait), rtol, powers, MAX_ELEMENTS)
+    s = _core.steady(core_model(robot, ground, gait), rtol, powers)
     found = from_core(robot, ground, gait, s)
     if s.converged:
         return found

@@ -94,7 +94,7 @@ def test_a_short_rest_near_the_bound_is_seen(
     Other code (event functions, Dormand-Prince) finds 0.00205337376766 m/s for the first.
     """
     gait = sn.Gait(math.radians(alpha), math.radians(beta), float(omega))
-    tight = _core.steady(core_model(OF_2005, BINGHAM, gait), 1e-9, True, 1024)
+    tight = _core.steady(core_model(OF_2005, BINGHAM, gait), 1e-9, True)
     s = sn.steady_gait(OF_2005, BINGHAM, gait, rtol=rtol)
     assert abs(s.speed_m_s - tight.speed) <= 0.9 * s.error_estimate * tight.speed
     assert abs(s.power_w - tight.power) <= s.power_error_w
@@ -108,9 +108,9 @@ def test_claims_hold_on_a_part_of_the_grid() -> None:
     for _ in range(40):
         alpha, beta, omega = (float(rng.choice(axis)) for axis in axes)
         gait = sn.Gait(alpha, beta, omega)
-        tight = _core.steady(core_model(OF_2005, BINGHAM, gait), 1e-8, True, 1024)
+        tight = _core.steady(core_model(OF_2005, BINGHAM, gait), 1e-8, True)
         for rtol in (1e-4, 1e-6):
-            s = _core.steady(core_model(OF_2005, BINGHAM, gait), rtol, True, 1024)
+            s = _core.steady(core_model(OF_2005, BINGHAM, gait), rtol, True)
             for name in ("speed", "power", "positive_power"):
                 claims = getattr(s, f"{name}_error") + getattr(tight, f"{name}_error")
                 assert abs(getattr(s, name) - getattr(tight, name)) <= 1.2 * claims, (gait, name)

@@ -111,7 +111,7 @@ def cost_s(gait_offset_rad: float, runs: int) -> float:
     taken = []
     for _ in range(runs):
         start = time.process_time()
-        table = _core.sweep(models, [1.0 + k for k in range(20)], 1e-6, True, 1024, 1, None)
+        table = _core.sweep(models, [1.0 + k for k in range(20)], 1e-6, True, 1, None)
         taken.append(time.process_time() - start)
     assert (table[..., 10] == 1).all()
     return min(taken)
@@ -129,7 +129,7 @@ def test_packs_are_used_and_cheap() -> None:
 def test_one_gait_alone_is_solved_by_a_pack() -> None:
     """A pack's mesh has 12, 24, 48 or 96 nodes; the other solver has none."""
     for omega in (0.5, 5.0, 20.0):
-        alone = _core.steady(core_model(PAPER, VISCOUS, sn.Gait(0.6, 1.4, omega)), 1e-6, True, 1024)
+        alone = _core.steady(core_model(PAPER, VISCOUS, sn.Gait(0.6, 1.4, omega)), 1e-6, True)
         assert alone.elements in {24, 48}
         assert alone.iterations <= 12
 
