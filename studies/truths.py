@@ -1,7 +1,7 @@
 """Hold runs in time, and what they claim, to the references of tests/oracle: three hard kinds.
 
 `springs`: k from 1e2 to 1e9 N/m, every method. `free`: torques and servos on dry ground, by
-events. `long`: 10 000 s on viscous ground, one cycle in long doubles, composed 5000 times.
+events. `long`: 10 000 s on viscous ground, a settled cycle composed 5000 times.
 `dry-springs`: springs on dry ground, by events. `far`: long runs on dry ground, on springs and with
 servos. `work`: the positive work of random scenes with every kind of drive, joint and ground.
 """
@@ -21,7 +21,6 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "host"))
 import serpenoid as sn
-from oracle import long_runs
 from serpenoid.simulation.run import ENERGY_COLUMNS
 from serpenoid.simulation.stability import largest_stable_step_s
 from serpenoid.simulation.starts import start_state
@@ -118,11 +117,7 @@ def long_scene(offset_rad: float, method: str, **more: float) -> sn.Scene:
 def long() -> None:
     """Print place and heading after 5000 cycles, and how far each method is off there."""
     for offset in (0.0, math.radians(5)):
-        first = start_state(long_scene(offset, "rk4"))
-        q = np.array([first.x_m[0], first.y_m[0], first.theta_rad[0]])
-        v = np.array([first.vx_m_s[0], first.vy_m_s[0], first.omega_rad_s[0]])
-        scene = long_scene(offset, "rk4")
-        at, angle = long_runs.after(tc.params(scene), tc.gait_of(scene.gait), q, v, 5000)
+        at, angle, _ = tc.far_truth(long_scene(offset, "dop853"), 5000, 1e-13)
         print(f"offset {offset!r}: x {at.real!r}, y {at.imag!r}, theta {angle!r}")
         for method, dt_s in (
             ("collocation", 0.01),

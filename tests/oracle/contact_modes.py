@@ -199,10 +199,13 @@ class World:
         force = np.zeros(3 * p.links)
         force[0::3], force[1::3] = p.mass_kg * np.asarray(p.gravity_m_s2)
         force -= self.turns.T @ self.drive.torques(t, self.turns @ q, self.turns @ v, mode.region)
+        return force - rows.T @ self.drag(slip, mode)
+
+    def drag(self, slip: Array, mode: Mode) -> Array:
+        """Return what holds back each contact that slides, N."""
         back = np.where(mode.slide == 0, slip < 0, mode.slide < 0)
         drag = np.where(back, self.viscous_back, self.viscous) * slip
-        drag += np.where(back, self.back, self.ahead) * mode.slide
-        return force - rows.T @ drag
+        return drag + np.where(back, self.back, self.ahead) * mode.slide
 
     def solve(self, t: float, y: Array, mode: Mode) -> tuple[Array, Array, Array, Array]:
         """Return v', the forces of resting contacts in the basis, all rows, all slips' rates."""

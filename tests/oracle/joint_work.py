@@ -19,6 +19,15 @@ from .params import Array, Gait
 _POINTS = 15
 
 
+@dataclass(frozen=True)
+class Forces:
+    """Hold what acts on the links at one time."""
+
+    wheels: Array  # (2n,) along and across each link, N
+    pins: Array  # (2 (n-1),) x and y of F_i on link i from the next, N
+    torques: Array  # (n-1,) T_i on link i from the next, N m
+
+
 @dataclass
 class GaitWorld(World):
     """Hold pinned links whose joints follow a gait exactly."""
@@ -36,13 +45,21 @@ class GaitWorld(World):
             np.concatenate([bend, -second]),
         )
 
-    def joint_powers(self, t: float, y: Array, mode: Mode) -> Array:
-        """Return what each joint gives, W: the multiplier of its angle times its rate."""
+    def forces(self, t: float, y: Array, mode: Mode) -> Forces:
+        """Return what wheels and joints do: the constraints' multipliers."""
         q, v = np.split(y, 2)
         accel, held, touch, _ = self.solve(t, y, mode)
-        rest = self.mass @ accel - self.pushes(t, q, v, mode, touch) - touch[mode.basis].T @ held
-        forces = np.linalg.lstsq(self.closing(t, q, v)[1].T, rest, rcond=None)[0]
-        return forces[-(self.p.links - 1) :] * (self.turns @ v)
+        rest = self.mass @ accel - self.pushes(t, q, v, mode, touch)
+        rest -= touch[mode.basis].T @ held
+        joints = np.linalg.lstsq(self.closing(t, q, v)[1].T, rest, rcond=None)[0]
+        wheels = -self.drag(touch @ v, mode)
+        wheels[mode.basis] = held
+        pins = 2 * (self.p.links - 1)
+        return Forces(wheels, -joints[:pins], -joints[pins:])
+
+    def joint_powers(self, t: float, y: Array, mode: Mode) -> Array:
+        """Return what each joint gives, W: the multiplier of its angle times its rate."""
+        return -self.forces(t, y, mode).torques * (self.turns @ np.split(y, 2)[1])
 
 
 def joint_powers(world: World, t: float, y: Array, mode: Mode) -> Array:
@@ -58,11 +75,13 @@ def joint_powers(world: World, t: float, y: Array, mode: Mode) -> Array:
     return torque * rate
 
 
-def positive_work(world: World, y: Array, end_s: float, rtol: float = 1e-12) -> float:
+def positive_work(
+    world: World, y: Array, end_s: float, rtol: float = 1e-12, longest_s: float = 0.01
+) -> float:
     """Return the integral of sum P_i^+ from t = 0 to the end, J."""
     x = np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS)
     work, before = 0.0, 0.0
-    for until, track, mode in pieces(world, y, end_s, rtol=rtol):
+    for until, track, mode in pieces(world, y, end_s, rtol=rtol, longest_s=longest_s):
         half = (until - before) / 2
         if half > 0:
             at = before + half * (1 + x)

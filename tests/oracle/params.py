@@ -73,8 +73,3 @@ class Gait:
 def gait_deg(alpha: float, beta: float, omega: float, offset: float = 0.0) -> Gait:
     """Return the gait of an amplitude, phase lag and offset in degrees, omega in rad/s."""
     return Gait(radians(alpha), radians(beta), omega, radians(offset))
-
-
-def robot_2005(links: int = 6) -> Params:
-    """Return the paper's six-link robot; Eqs. 59 and 62 are whole-body fits, a sixth per link."""
-    return Params(links, 0.0756, 0.038, None, 0.084 / 6, 1.2 / 6, 0.14 / 6, 0.27 / 6)

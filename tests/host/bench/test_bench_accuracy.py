@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from oracle import bingham
-from oracle.params import gait_deg, robot_2005
+from oracle import contact_modes
 from serpenoid.bench.accuracy import equal_error
 from serpenoid.bench.accuracy import files as accuracy_files
 from serpenoid.bench.accuracy import measure as accuracy
@@ -22,6 +21,7 @@ from serpenoid.bench.child_process import Crashed, Failed, Limited, Overran
 from serpenoid.bench.page import renew_table
 from serpenoid.bench.problems import problems
 from serpenoid.bench.reference import reference
+from simulation import truth_cases as tc
 
 ROOT = Path(__file__).parents[3]
 PROBLEMS = {p.name: p for p in problems()}
@@ -82,11 +82,10 @@ def test_kept_end_states_are_those_of_the_core() -> None:
 
 def test_the_dry_end_state_is_the_references() -> None:
     problem = PROBLEMS["robot2005"]
-    system = bingham.System(robot_2005(), gait_deg(70, 75, 5.0))
-    *_, last = bingham.run(system, np.zeros(6), 0.0, problem.duration_s, rtol=1e-8)
-    u, (theta, x, y) = last.at(last.end_s)[:3], last.at(last.end_s)[3:]
-    c, s = math.cos(theta), math.sin(theta)
-    end = np.array([x, y, theta, c * u[0] - s * u[1], s * u[0] + c * u[1], u[2]])
+    scene = problem.scene(start=problem.start)
+    start = tc.packed(sn.simulate(replace(scene, duration_s=0.0)).state(0))
+    (end,) = contact_modes.run(tc.world(scene), start, np.array([problem.duration_s]), rtol=1e-9)
+    end = np.concatenate([end[:3], end[len(end) // 2 :][:3]])
     # at a tolerance of 1e-8; the kept one is of 1e-12
     assert problem.error(end, reference(problem).end) < 1e-8
 

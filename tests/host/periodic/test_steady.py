@@ -451,20 +451,6 @@ def test_viscous_reference_table(row: dict[str, str]) -> None:
     assert abs(s.floquet_multipliers[0]) == pytest.approx(slowest, rel=1e-6, abs=1e-9)
 
 
-@pytest.mark.parametrize("row", rows("periodic_bingham.csv"), ids=lambda r: r["links"])
-def test_dry_reference_table(row: dict[str, str]) -> None:
-    """Event-driven integration of the modes, found by its own quadratic programme: other code."""
-    v = {name: float(text) for name, text in row.items()}
-    robot = sn.Robot(int(v["links"]), v["mass_kg"], 2 * v["half_length_m"], v["inertia_kg_m2"])
-    gait = sn.Gait(v["alpha_rad"], v["beta_rad"], v["omega_rad_s"])
-    s = sn.steady_gait(robot, sn.Ground(v["ct"], v["cn"], v["ft0"], v["fn0"]), gait, rtol=1e-6)
-    scale = 1e-4 * gait.omega_rad_s * robot.link_length_m * robot.links
-    error = max(1e-6, s.error_estimate) * max(v["speed_m_s"], scale)
-    assert abs(s.speed_m_s - v["speed_m_s"]) <= error
-    assert s.power_w == pytest.approx(v["power_w"], rel=1e-5)
-    assert s.abs_power_w == pytest.approx(v["abs_power_w"], rel=3e-5)
-
-
 def test_the_state_at_phase_0_on_stiff_ground_and_a_rough_mesh() -> None:
     """Ends of Gauss's elements do not settle: the state there was off by a quarter."""
     robot = sn.Robot(7, 0.021358154821199914, 0.23708470602396642)

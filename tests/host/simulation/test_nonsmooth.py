@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from oracle import bingham, explicit
-from oracle.params import Gait, robot_2005
+from oracle import contact_modes, explicit
 from oracle.scenes import SlowScene
+
+from . import truth_cases as tc
 
 OF_2005 = sn.Robot(6, 0.0756, 0.076)
 BINGHAM = sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
@@ -151,12 +153,10 @@ def test_a_wheel_at_rest_is_at_rest() -> None:
 
 def test_explicit_forces_are_those_of_the_reference() -> None:
     """Friction, joint forces and torques against events located by a dense solver."""
-    gait, p = replace(GAIT, omega_rad_s=2.0), robot_2005()
-    given = replace(p, ct=0.0, cn=0.0, ft0=1.0, fn0=1.0)  # its friction is minus `signs`
     scene = sn.Scene(
         OF_2005,
         BINGHAM,
-        gait,
+        replace(GAIT, omega_rad_s=2.0),
         method="nonsmooth",
         dt_s=0.05,
         duration_s=2.0,
@@ -165,26 +165,20 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
         start="link1_at_rest",
     )
     run = sn.simulate(scene)
-    theirs = Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s)
-    system = bingham.System(p, theirs)
-    pieces = list(bingham.run(system, np.zeros(6), 0.0, 2.0))
+    world = tc.world(scene)
+    pieces = list(contact_modes.pieces(world, tc.packed(run.state(0)), 2.0, rtol=1e-10))
+    jumps = [a[0] for a, b in pairwise(pieces) if a[2] is not b[2]]
     friction = slips(run, run.friction_x_n, run.friction_y_n)
     checked = 0
     for k, t in enumerate(run.t_s):
-        piece = next(piece for piece in pieces if t <= piece.end_s)
-        if min(t - piece.start_s, piece.end_s - t) < 1e-4 and 0 < t < 2:
+        if np.abs(np.array(jumps) - t).min() < 1e-4:
             continue  # which of the modes beside a jump counts is rounding
-        y = piece.at(t)
-        force = system.forces(t, y[:3], piece.mode)[1].reshape(6, 2)
-        assert friction[k] == pytest.approx(force, abs=1e-6)
-        c, s = math.cos(y[3]), math.sin(y[3])
-        rates = [c * y[0] - s * y[1], s * y[0] + c * y[1], y[2]]
-        motion = explicit.angle_driven(
-            given, np.array([y[4], y[5], y[3]]), np.array(rates), theirs.angles(t, 5), signs=-force
-        )
-        assert run.joint_force_x_n[k] == pytest.approx(motion.force_n[:, 0], abs=1e-6)
-        assert run.joint_force_y_n[k] == pytest.approx(motion.force_n[:, 1], abs=1e-6)
-        assert run.joint_torque_nm[k] == pytest.approx(motion.torque_n_m, abs=1e-7)
+        _, track, mode = next(piece for piece in pieces if t <= piece[0])
+        forces = world.forces(t, track(t), mode)
+        assert friction[k].ravel() == pytest.approx(forces.wheels, abs=1e-6)
+        assert run.joint_force_x_n[k] == pytest.approx(forces.pins[::2], abs=1e-6)
+        assert run.joint_force_y_n[k] == pytest.approx(forces.pins[1::2], abs=1e-6)
+        assert run.joint_torque_nm[k] == pytest.approx(forces.torques, abs=1e-7)
         checked += 1
     assert checked > 30
 
