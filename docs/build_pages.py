@@ -1,11 +1,10 @@
-"""Write what the documentation takes from the program: commands, JSON, errors, API, pictures."""
+"""Write the reference pages from the program: commands, JSON, errors, API, pages to watch."""
 
 from __future__ import annotations
 
 import inspect
 import json
 import shutil
-import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import chdir
@@ -13,23 +12,17 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
 import build_playground
 import click
-import film_pictures
 import serpenoid as sn
 import tomllib
-import wiring_diagram
-from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
 from serpenoid.model import errors
 from serpenoid.robot.wire.error_table import ERRORS
-from serpenoid.show.servo_figure import servo_figure
 
 HERE = Path(__file__).resolve().parent
 OUT = HERE / "generated"
-STORED = HERE.parent / "host" / "docs"
 LIMPING = HERE.parent / "host" / "examples" / "limping_on_a_slope.toml"
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
 MEANINGS = tomllib.loads((HERE / "json_keys.toml").read_text(encoding="utf-8"))
@@ -168,31 +161,14 @@ def api_page() -> str:
     return "\n".join([*parts, directive("autoclass", "serpenoid.robot.RobotBoard", True)])
 
 
-def pictures(folder: Path) -> None:
-    """Draw every figure of the documentation, and the pages to watch."""
+def pages(folder: Path) -> None:
+    """Make the pages to watch: the study of 2005, and two robots."""
     folder.mkdir(parents=True, exist_ok=True)
-    film_pictures.draw(folder)
-    wiring_diagram.draw_both(folder)
     with tempfile.TemporaryDirectory() as scratch, chdir(scratch):
-        invoke(["demo", "--out", "demo"])
-        for name in ("speed", "path", "friction"):
-            shutil.copy(f"demo/{name}.png", folder)
-        invoke(
-            ["simulate", "--scene", str(LIMPING), "--no-error", "--plot", str(folder / "run.png")]
-        )
         invoke(["figures", "--out", str(OUT / "pages" / "study-of-2005")])
         study = OUT / "pages" / "study-of-2005" / "index.html"
         back = '<p><a href="../index.html">← the documentation</a></p>\n<h1>'
         study.write_text(study.read_text(encoding="utf-8").replace("<h1>", back), encoding="utf-8")
-        for name, draw in (
-            ("coverage", coverage_figure),
-            ("advise", advised_figure),
-            ("verdict", verdict_figure),
-        ):
-            draw(json.loads((STORED / f"{name}.json").read_text()), folder / f"{name}.png")
-        servo_figure(folder / "servos.png")
-        for name in ("accuracy", "stability"):
-            shutil.copy(STORED / f"{name}.png", folder)
         invoke(["view", "virtual", "--out", str(folder / "virtual.html")])
         invoke(["view", str(LIMPING), "--out", str(folder / "limping.html")])
 
@@ -213,7 +189,7 @@ This build has no playground: it needs emscripten. The snake is the virtual robo
 def main() -> None:
     """Write all of it anew."""
     shutil.rmtree(OUT, ignore_errors=True)
-    pictures(OUT / "static")
+    pages(OUT / "static")
     there = build_playground.build(OUT / "pages" / "playground")
     front = PLAYGROUND if there else NO_PLAYGROUND
     (OUT / "front.md").write_text(front, encoding="utf-8")

@@ -50,6 +50,8 @@ NAMES = {  # what theme and Sphinx leave without a name or a level for a screen 
     '<aside class="toc-drawer': '<aside aria-label="On this page" class="toc-drawer',
     '<p class="caption" role="heading">': '<p class="caption" role="heading" aria-level="2">',
     '<div class="formula"': '<div tabindex="0" class="formula"',
+    '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
+    "<p><img ": '<p tabindex="0"><img ',
 }
 
 

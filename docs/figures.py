@@ -8,24 +8,42 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "studies"))
+import film_pictures
+import serpenoid as sn
+import wiring_diagram
 from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
 from serpenoid.bench.accuracy.files import read_csv
 from serpenoid.bench.stability.figure import overview
 from serpenoid.bench.stability.files import read_cells
 from serpenoid.commands.demo import run_demo
+from serpenoid.show.run_figure import draw_run
+from serpenoid.show.servo_figure import servo_figure
 
 STORED = Path(__file__).resolve().parents[1] / "host" / "docs"
 
 
-def speed(path: Path) -> None:
-    """Draw the demo's prediction of speed against frequency (Fig. 17)."""
-    with tempfile.TemporaryDirectory() as folder:
-        run_demo(Path(folder))
-        shutil.copy(Path(folder) / "speed.png", path)
+@cache
+def _demo() -> Path:
+    """Return a folder with the demo's pictures."""
+    folder = Path(tempfile.mkdtemp())
+    run_demo(folder)
+    return folder
+
+
+def of_demo(path: Path) -> None:
+    """Take the demo's picture of this name: speed over frequency (Fig. 17), or a path."""
+    shutil.copy(_demo() / path.name, path)
+
+
+def run(path: Path) -> None:
+    """Draw the example that limps on a slope."""
+    scene = STORED.parent / "examples" / "limping_on_a_slope.toml"
+    draw_run(sn.simulate(sn.load_scene(scene)), path)
 
 
 def accuracy(path: Path) -> None:
@@ -56,12 +74,21 @@ def verdict(path: Path) -> None:
 
 
 FIGURES: dict[str, Callable[[Path], None]] = {
-    "speed.png": speed,
+    "speed.png": of_demo,
+    "path.png": of_demo,
+    "run.png": run,
+    "servos.png": servo_figure,
     "accuracy.png": accuracy,
     "stability.png": stability,
     "coverage.png": coverage,
     "advise.png": advise,
     "verdict.png": verdict,
+    "wiring.svg": wiring_diagram.draw_file,
+    "wiring_pca9685.svg": wiring_diagram.draw_file,
+    **{
+        f"film-{part}.png": film_pictures.draw
+        for part in ("tags", "robot", "tripod", "frame", "light")
+    },
 }
 
 

@@ -15,21 +15,21 @@ LETTERS_PT = 12.5  # legible on a phone
 ANGLES = np.radians([8, 30, 12, -28, -20, 14])
 
 
-def draw(folder: Path) -> None:
-    """Draw all five into a folder."""
-    for name, picture in (
-        ("tags", _tags),
-        ("robot", _on_the_robot),
-        ("tripod", _tripod),
-        ("frame", _frame),
-        ("light", _light),
-    ):
-        fig = Figure(figsize=(7.2, 3.0), dpi=110, constrained_layout=True)
-        ax = fig.subplots()
-        ax.set_aspect("equal")
-        ax.axis("off")
-        picture(ax)
-        fig.savefig(folder / f"film-{name}.png")
+def draw(path: Path) -> None:
+    """Draw the picture of a file's name: film-tags.png and so on."""
+    pictures = {
+        "film-tags": _tags,
+        "film-robot": _on_the_robot,
+        "film-tripod": _tripod,
+        "film-frame": _frame,
+        "film-light": _light,
+    }
+    fig = Figure(figsize=(7.2, 3.0), dpi=110, constrained_layout=True)
+    ax = fig.subplots()
+    ax.set_aspect("equal")
+    ax.axis("off")
+    pictures[path.stem](ax)
+    fig.savefig(path)
 
 
 def _label(ax: Axes, x: float, y: float, side: float, angle: float = 0.0) -> None:

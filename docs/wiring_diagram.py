@@ -143,7 +143,9 @@ def draw(path: Path, board: str, height: int, top_of_board: int) -> None:
     )
 
 
-def draw_both(folder: Path) -> None:
-    """Write the diagram for a board's pins, and that for a PCA9685."""
-    draw(folder / "wiring.svg", on_pins(), 590, 490)
-    draw(folder / "wiring_pca9685.svg", on_driver(), 665, 430)
+def draw_file(path: Path) -> None:
+    """Write the diagram of a file's name: for a board's pins, or for a PCA9685."""
+    if path.stem == "wiring":
+        draw(path, on_pins(), 590, 490)
+    else:
+        draw(path, on_driver(), 665, 430)

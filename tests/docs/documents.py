@@ -30,7 +30,8 @@ def blocks(page: Path, kind: str) -> list[str]:
 def typed(page: Path) -> Iterator[str]:
     """Yield the command lines `serpenoid ...` in a page's code blocks, comments taken off."""
     text = page.read_text()
-    console = [line for body in blocks(page, "console") for line in body.splitlines()]
+    commands = [body.replace("\\\n", " ") for body in blocks(page, "console")]
+    console = [line for body in commands for line in body.splitlines()]
     indented = re.findall(r"^ {4,}(serpenoid .*)$", _FENCE.sub("", text), re.M)
     for line in [*console, *indented]:
         bare = re.split(r"\s+#", line.strip())[0]

@@ -71,7 +71,7 @@ def test_the_checks_see_what_they_look_for() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_commands_of_a_page_work(page, folder) -> None:
     for line in typed(page):
-        done = run(runnable(line), folder)
+        done = run(runnable(line, folder), folder)
         assert done.returncode == 0, f"{line}\n{done.stderr}"
 
 
@@ -103,8 +103,11 @@ def _push_along_floor(made: Path) -> None:
         take_all(journal, drawn_person(filmed, np.random.default_rng(1)))
 
 
-def runnable(line: str) -> list[str]:
-    """Return a command line's words, without what needs a board, hours or a person."""
+def runnable(line: str, folder: Path) -> list[str]:
+    """Return a command line's words, without what needs a board, hours or a person.
+
+    A recording that an earlier page made in `folder` goes.
+    """
     words = shlex.split(line)
     if words[1] in NEED_A_ROBOT or words[1] in LONG:
         return [*words[:2], "--help"]
@@ -114,7 +117,7 @@ def runnable(line: str) -> list[str]:
         if "--duration-s" not in words:
             words += ["--duration-s", "0.5"]
         if "--record" in words:
-            Path(words[words.index("--record") + 1]).unlink(missing_ok=True)
+            (folder / words[words.index("--record") + 1]).unlink(missing_ok=True)
     return words
 
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from serpenoid import load_session
+from serpenoid import load_fit, load_session
 
 
 def test_demo(tmp_path) -> None:
@@ -19,6 +19,9 @@ def test_demo(tmp_path) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert len(lines) <= 28
+    assert [line[:5] for line in lines if line.startswith("[")] == [f"[{k}/8]" for k in range(1, 9)]
     for name in (
         "friction.png",
         "speed.png",
@@ -53,6 +56,8 @@ def test_demo(tmp_path) -> None:
             assert low - 0.5 * (high - low) < truth < high + 0.5 * (high - low)
     assert found["floor"]["beside"]["p_value"] > 1e-3
     assert len(load_session(out / "floor").kept_pushes) == 6
+    for folder in ("session", "floor"):
+        assert load_fit(out / folder).ground.ct > 0.0
     assert loop["comparison"]["verdict"] == "agrees"
     assert loop["advice"]["readings"]
     wanted = loop["wanted"]

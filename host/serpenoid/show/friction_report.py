@@ -7,7 +7,7 @@ import math
 from ..calibration.advising.next_reading import Advice
 from ..calibration.advising.two_fits import TwoFits
 from ..calibration.comparison import ComparedGait, Comparison
-from .report import console, table
+from .report import answer, console, table
 
 MEASURED = ["gait", "measured", "95 % predicted", "off ideal joints by"]
 WORTH = 0.02  # of the band: a reading that saves less is not to be taken
@@ -15,12 +15,12 @@ WORTH = 0.02  # of the band: a reading that saves less is not to be taken
 
 def show_comparison(found: Comparison) -> None:
     """Print predicted and measured speeds, and the verdict."""
+    answer(found.verdict_text)
     title = f"{found.session}: predicted speed, m/s"
     table(title, predicted_columns(found), list(map(predicted_row, found.gaits)))
     ran = [measured_row(p) for p in found.gaits if p.measured_m_s is not None]
     if ran:
         table("measured speed, m/s", MEASURED, ran)
-    console.print(found.verdict_text, highlight=False)
 
 
 def predicted_columns(found: Comparison, unit: str = "") -> list[str]:
@@ -79,16 +79,16 @@ def advice_table(found: Advice, most: int) -> tuple[list[str], list[list[str]]]:
 
 def show_advice(found: Advice, most: int = 5) -> None:
     """Print the readings that are worth most, and the best one in words."""
+    if found.note:
+        answer(found.note)
+    if found.measure_servo and found.band - found.band_after_best < WORTH * found.band:
+        answer("No further push, slide or station is worth its time now.")
+    else:
+        first = "Of the readings take" if found.measure_servo else "Take next:"
+        after = f"then the speed is known to {found.band_after_best:.1%}"
+        answer(f"{first} {found.best.in_words()}; {after}.")
     servos = "" if found.servo is None else f", servos: {found.servo}"
     table(
         f"speed is known to {found.band:.1%} (95 %, friction and joints{servos})",
         *advice_table(found, most),
     )
-    if found.note:
-        console.print(found.note, highlight=False)
-    after = f"then the speed is known to {found.band_after_best:.1%}"
-    if found.measure_servo and found.band - found.band_after_best < WORTH * found.band:
-        console.print("No further push, slide or station is worth its time now.", highlight=False)
-        return
-    first = "Of the readings take" if found.measure_servo else "Take next:"
-    console.print(f"{first} {found.best.in_words()}; {after}.", highlight=False)

@@ -103,8 +103,15 @@ def steady(s: Steady) -> None:
     table(gait_words(s.gait), ["periodic state, exact model", "value"], rows)
 
 
-def servo_words(s: ServoSteady) -> str:
+def answer(text: str) -> None:
+    """Print what a builder asks, before all tables."""
+    console.print(text, highlight=False)
+
+
+def speed_words(ideal: Steady, s: ServoSteady | None) -> str:
     """Return what a builder may expect: a speed with its band, or that servos cannot run it."""
+    if s is None:
+        return f"About {ideal.speed_m_s:#.2g} m/s with ideal joints; servos may be slower."
     if not s.follows:
         return (
             f"Most {s.name} servos cannot run this gait: it asks {s.asked_rad_s:.2g} rad/s of "
@@ -151,6 +158,7 @@ def with_servo(s: ServoSteady) -> None:
 
 def steady_springs(s: SteadySprings, gait: Gait) -> None:
     """Print a periodic state of the implicit model, and what its springs change."""
+    answer(f"About {s.speed_m_s:#.2g} m/s with the implicit model's springs for joints.")
     rows = [
         ["speed", f"{s.speed_m_s:.6g} m/s"],
         ["net power", f"{s.power_w:.6g} W"],
@@ -168,7 +176,11 @@ def steady_springs(s: SteadySprings, gait: Gait) -> None:
 
 def fit(found: FrictionFit) -> None:
     """Print fitted friction with its intervals, of the whole snake and of one link."""
-    links = found.robot.links
+    links, whole = found.robot.links, found.whole_snake
+    answer(
+        f"Along, the snake resists with {whole['ft0']:.2g} N and {whole['ct']:.2g} N s/m; across, "
+        f"with {whole['fn0']:.2g} N and {whole['cn']:.2g} N s/m."
+    )
     rows = [
         [r.name, r.unit, f"{r.value:.4g}", f"{r.sigma:.2g}", r.interval, f"{r.value / links:.4g}"]
         for r in found.rows()

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..simulation.run import ENERGY_COLUMNS
 from ..simulation.scene_file import scene_values
-from .report import console, notices, table, wrote
+from .report import answer, console, notices, table, wrote
 
 if TYPE_CHECKING:
     from ..simulation.error import RunError
@@ -89,6 +89,8 @@ def _why_no_speed(run: Run) -> str:
 def show_run(run: Run, summary: dict[str, Any]) -> None:
     """Print what a run in time came to."""
     scene, speed = run.scene, summary["speed_over_last_period_m_s"]
+    pace = "" if speed is None else f", at {speed:#.2g} m/s in the last period"
+    answer(f"In {run.t_s[-1]:g} s the robot moves {summary['displacement_m']:#.2g} m{pace}.")
     rows = [
         ["displacement of the centre of mass", f"{summary['displacement_m']:.6g} m"],
         [

@@ -11,7 +11,7 @@ from ... import _core
 from ...model.errors import BadInput
 from ...model.gait import Gait
 from ...show import report
-from .loop import say
+from .words import step
 
 
 def measure_demo_film(out: Path) -> dict[str, Any] | None:
@@ -27,51 +27,24 @@ def measure_demo_film(out: Path) -> dict[str, Any] | None:
     try:
         need_extra()
     except BadInput as error:
-        say(f"      left out: {error}")
+        step(7, f"The film of a crawl is left out: {error}")
         return None
     from ...show.video.film_figure import film_figure
     from ...video.measure_film import measure_film
 
     gait = Gait(truth["alpha_rad"], truth["beta_rad"], truth["omega_rad_s"])
     with report.busy("watching the film"):
-        found = measure_film(folder / "film.mp4", truth["links"], truth["link_length_m"], gait=gait)
-    film_figure(found, out / "film.png")
-    run = found.run
-    _show(run, truth)
-    say(
-        f"      path, joints and residuals: {out / 'film.png'}. With your own robot: serpenoid "
-        "video tags, then serpenoid video FILE"
+        film = measure_film(folder / "film.mp4", truth["links"], truth["link_length_m"], gait=gait)
+    film_figure(film, out / "film.png")
+    run = film.run
+    errors_deg = [
+        math.degrees(joint.amplitude_rad - truth["amplitude_rad"][joint.joint - 1])
+        for joint in run.joints
+    ]
+    step(
+        7,
+        f"A film of a crawl, measured: {1000 * run.speed_m_s:.1f} ± "
+        f"{1000 * run.speed_sigma_m_s:.1f} mm/s (truth {1000 * truth['speed_m_s']:.1f}), the "
+        f"amplitude of each joint to {max(map(abs, errors_deg)):.2f}°.",
     )
     return run.to_dict() | {"truth": truth}
-
-
-def _show(run: Any, truth: dict[str, Any]) -> None:
-    """Print what the film shows beside the truth."""
-    rows = [_row("speed (mm/s)", run.speed_m_s, run.speed_sigma_m_s, truth["speed_m_s"], 1e3)]
-    for joint in run.joints:
-        k = joint.joint - 1
-        rows.append(
-            _row(
-                f"joint {joint.joint}, amplitude (°)",
-                joint.amplitude_rad,
-                joint.amplitude_sigma_rad,
-                truth["amplitude_rad"][k],
-            )
-        )
-        if k:
-            true = joint.phase_rad + math.remainder(
-                truth["phase_rad"][k] - joint.phase_rad, math.tau
-            )
-            rows.append(
-                _row(
-                    f"joint {joint.joint}, phase (°)", joint.phase_rad, joint.phase_sigma_rad, true
-                )
-            )
-    report.table("a film of 2.6 s", ["number", "measured", "truth", "off, in σ"], rows)
-
-
-def _row(
-    name: str, value: float, sigma: float, true: float, unit: float = 180 / math.pi
-) -> list[str]:
-    off = (value - true) / sigma
-    return [name, f"{unit * value:.2f} ± {unit * sigma:.2f}", f"{unit * true:.2f}", f"{off:+.1f}"]

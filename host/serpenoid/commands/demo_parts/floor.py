@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...calibration.advising.two_fits import two_fits
+from ...calibration.fit_file import save_fit
 from ...calibration.friction_fit import fit_friction
 from ...calibration.kinds.instruments import FloorTools
 from ...calibration.taking.floor.simulated import SimulatedFloor, drawn_floor
@@ -18,7 +19,8 @@ from ...calibration.taking.treadmill import take_all
 from ...model.errors import BadInput
 from ...show import report
 from ...show.session.floor_figure import push_figure
-from .loop import begin_anew, say, truth_table
+from .loop import begin_anew
+from .words import beside_truth, step
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
@@ -35,22 +37,21 @@ def push_along_floor(out: Path, belt: FrictionFit, ground: Ground) -> dict[str, 
     ground: the truth. The session is left in out/floor, its picture in out/floor.png. Returns the
     figures; None where a robot of one's own does not roll well enough to tell.
     """
-    say("[6/8] no treadmill? The same robot, pushed along a floor and filmed")
     try:
         session, minutes = _pushed(out / "floor", _setup(belt.robot), ground)
         fit = fit_friction(session)
     except BadInput as error:
-        say(f"      not told: {error}")
+        step(6, f"No pushes along a floor for this robot: {error}")
         return None
-    say(
-        f"      {len(session.kept_pushes)} pushes, there and back in {_bends(session)} bends: "
-        f"{minutes:.0f} minutes by the lab's clock"
-    )
-    truth_table(fit, ground)
+    save_fit(fit, out / "floor")
     beside = two_fits(belt, fit)
-    say(f"      treadmill and floor: {beside.verdict}")
     push_figure(session, fit, out / "floor.png")
-    say(f"      places over the law, and what is left: {out / 'floor.png'}")
+    step(
+        6,
+        f"No treadmill? {len(session.kept_pushes)} filmed pushes along a floor in "
+        f"{_bends(session)} bends, {minutes:.0f} minutes: {beside_truth(fit, ground)}",
+        f"Treadmill and floor: {beside.verdict}",
+    )
     return {"fit": fit.to_dict(), "beside": beside.to_dict()}
 
 

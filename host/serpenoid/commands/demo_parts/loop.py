@@ -7,13 +7,14 @@ import math
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...calibration.advice import advise
 from ...calibration.advising.next_reading import Advice
 from ...calibration.comparison import Comparison, compare, gait_count
+from ...calibration.fit_file import save_fit
 from ...calibration.friction_fit import fit_friction
 from ...calibration.friction_result import DOUBTFUL, whole_ground
 from ...calibration.session_rows import events_of
@@ -34,10 +35,10 @@ from ...robot.robot import RobotBoard
 from ...servos.catalogue import servo
 from ...show import report
 from ...show.comparison_figure import comparison_figure
-from ...show.friction_report import show_advice, show_comparison
 from ...show.progress import progress
 from ...show.session.report_page import session_page
 from ..options import finite
+from .words import beside_truth, step, true_frictions
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
@@ -64,38 +65,30 @@ def run_loop(out: Path, own: FrictionFit | None = None) -> tuple[FrictionFit, Gr
         if own is None
         else replace(TRUTH, ground=whole_ground(list(own.whole_snake.values())))
     )
-    say(
-        "No robot, no treadmill: both are simulated, with the firmware's own controller, so that "
-        "the truth is known. It is the afternoon that `serpenoid calibrate` leads through.\n"
-    )
-    say("[1/8] a session on the simulated treadmill, by the procedure that a person follows")
     session = take_session(out / "session", truth, own and own.robot)
-    say(
-        f"      {len(session.kept)} stations and {len(session.kept_gait_runs)} gait runs; the "
-        f"inclinometer's zero found at {math.degrees(session.zero.value_rad):+.2f} deg (true: "
-        f"{math.degrees(truth.incline_zero_rad):+.2f})"
+    step(
+        1,
+        f"A session on a simulated treadmill, as `serpenoid calibrate` leads through it: "
+        f"{len(session.kept)} readings at rest and {len(session.kept_gait_runs)} gait runs.",
     )
-    say("[2/8] friction fitted, beside the truth that no fit knows")
-    session, fit = _without_outlier(session, fit_friction(session))
-    found: dict[str, Any] = {"fit": fit.to_dict(), "truth": truth_table(fit, truth.ground)}
-    say("[3/8] speeds predicted from it, and the gait runs over them")
+    session, fit, voided = _without_outlier(session, fit_friction(session))
+    save_fit(fit, out / "session")
+    step(2, f"Its friction: {beside_truth(fit, truth.ground)}", voided)
     compared = _compare(session, fit, out / "comparison.png")
-    say("[4/8] the reading to take next")
     advised = _advise(session)
-    found |= {"comparison": compared.to_dict(), "advice": advised.to_dict()}
     wanted_m_s = float(f"{compared.gaits[1].exact_m_s:.1g}")
-    say(f"[5/8] the cheapest gait for {wanted_m_s:g} m/s on this ground, sent to the virtual robot")
-    found["wanted"] = _drive_wanted(session, fit, wanted_m_s, truth)
+    wanted = _drive_wanted(session, fit, wanted_m_s, truth)
+    numbers = {
+        "fit": fit.to_dict(),
+        "truth": true_frictions(truth.ground),
+        "comparison": compared.to_dict(),
+        "advice": advised.to_dict(),
+        "wanted": wanted,
+    }
     page = session_page(session, fit, compared, advised, events_of(session))
     write_text(out / "report.html", page)
-    say(f"      all of it in one page: {out / 'report.html'}")
-    write_text(out / "loop.json", json.dumps(finite(found), indent=2, allow_nan=False) + "\n")
+    write_text(out / "loop.json", json.dumps(finite(numbers), indent=2, allow_nan=False) + "\n")
     return fit, truth.ground
-
-
-def say(text: str) -> None:
-    """Print a line as it stands."""
-    report.console.print(text, highlight=False, markup=False)
 
 
 def take_session(folder: Path, truth: Truth = TRUTH, body: Body | None = None) -> Session:
@@ -129,56 +122,47 @@ def begin_anew(folder: Path, setup: Setup) -> None:
     create_session(folder, setup)
 
 
-def _without_outlier(session: Session, fit: FrictionFit) -> tuple[Session, FrictionFit]:
-    """Void the reading without which chi2 is least, where the readings cannot all be right."""
+def _without_outlier(session: Session, fit: FrictionFit) -> tuple[Session, FrictionFit, str]:
+    """Void the reading without which chi2 is least, where the readings cannot all be right.
+
+    The third value says so in words.
+    """
     if fit.p_value is None or fit.p_value > DOUBTFUL or session.folder is None:
-        return session, fit
+        return session, fit, ""
     fits = {}
     for reading in session.kept:
         others = tuple(replace(r, voided=r.voided or r is reading) for r in session.readings)
         fits[reading.number] = fit_friction(replace(session, readings=others))
     worst = min(fits, key=lambda number: fits[number].chi2)
-    say(
-        f"      chi2 is {fit.chi2:.0f} for {fit.dof} degrees of freedom; without reading {worst} "
-        f"{fits[worst].chi2:.0f}: somebody misread it, so it is voided"
+    words = (
+        f"chi2 was {fit.chi2:.0f} for {fit.dof} degrees of freedom, and is "
+        f"{fits[worst].chi2:.0f} without reading {worst}: this misreading is voided."
     )
     with Journal(session.folder) as journal:
         journal.event("void", worst, "misread: chi2 says so")
-        return journal.session, fits[worst]
-
-
-def truth_table(fit: FrictionFit, ground: Ground) -> dict[str, float]:
-    """Show a fit beside the truth; return the truth."""
-    truth = {name: getattr(ground, name) for name in ("ct", "cn", "ft0", "fn0")}
-    rows = [
-        [
-            row.name,
-            row.unit,
-            f"{row.value:.4g}",
-            f"{row.low:.3g} to {row.high:.3g}",
-            f"{true:.3g}",
-            "yes" if row.low <= true <= row.high else "no",
-        ]
-        for row, true in zip(fit.rows(), truth.values(), strict=True)
-    ]
-    columns = ["whole snake", "unit", "fitted", "95 % interval", "truth", "inside"]
-    report.table("friction", columns, rows)
-    return truth
+        return journal.session, fits[worst], words
 
 
 def _compare(session: Session, fit: FrictionFit, out: Path) -> Comparison:
     with progress(gait_count(session), "gaits") as advance:
-        found = compare(session, fit, servo=SERVOS, progress=advance)
-    show_comparison(found)
-    comparison_figure(found, out)
-    return found
+        compared = compare(session, fit, servo=SERVOS, progress=advance)
+    comparison_figure(compared, out)
+    gait = compared.gaits[1]
+    step(
+        3,
+        f"Its speed at {gait.frequency_hz:.2g} Hz: {gait.low_all_m_s:#.2g} to "
+        f"{gait.high_all_m_s:#.2g} m/s predicted with any hobby servos, {gait.measured_m_s:#.2g} "
+        f"measured; ideal joints {gait.exact_m_s:#.2g}.",
+        "Both agree." if compared.verdict == "agrees" else compared.verdict_text,
+    )
+    return compared
 
 
 def _advise(session: Session) -> Advice:
     with report.busy("looking at each reading that could be next"):
-        found = advise(session)
-    show_advice(found, 3)
-    return found
+        advice = advise(session)
+    step(4, advice.note or f"What to read next: {advice.best.in_words()}.")
+    return advice
 
 
 def _drive_wanted(
@@ -188,20 +172,18 @@ def _drive_wanted(
         best = least_power_gait(session.setup.robot, fit.ground, speed_m_s=speed_m_s)
     gait = best.gait
     with RobotBoard("virtual:fast") as robot:
-        made = board_gait(robot, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
-    band = speed_band(fit, made, servo=SERVOS)
-    alpha, beta = math.degrees(made.alpha_rad), math.degrees(made.beta_rad)
-    frequency_hz = made.omega_rad_s / (2 * math.pi)
-    say(
-        f"      alpha {alpha:.2f} deg, beta {beta:.2f} deg, {frequency_hz:.4f} Hz, "
-        f"{1000 * best.power_w:.1f} mW; so the board's own set-points have it"
-    )
-    say(f"      predicted: {band.in_words()}")
+        driven = board_gait(robot, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
+    band = speed_band(fit, driven, servo=SERVOS)
     with report.busy("the lab's robot crawls"):
-        crawls = crawl_speed(truth.robot(session.setup.robot, np.random.default_rng(SEED)), made)
-    inside = "inside" if band.low_m_s <= crawls <= band.high_m_s else "outside"
-    say(
-        f"      the lab's robot, whose servos nobody was told, crawls at {crawls:.4f} m/s: {inside}"
+        crawls = crawl_speed(truth.robot(session.setup.robot, np.random.default_rng(SEED)), driven)
+    alpha, beta = math.degrees(driven.alpha_rad), math.degrees(driven.beta_rad)
+    frequency_hz = driven.omega_rad_s / (2 * math.pi)
+    step(
+        5,
+        f"The cheapest gait for {speed_m_s:g} m/s with ideal joints: {alpha:.0f}°/{beta:.0f}° at "
+        f"{frequency_hz:.2g} Hz, {1000 * best.power_w:.0f} mW. With typical servos about "
+        f"{band.speed_m_s:#.2g} m/s ({band.low_m_s:#.2g} to {band.high_m_s:#.2g}); the lab's robot "
+        f"crawls at {crawls:#.2g}.",
     )
     return {
         "alpha_deg": alpha,

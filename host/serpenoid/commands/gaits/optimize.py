@@ -163,9 +163,7 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
     band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, found.gait, servo))
     told |= {"band": band.to_dict() | no_band(moved)} if band else {}
     if not as_json:
-        if moved is not None:
-            say(report.servo_words(moved))
-        _print(found, margins)
+        _print(found, margins, report.speed_words(found.steady, moved))
         if moved is not None:
             report.with_servo(moved)
         if band is not None and not no_band(moved):
@@ -403,11 +401,12 @@ def _robust_dict(found: Any) -> dict[str, Any]:
     } | found.steady.to_dict()
 
 
-def _print(found: Any, margins: Any) -> None:
+def _print(found: Any, margins: Any, speed: str) -> None:
     from ...gaits.robust import RobustGait
     from ...show import report
     from ...show.gaits import gait_report
 
+    report.answer(f"{gait_report.cheapest(found)} {speed}")
     report.steady(found.steady)
     if isinstance(found, RobustGait):
         gait_report.robust(found)

@@ -162,8 +162,7 @@ def _pinned(
         values |= {"band": band.to_dict() | no_band(moved)} if band else {}
         values |= {"doubts": doubts.to_dict()} if doubts else {}
         return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
-    if moved is not None:
-        report.console.print(report.servo_words(moved), highlight=False)
+    report.answer(report.speed_words(s, moved))
     report.steady(s)
     if moved is not None:
         report.with_servo(moved)

@@ -29,6 +29,16 @@ def _lost(fraction: float) -> str:
     return f"none: {_percent(-fraction)} gained" if fraction < -5e-4 else _percent(fraction)
 
 
+def cheapest(found: LeastPower | RobustGait) -> str:
+    """Return the gait that a search chose, in the words of a builder."""
+    gait = found.gait
+    alpha, beta = math.degrees(gait.alpha_rad), math.degrees(gait.beta_rad)
+    return (
+        f"The gait of least power: {alpha:.0f}°/{beta:.0f}° at "
+        f"{gait.omega_rad_s / math.tau:.2g} Hz, {found.power_w:.2g} W."
+    )
+
+
 def optimum(found: LeastPower) -> None:
     """Print what is known of an optimum."""
     rows = [
