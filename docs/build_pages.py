@@ -130,7 +130,7 @@ def error_page() -> str:
         for name, kind in vars(errors).items()
         if inspect.isclass(kind) and issubclass(kind, sn.SerpenoidError)
     ]
-    rows = [[e.number, f"`{word}`", e.cause, e.cure] for word, e in ERRORS.items()]
+    rows = [[number, f"`{word}`", *texts] for word, (number, *texts) in ERRORS.items()]
     return (
         f"## Exceptions\n\n{table(['exception', 'when', 'way out'], kinds)}\n"
         "## What a board refuses\n\n"

@@ -8,11 +8,11 @@ import click
 
 from ..show.screen import say
 from .group import Commands
-from .paths import OutFolder
+from .paths import EXISTING, directory
 
 OUT = click.option(
     "--out",
-    type=OutFolder(),
+    type=directory,
     show_default=True,
     default=Path("bench-out"),
     help="Folder for figures and numbers.",
@@ -33,7 +33,7 @@ def _tell(text: str) -> None:
 @click.option("--quick", is_flag=True, help="Three scenes, three rounds: less than a minute.")
 @click.option(
     "--page",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    type=EXISTING,
     help="A Markdown page whose table between the markers is renewed.",
 )
 def accuracy(out: Path, quick: bool, page: Path | None) -> None:

@@ -10,12 +10,13 @@ import click
 from .. import _core
 from ..show.screen import say
 from .options import AS_JSON, show_json
+from .paths import FOLDER
 
 BROUGHT = Path(_core.__file__).parent
 
 
 @click.command()
-@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("folder", type=FOLDER)
 @AS_JSON
 def examples(folder: Path, as_json: bool) -> None:
     """Copy example scripts, example scenes and the 2005 session into a new FOLDER."""

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from .paths import FOLDER
+
 if TYPE_CHECKING:
     from ..calibration.kinds.video import FilmReading
     from ..model.gait import Gait
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
 _SAME_RAD, _SAME_RATE = 1e-3, 0.01
 joints_option = click.option(
     "--joints",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=FOLDER,
     metavar="SESSION",
     help="Session with a film: its joints' gains and phases, in place of the commanded ones.",
 )

@@ -32,7 +32,7 @@ from .gaits.sweep import sweep
 from .given import take_fit
 from .group import Commands, of_arguments, of_system
 from .options import fit_options
-from .paths import OutFolder
+from .paths import directory
 from .simulate import simulate
 from .video import VIDEO_GROUP
 from .view import view
@@ -64,7 +64,7 @@ def cli() -> None:
 @cli.command()
 @click.option(
     "--out",
-    type=OutFolder(),
+    type=directory,
     default=Path("demo-out"),
     show_default=True,
     help="Folder for figures and figures' numbers.",

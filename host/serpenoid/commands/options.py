@@ -42,23 +42,17 @@ _LONG_M, _HEAVY_KG = 3.0, 50.0  # of one link: beyond what anybody puts on wheel
 _FAST_RAD_S = 60.0  # ten waves a second
 
 
-class BothWays(click.ParamType):
-    """Read one number, or two for ratchet wheels: forwards,backwards."""
-
-    name = "N[,N]"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float | tuple[float, ...]:
-        """Return the number or numbers; how many and which are allowed is Ground's to say."""
-        try:
-            numbers = tuple(float(part) for part in str(value).split(","))
-        except ValueError:
-            self.fail(f"{value!r} is no number, nor two (forwards,backwards)", param, ctx)
-        return numbers[0] if len(numbers) == 1 else numbers
+def both_ways(value: str) -> float | tuple[float, ...]:
+    """Read one number, or two for ratchet wheels: forwards,backwards; Ground says which may be."""
+    try:
+        numbers = tuple(float(part) for part in value.split(","))
+    except ValueError:
+        raise click.BadParameter(f"{value!r} is no number, nor two (forwards,backwards)") from None
+    return numbers[0] if len(numbers) == 1 else numbers
 
 
-BOTH_WAYS = BothWays()
+BOTH_WAYS = click.types.FuncParamType(both_ways)
+BOTH_WAYS.name = "N[,N]"  # as help has it
 
 
 def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -12,31 +12,36 @@ _SESSION = ("session.toml", "readings.csv", "events.csv", "fit.json")
 FIGURES = (".png", ".pdf", ".svg")
 
 
-class OutFile(click.ParamType):
-    """A file to be written: its folder is there, its suffix is one of those given."""
+FOLDER = click.Path(file_okay=False, path_type=Path)
+EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 
-    name = "file"
 
-    def __init__(self, *suffixes: str) -> None:
-        self.suffixes = suffixes
+def out_file(*suffixes: str) -> Callable[[str | Path], Path]:
+    """Return the type of a file to be written: its folder is there, its suffix one of those."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Return the path, or fail with the reason why nothing could be written there."""
+    def file(value: str | Path) -> Path:
         path = Path(value)
-        if reason := self._wrong(path):
-            self.fail(reason, param, ctx)
+        _refuse(_wrong(path, suffixes))
         return path
 
-    def _wrong(self, path: Path) -> str | None:
-        if self.suffixes and path.suffix.lower() not in self.suffixes:
-            return f"{str(path)!r} must end in {' or '.join(self.suffixes)}"
-        if path.is_dir():
-            return f"{str(path)!r} is a folder; name a file in it"
-        if (own := _of_a_session(path)) is not None:
-            return f"{str(own)!r} holds a session's readings or set-up; take another name or folder"
-        if path.exists():
-            return None if os.access(path, os.W_OK) else f"{str(path)!r} may not be written to"
-        return _no_place(path.parent)
+    return file
+
+
+def _refuse(reason: str | None) -> None:
+    if reason:
+        raise click.BadParameter(reason)
+
+
+def _wrong(path: Path, suffixes: tuple[str, ...]) -> str | None:
+    if suffixes and path.suffix.lower() not in suffixes:
+        return f"{str(path)!r} must end in {' or '.join(suffixes)}"
+    if path.is_dir():
+        return f"{str(path)!r} is a folder; name a file in it"
+    if (own := _of_a_session(path)) is not None:
+        return f"{str(own)!r} holds a session's readings or set-up; take another name or folder"
+    if path.exists():
+        return None if os.access(path, os.W_OK) else f"{str(path)!r} may not be written to"
+    return _no_place(path.parent)
 
 
 def _of_a_session(path: Path) -> Path | None:
@@ -47,20 +52,13 @@ def _of_a_session(path: Path) -> Path | None:
     return next((own for own in (path, beside) if own.name in _SESSION and own.exists()), None)
 
 
-class OutFolder(click.ParamType):
-    """A folder to be filled: it is there and may be written to, or can be made."""
-
-    name = "directory"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Return the path, or fail with the reason why nothing could be written there."""
-        path = Path(value)
-        there = path
-        while not there.exists():
-            there = there.parent
-        if reason := _no_place(there):
-            self.fail(reason, param, ctx)
-        return path
+def directory(value: str | Path) -> Path:
+    """Return a folder to be filled: it is there and may be written to, or can be made."""
+    path = there = Path(value)
+    while not there.exists():
+        there = there.parent
+    _refuse(_no_place(there))
+    return path
 
 
 def _no_place(folder: Path) -> str | None:

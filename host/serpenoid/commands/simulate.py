@@ -25,7 +25,7 @@ from .options import (
     show_json,
     stacked,
 )
-from .paths import FIGURES, OutFile
+from .paths import FIGURES, out_file
 
 if TYPE_CHECKING:
     from ..model.drives import Servo
@@ -144,7 +144,7 @@ _ANGLES = {"incline_deg": (0.0, 90.0), "incline_direction_deg": (-360.0, 360.0)}
 @click.command()
 @click.option("--scene", "scene_path", type=_FILE, help="Scene file; other options override it.")
 @click.option(
-    "--save-scene", "saved_path", type=OutFile(".toml"), help="Write the scene to this file too."
+    "--save-scene", "saved_path", type=out_file(".toml"), help="Write the scene to this file too."
 )
 @robot_options
 @gait_options
@@ -155,11 +155,11 @@ _ANGLES = {"incline_deg": (0.0, 90.0), "incline_direction_deg": (-360.0, 360.0)}
     help="Pick what is not given of method and step for this error (body lengths, radians).",
 )
 @click.option("--no-error", is_flag=True, help="Save the one or two runs that tell the error.")
-@click.option("--out", type=OutFile(".csv"), help="CSV of all links at all recorded times.")
+@click.option("--out", type=out_file(".csv"), help="CSV of all links at all recorded times.")
 @click.option(
     "--plot",
     "figure",
-    type=OutFile(*FIGURES),
+    type=out_file(*FIGURES),
     help="PNG, PDF or SVG of path, speed and energy if recorded.",
 )
 @AS_JSON

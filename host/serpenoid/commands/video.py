@@ -13,7 +13,7 @@ import click
 from ..show.screen import say
 from .group import Commands
 from .options import AS_JSON, gait_options, make_gait, preset_robot, show_json
-from .paths import FIGURES, OutFile
+from .paths import EXISTING, FIGURES, FOLDER, out_file
 
 if TYPE_CHECKING:
     from ..model.gait import Gait
@@ -44,7 +44,7 @@ def VIDEO_GROUP() -> None:
 _ROBOT = (
     click.option(
         "--session",
-        type=click.Path(file_okay=False, path_type=Path),
+        type=FOLDER,
         help="Session whose robot it is; a film becomes a reading of it.",
     ),
     click.option("--links", type=int, help="Number of links, 2 to 13; 6 unless given."),
@@ -86,7 +86,7 @@ def _robot(given: dict[str, Any]) -> tuple[Robot, float | None]:
 )
 @click.option(
     "--out",
-    type=OutFile(".pdf", ".png", ".svg"),
+    type=out_file(".pdf", ".png", ".svg"),
     default=Path("tags.pdf"),
     show_default=True,
     help="File to write.",
@@ -113,7 +113,7 @@ def tags(paper: str, out: Path, **given: Any) -> None:
 @gait_options
 @click.option(
     "--recording",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    type=EXISTING,
     help="The run's recording (.wire): its gait, and the board's time.",
 )
 @click.option(
@@ -121,9 +121,9 @@ def tags(paper: str, out: Path, **given: Any) -> None:
     type=click.Choice(["there", "back"]),
     help="With --session on a floor: which way along the line of the pushes; else level ground.",
 )
-@click.option("--track", type=OutFile(".csv"), help="Write time, place, heading, joints.")
-@click.option("--plot", "picture", type=OutFile(*FIGURES), help="Draw what was measured.")
-@click.option("--annotate", type=OutFile(".mp4"), help="Write a film with the chain drawn in.")
+@click.option("--track", type=out_file(".csv"), help="Write time, place, heading, joints.")
+@click.option("--plot", "picture", type=out_file(*FIGURES), help="Draw what was measured.")
+@click.option("--annotate", type=out_file(".mp4"), help="Write a film with the chain drawn in.")
 @AS_JSON
 def film(
     file: Path,

@@ -20,7 +20,7 @@ from .options import (
     robot_options,
     show_json,
 )
-from .paths import OutFile
+from .paths import out_file
 
 if TYPE_CHECKING:
     from ..model.gait import Gait
@@ -34,7 +34,7 @@ _VIRTUAL_S = 8.0
 @robot_options
 @click.option(
     "--out",
-    type=OutFile(".html"),
+    type=out_file(".html"),
     help="Page to write; it needs no other file. view.html, or a free view-N.html.",
 )
 @click.option("--open", "open_it", is_flag=True, help="Open the page in the browser.")
@@ -70,7 +70,7 @@ def view(what: str, out: Path | None, open_it: bool, as_json: bool, **given: Any
 def _free_name() -> Path:
     """Return a name in this folder that no page has yet."""
     names = itertools.chain(["view.html"], (f"view-{k}.html" for k in itertools.count(2)))
-    return OutFile(".html").convert(next(n for n in names if not Path(n).exists()), None, None)
+    return out_file(".html")(next(n for n in names if not Path(n).exists()))
 
 
 def _gait_words(gait: Gait) -> str:

@@ -39,6 +39,13 @@ def balanced_signs(links: int) -> tuple[int, ...]:
     return (*half, *[0] * (links - 2 * len(half)), *reversed(half))
 
 
+def bend_signs(bend: str, links: int) -> tuple[int, ...]:
+    """Return the sign of each link's angle in a bend, "balanced" or "zigzag", from the tail."""
+    if bend == "balanced":
+        return balanced_signs(links)
+    return tuple(1 if link % 2 else -1 for link in range(links))
+
+
 def joint_multiples(signs: tuple[int, ...]) -> tuple[int, ...]:
     """Return what each joint does, from the tail, as multiples of the links' angle."""
     return tuple(ahead - behind for behind, ahead in pairwise(signs))

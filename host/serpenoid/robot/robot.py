@@ -11,7 +11,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, NoReturn, TypeVar
 
-from ..model.bends import FEWEST_LINKS, balanced_signs, joint_multiples
+from ..model.bends import FEWEST_LINKS, bend_signs, joint_multiples
 from ..model.checks import check_number
 from ..model.errors import (
     BadInput,
@@ -126,7 +126,7 @@ class RobotBoard:
     @property
     def losses(self) -> Losses:
         """Return the counts of what did not arrive whole since opening."""
-        return self._dialogue.losses
+        return self._dialogue.inbox.losses
 
     @property
     def latest(self) -> Telemetry | None:
@@ -180,7 +180,7 @@ class RobotBoard:
         links = self.hello.joints + 1
         if links < FEWEST_LINKS:
             raise refused("bent", Verdict(False, None, "-", "unbalanced", "", False))
-        self._bend(balanced_signs(links), lambda_rad, offset_rad)
+        self._bend("balanced", lambda_rad, offset_rad)
 
     def zigzag(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
         """Bend the robot as the paper does: links at -lambda, +lambda, -lambda, ...
@@ -189,11 +189,11 @@ class RobotBoard:
         on two neighbouring links shows 180 degrees - 2 lambda. Left free on a belt the robot turns:
         it needs a guide.
         """
-        signs = tuple(1 if link % 2 else -1 for link in range(self.hello.joints + 1))
-        self._bend(signs, lambda_rad, offset_rad)
+        self._bend("zigzag", lambda_rad, offset_rad)
 
-    def _bend(self, signs: tuple[int, ...], lambda_rad: float, offset_rad: float) -> None:
-        self.pose([offset_rad + k * lambda_rad for k in joint_multiples(signs)])
+    def _bend(self, bend: str, lambda_rad: float, offset_rad: float) -> None:
+        multiples = joint_multiples(bend_signs(bend, self.hello.joints + 1))
+        self.pose([offset_rad + k * lambda_rad for k in multiples])
 
     def stop(self, *, stay: bool = False) -> None:
         """Freeze all joints now; return when the board has confirmed it. Safe from any thread.

@@ -2,17 +2,20 @@
 
 import math
 from collections import deque
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from robot.fake_board import eeprom_after
 from serpenoid import Ground, fit_friction
 from serpenoid.calibration.session_rows import read_events
 from serpenoid.calibration.taking.journal import Journal
-from serpenoid.calibration.taking.new_session import create_session, default_setup
+from serpenoid.calibration.taking.new_session import create_session, default_setup, on_place
 from serpenoid.calibration.taking.person.dialogue import Dialogue, held_dialogue
 from serpenoid.calibration.taking.person.session_robot import SessionRobot
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.model.errors import RobotHeld, RobotLost
+from serpenoid.robot.wire.virtual import VirtualLink
 
 
 class Person:
@@ -95,7 +98,7 @@ class Led:
     """Reads off a simulated treadmill what each prompt asks for."""
 
     def __init__(self, setup):
-        truth = Truth(Ground(0.084, 1.2, 0.14, 0.27), math.radians(0.1))
+        truth = Truth(Ground(0.084, 1.2, 0.14, 0.27), incline_zero_rad=math.radians(0.1))
         self.treadmill = SimulatedTreadmill(setup, truth, seed=4)
         self.heard, self.cells = "", {}
 
@@ -319,26 +322,6 @@ def test_a_full_disk_is_told_and_the_next_reading_kept(folder, monkeypatch):
     assert len(session.zeros) == 1
 
 
-def test_the_robot_is_bent_by_the_tool_and_let_go_at_the_end(folder):
-    with SessionRobot("virtual:fast") as seat:
-        joints = []
-
-        def look():
-            frame = next(iter(seat._robot.frames(1.0)))
-            joints.extend(math.degrees(a) for a in frame.setpoint_rad)
-            return "165"
-
-        with Journal(folder) as journal:
-            journal.event("skip", detail="straight")
-        heard, session = talk(folder, *ZERO, "", look, robot=seat)
-        assert not seat.powered
-        assert seat._robot.status().state == "idle"
-    # Links at + - 0 0 - + times 7.5 deg.
-    assert joints == pytest.approx([-15.0, 7.5, 0.0, -7.5, 15.0], abs=0.01)
-    assert len(session.bends) == 1
-    assert "Enter bends the robot" in heard
-
-
 def test_steering_is_slow_and_poses_are_as_quick_as_the_board_has_it():
     with SessionRobot("virtual:fast") as robot:
         board, speeds = robot._robot, []
@@ -396,13 +379,25 @@ def test_steering_beyond_a_joint_leaves_the_pose(folder):
         assert robot.steer(1) == kept
 
 
-def test_when_nobody_answers_the_servos_are_let_go_and_the_pose_taken_again(folder):
-    with SessionRobot("virtual:fast") as seat:
-        heard, _ = talk(folder, *ZERO, "", None, lambda: str(seat.powered), robot=seat)
+@pytest.mark.parametrize(
+    ("released", "off"),
+    [
+        (0, "pulses off (nobody has tried whether these servos go limp when pulses end)"),
+        (1, "servos off"),
+        (2, "pulses off (these servos hold when pulses end: only the switch stops them)"),
+    ],
+)
+def test_when_nobody_answers_pulses_end_and_the_pose_is_taken_again(folder, released, off):
+    link = VirtualLink(fast=True)
+    link.board.eeprom = eeprom_after(f"set released {released}")
+    link.board.boot("external")
+    with SessionRobot(link) as seat:
+        heard, _ = talk(folder, *ZERO, "", None, lambda: str(seat.powered), "pause", robot=seat)
         assert not seat.powered
-    assert "nobody answered for 5 s: servos off; the pose is to be taken again" in heard
+    assert f"nobody answered for 5 s: {off}; the pose is to be taken again" in heard
+    assert f"paused; {off}. Enter goes on" in heard
     assert heard.count("Enter straightens the robot") == 2
-    assert "servos off" in read_events(folder)[0].detail
+    assert off in read_events(folder)[0].detail
 
 
 def test_a_robot_that_is_lost_loses_no_reading(folder):
@@ -447,7 +442,7 @@ def test_a_stop_from_the_page_lets_the_servos_go_and_says_so(folder):
         assert not seat.powered
         with pytest.raises(RobotHeld):
             seat._robot.straight()
-    assert "stopped from the page: servos off; the pose is to be taken again" in heard
+    assert "stopped from the page: pulses off (nobody has tried" in heard
     assert heard.count("type release") == 4
     assert heard.count("Enter straightens the robot") == 1
 
@@ -467,3 +462,50 @@ def test_released_at_the_terminal_it_moves_again(folder):
     assert heard.count("type release") == 2
     notes = [e.detail for e in read_events(folder) if e.event == "note"]
     assert notes == ["stopped from the page", "released at the terminal"]
+
+
+@pytest.fixture
+def floor(tmp_path):
+    """A session of before, with a bend of 45 deg; one push each."""
+    setup = default_setup("made up")
+    bends = tuple(map(math.radians, (0, 20, 45)))
+    plan = replace(on_place(setup.procedure, "floor"), pushes=1, push_lambda_rad=bends)
+    return create_session(tmp_path / "floor", replace(setup, procedure=plan))
+
+
+PUSH = ("1.0", "2.4", "")
+
+
+def test_on_a_floor_steering_is_kept_and_a_bend_leaves_room_for_it(floor):
+    with SessionRobot("virtual:fast") as robot:
+
+        def pushed(steps):
+            return lambda: robot.steer(steps) and PUSH[0]
+
+        first = ("", pushed(2), *PUSH[1:], "skip", "", "90.5", "quit")
+        heard, _ = talk(floor, *first, robot=robot)
+    assert "belt" not in heard
+    assert "steer against it before the next" in heard
+    assert "left out: pushes, bend 20 deg" in heard
+    assert heard.count("Bend 20 deg") == 1
+    with SessionRobot("virtual:fast") as robot:
+        again, session = talk(floor, "", "90.5", pushed(-1), *PUSH[1:], robot=robot)
+    for said in (heard, again):
+        assert "room for 44.75 deg: it is bent so far" in said
+    assert [math.degrees(p.offset_rad) for p in session.kept_pushes] == [0.5, 0.25]
+    assert [math.degrees(p.lambda_rad) for p in session.kept_pushes] == [0, 44.75]
+
+
+def test_bends_and_gaits_beyond_a_joint_are_said_and_may_be_skipped(floor):
+    link = VirtualLink(fast=True)
+    link.board.eeprom = eeprom_after("trim 5 high 60")
+    link.board.boot("external")
+    bent = ("", "140", *PUSH)
+    with SessionRobot(link) as seat:
+        heard, _ = talk(floor, "", *PUSH, *bent, "", "skip", "", "skip", "skip", robot=seat)
+    far = "bend 45 deg: joint limits and steering leave room for 30 deg"
+    assert heard.index(far) < heard.index("On the floor, robot straight")
+    assert heard.count(far) == 3  # at the start, and at the step until it is skipped
+    assert "Enter bends the robot" not in heard.partition("Bend 45 deg")[2]
+    assert "! the board refuses 'gait" in heard
+    assert heard.endswith("all of the plan is done\n")

@@ -332,7 +332,7 @@ def test_a_push_that_hit_something_is_named():
 
 
 def test_what_is_left_open_is_said_with_the_push_that_closes_it():
-    with pytest.raises(BadInput, match=r"cn and fn0 cannot be told.*bend of 45 degrees, both ways"):
+    with pytest.raises(BadInput, match=r"cn and fn0 cannot be told.*bend of 42 degrees, both ways"):
         fit_friction(floor_session(bends_deg=(0.0,)))
     with pytest.raises(BadInput, match="by method 'joint' alone"):
         fit_friction(floor_session(), method="naive")

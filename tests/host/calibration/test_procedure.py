@@ -117,7 +117,9 @@ def test_the_settling_time_follows_the_readings(record):
 
 
 def test_a_session_on_the_simulated_treadmill_finds_its_truth(record):
-    treadmill = SimulatedTreadmill(record.session.setup, Truth(WHOLE_BODY_2005, 0.002), seed=5)
+    treadmill = SimulatedTreadmill(
+        record.session.setup, Truth(WHOLE_BODY_2005, incline_zero_rad=0.002), seed=5
+    )
     session = take_all(record, treadmill)
     bends = {round(math.degrees(b.lambda_rad), 1) for b in session.bends}
     assert bends == {7.5, 15.0, 30.0}

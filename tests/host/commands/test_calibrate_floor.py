@@ -78,7 +78,7 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     assert "already" in run("calibrate", "push", folder, tracks[2], fails=True)
     told = run("fit", folder, fails=True)
     assert "cn and fn0 cannot be told" in told
-    assert "bend of 45 degrees" in told
+    assert "bend of 42 degrees" in told
 
 
 def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path, serpenoid):
@@ -87,7 +87,7 @@ def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path, serpenoid)
     for out in (page, typed):
         assert serpenoid("calibrate", "sheet", str(folder), "--out", str(out))[0] == 0
     text = page.read_text()
-    assert "Pushes, bend 45°" in text
+    assert "Pushes, bend 42°" in text
     assert "at either end shows 140°" in text
     assert "nclinometer" not in text
     head, *lines = (line.split(",") for line in typed.read_text().splitlines())
@@ -140,7 +140,7 @@ def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):
 def practised(tmp_path_factory):
     """The practice of pushes, done by words alone."""
     folder = tmp_path_factory.mktemp("practice") / "p"
-    words = ["", *["push 0.9"] * 4, "protractor", "140", *["push 0.9"] * 4, "protractor", "90.2"]
+    words = ["", *["push 0.9"] * 4, "protractor", "140", *["push 0.9"] * 4, "protractor", "96.2"]
     words += [*["push 1.0"] * 6, "crawl", "1.0", "19.4", "quit"]
     run("calibrate", "practice", folder, "--on", "floor", "--seed", "5", typed="quit\n")
     run("calibrate", "amend", folder, "plan.pushes=4")

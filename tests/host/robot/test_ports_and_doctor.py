@@ -239,7 +239,7 @@ def test_listing_is_by_name_and_says_what_is_allowed(plugged, monkeypatch):
     monkeypatch.setattr(ports, "allowed", lambda device: device != "/dev/ttyB")
     plugged(("/dev/ttyB", 0x403, 0x6001), ("/dev/ttyA", None, None))
     found = ports.port_states()
-    assert [(p.device, p.chip, p.allowed) for p in found] == [
-        ("/dev/ttyA", "", True),
+    assert [(p["device"], p["chip"], p["allowed"]) for p in found] == [
+        ("/dev/ttyA", None, True),
         ("/dev/ttyB", "FTDI", False),
     ]

@@ -22,7 +22,7 @@ from .minimum import covariance_of, least, minimum_at
 from .problem import Problem
 
 SPEED_M_S, RATE_HZ, RESTED_S = 0.9, 30.0, 0.4
-BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 45.0)))
+BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 42.0)))
 TIMES_BREAKAWAY = (1.4, 2.0, 3.0)
 PUSH_MIN, BEND_MIN, SLIDE_MIN = 0.7, 1.5, 1.0  # what a person takes
 STEEPEST = math.sin(math.radians(30.0))
@@ -52,7 +52,7 @@ def candidates(session: Session, by_film: bool) -> tuple[Floats, list[Candidate]
     out = []
     for bend in BENDS_RAD:
         for slide in (False, True):
-            angle = last if abs(last - bend) < math.radians(3) else bend
+            angle = last if abs(last - bend) < math.radians(3.5) else bend
             made = list(
                 _slides(session, problem, found, angle)
                 if slide

@@ -148,7 +148,7 @@ def _check_told(problem: Problem, x: Floats, sigma: Floats, where: str) -> None:
     bent = bent or problem.stations is not None
     pairs = [
         ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),
-        ("cn and fn0", 1, 3, "pushes in the balanced bend of 45 degrees, both ways, filmed"),
+        ("cn and fn0", 1, 3, "pushes in the balanced bend of 42 degrees, both ways, filmed"),
     ]
     if problem.parameters == 6:
         pairs.append(

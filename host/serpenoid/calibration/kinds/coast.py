@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ...model.errors import BadInput
 from .bend import bend_in_words
@@ -86,6 +86,15 @@ FIELDS = (
         source=DERIVED,
         optional=True,
     ),
+    Field(
+        "offset_deg",
+        "steering, on every joint",
+        "angle",
+        -45.0,
+        45.0,
+        source=PLANNED,
+        optional=True,
+    ),
     Word("way", WAYS),
     Word("facing", FACINGS),
     Word("by", SOURCES, source=DERIVED),
@@ -107,8 +116,8 @@ class Coast:
     which it passed marks; y is 0) or "rest" (distance_m and duration_s alone). start_s, end_s: what
     part of the track counts. scale_sigma: of all lengths of a film, relative, where its tags tell
     it; one scale for all films, as of one sheet of tags. distance_sigma_m, time_sigma_s: of one
-    place and one time; None: those of the set-up. file_sha256: of the file that the track came
-    from. Raises BadInput.
+    place and one time; None: those of the set-up. offset_rad: steering on every joint; None where
+    nobody told. file_sha256: of the file that the track came from. Raises BadInput.
     """
 
     number: int
@@ -131,6 +140,7 @@ class Coast:
     voided: bool = False
     comment: str = ""
     time_utc: str = ""
+    offset_rad: float | None = field(default=None, repr=False)  # no part of the session's hash
 
     def __post_init__(self) -> None:
         check_fields(self, FIELDS)

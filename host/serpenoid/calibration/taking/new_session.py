@@ -139,6 +139,8 @@ ROBOT = 3  # of the numbers: those that a floor needs, too
 WHEELS = Field(
     "wheels_kg", "mass of all wheels together (kg, or 36 g)", "mass", 0.0, 100.0, (0.001, 2.0)
 )
+# At the ends joints stand at twice this: it leaves 6 deg of 90 to trims and steering.
+STEEPEST_PUSH_DEG = 42.0
 PUSHES, CRAWL_RUNS = 8, 2  # on a floor, in each bend; of each gait, there and back
 # On a floor: away from the cliff, far from each other, and little moved by a slope.
 CRAWLS = tuple(
@@ -166,6 +168,7 @@ def default_setup(name: str) -> Setup:
             gaits=tuple(Gait(deg(70), deg(75), rate) for rate in rates),
             gait_runs=3,
             bend="balanced",
+            push_lambda_rad=(0.0, deg(20.0), deg(STEEPEST_PUSH_DEG)),
             pushes=PUSHES,
         ),
         uncertainty=Uncertainty(deg(0.03), deg(0.1), 0.01, deg(0.5), 0.02, 0.005, deg(0.5)),

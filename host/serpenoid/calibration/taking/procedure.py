@@ -11,9 +11,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from ...model.bends import balanced_signs, joint_multiples
 from ..kinds.belt import BELT
-from ..kinds.bend import BEND
 from ..kinds.declaration import Field
 from ..kinds.gait import GAIT, RUN_WAYS
 from ..kinds.places import drifts
@@ -21,6 +19,7 @@ from ..kinds.station import LEAST_SLIP_M_S, STATION
 from ..kinds.zero import ZERO
 from ..session import Procedure, Session, Setup
 from ..session_rows import Event
+from .bends import bend_step
 from .expected import Series, expected_speed, line_of, of_bend, series_of, shown_bend
 from .floor.procedure import next_push, push_progress
 from .steps import Step
@@ -53,6 +52,8 @@ def skipped_keys(events: Iterable[Event]) -> frozenset[str]:
 def step_in_words(key: str) -> str:
     """Return a step's key in words, such as `station 7.5 2.60` of a station."""
     what, *numbers = key.split()
+    if what == "pushes" and numbers[0] != "straight":
+        return f"pushes, bend {numbers[0]} deg"
     if what != "station" or len(numbers) != 2:
         return key
     bend, incline = numbers
@@ -276,32 +277,8 @@ def _pose(series: Series, setup: Setup) -> Step:
             "straight",
             "Robot straight, on the belt, head downhill, the belt running uphill.",
         )
-    between = 180.0 - 2 * bend_deg
-    say = (
-        f"Bend {bend_deg:g} deg, {bend_in_words(series.bend, bend_deg, setup.robot.links)} "
-        f"({REASON}.)" + (" Head downhill again." if setup.procedure.ratchet else "")
-    )
-    shows = replace(BEND["between_links_deg"], likely=(between - 5.0, between + 5.0))
-    cells: dict[str, float | str] = {"lambda_deg": bend_deg, "bend": series.bend}
-    return Step(
-        f"bend {bend_deg:g}", "bend", say, (shows,), bend_deg, bend=series.bend, cells=cells
-    )
-
-
-def bend_in_words(bend: str, bend_deg: float, links: int) -> str:
-    """Return what the joints of a bent robot do, and what a protractor shows there."""
-    at_ends = f"A protractor between the last two links at either end shows {180 - 2 * bend_deg:g}"
-    if bend == "zigzag":
-        return (
-            f"zigzag: every joint at {2 * bend_deg:g} deg, left and right in turn. {at_ends} "
-            "deg, as at every joint. Guide the robot: left alone it turns."
-        )
-    multiples = joint_multiples(balanced_signs(links))
-    joints = ", ".join(f"{m * bend_deg:+g}" if m else "0" for m in multiples)
-    inner = sorted({abs(m) for m in multiples} - {2}, reverse=True)
-    there = {1: f"{180 - bend_deg:g} at a joint of {bend_deg:g}", 0: "180 at a joint of 0"}
-    rest = "".join(f", {there[m]}" for m in inner)
-    return f"balanced: joints from the tail at {joints} deg. {at_ends} deg{rest}."
+    then = f"({REASON}.)" + (" Head downhill again." if setup.procedure.ratchet else "")
+    return bend_step(f"bend {bend_deg:g}", setup, bend_deg, then)
 
 
 def _station(session: Session, series: Series, incline_deg: float, shown_rad: float) -> Step:

@@ -25,6 +25,7 @@ from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ..kinds.declaration import Cells, Field
+from ..kinds.instruments import Stopwatch
 from ..session import Session, Setup
 from .steps import Step
 
@@ -35,36 +36,21 @@ START_M_S = 0.3  # of the belt, where nothing tells better
 
 
 @dataclass(frozen=True)
-class Truth:
-    """What a person at the treadmill does not know.
+class RobotTruth:
+    """What a person does not know of a robot, at the treadmill and on a floor.
 
-    ground: of the whole snake. incline_zero_rad: what the inclinometer shows where it is level.
-    belt_scale: true belt speed over shown. incline_scale: the treadmill's true steps of grade over
-    those stated. mass_scale: the robot's true mass over the one weighed. joint_sigma_rad: of what
-    each joint stands off its set-point, for good. link_spread: relative, of each link's friction.
-    rolling_kg, breakaway: of the wheels (`lab.robot`). disturbance_m_s: of the robot when it is let
-    go. misreads: share of readings that are typed wrong. hasty: share that are read too early.
-    steered: a person steers it while it holds. guided: between rails, which keep it straight.
-    short_s: bent, it is filmed for so long while it drifts, instead of held; 0: it is held.
-    amplitude: of the joints in a gait, true over commanded. servo: what moves them in a gait; None:
-    they follow it.
+    ground: of the whole snake. mass_scale: the robot's true mass over the one weighed.
+    joint_sigma_rad: of what each joint stands off its set-point, for good. link_spread: relative,
+    of each link's friction. rolling_kg, breakaway: of the wheels (`lab.robot`). amplitude: of the
+    joints in a gait, true over commanded. servo: what moves them in a gait; None: they follow it.
     """
 
     ground: Ground
-    incline_zero_rad: float = 0.0
-    belt_scale: float = 1.0
-    incline_scale: float = 1.0
     mass_scale: float = 1.0
     joint_sigma_rad: float = math.radians(0.5)
     link_spread: float = 0.0
     rolling_kg: float = 0.0
     breakaway: float = 1.0
-    disturbance_m_s: float = 0.03
-    misreads: float = 0.0
-    hasty: float = 0.0
-    steered: bool = True
-    guided: bool = False
-    short_s: float = 0.0
     amplitude: float = 1.0
     servo: Servo | None = None
 
@@ -83,6 +69,41 @@ class Truth:
             servo=self.servo,
         )
         return whole.drawn(rng, self.joint_sigma_rad, self.link_spread)
+
+
+def timed_crawl(
+    speed_m_s: float, watch: Stopwatch, rng: np.random.Generator
+) -> tuple[dict[str, float], float]:
+    """Return what tape and watch say of a crawl, and how long they took, s."""
+    distance = min(RUN_M, speed_m_s * RUN_S)
+    duration = distance / speed_m_s if speed_m_s > 0.0 else RUN_S
+    duration += float(rng.normal()) * watch.time_sigma_s
+    measured = max(distance + float(rng.normal()) * watch.distance_sigma_m, 0.0)
+    read = {"distance_m": round(measured, 3), "duration_s": round(max(duration, 0.1), 2)}
+    return read, duration
+
+
+@dataclass(frozen=True)
+class Truth(RobotTruth):
+    """What a person at the treadmill does not know.
+
+    incline_zero_rad: what the inclinometer shows where it is level.
+    belt_scale: true belt speed over shown. incline_scale: the treadmill's true steps of grade over
+    those stated. disturbance_m_s: of the robot when it is let go. misreads: share of readings that
+    are typed wrong. hasty: share that are read too early. steered: a person steers it while it
+    holds. guided: between rails, which keep it straight. short_s: bent, it is filmed for so long
+    while it drifts, instead of held; 0: it is held.
+    """
+
+    incline_zero_rad: float = 0.0
+    belt_scale: float = 1.0
+    incline_scale: float = 1.0
+    disturbance_m_s: float = 0.03
+    misreads: float = 0.0
+    hasty: float = 0.0
+    steered: bool = True
+    guided: bool = False
+    short_s: float = 0.0
 
 
 def drawn_truth(
@@ -270,15 +291,8 @@ class SimulatedTreadmill:
             made = gait if self._run_gait is None else self._run_gait(gait)
             true = replace(made, alpha_rad=made.alpha_rad * self.truth.amplitude)
             self._ran[gait] = made.omega_rad_s, self._crawls_at(true)
-        (omega, speed), watch = self._ran[gait], self._setup.stopwatch
-        distance = min(RUN_M, speed * RUN_S)
-        duration = (distance / speed if speed > 0.0 else RUN_S) + self._normal(watch.time_sigma_s)
-        measured = max(distance + self._normal(watch.distance_sigma_m), 0.0)
-        return {
-            "distance_m": round(measured, 3),
-            "duration_s": round(max(duration, 0.1), 2),
-            "omega_rad_s": omega,
-        }
+        omega, speed = self._ran[gait]
+        return timed_crawl(speed, self._setup.stopwatch, self._rng)[0] | {"omega_rad_s": omega}
 
     def _crawls_at(self, gait: Gait) -> float:
         if self._gait_speed is None:

@@ -8,7 +8,7 @@ import click
 
 from ...show.screen import say
 from ..options import AS_JSON, show_json
-from ..paths import OutFile
+from ..paths import out_file
 from .port import PORT
 
 MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
@@ -25,7 +25,7 @@ MARKS = {"ok": "ok  ", "note": "note", "fix": "FIX "}
 )
 @click.option(
     "--report",
-    type=OutFile(".json"),
+    type=out_file(".json"),
     help="Collect in some five minutes what board and host tell, for docs/first_day.md.",
 )
 @click.option("--move", is_flag=True, help="The report's limp test and slow gait, too: it asks.")

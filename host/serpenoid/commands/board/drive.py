@@ -22,7 +22,7 @@ from ..options import (
     show_json,
     take_servo,
 )
-from ..paths import OutFile
+from ..paths import out_file
 from .port import PORT
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     help="How long; until Ctrl-C unless given.",
 )
 @PORT
-@click.option("--record", type=OutFile(), help="New file for every line of the run.")
+@click.option("--record", type=out_file(), help="New file for every line of the run.")
 @click.option(
     "--page",
     is_flag=True,

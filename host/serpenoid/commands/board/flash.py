@@ -8,6 +8,7 @@ import click
 
 from ...show.screen import say
 from ..options import AS_JSON, show_json
+from ..paths import FOLDER
 
 
 @click.command()
@@ -19,7 +20,7 @@ from ..options import AS_JSON, show_json
 @click.option("--port", help="Serial port; found by its USB id unless given.")
 @click.option(
     "--project",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=FOLDER,
     help="Folder of platformio.ini; found from here unless given.",
 )
 @click.option(

@@ -17,12 +17,12 @@ def ports(as_json: bool) -> None:
 
     found = port_states()
     if as_json:
-        show_json({"ports": [port.to_dict() for port in found]})
-        return
+        return show_json({"ports": found})
     for port in found:
-        about = [port.device, port.usb, port.chip and f"likely a board ({port.chip})"]
-        about += [port.description, *(f"open in {h.name} ({h.pid})" for h in port.held_by)]
-        about += [] if port.allowed else ["this user may not open it: try `serpenoid doctor`"]
+        about = [port["device"], port["usb"], port["chip"] and f"likely a board ({port['chip']})"]
+        about += [port["description"]]
+        about += [f"open in {held['name']} ({held['pid']})" for held in port["held_by"]]
+        about += [] if port["allowed"] else ["this user may not open it: try `serpenoid doctor`"]
         say("  ".join(part for part in about if part))
-    if not any(port.chip for port in found):
+    if not any(port["chip"] for port in found):
         say(f"no board found by its USB id. {why_no_port()}", err=True)

@@ -48,7 +48,7 @@ NAME = "demo, simulated"
 SEED, SERVOS = 2005, servo("hobby")
 TRUTH = Truth(
     Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27),
-    math.radians(0.12),
+    incline_zero_rad=math.radians(0.12),
     misreads=0.05,
     servo=SERVOS.draws(1, SEED)[0],
 )

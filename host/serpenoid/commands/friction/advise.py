@@ -8,10 +8,11 @@ import click
 
 from ..given import session_fit
 from ..options import AS_JSON, listed_gait, servo_option, show_json, take_servo
+from ..paths import FOLDER
 
 
 @click.command()
-@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("session", type=FOLDER)
 @click.option(
     "--gait",
     "gaits",

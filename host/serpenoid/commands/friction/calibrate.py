@@ -13,7 +13,7 @@ from ...model.errors import BadInput
 from ...show.screen import say
 from ..group import Commands
 from ..options import AS_JSON, doubt_robot, show_json
-from ..paths import OutFile
+from ..paths import out_file
 from .calibrate_new import new
 from .calibrate_person import count, program, with_a_person
 from .calibrate_practice import practice
@@ -77,7 +77,7 @@ calibrate.add_command(push)
     type=click.FloatRange(1, 86400),
     default=300.0,
     show_default=True,
-    help="With nobody answering for so long, the servos are let go.",
+    help="With nobody answering for so long, the servos' pulses end.",
 )
 @click.option(
     "--page", "with_page", is_flag=True, help="Serve a page for whoever stands at the treadmill."
@@ -212,7 +212,7 @@ def _add_sheet(journal: Journal, path: Path) -> None:
 @FOLDER
 @click.option(
     "--out",
-    type=OutFile(".html", ".csv"),
+    type=out_file(".html", ".csv"),
     default=Path("sheet.html"),
     show_default=True,
     help="Page to print on A4; or CSV to type it into.",

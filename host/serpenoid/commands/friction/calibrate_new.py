@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import click
 
 from ...model.errors import BadInput
 from ...show.screen import say
+from ..paths import FOLDER
 
 if TYPE_CHECKING:
     from ...calibration.kinds.declaration import Field
@@ -18,41 +20,34 @@ if TYPE_CHECKING:
 LATER = "later"
 
 
-class Quantity(click.ParamType):
-    """A number with a unit or in the field's own; decimals take a point or a comma.
+def quantity_of(name: str) -> Callable[[Any], float | str]:
+    """Return the type of a number with a unit or in the field's own, with a point or a comma.
 
     A bare number that only another unit makes likely is asked about where somebody can answer.
     `later` answers for a mass or a voltage.
     """
 
-    name = "quantity"
-
-    def __init__(self, field: str):
-        self.field = field
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> float | str:
-        """Return the number or LATER, or say what is wrong with it."""
+    def quantity(value: Any) -> float | str:
         import sys
 
         from ...calibration.taking.parse_number import parse_number
 
         if isinstance(value, float):
             return value
-        field = field_of(self.field)
-        if (
-            field.column in ("mass_kg", "wheels_kg", "supply_v")
-            and str(value).strip().lower() == LATER
-        ):
+        later = name in ("mass_kg", "wheels_kg", "supply_v")
+        if later and str(value).strip().lower() == LATER:
             return LATER
         try:
-            typed = parse_number(str(value), field)
+            typed = parse_number(str(value), field_of(name))
         except BadInput as error:
-            self.fail(str(error), param, ctx)
+            raise click.BadParameter(str(error)) from None
         if not typed.question or typed.meant is None:
             return typed.value
         if not sys.stdin.isatty():
-            self.fail(f"{typed.question} Type the unit, too", param, ctx)
+            raise click.BadParameter(f"{typed.question} Type the unit, too")
         return typed.meant if click.confirm(typed.question, default=True) else typed.value
+
+    return quantity
 
 
 def field_of(name: str) -> Field:
@@ -63,7 +58,7 @@ def field_of(name: str) -> Field:
 
 
 @click.command()
-@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("folder", type=FOLDER)
 @click.option(
     "--template",
     type=click.Path(exists=True, path_type=Path),
@@ -73,7 +68,7 @@ def field_of(name: str) -> Field:
 @click.option("--surface", help="What the wheels roll on.")
 @click.option(
     "--mass-kg",
-    type=Quantity("mass_kg"),
+    type=quantity_of("mass_kg"),
     help="Mass of the whole robot, as it crawls; 480g does, too.",
 )
 @click.option(
@@ -85,13 +80,13 @@ def field_of(name: str) -> Field:
 )
 @click.option(
     "--wheels-kg",
-    type=Quantity("wheels_kg"),
+    type=quantity_of("wheels_kg"),
     help="Mass of all wheels together, which a push sets turning.",
 )
 @click.option(
     "--volts",
     "supply_v",
-    type=Quantity("supply_v"),
+    type=quantity_of("supply_v"),
     help="Voltage at the servos' plug, measured while they move.",
 )
 @click.option("--simulated", is_flag=True, help="Say in the session that it is no measurement.")
@@ -156,9 +151,8 @@ def _asked(setup: Setup, answers: dict[str, Any], on: str) -> dict[str, Any]:
     usual = _usual(setup)
     for field in NUMBERS if on == "treadmill" else (*NUMBERS[:ROBOT], WHEELS):
         if found.get(field.column) is None:
-            found[field.column] = click.prompt(
-                field.words, default=usual[field.column], type=Quantity(field.column)
-            )
+            kind = click.types.FuncParamType(quantity_of(field.column))
+            found[field.column] = click.prompt(field.words, default=usual[field.column], type=kind)
     return found
 
 

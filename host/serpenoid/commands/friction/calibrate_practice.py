@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..paths import FOLDER
+
 if TYPE_CHECKING:
+    from ...calibration.session import Session
     from ...calibration.taking.person.practice import PracticeTerminal
     from ...lab.practice import PracticeTreadmill
 
@@ -20,9 +23,7 @@ ENOUGH = 4  # pushes, after which the truth may be told
 
 
 @click.command()
-@click.argument(
-    "folder", type=click.Path(file_okay=False, path_type=Path), default=Path("practice-session")
-)
+@click.argument("folder", type=FOLDER, default=Path("practice-session"))
 @click.option(
     "--on",
     type=click.Choice(["treadmill", "floor"]),
@@ -65,7 +66,6 @@ def practice(
         HELP,
         PracticeTerminal,
         PracticeTruth,
-        practice_seed,
         practice_treadmill,
     )
     from ...calibration.taking.person.terminal import Console
@@ -77,14 +77,13 @@ def practice(
     if on == "floor":
         _no_treadmill_options()
         return _on_floor(folder, seed)
-    _begin(folder, seed)
-    session = read_session(folder)
-    drawn, link = practice_seed(session), VirtualLink(joints=session.setup.robot.links - 1)
+    session, drawn = _begun(folder, seed, on)
+    link = VirtualLink(joints=session.setup.robot.links - 1)
     room = practice_treadmill(session.setup, drawn, link.set_points_rad, pace).start()
     terminal = PracticeTerminal(Console(), room, pace)
     terminal.say(HELP + "\nThese words once more: treadmill.")
     try:
-        with _page(room, terminal, lan) if with_page else _nothing():
+        with _page(room, terminal, lan) if with_page else nullcontext():
             with_a_person(folder, link, 1e9, False, False, terminal)
     finally:
         room.stop()
@@ -104,31 +103,13 @@ def _no_treadmill_options() -> None:
 
 def _on_floor(folder: Path, seed: int | None) -> None:
     """Practise pushes: films are made in the lab, and taken in as a phone's would be."""
-    import secrets
-
     from ...calibration.session_file import read_session
-    from ...calibration.taking.new_session import create_session, default_setup
-    from ...calibration.taking.person.floor_practice import (
-        HELP,
-        FloorTerminal,
-        practice_floor_seed,
-        practice_floor_setup,
-    )
+    from ...calibration.taking.person.floor_practice import HELP, FloorTerminal
     from ...calibration.taking.person.terminal import Console
-    from ...model.errors import BadInput
     from .calibrate_person import with_a_person
 
-    if not (folder / "session.toml").exists():
-        drawn = secrets.randbelow(10**6) if seed is None else seed
-        create_session(
-            folder,
-            practice_floor_setup(default_setup(os.path.basename(os.path.abspath(folder))), drawn),
-        )
-    session = read_session(folder)
-    has = practice_floor_seed(session)
-    if seed not in (None, has):
-        raise BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
-    terminal = FloorTerminal(Console(), session.setup, has, folder / "films")
+    session, drawn = _begun(folder, seed, "floor")
+    terminal = FloorTerminal(Console(), session.setup, drawn, folder / "films")
     terminal.say(HELP + "\nThese words once more: floor.")
     try:
         with_a_person(folder, None, 1e9, False, False, terminal, terminal.watch)
@@ -137,29 +118,24 @@ def _on_floor(folder: Path, seed: int | None) -> None:
             terminal.say(f"\n{terminal.truth.in_words()}; `serpenoid fit {folder}`")
 
 
-def _begin(folder: Path, seed: int | None) -> None:
-    """Make the session's folder unless it is there; refuse another seed than it has."""
+def _begun(folder: Path, seed: int | None, place: str) -> tuple[Session, int]:
+    """Return a session of practice and its seed, begun unless it is there; refuse another seed."""
+    import secrets
+
     from ...calibration.session_file import read_session
     from ...calibration.taking.new_session import create_session, default_setup
     from ...calibration.taking.person.practice import practice_seed, practice_setup
     from ...model.errors import BadInput
 
-    if (folder / "session.toml").exists():
-        has = practice_seed(read_session(folder))
-        if seed not in (None, has):
-            raise BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
-        return
-    import secrets
-
-    drawn = secrets.randbelow(10**6) if seed is None else seed
-    create_session(
-        folder, practice_setup(default_setup(os.path.basename(os.path.abspath(folder))), drawn)
-    )
-
-
-@contextmanager
-def _nothing() -> Iterator[None]:
-    yield
+    if not (folder / "session.toml").exists():
+        drawn = secrets.randbelow(10**6) if seed is None else seed
+        setup = default_setup(os.path.basename(os.path.abspath(folder)))
+        create_session(folder, practice_setup(setup, drawn, place))
+    session = read_session(folder)
+    has = practice_seed(session, place)
+    if seed not in (None, has):
+        raise BadInput(f"{folder} is of seed {has}, not {seed}; give another folder")
+    return session, has
 
 
 @contextmanager

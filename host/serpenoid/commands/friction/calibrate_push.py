@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 import click
 
 from ...show.screen import say
+from ..paths import EXISTING, FOLDER
 
 if TYPE_CHECKING:
     from ...calibration.taking.journal import Journal
 
 
 @click.command()
-@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
-@click.argument(
-    "files", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path)
-)
+@click.argument("folder", type=FOLDER)
+@click.argument("files", nargs=-1, required=True, type=EXISTING)
 @click.option(
     "--lambda-deg",
     type=click.FloatRange(0, 60),

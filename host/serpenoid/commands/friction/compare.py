@@ -8,11 +8,11 @@ import click
 
 from ..given import session_fit
 from ..options import AS_JSON, listed_gait, servo_option, show_json, take_servo
-from ..paths import FIGURES, OutFile
+from ..paths import FIGURES, FOLDER, out_file
 
 
 @click.command()
-@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("session", type=FOLDER)
 @click.option(
     "--gait",
     "gaits",
@@ -40,10 +40,10 @@ from ..paths import FIGURES, OutFile
 @click.option(
     "--beside",
     "other",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=FOLDER,
     help="Another session of this robot: do both tell the same friction?",
 )
-@click.option("--plot", "figure", type=OutFile(*FIGURES), help="Draw it into this file.")
+@click.option("--plot", "figure", type=out_file(*FIGURES), help="Draw it into this file.")
 @AS_JSON
 def compare(
     session: Path,

@@ -11,7 +11,7 @@ import click
 from ...model.errors import SerpenoidError
 from ...show.screen import say
 from ..options import AS_JSON, servo_option, show_json, take_servo
-from ..paths import FIGURES, OutFile
+from ..paths import FIGURES, FOLDER, out_file
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
@@ -21,7 +21,7 @@ MANY = 300  # readings, whose fit may take a second or more
 
 
 @click.command()
-@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("session", type=FOLDER)
 @click.option(
     "--method",
     type=click.Choice(["joint", "robust", "naive"]),
@@ -36,7 +36,7 @@ MANY = 300  # readings, whose fit may take a second or more
 @click.option(
     "--plot",
     "figure",
-    type=OutFile(*FIGURES),
+    type=out_file(*FIGURES),
     help="Draw the lines and readings into this PNG, PDF or SVG.",
 )
 @click.option("--influence", is_flag=True, help="List what every reading does to the fit.")

@@ -9,16 +9,18 @@ import click
 from ...show.screen import say
 from ..given import session_fit
 from ..options import AS_JSON, servo_option, show_json, take_servo
-from ..paths import OutFile
+from ..paths import FOLDER, out_file
 
 
 @click.command()
-@click.argument("session", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--out", type=OutFile(".html"), help="Where to; report.html in the session's folder.")
-@click.option("--bibtex", type=OutFile(".bib"), help="Write what to cite into this file, too.")
+@click.argument("session", type=FOLDER)
+@click.option(
+    "--out", type=out_file(".html"), help="Where to; report.html in the session's folder."
+)
+@click.option("--bibtex", type=out_file(".bib"), help="Write what to cite into this file, too.")
 @click.option(
     "--beside",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=FOLDER,
     help="Another session of this robot, to compare the frictions with.",
 )
 @servo_option

@@ -10,26 +10,25 @@ import click
 
 from ..given import session_fit
 from ..options import AS_JSON, plug_options, show_json, take_servo
-from ..paths import OutFile
+from ..paths import EXISTING, FOLDER, out_file
 
 if TYPE_CHECKING:
     from ...servos.bench_test import BenchTest, MeasuredServo
 
 _COLUMNS = ("t_s", "setpoint_deg", "angle_deg")
-_EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.command()
 @click.option(
     "--test",
     "table",
-    type=_EXISTING,
+    type=EXISTING,
     metavar="CSV",
     help="Bench test of one joint: columns t_s, setpoint_deg, angle_deg.",
 )
 @click.option(
     "--session",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=FOLDER,
     help="A session with gait runs or films.",
 )
 @click.option(
@@ -50,7 +49,7 @@ _EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
     show_default=True,
     help="Inertia of what the joint of --test turns, about it.",
 )
-@click.option("--out", type=OutFile(".toml"), help="File for --servo of other commands.")
+@click.option("--out", type=out_file(".toml"), help="File for --servo of other commands.")
 @AS_JSON
 def servo(
     table: Path | None,

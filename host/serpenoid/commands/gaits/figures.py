@@ -13,7 +13,7 @@ import click
 from ...model.files import write_text
 from ...show.screen import say
 from ..options import AS_JSON, finite, interruptible, show_json
-from ..paths import OutFolder
+from ..paths import directory
 
 if TYPE_CHECKING:
     from ...calibration.prediction import SpeedPoint
@@ -29,7 +29,7 @@ CLIFF_M_S = 0.05  # speed of the two gaits whose cliffs are drawn
 @click.command()
 @click.option(
     "--out",
-    type=OutFolder(),
+    type=directory,
     default=Path("figures-out"),
     show_default=True,
     help="Folder for figures, their data and the page.",

@@ -31,7 +31,7 @@ from ..options import (
     stacked,
     take_servo,
 )
-from ..paths import FIGURES, OutFile
+from ..paths import FIGURES, out_file
 from .steady import beside_servo, no_band
 
 if TYPE_CHECKING:
@@ -84,7 +84,9 @@ send_options = stacked(
             type=click.FloatRange(0, min_open=True),
             help="With --send: how long; until Ctrl-C unless given.",
         ),
-        click.option("--record", type=OutFile(), help="With --send: new file for the run's lines."),
+        click.option(
+            "--record", type=out_file(), help="With --send: new file for the run's lines."
+        ),
     ]
 )
 
@@ -118,7 +120,7 @@ send_options = stacked(
 @servo_option
 @click.option(
     "--plot",
-    type=OutFile(*FIGURES),
+    type=out_file(*FIGURES),
     help="Draw speed against amplitude and fn0 around the gait: the cliff.",
 )
 @send_options

@@ -22,7 +22,7 @@ from ..options import (
     show_json,
     take_servo,
 )
-from ..paths import OutFile, OutFolder
+from ..paths import directory, out_file
 
 if TYPE_CHECKING:
     from ...model.ground import Ground
@@ -65,16 +65,11 @@ def _rates(omega_rad_s: str | None, frequency_hz: str | None) -> list[float]:
     return [2 * math.pi * hz for hz in _span(frequency_hz, "--frequency-hz")]
 
 
-class _Result(click.ParamType):
-    """A file with a suffix, or a folder for a study."""
-
-    name = "path"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """Return the path, or fail with the reason why nothing could be written there."""
-        there = Path(value)
-        kind = OutFile(*SUFFIXES) if there.suffix and not there.is_dir() else OutFolder()
-        return kind.convert(value, param, ctx)
+def path(value: str) -> Path:
+    """Return a file with a suffix, or a folder for a study."""
+    there = Path(value)
+    kind = out_file(*SUFFIXES) if there.suffix and not there.is_dir() else directory
+    return kind(there)
 
 
 def _varied(given: tuple[str, ...], fixed: dict[str, Any]) -> dict[str, list[float]]:
@@ -142,7 +137,7 @@ def _designs(
 )
 @click.option(
     "--out",
-    type=_Result(),
+    type=path,
     help="CSV, npz or JSON file to write; or a folder, filled chunk by chunk and gone on "
     "with if the same is asked for again.",
 )

@@ -7,6 +7,7 @@ import os
 import queue
 import threading
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -19,12 +20,14 @@ KEEP_UP_S = 0.01  # a disk that takes longer for a row is stalled: nobody waits 
 OPEN_S = CLOSE_S = 2.0
 
 
+@dataclass
 class Row:
     """A row on its way to the disk: a remark, or direction, line and host time in s."""
 
-    def __init__(self, text: str, line: bytes | None = None, host_s: float = 0.0):
-        self.text, self.line, self.host_s = text, line, host_s
-        self.written = False
+    text: str
+    line: bytes | None = None
+    host_s: float = 0.0
+    written: bool = False
 
 
 class Recorder:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 MOST_BYTES = 1 << 31  # a fortnight of telemetry
 LONGEST_ROW = 4096  # bytes; a whole line takes a tenth of it, and what is longer is damaged
 _COUNTS = ("frame", "exec_us", "late_us", "clipped")  # whole numbers of a frame
+_SINGLE = 4 + len(_COUNTS)  # numbers of a frame that are not of a joint
 BACKWARDS_S = 0.01  # between lines that threads wrote a moment apart, as versions before 0.2 did
 
 
@@ -101,9 +102,12 @@ class _Reading:
     def _begin_frames(self, joints: int) -> None:
         """Expect frames of so many joints, as greeted; 0 for as many as the first one has."""
         self._joints, self._clock = joints, BoardClock(frame_us(joints))
-        self._host_s, self._phase_rad, self._setpoint_rad = array("d"), array("d"), array("d")
-        self._counts = {name: array("q") for name in _COUNTS}
-        self._board_us, self._pulse_us, self._state = array("q"), array("q"), array("i")
+        self._numbers = array("d")  # a row a frame: a run of days has millions
+
+    @property
+    def _width(self) -> int:
+        """Return how many numbers a frame has."""
+        return _SINGLE + 2 * self._joints
 
     def take(self, number: int, row: bytes) -> None:
         """Take one row; raise BadInput, with its number, if it is not as Recorder writes it."""
@@ -119,17 +123,19 @@ class _Reading:
         """Return all that was taken."""
         import numpy as np
 
-        count, joints = len(self._host_s), self._joints
-        names = np.array(list(self._states), dtype=str)
+        rows = np.asarray(self._numbers).reshape(-1, self._width)
+        host_s, board_us, phase_rad, state, *counts = rows[:, :_SINGLE].T
+        setpoint_rad, pulse_us = np.hsplit(rows[:, _SINGLE:], 2)
+        whole = {name: column.astype(int) for name, column in zip(_COUNTS, counts, strict=True)}
         return Stream(
             begun=begun,
-            host_s=np.asarray(self._host_s),
-            board_s=np.asarray(self._board_us) * 1e-6,
-            phase_rad=np.asarray(self._phase_rad),
-            setpoint_rad=np.asarray(self._setpoint_rad).reshape(count, joints),
-            pulse_us=np.asarray(self._pulse_us).reshape(count, joints),
-            state=names[np.asarray(self._state)] if count else names,
-            **{name: np.asarray(column) for name, column in self._counts.items()},
+            host_s=host_s,
+            board_s=board_us * 1e-6,
+            phase_rad=phase_rad,
+            setpoint_rad=setpoint_rad,
+            pulse_us=pulse_us.astype(int),
+            state=np.array([*self._states, ""], dtype=str)[state.astype(int)],
+            **whole,
             sent=tuple(self._sent),
             said=tuple(self._said),
             damaged=self._damaged,
@@ -174,21 +180,18 @@ class _Reading:
         if isinstance(message, Hello) and not self._greeted:
             self._greeted = True
             if self._joints != message.joints:  # frames before this greeting were noise
-                self._damaged += len(self._host_s)
+                self._damaged += len(self._numbers) // self._width
                 self._begin_frames(message.joints)
             self._clock.frame_us = message.frame_us
 
     def _keep(self, host_s: float, frame: Telemetry) -> None:
-        """Add a frame to the arrays: a run of days has millions."""
+        """Add a frame."""
         if not self._joints:
             self._begin_frames(len(frame.setpoint_rad))
         if len(frame.setpoint_rad) != self._joints:
             raise DamagedLine(f"a frame has another number of joints than {self._joints}")
-        self._board_us.append(self._clock.unwrap(frame.frame, frame.board_us))
-        self._host_s.append(host_s)
-        self._phase_rad.append(frame.phase_rad)
-        self._setpoint_rad.extend(frame.setpoint_rad)
-        self._pulse_us.extend(frame.pulse_us)
-        for name, column in self._counts.items():
-            column.append(getattr(frame, name))
-        self._state.append(self._states.setdefault(frame.state, len(self._states)))
+        board_us = self._clock.unwrap(frame.frame, frame.board_us)
+        state = self._states.setdefault(frame.state, len(self._states))
+        self._numbers.extend((host_s, board_us, frame.phase_rad, state))
+        self._numbers.extend(getattr(frame, name) for name in _COUNTS)
+        self._numbers.extend((*frame.setpoint_rad, *frame.pulse_us))

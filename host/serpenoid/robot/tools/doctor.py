@@ -93,8 +93,8 @@ def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Findi
 def _exists(port: str) -> Finding:
     if os.path.exists(port):
         return Finding("port", "ok", port)
-    others = ", ".join(p.device for p in link.serial_ports()) or "none"
-    return Finding("port", "fix", f"there is no {port}", f"serial ports here: {others}")
+    here = f"serial ports here: {link.port_names()}"
+    return Finding("port", "fix", f"there is no {port}", here)
 
 
 def _access(port: str) -> Iterator[Finding]:

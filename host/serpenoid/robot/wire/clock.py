@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from statistics import fmean, linear_regression
+from typing import NamedTuple
 
 from ..._core import firmware
 from ...model.errors import ClockWrong
@@ -58,8 +59,7 @@ class Drift:
             )
 
 
-@dataclass(frozen=True)
-class _Arrival:
+class _Arrival(NamedTuple):
     board_s: float
     host_s: float
 
@@ -149,7 +149,7 @@ def _line(arrivals: list[_Arrival]) -> tuple[float, float]:
     The scatter is taken as no smaller than a step of micros(), evenly spread. The slope of a
     board whose clock stands is infinite.
     """
-    board_s, host_s = ([getattr(a, name) for a in arrivals] for name in ("board_s", "host_s"))
+    board_s, host_s = zip(*arrivals, strict=True)
     mean_s = fmean(board_s)
     spread = sum((b - mean_s) ** 2 for b in board_s)
     if not spread:

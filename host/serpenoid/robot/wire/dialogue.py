@@ -26,7 +26,7 @@ from ...model.errors import (
     StopUnconfirmed,
 )
 from .error_table import refused
-from .inbox import Inbox, Losses
+from .inbox import Inbox
 from .link import Link
 from .protocol import Data, Telemetry, Verdict, seal
 
@@ -84,7 +84,7 @@ class Dialogue:
         self._ping_s = PING_S
         self._number = 0
         self._rest = b""
-        self._failure: RobotError | None = None
+        self.failure: RobotError | None = None  # what ended the run
         self._failure_told = False
         self._leaving = False
         self._closing = threading.Event()
@@ -216,11 +216,11 @@ class Dialogue:
     def leave(self) -> CloseResult:
         """Stop the robot and close the session; what fails after the stop no longer matters."""
         self._leaving = True
-        before = self._failure
+        before = self.failure
         unseen = self.inbox.notice if self._failure_told else before or self.inbox.notice
         unstopped = self._stop_surely()
         if not (unseen or before or unstopped):  # what came amid the stop, such as a reset
-            unseen = self._failure or self.inbox.notice
+            unseen = self.failure or self.inbox.notice
         with suppress(RobotError):
             if self.inbox.in_session:
                 self._ask_within("bye", PATIENCE_S / 4)
@@ -252,16 +252,6 @@ class Dialogue:
         except RobotError as error:
             why = str(error)
         return StopUnconfirmed(f"the robot's stop was not confirmed: {why}")
-
-    @property
-    def losses(self) -> Losses:
-        """Return what did not arrive whole, so far."""
-        return self.inbox.losses
-
-    @property
-    def failure(self) -> RobotError | None:
-        """Return what ended the run, if anything did."""
-        return self._failure
 
     def _write(self, data: bytes) -> None:
         self.link.write(data)
@@ -346,17 +336,17 @@ class Dialogue:
             raise notice
 
     def _check(self) -> None:
-        lost = isinstance(self._failure, RobotLost)
-        if self._failure and (lost or not self._leaving):
+        lost = isinstance(self.failure, RobotLost)
+        if self.failure and (lost or not self._leaving):
             self._failure_told |= threading.current_thread() not in self._threads
-            raise self._failure
+            raise self.failure
         if self._closing.is_set():
             raise RobotClosed("the robot is closed; talk to it inside `with Robot(port) as robot:`")
 
     def _fail(self, error: RobotError) -> RobotError:
         """End the run with its first error: stop the robot if the wire still carries that."""
         with self._changed:
-            first, self._failure = self._failure, self._failure or error
+            first, self.failure = self.failure, self.failure or error
             if not first:
                 self.inbox.states.halting()
             self._changed.notify_all()
@@ -370,11 +360,11 @@ class Dialogue:
         self._threads[-1].start()
 
     def _read_on(self) -> None:
-        while not self._closing.is_set() and not isinstance(self._failure, RobotLost):
+        while not self._closing.is_set() and not isinstance(self.failure, RobotLost):
             self._step(0.05)
 
     def _keep_alive(self) -> None:
-        while not self._closing.wait(self._ping_s / 4) and not self._failure:
+        while not self._closing.wait(self._ping_s / 4) and not self.failure:
             with suppress(RobotError):  # kept in _failure, for the program's next call
                 if self.link.now_s() - self._attended_s > self._unattended_s:
                     self._abandon()

@@ -71,23 +71,26 @@ def serial_ports() -> list[SerialPort]:
 
 def find_port() -> str:
     """Return the one port with a likely board on it; raise PortMissing naming what is there."""
-    ports = serial_ports()
-    boards = [p for p in ports if p.chip]
+    boards = [p for p in serial_ports() if p.chip]
     if len(boards) == 1:
         return boards[0].device
     if boards:
         names = ", ".join(f"{p.device} ({p.chip}, {p.description})" for p in boards)
         raise PortMissing(f"{len(boards)} ports may be the robot: {names}; name one of them")
-    others = ", ".join(p.device for p in ports) or "none at all"
     raise PortMissing(
-        f"no board found by its USB id; serial ports here: {others}. {port_diagnosis.why_no_port()}"
+        f"no board found by its USB id; serial ports here: {port_names('none at all')}. "
+        f"{port_diagnosis.why_no_port()}"
     )
+
+
+def port_names(none: str = "none") -> str:
+    """Return the serial ports of this computer in words; none: the word for none."""
+    return ", ".join(p.device for p in serial_ports()) or none
 
 
 def missing(port: str) -> PortMissing:
     """Return the error that there is no such port, naming those that there are."""
-    there = ", ".join(p.device for p in serial_ports()) or "none"
-    return PortMissing(f"there is no port {port}; serial ports here: {there}")
+    return PortMissing(f"there is no port {port}; serial ports here: {port_names()}")
 
 
 def open_link(port: str | Link | None) -> Link:
@@ -184,5 +187,6 @@ def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
         return PortBusy(port_diagnosis.why_forbidden(port))
     if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO):
         return missing(port)
-    there = ", ".join(p.device for p in serial_ports()) or "none"
-    return PortMissing(f"{port} cannot be used as a serial port ({error}); those here: {there}")
+    return PortMissing(
+        f"{port} cannot be used as a serial port ({error}); those here: {port_names()}"
+    )

@@ -3,47 +3,27 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from ...model.errors import PortBusy
 from . import port_diagnosis
-from .link import SerialPort, missing, serial_ports
+from .link import missing, serial_ports
 
 
-@dataclass(frozen=True)
-class PortState(SerialPort):
-    """One port, whether this user may open it, and who has it open."""
-
-    allowed: bool
-    held_by: tuple[port_diagnosis.Holder, ...]
-
-    @property
-    def usb(self) -> str:
-        """Return the USB id as `lsusb` writes it, or nothing."""
-        return f"{self.vendor_id:04x}:{self.product_id:04x}" if self.vendor_id else ""
-
-    def to_dict(self) -> dict[str, object]:
-        """Return plain values."""
-        return {
-            "device": self.device,
-            "description": self.description,
-            "usb": self.usb or None,
-            "likely_board": bool(self.chip),
-            "chip": self.chip or None,
-            "allowed": self.allowed,
-            "held_by": [asdict(holder) for holder in self.held_by],
-        }
-
-
-def port_states() -> list[PortState]:
-    """List the serial ports, by name."""
+def port_states() -> list[dict[str, Any]]:
+    """List the serial ports, by name: whether this user may open each, and who has it open."""
     return [
-        PortState(
-            **vars(port),
-            allowed=allowed(port.device),
-            held_by=tuple(port_diagnosis.who_holds(port.device)),
-        )
+        {
+            "device": port.device,
+            "description": port.description,
+            "usb": f"{port.vendor_id:04x}:{port.product_id:04x}" if port.vendor_id else None,
+            "likely_board": bool(port.chip),
+            "chip": port.chip or None,
+            "allowed": allowed(port.device),
+            "held_by": [asdict(holder) for holder in port_diagnosis.who_holds(port.device)],
+        }
         for port in serial_ports()
     ]
 

@@ -7,9 +7,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...calibration.taking.bends import bend_in_words
 from ...calibration.taking.expected import Series, series_of
 from ...calibration.taking.floor.procedure import SPEED_M_S, expected_way_m, series_of_pushes
-from ...calibration.taking.procedure import bend_in_words, settle_s
+from ...calibration.taking.procedure import settle_s
 from ...calibration.taking.sheet import LINES, SLIDES, sheet_text, ways_of
 from ...model.files import write_text
 from .bend_drawing import bend_shape, bend_svg

@@ -7,21 +7,18 @@ other, turning the robot round each time. Gait runs close the loop.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
-from ....model.bends import balanced_signs, joint_multiples
-from ...kinds.bend import BEND
+from ....model.bends import balanced_signs
 from ...kinds.coast import COAST, FACINGS, Coast
 from ...session import Procedure, Session, Setup
+from ..bends import bend_step
 from ..expected import planned_bend, shown_bend
 from ..steps import Step
 
 SPEED_M_S = 0.9  # to be pushed at: slower ones tell little of viscous friction
-REACH_M = 0.15  # of a hand that pushes
 USUAL = (0.084, 1.2, 0.14, 0.27)  # the 2005 robot's, to say how far one rolls before any has
 USUAL_KG = 0.4536
 SPARE = 1.6  # of the way that is expected: room to leave for it
-_SAME_RAD = math.radians(0.02)
 
 
 def next_push(session: Session, skipped: frozenset[str], posed_deg: float | None) -> Step | None:
@@ -37,7 +34,7 @@ def next_push(session: Session, skipped: frozenset[str], posed_deg: float | None
         shown_rad = shown_bend(session, bend_rad)
         lies = posed_deg is not None and abs(posed_deg - bend_deg) <= 1e-6
         if not lies or shown_rad is None:
-            return _pose(session.setup, bend_deg)
+            return _pose(session.setup, bend_deg, f"pushes {name}")
         return _push(session, bend_rad, shown_rad, facing, done)
     return None
 
@@ -82,38 +79,17 @@ def push_progress(session: Session, skipped: frozenset[str]) -> list[tuple[str, 
     return rows
 
 
-def _pose(setup: Setup, bend_deg: float) -> Step:
+def _pose(setup: Setup, bend_deg: float, key: str) -> Step:
     room = SPARE * expected_way_m(setup, math.radians(bend_deg), SPEED_M_S) + 0.5
     if not bend_deg:
         return Step(
-            "straight",
+            key,
             "straight",
             f"On the floor, robot straight: align its links along a straightedge. Room: {room:.1f} "
             "m of level, even floor. Film from a tripod, square to the way or from above, all of "
             "the way in the picture; or lay a tape along it.",
         )
-    between = 180.0 - 2 * bend_deg
-    shows = BEND["between_links_deg"]
-    cells: dict[str, float | str] = {"lambda_deg": bend_deg, "bend": setup.procedure.bend}
-    return Step(
-        f"bend {bend_deg:g}",
-        "bend",
-        f"Bend {bend_deg:g} deg for pushes: {_in_words(setup, bend_deg)} It rolls less far: "
-        f"{room:.1f} m of room will do.",
-        (replace(shows, likely=(between - 5.0, between + 5.0)),),
-        bend_deg,
-        bend=setup.procedure.bend,
-        cells=cells,
-    )
-
-
-def _in_words(setup: Setup, bend_deg: float) -> str:
-    multiples = joint_multiples(balanced_signs(setup.robot.links))
-    joints = ", ".join(f"{m * bend_deg:+g}" if m else "0" for m in multiples)
-    return (
-        f"joints from the tail at {joints} deg; a protractor between the last two links at either "
-        f"end shows {180 - 2 * bend_deg:g} deg."
-    )
+    return bend_step(key, setup, bend_deg, f"It rolls less far: {room:.1f} m of room will do.")
 
 
 def _push(

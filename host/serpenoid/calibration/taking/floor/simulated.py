@@ -15,9 +15,9 @@ import numpy as np
 from ....lab.crawl import crawl_speed, filmed_crawl
 from ....lab.floor import Floor, Push
 from ....lab.recording import Camera, film, to_rest
-from ....lab.robot import LabRobot, pose_of
+from ....lab.robot import pose_of
 from ....model.bends import balanced_signs
-from ....model.drives import Servo, ServoKind
+from ....model.drives import ServoKind
 from ....model.errors import BadInput
 from ....model.gait import Gait
 from ....model.ground import Ground
@@ -25,13 +25,14 @@ from ...crawls.filmed import crawl_cells
 from ...floor.look import look_at
 from ...kinds.declaration import Cells, Field
 from ...session import Session, Setup
+from ..simulated import RobotTruth, timed_crawl
 from ..steps import Step, Tracked
 
 PHONE = Camera()
 SPEED, SPEED_SIGMA = 0.9, 0.12  # m/s, of pushes, and how they scatter, relative
 CROOKED_RAD, SPIN_RAD_S = 0.015, 0.06
 TRIES = 6  # of a push, until somebody gives up
-RUN_M, RUN_S = 1.0, 40.0
+RUN_S = 40.0  # of a crawl that is filmed
 SPEED_OFF, GAIN_OFF = 0.002, 0.002  # of a filmed crawl: its scale, each joint's amplitude
 # What a person takes, s: to turn the robot round, push it and take the film in; to bend it and lay
 # the protractor on; to start a gait and lay the tape.
@@ -39,27 +40,16 @@ PUSH_S, BEND_S, GAIT_S = 40.0, 90.0, 60.0
 
 
 @dataclass(frozen=True)
-class FloorTruth:
+class FloorTruth(RobotTruth):
     """What a person on the floor does not know.
 
-    ground: of the whole snake. slope_rad: of the floor, towards "there". film_scale: lengths seen
-    over true. mass_scale: true mass over the one weighed. rolling_kg: J / r^2 of all wheels.
-    joint_sigma_rad, link_spread, breakaway: as of `Truth`. camera: what films; None: tape and
-    watch. amplitude: of the joints in a gait, true over commanded. servo: what moves them there;
-    None: they follow the gait.
+    slope_rad: of the floor, towards "there". film_scale: lengths seen over true. camera: what
+    films; None: tape and watch.
     """
 
-    ground: Ground
     slope_rad: float = 0.0
     film_scale: float = 1.0
-    mass_scale: float = 1.0
-    rolling_kg: float = 0.0
-    joint_sigma_rad: float = math.radians(0.5)
-    link_spread: float = 0.0
-    breakaway: float = 1.0
     camera: Camera | None = PHONE
-    amplitude: float = 1.0
-    servo: Servo | None = None
 
 
 def drawn_floor(
@@ -102,22 +92,9 @@ class SimulatedFloor:
     def __init__(self, setup: Setup, truth: FloorTruth, seed: int = 0):
         self.truth, self.t_s = truth, 0.0
         self._setup, self._rng = setup, np.random.default_rng(seed)
-        body = setup.robot
-        heavy = replace(
-            body,
-            link_mass_kg=body.link_mass_kg * truth.mass_scale,
-            link_inertia_kg_m2=body.inertia_kg_m2 * truth.mass_scale,
-        )
-        whole = LabRobot.whole(
-            heavy,
-            truth.ground,
-            rolling_kg=truth.rolling_kg,
-            breakaway=truth.breakaway,
-            servo=truth.servo,
-        )
-        self.robot = whole.drawn(self._rng, truth.joint_sigma_rad, truth.link_spread)
+        self.robot = truth.robot(setup.robot, self._rng)
         self.floor = Floor(self.robot, truth.slope_rad, 0.0)
-        self._pose = [0.0] * (body.links - 1)
+        self._pose = [0.0] * (setup.robot.links - 1)
 
     def answer(self, step: Step, session: Session) -> Cells | None:
         """Do a step as a person would."""
@@ -196,14 +173,10 @@ class SimulatedFloor:
         rises = uphill(step, self.truth.slope_rad)
         if self.truth.camera is not None:
             return self._filmed(gait, true, self.truth.camera, rises)
-        speed, watch = crawl_speed(self.robot, true, slope_rad=rises), self._setup.stopwatch
-        distance = min(RUN_M, speed * RUN_S)
-        duration = (distance / speed if speed > 0.0 else RUN_S) + self._normal(watch.time_sigma_s)
-        self.t_s += duration
-        return {
-            "distance_m": round(max(distance + self._normal(watch.distance_sigma_m), 0.0), 3),
-            "duration_s": round(max(duration, 0.1), 2),
-        }
+        speed = crawl_speed(self.robot, true, slope_rad=rises)
+        read, duration_s = timed_crawl(speed, self._setup.stopwatch, self._rng)
+        self.t_s += duration_s
+        return read
 
     def _filmed(self, gait: Gait, true: Gait, camera: Camera, rises_rad: float) -> Cells:
         """Film a crawl, and measure the film: a scale and joints' gains are a little off."""

@@ -11,11 +11,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ....model.errors import BadInput, RecordingFailed, RobotError
+from ....model.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ...kinds.declaration import Field
 from ...kinds.places import EXAMPLE, drifts, is_places, tidy_places
 from ...kinds.station import STATION
 from ...session import Session
+from ..bends import NEAR_DEG
 from ..journal import Journal
 from ..parse_number import parse_number, span
 from ..procedure import doubts, likely_belt, next_step, skipped_keys
@@ -69,14 +70,14 @@ class Dialogue:
         self._clock_s = clock_s or time.monotonic
         self._posture = Posture()
         self._commands = PromptCommands(self)
-        steered = [r.offset_rad for r in journal.session.kept if r.offset_rad is not None]
-        if robot is not None and steered:
-            robot.offset_rad = steered[-1]
+        if robot is not None:
+            robot.offset_rad = steered_rad(journal.session) or 0.0
 
     def run(self) -> None:
         """Go on until everything is done or the person leaves."""
         self.say("At every prompt: undo, redo, skip, pause, quit, help.")
         try:
+            self._check_plan()
             while self._one_step():
                 pass
         except (Left, EOFError):
@@ -86,6 +87,28 @@ class Dialogue:
             raise
         finally:
             self._let_go()
+
+    def _check_plan(self) -> None:
+        """Say at the start which bends of the plan the robot's joints cannot reach."""
+        if self._robot is None:
+            return
+        plan = self.journal.session.setup.procedure
+        reach_deg = self._robot.reach_deg(plan.bend)
+        for bend_deg in map(math.degrees, plan.bends_rad):
+            if reach_deg < bend_deg - NEAR_DEG:
+                self.say(f"! {self._too_far(bend_deg, reach_deg)}")
+
+    def _too_far(self, bend_deg: float, reach_deg: float) -> str:
+        name = "push_lambda_deg" if self._on_floor else "lambda_deg"
+        return (
+            f"bend {bend_deg:g} deg: joint limits and steering leave room for {reach_deg:g} deg. "
+            f"Leave it out by `skip`; or quit, and plan less: `serpenoid calibrate amend "
+            f"{self.journal.folder} plan.{name}=[...]`"
+        )
+
+    @property
+    def _on_floor(self) -> bool:
+        return self.journal.session.setup.procedure.on == "floor"
 
     def _one_step(self) -> bool:
         """Do one step; return False at the end."""
@@ -102,7 +125,7 @@ class Dialogue:
             self._do(step)
         except Again:
             self._end_gait(step)
-        except (BadInput, RecordingFailed) as error:
+        except (BadInput, RecordingFailed, CommandRefused) as error:
             self._end_gait(step)
             self.say(f"! {error}")
         return True
@@ -131,14 +154,33 @@ class Dialogue:
             if step.kind == "straight":
                 self.ask("Enter when it lies so: ", step)
             return
+        if step.lambda_deg:
+            self._say_reach(self._robot, step)
         self._ask_to_move(f"Enter {what} the robot (hands off): ", self._robot, step)
-        self._robot.pose(step.lambda_deg, step.bend)
+        reach_deg = self._robot.reach_deg(step.bend) if step.lambda_deg else 0.0
+        self._robot.pose(min(step.lambda_deg, reach_deg), step.bend)
         self._steer(self._robot, step)
 
+    def _say_reach(self, robot: SessionRobot, step: Step) -> None:
+        """Say where the joints reach less than a step's bend; wait where it is not near it."""
+        while (reach_deg := robot.reach_deg(step.bend)) < step.lambda_deg:
+            if reach_deg >= step.lambda_deg - NEAR_DEG:
+                return self.say(
+                    f"  Joint limits and steering leave room for {reach_deg:g} deg: it is bent so "
+                    "far, and the protractor tells how far that is."
+                )
+            self.say(f"! {self._too_far(step.lambda_deg, reach_deg)}")
+            self.ask("  skip, or quit: ", step)
+
     def _steer(self, robot: SessionRobot, step: Step) -> None:
-        """Have the offset found that runs straight, before the first station; it is kept."""
-        if step.lambda_deg or any(r.offset_rad is not None for r in self.journal.session.kept):
+        """Have the offset found that runs straight, before the first reading; it is kept."""
+        if step.lambda_deg or steered_rad(self.journal.session) is not None:
             return
+        if self._on_floor:
+            return self.say(
+                "  Left and right keys bend every joint a little, at every prompt. Where a push "
+                "turns the robot, steer against it before the next; each push keeps the offset."
+            )
         self.say(
             "  Let the belt run slowly. Left and right keys bend every joint a little: steer until "
             "the robot runs straight by itself."
@@ -176,14 +218,21 @@ class Dialogue:
             likely = field.likely
             if field.column == "belt_speed_m_s" and step.kind == "station":
                 likely = likely_belt(self.journal.session, step, values)
-            drifts = field.column == "drift_m_s"
-            values |= (self._drift if drifts else self._one)(field, likely, step)
+            if field.column == "drift_m_s":
+                values |= self._drift(field, likely, step)
+            else:
+                values[field.column] = self._number(field, likely, step)
         if step.kind == "station":
             if "places" not in values:
                 values["waited_s"] = self._waited(self._clock_s() - begun_s, step)
-            if self._robot is not None:
-                values["offset_deg"] = round(math.degrees(self._robot.offset_rad), 3)
+            values |= self._steering()
         return self._doubted(step, values)
+
+    def _steering(self) -> Values:
+        """Return the offset that steers, as a reading keeps it."""
+        if self._robot is None:
+            return {}
+        return {"offset_deg": round(math.degrees(self._robot.offset_rad), 3)}
 
     def _pushed(self, step: Step) -> Values:
         """Take a push's track from a file, which keeps it; or ask for way and time to rest."""
@@ -192,8 +241,9 @@ class Dialogue:
             text = self.ask(QUESTION, step)
         named = named_file(text)
         if named is None:
-            return self._by_tape(text, step)
-        for kept in take_track(self.journal, *named, step.cells, self._film):
+            return self._by_tape(text, step) | self._steering()
+        cells = {**step.cells, **self._steering()}
+        for kept in take_track(self.journal, *named, cells, self._film):
             self.say(f"  {kept.in_words()}")
         raise Again
 
@@ -277,9 +327,6 @@ class Dialogue:
             elif answer:
                 values[field.column] = self.read(answer, field, None, step)
 
-    def _one(self, field: Field, likely: tuple[float, float] | None, step: Step) -> Values:
-        return {field.column: self._number(field, likely, step)}
-
     def _drift(self, field: Field, likely: tuple[float, float] | None, step: Step) -> Values:
         """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
         question = f"  {field.words} ({field.unit}); or places as s:m, {EXAMPLE}: "
@@ -328,7 +375,7 @@ class Dialogue:
         if self._robot is None or not self._robot.powered:
             return
         self._let_go()
-        text = f"nobody answered for {self._patience_s:g} s: servos off"
+        text = f"nobody answered for {self._patience_s:g} s: {self._robot.without_pulses}"
         self.say(f"! {text}; the pose is to be taken again")
         self.journal.event("note", detail=text)
         raise Again
@@ -340,7 +387,8 @@ class Dialogue:
         if self._robot.stopped:
             self._robot.stopped = False
             self._let_go()
-            self.say("\n! stopped from the page: servos off; the pose is to be taken again")
+            off = self._robot.without_pulses
+            self.say(f"\n! stopped from the page: {off}; the pose is to be taken again")
             self.journal.event("note", detail="stopped from the page")
             raise Again
 
@@ -356,7 +404,7 @@ class Dialogue:
         """Let the servos go until the person is back."""
         self._let_go()
         self.journal.event("pause", detail=why)
-        held = "" if self._robot is None else "; the servos are off"
+        held = "" if self._robot is None else f"; {self._robot.without_pulses}"
         while self._terminal.ask(f"  paused{held}. Enter goes on: ", math.inf, self._tick) is None:
             pass
         self.journal.event("resume")
@@ -364,6 +412,12 @@ class Dialogue:
     def say(self, text: str) -> None:
         """Show a line or more."""
         self._terminal.say(text)
+
+
+def steered_rad(session: Session) -> float | None:
+    """Return the steering on every joint at the last reading that kept it; None before."""
+    kept = [r for r in (*session.readings, *session.of("coast")) if r.offset_rad is not None]
+    return max(kept, key=lambda r: r.number).offset_rad if kept else None
 
 
 def held_dialogue(dialogue: Dialogue, terminal: Terminal) -> bool:

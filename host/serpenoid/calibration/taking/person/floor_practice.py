@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,20 +15,17 @@ from ....lab.floor import Floor, Push, Track
 from ....lab.recording import Camera, film, to_rest
 from ....lab.robot import LabRobot, pose_of
 from ....model.bends import balanced_signs
-from ....model.errors import BadInput
 from ....model.files import write_text
 from ....model.ground import Ground
-from ...kinds.instruments import FloorTools
 from ...session import Session, Setup
 from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S, uphill
-from ..new_session import on_place
+from ..simulated import timed_crawl
 from ..steps import Step
-from .practice import JOINT_RAD, drawn_friction, friction_words
+from .practice import FILM_SCALE, JOINT_RAD, WHEELS_KG, drawn_friction, friction_words
 from .push_prompt import CRAWL_COLUMNS, joint_columns
 from .terminal import Terminal
 
-SOURCE = re.compile(r"practice floor, seed (\d+)")
-WHEELS_KG, WHEEL_SHAPE, SLOPE_RAD, SCALE = 0.036, (0.75, 0.15), math.radians(0.2), 0.005
+WHEEL_SHAPE, SLOPE_RAD = (0.75, 0.15), math.radians(0.2)
 FASTEST_M_S = 2.0
 HELP = """\
 On the floor you work by words, at any prompt:
@@ -60,7 +56,7 @@ class PracticeFloorTruth:
         return cls(
             ground,
             SLOPE_RAD * slope,
-            1.0 + SCALE * scale,
+            1.0 + FILM_SCALE * scale,
             WHEELS_KG * max(mean + sigma * shape, 0.0),
         )
 
@@ -70,31 +66,6 @@ class PracticeFloorTruth:
             f"{friction_words(self.ground)}; the floor falls by "
             f"{math.degrees(self.slope_rad):+.2f} deg towards there"
         )
-
-
-def practice_floor_setup(setup: Setup, seed: int) -> Setup:
-    """Return a set-up that says that it is practice on a floor, and of which seed."""
-    return replace(
-        setup,
-        kind="simulated",
-        source=f"practice floor, seed {seed}",
-        note="practice: no measurement",
-        surface="practice floor",
-        weighed=True,
-        procedure=on_place(setup.procedure, "floor"),
-        floor=FloorTools(wheels_kg=WHEELS_KG, film_scale_sigma=SCALE),
-    )
-
-
-def practice_floor_seed(session: Session) -> int:
-    """Return the seed of a session of practice on a floor; raises BadInput for any other."""
-    found = SOURCE.fullmatch(session.setup.source)
-    if found is None:
-        raise BadInput(
-            f"{session.folder} is no session of practice on a floor ({session.setup.source!r}); "
-            "give another folder"
-        )
-    return int(found[1])
 
 
 class FloorTerminal:
@@ -226,9 +197,5 @@ class FloorTerminal:
             return self._said("no gait is to be run at this step; `floor` lists the words")
         rises = uphill(self._step, self.truth.slope_rad)
         speed = crawl_speed(self._robot, self._step.gait, slope_rad=rises)
-        watch = self._setup.stopwatch
-        off = self._rng.normal(size=2)
-        way_m = min(1.0, 60.0 * speed)
-        time_s = way_m / speed + watch.time_sigma_s * float(off[0])
-        read_m = way_m + watch.distance_sigma_m * float(off[1])
-        return self._said(f"it crawled {read_m:.3f} m in {time_s:.2f} s")
+        read, _ = timed_crawl(speed, self._setup.stopwatch, self._rng)
+        return self._said("it crawled {distance_m:.3f} m in {duration_s:.2f} s".format(**read))

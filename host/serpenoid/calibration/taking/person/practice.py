@@ -15,14 +15,17 @@ from ....lab.person import Display
 from ....lab.practice import PracticeTreadmill, SetPoints
 from ....model.errors import BadInput
 from ....model.ground import Ground
+from ...kinds.instruments import FloorTools
 from ...kinds.places import MOST_S
 from ...session import Session, Setup
+from ..new_session import on_place
 from ..simulated import Truth
 from .terminal import Terminal
 
-SOURCE = re.compile(r"practice treadmill, seed (\d+)")
+SOURCE = re.compile(r"practice (treadmill|floor), seed (\d+)")
 USUAL = {"ct": 0.084, "cn": 1.2, "ft0": 0.14, "fn0": 0.27}  # the 2005 robot's, whole snake
 SPREAD, ZERO_RAD, SCALE, JOINT_RAD = 0.15, math.radians(0.15), 0.02, math.radians(0.5)
+WHEELS_KG, FILM_SCALE = 0.036, 0.005  # on a floor
 LONGEST_WAIT_S = 600.0
 HELP = """\
 The treadmill is worked by words, or on its page:
@@ -82,27 +85,30 @@ class PracticeTruth:
         )
 
 
-def practice_setup(setup: Setup, seed: int) -> Setup:
-    """Return a set-up that says that it is practice, and of which seed."""
+def practice_setup(setup: Setup, seed: int, place: str = "treadmill") -> Setup:
+    """Return a set-up that says that it is practice, where, and of which seed."""
+    tools = FloorTools(wheels_kg=WHEELS_KG, film_scale_sigma=FILM_SCALE)
     return replace(
         setup,
         kind="simulated",
-        source=f"practice treadmill, seed {seed}",
+        source=f"practice {place}, seed {seed}",
         note="practice: no measurement",
-        surface="practice belt",
+        surface="practice floor" if place == "floor" else "practice belt",
         weighed=True,
+        procedure=on_place(setup.procedure, place),
+        floor=tools if place == "floor" else setup.floor,
     )
 
 
-def practice_seed(session: Session) -> int:
-    """Return the seed of a session of practice; raises BadInput for any other."""
+def practice_seed(session: Session, place: str = "treadmill") -> int:
+    """Return the seed of a session of practice at a place; raises BadInput for any other."""
     found = SOURCE.fullmatch(session.setup.source)
-    if found is None:
+    if found is None or found[1] != place:
         raise BadInput(
-            f"{session.folder} is no session of practice ({session.setup.source!r}); give another "
-            "folder"
+            f"{session.folder} is no session of practice on a {place} ({session.setup.source!r}); "
+            "give another folder"
         )
-    return int(found[1])
+    return int(found[2])
 
 
 def practice_treadmill(

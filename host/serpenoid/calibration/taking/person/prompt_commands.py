@@ -18,7 +18,7 @@ HELP = """\
   undo            void the last reading         redo [N]   take the last reading, or number N, anew
   void N [why]    reading N is not to be used   restore N  use it again
   skip            leave this step out           note TEXT  keep a remark
-  status          what was read so far          pause      servos off, until Enter
+  status          what was read so far          pause      pulses off, until Enter
   quit            leave; go on any time         help       this"""
 SHORT = {"q": "quit", "exit": "quit", "?": "help", "u": "undo"}
 Values = dict[str, float | str]

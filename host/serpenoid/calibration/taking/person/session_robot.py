@@ -7,14 +7,17 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 
+from ....model.bends import bend_signs, joint_multiples
 from ....model.errors import CommandRefused, RobotError, RobotHeld, RobotLost
 from ....model.gait import Gait
 from ....robot.robot import RobotBoard
 from ....robot.robot_match import RobotMatch
+from ....robot.tools.first_day import RELEASED
 from ....robot.wire.link import Link
 
 MOVED_S = 20.0  # a pose takes less at any pose_speed that the board has
 SILENCE_S = 2.0
+LIMP = 1.0  # of the setting `released`
 LIMP_S = 30.0  # a host that is there says something each half second
 HOURS_S = 6 * 3600.0
 STEER_RAD = math.radians(0.25)  # a key
@@ -39,6 +42,7 @@ class SessionRobot:
         self.offset_rad = 0.0  # on every joint, to steer
         self._posed: tuple[float, str] | None = None
         self._pose_deg_s = POSE_DEG_S  # the board's own
+        self._released = 0.0  # the board's setting
 
     def __enter__(self) -> SessionRobot:
         with ExitStack() as opened:
@@ -46,6 +50,7 @@ class SessionRobot:
             if self._match is not None:
                 self._match.check(robot)
             settings = robot.settings()
+            self._released = settings["released"]
             if not settings["limp"]:  # after a kill nothing else would let go of the bend
                 robot.set("limp", LIMP_S)
             if not settings["silence"]:
@@ -66,6 +71,13 @@ class SessionRobot:
         hello = self._robot.hello
         return f"{hello.board}, firmware {hello.firmware}, protocol {hello.protocol}"
 
+    @property
+    def without_pulses(self) -> str:
+        """Return in words what the servos do once idle() has ended their pulses."""
+        if self._released == LIMP:
+            return "servos off"
+        return f"pulses off ({RELEASED[self._released]})"
+
     def pose(self, bend_deg: float, bend: str = "balanced") -> None:
         """Bend the robot, balanced or as a zigzag; straight at 0."""
         self.powered = True
@@ -80,16 +92,27 @@ class SessionRobot:
                 time.sleep(0.05)
             self._robot.set("pose_speed", STEER_DEG_S)
 
+    def reach_deg(self, bend: str) -> float:
+        """Return the largest bend, deg, that every joint's limits allow with the steering."""
+        offset_deg = math.degrees(self.offset_rad)
+        reaches = [
+            ((trim.high_deg if multiple > 0 else trim.low_deg) - offset_deg) / multiple
+            for multiple, trim in zip(self._multiples(bend), self._robot.trims(), strict=True)
+            if multiple
+        ]
+        return math.floor(100 * min(reaches)) / 100
+
     def _quick(self) -> None:
         """Give the board its own speed back, steering done."""
         if self._posed is not None:
             self._robot.set("pose_speed", self._pose_deg_s)
 
     def _lie(self, bend_deg: float, bend: str, offset_rad: float) -> None:
-        if not bend_deg:
-            return self._robot.straight(offset_rad)
-        move = self._robot.bent if bend == "balanced" else self._robot.zigzag
-        return move(math.radians(bend_deg), offset_rad)
+        bend_rad = math.radians(bend_deg)
+        self._robot.pose([offset_rad + k * bend_rad for k in self._multiples(bend)])
+
+    def _multiples(self, bend: str) -> tuple[int, ...]:
+        return joint_multiples(bend_signs(bend, self._robot.hello.joints + 1))
 
     def steer(self, steps: int) -> str:
         """Add steps to every joint of a robot that holds a pose; return the offset in words.
