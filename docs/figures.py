@@ -17,9 +17,10 @@ import serpenoid as sn
 import wiring_diagram
 from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from serpenoid.bench.accuracy.figure import accuracy_figure
-from serpenoid.bench.accuracy.files import read_csv
-from serpenoid.bench.stability.figure import overview
-from serpenoid.bench.stability.files import read_cells
+from serpenoid.bench.accuracy.measure import Row
+from serpenoid.bench.rows import read_rows
+from serpenoid.bench.stability.figure import stability_figure
+from serpenoid.bench.stability.map import Cell
 from serpenoid.commands.demo import run_demo
 from serpenoid.show.run_figure import draw_run
 from serpenoid.show.servo_figure import servo_figure
@@ -50,12 +51,12 @@ def accuracy(path: Path) -> None:
     """Draw the measurement that stands in accuracy.csv; `serpenoid bench accuracy` measures."""
     found = json.loads((STORED / "accuracy.json").read_text())
     where = f"{found['cpu']}, {found['compiler']}, one core"
-    accuracy_figure(read_csv(STORED / "accuracy.csv"), path, where)
+    accuracy_figure(read_rows(STORED / "accuracy.csv", Row), path, where)
 
 
 def stability(path: Path) -> None:
     """Draw the maps that stand in stability.csv; `serpenoid bench stability` measures."""
-    overview(read_cells(STORED / "stability.csv"), path)
+    stability_figure(read_rows(STORED / "stability.csv", Cell), path)
 
 
 def coverage(path: Path) -> None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from coverage_treadmill import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
-from serpenoid.bench.child_process import all_cores
+from processes import all_cores
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.advising.next_reading import NextReading
 from serpenoid.calibration.friction_fit import fit_friction

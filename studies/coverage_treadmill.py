@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from serpenoid.bench.child_process import all_cores
+from processes import all_cores
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.session import Setup

@@ -58,7 +58,7 @@ def others(problem: Problem) -> Iterator[tuple[str, Solve]]:
     for family in (peers.scipy, peers.sundials, peers.numba):
         for one in family(problem):
             if one.kind == "tolerance":
-                yield one.name, lambda tol, one=one: one.work(problem, tol)()
+                yield one.name, lambda tol, one=one: one.work(tol)()
 
 
 def good_enough(problem: Problem, solve: Solve, exact: Array) -> tuple[float, float] | str:

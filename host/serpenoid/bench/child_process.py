@@ -9,10 +9,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -26,6 +23,7 @@ class Failed(Exception):
 
 
 PATIENCE = 30  # seconds on the wall for each one allowed on the processor
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class Crashed(Exception):
@@ -34,6 +32,8 @@ class Crashed(Exception):
 
 def _serve(pipe: Connection) -> None:
     """Answer requests (function, arguments) with (failed, value) until the pipe closes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who started us
+    os.environ.update(dict.fromkeys(_THREADS, "1"))  # read when NumPy is loaded: not yet
     while True:
         try:
             limit_s, work, arguments = pipe.recv()
@@ -46,51 +46,6 @@ def _serve(pipe: Connection) -> None:
             answer = (True, f"{type(failure).__name__}: {failure}")
         signal.setitimer(signal.ITIMER_PROF, 0)
         pipe.send(answer)
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    os.environ.update(dict.fromkeys(names, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-@contextmanager
-def _deaf_to_ctrl_c() -> Iterator[None]:
-    """Start processes that do not hear Ctrl-C, which reaches all of a terminal's, with a traceback.
-
-    Only the main thread may say so; what others start hears it.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def all_cores() -> Iterator[ProcessPoolExecutor]:
-    """Give a pool of processes, one a core, that Ctrl-C ends without a word once they work."""
-    cores, spawn = os.cpu_count() or 1, multiprocessing.get_context("spawn")
-    silently = (signal.SIGINT, signal.SIG_DFL)
-    with ProcessPoolExecutor(
-        cores, mp_context=spawn, initializer=signal.signal, initargs=silently
-    ) as pool:
-        with _deaf_to_ctrl_c():
-            for _ in range(cores):
-                pool.submit(int)
-        yield pool
 
 
 class Limited:
@@ -106,8 +61,7 @@ class Limited:
         context = multiprocessing.get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._child = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _one_thread(), _deaf_to_ctrl_c():
-            self._child.start()
+        self._child.start()
         theirs.close()
 
     def __enter__(self) -> Limited:

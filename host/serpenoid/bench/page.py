@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..model.errors import BadInput
+from ..model.files import read_text, write_text
 
 
 def renew_table(path: Path, name: str, table: str) -> None:
@@ -13,8 +14,8 @@ def renew_table(path: Path, name: str, table: str) -> None:
     Raises BadInput where a marker is missing or stands twice; the page is then left as it is.
     """
     begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
-    text = path.read_text()
+    text = read_text(path)
     if text.count(begin) != 1 or text.count(end) != 1:
         raise BadInput(f"{path} must have {begin!r} and {end!r} once each, around the table")
     head, rest = text.split(begin)
-    path.write_text(f"{head}{begin}\n{table}\n{end}{rest.split(end)[1]}")
+    write_text(path, f"{head}{begin}\n{table}\n{end}{rest.split(end)[1]}")

@@ -14,6 +14,7 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.link_state import LinkState
 from ..model.robot import Robot
+from ..simulation.methods import METHODS
 from ..simulation.run import Run
 from ..simulation.scene import Scene
 from ..simulation.starts import start_state
@@ -43,6 +44,15 @@ class Problem:
     def formulation(self) -> str:
         """Return the name that a Scene gives the formulation."""
         return "implicit" if self.implicit else "explicit"
+
+    def methods(self) -> list[str]:
+        """Return every method of ours that runs the formulation and the friction law."""
+        law = "viscous" if self.ground.smooth else "dry"
+        return [
+            name
+            for name, kind in METHODS.items()
+            if self.formulation in kind.formulations and law in kind.laws
+        ]
 
     def scene(self, **changes: object) -> Scene:
         """Return the scene from the common start; the fields given replace the problem's own."""
@@ -92,8 +102,14 @@ class Problem:
         return float(np.max(np.abs(end - exact) / self.scale))
 
 
-def _gait(alpha_deg: float, beta_deg: float, omega_rad_s: float) -> Gait:
+def gait_deg(alpha_deg: float, beta_deg: float, omega_rad_s: float) -> Gait:
+    """Return a gait of amplitude and phase in degrees."""
     return Gait(math.radians(alpha_deg), math.radians(beta_deg), omega_rad_s)
+
+
+def paper_robot(links: int = 6, mass_kg: float = 1.0) -> Robot:
+    """Return the paper's robot with other links."""
+    return Robot(links, mass_kg, 0.12)
 
 
 PAPER_GROUND = Ground(ct=0.1, cn=10.0)
@@ -101,74 +117,21 @@ ROBOT_2005 = Robot(links=6, link_mass_kg=0.0756, link_length_m=0.076)
 GROUND_2005 = Ground.whole_body(links=6, ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 
 
-def _paper(links: int) -> Robot:
-    return Robot(links=links, link_mass_kg=1.0, link_length_m=0.12)
-
-
 def problems() -> tuple[Problem, ...]:
     """Return every problem, in the order of the figure."""
-    three, six = _gait(30, 90, 3), _gait(30, 80, 5)
-    fifty = Gait(math.radians(30), 4 * math.pi / 49, 5.0)  # two waves along the body
+    three = (paper_robot(3), PAPER_GROUND, gait_deg(30, 90, 3))
+    six = (paper_robot(), PAPER_GROUND, gait_deg(30, 80, 5))
+    robot = (ROBOT_2005, GROUND_2005, gait_deg(70, 75, 5))
+    two_waves = Gait(math.radians(30), 4 * math.pi / 49, 5.0)
+    fifty = (paper_robot(50), PAPER_GROUND, two_waves)
     return (
-        Problem("paper3", "3 links, exact model", _paper(3), PAPER_GROUND, three, 10.0),
-        Problem(
-            "paper3_k1e3",
-            "3 links, springs k = 1e3, c = 1",
-            _paper(3),
-            PAPER_GROUND,
-            three,
-            10.0,
-            1e3,
-            1.0,
-        ),
-        Problem("paper6", "6 links, exact model", _paper(6), PAPER_GROUND, six, 10.0),
-        Problem(
-            "paper6_k1e3",
-            "6 links, springs k = 1e3, c = 1",
-            _paper(6),
-            PAPER_GROUND,
-            six,
-            10.0,
-            1e3,
-            1.0,
-        ),
-        Problem(
-            "robot2005",
-            "2005 robot, Bingham friction, exact model",
-            ROBOT_2005,
-            GROUND_2005,
-            _gait(70, 75, 5),
-            5.0,
-        ),
-        Problem(
-            "stiff_k1e7_c1",
-            "6 links, stiff: k = 1e7, c = 1",
-            _paper(6),
-            PAPER_GROUND,
-            six,
-            1.0,
-            1e7,
-            1.0,
-        ),
-        Problem(
-            "stiff_k1e7_c1e3",
-            "6 links, stiff: k = 1e7, c = 1e3",
-            _paper(6),
-            PAPER_GROUND,
-            six,
-            1.0,
-            1e7,
-            1e3,
-        ),
-        Problem("n50", "50 links, exact model", _paper(50), PAPER_GROUND, fifty, 5.0),
-        Problem(
-            "n50_k1e5",
-            "50 links, springs k = 1e5, c = 10",
-            _paper(50),
-            PAPER_GROUND,
-            fifty,
-            1.0,
-            1e5,
-            10.0,
-        ),
+        Problem("paper3", "3 links, exact model", *three, 10.0),
+        Problem("paper3_k1e3", "3 links, springs k = 1e3, c = 1", *three, 10.0, 1e3, 1.0),
+        Problem("paper6", "6 links, exact model", *six, 10.0),
+        Problem("paper6_k1e3", "6 links, springs k = 1e3, c = 1", *six, 10.0, 1e3, 1.0),
+        Problem("robot2005", "2005 robot, Bingham friction, exact model", *robot, 5.0),
+        Problem("stiff_k1e7_c1", "6 links, stiff: k = 1e7, c = 1", *six, 1.0, 1e7, 1.0),
+        Problem("stiff_k1e7_c1e3", "6 links, stiff: k = 1e7, c = 1e3", *six, 1.0, 1e7, 1e3),
+        Problem("n50", "50 links, exact model", *fifty, 5.0),
+        Problem("n50_k1e5", "50 links, springs k = 1e5, c = 10", *fifty, 1.0, 1e5, 10.0),
     )

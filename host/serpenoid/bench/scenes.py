@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 import shutil
 import subprocess
@@ -12,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..model.errors import SerpenoidError
+from .rows import write_rows
 
 SOURCE = Path(__file__).resolve().parents[2]  # host/, of a checkout
 LADDER = SOURCE.parent / "studies" / "ladder"
@@ -38,17 +38,17 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-trapping-math",
 )
-COLUMNS = ("formulation", "rung", "title", "instructions_per_step", "ratio_to_hand")
 
 
 @dataclass(frozen=True)
 class Rung:
-    """Hold one line of the ladder; ratio: to the kernel written by hand for the plain scene."""
+    """Hold one line of the ladder; its ratio is to the kernel by hand for the plain scene."""
 
     formulation: str
     rung: str
+    title: str
     instructions_per_step: float
-    ratio: float
+    ratio_to_hand: float
 
 
 def _run(command: list[str], what: str) -> subprocess.CompletedProcess[str]:
@@ -79,10 +79,9 @@ def build(folder: Path) -> Path:
     sources, include = parts()
     objects = []
     for source in sources:
-        target = folder / f"{source.stem}.o"
-        command = ["g++", *FLAGS, *include, "-c", str(source), "-o", str(target)]
+        objects.append(str(folder / f"{source.stem}.o"))
+        command = ["g++", *FLAGS, *include, "-c", str(source), "-o", objects[-1]]
         _run(command, f"compiling {source.name}")
-        objects.append(str(target))
     program = folder / "ladder"
     _run(["g++", *objects, "-o", str(program)], "linking the ladder")
     return program
@@ -91,27 +90,22 @@ def build(folder: Path) -> Path:
 def _instructions(program: Path, formulation: str, rung: str, steps: int) -> int:
     valgrind = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
     done = _run([*valgrind, str(program), formulation, rung, str(steps)], f"rung {rung!r}")
-    found = re.search(r"Collected : (\d+)", done.stderr)
-    if not found:
+    count = re.search(r"Collected : (\d+)", done.stderr)
+    if not count:
         raise SerpenoidError(f"callgrind printed no count for rung {rung!r}: {done.stderr[-500:]}")
-    return int(found[1])
+    return int(count[1])
 
 
-def per_step(program: Path, formulation: str, rung: str) -> float:
-    """Return instructions per step: two runs, so that start and end cancel."""
-    once, twice = (_instructions(program, formulation, rung, n * STEPS) for n in (1, 2))
-    return (twice - once) / STEPS
-
-
-def measure(program: Path, note: Callable[[str], object] = lambda _text: None) -> Iterator[Rung]:
-    """Yield every rung of both formulations."""
+def measure(program: Path, note: Callable[[str], object]) -> Iterator[Rung]:
+    """Yield every rung of both formulations: of two runs, so that start and end cancel."""
     for formulation in FORMULATIONS:
         hand = 0.0
         for rung, title in RUNGS.items():
             note(f"{formulation}: {title}")
-            count = per_step(program, formulation, rung)
+            once, twice = (_instructions(program, formulation, rung, n * STEPS) for n in (1, 2))
+            count = (twice - once) / STEPS
             hand = hand or count  # the first rung
-            yield Rung(formulation, rung, count, count / hand)
+            yield Rung(formulation, rung, title, round(count, 1), round(count / hand, 3))
 
 
 def run(out: Path, note: Callable[[str], object]) -> list[Rung]:
@@ -121,10 +115,5 @@ def run(out: Path, note: Callable[[str], object]) -> list[Rung]:
         note("compiling the core (about a minute)")
         rungs = list(measure(build(Path(folder)), note))
     out.mkdir(parents=True, exist_ok=True)
-    with (out / "scenes.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(COLUMNS)
-        for r in rungs:
-            values = (f"{r.instructions_per_step:.1f}", f"{r.ratio:.3f}")
-            writer.writerow((r.formulation, r.rung, RUNGS[r.rung], *values))
+    write_rows(out / "scenes.csv", rungs)
     return rungs

@@ -38,20 +38,16 @@ def _tell(text: str) -> None:
 )
 def accuracy(out: Path, quick: bool, page: Path | None) -> None:
     """Draw error against run time of every method and its peers: accuracy.png, .csv and .json."""
-    from ..bench.accuracy import files
     from ..bench.accuracy.contenders import absent
     from ..bench.accuracy.equal_error import headline, table
-    from ..bench.accuracy.figure import accuracy_figure
+    from ..bench.accuracy.files import write_all
     from ..bench.accuracy.measure import NOT_TRIED, QUICK, Effort, run
     from ..bench.page import renew_table
 
     for missing in absent():
         _tell(f"left out, not installed: {missing}; pip install 'serpenoid[bench]' brings it")
     rows = run(QUICK if quick else Effort(), _tell)
-    out.mkdir(parents=True, exist_ok=True)
-    files.write_csv(rows, out / "accuracy.csv")
-    files.write_json(rows, out / "accuracy.json")
-    accuracy_figure(rows, out / "accuracy.png")
+    write_all(rows, out)
     if page:
         renew_table(page, "accuracy", table(rows))
     failed = [row for row in rows if row.error is None]
@@ -73,10 +69,10 @@ def stability(out: Path, quick: bool) -> None:
     """Map where each fixed step is stable, and try extreme scenes; exit status 1 on a defect."""
     from ..bench.stability.files import defects, measure_and_write, summary
 
-    found = measure_and_write(out, quick, _tell)
-    for line in summary(*found):
+    measured = measure_and_write(out, quick, _tell)
+    for line in summary(*measured):
         say(line)
-    wrong = defects(*found[:2])
+    wrong = defects(*measured)
     for line in wrong:
         say(f"DEFECT: {line}")
     say(f"\n{len(wrong)} defects; maps and tables in {out}")
@@ -88,11 +84,11 @@ def stability(out: Path, quick: bool) -> None:
 @OUT
 def scenes(out: Path) -> None:
     """Count instructions per step of ever richer scenes: what is absent costs nothing."""
-    from ..bench.scenes import RUNGS, run
+    from ..bench.scenes import run
 
     rungs = run(out, _tell)
     say("instructions per RK4 step, six links (callgrind)")
     for r in rungs:
-        title = RUNGS[r.rung]
-        say(f"{r.formulation:10}{title:40}{r.instructions_per_step:10.0f}{r.ratio:8.2f}")
+        counts = f"{r.instructions_per_step:10.0f}{r.ratio_to_hand:8.2f}"
+        say(f"{r.formulation:10}{r.title:40}{counts}")
     say(f"written to {out / 'scenes.csv'}; the last column is relative to the first line")

@@ -6,7 +6,7 @@ import os
 import signal
 import threading
 
-from serpenoid.bench.child_process import Limited, all_cores
+from serpenoid.bench.child_process import Limited
 
 
 def test_a_limited_child_does_not_hear_ctrl_c() -> None:
@@ -16,13 +16,6 @@ def test_a_limited_child_does_not_hear_ctrl_c() -> None:
         os.kill(pid, signal.SIGINT)
         assert child(20.0, os.getpid) == pid
     assert signal.getsignal(signal.SIGINT) is before
-
-
-def test_a_pools_processes_end_at_ctrl_c_without_a_word() -> None:
-    before = signal.getsignal(signal.SIGINT)
-    with all_cores() as pool:
-        assert pool.submit(signal.getsignal, signal.SIGINT).result() is signal.SIG_DFL
-        assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_children_can_be_started_beside_the_main_thread() -> None:

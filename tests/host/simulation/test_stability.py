@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.bench.stability import extremes, free_snake
+from serpenoid.bench.stability import extremes
 from serpenoid.bench.stability import map as stability_map
 from serpenoid.bench.stability.extremes import DEFECTS
 from serpenoid.bench.stability.map import Grid
+from serpenoid.model.link_state import LinkState
 from serpenoid.simulation.methods import METHODS
 from serpenoid.simulation.stability import largest_stable_step_s
 
@@ -75,14 +76,14 @@ def test_the_quiet_failure_counts_as_unstable() -> None:
 
 def test_a_small_map_has_no_cell_that_runs_and_is_unstable() -> None:
     grid = Grid((3,), (0.0, 100.0), (1e3, 1e6), (1e-4, 1e-3, 1e-2), 600)
-    cells = stability_map.measure(grid, lambda _: None)
+    cells = list(stability_map.measure(grid, lambda _: None))
     assert len(cells) == 12 * len(stability_map.fixed_step_methods())
-    assert not [cell for cell in cells if cell.note or (cell.unstable and not cell.refused)]
-    assert {cell.refused for cell in cells} == {True, False}
+    assert not [cell for cell in cells if cell.kind == 3]
+    assert {cell.refused for cell in cells} == {0, 1}
 
 
 def test_no_extreme_scene_hangs_crashes_or_is_untrue() -> None:
-    outcomes = extremes.run(True, lambda _: None)
+    outcomes = list(extremes.run(True, lambda _: None))
     assert not [one for one in outcomes if one.outcome in DEFECTS]
     words = {(one.scene, one.method): one.outcome for one in outcomes}
     assert words["k = 2.2e6, c = 1 at 1 ms", "rk4"] == "refused"
@@ -90,15 +91,28 @@ def test_no_extreme_scene_hangs_crashes_or_is_untrue() -> None:
     assert words["hard stick", "nonsmooth"] == "met"
 
 
+def changes_of_a_free_snake(method: str, formulation: str, dt_s: float):
+    """Return what 2000 steps change of energy and momenta that nothing acts on, J and kg m/s."""
+    place, rates = (0, 0, 0.1, 0.5, -0.3, 0.2, 0.6, -0.1), (0.3, -0.2, 1, -0.6, 0.8, 0.4, -0.9, 0.5)
+    limp = {"drive": "torque", "torque": [0.0] * 5, "joint_damping_n_s_m": 0.0}
+    times = {"dt_s": dt_s, "duration_s": 2000 * dt_s, "record_every": 10**9}
+    start = LinkState.joined(SIX, place, rates)
+    still = {"formulation": formulation, "method": method, "start": start}
+    scene = sn.Scene(SIX, sn.Ground(0.0, 0.0), sn.Gait(0.0, 0.0, 1.0), **still, **limp, **times)
+    run = sn.simulate(scene)
+    vx, vy, w = run.vx_m_s, run.vy_m_s, run.omega_rad_s
+    spin = run.x_m * vy - run.y_m * vx + SIX.inertia_kg_m2 * w
+    energy = (vx**2 + vy**2 + SIX.inertia_kg_m2 * w**2) / 2
+    return [float(np.ptp(part.sum(axis=1)[[0, -1]])) for part in (energy, vx, vy, spin)]
+
+
 def test_a_free_snake_keeps_its_momentum_by_every_method_of_the_springs() -> None:
     """Forces in pairs: momentum stays to rounding in the implicit formulation, at any step."""
     for name, kind in METHODS.items():
         if "implicit" in kind.formulations and "torque" in kind.drives:
-            found = free_snake.drift(name, "implicit", 2000, 1e-3)
-            assert found.said or found.momentum < 1e-12, found
+            assert max(changes_of_a_free_snake(name, "implicit", 1e-3)[1:3]) < 1e-12, name
 
 
 def test_rk4_keeps_a_free_snake_to_rounding() -> None:
     """1e-4 s is a ten thousandth of its time scale: order four leaves less than rounding."""
-    found = free_snake.drift("rk4", "explicit", 10_000, 1e-4)
-    assert max(found.energy, found.momentum, found.angular_momentum) < 1e-13
+    assert max(changes_of_a_free_snake("rk4", "explicit", 1e-4)) < 1e-12

@@ -21,6 +21,7 @@ TABLE_SCENES = {
     "stiff_k1e7_c1e3": "k = 1e7, c = 1e3",
 }
 NOTHING = "–"
+Points = list[tuple[float, float]]
 
 
 def time_at(error: float, points: Sequence[tuple[float, float]]) -> float | None:
@@ -30,15 +31,15 @@ def time_at(error: float, points: Sequence[tuple[float, float]]) -> float | None
     error and the next one at or below it, time is interpolated along the straight line in log-log;
     nothing is extrapolated: a first point already good enough counts with its own time.
     """
-    found = [points[0][1]] if points and points[0][0] <= error else []
+    times = [points[0][1]] if points and points[0][0] <= error else []
     for (e0, t0), (e1, t1) in pairwise(points):
         if e0 > error >= e1:
             # an error of exactly 0 has no logarithm: the point itself is then the answer
             f = math.log(e0 / error) / math.log(e0 / e1) if e1 > 0 else 1.0
-            found.append(t0 ** (1 - f) * t1**f)
+            times.append(t0 ** (1 - f) * t1**f)
         elif e1 <= error:
-            found.append(t1)
-    return min(found, default=None)
+            times.append(t1)
+    return min(times, default=None)
 
 
 def ours_first(rows: Sequence[Row]) -> list[Row]:
@@ -47,26 +48,18 @@ def ours_first(rows: Sequence[Row]) -> list[Row]:
     return sorted(rows, key=lambda r: order.index(r.method) if r.method in order else len(order))
 
 
-def lines(rows: Sequence[Row], scene: str) -> dict[str, list[Row]]:
-    """Return the rows of a scene by contender, those that failed included."""
-    found: dict[str, list[Row]] = {}
+def lines(rows: Sequence[Row], scene: str) -> dict[str, Points]:
+    """Return (error, seconds a simulated second) of a scene by contender, without what failed."""
+    points: dict[str, Points] = {row.method: [] for row in rows if row.scene == scene}
     for row in rows:
-        if row.scene == scene:
-            found.setdefault(row.method, []).append(row)
-    return found
+        if row.scene == scene and row.error is not None and row.time_s is not None:
+            points[row.method].append((row.error, row.time_s / row.simulated_s))
+    return points
 
 
 def times_at(rows: Sequence[Row], scene: str, error: float) -> dict[str, float | None]:
     """Return each contender's time for a simulated second at an error, s; None: not reached."""
-    times: dict[str, float | None] = {}
-    for method, line in lines(rows, scene).items():
-        points = [
-            (r.error, r.time_s / r.simulated_s)
-            for r in line
-            if r.error is not None and r.time_s is not None
-        ]
-        times[method] = time_at(error, points)
-    return times
+    return {method: time_at(error, points) for method, points in lines(rows, scene).items()}
 
 
 def headline(rows: Sequence[Row]) -> list[dict[str, object]]:
@@ -74,20 +67,19 @@ def headline(rows: Sequence[Row]) -> list[dict[str, object]]:
 
     ratio is above 1 where ours is the faster one, and missing where either does not get there.
     """
-    found = []
-    for scene in dict.fromkeys(row.scene for row in rows):
-        for error in TARGETS:
-            reached = {m: t for m, t in times_at(rows, scene, error).items() if t is not None}
-            ours = {m: t for m, t in reached.items() if m.startswith(OWN)}
-            peers = {m: t for m, t in reached.items() if m not in ours}
-            best, peer = (
-                min(group, key=lambda m: reached[m], default=None) for group in (ours, peers)
-            )
-            line: dict[str, object] = {"scene": scene, "error": error, "ours": best, "peer": peer}
-            if best and peer:
-                line["ratio"] = reached[peer] / reached[best]
-            found.append(line)
-    return found
+    return [
+        _headline(scene, error, times_at(rows, scene, error))
+        for scene in dict.fromkeys(row.scene for row in rows)
+        for error in TARGETS
+    ]
+
+
+def _headline(scene: str, error: float, times: dict[str, float | None]) -> dict[str, object]:
+    reached = sorted((time, method) for method, time in times.items() if time is not None)
+    ours = next((x for x in reached if x[1].startswith(OWN)), (None, None))
+    peer = next((x for x in reached if not x[1].startswith(OWN)), (None, None))
+    line: dict[str, object] = {"scene": scene, "error": error, "ours": ours[1], "peer": peer[1]}
+    return {**line, "ratio": peer[0] / ours[0]} if ours[0] and peer[0] else line
 
 
 def _milliseconds(time_s: float | None) -> str:
@@ -101,16 +93,12 @@ def table(rows: Sequence[Row]) -> str:
     """Return the documentation's table: ms of processor time a simulated second at TABLE_ERROR."""
     scenes = [s for s in TABLE_SCENES if any(row.scene == s for row in rows)]
     times = {scene: times_at(rows, scene, TABLE_ERROR) for scene in scenes}
-    methods = dict.fromkeys(row.method for row in ours_first(rows))
     body = [
         [m, *(_milliseconds(times[s][m]) if m in times[s] else "" for s in scenes)]
-        for m in methods
+        for m in dict.fromkeys(row.method for row in ours_first(rows))
         if any(times[s].get(m) is not None for s in scenes)
     ]
-    ratios = {
-        line["scene"]: line.get("ratio") for line in headline(rows) if line["error"] == TABLE_ERROR
-    }
-    last = ["**best peer / our best**"]
-    last += [f"**{ratios[s]:.2g}**" if ratios[s] else NOTHING for s in scenes]
+    ratios = [_headline(s, TABLE_ERROR, times[s]).get("ratio") for s in scenes]
+    last = ["**best peer / our best**", *(f"**{r:.2g}**" if r else NOTHING for r in ratios)]
     top = [["ms", *(TABLE_SCENES[s] for s in scenes)], ["---", *("---:" for _ in scenes)]]
     return "\n".join("| " + " | ".join(line) + " |" for line in [*top, *body, last])

@@ -1,65 +1,36 @@
-"""What the accuracy benchmark writes: CSV and JSON."""
+"""What the accuracy benchmark writes: rows, ratios at equal error, and the figure."""
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Sequence
-from dataclasses import fields
 from pathlib import Path
 
+from ...model.files import write_text
 from .. import machine
 from ..problems import problems
 from ..reference import reference
+from ..rows import write_rows
 from .contenders import absent
 from .equal_error import headline
-from .measure import Row, as_dicts
+from .figure import accuracy_figure
+from .measure import Row
 
 
-def write_csv(rows: Sequence[Row], path: Path) -> None:
-    """Write all rows, with processor and compiler in every one."""
+def write_all(rows: Sequence[Row], out: Path) -> None:
+    """Write accuracy.csv, .json and .png into a folder, with the machine of the measurement."""
+    out.mkdir(parents=True, exist_ok=True)
     here = {"cpu": machine.cpu(), "compiler": machine.compiler()}
-    with path.open("w", newline="") as file:
-        writer: csv.DictWriter[str] = csv.DictWriter(file, [*(f.name for f in fields(Row)), *here])
-        writer.writeheader()
-        writer.writerows({**row, **here} for row in as_dicts(list(rows)))
-
-
-def read_csv(path: Path) -> list[Row]:
-    """Return the rows of a file that write_csv wrote."""
-
-    def row(line: dict[str, str]) -> Row:
-        def number(name: str) -> float | None:
-            return float(line[name]) if line[name] else None
-
-        return Row(
-            line["scene"],
-            line["method"],
-            line["family"],
-            line["kind"],
-            float(line["setting"]),
-            number("error"),
-            number("time_s"),
-            number("spread"),
-            int(line["rounds"]),
-            float(line["simulated_s"]),
-            line["note"],
-        )
-
-    with path.open(newline="") as file:
-        return [row(line) for line in csv.DictReader(file)]
-
-
-def write_json(rows: Sequence[Row], path: Path) -> None:
-    """Write ratios at equal error, how well each reference is known, and the machine."""
     measured = {row.scene for row in rows}
-    known = {p.name: reference(p).known_to for p in problems() if p.name in measured}
     content = {
-        "cpu": machine.cpu(),
-        "compiler": machine.compiler(),
+        **here,
         "versions": machine.versions(),
         "absent": absent(),
-        "references_known_to": known,
+        "references_known_to": {
+            p.name: reference(p).known_to for p in problems() if p.name in measured
+        },
         "headline": headline(rows),
     }
-    path.write_text(json.dumps(content, indent=1) + "\n")
+    write_rows(out / "accuracy.csv", rows, here)
+    write_text(out / "accuracy.json", json.dumps(content, indent=1) + "\n")
+    accuracy_figure(rows, out / "accuracy.png")

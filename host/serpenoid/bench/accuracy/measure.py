@@ -12,13 +12,13 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 
 from ..child_process import Crashed, Failed, Limited, Overran
-from ..contender import Contender, Work
+from ..peers.contender import Work
 from ..problems import Problem, problems
 from ..reference import reference
 from .contenders import contenders
@@ -57,41 +57,27 @@ class Effort:
 QUICK = Effort(("paper6", "paper6_k1e3", "robot2005"), rounds=3, limit_s=0.4, budget_s=3.0)
 
 
-@lru_cache
-def _contenders(scene: str) -> tuple[Problem, dict[str, Contender]]:
-    problem = next(p for p in problems() if p.name == scene)
-    return problem, {one.name: one for one in contenders(problem)}
+def _problem(scene: str) -> Problem:
+    return next(p for p in problems() if p.name == scene)
 
 
 @lru_cache
 def _work(scene: str, method: str, setting: float) -> Work:
-    problem, all_of_them = _contenders(scene)
-    return all_of_them[method].work(problem, setting)
+    return next(c for c in contenders(_problem(scene)) if c.name == method).work(setting)
 
 
 @np.errstate(all="ignore")  # what overflows in a peer ends as a row
-def _first(scene: str, method: str, setting: float) -> tuple[float, float]:
-    """Return error and time of one run; what compiles does so before, at the loosest setting."""
-    problem, all_of_them = _contenders(scene)
-    if setting == all_of_them[method].settings[0]:
-        _work(scene, method, setting)()
-    work = _work(scene, method, setting)
+def _timed(scene: str, method: str, setting: float, repeats: int = 1) -> tuple[float, float]:
+    """Return the error and the time of a run, from so many in a row."""
+    problem, work = _problem(scene), _work(scene, method, setting)
     begin = time.thread_time()
+    for _ in range(repeats - 1):
+        work()
     end = work()
-    spent = time.thread_time() - begin
+    spent = (time.thread_time() - begin) / repeats
     if not np.isfinite(end).all():
         raise ArithmeticError("the end state is not finite")
     return problem.error(end, reference(problem).end), spent
-
-
-@np.errstate(all="ignore")
-def _again(scene: str, method: str, setting: float, times: int) -> float:
-    """Return the time of one run, from so many in a row."""
-    work = _work(scene, method, setting)
-    begin = time.thread_time()
-    for _ in range(times):
-        work()
-    return (time.thread_time() - begin) / times
 
 
 def _try_all(child: Limited, scene: str, effort: Effort) -> list[Row]:
@@ -99,9 +85,9 @@ def _try_all(child: Limited, scene: str, effort: Effort) -> list[Row]:
 
     A fixed step refused as too long does not end the row: a shorter one may be right.
     """
-    problem, all_of_them = _contenders(scene)
+    problem = _problem(scene)
     rows = []
-    for one in all_of_them.values():
+    for one in contenders(problem):
         overran = ""
         for setting in one.settings:
             row = Row(scene, one.name, one.family, one.kind, setting)
@@ -110,15 +96,15 @@ def _try_all(child: Limited, scene: str, effort: Effort) -> list[Row]:
             if overran:
                 row.note = f"{NOT_TRIED}: {overran} at the setting before"
                 continue
+            run = (_timed, scene, one.name, setting)
             try:
-                # what Numba compiles counts against the first limit: hence the margin
-                margin = 60.0 if setting == one.settings[0] else 0.0
-                row.error, row.time_s = child(
-                    effort.limit_s + margin, _first, scene, one.name, setting
-                )
-            except (Overran, Crashed, Failed) as failure:
+                if setting == one.settings[0]:  # Numba compiles, and it is not timed
+                    child(effort.limit_s + 60.0, *run)
+                row.error, row.time_s = child(effort.limit_s, *run)
+            except Failed as failure:
                 row.note = str(failure)
-                overran = "" if isinstance(failure, Failed) else str(failure)
+            except (Overran, Crashed) as failure:
+                row.note = overran = str(failure)
             if row.time_s is not None and row.time_s > effort.limit_s / 2:
                 overran = f"took {row.time_s:.1f} s"
     return rows
@@ -136,7 +122,7 @@ def measure(child: Limited, scene: str, effort: Effort) -> list[Row]:
             if times[0] > min(most_s, left):
                 continue
             repeats = max(1, round(LEAST_TIMED_S / max(times[0], 1e-7)))
-            spent = child(30.0, _again, scene, row.method, row.setting, repeats)
+            _, spent = child(30.0, _timed, scene, row.method, row.setting, repeats)
             times.append(spent)
             left -= spent * repeats
     for row, times in alive:
@@ -153,11 +139,6 @@ def run(effort: Effort, tell: Callable[[str], None]) -> list[Row]:
     rows = []
     with Limited() as child:
         for number, scene in enumerate(effort.scenes, 1):
-            tell(f"{number} of {len(effort.scenes)}: {_contenders(scene)[0].title} ...")
+            tell(f"{number} of {len(effort.scenes)}: {_problem(scene).title} ...")
             rows += measure(child, scene, effort)
     return rows
-
-
-def as_dicts(rows: list[Row]) -> list[dict[str, object]]:
-    """Return rows as dictionaries, for CSV and JSON."""
-    return [asdict(row) for row in rows]

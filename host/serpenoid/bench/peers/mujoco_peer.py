@@ -11,11 +11,14 @@ implicit model are left out.
 
 from __future__ import annotations
 
+from functools import partial
+
 import mujoco as mj  # pyright: ignore[reportMissingImports] (an optional extra)
 import numpy as np
 
-from ..contender import Contender, Work, check_smooth, even_step_s
+from ...exchange.mjcf import to_mjcf
 from ..problems import Array, Problem
+from .contender import Contender, Work, even_step_s
 
 STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
 
@@ -27,41 +30,16 @@ def mujoco(problem: Problem) -> list[Contender]:
     """
     if problem.implicit or not problem.ground.smooth:
         return []
-    return [Contender("MuJoCo implicitfast", "MuJoCo", "dt_s", STEPS_S, _work)]
+    return [Contender("MuJoCo implicitfast", "MuJoCo", "dt_s", STEPS_S, partial(_work, problem))]
 
 
 def _model_text(problem: Problem, dt_s: float) -> str:
-    """Return the scene in MuJoCo's language: link 1 on two slides and a hinge, the rest hinged."""
-    r, g = problem.robot, problem.ground
-    check_smooth("MuJoCo", g)
-    half, inertia = r.link_length_m / 2, r.inertia_kg_m2
-    bodies, dampers, held = "", "", ""
-    for i in range(r.links):
-        root = (
-            '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
-            '<joint type="hinge" axis="0 0 1"/>'
-        )
-        hinge = f'<joint name="j{i}" type="hinge" axis="0 0 1" pos="{-half} 0 0"/>'
-        bodies += (
-            f'<body pos="{2 * half if i else 0} 0 0">{hinge if i else root}'
-            f'<inertial pos="0 0 0" mass="{r.link_mass_kg}" '
-            f'diaginertia="{inertia} {inertia} {inertia}"/><site name="s{i}"/>'
-        )
-        for axis, c in (("1 0 0", g.ct_forward), ("0 1 0", g.cn)):
-            dampers += (
-                f'<general site="s{i}" gear="{axis} 0 0 0" gainprm="0" biastype="affine" '
-                f'biasprm="0 0 {-c}"/>'
-            )
-        if i:
-            held += (
-                f'<joint joint1="j{i}" solref="{2 * dt_s} 1" solimp="0.9999 0.9999 1e-3 0.5 1"/>'
-            )
-    return (
-        f'<mujoco><option timestep="{dt_s}" gravity="0 0 0" integrator="implicitfast" '
-        f'tolerance="1e-14"><flag contact="disable"/></option><worldbody>{bodies}'
-        f"{'</body>' * r.links}</worldbody><actuator>{dampers}</actuator>"
-        f"<equality>{held}</equality></mujoco>"
-    )
+    """Return the scene in MuJoCo's language, its joints held by constraints."""
+    solver = f'solref="{2 * dt_s} 1" solimp="0.9999 0.9999 1e-3 0.5 1"'
+    held = "".join(f'<joint joint1="joint{i}" {solver}/>' for i in range(1, problem.robot.links))
+    text = to_mjcf(problem.robot, problem.ground, timestep_s=dt_s)
+    text = text.replace('integrator="RK4"', 'integrator="implicitfast" tolerance="1e-14"')
+    return text.replace("</mujoco>", f"<equality>{held}</equality></mujoco>")
 
 
 def _work(problem: Problem, dt_s: float) -> Work:

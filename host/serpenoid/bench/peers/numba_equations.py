@@ -51,36 +51,43 @@ def parameters(problem: Problem, width_m_s: float = 0.0) -> Array:
 
 
 @njit(**_JIT)
+def _joint(i, st, ct, p):
+    """Return the angle between links i - 1 and i, its rate, its acceleration; st: sin(omega t)."""
+    a, b, w = p[HEAD - 1 + i], p[HEAD - 2 + int(p[N]) + i], p[OMEGA]
+    sine, cosine = p[ALPHA] * (st * a + ct * b), p[ALPHA] * (ct * a - st * b)
+    return p[OFFSET] + sine, w * cosine, -w * w * sine
+
+
+@njit(**_JIT)
 def _sign(v, width):
     return v / math.sqrt(v * v + width * width) if width > 0 else np.sign(v)
 
 
 @njit(**_JIT)
-def _along(v, p, dry):
-    """Return the force along a link: ratchet wheels resist differently backwards."""
-    force = -(p[CT] if v > 0 else p[CT_BACK]) * v
-    if dry:
-        force -= (p[FT0] if v > 0 else p[FT0_BACK]) * _sign(v, p[WIDTH])
-    return force
+def _ground(c, s, vx, vy, p):
+    """Return the ground's force on a link: ratchet wheels resist differently backwards."""
+    vt, vn = c * vx + s * vy, c * vy - s * vx
+    ct, ft0 = (p[CT], p[FT0]) if vt > 0 else (p[CT_BACK], p[FT0_BACK])
+    ft = -ct * vt - ft0 * _sign(vt, p[WIDTH])
+    fn = -p[CN] * vn - p[FN0] * _sign(vn, p[WIDTH])
+    return ft * c - fn * s, ft * s + fn * c
 
 
 @njit(**_JIT)
 def explicit_rate(t, y, p, dy):
     """Fill dy of the exact model: three unknowns by sums over the links."""
-    n, m, half, inertia, w = int(p[N]), p[M], p[L], p[INERTIA], p[OMEGA]
-    dry = p[FT0] > 0 or p[FT0_BACK] > 0 or p[FN0] > 0
-    st, ct = math.sin(w * t), math.cos(w * t)
+    n, m, half, inertia = int(p[N]), p[M], p[L], p[INERTIA]
+    st, ct = math.sin(p[OMEGA] * t), math.cos(p[OMEGA] * t)
     th, om, turn, vx, vy = y[2], y[5], 0.0, y[3], y[4]
     c, s = math.cos(th), math.sin(th)
     rx = ry = bx = by = Rx = Ry = rr = gx = gy = moment = turns = 0.0
     for i in range(n):
         if i > 0:
-            a, b = p[HEAD - 1 + i], p[HEAD - 1 + n - 1 + i]
-            sine, cosine = p[ALPHA] * (st * a + ct * b), p[ALPHA] * (ct * a - st * b)
             c0, s0, om0, turn0 = c, s, om, turn
-            th += p[OFFSET] + sine
-            om += w * cosine
-            turn -= w * w * sine
+            angle, rate, acceleration = _joint(i, st, ct, p)
+            th += angle
+            om += rate
+            turn += acceleration
             c, s = math.cos(th), math.sin(th)
             rx += half * (c0 + c)
             ry += half * (s0 + s)
@@ -88,11 +95,9 @@ def explicit_rate(t, y, p, dy):
             vy += half * (om0 * c0 + om * c)
             bx -= half * (turn0 * s0 + om0 * om0 * c0 + turn * s + om * om * c)
             by += half * (turn0 * c0 - om0 * om0 * s0 + turn * c - om * om * s)
-        vt, vn = c * vx + s * vy, c * vy - s * vx
-        ft, fn = _along(vt, p, dry), -p[CN] * vn
-        if dry:
-            fn -= p[FN0] * _sign(vn, p[WIDTH])
-        qx, qy = ft * c - fn * s - m * bx, ft * s + fn * c - m * by
+        qx, qy = _ground(c, s, vx, vy, p)
+        qx -= m * bx
+        qy -= m * by
         gx += qx
         gy += qy
         moment += rx * qy - ry * qx
@@ -112,25 +117,19 @@ def explicit_rate(t, y, p, dy):
 @njit(**_JIT)
 def implicit_rate(t, y, p, dy):
     """Fill dy of the model with springs and dampers in the joints (Eqs. 51-56)."""
-    n, m, half, inertia, w = int(p[N]), p[M], p[L], p[INERTIA], p[OMEGA]
-    dry = p[FT0] > 0 or p[FT0_BACK] > 0 or p[FN0] > 0
-    st, ct = math.sin(w * t), math.cos(w * t)
+    n, m, half, inertia = int(p[N]), p[M], p[L], p[INERTIA]
+    st, ct = math.sin(p[OMEGA] * t), math.cos(p[OMEGA] * t)
     th, om, turn = y[4 * n], y[4 * n + 1], 0.0
     couple = turns = c0 = s0 = om0 = 0.0
     for i in range(n):
         if i > 0:
-            a, b = p[HEAD - 1 + i], p[HEAD - 1 + n - 1 + i]
-            sine, cosine = p[ALPHA] * (st * a + ct * b), p[ALPHA] * (ct * a - st * b)
-            th += p[OFFSET] + sine
-            om += w * cosine
-            turn -= w * w * sine
+            angle, rate, acceleration = _joint(i, st, ct, p)
+            th += angle
+            om += rate
+            turn += acceleration
         c, s = math.cos(th), math.sin(th)
         vx, vy = y[2 * n + i], y[3 * n + i]
-        vt, vn = c * vx + s * vy, c * vy - s * vx
-        ft, fn = _along(vt, p, dry), -p[CN] * vn
-        if dry:
-            fn -= p[FN0] * _sign(vn, p[WIDTH])
-        ax, ay = (ft * c - fn * s) / m, (ft * s + fn * c) / m
+        gx, gy = _ground(c, s, vx, vy, p)
         if i > 0:
             gap_x = y[i] - y[i - 1] - half * (c + c0)
             gap_y = y[n + i] - y[n + i - 1] - half * (s + s0)
@@ -140,9 +139,9 @@ def implicit_rate(t, y, p, dy):
             couple += half * (fy * (c + c0) - fx * (s + s0))
             dy[2 * n + i - 1] += fx / m
             dy[3 * n + i - 1] += fy / m
-            ax -= fx / m
-            ay -= fy / m
-        dy[i], dy[n + i], dy[2 * n + i], dy[3 * n + i] = vx, vy, ax, ay
+            gx -= fx
+            gy -= fy
+        dy[i], dy[n + i], dy[2 * n + i], dy[3 * n + i] = vx, vy, gx / m, gy / m
         turns += turn
         c0, s0, om0 = c, s, om
     dy[4 * n] = y[4 * n + 1]
@@ -158,37 +157,36 @@ def fill_rate(implicit, t, y, p, dy):
         explicit_rate(t, y, p, dy)
 
 
+_RK4_A = np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1.0, 0]])
+_RK4_B, _RK4_NODES = np.array([1, 2, 2, 1]) / 6, np.array([0, 0.5, 0.5, 1])
+_A, _NODES = np.ascontiguousarray(dop853.A[:12, :12]), dop853.C[:12].copy()
+_B, _E3, _E5 = dop853.B.copy(), dop853.E3[:12].copy(), dop853.E5[:12].copy()
+
+
+@njit(**_JIT)
+def _stages(implicit, t, h, y, p, a, nodes, k, z):
+    """Fill k with the rates of a step's stages behind the first one, which is there."""
+    for stage in range(1, nodes.size):
+        for i in range(y.size):
+            z[i] = y[i]
+        for j in range(stage):
+            if a[stage, j] != 0:
+                for i in range(y.size):
+                    z[i] += h * a[stage, j] * k[j, i]
+        fill_rate(implicit, t + nodes[stage] * h, z, p, k[stage])
+
+
 @njit(**_JIT)
 def rk4(implicit, y0, p, dt, steps):
     """Run the classical method at a fixed step and return the end state."""
-    y = y0.copy()
-    k1, k2, k3, k4, z = (
-        np.empty_like(y),
-        np.empty_like(y),
-        np.empty_like(y),
-        np.empty_like(y),
-        np.empty_like(y),
-    )
+    y, z, k = y0.copy(), np.empty_like(y0), np.empty((4, y0.size))
     for step in range(steps):
-        t = step * dt
-        fill_rate(implicit, t, y, p, k1)
-        for i in range(y.size):
-            z[i] = y[i] + dt / 2 * k1[i]
-        fill_rate(implicit, t + dt / 2, z, p, k2)
-        for i in range(y.size):
-            z[i] = y[i] + dt / 2 * k2[i]
-        fill_rate(implicit, t + dt / 2, z, p, k3)
-        for i in range(y.size):
-            z[i] = y[i] + dt * k3[i]
-        fill_rate(implicit, t + dt, z, p, k4)
-        for i in range(y.size):
-            y[i] += dt / 6 * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i])
+        fill_rate(implicit, step * dt, y, p, k[0])
+        _stages(implicit, step * dt, dt, y, p, _RK4_A, _RK4_NODES, k, z)
+        for j in range(4):
+            for i in range(y.size):
+                y[i] += dt * _RK4_B[j] * k[j, i]
     return y
-
-
-_A = np.ascontiguousarray(dop853.A[:12, :12])
-_NODES = np.ascontiguousarray(dop853.C[:12])
-_B, _E3, _E5 = dop853.B.copy(), dop853.E3[:12].copy(), dop853.E5[:12].copy()
 
 
 @njit(**_JIT)
@@ -203,15 +201,7 @@ def dop853_run(implicit, y0, p, end, rtol, atol, most):
         if steps > most:
             return y, -1
         h = min(h, end - t)
-        for stage in range(1, 12):
-            for i in range(d):
-                z[i] = y[i]
-            for j in range(stage):
-                a = h * _A[stage, j]
-                if a != 0:
-                    for i in range(d):
-                        z[i] += a * k[j, i]
-            fill_rate(implicit, t + _NODES[stage] * h, z, p, k[stage])
+        _stages(implicit, t, h, y, p, _A, _NODES, k, z)
         e3 = e5 = 0.0
         for i in range(d):
             rise = err3 = err5 = 0.0

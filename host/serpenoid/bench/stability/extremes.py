@@ -12,23 +12,22 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.util import find_spec
+from typing import Any
 
-from ...model.errors import BadInput, Diverged, StepTooLarge
 from ...model.gait import Gait
 from ...model.ground import Ground
-from ...model.robot import Robot
 from ...simulation.methods import METHODS
 from ...simulation.simulate import simulate
 from ..child_process import Crashed, Failed, Limited, Overran
-from ..problems import PAPER_GROUND, Array, Problem
+from ..problems import PAPER_GROUND, Array, Problem, gait_deg, paper_robot
 from ..reference import reference
 
 TOLERANCE = 1e-7
-SAID = {StepTooLarge: "refused", Diverged: "diverged", BadInput: "bad input"}
+SAID = {"StepTooLarge": "refused", "Diverged": "diverged", "BadInput": "bad input"}
 DEFECTS = ("UNTRUE", "HUNG", "CRASHED", "FAILED")
 
 
@@ -37,9 +36,9 @@ class Extreme:
     """Hold an extreme scene: the problem, the fixed step, and the limit of processor time."""
 
     problem: Problem
-    dt_s: float = 1e-3
-    limit_s: float = 20.0
-    quick: bool = True
+    dt_s: float
+    limit_s: float
+    quick: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,75 +54,56 @@ class Outcome:
     said: str = ""
 
 
-def _gait(alpha_deg: float, beta_deg: float, omega_rad_s: float) -> Gait:
-    return Gait(math.radians(alpha_deg), math.radians(beta_deg), omega_rad_s)
+def _extreme(
+    name: str, dt_s: float = 1e-3, limit_s: float = 20.0, quick: bool = True, **changes: Any
+) -> Extreme:
+    """Return the paper's scene of 5 s with fields of the problem changed."""
+    usual = Problem(name, name, paper_robot(), PAPER_GROUND, gait_deg(30, 80, 5), 5.0)
+    return Extreme(replace(usual, **changes), dt_s, limit_s, quick)
 
 
-def _paper(links: int = 6, mass_kg: float = 1.0) -> Robot:
-    return Robot(links, mass_kg, 0.12)
+def _springs(k: float, c: float) -> dict[str, Any]:
+    return {"stiffness_n_m": k, "damping_n_s_m": c}
 
 
 def extremes() -> tuple[Extreme, ...]:
     """Return every extreme scene."""
-    usual, six, ground = _gait(30, 80, 5), _paper(), PAPER_GROUND
-    wave = Gait(math.radians(10), 4 * math.pi / 999, 5.0)
-
-    def one(
-        name: str,
-        robot: Robot = six,
-        ground: Ground = ground,
-        gait: Gait = usual,
-        duration_s: float = 5.0,
-        k: float = 0.0,
-        c: float = 0.0,
-        **more: float | bool,
-    ) -> Extreme:
-        problem = Problem(name, name, robot, ground, gait, duration_s, k, c)
-        return Extreme(problem, **more)  # type: ignore[arg-type]
-
+    one, k = _extreme, _springs
+    wide, fast, light = gait_deg(170, 80, 5), gait_deg(30, 80, 100), paper_robot(mass_kg=1e-6)
+    slow, free, soft = gait_deg(30, 80, 0.01), Ground(0.0, 0.0), k(1e3, 0.0)
+    chain: dict[str, Any] = {
+        "robot": paper_robot(1000),
+        "gait": Gait(math.radians(10), 4 * math.pi / 999, 5.0),
+    }
+    stick: dict[str, Any] = {"ground": Ground(0.1, 10.0, 5.0, 5.0), "gait": gait_deg(30, 80, 1)}
     return (
-        one("alpha 170 deg", gait=_gait(170, 80, 5)),
-        one("alpha 170 deg, k = 1e4, c = 1", gait=_gait(170, 80, 5), k=1e4, c=1.0),
-        one("omega 0.01 rad/s", gait=_gait(30, 80, 0.01), duration_s=200.0, dt_s=1e-2),
-        one("omega 100 rad/s", gait=_gait(30, 80, 100), duration_s=1.0, dt_s=1e-4),
-        one(
-            "omega 100 rad/s, k = 1e3, c = 1",
-            gait=_gait(30, 80, 100),
-            duration_s=1.0,
-            k=1e3,
-            c=1.0,
-            dt_s=1e-4,
-        ),
+        one("alpha 170 deg", gait=wide),
+        one("alpha 170 deg, k = 1e4, c = 1", gait=wide, **k(1e4, 1.0)),
+        one("omega 0.01 rad/s", 1e-2, gait=slow, duration_s=200.0),
+        one("omega 100 rad/s", 1e-4, gait=fast, duration_s=1.0),
+        one("omega 100 rad/s, k = 1e3, c = 1", 1e-4, gait=fast, duration_s=1.0, **k(1e3, 1.0)),
         one("cn/ct = 1e-6", ground=Ground(ct=10.0, cn=1e-5)),
         one("cn/ct = 1e6", ground=Ground(ct=1e-5, cn=10.0)),
-        one("mass 1e-6 kg", robot=_paper(mass_kg=1e-6), duration_s=1.0),
-        one("mass 1e-6 kg, dt 0.1 us", robot=_paper(mass_kg=1e-6), duration_s=0.02, dt_s=1e-7),
-        one("mass 1e3 kg", robot=_paper(mass_kg=1e3)),
-        one("no friction", ground=Ground(0.0, 0.0)),
-        one("no friction, k = 1e3, c = 0", ground=Ground(0.0, 0.0), k=1e3, duration_s=20.0),
-        one("k = 1e3, c = 0", k=1e3, duration_s=50.0),
-        one("k = 9e5, c = 1 at 1 ms", k=9e5, c=1.0),
-        one("k = 2.2e6, c = 1 at 1 ms", k=2.2e6, c=1.0),
-        one("k = 1e9, c = 1e5", k=1e9, c=1e5, duration_s=0.1, dt_s=1e-4),
-        one("hard stick", ground=Ground(0.1, 10.0, 5.0, 5.0), gait=_gait(30, 80, 1)),
-        one("1000 links", robot=_paper(1000), gait=wave, duration_s=1.0, quick=False),
-        one(
-            "1000 links, k = 1e5, c = 10",
-            robot=_paper(1000),
-            gait=wave,
-            duration_s=0.5,
-            k=1e5,
-            c=10.0,
-            quick=False,
-        ),
-        one("24 h", duration_s=86400.0, dt_s=1e-2, limit_s=300.0, quick=False),
+        one("mass 1e-6 kg", robot=light, duration_s=1.0),
+        one("mass 1e-6 kg, dt 0.1 us", 1e-7, robot=light, duration_s=0.02),
+        one("mass 1e3 kg", robot=paper_robot(mass_kg=1e3)),
+        one("no friction", ground=free),
+        one("no friction, k = 1e3, c = 0", ground=free, duration_s=20.0, **soft),
+        one("k = 1e3, c = 0", duration_s=50.0, **soft),
+        one("k = 9e5, c = 1 at 1 ms", **k(9e5, 1.0)),
+        one("k = 2.2e6, c = 1 at 1 ms", **k(2.2e6, 1.0)),
+        one("k = 1e9, c = 1e5", 1e-4, duration_s=0.1, **k(1e9, 1e5)),
+        one("hard stick", **stick),
+        one("1000 links", quick=False, duration_s=1.0, **chain),
+        one("1000 links, k = 1e5, c = 10", quick=False, duration_s=0.5, **chain, **k(1e5, 10.0)),
+        one("24 h", 1e-2, 300.0, quick=False, duration_s=86400.0),
     )
 
 
 @lru_cache
-def truth(name: str) -> Array | None:
+def truth(extreme: Extreme) -> Array | None:
     """Return a scene's end state by code that shares nothing with the core, or None without it."""
-    problem = next(e.problem for e in extremes() if e.problem.name == name)
+    problem = extreme.problem
     if problem.ground.dry:
         return reference(problem).end
     if not find_spec("numba"):
@@ -141,70 +121,45 @@ def _end(extreme: Extreme, method: str, **control: float) -> Array:
     return problem.vector(simulate(problem.scene(**fields)).state())
 
 
-def _stated_and_end(extreme: Extreme, method: str) -> tuple[float, Array, float]:
-    """Return what a run states of its error, its end state, and its time."""
-    kind = METHODS[method]
-    begin = time.thread_time()
-    if extreme.problem.formulation in kind.adaptive:
-        end = _end(extreme, method, tolerance=TOLERANCE)
-        return TOLERANCE, end, time.thread_time() - begin
-    end = _end(extreme, method, dt_s=extreme.dt_s)
-    spent = time.thread_time() - begin
-    half = _end(extreme, method, dt_s=extreme.dt_s / 2)
-    return extreme.problem.error(end, half) / (1 - 0.5**kind.order), end, spent
-
-
-def judge(name: str, method: str) -> Outcome:
+def judge(extreme: Extreme, method: str) -> Outcome:
     """Run one method on one extreme scene and say what became of it."""
-    extreme = next(e for e in extremes() if e.problem.name == name)
-    exact = truth(name)
-    try:
-        stated, end, spent = _stated_and_end(extreme, method)
-    except (StepTooLarge, Diverged, BadInput) as said:
-        return Outcome(name, method, SAID[type(said)], said=str(said))
-    if exact is None:
-        return Outcome(name, method, "no reference", stated, time_s=spent)
-    error = extreme.problem.error(end, exact)
-    adaptive = extreme.problem.formulation in METHODS[method].adaptive
-    # rounding of many steps is in no estimate
-    # a tolerance is of a step: in the neutral coordinates what the cycles leave adds up
-    cycles = extreme.problem.duration_s / extreme.problem.gait.period_s
-    allowed = (1e3 * max(1.0, cycles / 100) if adaptive else 10) * stated + 1e-9
-    word = "met" if error <= allowed else "UNTRUE"
-    if stated >= 0.1:
-        word = "rough"
-    return Outcome(name, method, word, stated, error, spent)
+    exact, problem, kind = truth(extreme), extreme.problem, METHODS[method]
+    adaptive = problem.formulation in kind.adaptive
+    control = {"tolerance": TOLERANCE} if adaptive else {"dt_s": extreme.dt_s}
+    begin = time.thread_time()
+    end = _end(extreme, method, **control)
+    spent = time.thread_time() - begin
+    stated, error, word = TOLERANCE, math.nan, "no reference"
+    if not adaptive:
+        half = _end(extreme, method, dt_s=extreme.dt_s / 2)
+        stated = problem.error(end, half) / (1 - 0.5**kind.order)
+    if exact is not None:
+        error = problem.error(end, exact)
+        # rounding of many steps is in no estimate
+        # a tolerance is of a step: in the neutral coordinates what the cycles leave adds up
+        cycles = problem.duration_s / problem.gait.period_s
+        allowed = (1e3 * max(1.0, cycles / 100) if adaptive else 10) * stated + 1e-9
+        word = "rough" if stated >= 0.1 else "met" if error <= allowed else "UNTRUE"
+    return Outcome(problem.name, method, word, stated, error, spent)
 
 
-def run(quick: bool, tell: Callable[[str], None]) -> list[Outcome]:
-    """Return the outcome of every extreme scene by every method that runs it."""
-    found = []
+def run(quick: bool, tell: Callable[[str], None]) -> Iterator[Outcome]:
+    """Yield the outcome of every extreme scene by every method that runs it."""
     with Limited() as child:
         for extreme in extremes():
-            if quick and not extreme.quick:
-                continue
-            tell(f"extreme: {extreme.problem.name} ...")
-            found += [_judged(child, extreme, method) for method in _methods(extreme.problem)]
-    return found
-
-
-def _methods(problem: Problem) -> list[str]:
-    law = "dry" if problem.ground.dry else "viscous"
-    return [
-        name
-        for name, kind in METHODS.items()
-        if problem.formulation in kind.formulations and law in kind.laws
-    ]
+            if extreme.quick or not quick:
+                tell(f"extreme: {extreme.problem.name} ...")
+                for method in extreme.problem.methods():
+                    yield _judged(child, extreme, method)
 
 
 def _judged(child: Limited, extreme: Extreme, method: str) -> Outcome:
-    name = extreme.problem.name
     try:
-        child(60.0, truth, name)  # found once, and not on the clock of a method
-        return child(extreme.limit_s, judge, name, method)
-    except Overran as failure:
-        return Outcome(name, method, "HUNG", said=str(failure))
-    except Crashed as failure:
-        return Outcome(name, method, "CRASHED", said=str(failure))
+        child(60.0, truth, extreme)  # once, and not on the clock of a method
+        return child(extreme.limit_s, judge, extreme, method)
     except Failed as failure:
-        return Outcome(name, method, "FAILED", said=str(failure))
+        error, _, said = str(failure).partition(": ")
+        word = SAID.get(error, "FAILED")
+    except (Overran, Crashed) as failure:
+        word, said = "HUNG" if isinstance(failure, Overran) else "CRASHED", str(failure)
+    return Outcome(extreme.problem.name, method, word, said=said)

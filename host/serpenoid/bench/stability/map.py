@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -32,6 +33,7 @@ GROWN = 10.0  # over the second half of the steps: 0.4 % a step of 1200
 LOOKS = 20
 TORN = 0.1  # of a link: a joint that opens so far, and 30 times as far as at the start
 FAR_M = 1e-4  # a difference that has come this far from NUDGE_M has grown, however it goes on
+WORDS = ("stable, runs", "unstable, refused", "refused, no growth seen", "unstable, yet runs")
 LIMIT_S = 30.0  # of processor time, for a line of cells over dt
 
 
@@ -46,8 +48,14 @@ class Grid:
     steps: int
 
 
+def _digits(x: float, digits: int) -> float:
+    return float(f"{x:.{digits}g}")
+
+
 def _decades(low: int, high: int, per_decade: int) -> tuple[float, ...]:
-    return tuple(np.logspace(low, high, (high - low) * per_decade + 1).tolist())
+    """Return points evenly apart, of four digits each as their file has them."""
+    points = np.logspace(low, high, (high - low) * per_decade + 1)
+    return tuple(_digits(x, 4) for x in points)
 
 
 FULL = Grid((2, 6, 50, 200), (0.0, 1.0, 1e3, 1e5), _decades(2, 9, 2), _decades(-5, -1, 3), 1200)
@@ -59,7 +67,7 @@ class Cell:
     """Hold one cell: growth of a difference over half the steps, and what the theory says.
 
     growth: inf where the run left the finite numbers or went far. limit_s: the longest stable step
-    by the theory (0: none). note: why there is no measurement.
+    by the theory (0: none). refused: 1 where dt is longer. note: why there is no measurement.
     """
 
     method: str
@@ -69,13 +77,15 @@ class Cell:
     dt_s: float
     growth: float
     limit_s: float
-    refused: bool
+    refused: int
     note: str = ""
 
     @property
-    def unstable(self) -> bool:
-        """Tell whether the difference grew."""
-        return self.growth > GROWN
+    def kind(self) -> int:
+        """Return which of WORDS the cell is; without a measurement it is the last, the worst."""
+        if self.note:
+            return 3
+        return (0, 3, 2, 1)[2 * int(self.refused) + (self.growth > GROWN)]
 
 
 def fixed_step_methods() -> list[str]:
@@ -155,27 +165,18 @@ def limit_s(method: str, links: int, damping: float, stiffness: float) -> float:
     return min(1.0, largest_stable_step_s(scene_of(method, links, damping, stiffness, 1e-3)))
 
 
-def measure(grid: Grid, tell: Callable[[str], None]) -> list[Cell]:
-    """Return every cell of a grid for every method of fixed steps."""
-    cells = []
+def measure(grid: Grid, tell: Callable[[str], None]) -> Iterator[Cell]:
+    """Yield every cell of a grid for every method of fixed steps."""
+    axes = (fixed_step_methods(), grid.links, grid.damping, grid.stiffness)
     with Limited() as child:
-        for method in fixed_step_methods():
-            for links in grid.links:
-                tell(f"map of {method}, {links} links ...")
-                for damping in grid.damping:
-                    for stiffness in grid.stiffness:
-                        cells += _line(child, method, links, damping, stiffness, grid)
-    return cells
-
-
-def _line(
-    child: Limited, method: str, links: int, damping: float, stiffness: float, grid: Grid
-) -> Iterator[Cell]:
-    at = (method, links, damping, stiffness)
-    limit, note = limit_s(*at), ""
-    try:
-        found = child(LIMIT_S, line_of_growth, *at, grid.dt_s, grid.steps)
-    except (Overran, Crashed, Failed) as failure:
-        found, note = [math.nan] * len(grid.dt_s), str(failure)
-    for dt, value in zip(grid.dt_s, found, strict=True):
-        yield Cell(*at, dt, value, limit, dt > limit, note)
+        for method, links, damping, stiffness in product(*axes):
+            at = (method, links, damping, stiffness)
+            if stiffness == grid.stiffness[0]:
+                tell(f"map of {method}, {links} links, c = {damping:g} N s/m ...")
+            limit, note = limit_s(*at), ""
+            try:
+                values = child(LIMIT_S, line_of_growth, *at, grid.dt_s, grid.steps)
+            except (Overran, Crashed, Failed) as failure:
+                values, note = [math.nan] * len(grid.dt_s), str(failure)
+            for dt, value in zip(grid.dt_s, values, strict=True):
+                yield Cell(*at, dt, _digits(value, 3), _digits(limit, 3), int(dt > limit), note)

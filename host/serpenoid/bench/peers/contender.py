@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..model.errors import BadInput
-from ..model.ground import Ground
-from .problems import Array, Problem
+from ..problems import Array, Problem
 
 Work = Callable[[], Array]
 STEPS_S = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
@@ -16,7 +14,7 @@ TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 
 @dataclass(frozen=True)
 class Contender:
-    """Hold one way to solve a problem: work(problem, setting) makes the call that is timed.
+    """Hold one way to solve a problem: work(setting) makes the call that is timed.
 
     setting: one of settings, loosest first; kind says what it is: "dt_s", "tolerance" or
     "width_m_s" (of the smoothed sign, at a tolerance that does not show).
@@ -26,19 +24,9 @@ class Contender:
     family: str
     kind: str
     settings: tuple[float, ...]
-    work: Callable[[Problem, float], Work]
+    work: Callable[[float], Work]
 
 
 def even_step_s(problem: Problem, dt_s: float) -> float:
     """Return the step next to dt_s of which the duration is a whole number."""
     return problem.duration_s / max(1, round(problem.duration_s / dt_s))
-
-
-def check_smooth(peer: str, ground: Ground) -> None:
-    """Refuse ground that a peer cannot state: dry friction and ratchet wheels. Raises BadInput."""
-    for there, what in ((ground.dry, "wheels that stick"), (ground.ratchet, "ratchet wheels")):
-        if there:
-            raise BadInput(
-                f"{peer} cannot state {what} ({ground}): its friction here is a damper, the same "
-                "both ways; give viscous ground with one ct"
-            )
