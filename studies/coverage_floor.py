@@ -164,11 +164,10 @@ class ServoPool:
     def shares(self, fit: FrictionFit, first: ServoEffects, count: int) -> NDArray[np.float64]:
         """Return what each draw's servo leaves of GAIT's speed; first: the session's servos."""
         assert fit.servos is not None
-        assert fit.draws is not None
         index, effects = np.array(fit.servos.index[:count]), first
         if further := fit.servos.drawn[len(first.servos) :]:
             effects = together(first, self._on_gait(further))
-        return effects.shares(fit.draws[:count, 4])[np.arange(count), index, 0]
+        return effects.shares(fit.draws["amplitude"][:count])[np.arange(count), index, 0]
 
     def _on_gait(self, servos: tuple[Servo, ...]) -> ServoEffects:
         return effects_of(self._robot, self._ground, (GAIT,), [False], servos)
@@ -228,7 +227,7 @@ def _bands(
 
     on_gait: what the session's first servos do to GAIT.
     """
-    if fit.draws is not None:  # wider than the tables
+    if fit.with_crawls:  # wider than the tables
         drawn = sample_speeds(fit, [GAIT], amplitude_sigma=AMPLITUDE_SIGMA, count=_SPEED_SAMPLES)
         told = fit.servos is not None
         by_servo = tables.pool.shares(fit, on_gait, _SPEED_SAMPLES) if told else 1.0

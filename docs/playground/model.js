@@ -84,9 +84,15 @@ function peakTorque(motion) {
   return { value: all, error: all - half };
 }
 
-// Frictions that a fit allows, as the package draws them: normal on either side of the value, as much
-// wider on one side as its interval is, none below 0.
+// Frictions that a fit allows: evenly many of the draws that it holds. A file of format 1 holds none.
 function draws(fit) {
+  const rows = fit.rows ? TABLES.amplitude.map((_, k) => fit.rows[Math.floor((k + 0.5) * fit.rows.length / TABLES.samples)]) : normalDraws(fit);
+  return rows.map(([ct, cn, ft0, fn0], k) => ({ whole: 1, ct, cn, ft0, fn0, amplitude: TABLES.amplitude[k] }));
+}
+
+// Draws by values, covariance and intervals: normal on either side of the value, as much wider on one
+// side as its interval is, none below 0.
+function normalDraws(fit) {
   const n = fit.values.length, sigma = fit.covariance.map((row, i) => Math.sqrt(row[i]));
   const root = cholesky(fit.covariance.map((row, i) => row.map((c, j) => c / (sigma[i] * sigma[j]))));
   const side = (i, end) => 2 * sigma[i] * Math.abs(fit.intervals[i][end] - fit.values[i]) / (fit.intervals[i][1] - fit.intervals[i][0]);
@@ -96,7 +102,7 @@ function draws(fit) {
     const draw = fit.values.map((value, i) => value + unit[i] * side(i, unit[i] < 0 ? 0 : 1));
     if (found.length < TABLES.samples && draw.every((value) => value > 0)) found.push(draw);
   }
-  return found.map(([ct, cn, ft0, fn0], k) => ({ whole: 1, ct, cn, ft0, fn0, amplitude: TABLES.amplitude[k] }));
+  return found;
 }
 
 // The ends of the 95 % that the draws come from, as the package takes them: means of all draws in
@@ -159,7 +165,11 @@ function readFit(text) {
     if (!(value >= LIMITS[name][0] && value <= LIMITS[name][1]))
       throw new Error(`Its robot has ${name} ${value}; the page takes ${LIMITS[name].join(" to ")}. Use \`serpenoid steady --session\`.`);
   if (Math.abs(robot.inertia / (robot.mass * robot.length ** 2 / 12) - 1) < 1e-6) robot.inertia = 0; // a rod's
-  return { name: String((data.session && data.session.name) || "fit.json"), robot, covariance,
+  const drawn = data.format >= 2 && data.draws, columns = drawn && FRICTIONS.map((name) => (drawn.order || []).indexOf(name));
+  const rows = drawn && (drawn.values || []).map((row) => columns.map((column) => row[column]));
+  if (data.format >= 2 && !(rows && rows.length && rows.every((row) => finite(row) && row.every((value) => value >= 0))))
+    throw new Error("Its draws are not complete: run `serpenoid fit` again.");
+  return { name: String((data.session && data.session.name) || "fit.json"), robot, covariance, rows,
            values: order.map((name) => p[name].value), intervals: order.map((name) => p[name].interval) };
 }
 

@@ -29,13 +29,12 @@ from .advising.on_floor import advise_on_floor
 from .advising.speed_slopes import SpeedSlopes, speed_slopes
 from .advising.stations import places
 from .filmed_joints import servo_seen
-from .fitting.data import FitData, Floats
-from .fitting.joint import jacobian, starting_point
-from .fitting.shared import shared_covariance
+from .fitting.unknowns import Floats
 from .friction_fit import fit_friction
-from .friction_result import FrictionFit, WholeSnake
+from .friction_result import FrictionFit
 from .kinds.station import Reading
 from .session import Session
+from .session_posterior import information_at, linear_covariance
 from .speed_samples import (
     Progress,
     band_parts,
@@ -170,14 +169,8 @@ def _after(session: Session, fit: FrictionFit, told: NextReading) -> FrictionFit
     )
     values = np.array(list(fit.whole_snake.values()))
     before = _covariance(session, values)
-    covariance = _covariance(replace(session, readings=(*session.readings, *more)), values)
-    shrink = np.sqrt(np.diag(covariance) / np.diag(before))
-    ends = {
-        name: tuple(max(v + s * (end - v), 0.0) for end in fit.intervals[name])
-        for name, v, s in zip(fit.names, values, shrink, strict=True)
-    }
-    scale = np.sqrt(np.diag(fit.covariance) / np.diag(before))
-    return replace(fit, covariance=covariance * np.outer(scale, scale), intervals=WholeSnake(ends))
+    after = _covariance(replace(session, readings=(*session.readings, *more)), values)
+    return fit.as_after(before, after)
 
 
 def _ratchet_note(session: Session, fit: FrictionFit) -> str:
@@ -191,11 +184,7 @@ def _ratchet_note(session: Session, fit: FrictionFit) -> str:
 
 def _covariance(session: Session, whole: Floats) -> Floats:
     """Return the parameters' covariance that a session's readings leave, near these values."""
-    data = FitData.of(session)
-    slopes = jacobian(starting_point(whole, data), data)
-    covariance = np.asarray(np.linalg.inv(slopes.T @ slopes), dtype=np.float64)
-    of = data.parameters
-    return covariance[:of, :of] + shared_covariance(whole, data.belt_sigma, data.mass_sigma)
+    return linear_covariance(session, information_at(session, whole))
 
 
 def _sigmas_of_runs(session: Session, gait: Gait) -> list[float]:

@@ -2,39 +2,32 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
-from .fitting.data import FitData, Floats
-from .fitting.influence import leave_one_out
-from .fitting.joint import Minimum, minimise, starting_point
 from .fitting.paper_fit import points, two_lines
+from .fitting.posterior import Mode
+from .fitting.stations import Stations
+from .fitting.suspects import suspects_in_words
+from .fitting.unknowns import Floats
 from .friction_result import DOUBTFUL, FrictionFit
 from .session import Session
 
-_REFITTED = 5  # so many suspects are fitted without, since a gross outlier is no linear step
-_TOLD_APART = 2 * math.log(10.0)  # of chi2: one suspect is then ten times as likely as another
 _SURELY = 3.0  # standard deviations below 0, from which a friction is an alarm
 
 
-def with_alarms(
-    fit: FrictionFit, session: Session, data: FitData, found: Minimum | None = None
-) -> FrictionFit:
+def with_alarms(fit: FrictionFit, session: Session, mode: Mode) -> FrictionFit:
     """Return a fit that says in words why it is not to be trusted; unchanged where it may be.
 
-    found: the joint minimum, solved for if it is not given. The alarms are the first of the notes,
-    too.
+    mode: of all readings, none taken for misread. The alarms are the first of the notes, too.
     """
-    alarms = [*_contradiction(fit, session, data, found), *_against_the_law(data)]
+    stations = [block for block in mode.posterior.blocks if isinstance(block, Stations)]
+    alarms = [
+        *_contradiction(fit, session, mode),
+        *(a for s in stations for a in _against_the_law(s)),
+    ]
     return replace(fit, alarms=tuple(alarms), notes=(*alarms, *_freedom(fit), *fit.notes))
-
-
-def parts(data: FitData) -> tuple[int, int, int]:
-    """Return how many readings are straight forwards, straight backwards, and bent."""
-    straight, back = ~data.bent & ~data.back, ~data.bent & data.back
-    return int(np.sum(straight)), int(np.sum(back)), int(np.sum(data.bent))
 
 
 def _freedom(fit: FrictionFit) -> list[str]:
@@ -46,50 +39,18 @@ def _freedom(fit: FrictionFit) -> list[str]:
     ]
 
 
-def _contradiction(
-    fit: FrictionFit, session: Session, data: FitData, found: Minimum | None
-) -> list[str]:
-    """Say that the readings disagree, and without which one they would disagree least.
-
-    Residuals would mislead, for a line follows its outlier. A part is left with two readings at
-    least. Where only two are left, any line may pass, and several readings are suspects alike.
-    """
+def _contradiction(fit: FrictionFit, session: Session, mode: Mode) -> list[str]:
+    """Say that the readings disagree, and without which one they would disagree least."""
     if fit.p_value is None or fit.p_value > DOUBTFUL:
         return []
-    told = (
+    return [
         f"chi2 is {fit.chi2:.1f} for {fit.dof} degrees of freedom (p = {fit.p_value:.1g}): the "
         "readings disagree by more than the stated uncertainties allow, so do not trust the "
-        "intervals."
-    )
-    found = found or minimise(data, starting_point(two_lines(data)[0], data))
-    enough = np.array(parts(data))[np.where(data.bent, 2, data.back)] > 2
-    chi2 = np.where(enough, leave_one_out(found, len(data)).chi2, np.inf)
-    suspects = [int(k) for k in np.argsort(chi2)[:_REFITTED] if enough[k]]
-    if not suspects:
-        worst = int(np.argmax(np.abs(fit.residuals)))
-        return [f"{told} Look at reading {session.kept[worst].number} first: it is furthest off."]
-    left = {k: minimise(data.without(k), found.x).chi2 for k in suspects}
-    return [f"{told} {_suspects({session.kept[k].number: left[k] for k in suspects})}"]
+        f"intervals. {suspects_in_words(session, mode)}"
+    ]
 
 
-def _suspects(left: dict[int, float]) -> str:
-    """Name the readings to look at; left: chi2 without each."""
-    least = min(left.values())
-    alike = sorted(number for number, chi2 in left.items() if chi2 < least + _TOLD_APART)
-    if len(alike) == 1:
-        return (
-            f"Without reading {alike[0]} chi2 would be {least:.1f}: look at that one first, or fit "
-            "with method 'robust'."
-        )
-    numbers = f"{', '.join(map(str, alike[:-1]))} or {alike[-1]}"
-    most = max(left[number] for number in alike)
-    return (
-        f"Without reading {numbers} chi2 would be {most:.1f} or less: look at those first. Another "
-        "reading of their series tells which one is wrong."
-    )
-
-
-def _against_the_law(data: FitData) -> list[str]:
+def _against_the_law(data: Stations) -> list[str]:
     """Say where friction falls with speed, or a bent robot has less of it than a straight one.
 
     By lines through the readings alone, since the fit itself keeps its parameters at 0 or above.
@@ -118,7 +79,7 @@ def _against_the_law(data: FitData) -> list[str]:
     return alarms
 
 
-def _errors_n(data: FitData) -> dict[str, Floats]:
+def _errors_n(data: Stations) -> dict[str, Floats]:
     """Return part -> standard deviation of each point's force, N; speeds' errors by their slope."""
     (ct, _), cn = data.along(np.abs(two_lines(data)[0])), abs(two_lines(data)[0][1])
     alone = data.alone
@@ -126,6 +87,6 @@ def _errors_n(data: FitData) -> dict[str, Floats]:
     sin = np.maximum(np.sin(data.lambda_rad), 1e-9)
     slope = np.where(data.bent, ct + cn * sin**2, ct)
     force = np.hypot(pull, slope * data.speed_sigma_m_s)
-    across = force / np.maximum(data.bent_share * sin, 1e-9)
+    across = force / np.maximum(data.bends.share * sin, 1e-9)
     ahead, back = ~data.bent & ~data.back, ~data.bent & data.back
     return {"straight": force[ahead], "back": force[back], "bent": across[data.bent]}

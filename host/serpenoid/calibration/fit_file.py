@@ -19,20 +19,25 @@ from ..model.errors import BadInput
 from ..model.files import read_json, write_text
 from ..model.robot import Robot
 from ..model.vectors import number_array
-from .fitting.influence import BOTH_WAYS, Influence
+from .fitting.shared import FRICTIONS
+from .fitting.suspects import Influence
 from .friction_result import (
+    AMPLITUDE,
     NAMES,
     WHOLE,
     Estimate,
+    FitDraws,
     FittedServos,
     FrictionFit,
     WholeSnake,
     ground_of,
+    normal_draws,
 )
 from .session import Session
 
-FORMAT = 1
+FORMAT = 2  # 1 had draws only where crawls were fitted
 NAME = "fit.json"
+_DRAWN = 1024  # for a file of format 1
 
 
 def save_fit(fit: FrictionFit, path: str | Path) -> Path:
@@ -116,7 +121,7 @@ def load_fit(path: str | Path) -> FrictionFit:
 
 def rests_on(fit: FrictionFit, session: Session) -> bool:
     """Return whether a fit is that of a session as it is now, crawls in it if it took any."""
-    now = session.sha256 if fit.draws is None else session.sha256_with_crawls
+    now = session.sha256_with_crawls if fit.with_crawls else session.sha256
     return now == fit.session_sha256
 
 
@@ -168,10 +173,16 @@ def _check_hash(given: Mapping[str, Any]) -> None:
 def _from_json(given: Mapping[str, Any]) -> FrictionFit:
     _check_format(given)
     _check_hash(given)
-    names = [name for name in BOTH_WAYS if name in NAMES or name + WHOLE in given["parameters"]]
+    names = [name for name in FRICTIONS if name in NAMES or name + WHOLE in given["parameters"]]
     whole = [given["parameters"][name + WHOLE] for name in names]
     values = [check_number(n + WHOLE, p["value"], 0.0) for n, p in zip(names, whole, strict=True)]
     robot = Robot(**given["robot"])
+    ends = list(map(_interval, names, whole))
+    covariance = _covariance(given["covariance"]["values"], len(names))
+    draws = _draws(given, names)
+    if draws is None:
+        drawn = normal_draws(np.array(values), covariance, np.array(ends), _DRAWN)
+        draws = FitDraws(tuple(names), drawn)
     return FrictionFit(
         method=str(given["method"]),
         sigma=str(given["sigma"]),
@@ -179,8 +190,8 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
             Estimate(v, check_number("sigma", p["sigma"], 0.0))
             for v, p in zip(values, whole, strict=True)
         ),
-        intervals=_named(map(_interval, names, whole)),
-        covariance=_covariance(given["covariance"]["values"], len(names)),
+        intervals=_named(ends),
+        covariance=covariance,
         robot=robot,
         ground=ground_of(robot.links, values),
         chi2=check_number("chi2", given["chi2"], 0.0),
@@ -193,8 +204,8 @@ def _from_json(given: Mapping[str, Any]) -> FrictionFit:
         alarms=tuple(map(str, given["alarms"])),
         session_name=str(given["session"]["name"]),
         session_sha256=str(given["session"]["sha256"]),
-        draws=(draws := _draws(given.get("draws"), len(names))),
-        servos=_servos(given.get("servos"), 0 if draws is None else len(draws)),
+        draws=draws,
+        servos=_servos(given.get("servos"), len(draws)),
     )
 
 
@@ -222,15 +233,21 @@ def _covariance(values: Any, size: int) -> NDArray[np.float64]:
     return covariance
 
 
-def _draws(values: Any, frictions: int) -> NDArray[np.float64] | None:
-    """Return draws of the frictions and the joints' amplitude, none of them below 0."""
-    if values is None:
+def _draws(given: Mapping[str, Any], names: list[str]) -> FitDraws | None:
+    """Return a file's draws, the frictions first; None where an old one has none."""
+    if given["format"] == 1 and given.get("draws") is None:
         return None
-    draws = number_array("draws", values)
-    well = draws.ndim == 2 and draws.shape[1] == frictions + 1 and len(draws) > 0
-    if not well or not np.isfinite(draws).all() or draws.min() < 0.0:
-        raise BadInput(f"draws is not rows of {frictions + 1} numbers, each at least 0")
-    return draws
+    values: Any = given["draws"]
+    if given["format"] == 1:
+        values = {"order": [*names, AMPLITUDE], "values": values}
+    order = tuple(map(str, values["order"]))
+    rows = number_array("draws", values["values"])
+    well = rows.ndim == 2 and rows.shape[1] == len(order) and len(rows) > 0
+    if not well or not np.isfinite(rows).all() or order[: len(names)] != tuple(names):
+        raise BadInput(f"draws is not rows of {', '.join(names)} and what comes after them")
+    if rows[:, : len(names)].min() < 0.0:
+        raise BadInput("draws has a friction below 0")
+    return FitDraws(order, rows)
 
 
 def _servos(given: Any, draws: int) -> FittedServos | None:
@@ -248,7 +265,7 @@ def _servos(given: Any, draws: int) -> FittedServos | None:
 
 
 def _named(values: Any) -> WholeSnake[Any]:
-    return WholeSnake(dict(zip(BOTH_WAYS, values, strict=False)))
+    return WholeSnake(dict(zip(FRICTIONS, values, strict=False)))
 
 
 def _influence(given: Mapping[str, Any]) -> Influence:
@@ -257,6 +274,6 @@ def _influence(given: Mapping[str, Any]) -> Influence:
         check_whole("reading", given["reading"], 0, 10**9),
         check_number("leverage", given["leverage"]),
         check_number("studentised", given["studentised"]),
-        tuple(check_number(n, shift[n]) for n in BOTH_WAYS if n in NAMES or n in shift),
+        tuple(check_number(n, shift[n]) for n in FRICTIONS if n in NAMES or n in shift),
         check_number("chi2_without", given["chi2_without"]),
     )

@@ -9,14 +9,14 @@ m g, with a share q of its links turned by lambda to the direction of the belt a
 
 q = 1 is Eq. 60, the paper's zigzag; lambda = 0 is Eq. 58. A balanced bend of six links has q = 4/6.
 
-The room `fitting` holds the three ways to find ct, cn, ft0, fn0 from readings of it: `joint`,
-`robust` (joint, with misreadings marginalised over) and `naive`, the paper's own.
+All readings of a session, pushes and slides on a floor among them (`floor.block`), make one
+posterior (`fitting.posterior`): the fit's values are its mode, its intervals and covariance those
+of draws. The paper's own fit is `fitting.paper_fit`.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -24,30 +24,34 @@ import numpy as np
 from ..model.checks import check_choice, check_kind
 from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
-from .alarms import parts, with_alarms
+from .alarms import with_alarms
 from .crawls.result import fit_crawls
-from .fitting.data import FitData, Floats, projections
+from .fitting.bends import projections
 from .fitting.identifiability import bend_note, check_readings
-from .fitting.influence import BOTH_WAYS, Influence, influences
-from .fitting.joint import minimise, starting_point, whole_residuals
-from .fitting.joint import residuals as residuals_at
-from .fitting.paper_fit import points, two_lines
-from .fitting.profile import StationTerms, intervals, quantiles
-from .fitting.robust import FitMode, half_log_determinant, robust_minimum
-from .fitting.shared import shared_covariance, widened
-from .floor.result import fit_floor
+from .fitting.paper_fit import parts, points, two_lines
+from .fitting.posterior import BAD_WIDTH, Draws, Mode, Posterior
+from .fitting.shared import FRICTIONS, scaled
+from .fitting.stations import Stations
+from .fitting.suspects import influences
+from .fitting.unknowns import Floats
+from .floor.notes import check_floor, floor_notes
 from .friction_result import (
     LEVEL,
     UNITS,
     Estimate,
+    FitDraws,
     FrictionFit,
     WholeSnake,
     ground_of,
+    narrowest,
+    normal_draws,
     notes_on,
 )
 from .session import Session
+from .session_posterior import posterior_of, scale_sigmas, start_of
 
 METHODS = ("joint", "robust", "naive")
+DRAWS = 1024  # kept with a fit
 
 
 def fit_friction(
@@ -70,7 +74,7 @@ def fit_friction(
         "joint": errors in variables, all readings at once, no parameter below 0. Sigma is absolute,
         never rescaled by the scatter: chi2 tells whether the stated uncertainties hold. "robust":
         the same, but any reading may be a misreading. Those in doubt count less, and are named.
-        "naive": the paper's Eq. 61 and two straight lines; sigma is rescaled.
+        "naive": the paper's Eq. 61 and two straight lines, of stations alone; sigma is rescaled.
     crawls
         Fit the session's gait runs and films, too, or alone where there is nothing else. By draws,
         since what they tell is no normal cloud. `compare` tests predictions by crawls, so they are
@@ -78,7 +82,7 @@ def fit_friction(
     servo
         The kind that moved the joints in those crawls; None: they followed the gait.
     seed
-        Of the draws, where crawls are fitted.
+        Of the draws.
 
     Returns
     -------
@@ -106,14 +110,19 @@ def fit_friction(
             raise BadInput(f"crawls are fitted by method 'joint', not {method!r}")
         servo = servo and session.setup.driving(servo)
         return fit_crawls(session, _beside_crawls(session), servo, seed)
-    if session.on_floor:
-        return _on_floor(session, method)
-    data = FitData.of(session)
-    check_readings(session, data, 3 if method == "naive" else 2)
+    if session.kept or not session.on_floor:
+        stations = Stations.of(session)
+        if method == "naive" or not session.on_floor:
+            check_readings(session, stations, 3 if method == "naive" else 2)
+        if method == "naive" and not session.on_floor:
+            return _naive(session, stations)
     if method == "naive":
-        return _naive(session, data)
+        raise BadInput(
+            f"{session.where}: method 'naive' is the paper's, of stations alone; pushes and slides "
+            "are fitted by 'joint' or 'robust'"
+        )
     try:
-        return _joint(session, data, method)
+        return _fitted(session, method, seed)
     except NotConverged as error:
         raise NotConverged(f"{session.where}: {error}") from error
 
@@ -132,22 +141,13 @@ def _beside_crawls(session: Session) -> FrictionFit | None:
         raise
 
 
-def _on_floor(session: Session, method: str) -> FrictionFit:
-    if method != "joint":
-        raise BadInput(
-            f"{session.where}: pushes and slides are fitted by method 'joint' alone, not {method!r}"
-            "; its table of influence names a push that does not fit the others"
-        )
-    return fit_floor(session)
-
-
 def friction_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> (speeds, forces) of the kept readings, the points of Figs. 15 and 16.
 
     "straight": v_t and F_t by Eq. 58. "bent": v_n and F_n by Eq. 61, which takes the tangential
     friction as known, here from the fit. m/s and N, whole snake.
     """
-    return points(FitData.of(session), np.array(list(fit.whole_snake.values())))
+    return points(Stations.of(session), np.array(list(fit.whole_snake.values())))
 
 
 def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats, Floats]]:
@@ -160,12 +160,12 @@ def voided_points(session: Session, fit: FrictionFit) -> dict[str, tuple[Floats,
 
 def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> standard deviations of friction_points' speeds and forces, each alone."""
-    data = FitData.of(session).alone
+    data = Stations.of(session).alone
     force = np.hypot(
         data.weight_n * np.cos(data.incline_rad) * data.incline_sigma_rad, data.inertia_sigma_n
     )
     b, across = data.bent, np.sin(data.lambda_rad[data.bent])
-    by_fn0 = projections(data.bent_share, data.lambda_rad)[3][b]
+    by_fn0 = projections(data.bends.share, data.lambda_rad)[3][b]
     ahead, back = ~b & ~data.back, ~b & data.back
     return {
         "straight": (data.speed_sigma_m_s[ahead], force[ahead]),
@@ -174,21 +174,7 @@ def point_errors(session: Session) -> dict[str, tuple[Floats, Floats]]:
     }
 
 
-@dataclass(frozen=True)
-class _Raw:
-    """What a method found: values, covariance, (P, 2) intervals, in BOTH_WAYS' order."""
-
-    values: Floats
-    covariance: Floats
-    intervals: Floats
-    residuals: Floats
-    chi2: float
-    good: Floats
-    nuisances: dict[str, Estimate]
-    influence: tuple[Influence, ...] = ()
-
-
-def _naive(session: Session, data: FitData) -> FrictionFit:
+def _naive(session: Session, data: Stations) -> FrictionFit:
     from scipy.special import stdtrit
 
     values, covariance = two_lines(data)
@@ -196,124 +182,144 @@ def _naive(session: Session, data: FitData) -> FrictionFit:
     freedom = np.array([straight, bent, straight, bent, back, back])[: data.parameters] - 2
     widths = stdtrit(freedom, 0.5 + LEVEL / 2) * np.sqrt(np.diag(covariance))
     _check_signs(session, values)
-    data = data.alone
-    residuals = residuals_at(starting_point(values, data), data)[: len(data)]
-    chi2 = float(residuals @ residuals)
-    raw = _Raw(values, covariance, _about(values, widths), residuals, chi2, np.ones(len(data)), {})
-    fit = _result(session, data, raw, "naive")
-    return with_alarms(fit, session, data)
+    posterior = Posterior((data.alone,))
+    ends = np.maximum(np.column_stack([values - widths, values + widths]), 0.0)
+    residuals = posterior.residuals(posterior.start(values)[None])[0, : len(data)]
+    fit = _with_values(session, values, covariance, ends)
+    draws = normal_draws(values, covariance, ends)
+    fit = replace(
+        fit,
+        method="naive",
+        sigma="rescaled",
+        chi2=float(residuals @ residuals),
+        dof=len(data) - data.parameters,
+        residuals=tuple(residuals.tolist()),
+        draws=FitDraws(fit.names, draws),
+    )
+    joint = posterior_of(session)
+    fit = replace(fit, notes=_notes(fit, session, joint))
+    return with_alarms(fit, session, joint.mode(joint.start(values)))
 
 
-def _joint(session: Session, data: FitData, method: str) -> FrictionFit:
-    plain = minimise(data, starting_point(two_lines(data)[0], data))
-    if method == "joint":
-        raw = _raw(session, data, FitMode(plain, np.ones(len(data)), 0.0))
-        return with_alarms(_result(session, data, raw, method), session, data, plain)
-    fit = _result(session, data, _raw(session, data, robust_minimum(data, plain)), method)
-    return with_alarms(fit, session, data, plain)
+def _fitted(session: Session, method: str, seed: int) -> FrictionFit:
+    """Return the fit of all readings, by their posterior."""
+    posterior = posterior_of(session)
+    plain = mode = posterior.mode(start_of(posterior))
+    if session.on_floor:
+        check_floor(session, mode)
+    draws, good = plain.posterior.draws(mode, seed), np.ones(len(posterior.numbers))
+    if method == "robust":
+        doubtful = replace(plain.posterior, misread=True)
+        draws = doubtful.draws(plain, seed)
+        good = draws.weight @ doubtful.good(doubtful.residuals(draws.x))
+        mode = plain.posterior.mode(plain.x, good + (1.0 - good) / BAD_WIDTH**2)
+    fit = replace(_of_draws(session, mode, draws, good), method=method)
+    fit = replace(fit, notes=_notes(fit, session, plain.posterior))
+    return with_alarms(fit, session, plain)
 
 
-def _raw(session: Session, data: FitData, found: FitMode) -> _Raw:
-    from scipy.special import ndtri
+def _of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> FrictionFit:
+    """Return the fit whose values are the mode's, intervals and covariance the draws'.
 
-    x, count = found.minimum.x, len(data)
-    residuals = found.minimum.residuals[:count]
-    covariance = _covariance(found.minimum.information, session, residuals)
-    sigmas = np.sqrt(np.diag(covariance))
-    whole, share = whole_residuals(x, data)
-    quantile = float(ndtri(0.5 + LEVEL / 2))
-    if found.good.min() == 1.0:
-        ends = intervals(StationTerms(data), found.minimum, quantiles(data, found.minimum, LEVEL))
-    else:
-        ends = _about(x[: data.parameters], quantile * sigmas[: data.parameters])
-    counted = found.good > 0.5
-    values = x[: data.parameters]
-    shared = shared_covariance(values, data.belt_sigma, data.mass_sigma)
-    ends = widened(ends, values, np.sqrt(np.diag(shared)), quantile)
-    own = covariance[: data.parameters, : data.parameters] + shared
-    return _Raw(
-        values=values,
-        covariance=_beside_limits(own, values, ends, quantile),
-        intervals=ends,
-        residuals=whole,
-        chi2=float(np.sum(residuals[counted] ** 2) + np.sum(found.minimum.residuals[count:] ** 2)),
-        good=found.good,
-        nuisances=_nuisances(data, x, sigmas),
-        influence=influences(found.minimum, [r.number for r in session.kept], share),
+    good: each row's chance to be no misreading.
+    """
+    posterior, count = mode.posterior, mode.posterior.frictions
+    x = scaled(draws.x[:, :count], *scale_sigmas(session))
+    draws, weight = replace(draws, x=np.column_stack([x, draws.x[:, count:]])), draws.weight
+    ends = [narrowest(x[:, k], draws.weight_for(k), mode.x[k]) for k in range(count)]
+    covariance = np.cov(x.T, aweights=draws.boundless, ddof=0)
+    covariance = _beside_limits(covariance, mode.x[:count], np.array(ends))
+    fit = _with_values(session, mode.x[:count], covariance, np.array(ends))
+    nuisances, drawn = posterior.nuisances(mode.values), posterior.nuisances(draws.values)
+    spread = {n: float(np.sqrt(np.cov(part, aweights=weight, ddof=0))) for n, part in drawn.items()}
+    alike = draws.alike(DRAWS)
+    columns = [*alike.x[:, :count].T, *posterior.nuisances(alike.values).values()]
+    rows = posterior.residuals(mode.x[None])[0]
+    counted, numbers = good > 0.5, posterior.numbers
+    readings = list(dict.fromkeys(numbers[numbers >= 0].tolist()))
+    shown, sign, alone = _shown(mode, rows, readings)
+    return replace(
+        fit,
+        chi2=float(np.sum(rows[counted] ** 2)),
+        dof=int(np.sum(counted & (numbers >= 0))) - posterior.eliminated - count,
+        nuisances=MappingProxyType(
+            {name: Estimate(float(part[0]), spread[name]) for name, part in nuisances.items()}
+        ),
+        residuals=tuple(shown.tolist()),
+        outliers=tuple(dict.fromkeys(numbers[~counted].tolist())),
+        influence=influences(mode, sign, alone, np.sqrt(np.diag(fit.covariance))),
+        draws=FitDraws((*fit.names, *nuisances), np.stack(columns, axis=1)),
     )
 
 
-def _covariance(information: Floats, session: Session, residuals: Floats) -> Floats:
-    """Return its inverse; raises NotConverged where rounding errors are all that is left of it."""
-    if not math.isfinite(half_log_determinant(information)):
-        worst = session.kept[int(np.argmax(np.abs(residuals)))].number
-        raise NotConverged(
-            "the readings contradict each other so far that no friction is told; reading "
-            f"{worst} is furthest off: look at it first"
-        )
-    return np.asarray(np.linalg.inv(information), dtype=np.float64)
-
-
-def _beside_limits(covariance: Floats, values: Floats, ends: Floats, quantile: float) -> Floats:
+def _beside_limits(covariance: Floats, values: Floats, ends: Floats) -> Floats:
     """Return a covariance that agrees with intervals which end at the limit of 0.
 
-    The curvature there is that of a friction which could be negative; the interval knows better.
+    It is that of frictions which could be negative; the interval knows better.
     """
+    from scipy.special import ndtri
+
     sigma = np.sqrt(np.diag(covariance))
-    above = (ends[:, 1] - values) / quantile
+    above = (ends[:, 1] - values) / float(ndtri(0.5 + LEVEL / 2))
     share = np.where(ends[:, 0] > 0.0, 1.0, np.minimum(above / sigma, 1.0))
     return covariance * np.outer(share, share)
 
 
-def _about(values: Floats, widths: Floats) -> Floats:
-    return np.maximum(np.column_stack([values - widths, values + widths]), 0.0)
+def _shown(mode: Mode, rows: Floats, readings: list[int]) -> tuple[Floats, Floats, Floats]:
+    """Return each reading's residual, its sign, and the share of its variance that it has alone.
+
+    Of a push or a slide + where it rolled farther, or took less time, than the law.
+    """
+    shown, alone, stations = np.zeros(len(readings)), np.ones(len(readings)), 0
+    for block in mode.posterior.blocks:
+        if isinstance(block, Stations):
+            stations = len(block)
+            shown[:stations], alone[:stations] = (p[0] for p in block.whole_residuals(mode.values))
+    dry = [k for k, name in enumerate(mode.posterior.names) if name.startswith("ft0")]
+    for k, number in enumerate(readings[stations:], stations):
+        mine = mode.posterior.numbers == number
+        ease = float(mode.slopes[mine][:, dry].sum(axis=1) @ rows[mine])
+        shown[k] = np.copysign(np.sqrt(np.mean(rows[mine] ** 2)), ease)
+    return shown, np.copysign(1.0, shown), alone
 
 
-def _nuisances(data: FitData, x: Floats, sigmas: Floats) -> dict[str, Estimate]:
-    """Return the offsets by the posture's name and the zero; they count in sigmas of the prior."""
-    shown = np.degrees(data.posture_lambda_rad)
-    names: list[str] = []
-    for name in (f"lambda_offset_rad_at_{degrees:.4g}_deg" for degrees in shown):
-        again = sum(n == name or n.startswith(name + "_again") for n in names)
-        names.append(name + (f"_again_{again}" if again else ""))
-    units = np.append(data.posture_sigma_rad, data.zero_sigma_rad.max())
-    told = [*range(data.first_posture, data.first_rounding), -1]
-    values, widths = units * x[told], units * sigmas[told]
-    estimates = map(Estimate, values.tolist(), widths.tolist())
-    return dict(zip([*names, "incline_zero_rad"], estimates, strict=True))
+def _with_values(session: Session, values: Floats, covariance: Floats, ends: Floats) -> FrictionFit:
+    """Return a fit that has values, covariance and intervals, and nothing else yet."""
+    covariance = covariance.copy()
+    covariance.flags.writeable = False
+    names, robot = FRICTIONS[: len(values)], session.setup.robot
+    pairs = zip(values.tolist(), np.sqrt(np.diag(covariance)).tolist(), strict=True)
+    return FrictionFit(
+        method="joint",
+        sigma="absolute",
+        parameters=WholeSnake(dict(zip(names, (Estimate(*p) for p in pairs), strict=True))),
+        intervals=WholeSnake(dict(zip(names, map(tuple, ends.tolist()), strict=True))),
+        covariance=covariance,
+        robot=robot,
+        ground=ground_of(robot.links, values.tolist()),
+        chi2=0.0,
+        dof=0,
+        nuisances=MappingProxyType({}),
+        residuals=(),
+        outliers=(),
+        influence=(),
+        notes=(),
+        draws=FitDraws(names, np.empty((0, len(names)))),
+        session_name=session.setup.name,
+        session_sha256=session.sha256,
+    )
 
 
 def _check_signs(session: Session, values: Floats) -> None:
     if values.min() < 0.0:
-        name = BOTH_WAYS[int(values.argmin())]
+        name = FRICTIONS[int(values.argmin())]
         raise BadInput(
             f"{session.where}: the naive fit gives {name} = {values.min():.3g} {UNITS[name]}; it "
             "must be at least 0; use method='joint' or look for a misread value"
         )
 
 
-def _result(session: Session, data: FitData, raw: _Raw, method: str) -> FrictionFit:
-    covariance = raw.covariance.copy()
-    covariance.flags.writeable = False
-    values, sigmas = raw.values.tolist(), np.sqrt(np.diag(covariance)).tolist()
-    ends, names = map(tuple, raw.intervals.tolist()), BOTH_WAYS[: data.parameters]
-    numbers = [r.number for r in session.kept]
-    fit = FrictionFit(
-        method=method,
-        sigma="rescaled" if method == "naive" else "absolute",
-        parameters=WholeSnake(dict(zip(names, map(Estimate, values, sigmas), strict=True))),
-        intervals=WholeSnake(dict(zip(names, ends, strict=True))),
-        covariance=covariance,
-        robot=session.setup.robot,
-        ground=ground_of(session.setup.robot.links, values),
-        chi2=raw.chi2,
-        dof=int(np.sum(raw.good > 0.5)) - data.parameters,
-        nuisances=MappingProxyType(raw.nuisances),
-        residuals=tuple(raw.residuals.tolist()),
-        outliers=tuple(n for n, good in zip(numbers, raw.good, strict=True) if good <= 0.5),
-        influence=raw.influence,
-        notes=(),
-        session_name=session.setup.name,
-        session_sha256=session.sha256,
-    )
-    return replace(fit, notes=(*notes_on(fit, session), *bend_note(data)))
+def _notes(fit: FrictionFit, session: Session, posterior: Posterior) -> tuple[str, ...]:
+    """Return what a reader of the numbers should know, in words."""
+    bends = [n for b in posterior.blocks if isinstance(b, Stations) for n in bend_note(b)]
+    return (*notes_on(fit, session), *bends, *floor_notes(session, posterior))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
@@ -14,31 +14,35 @@ from ..model.checks import check_number
 from ..model.drives import Servo, ServoKind
 from ..model.ground import Ground
 from ..model.robot import Robot
-from .fitting.influence import BOTH_WAYS, Influence
+from .fitting.shared import FRICTIONS
+from .fitting.suspects import Influence
 from .session import Session
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")
 
-NAMES = BOTH_WAYS[:4]
-UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in BOTH_WAYS})
+NAMES = FRICTIONS[:4]
+UNITS = MappingProxyType({name: "N s/m" if name[0] == "c" else "N" for name in FRICTIONS})
 LEVEL = 0.95
 WHOLE = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
+AMPLITUDE = "amplitude"  # of the joints, over the commanded one
 SURELY = 2.0  # errors of its difference, beyond which a zero that drifted is told
+_FEW = 4  # of the draws, one in so many or less
+_TAILS = 11  # shares below an interval that are tried
 _MOST_ROUNDS = 64  # of draws, of which those below 0 are left out
 DOUBTFUL = 0.01  # below this p-value the stated uncertainties and the readings do not agree
 
 
 def whole_ground(whole: Sequence[float]) -> Ground:
-    """Return the whole snake's frictions, in the order of BOTH_WAYS, as a Ground."""
+    """Return the whole snake's frictions, in the order of FRICTIONS, as a Ground."""
     ct, cn, ft0, fn0, *back = whole
     return Ground((ct, back[0]), cn, (ft0, back[1]), fn0) if back else Ground(ct, cn, ft0, fn0)
 
 
 def ground_of(links: int, whole: Sequence[float]) -> Ground:
-    """Return ground per link from the whole snake's frictions, in the order of BOTH_WAYS."""
+    """Return ground per link from the whole snake's frictions, in the order of FRICTIONS."""
     total = whole_ground(whole)
     return Ground.whole_body(links, total.ct, total.cn, total.ft0, total.fn0)
 
@@ -73,6 +77,21 @@ class WholeSnake(Mapping[str, T]):
         return f"WholeSnake({dict(self)})"
 
 
+def narrowest(drawn: Floats, weight: Floats, value: float) -> tuple[float, float]:
+    """Return the narrowest interval that holds LEVEL of weighted draws (N,), and value.
+
+    It ends at 0 where a friction of 0 is as likely as any; one that cut off the same share at
+    either end would never hold it.
+    """
+    order = np.argsort(drawn)
+    share = np.cumsum(weight[order]) - weight[order] / 2
+    tail = np.linspace(0.0, 1.0 - LEVEL, _TAILS)
+    first, last = (np.interp(tail + more, share, drawn[order]) for more in (0.0, LEVEL))
+    best = int(np.argmin(last - first))
+    low = float(first[best]) if best else 0.0
+    return max(min(low, value), 0.0), max(float(last[best]), value)
+
+
 class TableRow(NamedTuple):
     """One line of a table of results; low and high bound the 95 % interval."""
 
@@ -87,6 +106,36 @@ class TableRow(NamedTuple):
     def interval(self) -> str:
         """Return the interval in words; one that begins at 0 has only an upper end."""
         return f"{self.low:.3g} to {self.high:.3g}" if self.low else f"below {self.high:.3g}"
+
+
+@dataclass(frozen=True, eq=False)
+class FitDraws:
+    """Draws of what a fit tells, each as likely as any other.
+
+    names: frictions of the whole snake, what readings share, and the joints' amplitude over the
+    commanded one where crawls are fitted. rows: (N, names), to six digits, as a file keeps them.
+    """
+
+    names: tuple[str, ...]
+    rows: Floats
+
+    def __post_init__(self) -> None:
+        rows = [[float(f"{value:.6g}") for value in row] for row in self.rows.tolist()]
+        shape = len(rows), len(self.names)
+        object.__setattr__(self, "rows", np.array(rows, dtype=np.float64).reshape(shape))
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.names
+
+    def __getitem__(self, name: str) -> Floats:
+        return self.rows[:, self.names.index(name)]  # type: ignore[no-any-return]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {"order": list(self.names), "values": self.rows.tolist()}
 
 
 @dataclass(frozen=True)
@@ -144,9 +193,8 @@ class FrictionFit:
         Remarks in words; alarms are those notes that forbid to trust a prediction.
     session_name, session_sha256
         The session fitted, and the hash of what the fit rests on.
-    draws : (N, P + 1)
-        Where crawls are fitted: frictions, whole snake, and the joints' amplitude over the
-        commanded one. Each row is as likely as any other.
+    draws
+        Draws of the frictions, whole snake, and of what readings share, by name.
     servos
         Where crawls are fitted and the servos were in doubt: the servo that goes with each draw.
 
@@ -175,7 +223,7 @@ class FrictionFit:
     alarms: tuple[str, ...] = ()
     session_name: str = ""
     session_sha256: str = ""
-    draws: Floats | None = None
+    draws: FitDraws = field(default_factory=lambda: FitDraws((), np.empty((0, 0))))
     servos: FittedServos | None = None
 
     @property
@@ -186,60 +234,57 @@ class FrictionFit:
     @property
     def names(self) -> tuple[str, ...]:
         """Return the short names of what was fitted, in the order of the covariance."""
-        return BOTH_WAYS[: len(self.covariance)]
+        return FRICTIONS[: len(self.covariance)]
 
     @property
     def whole_snake(self) -> dict[str, float]:
         """Return ct, cn (N s/m), ft0, fn0 (N) of the whole snake (and ct_back, ft0_back)."""
         return {name: self.parameters[name].value for name in self.names}
 
-    def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
-        """Draw frictions of the whole snake that the readings allow, never below 0.
+    @property
+    def with_crawls(self) -> bool:
+        """Tell whether crawls are fitted, which tell the joints' amplitude."""
+        return AMPLITUDE in self.draws
 
-        Each parameter alone is normal on either side of its value, scaled by its interval on that
-        side, or by the other side where the interval ends at 0. Sigmas and correlations are the
-        fit's. Where crawls are fitted, the fit's own draws are given.
+    def sample_whole(self, count: int = 64, seed: int = 2005) -> Floats:
+        """Return draws of the whole snake's frictions that the readings allow, never below 0.
 
         Parameters
         ----------
         count, seed
-            Number of draws and their seed. They are scrambled Sobol points.
+            Number of draws, and the seed by which they are picked from the fit's.
 
         Returns
         -------
         (count, P) array
             N s/m and N, in the order of parameters.
         """
-        from scipy.special import ndtri
-        from scipy.stats import qmc
+        return np.asarray(self.draws.rows[self._picked(count, seed), : len(self.names)])
 
-        check_number("count", count, 1, 2**20)
-        if self.draws is not None:
-            return np.resize(self.draws[:, :-1], (count, len(self.names)))
-        centre = np.array(list(self.whole_snake.values()))
+    def as_after(self, before: Floats, after: Floats) -> FrictionFit:
+        """Return a fit of the same values whose errors are those after a further reading.
+
+        before, after: covariances (P, P) by the same linear step. Intervals and the draws of
+        sample_whole shrink with them.
+        """
+        values = np.array(list(self.whole_snake.values()))
         ends = np.array([self.intervals[name] for name in self.names])
-        sigma = np.sqrt(np.diag(self.covariance))
-        sides = np.abs(ends - centre[:, None])
-        below, above = 2.0 * sigma * sides.T / sides.sum(axis=1)
-        at_limit = ends[:, 0] == 0.0
-        below, above = (np.where(at_limit, sigma, side) for side in (below, above))
-        root = np.linalg.cholesky(self.covariance / np.outer(sigma, sigma))
-        sobol = qmc.Sobol(len(self.names), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
-        drawn = np.empty((0, len(self.names)))
-        for k in range(_MOST_ROUNDS):
-            size = 1 << (count - 1).bit_length()
-            units = ndtri(sobol.random(size)) @ root.T
-            more = centre + units * np.where(units < 0.0, below, above)
-            if k == _MOST_ROUNDS - 1:  # two frictions at 0 whose errors are opposite
-                more = np.maximum(more, 0.0)
-            drawn = np.vstack([drawn, more[(more >= 0.0).all(axis=1)]])
-            if len(drawn) >= count:
-                break
-        return drawn[:count]
+        shrink = np.sqrt(np.diag(after) / np.diag(before))[:, None]
+        ends = np.maximum(values[:, None] + shrink * (ends - values[:, None]), 0.0)
+        scale = np.sqrt(np.diag(self.covariance) / np.diag(before))
+        pairs = map(tuple, ends.tolist())
+        moved = np.linalg.cholesky(after) @ np.linalg.inv(np.linalg.cholesky(before))
+        off = self.sample_whole() - values
+        return replace(
+            self,
+            covariance=after * np.outer(scale, scale),
+            intervals=WholeSnake(dict(zip(self.names, pairs, strict=True))),
+            draws=FitDraws(self.names, np.abs(values + off @ moved.T)),
+        )
 
-    def sample_amplitudes(self, count: int = 64) -> Floats | None:
+    def sample_amplitudes(self, count: int = 64, seed: int = 2005) -> Floats | None:
         """Return the joints' amplitudes that go with sample_whole's rows, where crawls told one."""
-        return None if self.draws is None else np.resize(self.draws[:, -1], count)
+        return self.draws[AMPLITUDE][self._picked(count, seed)] if self.with_crawls else None
 
     def sample_servos(self, kind: ServoKind, count: int = 64, seed: int = 2005) -> list[Servo]:
         """Return the servos that go with sample_whole's rows, where crawls told of such a kind.
@@ -248,7 +293,33 @@ class FrictionFit:
         """
         if self.servos is None or self.servos.kind != kind.name:
             return list(kind.draws(count, seed))
-        return [self.servos.drawn[k] for k in np.resize(self.servos.index, count)]
+        index = np.array(self.servos.index)[self._picked(count, seed)]
+        return [self.servos.drawn[k] for k in index.tolist()]
+
+    def _picked(self, count: int, seed: int) -> NDArray[np.intp]:
+        """Return which of the draws stand for all.
+
+        A few are those next to as many even points (Sobol), so that they are spread as all are:
+        along each axis of the frictions' covariance draws are ranked, and ranks made normal.
+        """
+        check_number("count", count, 1, 2**20)
+        whole = self.draws.rows[:, : len(self.names)]
+        if count == len(whole):
+            return np.arange(count)
+        if _FEW * count > len(whole):
+            return np.resize(np.random.default_rng(seed).permutation(len(whole)), count)
+        from scipy.optimize import linear_sum_assignment
+        from scipy.special import ndtri
+        from scipy.stats import qmc
+
+        axes = np.linalg.svd((whole - whole.mean(axis=0)) / whole.std(axis=0), full_matrices=False)[
+            0
+        ]
+        ranked = ndtri((axes.argsort(axis=0).argsort(axis=0) + 0.5) / len(whole))
+        sobol = qmc.Sobol(whole.shape[1], seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
+        even = ndtri(sobol.random(1 << (count - 1).bit_length()))[:count]
+        distance = np.sum((even[:, None] - ranked) ** 2, axis=2)
+        return np.asarray(linear_sum_assignment(distance)[1])
 
     def sample(self, count: int = 64, seed: int = 2005) -> tuple[Ground, ...]:
         """Draw frictions per link that the readings allow, as simulations take them.
@@ -331,19 +402,39 @@ class FrictionFit:
             "influence": [i.to_dict() for i in self.influence],
             "alarms": list(self.alarms),
             "notes": list(self.notes),
-        } | self._drawn()
-
-    def _drawn(self) -> dict[str, Any]:
-        found: dict[str, Any] = {}
-        if self.draws is not None:
-            found["draws"] = _rounded(self.draws)
-        if self.servos is not None:
-            found["servos"] = self.servos.to_dict()
-        return found
+            "draws": self.draws.to_dict(),
+        } | ({} if self.servos is None else {"servos": self.servos.to_dict()})
 
 
-def _rounded(draws: Floats) -> list[list[float]]:
-    return [[float(f"{value:.6g}") for value in row] for row in draws.tolist()]
+def normal_draws(
+    values: Floats, covariance: Floats, ends: Floats, count: int = 64, seed: int = 2005
+) -> Floats:
+    """Return draws (count, P) of a fit that is known by values, covariance and intervals alone.
+
+    Each parameter alone is normal on either side of its value, scaled by its interval on that side,
+    or by the other side where the interval ends at 0. They are scrambled Sobol points, none under .
+    """
+    from scipy.special import ndtri
+    from scipy.stats import qmc
+
+    sigma = np.sqrt(np.diag(covariance))
+    sides = np.abs(ends - values[:, None])
+    below, above = 2.0 * sigma * sides.T / sides.sum(axis=1)
+    at_limit = ends[:, 0] == 0.0
+    below, above = (np.where(at_limit, sigma, side) for side in (below, above))
+    root = np.linalg.cholesky(covariance / np.outer(sigma, sigma))
+    sobol = qmc.Sobol(len(values), seed=seed)  # pyright: ignore[reportCallIssue] (older SciPy)
+    drawn = np.empty((0, len(values)))
+    for k in range(_MOST_ROUNDS):
+        size = 1 << (count - 1).bit_length()
+        units = ndtri(sobol.random(size)) @ root.T
+        more = values + units * np.where(units < 0.0, below, above)
+        if k == _MOST_ROUNDS - 1:  # two frictions at 0 whose errors are opposite
+            more = np.maximum(more, 0.0)
+        drawn = np.vstack([drawn, more[(more >= 0.0).all(axis=1)]])
+        if len(drawn) >= count:
+            break
+    return drawn[:count]
 
 
 def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:

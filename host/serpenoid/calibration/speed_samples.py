@@ -113,7 +113,7 @@ def likeliest_speed(fit: FrictionFit, gait: Gait, servo: ServoKind | None) -> fl
 
     Where crawls told the joints' amplitude and servos, those count.
     """
-    if fit.draws is not None:
+    if fit.with_crawls:
         gait = scaled(gait, fit.nuisances["joint_amplitude"].value)
     if servo is not None and fit.servos is not None and fit.servos.kind == servo.name:
         return speed(fit.robot, fit.ground, gait, fit.servos.drawn[fit.servos.best])
@@ -194,7 +194,7 @@ def sample_speeds(
             if progress is not None:
                 progress(1)
     alone, joints, both = (np.array(part, dtype=float).T for part in zip(*found, strict=True))
-    if fit.draws is not None and amplitude_sigma:  # else the amplitude's doubt is far larger
+    if fit.with_crawls and amplitude_sigma:  # else the amplitude's doubt is far larger
         left = 1.0 + MODEL_SIGMA * np.random.default_rng(seed).normal(size=joints.shape)
         joints, both = joints * left, both * left
     return SpeedSamples(tuple(gaits), whole, alone, joints, both, seen=seen)
@@ -207,7 +207,7 @@ def drawn_amplitudes(fit: FrictionFit, sigma: float, count: int, seed: int = 200
     """
     from scipy.special import ndtri
 
-    told = fit.sample_amplitudes(count) if sigma else None
+    told = fit.sample_amplitudes(count, seed) if sigma else None
     if told is not None:
         return told
     evenly = np.random.default_rng(seed).permutation((np.arange(count) + 0.5) / count)

@@ -50,14 +50,14 @@ def session_fit(folder: Path, with_crawls: bool = True) -> FrictionFit:
     if (folder / NAME).exists():
         try:
             kept = load_fit(folder)
-            if not with_crawls and kept.draws is not None:
+            if not with_crawls and kept.with_crawls:
                 say(
                     "note: fit.json has crawls in it, so it is no test of them: fitted without",
                     err=True,
                 )
             elif rests_on(kept, session):
                 return tell_alarms(kept)
-            elif kept.draws is not None:
+            elif kept.with_crawls:
                 say(
                     f"serpenoid: warning: {folder / NAME} is older than the readings: fitted anew, "
                     f"without crawls; `serpenoid fit {folder} --crawls` takes them",

@@ -15,14 +15,17 @@ FILMED_S = 6.0
 FRAMES = 1000  # a cycle: between them joints move in straight lines, as they would not
 
 
-def crawl_speed(robot: LabRobot, gait: Gait, *, slope_rad: float = 0.0) -> float:
+def crawl_speed(
+    robot: LabRobot, gait: Gait, *, slope_rad: float = 0.0, across_rad: float = 0.0
+) -> float:
     """Return the way of a cycle over its time once the gait repeats, m/s.
 
-    The robot may go in a curve, as one whose joints stand off does; slope_rad rises ahead of it.
+    The robot may go in a curve, as one whose joints stand off does; slope_rad rises ahead of it,
+    across_rad falls to its left.
     """
     period_s = gait.period_s
     before = max(SETTLE_CYCLES, int(np.ceil(SETTLE_S / period_s)))
-    track = Floor(robot, slope_rad, np.pi).crawl(
+    track = Floor(robot, slope_rad, np.pi, -across_rad).crawl(
         gait, (before + CYCLES) * period_s, period_s / FRAMES
     )
     # of servos' frames there is no whole number in a cycle
@@ -32,15 +35,22 @@ def crawl_speed(robot: LabRobot, gait: Gait, *, slope_rad: float = 0.0) -> float
 
 
 def filmed_crawl(
-    robot: LabRobot, gait: Gait, camera: Camera, rng: np.random.Generator, slope_rad: float = 0.0
+    robot: LabRobot,
+    gait: Gait,
+    camera: Camera,
+    rng: np.random.Generator,
+    slope_rad: float = 0.0,
+    across_rad: float = 0.0,
 ) -> NDArray[np.float64]:
     """Return what a film shows of a crawl that is steady: t_s, x_m, y_m, heading_rad, joints, rad.
 
-    Whole cycles, FILMED_S at least. A row a picture. slope_rad rises ahead of it.
+    Whole cycles, FILMED_S at least. A row a picture. slope_rad, across_rad: as of
+    `crawl_speed`.
     """
     before = SETTLE_S + SETTLE_CYCLES * gait.period_s
     last = before + gait.period_s * max(3, np.ceil(FILMED_S / gait.period_s))
-    track, joints = Floor(robot, slope_rad, np.pi).driven(gait, last, gait.period_s / FRAMES)
+    floor = Floor(robot, slope_rad, np.pi, -across_rad)
+    track, joints = floor.driven(gait, last, gait.period_s / FRAMES)
     t = before + np.arange(0.0, last - before, 1 / camera.rate_hz)
     t = t[rng.uniform(size=t.size) >= camera.missing]
     true = np.column_stack([track.x_m, track.y_m, track.heading_rad, joints])

@@ -64,20 +64,26 @@ class Push:
 
 
 class Floor:
-    """Hold a floor, or a board: it falls by slope_rad towards slope_direction_rad of the room."""
+    """Hold a floor, or a board.
+
+    It falls by slope_rad towards slope_direction_rad of the room, and by across_rad to the left of
+    that direction.
+    """
 
     def __init__(
         self,
         robot: LabRobot,
         slope_rad: float = 0.0,
         slope_direction_rad: float = 0.0,
+        across_rad: float = 0.0,
         *,
         gravity_m_s2: float = 9.81,
         step_s: float = STEP_S,
     ):
         self.robot = robot
-        pull = gravity_m_s2 * math.sin(slope_rad)
-        self._pull = pull * math.cos(slope_direction_rad), pull * math.sin(slope_direction_rad)
+        ahead, left = (gravity_m_s2 * math.sin(slope) for slope in (slope_rad, across_rad))
+        c, s = math.cos(slope_direction_rad), math.sin(slope_direction_rad)
+        self._pull = ahead * c - left * s, ahead * s + left * c
         self._step_s = step_s
 
     def push(self, pose_rad: Sequence[float], push: Push) -> Track:

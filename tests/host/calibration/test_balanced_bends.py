@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from calibration.synthetic_session import setup
-from serpenoid.calibration.fitting.data import FitData, projections
-from serpenoid.calibration.fitting.joint import jacobian, residuals, starting_point
+from serpenoid.calibration.fitting.bends import projections
 from serpenoid.calibration.kinds.station import Reading, bent_share
 from serpenoid.calibration.session import Session
 from serpenoid.calibration.taking.memory import MemoryRecord
@@ -112,17 +111,6 @@ def test_readings_that_could_each_be_the_wrong_one_are_all_named():
     straight[1] = replace(straight[1], belt_speed_m_s=straight[1].belt_speed_m_s + 0.2)
     fit = sn.fit_friction(replace(made, readings=(*straight, *made.readings[12:])))
     assert "Without reading 1, 3 or 6 chi2 would be 0.0 or less: look at those" in fit.alarms[0]
-
-
-def test_the_jacobian_is_that_of_the_residuals():
-    data = FitData.of(session_of("balanced", rng=np.random.default_rng(3)))
-    x = starting_point(TRUTH, data) + 0.01
-    numeric = np.empty((len(data) + data.nuisances, len(x)))
-    for k in range(len(x)):
-        step = np.zeros(len(x))
-        step[k] = 1e-6
-        numeric[:, k] = (residuals(x + step, data) - residuals(x - step, data)) / 2e-6
-    assert jacobian(x, data) == pytest.approx(numeric, rel=1e-5, abs=1e-5)
 
 
 def test_a_zigzag_is_asked_whether_it_was_guided():

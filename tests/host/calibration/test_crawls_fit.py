@@ -13,12 +13,9 @@ from serpenoid import BadInput
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Before, Posterior, _Mixture, draw
-from serpenoid.calibration.crawls.result import fit_crawls
+from serpenoid.calibration.crawls.result import _with_pushes, fit_crawls
 from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
-from serpenoid.calibration.floor.data import FloorData
-from serpenoid.calibration.floor.minimum import linear_at, start
-from serpenoid.calibration.floor.problem import Problem
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, Estimate, WholeSnake, weak_notes
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -187,10 +184,8 @@ def test_crawls_alone_say_that_they_tell_speeds_only() -> None:
 def test_draws_are_kept_in_the_file_and_with_the_crawls_they_rest_on(pushed, tmp_path) -> None:
     fit = fit_crawls(pushed, fit_friction(pushed), None, speeds=small_powers)
     kept = load_fit(save_fit(fit, tmp_path / "f.json"))
-    assert fit.draws is not None
-    assert kept.draws is not None
-    np.testing.assert_allclose(kept.draws, fit.draws, rtol=1e-5)
-    np.testing.assert_allclose(kept.sample_whole(64), fit.draws[:64, :4], rtol=1e-5)
+    np.testing.assert_array_equal(kept.draws.rows, fit.draws.rows)
+    np.testing.assert_allclose(kept.sample_whole(64), fit.sample_whole(64), rtol=1e-5)
     other = replace(pushed, gait_runs=pushed.gait_runs[1:])
     assert fit.session_sha256 == pushed.sha256_with_crawls != other.sha256_with_crawls
     assert pushed.sha256 == other.sha256
@@ -210,9 +205,8 @@ def test_predictions_take_the_amplitude_that_crawls_told(pushed, monkeypatch) ->
     drawn = sample_speeds(
         fit, [Gait(math.radians(70), math.radians(75), math.pi)], amplitude_sigma=0.03, count=32
     )
-    assert fit.draws is not None
     added = (drawn.joints_m_s / drawn.friction_m_s)[:, 0] - 1.0
-    assert abs(np.corrcoef(added, fit.draws[:32, 4] - 1.0)[0, 1]) > 0.9
+    assert abs(np.corrcoef(added, fit.sample_amplitudes(32) - 1.0)[0, 1]) > 0.9
 
 
 def test_real_speeds_tell_the_amplitude() -> None:
@@ -284,11 +278,16 @@ def test_open_pushes_tell_crawls_the_floors_slope() -> None:
 def test_open_pushes_are_linear_near_any_frictions() -> None:
     """Their chi2 along the frictions is that of a fit with all else let follow."""
     session = by_hand()
-    problem = Problem(FloorData.of(session), None, np.empty(0))
-    rows, values, _ = linear_at(problem, start(problem, 0.3), np.array(TRUTH))
+
+    def rows_at(whole):
+        before = Before(np.zeros(4), np.eye(4), 0.03)
+        found, _ = _with_pushes(session, before, np.array(whole))
+        return found.rows, found.values
+
+    rows, values = rows_at(TRUTH)
     assert np.abs(rows @ TRUTH + values).max() < 0.02  # the truth is exact
     other = np.array(TRUTH) * [1.0, 1.0, 1.1, 1.0]
-    near, there, _ = linear_at(problem, start(problem, 0.3), other)
+    near, there = rows_at(other)
     chi2 = [float(np.sum((a @ other + b) ** 2)) for a, b in ((rows, values), (near, there))]
     assert chi2[0] == pytest.approx(chi2[1], rel=0.2)
     assert chi2[0] > 1.0

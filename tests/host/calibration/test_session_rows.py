@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from serpenoid import BadInput, fit_friction, load_session
-from serpenoid.calibration.fitting.data import FitData
+from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.kinds.instruments import Uncertainty
 from serpenoid.calibration.kinds.rows import READING_COLUMNS
 from serpenoid.calibration.kinds.zero import ZeroReading
@@ -169,12 +169,14 @@ def test_no_amendment_changes_what_was_read_before_it(folder, change):
     rows = [reading(k, incline_deg=2.0 + 0.3 * k, belt_speed_m_s=0.2 * k) for k in (1, 2, 3)]
     append(folder, *rows)
     session = load_session(folder)
-    before, hashed = FitData.of(session), session.sha256
+    before, hashed = Stations.of(session), session.sha256
     append(folder, event("amend", detail=f'"{change}"'), to="events.csv")
     session = load_session(folder)
-    after = FitData.of(session)
-    before, after = ({**vars(data), **vars(data.tracks)} for data in (before, after))
-    for name in before.keys() - {"tracks"}:
+    after = Stations.of(session)
+    before, after = (
+        {**vars(data), **vars(data.tracks), **vars(data.bends)} for data in (before, after)
+    )
+    for name in before.keys() - {"tracks", "bends"}:
         np.testing.assert_array_equal(after[name], before[name], err_msg=name)
     assert session.sha256 == hashed
     append(folder, reading(4, setup=2, incline_deg=3.5, belt_speed_m_s=0.7))

@@ -12,9 +12,8 @@ import serpenoid as sn
 from calibration.plain_sessions import World, plain_session
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from command_runner import separate_runner
-from serpenoid.calibration.fitting.data import FitData
-from serpenoid.calibration.fitting.joint import jacobian, residuals
 from serpenoid.calibration.fitting.shared import straightness_factors
+from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.kinds.belt import BeltCheck
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
@@ -51,7 +50,7 @@ def test_how_far_links_stand_off_by_drawing_joints(links, bent):
 def test_a_bend_with_two_straight_links_knows_no_straightness():
     made = stating(session(setup(15.0, 30.0), WHOLE_BODY_2005), joint_sigma_rad=0.01)
     balanced = replace(made, readings=tuple(replace(r, bend="balanced") for r in made.readings))
-    data = FitData.of(balanced)
+    data = Stations.of(balanced)
     assert not data.astray_rad[data.bent].any()
     mean, sigma = straightness_factors(6)
     assert data.astray_rad[~data.bent] == pytest.approx(0.01 * mean)
@@ -66,7 +65,8 @@ def test_scales_add_in_quadrature_and_a_mark_on_the_belt_tells():
         (value, before), (same, after) = plain.parameters[name], shared.parameters[name]
         assert same == pytest.approx(value, rel=1e-9)
         assert after**2 == pytest.approx(
-            before**2 + (belt * value) ** 2 + (0.05 * value) ** 2, rel=1e-6
+            before**2 + (belt * value) ** 2 + (0.05 * value) ** 2,
+            rel=0.1,  # of draws, twice
         )
         assert shared.intervals[name][1] > plain.intervals[name][1]
     check = BeltCheck(90, 0.5, 11.0, 20.0)  # it runs 10 % faster than it shows
@@ -123,16 +123,6 @@ def test_links_off_their_path_cost_dry_friction_and_the_fit_knows():
         off.append(fit.parameters["ft0"].value / truth.ft0 - 1.0)
     assert np.mean(held) > 0.85
     assert abs(np.mean(off)) < 0.02  # without it: + 2.4 %
-
-
-def test_the_jacobian_of_a_robot_not_quite_straight():
-    made = stating(session(setup(15.0, 30.0), WHOLE_BODY_2005), joint_sigma_rad=0.02)
-    made = replace(made, readings=tuple(replace(r, bend="balanced") for r in made.readings))
-    data = FitData.of(made)
-    x = np.array([0.08, 1.1, 0.15, 0.3, 0.4, *np.full(data.nuisances - 1, 0.2)])
-    steps = 1e-6 * np.eye(len(x))
-    slopes = np.array([(residuals(x + h, data) - residuals(x - h, data)) / 2e-6 for h in steps]).T
-    assert jacobian(x, data) == pytest.approx(slopes, rel=1e-5, abs=1e-4)
 
 
 def test_friction_that_falls_with_speed_and_slippery_bends_are_alarms():

@@ -12,6 +12,7 @@ import pytest
 import serpenoid as sn
 from serpenoid.calibration.advising import speed_doubts as room
 from serpenoid.calibration.advising.speed_doubts import speed_doubts
+from serpenoid.calibration.friction_result import FitDraws
 from serpenoid.calibration.speed_samples import MODEL_SIGMA, SpeedBand, speed_band
 from serpenoid.commands.demo import session_folder
 
@@ -89,7 +90,11 @@ def told(monkeypatch) -> Any:
 
     def of(filmed: bool = False, draws: np.ndarray | None = None) -> room.SpeedDoubts:
         fit: Any = SimpleNamespace(
-            names=tuple(VALUES), whole_snake=VALUES, covariance=covariance, draws=draws
+            names=tuple(VALUES),
+            whole_snake=VALUES,
+            covariance=covariance,
+            with_crawls=draws is not None,
+            draws=draws is not None and FitDraws((*VALUES, "amplitude"), draws),
         )
         ends = (0.07, 0.13, 0.09, 0.11, 0.08, 0.12)
         return speed_doubts(fit, sn.Gait(1, 1, 1), found, SpeedBand(0.1, *ends, filmed=filmed))
@@ -123,7 +128,7 @@ def test_what_crawls_told_of_friction_and_amplitude_together_counts(told) -> Non
     draws[:, 3] *= 1 + 0.06 * grip  # of fn0, whose elasticity is 5
     draws[:, 6] *= 1 - 0.05 * grip  # of the amplitude, whose is 6
     assert told(draws=draws).each["amplitude"] == pytest.approx(0.3, rel=0.05)
-    assert told(draws=draws).with_amplitude == pytest.approx(MODEL_SIGMA, rel=1e-6)
+    assert told(draws=draws).with_amplitude == pytest.approx(MODEL_SIGMA, rel=1e-4)
     assert told(draws=draws).rows()[-2][0] == "with the joints' amplitude and the model's 1 %"
     assert told().rows()[-2][0] == "with the joints' amplitude"
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
+from serpenoid.calibration.friction_result import FitDraws
 from serpenoid.commands.given import session_fit
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
@@ -104,16 +105,18 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
             plain,
             method="joint, with crawls",
             session_sha256=session.sha256_with_crawls,
-            draws=np.column_stack([plain.sample_whole(64), np.ones(64)]),
+            draws=FitDraws(
+                (*plain.names, "amplitude"), np.column_stack([plain.sample_whole(64), np.ones(64)])
+            ),
         ),
         folder,
     )
-    assert session_fit(folder).draws is not None
+    assert session_fit(folder).with_crawls
     assert not capsys.readouterr().err
-    assert session_fit(folder, with_crawls=False).draws is None
+    assert not session_fit(folder, with_crawls=False).with_crawls
     assert "no test of them" in capsys.readouterr().err
     run("calibrate", "add", folder, *CRAWL, "omega_rad_s=4")
-    assert session_fit(folder).draws is None
+    assert not session_fit(folder).with_crawls
     assert "fitted anew, without crawls" in " ".join(capsys.readouterr().err.split())
 
 

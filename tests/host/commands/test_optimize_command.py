@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
-from serpenoid.calibration.friction_result import Estimate, FittedServos
+from serpenoid.calibration.friction_result import Estimate, FitDraws, FittedServos
 from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
 from serpenoid.gaits import paper_study
@@ -314,9 +314,12 @@ def test_robust_samples_are_those_that_crawls_in_the_fit_leave(
     if crawls:
         fit = replace(
             fit,
-            draws=np.column_stack([fit.sample_whole(64), np.full(64, 0.9)]),
+            draws=FitDraws(
+                (*fit.names, "amplitude"),
+                np.column_stack([fit.sample_whole(64), np.full(64, 0.9)]),
+            ),
             nuisances=MappingProxyType({"joint_amplitude": Estimate(0.9, 0.018)}),
-            servos=FittedServos("hobby", kept, (0, 1, 1, 2), 1),
+            servos=FittedServos("hobby", kept, (0, 1, 1, 2) * 16, 1),
         )
     asked: list[sn.Uncertainty] = []
 
@@ -333,7 +336,9 @@ def test_robust_samples_are_those_that_crawls_in_the_fit_leave(
     CliRunner().invoke(cli, [*words, *known], standalone_mode=False)
     first, other = asked
     assert first.servo is not None
-    assert sorted(map(kept.index, first.servo.drawn)) == ([0, 1, 1, 2] if crawls else [])
+    assert sorted(map(kept.index, first.servo.drawn)) == (
+        sorted([0, 1, 1, 2] * 16) if crawls else []
+    )
     assert ("that the fit's crawls leave" in done.stderr) is crawls
     assert first.common_amplitude == pytest.approx(0.02 if crawls else 0.03)
     assert first.joint_gain == ((0.9,) * 5 if crawls else ())

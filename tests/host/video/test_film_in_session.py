@@ -16,7 +16,7 @@ from serpenoid.calibration.advice import advise
 from serpenoid.calibration.comparison import compare
 from serpenoid.calibration.filmed_joints import servo_seen
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import Estimate
+from serpenoid.calibration.friction_result import Estimate, FitDraws
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.calibration.session_file import load_session, read_session
 from serpenoid.calibration.speed_samples import sample_speeds, speed, speed_band
@@ -160,7 +160,8 @@ def test_a_filmed_amplitude_is_in_no_doubt_again(of_2005, folder, serpenoid) -> 
     assert other["high_m_s"] != other["high_friction_m_s"]
     # crawls in the fit told of the same joints: their amplitude does not count twice
     gait = sn.Gait(math.radians(50), math.radians(80), 3.0, joint_gain=(0.93,) * 5)
-    draws = np.column_stack([fit.sample_whole(64), np.full(64, 0.9)])
+    rows = np.column_stack([fit.sample_whole(64), np.full(64, 0.9)])
+    draws = FitDraws((*fit.names, "amplitude"), rows)
     of_crawls = replace(
         fit, draws=draws, nuisances=MappingProxyType({"joint_amplitude": Estimate(0.9, 0.01)})
     )

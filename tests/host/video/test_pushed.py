@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from serpenoid.calibration.floor.data import FloorData
+from serpenoid.calibration.floor.block import floor_blocks
 from serpenoid.calibration.session_file import load_session
 from serpenoid.calibration.taking.new_session import create_session, default_setup
 from serpenoid.commands.main import cli
@@ -69,7 +69,9 @@ def test_a_film_of_two_pushes_gives_two_readings(tmp_path) -> None:
     pushes = session.kept_pushes
     (scale_sigma,) = {p.scale_sigma for p in pushes}
     assert 0.006 < scale_sigma < 0.0101  # joints that hold still: as the tags' print, or better
-    assert FloorData.of(session).scale_sigma == scale_sigma > session.setup.floor.film_scale_sigma
+    assert (
+        floor_blocks(session)[0].scale_sigma == scale_sigma > session.setup.floor.film_scale_sigma
+    )
     assert [p.way for p in pushes] == ["there", "back"]
     for push in pushes:
         assert push.track is not None

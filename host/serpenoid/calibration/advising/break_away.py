@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..fitting.data import projections
+from ..fitting.bends import projections
 from ..friction_result import FrictionFit
 from ..kinds.slide import BreakAway
 from ..kinds.station import bent_share

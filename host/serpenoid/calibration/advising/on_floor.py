@@ -8,10 +8,10 @@ from ...model.drives import ServoKind
 from ...model.gait import Gait
 from ...servos.catalogue import HOBBY
 from ..filmed_joints import servo_seen
-from ..floor.candidates import candidates
 from ..friction_fit import fit_friction
 from ..session import Session
 from ..speed_samples import Progress, band_parts, servo_fields, servo_note
+from .floor_readings import candidates
 from .next_reading import Advice, NextReading, gaits_that_matter
 from .speed_slopes import speed_slopes
 

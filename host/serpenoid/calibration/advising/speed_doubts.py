@@ -12,8 +12,8 @@ from ...model.gait import Gait
 from ...periodic.drawn_states import drawn_speeds
 from ...periodic.sensitivities import Sensitivities
 from ...periodic.servo_steady import band as speed_interval
-from ..fitting.data import Floats
-from ..friction_result import FrictionFit, ground_of
+from ..fitting.unknowns import Floats
+from ..friction_result import AMPLITUDE, FrictionFit, ground_of
 from ..speed_samples import AMPLITUDE_SIGMA, MODEL_SIGMA, SpeedBand, drawn_amplitudes, scaled
 
 _Z95 = 1.959964
@@ -109,7 +109,7 @@ def speed_doubts(
     covariance, names = known_covariance(fit, band.filmed), (*fit.names, "amplitude")
     each = np.abs(slope) * np.sqrt(np.diag(covariance))
     friction = slope[:-1] @ covariance[:-1, :-1] @ slope[:-1]
-    left_out = 0.0 if fit.draws is None else MODEL_SIGMA
+    left_out = MODEL_SIGMA if fit.with_crawls else 0.0
     ends = (
         *map(speed_interval, _alone(fit, gait, band.filmed)),
         (band.low_friction_m_s, band.high_friction_m_s),
@@ -147,8 +147,9 @@ def known_covariance(fit: FrictionFit, filmed: bool) -> Floats:
     """
     size = len(fit.names) + 1
     found = np.zeros((size, size))
-    if fit.draws is not None and not filmed:
-        return np.cov(fit.draws.T)
+    if fit.with_crawls and not filmed:
+        columns = [fit.draws[name] for name in (*fit.names, AMPLITUDE)]
+        return np.asarray(np.cov(np.array(columns)))
     found[:-1, :-1] = fit.covariance
     found[-1, -1] = 0.0 if filmed else AMPLITUDE_SIGMA**2
     return found

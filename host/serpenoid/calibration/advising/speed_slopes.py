@@ -9,7 +9,7 @@ import numpy as np
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from ..fitting.data import Floats
+from ..fitting.unknowns import Floats
 from ..friction_result import FrictionFit
 from ..speed_samples import AMPLITUDE_SIGMA, Progress, sample_speeds
 

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..fitting.data import Floats, projections
+from ..fitting.bends import projections
 from ..fitting.identifiability import SAFE_BEND
 from ..fitting.rounding import nearest_shown
+from ..fitting.unknowns import Floats
 from ..kinds.station import LEAST_SLIP_M_S, bent_share
 from ..session import Session, Setup
 from ..taking.expected import Series

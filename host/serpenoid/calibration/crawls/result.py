@@ -12,14 +12,13 @@ from ...model.errors import BadInput, Diverged, NotConverged
 from ...model.ground import Ground
 from ...model.robot import Robot
 from ..fitting.shared import shared_covariance
-from ..floor.data import FloorData
-from ..floor.minimum import linear_at, start
-from ..floor.problem import Problem
 from ..friction_result import (
+    AMPLITUDE,
     DOUBTFUL,
     LEVEL,
     NAMES,
     Estimate,
+    FitDraws,
     FittedServos,
     FrictionFit,
     WholeSnake,
@@ -27,6 +26,7 @@ from ..friction_result import (
     weak_notes,
 )
 from ..session import Session
+from ..session_posterior import posterior_of
 from ..speed_samples import AMPLITUDE_SIGMA
 from .data import CrawlData
 from .level import floor_slope
@@ -39,6 +39,7 @@ from .speeds import Array, Speeds
 USUAL, USUAL_N, USUAL_SIGMA = (0.084, 1.2, 0.14, 0.27), 4.4484, 1.0
 LEAST_GAITS = 4  # alone
 COUNT = 1024
+_FOLLOWING = 6  # steps of what follows given frictions
 _FEW = 60.0  # independent draws: fewer make no interval
 _OPEN = 2.0  # upper end over lower: such a friction is not told
 
@@ -174,10 +175,30 @@ def _before(session: Session, other: FrictionFit | None) -> Before:
 
 
 def _with_pushes(session: Session, before: Before, at: Array) -> tuple[Before, Estimate]:
-    """Return what was known before with pushes and slides that leave frictions open; the slope."""
-    problem = Problem(FloorData.of(session), None, np.empty(0))
-    rows, values, slope = linear_at(problem, start(problem, 0.3), at)
-    return replace(before, rows=rows, values=values), slope
+    """Return what was known before with pushes and slides that leave frictions open; the slope.
+
+    Their chi2 near the frictions `at`, all else let follow, is |R f + r|^2 over frictions f.
+    """
+    posterior = posterior_of(session)
+    of, x = posterior.frictions, posterior.start(at)
+    posterior = posterior.near(x)
+    for _ in range(_FOLLOWING):
+        mode = posterior.near(x).at(x)
+        x[of:] -= np.linalg.lstsq(mode.slopes[:, of:], mode.residuals, rcond=None)[0]
+        x = np.maximum(x, posterior.low)
+    mode = posterior.near(x).at(x)
+    theirs, rows = mode.slopes[:, of:], mode.slopes[:, :of]
+    both = np.column_stack([rows, mode.residuals - rows @ at])
+    both -= theirs @ np.linalg.lstsq(theirs, both, rcond=None)[0]
+    upper = np.asarray(np.linalg.qr(both, mode="r"), dtype=np.float64)
+    slopes = [k for k, name in enumerate(posterior.names) if name.startswith("along")]
+    slope, unit = Estimate(0.0, 1.0), session.setup.floor.slope_sigma_rad
+    if slopes:
+        free = np.linalg.pinv(theirs.T @ theirs)[slopes[0] - of, slopes[0] - of]
+        slope = Estimate(float(x[slopes[0]]), float(free) ** 0.5)
+    return replace(before, rows=upper[:, :of], values=upper[:, of]), Estimate(
+        unit * slope.value, unit * slope.sigma
+    )
 
 
 def _result(
@@ -205,7 +226,7 @@ def _result(
             | {"joint_amplitude": Estimate(drawn.best_amplitude, float(drawn.amplitude.std()))}
         ),
         session_sha256=session.sha256_with_crawls,
-        draws=np.column_stack([whole, drawn.amplitude]),
+        draws=FitDraws((*NAMES, AMPLITUDE), np.column_stack([whole, drawn.amplitude])),
     )
     alarms = (*_contradicts(fit), *common.alarms)
     kept = [note for note in common.notes if note not in weak_notes(common)]
@@ -227,9 +248,8 @@ def _open_readings(session: Session, other: FrictionFit | None) -> int:
     """Return how many readings of open pushes and slides count, less what is each push's alone."""
     if other is not None or not session.on_floor:
         return 0
-    floor = FloorData.of(session)
-    followed = len(np.unique(floor.tracks.push))
-    return len(floor.tracks.push) - 2 * followed + len(floor.rests.push) + len(floor.slides.time_s)
+    posterior = posterior_of(session)
+    return int(np.sum(posterior.numbers >= 0)) - posterior.eliminated
 
 
 def _named(values) -> WholeSnake:

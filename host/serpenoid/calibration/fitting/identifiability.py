@@ -6,7 +6,8 @@ import numpy as np
 
 from ...model.errors import BadInput
 from ..session import Session
-from .data import FitData, Floats
+from .stations import Stations
+from .unknowns import Floats
 
 ADVISED_LAMBDA_DEG = 15.0
 # Below this many sigmas a bend is refused: sin^2 of it is no longer a number with an error but a
@@ -19,7 +20,7 @@ _NAMES = {
 }
 
 
-def check_readings(session: Session, data: FitData, least: int) -> None:
+def check_readings(session: Session, data: Stations, least: int) -> None:
     """Raise BadInput if the readings leave a parameter open; least: readings a part needs."""
     bend = _bend_advised(data)
     sigma = float(np.median(data.speed_sigma_m_s)) if len(data) else 0.0
@@ -37,16 +38,16 @@ def check_readings(session: Session, data: FitData, least: int) -> None:
     _check_bend(session, data)
 
 
-def _one_bend_tells(data: FitData, sigma: float, least: int) -> bool:
+def _one_bend_tells(data: Stations, sigma: float, least: int) -> bool:
     """Tell whether one bend's readings suffice alone, whatever others add."""
-    bends = [data.slip_m_s[data.posture == p] for p in range(len(data.posture_sigma_rad))]
+    bends = [data.slip_m_s[data.bends.posture == p] for p in range(len(data.bends.sigma_rad))]
     return any(len(v) >= least and np.ptp(v) >= 4.0 * sigma for v in bends)
 
 
-def bend_note(data: FitData) -> list[str]:
+def bend_note(data: Stations) -> list[str]:
     """Say how far the bend's own error biases cn, where it does."""
-    sigma = np.where(data.posture_sigma_rad > 0.0, data.posture_sigma_rad, np.nan)
-    ratio = float(np.nanmax(data.posture_lambda_rad / sigma, initial=-np.inf))
+    sigma = np.where(data.bends.sigma_rad > 0.0, data.bends.sigma_rad, np.nan)
+    ratio = float(np.nanmax(data.bends.angle_rad / sigma, initial=-np.inf))
     if not 0.0 < ratio < SAFE_BEND:
         return []
     return [
@@ -55,8 +56,8 @@ def bend_note(data: FitData) -> list[str]:
     ]
 
 
-def _bend_advised(data: FitData) -> float:
-    sigma = float(data.posture_sigma_rad.max(initial=0.0))
+def _bend_advised(data: Stations) -> float:
+    sigma = float(data.bends.sigma_rad.max(initial=0.0))
     return max(ADVISED_LAMBDA_DEG, float(np.ceil(np.degrees(sigma) * SAFE_BEND)))
 
 
@@ -85,13 +86,13 @@ def _check_part(
         )
 
 
-def _check_bend(session: Session, data: FitData) -> None:
+def _check_bend(session: Session, data: Stations) -> None:
     with np.errstate(divide="ignore"):
-        ratio = data.posture_lambda_rad / data.posture_sigma_rad
+        ratio = data.bends.angle_rad / data.bends.sigma_rad
     if ratio.max() > LEAST_BEND:
         return
     best = int(ratio.argmax())
-    shown, sigma = np.degrees([data.posture_lambda_rad[best], data.posture_sigma_rad[best]])
+    shown, sigma = np.degrees([data.bends.angle_rad[best], data.bends.sigma_rad[best]])
     raise BadInput(
         f"{session.where}: cn and fn0 cannot be told: lambda_deg is {shown:g} with a standard "
         f"deviation of {sigma:g}; a bend must be more than {LEAST_BEND:g} of these from straight; "

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from .data import FitData, Floats, projections
+from .bends import projections
+from .stations import Stations
+from .unknowns import Floats
 
 
-def points(data: FitData, values: Floats) -> dict[str, tuple[Floats, Floats]]:
+def parts(data: Stations) -> tuple[int, int, int]:
+    """Return how many readings are straight forwards, straight backwards, and bent."""
+    straight, back = ~data.bent & ~data.back, ~data.bent & data.back
+    return int(np.sum(straight)), int(np.sum(back)), int(np.sum(data.bent))
+
+
+def points(data: Stations, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     """Return part -> (speeds, forces): Eq. 58 straight, Eq. 61 bent; m/s and N, whole snake.
 
     Eq. 61 with a share of the links bent: what the straight ones and the tangential friction of
@@ -18,7 +26,7 @@ def points(data: FitData, values: Floats) -> dict[str, tuple[Floats, Floats]]:
     ct, ft0 = data.along(values)
     pull_n = data.weight_n * np.sin(data.incline_rad) - data.inertia_n
     b, sin = data.bent, np.sin(data.lambda_rad)
-    by_ct, _, by_ft0, by_fn0 = projections(data.bent_share, data.lambda_rad)
+    by_ct, _, by_ft0, by_fn0 = projections(data.bends.share, data.lambda_rad)
     along_n = ct * data.slip_m_s * by_ct + ft0 * by_ft0
     across_n = (pull_n[b] - along_n[b]) / by_fn0[b]
     return {
@@ -37,7 +45,7 @@ def _line(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return line, inverse * (scatter @ scatter) / max(len(x) - 2, 1)
 
 
-def two_lines(data: FitData) -> tuple[Floats, Floats]:
+def two_lines(data: Stations) -> tuple[Floats, Floats]:
     """Return the frictions as the paper found them, and their covariance."""
     straight = points(data, np.zeros(data.parameters))
     values, covariance = np.zeros(data.parameters), np.zeros((data.parameters,) * 2)

@@ -84,7 +84,7 @@ def sawteeth(set_point: Whole, step_rad: float, grade_step: float) -> Floats:
     even, phase = _phases(set_point, step_rad, grade_step)
     for k in np.flatnonzero(np.append(False, np.diff(set_point) == 0)):
         phase[:, k] = np.random.default_rng(k).permutation(even)
-    return np.sqrt(12.0) * (phase - np.round(phase))
+    return np.sqrt(12.0) * (np.round(phase) - phase)
 
 
 def _phases(set_point: Whole, step_rad: float, grade_step: float) -> tuple[Floats, Floats]:
@@ -142,6 +142,36 @@ def shared_rounding(
     shown = np.round(shown_rad / step_rad).astype(np.intp)
     pairs, index = np.unique(np.column_stack([points, shown]), axis=0, return_inverse=True)
     return index.astype(np.intp).ravel(), sawteeth(pairs[:, 0], step_rad, grade_step)
+
+
+def roundings(
+    shown_rad: Floats, sigma_rad: Floats, grade_step: Floats | float, drift: Drift | None = None
+) -> tuple[Whole, Floats, Floats]:
+    """Return which shared rounding error each reading has (-1: none), their sigmas, draws.
+
+    Readings of inclinometers that err differently share nothing, nor do those of treadmills with
+    other steps.
+    """
+    steps = np.broadcast_to(np.asarray(grade_step, dtype=float), np.shape(sigma_rad))
+    index = np.full(len(shown_rad), -1, dtype=np.intp)
+    sigmas: list[float] = []
+    draws = np.empty((DRAWS, 0))
+    for sigma, step in np.unique(np.column_stack([sigma_rad, steps]), axis=0).tolist():
+        alike = np.flatnonzero((sigma_rad == sigma) & (steps == step))
+        if drift is None:
+            shared = shared_rounding(shown_rad[alike], sigma, step)
+            widths = [sigma] * (0 if shared is None else shared[1].shape[1])
+        else:
+            shared = drifting_rounding(shown_rad[alike], sigma, step, drift.of(alike))
+            widths = [] if shared is None else shared[1].std(axis=0).tolist()
+            shared = shared and (shared[0], shared[1] / widths)
+        if shared is not None:
+            index[alike] = len(sigmas) + shared[0]
+            # another inclinometer's phase is another's: shuffled
+            shuffle = np.random.default_rng(len(sigmas)).permutation(DRAWS)
+            draws = np.column_stack([draws, shared[1][shuffle]])
+            sigmas += widths
+    return index, np.array(sigmas), draws
 
 
 def nearest_shown(

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+FRICTIONS = ("ct", "cn", "ft0", "fn0", "ct_back", "ft0_back")  # the whole snake's, in their order
 # A wheel's J / r^2 over its mass: 0.5 for a disc, 1 for a ring; with the spread of what is sold.
 WHEEL_SHAPE = (0.75, 0.15)
 # Where nobody told what the wheels weigh: their J / r^2 over the robot's mass.
@@ -64,10 +65,11 @@ def shared_covariance(values: Floats, belt_sigma: float, mass_sigma: float) -> F
     return mass_sigma**2 * np.outer(values, values) + belt_sigma**2 * np.outer(viscous, viscous)
 
 
-def widened(ends: Floats, values: Floats, sigma: Floats, quantile: float) -> Floats:
-    """Return intervals (P, 2) with errors of sigma (P,) added in quadrature; none below 0."""
-    sides = np.hypot(ends - values[:, None], quantile * sigma[:, None])
-    return np.maximum(values[:, None] + np.array([-1.0, 1.0]) * sides, 0.0)
+def scaled(whole: Floats, belt_sigma: float, mass_sigma: float, seed: int = 2005) -> Floats:
+    """Return draws of frictions (N, P) with errors of belt and mass in them, log-normal ones."""
+    belt, mass = np.random.default_rng(seed).normal(size=(2, len(whole), 1))
+    viscous = np.array([True, True, False, False, True, False])[: whole.shape[1]]
+    return np.asarray(whole * np.exp(mass_sigma * mass - np.where(viscous, belt_sigma, 0.0) * belt))
 
 
 def rolling_share(wheels_kg: float | None, mass_kg: float) -> tuple[float, float]:

@@ -49,7 +49,10 @@ class Tracks:
         mass_kg: float,
         rolling: tuple[float, float],
     ) -> Tracks:
-        """Take readings' places, "" where one was held; rolling: as floor.data's."""
+        """Take readings' places, "" where one was held.
+
+        rolling: J / r^2 of the wheels over the mass, and its standard deviation.
+        """
         tracks = [track_of(text) for text in places]
         shape = len(tracks), max((track.shape[1] for track in tracks), default=0)
         t_s, off_m, weight = np.zeros(shape), np.zeros(shape), np.zeros(shape)
@@ -74,36 +77,40 @@ class Tracks:
             self, t_s=self.t_s[index], off_m=self.off_m[index], weight=self.weight[index]
         )
 
-    def drag(self, viscous: Floats, slip_m_s: Floats) -> tuple[Floats, Floats]:
-        """Return -m_e f of each reading, N, and its derivative by A, m/s, at viscous frictions A.
+    def drag(self, viscous: Floats, slip_m_s: Floats) -> Floats:
+        """Return -m_e f of each reading, (K, N), N, at viscous frictions A (K, N), N s/m.
 
-        A v and v where the robot was held.
+        A v where the robot was held.
         """
-        force, speed, on = viscous * slip_m_s, slip_m_s.copy(), self.watched
+        force, on = viscous * slip_m_s, self.watched
         if on.any():
-            f, by_c, _ = self.picked(on)._told(viscous[on] / self.effective_kg)
-            force[on] -= self.effective_kg * f
-            speed[on] -= by_c
-        return force, speed
+            f, _ = self.picked(on)._acceleration(viscous[:, on] / self.effective_kg)
+            force[:, on] -= self.effective_kg * f
+        return force
 
     def inertia(self) -> tuple[Floats, Floats]:
         """Return the force that changes each reading's speed, roughly, and its error, N."""
         force, sigma, on = np.zeros(len(self.t_s)), np.zeros(len(self.t_s)), self.watched
         if on.any():
-            f, _, f_sigma = self.picked(on)._told(np.zeros(int(on.sum())))
-            force[on] = -self.effective_kg * f
-            sigma[on] = np.hypot(self.effective_kg * f_sigma, force[on] * self.rolling_sigma)
+            f, f_sigma = self.picked(on)._acceleration(np.zeros((1, int(on.sum()))))
+            force[on] = -self.effective_kg * f[0]
+            sigma[on] = np.hypot(self.effective_kg * f_sigma[0], force[on] * self.rolling_sigma)
         return force, sigma
 
-    def _told(self, c: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return f, its derivative by c, and its standard deviation; (N,) each."""
-        t, w = self.t_s, self.weight[..., None]
-        p, q, by_p, by_q = shapes(c[:, None] * t)
-        design = np.stack([np.ones_like(t), t * p, -(t**2) * q], axis=-1)
-        slopes = np.stack([np.zeros_like(t), t**2 * by_p, -(t**3) * by_q], axis=-1)
-        weighted = np.swapaxes(w * design, 1, 2)
-        inverse = np.linalg.inv(weighted @ design)
-        x = inverse @ weighted @ self.off_m[..., None]
-        left = self.off_m[..., None] - design @ x
-        by_c = inverse @ (np.swapaxes(w * slopes, 1, 2) @ left - weighted @ (slopes @ x))
-        return x[:, 2, 0], by_c[:, 2, 0], np.sqrt(inverse[:, 2, 2])
+    def _acceleration(self, c: Floats) -> tuple[Floats, Floats]:
+        """Return f and its standard deviation at c, (K, N) each.
+
+        The column of f is made orthogonal to those of x0 and v0: what remains of it tells f alone.
+        """
+        p, q = shapes(c[..., None] * self.t_s)[:2]
+
+        def dot(a: Floats, b: Floats) -> Floats:
+            return np.sum(self.weight * a * b, axis=-1, keepdims=True)
+
+        level = np.ones_like(p)
+        even, brake = self.t_s * p, -(self.t_s**2) * q
+        even = even - dot(level, even) / dot(level, level)
+        brake = brake - dot(level, brake) / dot(level, level)
+        brake = brake - dot(even, brake) / dot(even, even) * even
+        size = dot(brake, brake)[..., 0]
+        return dot(brake, self.off_m)[..., 0] / size, size**-0.5

@@ -37,3 +37,15 @@ def turn_rad(x_m: Floats, y_m: Floats) -> float:
     slope = np.polyder(np.polyfit(ahead, across, 2))
     ends = np.arctan(np.polyval(slope, ahead[[0, -1]]))
     return float(ends[1] - ends[0])
+
+
+def directions_rad(x_m: Floats, y_m: Floats, sigma_m: float) -> Floats:
+    """Return the path's direction at each place, rad, in the frame of the places."""
+    ahead, across = turned(x_m, y_m)
+    few = max(1, len(x_m) // 8)
+    dx, dy = (float(np.mean(v[-few:]) - np.mean(v[:few])) for v in (x_m, y_m))
+    chord = np.full_like(ahead, np.arctan2(dy, dx))
+    if np.ptp(ahead) < LEAST * sigma_m:
+        return chord
+    slope = np.polyder(np.polyfit(ahead, across, 2))
+    return np.asarray(chord + np.arctan(np.polyval(slope, ahead)))

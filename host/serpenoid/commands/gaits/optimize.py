@@ -358,7 +358,7 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None, filmed: bool) -
     changes: dict[str, Any] = {k: v for k, v in taken.items() if v is not None}
     if fit is not None:
         changes["grounds"] = fit.sample(_GROUNDS)
-        if fit.draws is not None and not filmed:
+        if fit.with_crawls and not filmed:
             value, sigma = fit.nuisances["joint_amplitude"]
             known = {"common_amplitude": sigma / value}
             changes = known | changes | {"joint_gain": (value,) * (fit.robot.links - 1)}

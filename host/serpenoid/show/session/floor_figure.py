@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...calibration.floor.paths import PushPath, push_paths
+from ...calibration.push_paths import PushPath, push_paths
 from ..plot import BLUE, GREY, RED, figure, save
 
 if TYPE_CHECKING:

@@ -43,11 +43,12 @@ PUSH_S, BEND_S, GAIT_S = 40.0, 90.0, 60.0
 class FloorTruth(RobotTruth):
     """What a person on the floor does not know.
 
-    slope_rad: of the floor, towards "there". film_scale: lengths seen over true. camera: what
-    films; None: tape and watch.
+    slope_rad, across_rad: of the floor, towards "there" and to the left of it. film_scale: lengths
+    seen over true. camera: what films; None: tape and watch.
     """
 
     slope_rad: float = 0.0
+    across_rad: float = 0.0
     film_scale: float = 1.0
     camera: Camera | None = PHONE
 
@@ -59,7 +60,7 @@ def drawn_floor(
 
     servo: the kind of which the robot has one drawn; None: its joints follow the gait.
     """
-    slope, scale, mass, shape = (float(v) for v in rng.normal(size=4))
+    slope, scale, mass, shape, across = (float(v) for v in rng.normal(size=5))
     wheels_kg = setup.floor.wheels_kg
     mass_kg = setup.robot.links * setup.robot.link_mass_kg
     rolling = (
@@ -70,6 +71,7 @@ def drawn_floor(
     return FloorTruth(
         ground,
         slope_rad=setup.floor.slope_sigma_rad * slope,
+        across_rad=setup.floor.slope_sigma_rad * across,
         film_scale=1.0 + setup.floor.film_scale_sigma * scale,
         mass_scale=1.0 + setup.uncertainty.mass_sigma * mass,
         rolling_kg=max(rolling, 0.0),
@@ -78,9 +80,13 @@ def drawn_floor(
     )
 
 
-def uphill(step: Step, slope_rad: float) -> float:
-    """Return by what a floor that falls towards "there" rises ahead of a step's crawl."""
-    return {"there": -slope_rad, "back": slope_rad}.get(str(step.cells.get("way", "")), 0.0)
+def crawled_slopes(step: Step, slope_rad: float, across_rad: float) -> tuple[float, float]:
+    """Return by what a floor rises ahead of a step's crawl, and by what it falls to its left.
+
+    slope_rad, across_rad: by what it falls towards "there", and to the left of that way.
+    """
+    side = {"there": 1.0, "back": -1.0}.get(str(step.cells.get("way", "")), 0.0)
+    return -side * slope_rad, side * across_rad
 
 
 class SimulatedFloor:
@@ -93,7 +99,7 @@ class SimulatedFloor:
         self.truth, self.t_s = truth, 0.0
         self._setup, self._rng = setup, np.random.default_rng(seed)
         self.robot = truth.robot(setup.robot, self._rng)
-        self.floor = Floor(self.robot, truth.slope_rad, 0.0)
+        self.floor = Floor(self.robot, truth.slope_rad, 0.0, truth.across_rad)
         self._pose = [0.0] * (setup.robot.links - 1)
 
     def answer(self, step: Step, session: Session) -> Cells | None:
@@ -170,18 +176,20 @@ class SimulatedFloor:
         assert gait is not None  # a gait's step has one
         self.t_s += GAIT_S
         true = replace(gait, alpha_rad=gait.alpha_rad * self.truth.amplitude)
-        rises = uphill(step, self.truth.slope_rad)
+        slopes = crawled_slopes(step, self.truth.slope_rad, self.truth.across_rad)
         if self.truth.camera is not None:
-            return self._filmed(gait, true, self.truth.camera, rises)
-        speed = crawl_speed(self.robot, true, slope_rad=rises)
+            return self._filmed(gait, true, self.truth.camera, slopes)
+        speed = crawl_speed(self.robot, true, slope_rad=slopes[0], across_rad=slopes[1])
         read, duration_s = timed_crawl(speed, self._setup.stopwatch, self._rng)
         self.t_s += duration_s
         return read
 
-    def _filmed(self, gait: Gait, true: Gait, camera: Camera, rises_rad: float) -> Cells:
+    def _filmed(
+        self, gait: Gait, true: Gait, camera: Camera, slopes_rad: tuple[float, float]
+    ) -> Cells:
         """Film a crawl, and measure the film: a scale and joints' gains are a little off."""
         self.t_s += RUN_S
         seen = replace(camera, scale=1.0 + self._normal(SPEED_OFF))
-        rows = filmed_crawl(self.robot, true, seen, self._rng, rises_rad)
+        rows = filmed_crawl(self.robot, true, seen, self._rng, *slopes_rad)
         rows[:, 4:] *= 1.0 + GAIN_OFF * self._rng.normal(size=rows.shape[1] - 4)
         return Tracked({**crawl_cells(rows, gait), "film_sha256": "simulated"}, rows, "video")

@@ -18,7 +18,7 @@ from ....model.bends import balanced_signs
 from ....model.files import write_text
 from ....model.ground import Ground
 from ...session import Session, Setup
-from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S, uphill
+from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S, crawled_slopes
 from ..simulated import timed_crawl
 from ..steps import Step
 from .practice import FILM_SCALE, JOINT_RAD, WHEELS_KG, drawn_friction, friction_words
@@ -39,10 +39,11 @@ On the floor you work by words, at any prompt:
 
 @dataclass(frozen=True)
 class PracticeFloorTruth:
-    """What whoever practises is to find out: friction, the floor's slope, the wheels' J / r^2."""
+    """What whoever practises is to find out: friction, the floor's slopes, the wheels' J / r^2."""
 
     ground: Ground
     slope_rad: float
+    across_rad: float
     film_scale: float
     rolling_kg: float
 
@@ -51,11 +52,12 @@ class PracticeFloorTruth:
         """Draw one; the same seed gives the same."""
         rng = np.random.default_rng([seed, 20])
         ground = drawn_friction(rng)
-        slope, scale, shape = (float(v) for v in rng.normal(size=3))
+        slope, scale, shape, across = (float(v) for v in rng.normal(size=4))
         mean, sigma = WHEEL_SHAPE
         return cls(
             ground,
             SLOPE_RAD * slope,
+            SLOPE_RAD * across,
             1.0 + FILM_SCALE * scale,
             WHEELS_KG * max(mean + sigma * shape, 0.0),
         )
@@ -64,7 +66,8 @@ class PracticeFloorTruth:
         """Return it in a line."""
         return (
             f"{friction_words(self.ground)}; the floor falls by "
-            f"{math.degrees(self.slope_rad):+.2f} deg towards there"
+            f"{math.degrees(self.slope_rad):+.2f} deg towards there and "
+            f"{math.degrees(self.across_rad):+.2f} deg to the left of it"
         )
 
 
@@ -82,7 +85,7 @@ class FloorTerminal:
         self._rng = np.random.default_rng([seed, 21, there])
         whole = LabRobot.whole(setup.robot, truth.ground, rolling_kg=truth.rolling_kg)
         self._robot = whole.drawn(np.random.default_rng([seed, 22]), JOINT_RAD)
-        self._floor = Floor(self._robot, truth.slope_rad, 0.0)
+        self._floor = Floor(self._robot, truth.slope_rad, 0.0, truth.across_rad)
         self._step: Step | None = None
         self._count = there
         self._words: dict[str, Callable[[str], str | None]] = {
@@ -188,14 +191,14 @@ class FloorTerminal:
             self._step.gait,
             Camera(),
             self._rng,
-            uphill(self._step, self.truth.slope_rad),
+            *crawled_slopes(self._step, self.truth.slope_rad, self.truth.across_rad),
         )
         return self._kept("crawl", [*CRAWL_COLUMNS, *joint_columns(rows.shape[1] - 4)], rows)
 
     def _crawl(self, given: str) -> None:
         if self._step is None or self._step.gait is None:
             return self._said("no gait is to be run at this step; `floor` lists the words")
-        rises = uphill(self._step, self.truth.slope_rad)
-        speed = crawl_speed(self._robot, self._step.gait, slope_rad=rises)
+        rises, falls = crawled_slopes(self._step, self.truth.slope_rad, self.truth.across_rad)
+        speed = crawl_speed(self._robot, self._step.gait, slope_rad=rises, across_rad=falls)
         read, _ = timed_crawl(speed, self._setup.stopwatch, self._rng)
         return self._said("it crawled {distance_m:.3f} m in {duration_s:.2f} s".format(**read))

@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..fitting.data import FitData, Floats
-from ..fitting.joint import Minimum
+from ..fitting.bends import Bends
+from ..fitting.posterior import Mode
 from ..fitting.rolling_law import slide_s, stop_s, way_m
-from ..fitting.shared import shared_covariance
+from ..fitting.unknowns import Floats
+from ..floor.block import Rolling
+from ..floor.notes import check_floor
 from ..kinds.coast import Coast
 from ..kinds.slide import Slide
 from ..kinds.station import bent_share
 from ..kinds.tracks import Track
 from ..session import Session
-from .data import FloorData, Poses
-from .minimum import covariance_of, least, minimum_at
-from .problem import Problem
+from ..session_posterior import information_at, linear_covariance, mode_of
 
 SPEED_M_S, RATE_HZ, RESTED_S = 0.9, 30.0, 0.4
 BENDS_RAD = tuple(map(math.radians, (0.0, 20.0, 42.0)))
@@ -45,25 +45,23 @@ def candidates(session: Session, by_film: bool) -> tuple[Floats, list[Candidate]
 
     by_film: whether pushes are filmed; else they are timed to rest, by tape and watch.
     """
-    problem, found, _ = least(FloorData.of(session), _stations(session))
-    covariance_of(problem, found, session.where)
-    now = _covariance(session, problem, found)
+    mode = mode_of(session)
+    check_floor(session, mode)
+    now = linear_covariance(session, mode)
     last = session.kept_pushes[-1].lambda_rad if session.kept_pushes else math.nan
     out = []
     for bend in BENDS_RAD:
         for slide in (False, True):
             angle = last if abs(last - bend) < math.radians(3.5) else bend
             made = list(
-                _slides(session, problem, found, angle)
-                if slide
-                else _pushes(session, problem, found, angle, by_film)
+                _slides(session, mode, angle) if slide else _pushes(session, mode, angle, by_film)
             )
             if not made:
                 continue
             grown = replace(session, further=(*session.further, *made))
             minutes = len(made) * (SLIDE_MIN if slide else PUSH_MIN)
             minutes += 0.0 if angle == last else BEND_MIN
-            after = _after(grown, problem, found)
+            after = linear_covariance(grown, _after(grown, mode))
             kind = "slide" if slide else "coast"
             out.append(
                 Candidate(kind, _told(made, angle, by_film), angle, len(made), minutes, after)
@@ -71,52 +69,26 @@ def candidates(session: Session, by_film: bool) -> tuple[Floats, list[Candidate]
     return now, out
 
 
-def _stations(session: Session) -> FitData | None:
-    return FitData.of(session) if session.kept else None
+def _after(grown: Session, mode: Mode) -> Mode:
+    """Return what is known with more readings, at the unknowns as they are."""
+    whole = information_at(grown, mode.x[: mode.posterior.frictions]).posterior
+    x = np.array([mode.values.get(name, np.zeros(1))[0] for name in whole.names])
+    return whole.near(x).at(x)
 
 
-def _covariance(session: Session, problem: Problem, found: Minimum) -> Floats:
-    of = problem.parameters
-    scale = np.sqrt(np.maximum(np.diag(found.information), 1e-9))
-    whole = np.linalg.inv(found.information / np.outer(scale, scale)) / np.outer(scale, scale)
-    return whole[:of, :of] + shared_covariance(found.x[:of], 0.0, session.mass_sigma)
-
-
-def _after(grown: Session, before: Problem, found: Minimum) -> Floats:
-    """Return the covariance with more readings, at the unknowns as they were found."""
-    floor = FloorData.of(grown)
-    problem = Problem(floor, before.stations, np.empty(0))
-    old, new = before.layout, problem.layout
-    x = np.zeros(new.count)
-    x[: old.shared + 4] = found.x[: old.shared + 4]
-    x[new.slopes][: old.places] = found.x[old.slopes]
-    angles = before.floor.posture_lambda_rad
-    for k, angle in enumerate(floor.posture_lambda_rad):
-        same = np.flatnonzero(np.abs(angles - angle) < 1e-9)
-        x[new.offsets.start + k] = found.x[old.offsets.start + same[0]] if len(same) else 0.0
-    x[new.speeds], x[new.starts] = SPEED_M_S, 0.0
-    x[new.speeds][: old.pushes] = found.x[old.speeds]
-    x[new.starts][: old.pushes] = found.x[old.starts]
-    x[new.of_stations] = found.x[old.of_stations]
-    problem = problem.with_spreads(x)
-    return _covariance(grown, problem, minimum_at(problem, x))
-
-
-def _pose(session: Session, problem: Problem, x: Floats, angle: float) -> tuple[float, float]:
+def _pose(session: Session, mode: Mode, angle: float) -> tuple[float, float]:
     """Return c and f of a pose on level ground, as the fit has it."""
     bend = session.setup.procedure.bend
     share = bent_share(bend, session.setup.robot.links) if angle else 0.0
-    none = np.array([-1], dtype=np.intp)
-    poses = Poses(np.array([angle]), np.array([share]), none, np.zeros(1, dtype=bool))
-    slope, dry, mass = (float(v[0]) for v in problem.resisting(x, poses))
-    return slope / mass, dry / mass
+    none, nothing = np.array([-1], dtype=np.intp), np.empty(0)
+    bends = Bends(np.array([angle]), np.array([share]), none, nothing, nothing)
+    c, f, _ = Rolling.of(session).motion(mode.values, bends, np.zeros(1, dtype=bool))
+    return float(c[0, 0]), float(f[0, 0])
 
 
-def _pushes(
-    session: Session, problem: Problem, found: Minimum, angle: float, by_film: bool
-) -> Iterator[Coast]:
+def _pushes(session: Session, mode: Mode, angle: float, by_film: bool) -> Iterator[Coast]:
     """Yield a push each way, as they would be seen."""
-    c, f = (np.array([v]) for v in _pose(session, problem, found.x, angle))
+    c, f = (np.array([v]) for v in _pose(session, mode, angle))
     speed, first = np.array([SPEED_M_S]), _next_number(session)
     stop = float(stop_s(speed, c, f)[0][0])
     places = [p.place for p in session.kept_pushes]
@@ -141,9 +113,9 @@ def _pushes(
             yield Coast(first + k, way=way, distance_m=far, duration_s=stop, **common)
 
 
-def _slides(session: Session, problem: Problem, found: Minimum, angle: float) -> Iterator[Slide]:
+def _slides(session: Session, mode: Mode, angle: float) -> Iterator[Slide]:
     """Yield slides down a metre at some times the least incline."""
-    c, f = _pose(session, problem, found.x, angle)
+    c, f = _pose(session, mode, angle)
     gravity = session.setup.procedure.gravity_m_s2
     for k, times in enumerate(TIMES_BREAKAWAY):
         sine = times * f / gravity

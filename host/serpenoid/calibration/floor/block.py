@@ -1,0 +1,384 @@
+"""Pushes and slides as blocks of a posterior.
+
+A push along a floor obeys, while it moves, v' = -(c v + f) + a, with
+
+    c = A / m_e,   f = B / m_e,   m_e = m (1 + rho k_t),
+
+A = ct k_t + cn k_n, B = ft0 k_f + fn0 (k_g + s): the same projections of the bend as a station's
+(`fitting.bends`), s the drag of links that stand off their path (`fitting.shared`). rho is the
+wheels' J / r^2 over the mass m: wheels turn by the speed along their links alone, so that their
+share of the motion's energy is that of ct. A floor falls by s_along towards "there" and by s_across
+to the left of it: at an angle psi to the line of the pushes a = +- g m / m_e (s_along cos psi +
+s_across sin psi), and psi follows the track.
+
+A film tells a c and f of its own, and both speed and place at the start. Its places are linear in
+all of these near a point; with the start eliminated two residuals remain, which say how far the
+common c and f are from those of the film. Marks, ways and times to rest have the law's closed form,
+and the start is solved for at every point. A slide's time is the law's from rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fitting.bends import Bends, projections
+from ..fitting.rolling_law import slide_s, stop_s, way_m
+from ..fitting.shared import FRICTIONS, rolling_share, straightness_factors
+from ..fitting.unknowns import Floats, Unknown, Values, Whole
+from ..session import Session
+from .tracks import PushTrack, tracks_of
+
+WHERE = " on the floor"
+_VISCOUS = 0.3  # of a push's force, roughly
+_LEAST_PULL = 1e-3  # m/s^2, of a slide that would not begin: its time is then long, not infinite
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """What resists a robot that rolls, besides its frictions: mass, wheels, links off their path.
+
+    rolling: J / r^2 of all wheels over the mass, mean and standard deviation. straightness_rad: the
+    same of the links' mean |angle| to the path.
+    """
+
+    mass_kg: float
+    gravity_m_s2: float
+    rolling: tuple[float, float]
+    straightness_rad: tuple[float, float]
+
+    @classmethod
+    def of(cls, session: Session) -> Rolling:
+        """Take what a session's set-up says."""
+        setup = session.setup
+        mass_kg = setup.robot.links * setup.robot.link_mass_kg
+        factors = straightness_factors(setup.robot.links)
+        mean, scatter = (setup.uncertainty.joint_sigma_rad * factor for factor in factors)
+        return cls(
+            mass_kg,
+            setup.procedure.gravity_m_s2,
+            rolling_share(setup.floor.wheels_kg, mass_kg),
+            (mean, scatter),
+        )
+
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """Return those that have a doubt; what cannot be below 0 has a limit."""
+        limits = {"rolling": self.rolling, "astray": self.straightness_rad}
+        limited = [Unknown(n, -mean / sigma) for n, (mean, sigma) in limits.items() if sigma > 0.0]
+        return tuple(limited)
+
+    def motion(self, values: Values, bends: Bends, back: NDArray[np.bool_]) -> tuple[Floats, ...]:
+        """Return c and f on level ground, and m / m_e, each (K, N)."""
+
+        def value(name: str) -> Floats | float:
+            return values[name][:, None] if name in values else 0.0
+
+        ct, cn, ft0, fn0 = (values[name][:, None] for name in FRICTIONS[:4])
+        if "ct_back" in values:
+            ct, ft0 = (np.where(back, value(b), a) for a, b in ((ct, "ct_back"), (ft0, "ft0_back")))
+        by_ct, by_cn, by_ft0, by_fn0 = projections(bends.share, bends.angles_rad(values))
+        (off, off_sigma), (rolls, spread) = self.straightness_rad, self.rolling
+        by_fn0 = by_fn0 + (1.0 - bends.share) * (off + off_sigma * value("astray"))
+        mass = self.mass_kg
+        inert = 1.0 + (rolls + spread * value("rolling")) * by_ct
+        force, dry = ct * by_ct + cn * by_cn, ft0 * by_ft0 + fn0 * by_fn0
+        return force / (mass * inert), dry / (mass * inert), np.ones_like(force) / inert
+
+
+@dataclass(frozen=True, eq=False)
+class _Films:
+    """Two residuals of each of P films, linear in its c, f and slopes about a point.
+
+    rest (P, 2) + by_law (P, 2, 2) ((c, f) - law (P, 2)) + by_slope (P, 2, 2) m / m_e slopes (P, 2).
+    index: which of the pushes.
+    """
+
+    index: Whole
+    law: Floats
+    rest: Floats
+    by_law: Floats
+    by_slope: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Pushes:
+    """The kept pushes of a session.
+
+    way: +1 there, -1 back. place: which of the places. films: None: not yet linear about a point.
+    spreads: of marks, each place's standard deviation over that stated, by the push's index.
+    """
+
+    rolling: Rolling
+    bends: Bends
+    back: NDArray[np.bool_]
+    way: Floats
+    place: Whole
+    places: tuple[str, ...]
+    tracks: tuple[PushTrack, ...]
+    slope_sigma_rad: float
+    scale_sigma: float
+    films: _Films | None = None
+    spreads: Mapping[int, Floats] = field(default_factory=dict)
+
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """Return the frictions, then what the pushes share."""
+        names = FRICTIONS[: 6 if self.back.any() else 4]
+        frictions = tuple(Unknown(name, friction=True) for name in names)
+        shared = [f"{part} {place}" for place in self.places for part in ("along", "across")]
+        shared += ["film scale"] if self.filmed and self.scale_sigma > 0.0 else []
+        return (*frictions, *self.bends.unknowns, *map(Unknown, shared), *self.rolling.unknowns)
+
+    @property
+    def filmed(self) -> bool:
+        """Tell whether a length comes from a film."""
+        return any(track.by == "film" for track in self.tracks)
+
+    @property
+    def numbers(self) -> Whole:
+        """Return the push that each residual belongs to."""
+        rows = {"film": 2, "rest": 1}
+        counts = [rows.get(track.by, len(track.t_s)) for track in self.tracks]
+        return np.repeat(np.array([t.number for t in self.tracks], dtype=np.intp), counts)
+
+    pool = (), np.empty((0, 0))
+
+    @property
+    def eliminated(self) -> int:
+        """Return how many residuals are not free: those of start and speed, of a push by marks."""
+        return 2 * sum(track.by == "marks" for track in self.tracks)
+
+    def rough_frictions(self) -> Floats:
+        """Return ct, cn, ft0, fn0 if each push brakes evenly, a part of its force viscous."""
+        projected = np.stack(projections(self.bends.share, self.bends.lambda_rad), axis=1)
+        out, used = np.zeros(4), ~self.back if not self.back.all() else self.back
+        speed, brake = np.array([track.braking() for track in self.tracks]).T
+        force = brake * self.rolling.mass_kg
+        for first, values in ((0, _VISCOUS * force / speed), (2, (1.0 - _VISCOUS) * force)):
+            rows = projected[used, first : first + 2]
+            fitted = np.linalg.lstsq(rows, values[used], rcond=None)[0]
+            out[first : first + 2] = np.maximum(fitted, 0.1 * values.mean())
+        return out
+
+    def law(self, values: Values) -> tuple[Floats, Floats, Floats]:
+        """Return c and f on level ground in the lengths as filmed, and m / m_e, each (K, N)."""
+        c, f, share = self.rolling.motion(values, self.bends, self.back)
+        if "film scale" in values:
+            filmed = np.array([track.by == "film" for track in self.tracks])
+            scale = 1.0 + self.scale_sigma * values["film scale"][:, None] * filmed
+            f, share = f * scale, share * scale
+        return c, f, share
+
+    def level_law(self, values: Values, index: int) -> tuple[Floats, Floats]:
+        """Return a push's c and f (K,) with its floor's slopes in f, as filmed."""
+        c, f, share = self.law(values)
+        off_rad = self.tracks[index].off_rad
+        mean = np.array([np.cos(off_rad).mean(), np.sin(off_rad).mean()])
+        pull = (
+            share[:, index] * self.rolling.gravity_m_s2 * (self.slopes_rad(values)[:, index] @ mean)
+        )
+        return c[:, index], f[:, index] - pull
+
+    def slopes_rad(self, values: Values) -> Floats:
+        """Return each push's (along, across) slope, + where it helps a push, (K, N, 2)."""
+        parts = [
+            np.stack([values[f"{part} {place}"] for place in self.places], axis=1)[:, self.place]
+            for part in ("along", "across")
+        ]
+        return self.slope_sigma_rad * self.way[:, None] * np.stack(parts, axis=2)
+
+    def residuals(self, values: Values) -> Floats:
+        """Return the residuals (K, rows)."""
+        c, f, share = self.law(values)
+        slopes, out = self.slopes_rad(values), np.empty((len(c), len(self.numbers)))
+        if self.films is not None:
+            films = self.films
+            law = np.stack([c[:, films.index], f[:, films.index]], axis=2) - films.law
+            pull = share[:, films.index, None] * slopes[:, films.index]
+            rows = (
+                films.rest
+                + np.einsum("pij,kpj->kpi", films.by_law, law)
+                + np.einsum("pij,kpj->kpi", films.by_slope, pull)
+            )
+            out[:, self._is_film] = rows.reshape(len(c), -1)
+        for k, spread in self.spreads.items():
+            track = self.tracks[k]
+            out[:, self.numbers == track.number] = track.profiled(
+                *self.level_law(values, k), spread
+            )[2]
+        return out
+
+    @cached_property
+    def _is_film(self) -> NDArray[np.bool_]:
+        """Tell which rows are films'."""
+        filmed = [track.number for track in self.tracks if track.by == "film"]
+        return np.isin(self.numbers, filmed)
+
+    def near(self, values: Values) -> Pushes:
+        """Return the block with films linear about a point."""
+        c, f, share = self.law(values)
+        slopes, films, spreads = self.slopes_rad(values), [], {}
+        for k, track in enumerate(self.tracks):
+            if track.by == "film":
+                law = np.array([c[0, k], f[0, k]])
+                pull = share[0, k] * slopes[0, k]
+                films.append((k, law, *_film(track, law, pull, self.rolling.gravity_m_s2)))
+            else:
+                speed = track.profiled(*(level := self.level_law(values, k)))[0]
+                moving = way_m(track.t_s, speed, *level)[2]
+                spreads[k] = np.hypot(1.0, moving * track.sigma_s / track.sigma_m)
+        stacked = _Films(*map(np.array, zip(*films, strict=True))) if films else None
+        return replace(self, films=stacked, spreads=spreads)
+
+    def nuisances(self, values: Values) -> dict[str, Floats]:
+        """Return what pushes share by the name that a fit gives it, in its unit."""
+        out: dict[str, Floats] = {}
+        for place in self.places:
+            for part, name in (("along", "floor_slope_rad"), ("across", "floor_slope_across_rad")):
+                out[name + ("_" + place if place else "")] = (
+                    self.slope_sigma_rad * values[f"{part} {place}"]
+                )
+        if "film scale" in values:
+            out["film_scale"] = 1.0 + self.scale_sigma * values["film scale"]
+        if "rolling" in values:
+            mean, sigma = self.rolling.rolling
+            out["wheels_turning_over_mass"] = mean + sigma * values["rolling"]
+        return out
+
+
+def _film(
+    track: PushTrack, law: Floats, pull: Floats, gravity_m_s2: float
+) -> tuple[Floats, Floats, Floats]:
+    """Return rest, by_law and by_slope of a film about a law (c, f) and slopes times m / m_e."""
+    c, f = law
+    mean = np.array([np.cos(track.off_rad).mean(), np.sin(track.off_rad).mean()])
+    level = f - gravity_m_s2 * float(pull @ mean)
+    speed, place, _ = track.profiled(law[:1], np.array([level]))
+    one = np.ones_like(track.t_s)
+    way, slopes, moving = way_m(track.t_s, speed[0] * one, c * one, level * one)
+    sigma = np.hypot(track.sigma_m, moving * track.sigma_s)[:, None]
+    by_slope = gravity_m_s2 * _carried(track, speed[0], c, level)
+    # how far a turning path is from one at its mean angle, by the slopes as they are
+    off = place[0] + way - track.x_m + by_slope @ pull - slopes[2] * (level - f)
+    started = np.linalg.qr(np.stack([slopes[0], one], axis=1) / sigma)[0]
+    by_law = slopes[1:].T / sigma
+    basis, root = np.linalg.qr(by_law - started @ (started.T @ by_law))
+    by_slope = basis.T @ (by_slope / sigma)
+    return basis.T @ (off / sigma[:, 0]) - by_slope @ pull, root, by_slope
+
+
+def _carried(track: PushTrack, speed: float, c: float, f: float) -> Floats:
+    """Return how far (T, 2) accelerations of 1 along cos, and sin, of the path carry it."""
+    stop = float(stop_s(np.array([speed]), np.array([c]), np.array([f]))[0][0])
+    t = np.minimum(track.t_s, stop)[:, None]
+    pull = np.stack([np.cos(track.off_rad), np.sin(track.off_rad)], axis=1)
+    return _summed(t, np.exp(-c * t) * _summed(t, np.exp(c * t) * pull))
+
+
+def _summed(t: Floats, rate: Floats) -> Floats:
+    """Return the integral of a rate (T, 2) over times (T, 1) from the first, by trapezia."""
+    steps = np.diff(t, axis=0) * (rate[1:] + rate[:-1]) / 2
+    return np.concatenate([np.zeros((1, rate.shape[1])), np.cumsum(steps, axis=0)])
+
+
+@dataclass(frozen=True, eq=False)
+class Slides:
+    """The kept slides of a session: incline_rad with the zero taken off, and how each may err."""
+
+    rolling: Rolling
+    bends: Bends
+    numbers: Whole
+    incline_rad: Floats
+    length_m: Floats
+    time_s: Floats
+    sigma_rad: Floats
+    sigma_m: Floats
+    sigma_s: Floats
+    zero_sigma_rad: float
+    spread_s: Floats | float = 1.0
+
+    eliminated = 0
+    pool = (), np.empty((0, 0))
+
+    @property
+    def unknowns(self) -> tuple[Unknown, ...]:
+        """Return the frictions, then what the slides share."""
+        frictions = tuple(Unknown(name, friction=True) for name in FRICTIONS[:4])
+        return (*frictions, *self.bends.unknowns, Unknown("zero"), *self.rolling.unknowns)
+
+    def _times(self, values: Values) -> tuple[Floats, Floats, Floats]:
+        """Return each slide's time, and its c and pull at rest, (K, N)."""
+        level = np.zeros(len(self.time_s), dtype=bool)
+        c, f, share = self.rolling.motion(values, self.bends, level)
+        incline = self.incline_rad - self.zero_sigma_rad * values["zero"][:, None]
+        pull = share * self.rolling.gravity_m_s2 * np.sin(incline) - f
+        pull = np.maximum(pull, _LEAST_PULL)
+        return slide_s(self.length_m, c, pull), c, pull
+
+    def residuals(self, values: Values) -> Floats:
+        """Return the residuals (K, N)."""
+        return (self._times(values)[0] - self.time_s) / self.spread_s
+
+    def near(self, values: Values) -> Slides:
+        """Return the block with each time's standard deviation as it is at a point."""
+        time, c, pull = (part[0] for part in self._times(values))
+        _, slopes, speed = way_m(time, np.zeros_like(time), c, -pull)
+        by_pull = slopes[2] / speed
+        by_incline = by_pull * self.rolling.gravity_m_s2 * np.cos(self.incline_rad)
+        parts = self.sigma_s, by_incline * self.sigma_rad, self.sigma_m / speed
+        return replace(self, spread_s=np.sqrt(sum(part**2 for part in parts)))
+
+    def nuisances(self, values: Values) -> dict[str, Floats]:
+        """Return nothing: what slides share is told by pushes and stations."""
+        return {}
+
+
+def floor_blocks(session: Session) -> tuple[Pushes | Slides, ...]:
+    """Return the blocks of a session's kept pushes and slides, without one that is empty."""
+    pushes, slides = session.kept_pushes, session.kept_slides
+    given, setup, count = session.setup.uncertainty, session.setup, len(pushes)
+    every = (*pushes, *slides)
+    bends = Bends.of(session, every, np.full(len(every), given.lambda_sigma_rad), WHERE)
+    rolling, blocks = Rolling.of(session), []
+    places = tuple(sorted({p.place for p in pushes}))
+    if pushes:
+        scales = [push.scale_sigma or 0.0 for push in pushes]
+        blocks.append(
+            Pushes(
+                rolling,
+                bends.some(slice(count)),
+                np.array([p.facing == "back" for p in pushes], dtype=bool),
+                np.array([1.0 if p.way == "there" else -1.0 for p in pushes]),
+                np.array([places.index(p.place) for p in pushes], dtype=np.intp),
+                places,
+                tracks_of(session),
+                setup.floor.slope_sigma_rad,
+                max([setup.floor.film_scale_sigma, *scales]),
+            )
+        )
+    if slides:
+        blocks.append(_slides(session, rolling, bends.some(slice(count, None))))
+    return tuple(blocks)
+
+
+def _slides(session: Session, rolling: Rolling, bends: Bends) -> Slides:
+    setup, slides = session.setup, session.kept_slides
+    zero, same = session.zero, np.ones(len(slides))
+    usual_s = setup.floor.push_time_sigma_s
+    return Slides(
+        rolling,
+        bends,
+        np.array([s.number for s in slides], dtype=np.intp),
+        np.array([s.incline_rad for s in slides], dtype=float) - zero.value_rad,
+        np.array([s.distance_m for s in slides], dtype=float),
+        np.array([s.duration_s for s in slides], dtype=float),
+        setup.uncertainty.incline_sigma_rad * same,
+        setup.stopwatch.distance_sigma_m * same,
+        np.array([s.time_sigma_s or usual_s for s in slides], dtype=float),
+        zero.sigma_rad or setup.uncertainty.incline_sigma_rad,
+    )

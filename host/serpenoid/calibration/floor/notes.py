@@ -1,0 +1,109 @@
+"""What to know about pushes and slides: which friction they leave open, and what was odd."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...model.errors import BadInput
+from ..fitting.posterior import Mode, Posterior
+from ..fitting.unknowns import Floats
+from ..session import Session
+from .block import Pushes, Slides
+
+OPEN = 0.5  # of the whole force, in error: a friction is then not told
+
+
+def check_floor(session: Session, mode: Mode) -> None:
+    """Raise BadInput if a friction's error is as large as all the force there is on a floor."""
+    blocks = mode.posterior.blocks
+    pushes = [block for block in blocks if isinstance(block, Pushes)]
+    fast = max((t.braking()[0] for block in pushes for t in block.tracks), default=0.5)
+    bent = any(block.bends.share.any() for block in blocks)
+    pairs = [
+        ("ct and ft0", 0, 2, "pushes of the straight robot at 0.9 m/s, both ways, filmed"),
+        ("cn and fn0", 1, 3, "pushes in the balanced bend of 42 degrees, both ways, filmed"),
+    ]
+    if mode.posterior.frictions == 6:
+        pairs.append(
+            ("ct_back and ft0_back", 4, 5, "pushes tail first, straight, both ways, filmed")
+        )
+    sigma = _sigmas(mode)
+    # without any bent reading fn0 is boundless, and ft0 with it where links stand off a little
+    for names, viscous, dry, cure in pairs if bent else reversed(pairs):
+        force = mode.x[viscous] * fast + mode.x[dry]
+        off = max(sigma[viscous] * fast, sigma[dry]) / max(force, 1e-9)
+        if not np.isfinite(off) or off > OPEN:
+            by = f"are open by {off:.0%} of the force" if off < 1.0 else "stay wholly open"
+            raise BadInput(
+                f"{session.where}: {names} cannot be told from {len(session.kept_pushes)} push(es) "
+                f"and {len(session.kept_slides)} slide(s): they {by}; take {cure}; or crawls, and "
+                "`serpenoid fit --crawls`"
+            )
+
+
+def _sigmas(mode: Mode) -> Floats:
+    """Return the unknowns' standard deviations, also where some are wholly open: then vast."""
+    scale = np.sqrt(np.maximum(np.diag(mode.information), 1e-9))
+    values, vectors = np.linalg.eigh(mode.information / np.outer(scale, scale))
+    return np.sqrt(np.sum(vectors**2 / np.maximum(values, 1e-14), axis=1)) / scale
+
+
+def _turned_round(session: Session) -> list[int]:
+    """Return the filmed pushes that go the other way in the picture than their word says.
+
+    By the most of a place: a camera that stays shows "there" and "back" in opposite directions.
+    """
+    turned = []
+    for place in {p.place for p in session.kept_pushes}:
+        there = []
+        for push in session.kept_pushes:
+            if push.by == "film" and push.place == place:
+                _, x, y = push.counted
+                sign = 1.0 if push.way == "there" else -1.0
+                there.append((push.number, sign * np.array([x[-1] - x[0], y[-1] - y[0]])))
+        if len(there) < 3:
+            continue
+        mean = np.median([way / np.hypot(*way) for _, way in there], axis=0)
+        turned += [number for number, way in there if way @ mean < 0.0]
+    return sorted(turned)
+
+
+def floor_notes(session: Session, posterior: Posterior) -> list[str]:
+    """Return what a reader of a floor session's numbers should know, in words."""
+    blocks = [block for block in posterior.blocks if isinstance(block, Pushes | Slides)]
+    if not blocks:
+        return []
+    notes, rolls = [], blocks[0].rolling.rolling
+    voided = sum(r.voided for kind in ("coast", "slide") for r in session.of(kind))
+    if voided:
+        notes.append(f"{voided} voided push(es) or slide(s) left out.")
+    odd = _turned_round(session)
+    if odd:
+        notes.append(
+            f"Push(es) {', '.join(map(str, odd))} went the other way in the picture than those of "
+            "the same word: is there and back mixed up, or was the camera moved? Void and add them "
+            "again with the right way; a wrong one spoils ft0 unseen."
+        )
+    if session.setup.floor.wheels_kg is None:
+        notes.append(
+            "Nobody said what the wheels weigh: their turning is taken for "
+            f"{rolls[0]:.1%} ± {rolls[1]:.1%} of the mass. `serpenoid calibrate "
+            "amend DIR robot.wheels_kg=36g` makes all four frictions surer."
+        )
+    return notes + [note for b in blocks if isinstance(b, Pushes) for note in _one_way(b)]
+
+
+def _one_way(pushes: Pushes) -> list[str]:
+    notes = []
+    for k, place in enumerate(pushes.places):
+        ways = pushes.way[pushes.place == k]
+        if np.ptp(ways) == 0.0:
+            where = f" at {place}" if place else ""
+            notes.append(
+                f"All pushes{where} went one way: the floor may slope by "
+                f"{math.degrees(pushes.slope_sigma_rad):.2g} degrees, and ft0 is only as sure as "
+                "that. Push as often the other way."
+            )
+    return notes

@@ -1,0 +1,149 @@
+"""Pushes as samples of a way over time, and the direction that each took along its floor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..fitting.rolling_law import stop_s, way_m
+from ..fitting.unknowns import Floats
+from ..kinds.coast import Coast
+from ..session import Session
+from .arc import along, directions_rad
+
+TAPE_M = 0.005  # of a way measured from where a hand let go
+_FILM_M = 0.001  # of a place, where nothing states it
+# A path further off the line of its floor was filmed by a camera that somebody turned.
+_CROOKED = math.radians(25.0)
+_NEWTON = 6
+_LEAST_SPEED_M_S = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class PushTrack:
+    """One push: the way x_m at times t_s, both from its first place.
+
+    Of a push that is known by its rest alone that one way and time. sigma_m, sigma_s: of a place
+    and a time. off_rad: angle of the path to the line of its floor, at each time. by: as Coast's.
+    """
+
+    number: int
+    t_s: Floats
+    x_m: Floats
+    sigma_m: float
+    sigma_s: float
+    off_rad: Floats
+    by: str
+
+    def profiled(self, c: Floats, f: Floats, spread: Floats | float = 1.0) -> tuple[Floats, ...]:
+        """Return speed and place at the start (K,) and what remains, in sigmas, (K, rows).
+
+        spread: each place's standard deviation over sigma_m. Newton's steps in the speed; the place
+        follows.
+        """
+        c, f = c[:, None], f[:, None]
+        speed = np.full_like(c, self.braking()[0])
+        for _ in range(_NEWTON):
+            off, by_speed = self._off(speed, c, f, spread)
+            size = np.sum(by_speed**2, axis=1, keepdims=True)
+            step = np.sum(by_speed * off, axis=1, keepdims=True) / np.maximum(size, 1e-12)
+            speed = np.maximum(speed - step, np.maximum(0.3 * speed, _LEAST_SPEED_M_S))
+        off, by_speed = self._off(speed, c, f, spread)
+        if self.by == "rest":  # of two rows one is free: the part across what the speed may do
+            size = np.maximum(np.linalg.norm(by_speed, axis=1, keepdims=True), 1e-12)
+            across = (off[:, 1:] * by_speed[:, :1] - off[:, :1] * by_speed[:, 1:]) / size
+            return speed[:, 0], np.zeros(len(c)), across
+        way = way_m(self.t_s, speed, c, f)[0]
+        weight = np.broadcast_to(np.asarray(spread), self.t_s.shape) ** -2.0
+        place = np.sum(weight * (self.x_m - way), axis=1) / weight.sum()
+        return speed[:, 0], place, off
+
+    def _off(
+        self, speed: Floats, c: Floats, f: Floats, spread: Floats | float
+    ) -> tuple[Floats, ...]:
+        """Return predicted less measured, in sigmas, and its slope by the speed, (K, rows)."""
+        if self.by == "rest":
+            stop, by_stop = stop_s(speed, c, f)
+            way, by_way, _ = way_m(np.minimum(stop, 100.0 * self.t_s), speed, c, f)
+            off = np.concatenate(
+                [
+                    (way - self.x_m) / self.sigma_m,
+                    (np.minimum(stop, 100.0 * self.t_s) - self.t_s) / self.sigma_s,
+                ],
+                axis=1,
+            )
+            return off, np.concatenate(
+                [by_way[0] / self.sigma_m, by_stop[0] / self.sigma_s], axis=1
+            )
+        way, slopes, _ = way_m(self.t_s, speed, c, f)
+        scale = np.broadcast_to(self.sigma_m * np.asarray(spread), self.t_s.shape)
+        weight = scale**-2.0 / np.sum(scale**-2.0)
+
+        def centred(rows: Floats) -> Floats:  # the place at the start follows
+            return (rows - np.sum(weight * rows, axis=1, keepdims=True)) / scale
+
+        return centred(way - self.x_m), centred(slopes[0])
+
+    def braking(self) -> tuple[float, float]:
+        """Return the speed at the start, m/s, and the mean deceleration, m/s^2, roughly."""
+        if self.by == "rest":
+            time, way = float(self.t_s[0]), float(self.x_m[0])
+            return 2 * way / time, 2 * way / time**2
+        far = 0.98 * float(self.x_m[-1])
+        moving = max(int(np.searchsorted(self.x_m, far)) + 1, 3)
+        bent, speed, _ = np.polyfit(self.t_s[:moving], self.x_m[:moving], 2)
+        return max(float(speed), 0.05), max(float(-2 * bent), 0.02)
+
+
+def tracks_of(session: Session) -> tuple[PushTrack, ...]:
+    """Return a session's kept pushes."""
+    pushes = session.kept_pushes
+    places = sorted({p.place for p in pushes})
+    off = {number: o for place in places for number, o in _off_line(pushes, place).items()}
+    return tuple(
+        _track(p, session.setup.floor.push_time_sigma_s, off.get(p.number)) for p in pushes
+    )
+
+
+def _track(push: Coast, time_sigma_s: float, off_rad: Floats | None) -> PushTrack:
+    sigma_s = time_sigma_s if push.time_sigma_s is None else push.time_sigma_s
+    if push.track is None:
+        assert push.duration_s is not None  # Coast has checked
+        assert push.distance_m is not None
+        one = np.ones(1)
+        t, x = push.duration_s * one, push.distance_m * one
+        return PushTrack(
+            push.number, t, x, push.distance_sigma_m or TAPE_M, sigma_s, 0.0 * one, "rest"
+        )
+    t, x, y = (np.array(column) for column in push.counted)
+    sigma_m = push.distance_sigma_m or _FILM_M
+    by_hand = push.by == "marks"
+    way = x if by_hand else along(x, y, sigma_m)
+    usual_s = sigma_s if by_hand or push.time_sigma_s is not None else 0.0
+    off = np.zeros_like(t) if off_rad is None else off_rad
+    return PushTrack(push.number, t - t[0], way - way[0], sigma_m, usual_s, off, push.by)
+
+
+def _off_line(pushes: tuple[Coast, ...], place: str) -> dict[int, Floats]:
+    """Return by number the angle of each filmed path to the line that all at one place follow.
+
+    The line has no sense: a path there and one back along it are both at 0.
+    """
+    filmed = [p for p in pushes if p.place == place and p.by == "film"]
+    angles = {}
+    for push in filmed:
+        _, x, y = (np.array(column) for column in push.counted)
+        angles[push.number] = directions_rad(x, y, push.distance_sigma_m or _FILM_M)
+    if not angles:
+        return {}
+    doubled = np.array([2.0 * a.mean() for a in angles.values()])
+    line = 0.5 * math.atan2(np.sin(doubled).sum(), np.cos(doubled).sum())
+    out = {}
+    for number, angle in angles.items():
+        mean = float(angle.mean())
+        off = (mean - line + math.pi / 2) % math.pi - math.pi / 2
+        if abs(off) < _CROOKED:
+            out[number] = angle - mean + off
+    return out

@@ -1,0 +1,60 @@
+"""Every push beside the law that was fitted, for pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .fitting.rolling_law import stop_s, way_m
+from .fitting.unknowns import Floats
+from .floor.block import Pushes
+from .session import Session
+from .session_posterior import mode_of
+
+_POINTS, _RESTED_S = 80, 0.2
+
+
+@dataclass(frozen=True)
+class PushPath:
+    """One push: places over time, the law through them, and the distance between, m and s.
+
+    Of a push that is known by its rest alone: that one place.
+    """
+
+    number: int
+    lambda_rad: float
+    way: str
+    t_s: Floats
+    way_m: Floats
+    residual_m: Floats
+    law_t_s: Floats
+    law_m: Floats
+
+
+def push_paths(session: Session) -> list[PushPath]:
+    """Return the kept pushes of a session with the law as it was fitted; raises BadInput."""
+    mode = mode_of(session)
+    pushes = [block for block in mode.posterior.blocks if isinstance(block, Pushes)]
+    if not pushes:
+        return []
+    out = []
+    for k, (push, track) in enumerate(zip(session.kept_pushes, pushes[0].tracks, strict=True)):
+        c, f = pushes[0].level_law(mode.values, k)
+        speed, place, _ = track.profiled(c, f)
+
+        def law(
+            t: Floats, start: tuple[Floats, ...] = (speed, c, f), first: Floats = place
+        ) -> Floats:
+            return np.asarray(first[0] + way_m(t, *(np.full_like(t, p[0]) for p in start))[0])
+
+        stop = float(stop_s(speed, c, f)[0][0])
+        line = np.linspace(0.0, min(stop + _RESTED_S, 100.0), _POINTS)
+        at = np.full(1, stop) if track.by == "rest" else track.t_s
+        off = track.x_m - law(at)
+        out.append(
+            PushPath(
+                push.number, push.lambda_rad, push.way, track.t_s, track.x_m, off, line, law(line)
+            )
+        )
+    return out

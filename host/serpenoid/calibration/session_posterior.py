@@ -1,0 +1,64 @@
+"""The posterior of all friction readings of a session, and where its mode is sought from."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .fitting.paper_fit import parts, two_lines
+from .fitting.posterior import Mode, Posterior
+from .fitting.shared import shared_covariance
+from .fitting.stations import Stations
+from .fitting.unknowns import Floats
+from .floor.block import Pushes, Slides, floor_blocks
+from .session import Session
+
+_USUAL = (0.2, 1.0, 0.15, 0.3)  # ct, cn, ft0, fn0 where slides alone tell them
+
+
+def posterior_of(session: Session) -> Posterior:
+    """Return the posterior of a session's kept stations, pushes and slides."""
+    stations = (Stations.of(session),) if session.kept else ()
+    return Posterior((*stations, *floor_blocks(session)))
+
+
+def start_of(posterior: Posterior) -> Floats:
+    """Return a point to seek the mode from: two lines through stations, or how pushes brake."""
+    whole = np.zeros(posterior.frictions)
+    for block in reversed(posterior.blocks):
+        if isinstance(block, Pushes):
+            whole[:4] = block.rough_frictions()
+        elif isinstance(block, Slides):
+            whole[:4] = np.where(whole[:4] > 0.0, whole[:4], _USUAL)
+        elif isinstance(block, Stations):
+            told = block.parameters if min(parts(block)[::2]) > 1 else 0
+            whole[:told] = np.abs(two_lines(block)[0])[:told] if told else whole[:told]
+    whole[4:] = np.where(whole[4:] > 0.0, whole[4:], whole[[0, 2]][: len(whole) - 4])
+    return posterior.start(whole)
+
+
+def scale_sigmas(session: Session) -> tuple[float, float]:
+    """Return the relative errors of belt and mass that no reading tells (`fitting.shared`).
+
+    Of a belt's: where there are pushes beside the stations they tell it.
+    """
+    belt = session.belt_scale[1] if session.kept and not session.on_floor else 0.0
+    return belt, session.mass_sigma
+
+
+def linear_covariance(session: Session, mode: Mode) -> Floats:
+    """Return the frictions' covariance (P, P) by the readings' slopes, belt and mass in it."""
+    of = mode.posterior.frictions
+    return mode.covariance[:of, :of] + shared_covariance(mode.x[:of], *scale_sigmas(session))
+
+
+def mode_of(session: Session) -> Mode:
+    """Return the likeliest values that a session's readings leave. Raises NotConverged."""
+    posterior = posterior_of(session)
+    return posterior.mode(start_of(posterior))
+
+
+def information_at(session: Session, whole: Floats) -> Mode:
+    """Return what a session's readings tell about these frictions, all else as before them."""
+    posterior = posterior_of(session)
+    x = posterior.start(whole)
+    return posterior.near(x).near(x).at(x)
