@@ -17,6 +17,8 @@ from scipy.stats import qmc
 from serpenoid._core import SERVO_FIELDS
 from serpenoid.calibration.prediction import SAMPLES
 from serpenoid.calibration.speed_samples import AMPLITUDE_SIGMA
+from serpenoid.model.drives import Servo
+from serpenoid.periodic.servo_steady import CANNOT
 from serpenoid.servos.catalogue import SERVOS
 
 SEED, REFILLS = 2005, 4  # as a fit's sample_whole; batches beside those that fall below 0
@@ -82,6 +84,11 @@ def compile_core(build: Path) -> Path:
     return module
 
 
+def _limits(servo: Servo) -> list[float]:
+    """Return the fastest rate of a joint that servos can run, degrees/s, and the stalled torque."""
+    return [float(np.degrees(CANNOT * servo.no_load_rad_s)), servo.stall_torque_nm]
+
+
 def tables() -> str:
     """Return what the page takes from the package: draws for a fit's band, and the servos."""
     sobol = qmc.Sobol(4, seed=SEED)  # pyright: ignore[reportCallIssue] (older SciPy)
@@ -95,6 +102,7 @@ def tables() -> str:
         "amplitude": amplitude.round(12).tolist(),
         "servos": {k.name: [getattr(k.servo, field) for field in SERVO_FIELDS] for k in kinds},
         "servoFields": list(SERVO_FIELDS),
+        "limits": {k.name: _limits(k.servo) for k in kinds},
     }
     return f"const TABLES = {json.dumps(told, separators=(',', ':'))};\n"
 

@@ -107,19 +107,19 @@ function viridis(x) {
   return `rgb(${VIRIDIS[i].map((v, k) => Math.round(v + f * (VIRIDIS[i + 1][k] - v))).join(",")})`;
 }
 
-const FRAME = { left: 46, right: 12, top: 12, bottom: 40 }, CELLS = 40;
+const FRAME = { left: 46, right: 12, top: 12, bottom: 40 }, CELLS = 40, TOP_ALPHA = 105;
 function mapFrame(w, h) {
   const x0 = FRAME.left, y0 = h - FRAME.bottom, width = w - x0 - FRAME.right, height = y0 - FRAME.top;
-  return { X: (beta) => x0 + beta / 180 * width, Y: (alpha) => y0 - alpha / 90 * height, x0, y0, width, height };
+  return { X: (beta) => x0 + beta / 180 * width, Y: (alpha) => y0 - alpha / TOP_ALPHA * height, x0, y0, width, height };
 }
 
-// The value of the cell, or of the coarser one that stands for it.
-function valueAt(values, i, j, stride) {
+// The cell, or the coarser one that stands for it; -1 where none is known.
+function knownAt(values, i, j, stride) {
   for (let step = 1; step <= stride; step *= 2) {
-    const v = values[Math.floor(i / step) * step * (CELLS + 1) + Math.floor(j / step) * step];
-    if (Number.isFinite(v)) return v;
+    const at = Math.floor(i / step) * step * (CELLS + 1) + Math.floor(j / step) * step;
+    if (Number.isFinite(values[at])) return at;
   }
-  return NaN;
+  return -1;
 }
 
 // The cells stay as they are while only the ring moves: they are kept as a picture, made anew when
@@ -131,30 +131,34 @@ function drawMap(canvas, map, s) {
     map.picture = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
     map.picture.getContext("2d").drawImage(canvas, 0, 0);
   } else if (map) g.drawImage(map.picture, 0, 0, w, h);
-  axes(g, f, [0, 45, 90, 135, 180], [0, 30, 60, 90], f.X, f.Y, "phase lag β, °", "amplitude α, °");
+  axes(g, f, [0, 45, 90, 135, 180], [0, 35, 70, 105], f.X, f.Y, "phase lag β, °", "amplitude α, °");
   if (map && map.best) mark(g, f.X(map.best.beta), f.Y(map.best.alpha), "★");
-  ring(g, f.X(s.beta), f.Y(Math.min(s.alpha, 90)));
+  ring(g, f.X(s.beta), f.Y(Math.min(s.alpha, TOP_ALPHA)));
 }
 
-// Fill the cells; return the best: the fastest, or the one with the least power.
+// Fill the cells, hatched where servos cannot run them. Return the best of the others: the fastest,
+// or the one with the least power.
 function drawCells(g, f, map) {
   const known = [...map.values].filter(Number.isFinite), power = map.mode === "power";
   const sorted = known.sort((a, b) => a - b), low = power ? sorted[0] : 0;
   const high = power ? sorted[Math.floor(0.6 * (sorted.length - 1))] : sorted[sorted.length - 1];
   let best = null;
-  const dx = f.width / CELLS, dy = f.height / CELLS;
+  const dx = f.width / CELLS, dy = f.height / CELLS, hatch = new Path2D();
+  map.low = low, map.high = high;
   for (let i = 0; i <= CELLS; i++)
     for (let j = 0; j <= CELLS; j++) {
-      const v = valueAt(map.values, i, j, 8);
-      if (!Number.isFinite(v)) continue;
-      const shade = high > low ? (v - low) / (high - low) : 0;
+      const at = knownAt(map.values, i, j, 8), can = canRun(map.servo, map.rates[at]);
+      if (at < 0) continue;
+      const shade = high > low ? (map.values[at] - low) / (high - low) : 0;
       g.fillStyle = viridis(power ? 1 - shade : shade);
-      const x = Math.max(f.x0, f.X(j * 4.5) - dx / 2), y = Math.max(FRAME.top, f.Y(i * 2.25) - dy / 2);
+      const x = Math.max(f.x0, f.x0 + (j - 0.5) * dx), y = Math.max(FRAME.top, f.y0 - (i + 0.5) * dy);
       g.fillRect(x, y, Math.min(dx + 1, f.x0 + f.width - x), Math.min(dy + 1, f.y0 - y));
+      if (!can) hatch.moveTo(x, Math.min(y + dy, f.y0)), hatch.lineTo(Math.min(x + dx, f.x0 + f.width), y);
       const exact = map.values[i * (CELLS + 1) + j];
-      if (i && j && Number.isFinite(exact) && (!best || (power ? exact < best.v : exact > best.v)))
-        best = { v: exact, alpha: i * 2.25, beta: j * 4.5 };
+      if (i && j && can && Number.isFinite(exact) && (!best || (power ? exact < best.v : exact > best.v)))
+        best = { v: exact, alpha: i * TOP_ALPHA / CELLS, beta: j * 180 / CELLS };
     }
+  g.strokeStyle = "#fff", g.lineWidth = 1.2, g.stroke(hatch);
   if (map.done) cliff(g, f, map, high - low);
   return best;
 }
@@ -165,7 +169,7 @@ function cliff(g, f, map, range) {
   g.strokeStyle = "#fff", g.lineWidth = 2, g.beginPath();
   for (let i = 1; i <= CELLS; i++)
     for (let j = 1; j <= CELLS; j++) {
-      const x = f.X((j - 0.5) * 4.5), y = f.Y((i - 0.5) * 2.25), dx = f.width / CELLS, dy = f.height / CELLS;
+      const dx = f.width / CELLS, dy = f.height / CELLS, x = f.x0 + (j - 0.5) * dx, y = f.y0 - (i - 0.5) * dy;
       if (Math.abs(v(i, j) - v(i, j - 1)) > range / 5) g.moveTo(x, y), g.lineTo(x, y - dy);
       if (Math.abs(v(i, j) - v(i - 1, j)) > range / 5) g.moveTo(x, y), g.lineTo(x + dx, y);
     }

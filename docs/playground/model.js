@@ -5,7 +5,7 @@ const RAD = Math.PI / 180, GRAVITY_M_S2 = 9.80665;
 // `whole` says whose the four frictions are: the whole snake's or one link's.
 const PRESETS = {
   "2005": { title: "2005 robot, its measured friction", whole: 1, links: 6, mass: 0.0756, length: 0.076,
-            ct: 0.084, cn: 1.2, ft0: 0.14, fn0: 0.27, alpha: 70, beta: 75, hz: 0.5, offset: 0, inertia: 0, servo: "" },
+            ct: 0.084, cn: 1.2, ft0: 0.14, fn0: 0.27, alpha: 70, beta: 75, hz: 0.5, offset: 0, inertia: 0, servo: "hobby" },
   paper: { title: "the paper's gait study (viscous)", whole: 0, links: 6, mass: 0.0756, length: 0.076,
            ct: 0.1, cn: 10, ft0: 0, fn0: 0, alpha: 70, beta: 75, hz: 0.7957747, offset: 0, inertia: 0, servo: "" },
 };
@@ -15,6 +15,10 @@ function perLink(s) {
   const share = s.whole ? s.links : 1;
   return Object.fromEntries(FRICTIONS.map((name) => [name, s[name] / share]));
 }
+
+// The fastest rate that a gait asks of a joint, °/s, and whether most servos of a kind can run it.
+const jointRate = (s) => s.alpha * 2 * Math.PI * s.hz;
+const canRun = (servo, rate) => !servo || rate <= TABLES.limits[servo][0];
 
 // Why a state has no answer, or "" when it has one.
 function refusal(s) {
@@ -177,10 +181,10 @@ const FIELDS = ["links", "mass", "length", "whole", ...FRICTIONS, "alpha", "beta
 const LIMITS = { links: [2, 12], mass: [0.005, 1], length: [0.02, 0.4], whole: [0, 1], ct: [0, 50], cn: [0, 500],
   ft0: [0, 10], fn0: [0, 20], alpha: [1, 110], beta: [1, 180], hz: [0.05, 3], offset: [-40, 40], inertia: [0, 1] };
 
-// `inertia` is 0 for uniform rods, and then left out; so is `servo` for ideal joints.
+// `inertia` is 0 for uniform rods, and then left out; `servo` is empty for ideal joints.
 function toHash(s) {
   const numbers = [...FIELDS, ...(s.inertia ? ["inertia"] : [])].map((name) => `${name}=${+(+s[name]).toPrecision(10)}`);
-  return "#" + [...numbers, ...(s.servo ? [`servo=${s.servo}`] : [])].join("&");
+  return "#" + [...numbers, `servo=${s.servo}`].join("&");
 }
 
 // The state in a link; what is missing or out of its limits stays as in `base`.
@@ -191,7 +195,7 @@ function fromHash(hash, base) {
     if (limits && text !== "" && value >= limits[0] && value <= limits[1]) s[name] = value;
   }
   const servo = new URLSearchParams(hash.slice(1)).get("servo");
-  if (servo !== null) s.servo = Object.hasOwn(TABLES.servos, servo) ? servo : "";
+  if (servo === "" || Object.hasOwn(TABLES.servos, servo)) s.servo = servo;
   s.links = Math.round(s.links), s.whole = s.whole ? 1 : 0;
   return s;
 }

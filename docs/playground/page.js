@@ -9,7 +9,6 @@ const SLIDERS = {
   ground: [["ct", "Viscous along, N s/m", 0], ["cn", "Viscous across, N s/m", 0], ["ft0", "Dry along, N", 0], ["fn0", "Dry across, N", 0]],
   body: [["links", "Links", 1], ["mass", "Mass of a link, kg", 0.0001], ["length", "Length of a link, m", 0.001]],
 };
-const SERVO = { torque: 0.392, rate: 400 }; // N m, °/s: any hobby servo; the reader has his own
 const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
 let state = fromHash(location.hash, PRESETS["2005"]), core = null, fit = null, motion = null;
 let answer = null, servo = null, map = null, curve = null, job = 0, open = 0, playing = !still, time = 0;
@@ -24,11 +23,9 @@ function addRow(parent, name, title, step, limits) {
   const row = document.createElement("div");
   row.className = "row";
   row.innerHTML = `<label for="n-${name}">${title}</label><input type="number" id="n-${name}" step="any" min="${limits[0]}" max="${limits[1]}">`;
-  if (step !== null) {
-    const range = rooted(name) ? [0, 1, 0.001] : [...limits, step];
-    row.innerHTML += `<input type="range" id="r-${name}" aria-label="${title}" min="${range[0]}" max="${range[1]}" step="${range[2]}">`;
-    row.lastChild.addEventListener("input", () => slide(name));
-  }
+  const range = rooted(name) ? [0, 1, 0.001] : [...limits, step];
+  row.innerHTML += `<input type="range" id="r-${name}" aria-label="${title}" min="${range[0]}" max="${range[1]}" step="${range[2]}">`;
+  row.lastChild.addEventListener("input", () => slide(name));
   parent.append(row);
   return $("n-" + name);
 }
@@ -51,12 +48,9 @@ function build() {
       addRow($(group), name, title, step, LIMITS[name]).addEventListener("change", (e) => typed(name, e.target));
   $("servo").add(new Option("ideal joints", ""));
   for (const name of Object.keys(TABLES.servos)) $("servo").add(new Option(name === "hobby" ? "any hobby servo" : name, name));
-  for (const [name, title] of [["torque", "Stalled torque, N m"], ["rate", "Free speed, °/s"]]) {
-    const input = addRow($("limits"), name, title, null, [0.01, 5000]);
-    input.value = SERVO[name];
-    input.addEventListener("change", () => { if (+input.value > 0) SERVO[name] = +input.value; show(); });
-  }
 }
+const TITLES = Object.fromEntries(Object.values(SLIDERS).flat().map(([name, title]) => [name, title.split(", ")]));
+const kindOf = () => (state.servo === "hobby" ? "typical hobby servos" : `${state.servo} servos`);
 
 function typed(name, input) {
   const [low, high] = LIMITS[name], value = Number(input.value), good = input.value !== "" && value >= low && value <= high;
@@ -97,7 +91,8 @@ function complain(words) { $("problem").textContent = words, $("problem").hidden
 function solve() {
   for (const name of FIELDS) {
     if (name === "whole") $("whole").value = state.whole;
-    else $("n-" + name).value = +state[name].toPrecision(6), $("r-" + name).value = toSlider(name, state[name]), $("n-" + name).removeAttribute("aria-invalid");
+    else $("n-" + name).value = +state[name].toPrecision(6), $("r-" + name).value = toSlider(name, state[name]), $("n-" + name).removeAttribute("aria-invalid"),
+      $("r-" + name).setAttribute("aria-valuetext", `${$("n-" + name).value} ${TITLES[name][1] || ""}`);
   }
   const same = Object.keys(PRESETS).find((key) => toHash(PRESETS[key]) === toHash(state));
   $("preset").value = same || "own", $("servo").value = state.servo;
@@ -113,8 +108,10 @@ function solve() {
   show(), painting = painting || requestAnimationFrame(paint);
 }
 
-// A value to the last digit that its error leaves, and the error to one digit.
+// A value of two digits; on demand to the last digit that its error leaves, and the error to one digit.
+const two = (value) => (value && Math.abs(value) < 100 ? value.toPrecision(2) : String(+value.toPrecision(2)));
 function figure(value, error, unit) {
+  if (!$("digits").checked) return `${two(value)} ${unit}`;
   const place = Math.max(0, Math.min(9, error > 0 ? -Math.floor(Math.log10(error)) : 9));
   const digits = Math.min(place, Math.max(0, 5 - Math.floor(Math.log10(Math.max(Math.abs(value), 1e-9)))));
   const small = error < 0.5 * 10 ** -digits ? `${error.toExponential(0)}` : error.toFixed(digits);
@@ -123,9 +120,8 @@ function figure(value, error, unit) {
 
 function show() {
   const a = answer;
-  showServo();
   if (!a || !a.known) { $("speed").innerHTML = `<span class="big">no answer</span>`; $("figures").innerHTML = ""; return; }
-  $("speed").innerHTML = `<span class="big">${figure(a.speed, a.speedError, "m/s")}</span>`;
+  showSpeed(figure(a.speed, a.speedError, "m/s"));
   const weight = state.links * state.mass * GRAVITY_M_S2, rows = [["Power", figure(a.power, a.powerError, "W")]];
   rows.push(["Power of servos that do not recover", figure(a.positivePower, a.positiveError, "W")]);
   if (a.speed > 10 * a.speedError) {
@@ -134,29 +130,39 @@ function show() {
   }
   if (motion) {
     const torque = peakTorque(motion);
-    rows.push(["Largest joint torque", limited(figure(torque.value, Math.max(torque.error, 1e-4 * torque.value), "N m"), torque.value, SERVO.torque)]);
+    rows.push(["Largest joint torque", ofServo(figure(torque.value, Math.max(torque.error, 1e-4 * torque.value), "N m"), torque.value, 1)]);
   }
-  const rate = state.alpha * 2 * Math.PI * state.hz;
-  rows.push(["Largest joint speed (exact)", limited(`${rate.toFixed(0)} °/s`, rate, SERVO.rate)]);
+  rows.push(["Largest joint speed", ofServo(`${two(jointRate(state))} °/s`, jointRate(state), 0)]);
   rows.push(["Body lengths a cycle", figure(a.speed / state.hz / (state.links * state.length), a.speedError / state.hz / (state.links * state.length), "")]);
   if (Math.abs(a.turn) > 10 * a.turnError) rows.push(["Turn a cycle", figure(a.turn / RAD, a.turnError / RAD, "°")]);
-  if (curve && curve.band) rows.push(["Speed that your fit allows, 95 %", `${curve.band[0].toFixed(4)} to ${curve.band[1].toFixed(4)} m/s`]);
+  if (curve && curve.band) rows.push(["Speed that your fit allows, 95 %", `${two(curve.band[0])} to ${two(curve.band[1])} m/s`]);
   $("figures").innerHTML = rows.map(([name, value]) => `<div><dt>${name}</dt><dd>${value}</dd></div>`).join("");
 }
 
-function showServo() {
-  const box = $("servo-speed"), name = state.servo === "hobby" ? "typical hobby servos" : `${state.servo} servos`;
-  box.hidden = !state.servo;
-  if (!state.servo) return;
-  if (!servo) box.textContent = `With ${name}: …`;
-  else if (!servo.known || !servo.converged) box.textContent = `With ${name} the motion does not settle.`;
-  else box.innerHTML = `With ${name}: <strong>${figure(servo.speed, servo.error, "m/s")}</strong>; `
-    + `joints reach ${Math.round(100 * servo.amplitude)} % of the amplitude.`;
+// The speed with servos, and beside it that of ideal joints.
+function showSpeed(ideal) {
+  const big = (value, words) => { $("speed").innerHTML = `<span class="big">${value}</span> ${words}`; };
+  const can = canRun(state.servo, jointRate(state)), settles = servo && servo.known && servo.converged;
+  $("servo-speed").hidden = !state.servo;
+  if (!state.servo) return big(ideal, "with ideal joints");
+  if (!can) big("too fast", `for most ${state.servo} servos`);
+  else if (servo) big(settles ? figure(servo.speed, servo.error, "m/s") : "no answer", `with ${kindOf()}`);
+  else big("…", `with ${kindOf()}`);
+  $("servo-speed").innerHTML = `Ideal joints: <strong>${ideal}</strong>. `
+    + (can && settles ? `Servos reach ${Math.round(100 * servo.amplitude)} % of the amplitude.` : "");
 }
 
-function limited(shown, value, limit) {
-  const share = Math.round(100 * value / limit);
-  return share > 100 ? `<span class="over">${shown}: ${share} % of your limit</span>` : `${shown}, ${share} % of your limit`;
+// A value beside what servos of the kind can do: `which` is 0 for their speed, 1 for their torque.
+function ofServo(shown, value, which) {
+  if (!state.servo) return shown;
+  const share = Math.round(100 * value / TABLES.limits[state.servo][which]), words = `${shown}, ${share} % of the servo's`;
+  return share > 100 ? `<span class="over">${words}</span>` : words;
+}
+
+function showRanks() {
+  const most = Math.abs(curve.ranks[0].change) || 1;
+  $("ranks").innerHTML = curve.ranks.map(({ name, change }) => `<li>${TITLES[name][0]} <b>${change < 0 ? "−" : "+"}${two(100 * Math.abs(change))} %</b>`
+    + `<i style="width:${100 * Math.abs(change) / most}%"></i></li>`).join("");
 }
 
 // ---- the workers: one draws the curve, the others share the map; they start after the first answer
@@ -172,10 +178,13 @@ function startWorkers() {
 }
 function hear(data) {
   if (data.id !== job) return;
-  if (data.curve) curve = data.curve, servo = data.servo, show();
+  if (data.curve) {
+    curve = data.curve, servo = data.servo, show();
+    if (data.ranks) curve.ranks = data.ranks, showRanks();
+  }
   else {
-    if (!map || map.id !== job) map = { id: job, values: new Float64Array((CELLS + 1) ** 2).fill(NaN), mode: $("mode").value };
-    data.at.forEach((at, k) => { map.values[at] = data.values[k]; }), map.fresh = true;
+    if (!map || map.id !== job) map = { id: job, values: new Float64Array((CELLS + 1) ** 2).fill(NaN), rates: [], mode: $("mode").value, servo: state.servo };
+    data.at.forEach((at, k) => { map.values[at] = data.values[k], map.rates[at] = data.rates[k]; }), map.fresh = true;
     if (data.done && --open === 0) map.done = true;
   }
   painting = painting || requestAnimationFrame(paint);
@@ -191,26 +200,29 @@ function order() {
 
 function paint() {
   painting = 0;
+  if (!$("map").clientWidth) return; // hidden: painted anew when it has a size
   if (map) {
     drawMap($("map"), map, state);
     const best = map.best;
-    const what = map.mode === "power" ? "Least power" : "Fastest", unit = map.mode === "power" ? "W" : "m/s";
-    if (best) $("map-says").textContent = `★ ${what}: α ${best.alpha}°, β ${best.beta}°: ${best.v.toPrecision(3)} ${unit} (to .1 %, on this grid). `
+    const power = map.mode === "power", what = power ? "Least power" : "Fastest", unit = power ? "W" : "m/s";
+    const star = best ? `★ ${what}: α ${Math.round(best.alpha)}°, β ${Math.round(best.beta)}°: ${two(best.v)} ${unit} with ideal joints. ` : "";
+    $("map-says").textContent = star + (map.servo ? `Hatched: too fast for most ${map.servo} servos. ` : "")
       + "○ is where you are. White edges: a cliff between neighbours. " + (map.done ? "Complete." : "Still filling …");
+    [$("dark").textContent, $("bright").textContent] = (power ? [map.high, map.low] : [map.low, map.high]).map((v) => `${two(v)} ${unit}`);
     if (map.done) document.body.dataset.map = "done";
   }
   if (curve && answer) {
     drawCurve($("curve"), curve, state, answer.speed);
-    $("curve-says").textContent = "○ is where you are." + (curve.band ? " Band: 95 %, of the frictions that your fit allows and of joints 3 % off." : "");
+    $("curve-says").textContent = "Ideal joints; ○ is where you are." + (curve.band ? " Band: 95 %, of the frictions that your fit allows and of joints 3 % off." : "");
   }
   if (!playing && motion) drawSnake($("snake"), motion, state, time);
 }
 
 function go(event) {
   const box = $("map").getBoundingClientRect(), f = mapFrame(box.width, box.height);
-  const beta = (event.clientX - box.left - f.x0) / f.width * 180, alpha = (f.y0 - (event.clientY - box.top)) / f.height * 90;
+  const beta = (event.clientX - box.left - f.x0) / f.width * 180, alpha = (f.y0 - (event.clientY - box.top)) / f.height * TOP_ALPHA;
   const to = (v, [low, high]) => Math.round(Math.min(high, Math.max(low, v)) * 10) / 10;
-  change({ alpha: to(alpha, [1, 90]), beta: to(beta, LIMITS.beta) });
+  change({ alpha: to(alpha, [1, TOP_ALPHA]), beta: to(beta, LIMITS.beta) });
 }
 const ARROWS = { ArrowLeft: ["beta", -1], ArrowRight: ["beta", 1], ArrowUp: ["alpha", 1], ArrowDown: ["alpha", -1] };
 function arrow(event) {
@@ -262,6 +274,7 @@ function listen() {
   $("mode").onchange = () => { map = null; order(); };
   $("map").addEventListener("click", go), $("map").addEventListener("keydown", arrow);
   $("controls").onsubmit = (e) => e.preventDefault();
+  $("digits").onchange = show;
   $("servo").onchange = () => change({ servo: $("servo").value });
   for (const name of ["file", "folder"]) $(name).onchange = () => { if ($(name).files.length) take(topFiles($(name).files)); $(name).value = ""; };
   for (const kind of ["dragover", "dragleave", "drop"])

@@ -1,7 +1,7 @@
 // The long work, beside the page: one share of the map from coarse to fine; speed against frequency.
 "use strict";
 let core = null, job = 0;
-const STEP = { alpha: 90 / 40, beta: 180 / 40 }, COUNT = 40, STRIDES = [8, 4, 2, 1], EVERY_MS = 60;
+const COUNT = 40, STEP = { alpha: 105 / COUNT, beta: 180 / COUNT }, STRIDES = [8, 4, 2, 1], EVERY_MS = 60;
 const CURVE_POINTS = 24, BAND_POINTS = 8, TOP_HZ = 3, LEAST_HZ = 0.05;
 
 serpenoidCore().then((made) => { core = new Core(made); postMessage({ ready: true }); });
@@ -33,8 +33,8 @@ function* cells() {
 
 // Each worker takes every `share.of`-th cell, and tells what it has now and then.
 async function fillMap({ id, s, mode, wanted, share }) {
-  let at = [], values = [], told = performance.now(), count = 0, stride = 0;
-  const tell = (done) => (postMessage({ id, at, values, done }), at = [], values = [], told = performance.now());
+  let at = [], values = [], rates = [], told = performance.now(), count = 0, stride = 0;
+  const tell = (done) => (postMessage({ id, at, values, rates, done }), at = [], values = [], rates = [], told = performance.now());
   for (const cell of cells()) {
     if (count++ % share.of !== share.part) continue;
     if (performance.now() - told > EVERY_MS || (stride && cell.stride !== stride)) {
@@ -44,12 +44,21 @@ async function fillMap({ id, s, mode, wanted, share }) {
     }
     stride = cell.stride;
     const here = { ...s, alpha: Math.max(1, cell.i * STEP.alpha), beta: Math.max(1, cell.j * STEP.beta) };
-    at.push(cell.at), values.push(mode === "power" ? powerFor(here, wanted) : speed(here));
+    at.push(cell.at), values.push(mode === "power" ? powerFor(here, wanted) : speed(here)), rates.push(jointRate(here));
   }
   tell(true);
 }
 
-// Speed with servos, speed against frequency, and what a fit leaves of both.
+// By how much 10 % more of each parameter changes the speed, the largest change first.
+function ranked(s) {
+  const withServo = s.servo && canRun(s.servo, jointRate(s));
+  const of = (state) => (withServo ? core.withServo(state, s.servo).speed : speed(state)), here = of(s);
+  return ["alpha", "beta", "hz", "ct", "cn", "ft0", "fn0", "mass", "length"].filter((name) => s[name] > 0)
+    .map((name) => ({ name, change: of({ ...s, [name]: 1.1 * s[name] }) / here - 1 }))
+    .filter((one) => Number.isFinite(one.change)).sort((a, b) => Math.abs(b.change) - Math.abs(a.change));
+}
+
+// Speed with servos, speed against frequency, what changes speed, and what a fit leaves of the first two.
 async function drawCurve({ id, s, fit }) {
   const told = async (part) => { postMessage({ id, ...part }); await new Promise((go) => setTimeout(go)); return id === job; };
   const servo = s.servo ? core.withServo(s, s.servo) : null;
@@ -57,7 +66,7 @@ async function drawCurve({ id, s, fit }) {
   const grounds = fit ? draws(fit) : [], among = (hz) => band(grounds.map((g) => speed({ ...s, ...g, hz, alpha: s.alpha * g.amplitude })));
   const curve = { hz: rates(CURVE_POINTS) };
   curve.speed = curve.hz.map((hz) => speed({ ...s, hz }));
-  if (!await told({ servo, curve }) || !fit) return;
+  if (!await told({ servo, curve }) || !await told({ servo, curve, ranks: ranked(s) }) || !fit) return;
   curve.band = among(s.hz), curve.bandHz = [], curve.low = [], curve.high = [];
   if (!await told({ servo, curve })) return;
   for (const hz of [...rates(BAND_POINTS), s.hz].sort((a, b) => a - b)) {

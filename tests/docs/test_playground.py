@@ -20,6 +20,7 @@ import pytest
 import serpenoid as sn
 from serpenoid.calibration import fit_file
 from serpenoid.calibration.speed_samples import speed_band
+from serpenoid.periodic.servo_steady import CANNOT
 from webdriver import Browser
 
 pytestmark = pytest.mark.slow  # emscripten compiles the core in minutes
@@ -78,6 +79,7 @@ def browser(page) -> Iterator[Browser]:
     with Browser(1280, 1100) as opened:
         opened.opens(page.as_uri())
         opened.waits_for(READY)
+        opened.runs("$('digits').click(); change({servo: ''});")
         yield opened
 
 
@@ -264,7 +266,7 @@ def test_the_map_is_complete_and_holds_the_packages_speeds(browser) -> None:
     assert min(values) >= 0
     s = browser.runs("return state")
     for i, j in ((30, 12), (20, 20), (36, 30), (13, 31)):
-        robot, ground, gait = parts(s | {"alpha": 2.25 * i, "beta": 4.5 * j})
+        robot, ground, gait = parts(s | {"alpha": 105 / 40 * i, "beta": 4.5 * j})
         wanted = sn.steady_gait(robot, ground, gait, rtol=1e-3, powers=False).speed_m_s
         assert values[41 * i + j] == pytest.approx(wanted, rel=1e-9)
 
@@ -291,9 +293,48 @@ def test_a_kind_of_servo_gives_a_second_speed(browser) -> None:
     robot, ground, gait = parts(browser.runs("return state"))
     wanted = sn.steady_gait(robot, ground, gait, servo=sn.servo()).speed_m_s
     assert browser.runs("return servo.speed") == pytest.approx(wanted, rel=5e-3)
-    assert "typical hobby servos" in browser.text("#servo-speed")
+    assert "typical hobby servos" in browser.text("#speed")
+    assert "Ideal joints" in browser.text("#servo-speed")
     browser.runs("$('servo').value = ''; $('servo').onchange();")
+    assert browser.runs("return fromHash(toHash(state), PRESETS['2005']).servo") == ""
     assert browser.runs("return $('servo-speed').hidden")
+
+
+def test_what_10_percent_more_changes_is_ranked(browser) -> None:
+    browser.waits_for("curve && curve.ranks")
+    s, ranks = browser.runs("return [state, curve.ranks]")
+    sizes = [abs(one["change"]) for one in ranks]
+    assert len(ranks) == 9
+    assert sizes == sorted(sizes, reverse=True)
+    before = sn.steady_gait(*parts(s)).speed_m_s
+    for one in ranks:
+        more = sn.steady_gait(*parts(s | {one["name"]: 1.1 * s[one["name"]]})).speed_m_s
+        assert one["change"] == pytest.approx(more / before - 1, abs=3e-3)
+
+
+def test_the_star_is_where_servos_can_run(page) -> None:
+    limit_deg_s = math.degrees(CANNOT * sn.servo().servo.no_load_rad_s)
+    with Browser(1280, 1100) as visitor:
+        visitor.opens(page.as_uri() + "#hz=1.2")  # with the servo of a new page
+        visitor.waits_for(MAPPED)
+        assert "too fast" in visitor.text("#speed")
+        values, rates, best = visitor.runs("return [[...map.values], map.rates, map.best]")
+        starred = math.tau * 1.2 * best["alpha"]
+        fastest = max(v for v, rate in zip(values, rates, strict=True) if rate <= limit_deg_s)
+        assert starred <= limit_deg_s
+        assert best["v"] == fastest < max(values)
+
+
+def test_two_digits_units_for_ears_and_no_error_without_a_width(page) -> None:
+    with Browser(1280, 1100) as visitor:
+        visitor.opens(page.as_uri())
+        visitor.waits_for(MAPPED)
+        assert visitor.text("#speed") == "0.092 m/s with typical hobby servos"
+        assert visitor.runs("return $('r-hz').getAttribute('aria-valuetext')") == "0.5 Hz"
+        visitor.runs("""window.wrong = []; addEventListener('error', (e) => wrong.push(e.message));
+document.body.style.display = 'none'; map.fresh = true; dispatchEvent(new Event('resize'));""")
+        visitor.runs("document.body.style.display = ''; dispatchEvent(new Event('resize'));")
+        assert visitor.runs("return wrong") == []
 
 
 @pytest.mark.parametrize("text", ["no json", "{}", "[1]", "null", '{"parameters": {}}', "9"])
