@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ..model.checks import check_number
+from ..model.checks import FORMULATIONS, check_choice, check_number
 from ..model.core_model import check_parts
 from ..model.errors import BadInput, NotConverged
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import steady_gait
-from .finder import ANY, Finder, LeastPower, finder
+from .finder import ANY, Finder, LeastPower
 from .limits import GaitLimits
 from .shapes import Array
 
@@ -146,10 +146,9 @@ def _front(
 ) -> list[LeastPower | NotConverged]:
     """Return the cheapest gait of each speed, in ascending order, or why there is none."""
     check_parts(robot, ground)
-    finders = [
-        finder(robot, on, speeds, cost, limits, rtol, formulation, *springs)
-        for on in directions(ground)
-    ]
+    check_choice("formulation", formulation, FORMULATIONS)
+    soft = springs if formulation == "implicit" else None
+    finders = [Finder(robot, on, speeds, cost, limits, rtol, soft) for on in directions(ground)]
     fronts = [one.front(speeds) for one in finders]
     return [cheaper(finders, found) for found in zip(*fronts, strict=True)]
 
@@ -174,7 +173,7 @@ def cheaper(
     changes: dict[str, Any] = {
         "basins": sum(one.basins for one, _ in gaits),
         "runner_up_w": min(best.runner_up_w, *(one.power_w for one, _ in others), np.inf),
-        "evaluations": sum(one.shapes.evaluations for one in finders),
+        "evaluations": sum(one.evaluations for one in finders),
     }
     if turned:
         gait = replace(best.gait, beta_rad=-best.gait.beta_rad)

@@ -23,7 +23,7 @@ from ..simulation.steady_springs import steady_springs
 from .finder import LeastPower
 from .least_power import power_front
 from .robust import RobustGait, robust_gait
-from .shapes import GaitShape
+from .shapes import shape_of
 
 Array = NDArray[np.float64]
 D = math.pi / 180
@@ -145,7 +145,7 @@ def shown_amplitude_deg(gait: Gait, reading: Reading) -> float:
     """Return the amplitude as the reading counts it, of joints or of links."""
     if reading.angles == "joint":
         return math.degrees(gait.alpha_rad)
-    return math.degrees(math.exp(GaitShape.of(gait.alpha_rad, gait.beta_rad).swing))
+    return math.degrees(math.exp(shape_of(gait.alpha_rad, gait.beta_rad)[0]))
 
 
 def along_x(gait: Gait) -> float:

@@ -7,11 +7,9 @@ sampled robots keep. Their speeds are solved, never linearised: near a cliff the
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-
-import numpy as np
+from typing import Any
 
 from ..model.checks import check_number
 from ..model.errors import NotConverged
@@ -19,25 +17,20 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
-from .finder import ANY, Finder, LeastPower, finder
+from .finder import ANY, ROUGH, Finder, LeastPower
 from .least_power import cheaper, directions
 from .limits import GaitLimits
 from .sampled_speeds import KEEP, Samples, low_speed, low_speed_error
-from .shapes import Accuracy, Array, Point
+from .shapes import Array, Point, better
 from .uncertainty import Sample, Uncertainty
 
 SAMPLES = 2048
-_FOR_RANK, _FOR_SHAPE = 32, 512  # samples by which shapes are ranked, and the best is searched
-_FOR_SHAPE_DRIVEN = 192  # the same with servos, which cost ten times as much
-_DRIVEN = 512  # samples that are solved with their servos, which cost ten times as much
-_ROUNDS = 3  # searches at most, each with what fresh samples showed of the one before
-_DEARER = 1.1  # times the best: shapes that cost more nominally are not ranked
-_WITHIN, _APART = 2.0, 0.1  # cost over the cheapest, and e-folds of shape, of shapes to rank
-_SEARCHES = (0.1, 12), (0.04, 6)  # first simplex, e-folds of shape; one sample in so many, the
-# slowest at the start, is followed: twice as many as make the percentile, then four times
+_FOR_RANK, _FOR_SHAPE = 32, 256  # samples that rank the table's shapes, and choose the shape
+_DRIVEN = 512  # samples at most with servos, which cost ten times as much
+_SIZES = 0.1, 0.05  # e-folds of shape: first simplex, from the table's shape and closer
+_ROUNDS = 3  # searches at most, each with what the one before has shown of the rate
 _STATE_RTOL, _SETTLED = 1e-5, 1e-3  # accuracy of states, and of the last rate's speed
 _STATES = 1e-3  # relative accuracy of sampled speeds
-_ROUNDING = 1e-3  # e-folds beyond a limit: less than a hundredth of what robustness asks
 _SURE = 2.0  # standard errors between two sets of samples: more is no chance
 
 
@@ -165,36 +158,30 @@ def robust_gait(
     check_number("samples", samples, 20, 65536)
     uncertainty, wanted = uncertainty or Uncertainty(), float(speed_m_s)
     count = samples if uncertainty.servo is None else min(samples, _DRIVEN)
-    few = min(count, _FOR_SHAPE if uncertainty.servo is None else _FOR_SHAPE_DRIVEN)
-    finders = [finder(robot, on, [wanted], cost, limits) for on in directions(ground)]
-    fronts = [one.front([wanted])[0] for one in finders]
-    fragile = cheaper(finders, fronts)
+    finders = [Finder(robot, on, [wanted], cost, limits) for on in directions(ground)]
+    fragile = cheaper(finders, [finder.front([wanted])[0] for finder in finders])
     if isinstance(fragile, NotConverged):
         raise fragile
 
-    def draw(part: int, size: int) -> list[Sample]:
-        return uncertainty.samples(robot, ground, size, seed + part, skip=part * samples)
+    def draw(part: int) -> list[Sample]:
+        return uncertainty.samples(robot, ground, count, seed + part, skip=part * count)
 
-    best: tuple[Robustness, Point] | None = None
-    for k, one in enumerate(finders):
-        work = Robustness(one, wanted, [draw(2, few), draw(0, count)], k > 0)
-        point = work.minimize()
-        if point is not None and (best is None or point.value < best[1].value):
-            best = work, point
-    if best is None:
+    rate_by, fresh, choose_by = draw(0), draw(1), draw(2)[:_FOR_SHAPE]
+    ends = [
+        _cheapest(finder, wanted, choose_by, rate_by, turned)
+        for finder, turned in zip(finders, (False, True), strict=False)
+    ]
+    best = min((end for end in ends if end is not None), key=better, default=None)
+    if best is None or best.gait is None:
         raise NotConverged(
             f"no gait keeps 95 % of the sampled robots above {KEEP * wanted:.3g} m/s within the "
             f"limits ({limits.in_words()}); ask for less speed, or know friction and servos better"
         )
-    work, point = best
-    gait = work.as_sent(point)
-    here = [Samples(robot, draw(part, count)) for part in (0, 1)]
-    speeds, checked = (samples.speeds(gait) for samples in here)
-    steady = steady_gait(robot, ground, gait, rtol=_STATE_RTOL)
-    shapes = work.finder.shapes
+    speeds, checked = (Samples(robot, drawn).speeds(best.gait) for drawn in (rate_by, fresh))
+    steady = steady_gait(robot, ground, best.gait, rtol=_STATE_RTOL)
     return RobustGait(
-        gait,
-        shapes.watts(steady),
+        best.gait,
+        finders[0].watts(steady),
         steady.speed_m_s,
         wanted,
         cost,
@@ -204,110 +191,51 @@ def robust_gait(
         low_speed(checked),
         speeds,
         fragile,
-        low_speed(Samples(robot, here[0].samples[:_DRIVEN]).speeds(fragile.gait)),
-        limits.active(gait, shapes.torque_nm(gait)),
-        work.solved + shapes.evaluations + 2 * count + _DRIVEN,
+        low_speed(Samples(robot, rate_by[:_DRIVEN]).speeds(fragile.gait)),
+        limits.active(best.gait, finders[0].torque_nm(best.gait)),
+        sum(finder.evaluations for finder in finders),
     )
 
 
-class Robustness:
-    """The search for the shape that costs least where its slow cases are fast enough.
+def _cheapest(
+    nominal: Finder, wanted: float, few: list[Sample], many: list[Sample], turned: bool
+) -> Point | None:
+    """Return the best shape by a few samples, at the rate that many ask for, or None.
 
-    finder: of least power, for waves from head to tail; turned: of the robot that has its tail
-    called head. drawn: samples that choose the shape, and fresh ones that set the rate.
+    Where that rate is beyond a limit, the search goes on with what the many showed. turned: the
+    finder's robot has its tail called head.
     """
+    if turned:
+        few, many = ([sample.turned_round() for sample in part] for part in (few, many))
+    choosing, setting = Samples(nominal.robot, few), Samples(nominal.robot, many)
+    followed, optimism = [Samples(nominal.robot, few[:_FOR_RANK])], 1.0
 
-    def __init__(
-        self, finder: Finder, wanted: float, drawn: Sequence[list[Sample]], turned: bool
-    ) -> None:
-        self.finder, self.wanted, self.turned = finder, wanted, turned
-        drawn = [[s.turned_round() for s in part] if turned else part for part in drawn]
-        self.few, self.many = (Samples(finder.robot, part) for part in drawn)
-        self.optimism = 1.0  # low speed of the few over that of the many
+    def chosen_by(gait: Gait, state: Any) -> float:
+        return min(state.speed_m_s, followed[-1].low(gait) / optimism / KEEP)
 
-    @property
-    def solved(self) -> int:
-        """Return the number of states of samples."""
-        return self.few.solved + self.many.solved
+    def set_by(gait: Gait, state: Any) -> float:
+        return min(state.speed_m_s, low_speed(setting.speeds(gait, rough=True)) / KEEP)
 
-    def as_sent(self, point: Point) -> Gait:
-        """Return a gait for the robot that has its head in front."""
-        assert point.gait is not None
-        gait = point.gait
-        return replace(gait, beta_rad=-gait.beta_rad) if self.turned else gait
-
-    def minimize(self) -> Point | None:
-        """Return the best shape at the rate that the many ask for, or None.
-
-        Where that rate is beyond a limit, the search goes on with what the many showed.
-        """
-        best, slow = self._ranked(), self.few
-        for _ in range(_ROUNDS):
-            for box, part in _SEARCHES:
-                if best is None or best.gait is None:
-                    return None
-                slow = self.few.slowest(best.gait, part)
-                best = self._search(slow).descend(self.wanted, best, box)
-            settled = self._settled(best)
-            if settled is None or settled.gait is None or settled.margin >= -_ROUNDING:
-                return settled
-            self.optimism *= slow.low(settled.gait) / low_speed(self.many.speeds(settled.gait))
-            best = settled
-        return None
-
-    def _ranked(self) -> Point | None:
-        """Return the best of the table's shapes, by few samples.
-
-        Shapes that cost more than the best even as they are thought to be are left out.
-        """
-        shapes = self._search(Samples(self.few.robot, self.few.samples[:_FOR_RANK])).shapes
-        best: Point | None = None
-        looked: list[Array] = []
-        for start in self.finder.table.starts(self.wanted, _WITHIN):
-            if best is not None and start.watts > _DEARER * math.exp(best.value):
-                break
-            at = np.array(start.shape)
-            if any(math.dist(at, other) < _APART for other in looked):
-                continue
-            looked.append(at)
-            point = shapes.point(at, self.wanted, start.omega_rad_s, self.finder.rough)
-            if point.gait is not None and (best is None or point.better < best.better):
-                best = point
+    search, settle = copy(nominal), copy(nominal)
+    search.speed, settle.speed = chosen_by, set_by
+    starts = nominal.table.starts(wanted)
+    best = min((search.point(p.shape, wanted, p.rate) for p in starts), key=better)
+    for _ in range(_ROUNDS):
+        for size in _SIZES:
+            if best.gait is None:
+                return None
+            followed.append(choosing.slowest(best.gait))
+            best = search.descend(wanted, best, size, ROUGH)
+        if best.gait is None:
+            return None
+        best = settle.point(best.shape, wanted, best.rate, _SETTLED)
+        if best.gait is not None and best.margin < 0:
+            optimism *= choosing.low(best.gait) / low_speed(setting.speeds(best.gait))
+            continue
+        solved = sum(samples.solved for samples in (choosing, setting, *followed))
+        nominal.evaluations = search.evaluations + settle.evaluations + solved
+        if best.gait is not None and turned:
+            gait = replace(best.gait, beta_rad=-best.gait.beta_rad)
+            return replace(best, gait=gait)
         return best
-
-    def _search(self, samples: Samples) -> Finder:
-        """Return the finder by what samples keep in place of the speed."""
-        finder = copy(self.finder)
-        nominal = self.finder.shapes.solve
-
-        def solve(gait: Gait, rtol: float) -> Steady | None:
-            state = nominal(gait, rtol)
-            if state is None:
-                return None
-            kept = samples.low(gait) / self.optimism / KEEP
-            return replace(state, speed_m_s=min(state.speed_m_s, kept))
-
-        finder.shapes = self.finder.shapes.solved_by(solve)
-        return finder
-
-    def _settled(self, best: Point | None) -> Point | None:
-        """Return a shape at the rate that the many samples and the nominal ground ask for."""
-        if best is None or best.gait is None:
-            return None
-        nominal = self.finder.shapes
-
-        def solve(gait: Gait, rtol: float) -> Steady | None:
-            state = nominal.solve(gait, rtol)
-            if state is None:
-                return None
-            kept = low_speed(self.many.speeds(gait, rough=True)) / KEEP
-            return replace(state, speed_m_s=min(state.speed_m_s, kept))
-
-        how = Accuracy(_STATE_RTOL, _SETTLED)
-        rate = best.gait.omega_rad_s
-        found = nominal.solved_by(solve).point(best.at, self.wanted, rate, how)
-        if found.gait is None:
-            return None
-        least = nominal.point(best.at, self.wanted, rate, Accuracy(_STATE_RTOL, _STATE_RTOL))
-        enough = least.gait is None or found.gait.omega_rad_s >= least.gait.omega_rad_s
-        return found if enough else least
+    return None

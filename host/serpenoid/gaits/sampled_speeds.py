@@ -20,6 +20,7 @@ from .uncertainty import Sample
 Array = NDArray[np.float64]
 QUANTILE, KEEP = 0.05, 0.9  # so many robots may make less than this share of the wanted speed
 _RTOL = 1e-3  # of speeds; a percentile of 2048 samples scatters by ten times as much
+_FOLLOWED = 2.0  # times as many as make the percentile: their order changes with the gait
 _FINE = 3.0  # times the percentile's rank: the slowest, whose speeds with servos are solved finely
 
 
@@ -33,10 +34,11 @@ class Samples:
         self.robot, self.samples = robot, list(samples)
         self.count, self.solved = count or len(self.samples), 0
 
-    def slowest(self, gait: Gait, part: int) -> Samples:
-        """Return one in `part` of them, those that are slowest under a gait."""
-        order = np.argsort(self.speeds(gait, rough=True))[: max(self.count // part, 12)]
-        return Samples(self.robot, [self.samples[k] for k in order], self.count)
+    def slowest(self, gait: Gait) -> Samples:
+        """Return those that are slowest under a gait, more than make its 5th percentile."""
+        order = np.argsort(self.speeds(gait, rough=True))
+        most = round(_FOLLOWED * QUANTILE * self.count) + 8
+        return Samples(self.robot, [self.samples[k] for k in order[:most]], self.count)
 
     def low(self, gait: Gait) -> float:
         """Return the smoothed 5th percentile of their speeds, good to a thousandth, m/s."""

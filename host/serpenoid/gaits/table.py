@@ -17,18 +17,19 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.grid import threads_to_use
 from .limits import GaitLimits
-from .shapes import COSTS, Candidate, GaitShape
+from .shapes import COSTS, Array, Point, shape_of
 
-Array = NDArray[np.float64]
 _SWINGS = np.radians(np.geomspace(4.0, 90.0, 14))  # of headings: gaits outside hardly travel
 _LAGS = 14, 20  # up to 8 links and for more: long robots have several narrow valleys
 _RTOL = 3e-3  # of speeds; a table ranks shapes, and lines between its rates err by more
 _RATE_STEP = 1.6  # from rate to rate: log-log lines between them err by a few per cent
 _SLOWEST = 2.0  # rate times body length over speed: a wave of the body hardly moves it faster
-_FIRST_RATES = 4  # solved for every shape: more at a time are cheaper
-_MOST_RATES = 30  # steps up at most, a factor of a million in rate
-_PENALTY = 8.0  # a limit exceeded by a factor f costs f^8, so starts within limits come first
+_MOST_RATES = 30  # a factor of a million
 _STILL = 1e-6  # of body length times rate: a lower speed is noise of the solver
+_PENALTY = 8.0  # e-folds of cost for an e-fold beyond a limit: a start may lie beyond it
+_WITHIN = 1.6  # times the cheapest: what the table's coarseness may hide
+_VALLEY = 0.35  # e-folds of shape: starts nearer than that lie in one valley
+_STARTS = 6  # valleys that are followed
 
 
 class GaitTable:
@@ -37,20 +38,13 @@ class GaitTable:
     A shape is followed to higher rates while it costs less than the cheapest gait known that makes
     the speed. So each rate that gives it the speed is known, and none beyond can be cheaper.
 
-    Parameters
-    ----------
-    robot, ground, cost, limits
-        As in `least_power_gait`.
-    speeds
-        Those of interest, m/s.
-
     Attributes
     ----------
-    alpha_rad, beta_rad : (S, L)
+    alpha_rad, beta_rad : (S,)
         Amplitude and lag of the joints.
     omega_rad_s : (W,)
         Rates.
-    speed_m_s, cost_w : (S, L, W)
+    speed_m_s, cost_w : (S, W)
         NaN where not solved.
     """
 
@@ -63,100 +57,88 @@ class GaitTable:
         lags = np.geomspace(min(math.radians(22), 2.2 / n), math.radians(175), _LAGS[n > 8])
         alpha = 2 * _SWINGS[:, None] * np.sin(lags / 2)
         most = min(limits.joint_angle_rad, math.pi)
-        beyond = np.vstack([np.zeros((1, lags.size), bool), alpha[:-1] >= most])
-        self.alpha_rad = np.where(beyond, np.nan, np.minimum(alpha, most))  # the limit's own, too
-        self.beta_rad = np.broadcast_to(lags, alpha.shape)
+        kept = np.vstack([np.ones((1, lags.size), bool), alpha[:-1] < most])  # the limit's own, too
+        self.alpha_rad = np.minimum(alpha, most)[kept]
+        self.beta_rad = np.broadcast_to(lags, alpha.shape)[kept]
         self.omega_rad_s = np.empty(0)
-        self.speed_m_s = self.cost_w = np.empty((*alpha.shape, 0))
+        self.speed_m_s = self.cost_w = np.empty((self.alpha_rad.size, 0))
         self._grow(speeds)
 
     def _grow(self, speeds: Sequence[float]) -> None:
         """Add rates upwards while a shape may still be cheaper than what is known."""
-        limits, body = self.limits, self.robot.body_length_m
-        lowest = max(_SLOWEST * min(speeds) / body, limits.omega_low_rad_s / _RATE_STEP)
-        lowest = min(lowest, limits.omega_high_rad_s / _RATE_STEP)
-        lowest = min(lowest, limits.servo_speed_rad_s / (4 * float(np.nanmax(self.alpha_rad))))
-        useful = np.isfinite(self.alpha_rad)
-        count = _FIRST_RATES
+        limits, useful = self.limits, np.ones(self.alpha_rad.size, bool)
+        lowest = min(
+            _SLOWEST * min(speeds) / self.robot.body_length_m,
+            limits.omega_high_rad_s / _RATE_STEP,
+            limits.servo_speed_rad_s / (4 * float(self.alpha_rad.max())),
+        )
         while useful.any() and self.omega_rad_s.size < _MOST_RATES:
-            rates = lowest * _RATE_STEP ** (self.omega_rad_s.size + np.arange(count))
-            rates = rates[rates < limits.omega_high_rad_s * _RATE_STEP * 1.01]
-            if not rates.size:
-                return
+            rates = lowest * _RATE_STEP ** (self.omega_rad_s.size + np.arange(3.0))
             self._add(rates, useful)
-            best = max(np.nanmin(self._prices(v)[1], initial=math.inf) for v in speeds)
-            useful &= ~(self.cost_w[:, :, -1] > best)
+            best = max(np.nanmin(self._roots(v)[1], initial=math.inf) for v in speeds)
+            useful &= ~(self.cost_w[:, -1] > best)
             useful &= self.alpha_rad * rates[-1] < _RATE_STEP * limits.servo_speed_rad_s
-            count = 2
+            useful &= rates[-1] < limits.omega_high_rad_s
 
     def _add(self, rates: NDArray[Any], useful: NDArray[np.bool_]) -> None:
         """Solve some shapes at some rates."""
-        alpha, beta = self.alpha_rad[useful].tolist(), self.beta_rad[useful].tolist()
         models = [
-            core_model(self.robot, self.ground, Gait(a, b, 1.0))
-            for a, b in zip(alpha, beta, strict=True)
+            core_model(self.robot, self.ground, Gait(alpha, beta, 1.0))
+            for alpha, beta in zip(
+                self.alpha_rad[useful].tolist(), self.beta_rad[useful].tolist(), strict=True
+            )
         ]
         powers, threads = self.cost != "power", min(threads_to_use(None), len(models))
         rows = _core.sweep(models, rates.tolist(), _RTOL, powers, threads, None, rough=True)
-        v, good = rows[..., 0], rows[..., 10] > 0.5
+        v, solved = rows[..., 0], rows[..., 10] > 0.5
         v = np.where(v > _STILL * rates * self.robot.body_length_m, v, 1e-300)
-        speed, cost = np.full((2, *useful.shape, rates.size), np.nan)
-        speed[useful] = np.where(good, v, np.nan)
-        cost[useful] = np.where(good, rows[..., 1 + COSTS.index(self.cost)], np.nan)
+        more = np.full((2, useful.size, rates.size), np.nan)
+        more[:, useful] = np.where(solved, [v, rows[..., 1 + COSTS.index(self.cost)]], np.nan)
         self.omega_rad_s = np.append(self.omega_rad_s, rates)
-        self.speed_m_s = np.concatenate([self.speed_m_s, speed], axis=2)
-        self.cost_w = np.concatenate([self.cost_w, cost], axis=2)
+        self.speed_m_s = np.append(self.speed_m_s, more[0], axis=1)
+        self.cost_w = np.append(self.cost_w, more[1], axis=1)
 
-    def _prices(self, speed_m_s: float) -> tuple[Array, Array]:
-        """Return rate and price of every root of every shape at a speed, (S, L, W - 1).
+    def _roots(self, speed_m_s: float) -> tuple[Array, Array]:
+        """Return rate and price of every root of every shape at a speed, (S, W - 1).
 
         The price is the cost, dearer beyond a limit. NaN where there is no root.
         """
-        x = np.log(self.omega_rad_s)
+        x, limits = np.log(self.omega_rad_s), self.limits
         with np.errstate(all="ignore"):
-            y, q = np.log(self.speed_m_s / speed_m_s), np.log(self.cost_w)
-            part = y[:, :, :-1] / (y[:, :, :-1] - y[:, :, 1:])
+            y, cost = np.log(self.speed_m_s / speed_m_s), np.log(self.cost_w)
+            part = y[:, :-1] / (y[:, :-1] - y[:, 1:])
             rate = np.exp(x[:-1] + part * np.diff(x))
-            watts = np.exp(q[:, :, :-1] + part * np.diff(q, axis=2))
-            none = ~(y[:, :, :-1] * y[:, :, 1:] <= 0)
-            excess = np.log(self._used(rate)).clip(0, 30)
-            return rate, np.where(none, np.nan, watts * np.exp(_PENALTY * excess))
+            used = np.maximum(self.alpha_rad[:, None] * rate / limits.servo_speed_rad_s, 1.0)
+            used = np.maximum(used, limits.omega_low_rad_s / rate)
+            used = np.maximum(used, rate / limits.omega_high_rad_s)
+            price = np.exp(cost[:, :-1] + part * np.diff(cost)) * used**_PENALTY
+            return rate, np.where(y[:, :-1] * y[:, 1:] <= 0, price, np.nan)
 
-    def _used(self, rate: Array) -> Array:
-        """Return by what factor gaits are nearest to a limit, or beyond it."""
-        limits = self.limits
-        return np.maximum.reduce(
-            [
-                self.alpha_rad[:, :, None] * rate / limits.servo_speed_rad_s,
-                limits.omega_low_rad_s / rate,
-                rate / limits.omega_high_rad_s,
-            ]
-        )
-
-    def starts(self, speed_m_s: float, within: float) -> list[Candidate]:
-        """Return roots of shapes that cost at most `within` times the cheapest, cheapest first."""
-        rate, price = self._prices(speed_m_s)
-        found = np.argwhere(price <= within * np.nanmin(price, initial=math.inf)).tolist()
-        return sorted(
-            Candidate(
-                float(price[i, j, k]),
-                GaitShape.of(float(self.alpha_rad[i, j]), float(self.beta_rad[i, j])),
-                float(rate[i, j, k]),
-            )
-            for i, j, k in found
-        )
+    def starts(self, speed_m_s: float) -> list[Point]:
+        """Return the cheapest shapes at a speed, far enough from each other, cheapest first."""
+        rate, price = self._roots(speed_m_s)
+        kept: list[Point] = []
+        most = _WITHIN * np.nanmin(price, initial=math.inf)
+        for place in np.argsort(price, axis=None)[: np.count_nonzero(price <= most)]:
+            k, root = np.unravel_index(place, price.shape)
+            alpha, beta = float(self.alpha_rad[k]), float(self.beta_rad[k])
+            shape = shape_of(alpha, beta)
+            if all(math.dist(shape, other.shape) > _VALLEY for other in kept):
+                gait = Gait(alpha, beta, float(rate[k, root]))
+                kept.append(Point(shape, gait, math.log(price[k, root])))
+        return kept[:_STARTS]
 
     def fastest(self) -> tuple[float, float, float, float]:
         """Return speed, alpha, beta and rate of the fastest gait of the table within the limits."""
         best, limits, x = (0.0, 0.0, 0.0, 0.0), self.limits, np.log(self.omega_rad_s)
-        for place in zip(*np.nonzero(np.isfinite(self.speed_m_s[:, :, 0])), strict=True):
-            alpha, beta = self.alpha_rad[place], self.beta_rad[place]
-            known = np.isfinite(self.speed_m_s[place])
+        for alpha, beta, v in zip(self.alpha_rad, self.beta_rad, self.speed_m_s, strict=True):
             top = math.log(min(limits.servo_speed_rad_s / alpha, limits.omega_high_rad_s, 1e300))
-            rates = np.minimum(x[known], top)
-            v = np.interp(rates, x[known], np.log(self.speed_m_s[place][known]))
-            k = int(v.argmax())
-            best = max(best, (math.exp(v[k]), float(alpha), float(beta), math.exp(rates[k])))
+            known = np.isfinite(v)
+            if known.any():
+                rates = np.minimum(x[known], top)
+                speeds = np.exp(np.interp(rates, x[known], np.log(v[known])))
+                k = int(speeds.argmax())
+                best = max(best, (float(speeds[k]), float(alpha), float(beta), math.exp(rates[k])))
         return best
 
 

@@ -93,7 +93,8 @@ class Uncertainty:
 
         joints = robot.links - 1
         sobol = qmc.Sobol(5 + 2 * joints, seed=seed)  # pyright: ignore[reportCallIssue]
-        points = norm.ppf(np.clip(sobol.random(count), 1e-9, 1 - 1e-9))
+        cube = sobol.random_base2((count - 1).bit_length())[:count]
+        points = norm.ppf(np.clip(cube, 1e-9, 1 - 1e-9))
         if self.grounds:
             pick = np.random.default_rng(2005).permutation(len(self.grounds))
             grounds = [self.grounds[pick[(skip + i) % pick.size]] for i in range(count)]

@@ -32,7 +32,9 @@ def test_a_wider_joint_limit_in_a_steep_valley_costs_less() -> None:
     assert wide < 1.523
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 24))]
+)
 def test_random_ladders_of_limits_and_costs(seed: int) -> None:
     rng = np.random.default_rng((34, seed))
     robot = sn.Robot(int(rng.integers(3, 8)), float(rng.uniform(0.05, 0.5)), 0.08)
