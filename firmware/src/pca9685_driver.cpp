@@ -1,9 +1,9 @@
 // Servos at a PCA9685, 16 channels behind two wires; its outputs are enabled by a pin of the board.
 //
 // All channels are written in one burst and change together, at the end of the chip's own cycle,
-// which is as long as a frame but not locked to it. The pin that enables them (/OE, low) floats
-// while the board resets, and a resistor pulls it up: so a reset, or a bus that fell silent, ends
-// all pulses without a word to the chip.
+// which is a frame to within 2.4 % and is not locked to it. The pin that enables them (/OE, low)
+// floats while the board resets, and a resistor pulls it up: so a reset, or a bus that fell silent,
+// ends all pulses without a word to the chip.
 #ifdef SERPENOID_PCA9685
 #include <Arduino.h>
 
