@@ -19,7 +19,7 @@ import tomllib
 from click.testing import CliRunner
 from serpenoid.commands.main import cli
 from serpenoid.model import errors
-from serpenoid.robot.wire.error_table import ERRORS
+from serpenoid.robot.wire.protocol import ERRORS
 
 HERE = Path(__file__).resolve().parent
 OUT = HERE / "generated"

@@ -12,7 +12,7 @@ import pytest
 from golden import dialogue
 from serpenoid._core import firmware
 from serpenoid.robot.wire import protocol
-from serpenoid.robot.wire.error_table import ERRORS
+from serpenoid.robot.wire.protocol import ERRORS
 
 
 def test_the_file_is_what_its_script_writes(tmp_path: Path) -> None:

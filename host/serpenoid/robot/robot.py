@@ -28,11 +28,10 @@ from .signals import SignalGuard
 from .wire.clock import Drift
 from .wire.dialogue import Answer, CloseResult, Dialogue
 from .wire.encoding import degrees, digits, word
-from .wire.error_table import refused
 from .wire.greeting import greet
 from .wire.inbox import Losses
 from .wire.link import Link, open_link
-from .wire.protocol import Data, Hello, Telemetry, Verdict
+from .wire.protocol import Data, Hello, Telemetry, Verdict, refused
 from .wire.reports import Status, Trim, settings_of, status_of, trims_of
 
 if TYPE_CHECKING:

@@ -5,6 +5,7 @@ import json
 import math
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
 from importlib.resources import files
@@ -114,11 +115,21 @@ def test_keys_at_the_terminal_steer_the_page_too():
     assert told == ["1 step", "2 step", "1 step"]
 
 
+def test_keys_that_two_pages_press_at_once_all_count():
+    robot = SteeredRobot()
+    keys = steering(robot)
+    with ThreadPoolExecutor() as pages:
+        list(pages.map(lambda key: keys[key](), ["left", "left", "right"] * 10))
+    assert robot.steps == 10
+
+
 class SteeredRobot:
     steps = 0
 
     def steer(self, steps):
-        self.steps += steps
+        wanted = self.steps + steps
+        time.sleep(0.001)  # until the board has answered
+        self.steps = wanted
         return f"{self.steps} step"
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from serpenoid.model.errors import BadInput, DamagedLine
 from serpenoid.robot.wire import protocol
 from serpenoid.robot.wire.encoding import digits
-from serpenoid.robot.wire.error_table import ERRORS
+from serpenoid.robot.wire.protocol import ERRORS
 
 ROOT = Path(__file__).parents[3]
 FRAME = (

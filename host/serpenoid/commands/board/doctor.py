@@ -58,11 +58,11 @@ def doctor(
                 say(f"      -> {finding.fix}")
     well = all(finding.mark != "fix" for finding in findings)
     if as_json:
-        show_json({"well": well, "findings": [finding.to_dict() for finding in findings]})
+        show_json({"well": well, "findings": [vars(finding) for finding in findings]})
     if report:
         say("measuring for some five minutes ...", err=True)
         facts = measure(port, (lambda text: click.confirm(text, err=True)) if move else None)
-        facts["findings"] = [finding.to_dict() for finding in findings]
+        facts["findings"] = [vars(finding) for finding in findings]
         write_text(report, json.dumps(facts, indent=2))
         well = well and "failure" not in facts
         remarks = [f"{name}: {facts[name]}" for name in ("left_out", "failure") if name in facts]

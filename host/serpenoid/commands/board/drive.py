@@ -172,5 +172,5 @@ def _sum_up(
     if not as_json:
         return show_summary(found, band)
     told = {} if band is None else {"predicted": band.to_dict()}
-    told = {"gait": describe(run.gait)} | told | found.to_dict()
+    told = {"gait": describe(run.gait)} | told | vars(found)
     return show_json(told if before is None else before | {"drive": told})

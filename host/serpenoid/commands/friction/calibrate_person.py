@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -149,12 +150,17 @@ def _page(
 def steering(
     robot: SessionRobot, told: Callable[[str], None] = lambda words: None
 ) -> dict[str, Callable[[], str]]:
-    """Return what the left and right keys do: one step on every joint each; told: the offset."""
+    """Return what the left and right keys do: one step on every joint each; told: the offset.
+
+    The terminal and several pages may press at the same time: every press counts.
+    """
+    pressing = threading.Lock()
 
     def by(steps: int) -> Callable[[], str]:
         def key() -> str:
-            words = robot.steer(steps)
-            told(words)
+            with pressing:
+                words = robot.steer(steps)
+                told(words)
             return words
 
         return key

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Literal
 
@@ -28,7 +28,6 @@ RESETS = {
     "brownout": "give the servos a supply of their own and join the grounds",
     "watchdog": "the program hung: flash the newest firmware; if it persists, report it",
 }
-MEDDLERS = {"brltty": port_diagnosis.BRLTTY, "ModemManager": port_diagnosis.MODEM_MANAGER}
 BOARD_COUNTS = ("crc", "garbled", "overlong", "lost", "rxfull")
 HOST_COUNTS = ("damaged_lines", "missed_frames")
 LATE_US = 2000  # the firmware's own budget for the lateness of a frame (firmware/README.md)
@@ -45,10 +44,6 @@ class Finding:
     mark: Mark
     found: str
     fix: str = ""
-
-    def to_dict(self) -> dict[str, str]:
-        """Return plain values."""
-        return asdict(self)
 
 
 def examine(
@@ -80,9 +75,6 @@ def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Findi
         yield Finding("port", "ok", f"{port}: the firmware in this process, no robot")
     else:
         port = port or link.find_port()
-        yield (there := _exists(port))
-        if there.mark != "ok":
-            return
         for finding in _access(port):
             yield finding
             if finding.mark == "fix":
@@ -98,7 +90,8 @@ def _exists(port: str) -> Finding:
 
 
 def _access(port: str) -> Iterator[Finding]:
-    """Look at who may open the port, and who has done so."""
+    """Look whether the port is there, who may open it, and who has done so."""
+    yield _exists(port)
     if not allowed(port):
         yield Finding("permission", "fix", "refused", port_diagnosis.why_forbidden(port))
     else:
@@ -107,7 +100,7 @@ def _access(port: str) -> Iterator[Finding]:
         yield Finding("other programs", "fix", "in use", port_diagnosis.why_held(port, holders))
     else:
         yield Finding("other programs", "ok", f"none has {port} open")
-    for name, cure in MEDDLERS.items():
+    for name, cure in port_diagnosis.MEDDLERS.items():
         if port_diagnosis.running(name):
             yield Finding(name, "note", "runs here and may take the port", cure)
 

@@ -12,15 +12,8 @@ from contextlib import contextmanager
 
 from ...model.errors import BadInput
 
-NAMES = {
-    "\x1b[A": "up",
-    "\x1b[B": "down",
-    "\x1b[C": "right",
-    "\x1b[D": "left",
-    "\x1bOA": "up",
-    "\x1bOB": "down",
-    "\x1bOC": "right",
-    "\x1bOD": "left",
+ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
+NAMES = {f"\x1b{mode}{end}": name for mode in "[O" for end, name in ARROWS.items()} | {
     "\x1b[5~": "page up",
     "\x1b[6~": "page down",
     "\n": "enter",

@@ -25,10 +25,9 @@ from ...model.errors import (
     RobotUnattended,
     StopUnconfirmed,
 )
-from .error_table import refused
 from .inbox import Inbox
 from .link import Link
-from .protocol import Data, Telemetry, Verdict, seal
+from .protocol import Data, Telemetry, Verdict, refused, seal
 
 RETRY_S = 0.1
 LEAST_S = 1e-6  # of patience: less is a rounding error

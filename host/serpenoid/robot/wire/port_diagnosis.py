@@ -20,6 +20,7 @@ MODEM_MANAGER = (
     "ModemManager asks every new port whether it is a modem: wait half a minute, or end it "
     "with `sudo systemctl stop ModemManager`"
 )
+MEDDLERS = {"brltty": BRLTTY, "ModemManager": MODEM_MANAGER}  # programs that take ports, the cure
 
 
 @dataclass(frozen=True)
@@ -59,12 +60,12 @@ def running(name: str) -> bool:
 def why_held(port: str, holders: list[Holder]) -> str:
     """Say who has the port and how to get it back."""
     if not holders:
-        suspects = [cure for name, cure in _CURES.items() if running(name)]
+        suspects = [cure for name, cure in MEDDLERS.items() if running(name)]
         advice = suspects[0] if suspects else "close serial monitors, plotters and other scripts"
         return f"{port} is taken by a program that this user may not see; {advice}"
     who = ", ".join(f"{h.name} (process {h.pid})" for h in holders[:MOST_NAMED])
     who += f" and {len(holders) - MOST_NAMED} more" if len(holders) > MOST_NAMED else ""
-    cures = [_CURES[h.name] for h in holders if h.name in _CURES]
+    cures = [MEDDLERS[h.name] for h in holders if h.name in MEDDLERS]
     if holders[0].pid == os.getpid():
         cures = ["this very program has it open: leave its other `with Robot` first"]
     return f"{port} is in use by {who}; {cures[0] if cures else 'close it there first'}"
@@ -98,9 +99,6 @@ def why_no_port() -> str:
             "A CH340 is plugged in but has no port: its driver ch341 is missing, or brltty took it"
         )
     return "Plug the board in (with a cable that carries data), or name its port"
-
-
-_CURES = {"brltty": BRLTTY, "ModemManager": MODEM_MANAGER}
 
 
 def _pids() -> list[int]:

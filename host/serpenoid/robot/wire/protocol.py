@@ -8,10 +8,11 @@ import re
 from dataclasses import dataclass, field
 
 from ..._core import firmware
-from ...model.errors import BadInput, DamagedLine
+from ...model.errors import BadInput, CommandRefused, DamagedLine
 from .encoding import check_frame
 
 PROTOCOL: int = firmware.PROTOCOL
+ERRORS = {word: tuple(row) for word, *row in firmware.ERRORS}  # number, what happened, what to do
 FEWEST_JOINTS, MOST_JOINTS = 2, 12
 FRAMES_US = range(3_000, 32_501)  # from frame to frame
 LONGEST_LINE = 400  # bytes, from a board of twelve joints and some to spare
@@ -198,6 +199,14 @@ def _verdict(body: str) -> Verdict:
     again = words[:1] == ["again"]
     number = int(mark) if mark.isdigit() else None
     return Verdict(kind == "ok", number, mark, error, " ".join(words[again:]), again)
+
+
+def refused(text: str, verdict: Verdict) -> CommandRefused:
+    """Return the error that the board refused a command: its own detail, or else the table's."""
+    detail = verdict.detail
+    if not detail and verdict.error in ERRORS:
+        detail = "- {1}; {2}".format(*ERRORS[verdict.error])
+    return CommandRefused(f"the board refuses {text!r}: {verdict.error} {detail}", verdict.error)
 
 
 def _hello(body: str) -> Hello:

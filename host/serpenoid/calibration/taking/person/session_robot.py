@@ -117,8 +117,8 @@ class SessionRobot:
     def steer(self, steps: int) -> str:
         """Add steps to every joint of a robot that holds a pose; return the offset in words.
 
-        Positive turns it to the left. From any thread. A pose that a joint cannot reach is left as
-        it was.
+        Positive turns it to the left. From any thread, one call after another. A pose that
+        a joint cannot reach is left as it was.
         """
         if self.powered and self._posed is not None and not self.held:
             wanted_rad = self.offset_rad + steps * STEER_RAD
