@@ -26,6 +26,7 @@ from .uncertainty import Sample, Uncertainty
 
 SAMPLES = 2048
 _FOR_RANK, _FOR_SHAPE = 32, 256  # samples that rank the table's shapes, and choose the shape
+_RANKED = 0.1, 30  # e-folds of shape between those that are ranked, and how many they are
 _DRIVEN = 512  # samples at most with servos, which cost ten times as much
 _SIZES = 0.1, 0.05  # e-folds of shape: first simplex, from the table's shape and closer
 _ROUNDS = 3  # searches at most, each with what the one before has shown of the rate
@@ -218,7 +219,7 @@ def _cheapest(
 
     search, settle = copy(nominal), copy(nominal)
     search.speed, settle.speed = chosen_by, set_by
-    starts = nominal.table.starts(wanted)
+    starts = nominal.table.starts(wanted, *_RANKED)
     best = min((search.point(p.shape, wanted, p.rate) for p in starts), key=better)
     for _ in range(_ROUNDS):
         for size in _SIZES:

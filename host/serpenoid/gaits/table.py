@@ -114,8 +114,8 @@ class GaitTable:
             price = np.exp(cost[:, :-1] + part * np.diff(cost)) * used**_PENALTY
             return rate, np.where(y[:, :-1] * y[:, 1:] <= 0, price, np.nan)
 
-    def starts(self, speed_m_s: float) -> list[Point]:
-        """Return the cheapest shapes at a speed, far enough from each other, cheapest first."""
+    def starts(self, speed_m_s: float, apart: float = _VALLEY, count: int = _STARTS) -> list[Point]:
+        """Return the cheapest shapes at a speed, so far from each other, cheapest first."""
         rate, price = self._roots(speed_m_s)
         kept: list[Point] = []
         most = _WITHIN * np.nanmin(price, initial=math.inf)
@@ -123,10 +123,10 @@ class GaitTable:
             k, root = np.unravel_index(place, price.shape)
             alpha, beta = float(self.alpha_rad[k]), float(self.beta_rad[k])
             shape = shape_of(alpha, beta)
-            if all(math.dist(shape, other.shape) > _VALLEY for other in kept):
+            if all(math.dist(shape, other.shape) > apart for other in kept):
                 gait = Gait(alpha, beta, float(rate[k, root]))
                 kept.append(Point(shape, gait, math.log(price[k, root])))
-        return kept[:_STARTS]
+        return kept[:count]
 
     def fastest(self) -> tuple[float, float, float, float]:
         """Return speed, alpha, beta and rate of the fastest gait of the table within the limits."""
