@@ -144,8 +144,8 @@ def directive(kind: str, name: str, members: bool) -> str:
     return f"```{{eval-rst}}\n.. {kind}:: {name}\n{options}```\n"
 
 
-def api_page() -> str:
-    """Return directives for everything public."""
+def api_pages() -> dict[str, str]:
+    """Return a page for each public name, and "api", which lists them."""
     groups: dict[str, list[str]] = {"Functions": [], "Classes": [], "Exceptions": []}
     for name in sn.__all__:
         value = getattr(sn, name)
@@ -153,12 +153,15 @@ def api_page() -> str:
         if inspect.isclass(value) and issubclass(value, Exception):
             kind = "Exceptions"
         groups[kind].append(f"serpenoid.{name}")
-    parts = [API_HEAD]
+    groups["The robot"] = ["serpenoid.robot.RobotBoard"]
+    pages, parts = {}, [API_HEAD]
     for title, names in groups.items():
         kind = "autofunction" if title == "Functions" else "autoclass"
-        parts += [f"## {title}\n", *(directive(kind, n, title == "Classes") for n in names)]
-    parts.append("## The robot\n\n`from serpenoid.robot import RobotBoard`\n")
-    return "\n".join([*parts, directive("autoclass", "serpenoid.robot.RobotBoard", True)])
+        members = title not in ("Functions", "Exceptions")
+        for name in names:
+            pages[name] = f"# `{name}`\n\n{directive(kind, name, members)}"
+        parts.append("\n".join([f"## {title}\n", "```{toctree}", *names, "```\n"]))
+    return pages | {"api": "\n".join(parts)}
 
 
 def pages(folder: Path) -> None:
@@ -197,7 +200,7 @@ def main() -> None:
         ("commands", command_page()),
         ("json_keys", json_page()),
         ("errors", error_page()),
-        ("api", api_page()),
+        *api_pages().items(),
     ):
         (OUT / f"{name}.md").write_text(text, encoding="utf-8")
 

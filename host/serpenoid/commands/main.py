@@ -39,12 +39,12 @@ from .view import view
 
 SECTIONS = {
     "See it work": ("demo", "examples", "view"),
-    "Predict": ("steady", "sweep", "optimize", "simulate", "figures"),
+    "Predict": ("steady", "sweep", "optimize", "simulate"),
     "Measure friction": ("calibrate", "fit", "advise", "compare", "report"),
     "Measure a servo": ("servo",),
     "Film the robot": ("video",),
     "Run the robot": ("ports", "flash", "doctor", "trim", "drive", "monitor"),
-    "Hold it to account": ("bench",),
+    "For developers of the model": ("bench", "figures"),
 }
 
 

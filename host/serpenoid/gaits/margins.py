@@ -93,7 +93,7 @@ class Margins:
             return ""
         told = [f"10 % less amplitude costs {100 * self.amplitude_loss:.0f} % of the speed"]
         if self.grip_loss == self.grip_loss:
-            told.append(f"13 % less fn0 costs {100 * self.grip_loss:.0f} %")
+            told.append(f"13 % less dry friction across (fn0) costs {100 * self.grip_loss:.0f} %")
         return f"this gait stands at a cliff: {', '.join(told)}; see `optimize --robust`"
 
     def in_sigmas(self, amplitude_sigma: float, grip_sigma: float) -> dict[str, float]:

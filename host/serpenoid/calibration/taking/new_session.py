@@ -85,7 +85,7 @@ gaits = [{gaits}]
 # What `calibrate new` asks: words, the links, then numbers, where a bare one out of the range that
 # is likely is asked about.
 WORDS = {
-    "surface": "what the wheels roll on (the belt's surface)",
+    "surface": "what the wheels roll on (the belt's or the floor's surface)",
     "place": "where",
     "people": "who measures",
 }

@@ -136,7 +136,7 @@ def margins(found: Margins, sigmas: dict[str, float] | None = None) -> None:
         ["amplitude may fall by, for a tenth of the speed", _percent(found.amplitude)],
         ["fn0 may fall by, for a tenth of the speed", _percent(found.grip)],
         ["speed lost with 10 % less amplitude", _lost(found.amplitude_loss)],
-        ["speed lost with 13 % less fn0", _lost(found.grip_loss)],
+        ["speed lost with 13 % less dry friction across (fn0)", _lost(found.grip_loss)],
     ]
     columns = ["", "value"]
     if sigmas is not None:

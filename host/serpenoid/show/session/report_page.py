@@ -43,7 +43,7 @@ h3{font-size:1rem;margin:1.2rem 0 .3rem}
 th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 figure{margin:0 0 .5rem;background:#fff;border-radius:6px;overflow-x:auto}
-figure svg{display:block;width:100%;min-width:34rem;height:auto}
+figure svg{display:block;width:100%;min-width:22rem;height:auto}
 .void{color:var(--soft)}.void td{text-decoration:line-through}
 .words th,.words td{text-align:left;white-space:normal}.words td:last-child{overflow-wrap:anywhere}
 .said td{color:var(--soft);white-space:normal}tr:has(+.said) td{border:0}
