@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # moves into strings, data, generated files, docs or another suffix counts where it goes.
 MOST_TOKENS = {
     "calibration_data": 344,
-    "docs": 24220,
+    "docs": 24221,
     "firmware": 24643,
     "host": 1118,
     "host/core/board": 1109,
@@ -35,7 +35,7 @@ MOST_TOKENS = {
     "host/serpenoid/_core": 2772,
     "host/serpenoid/bench": 13577,
     "host/serpenoid/calibration": 103009,
-    "host/serpenoid/commands": 30807,
+    "host/serpenoid/commands": 30806,
     "host/serpenoid/exchange": 2226,
     "host/serpenoid/gaits": 13686,
     "host/serpenoid/lab": 7937,
