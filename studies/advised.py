@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from coverage_treadmill import GAIT, INCLINE_STEP_DEG, WHOLE_2005, shown_in_steps
-from processes import all_cores
 from serpenoid.calibration.advice import advise
 from serpenoid.calibration.advising.next_reading import NextReading
 from serpenoid.calibration.friction_fit import fit_friction
@@ -28,6 +27,7 @@ from serpenoid.calibration.taking.treadmill import record_step, take_all
 from serpenoid.model.errors import BadInput
 from serpenoid.periodic.servo_steady import band as speed_band
 from speed_table import SpeedTable
+from study import all_cores
 
 # Bends, and the incline's step where it is not that of a treadmill of today (0.5 % of grade).
 PLANS_DEG: dict[str, tuple[tuple[float, ...], float | None]] = {

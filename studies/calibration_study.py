@@ -21,10 +21,10 @@ import verdicts
 from serpenoid.bench.page import renew_table
 
 STUDIES = {
-    "coverage": (coverage_treadmill.run, figures.coverage_figure),
-    "floor": (coverage_floor.run_floor, figures.coverage_figure),
+    "coverage": (coverage_treadmill.STUDY.run, figures.coverage_figure),
+    "floor": (coverage_floor.STUDY.run, figures.coverage_figure),
     "advise": (advised.run, figures.advised_figure),
-    "verdict": (verdicts.run, figures.verdict_figure),
+    "verdict": (verdicts.STUDY.run, figures.verdict_figure),
 }
 
 

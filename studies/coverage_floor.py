@@ -8,7 +8,7 @@ places, and the fit knows those and what the set-up states.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -39,6 +39,7 @@ from serpenoid.model.errors import SerpenoidError
 from serpenoid.model.gait import Gait
 from serpenoid.periodic.servo_steady import band
 from speed_table import SpeedTable
+from study import Study
 
 WHEELS_KG = 0.036
 UNSEEN = tuple(
@@ -60,8 +61,8 @@ class FloorCase:
     """Sessions of one kind: what films, what the set-up is told of the wheels, and the plan.
 
     camera: None: tape and watch. pushes: in each bend. crawls: gaits that are run, and fitted, too;
-    filmed where pushes are, else timed over a metre. servos: of which the robot has one, and the
-    fit knows no more; None: quick ones, as the fit is told.
+    filmed where pushes are, else timed over a metre. driven: the robot has a hobby servo, and the
+    fit knows no more; else quick ones, as the fit is told.
     """
 
     name: str
@@ -69,13 +70,18 @@ class FloorCase:
     wheels_kg: float | None = WHEELS_KG
     pushes: int = PUSHES
     crawls: tuple[Gait, ...] = CRAWLS
-    servos: ServoKind | None = None
+    driven: bool = False
+
+    @property
+    def kind(self) -> ServoKind | None:
+        """Return the kind of servo; a case alone goes to another process."""
+        return SERVOS if self.driven else None
 
 
 CASES = (
     FloorCase("film, 1 mm", Camera()),
-    FloorCase("film, 1 mm, a hobby servo", Camera(), servos=SERVOS),
-    FloorCase("film, 1 mm, pushes alone", Camera(), crawls=(), servos=SERVOS),
+    FloorCase("film, 1 mm, a hobby servo", Camera(), driven=True),
+    FloorCase("film, 1 mm, pushes alone", Camera(), crawls=(), driven=True),
     FloorCase("film, 2 mm, a tenth of the pictures missing", Camera(sigma_m=0.002, missing=0.1)),
     FloorCase("film, 1 mm, wheels not weighed", Camera(), None),
     FloorCase("by hand, with crawls", None),
@@ -137,7 +143,7 @@ def drawn_person(
     amplitude: of its joints in a gait.
     """
     setup = floor_setup(case)
-    truth = drawn_floor(setup, WHOLE_2005, rng, case.servos)
+    truth = drawn_floor(setup, WHOLE_2005, rng, case.kind)
     truth = replace(truth, camera=case.camera, amplitude=amplitude)
     return SimulatedFloor(setup, truth, seed=int(rng.integers(2**31)))
 
@@ -193,8 +199,8 @@ def one_floor(case: FloorCase, seed: int, number: int, tables: FloorTables) -> l
     try:
         fit = fit_friction(taken) if case.camera or not case.crawls else None
         if case.crawls:
-            own = effects if case.servos else None
-            fit = fit_crawls(taken, fit, case.servos, number, effects=own)
+            own = effects if case.driven else None
+            fit = fit_crawls(taken, fit, case.kind, number, effects=own)
     except SerpenoidError:
         return None
     assert fit is not None  # of pushes, crawls or both
@@ -216,8 +222,8 @@ def _unseen(
     off = abs(speed(fit.robot, fit.ground, gait) / ideal - 1.0)
     if not case.crawls:
         return [abs(speed(fit.robot, fit.ground, scaled(gait, amplitude)) / ideal - 1.0), off]
-    moved = crawl_speed(person.robot, scaled(gait, amplitude)) if case.servos else ideal
-    return [abs(likeliest_speed(fit, gait, case.servos) / moved - 1.0), off]
+    moved = crawl_speed(person.robot, scaled(gait, amplitude)) if case.driven else ideal
+    return [abs(likeliest_speed(fit, gait, case.kind) / moved - 1.0), off]
 
 
 def _bands(
@@ -257,7 +263,7 @@ def judged_floor(case: FloorCase, found: list[list[float] | None]) -> FloorCover
     )
 
 
-def floor_tables() -> FloorTables:
+def floor_tables(_cases: Sequence[FloorCase] = ()) -> FloorTables:
     """Return GAIT's speeds, over frictions some per cent about the truth, and servos."""
     robot = default_setup("floor coverage").robot
     near: dict[str, Any] = {"box": (0.8 * WHOLE, 1.2 * WHOLE), "kernel": "cubic"}
@@ -265,20 +271,10 @@ def floor_tables() -> FloorTables:
     return FloorTables(table, DrivenTable(robot, table, **near), ServoPool())
 
 
-def run_floor(
-    sessions: int, seed: int, tell: Callable[[str], None], cases: tuple[FloorCase, ...] = CASES
-) -> Iterator[FloorCoverage]:
-    """Judge every case, one session after the other.
-
-    Of sessions by hand a fifth, since their intervals are far wider.
-    """
-    tell("solving for the speeds that fits are judged by")
-    tables = floor_tables()
-    for case in cases:
-        found = []
-        count = sessions if case.camera else max(sessions // 5, 1)
-        for number in range(count):
-            found.append(one_floor(case, seed, number, tables))
-            if not (number + 1) % 50:
-                tell(f"{case.name}: {number + 1} of {count}")
-        yield judged_floor(case, found)
+STUDY = Study(
+    CASES,
+    floor_tables,
+    one_floor,
+    lambda case, results: [judged_floor(case, results)],
+    lambda case: 1 if case.camera else 5,  # intervals of sessions by hand are far wider
+)

@@ -8,13 +8,12 @@ every session between 0.3 and 0.7 %. Its true steps are a hundredth off those st
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from processes import all_cores
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, ground_of
 from serpenoid.calibration.session import Setup
@@ -32,13 +31,14 @@ from serpenoid.periodic.servo_steady import band, servo_speeds
 from serpenoid.periodic.steady import steady_gait
 from serpenoid.servos.catalogue import servo
 from speed_table import SpeedTable
+from study import Study
 
 WHOLE_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)
 WHOLE = np.array([getattr(WHOLE_2005, name) for name in NAMES])
 GAIT = Gait(math.radians(70.0), math.radians(75.0), math.pi)
 INCLINE_STEP_DEG, DRAWN, STEP_SIGMA = 0.1, (0.003, 0.007), 0.01
 SERVOS = servo("hobby")
-_SPEED_SAMPLES, _PORTION, _SERVOS = 256, 50, 1024
+_SPEED_SAMPLES, _SERVOS = 256, 1024
 # Of the speeds, so that where fits end they are off by 0.5 % in the mean; linear ones of a tenth of
 # these points were 2 % too slow.
 _TABLE = {"points": 4096, "kernel": "cubic", "neighbours": 60}
@@ -125,9 +125,10 @@ class DrivenTable:
 
 
 def one(
-    case: Case, seed: int, number: int, table: SpeedTable, driven: DrivenTable
+    case: Case, seed: int, number: int, tables: tuple[SpeedTable, DrivenTable]
 ) -> list[float] | None:
     """Take and fit a session; return what held, half widths, readings; None where refused."""
+    table, driven = tables
     rng = np.random.default_rng([seed, *(round(10 * x) for x in case.lambdas_deg), number])
     base = shown_in_steps(default_setup("coverage"), INCLINE_STEP_DEG)
     step = case.grade_step or float(rng.uniform(*DRAWN))
@@ -156,11 +157,6 @@ def one(
     return [*held, *(ends[:, 1] - ends[:, 0]) / true / 2, len(taken.kept)]
 
 
-def _portion(job: tuple[Case, int, range, SpeedTable, DrivenTable]) -> list[list[float] | None]:
-    case, seed, numbers, table, driven = job
-    return [one(case, seed, number, table, driven) for number in numbers]
-
-
 def judged(case: Case, found: list[list[float] | None]) -> Coverage:
     """Return the shares of a case's sessions."""
     told: NDArray[np.float64] = np.array([row for row in found if row is not None], dtype=float)
@@ -177,22 +173,11 @@ def judged(case: Case, found: list[list[float] | None]) -> Coverage:
     )
 
 
-def run(
-    sessions: int, seed: int, tell: Callable[[str], None], cases: tuple[Case, ...] = CASES
-) -> Iterator[Coverage]:
-    """Judge every case, on all cores."""
-    tell("solving for the speeds that fits are judged by")
+def speed_tables(_cases: Sequence[Case] = ()) -> tuple[SpeedTable, DrivenTable]:
+    """Return the speeds that fits are judged by."""
     robot = default_setup("coverage").robot
     table = SpeedTable(robot, GAIT, **_TABLE)
-    driven = DrivenTable(robot, table, **_TABLE)
-    starts = range(0, sessions, _PORTION)
-    with all_cores() as pool:
-        for case in cases:
-            jobs = [
-                (case, seed, range(k, min(k + _PORTION, sessions)), table, driven) for k in starts
-            ]
-            found: list[list[float] | None] = []
-            for portion in pool.map(_portion, jobs):
-                found += portion
-            tell(f"{case.name}: {len(found)} sessions")
-            yield judged(case, found)
+    return table, DrivenTable(robot, table, **_TABLE)
+
+
+STUDY = Study(CASES, speed_tables, one, lambda case, results: [judged(case, results)])

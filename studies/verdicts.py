@@ -11,11 +11,10 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
@@ -35,6 +34,7 @@ from serpenoid.model.drives import Servo
 from serpenoid.model.gait import Gait
 from serpenoid.model.robot import Robot
 from serpenoid.servos.catalogue import servo
+from study import Study
 
 Array = NDArray[np.float64]
 MORE = "two of them or more"
@@ -175,9 +175,11 @@ class TrueSpeeds:
         return self._driven[fault.name][number % self.servos] * np.array(shares)
 
 
-def words(job: tuple[tuple[Fault, ...], int, TrueSpeeds]) -> dict[str, str]:
+def words(
+    faults: tuple[Fault, ...], first_seed: int, number: int, true: TrueSpeeds
+) -> dict[str, str]:
     """Take and fit one session; return the verdict on each fault."""
-    faults, seed, true = job
+    seed = first_seed + number
     rng = np.random.default_rng([seed, 58])
     setup = replace(shown_in_steps(default_setup("verdicts"), INCLINE_STEP_DEG), kind="simulated")
     gaits, truth = setup.procedure.gaits, drawn_truth(setup, WHOLE_2005, rng)
@@ -231,22 +233,15 @@ def counted(fault: Fault, found: Sequence[dict[str, str]]) -> Verdicts:
     )
 
 
-def run(
-    sessions: int, seed: int, tell: Callable[[str], None], faults: tuple[Fault, ...] = FAULTS
-) -> Iterator[Verdicts]:
-    """Judge every fault after every session, on all cores."""
+def true_speeds(cases: Sequence[tuple[Fault, ...]]) -> TrueSpeeds:
+    """Return the speeds of all faults, by the servos that sessions share."""
     setup = default_setup("verdicts")
-    tell(f"solving for the true speeds of {len(faults)} faults")
-    true = TrueSpeeds(setup.robot, setup.procedure.gaits, faults)
-    jobs = [(faults, seed + k, true) for k in range(sessions)]
-    found: list[dict[str, str]] = []
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
-        for row in pool.map(words, jobs):
-            found.append(row)
-            if len(found) % 10 == 0:
-                tell(f"{len(found)} sessions")
-    for fault in faults:
-        yield counted(fault, found)
+    return TrueSpeeds(setup.robot, setup.procedure.gaits, cases[0])
+
+
+STUDY = Study(
+    (FAULTS,), true_speeds, words, lambda faults, results: [counted(f, results) for f in faults]
+)
 
 
 def markdown(rows: Sequence[Mapping[str, Any]]) -> str:

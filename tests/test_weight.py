@@ -46,7 +46,7 @@ MOST_TOKENS = {
     "host/serpenoid/show": 41024,
     "host/serpenoid/simulation": 13279,
     "host/serpenoid/video": 27393,
-    "studies": 34846,
+    "studies": 33048,
     "tests": 3161,
     "tests/arm": 1428,
     "tests/avr": 29288,
@@ -69,7 +69,7 @@ MOST_TOKENS = {
     "tests/host/simulation": 38745,
     "tests/host/video": 17911,
     "tests/oracle": 27368,
-    "tests/studies": 2511,
+    "tests/studies": 2661,
 }
 PYTHON = (".py", ".pyi")
 OTHER = (".c", ".cpp", ".h", ".hpp", ".js", ".html", ".css", ".sh", ".svg")

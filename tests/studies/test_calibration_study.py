@@ -1,6 +1,7 @@
 """The studies of the calibration, made small: intervals cover, and advice saves readings."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,18 +10,19 @@ from calibration_figures import advised_figure, coverage_figure, verdict_figure
 from coverage_treadmill import (
     CASES,
     GAIT,
+    STUDY,
     WHOLE,
     Case,
     DrivenTable,
     judged,
     one,
-    run,
 )
 from serpenoid.bench.page import renew_table
 from serpenoid.calibration.speed_samples import speed
 from serpenoid.calibration.taking.new_session import default_setup
 from serpenoid.model.ground import Ground
 from speed_table import SpeedTable
+from study import Study
 from verdicts import (
     FAULTS,
     MORE,
@@ -32,6 +34,19 @@ from verdicts import (
 
 ROBOT = default_setup("test").robot
 NAMES = ("ct", "cn", "ft0", "fn0", "speed")
+
+
+def _pair(case, seed, number, world):
+    return case, seed + number, world
+
+
+def test_the_runner_runs_every_session_of_every_case():
+    def rows(case, results):
+        return [(case, results)]
+
+    study = Study(("a", "b"), len, _pair, rows, lambda case: 1 if case == "a" else 5)
+    expected = {"a": [("a", 7 + k, 2) for k in range(12)], "b": [("b", 7, 2), ("b", 8, 2)]}
+    assert dict(study.run(12, 7, lambda _: None)) == expected
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +66,7 @@ def test_the_table_is_the_model(table):
 
 @pytest.mark.parametrize("case", [Case((7.5,), 0.005), Case((30.0,), None)])
 def test_intervals_cover_sessions_of_the_real_procedure(table, driven, case):
-    found = judged(case, [one(case, 1, k, table, driven) for k in range(100)])
+    found = judged(case, [one(case, 1, k, (table, driven)) for k in range(100)])
     # 100 shares scatter by 2.2 %, five of them are looked at. Were joints that stand half a degree
     # off unknown to the fit, fn0's interval would hold the truth in 82 % of the second case.
     assert min(getattr(found, name) for name in (*NAMES, "speed", "driven")) > 0.86
@@ -61,7 +76,7 @@ def test_intervals_cover_sessions_of_the_real_procedure(table, driven, case):
 @pytest.mark.slow
 def test_intervals_cover_93_to_97_percent():
     cases = tuple(c for c in CASES if len(c.lambdas_deg) == 1)
-    for found in run(1000, 1, print, cases):
+    for found in replace(STUDY, cases=cases).run(1000, 1, print):
         shares = np.array([getattr(found, name) for name in NAMES])
         # 1000 shares scatter by 0.7 %
         assert shares.min() > 0.923, found
@@ -86,7 +101,7 @@ def test_ratios_count_what_comes_after_the_opening():
 
 def test_the_figures_are_drawn(tmp_path, table, driven):
     case = Case((30.0,), 0.005)
-    rows = [dataclasses.asdict(judged(case, [one(case, 1, k, table, driven) for k in range(3)]))]
+    rows = [dataclasses.asdict(judged(case, [one(case, 1, k, (table, driven)) for k in range(3)]))]
     coverage_figure(rows, tmp_path / "coverage.png")
     saved = [Saved("p", k, 0.1, 4, 10, 6 + k, 0.1, 0.09, 0.0, 0.0, True) for k in (0, 2)]
     advised_figure([dataclasses.asdict(r) for r in saved], tmp_path / "advise.png")
@@ -100,7 +115,7 @@ def verdicts():
     faults = tuple(f for f in FAULTS if f.name in names)
     setup = default_setup("test")
     true = TrueSpeeds(setup.robot, setup.procedure.gaits, faults, servos=1)
-    found = [words((faults, 2, true))]
+    found = [words(faults, 2, 0, true)]
     return [dataclasses.asdict(counted(f, found)) for f in faults]
 
 

@@ -15,7 +15,7 @@ from serpenoid.lab.crawl import crawl_speed
 from serpenoid.periodic.servo_steady import band
 from speed_table import SpeedTable
 
-WITH_SERVOS = next(case for case in CASES if case.servos)
+WITH_SERVOS = next(case for case in CASES if case.driven)
 
 
 @pytest.mark.slow
