@@ -278,8 +278,9 @@ def test_a_fit_dropped_brings_its_friction_and_the_packages_band(browser, fitted
     browser.sees("#figures", "Speed that your fit allows")
     gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
     wanted = speed_band(sn.load_fit(fitted), gait, servo=None)
+    # ends of other 64 draws of one posterior: within a third of the band
     assert browser.runs("return curve.band") == pytest.approx(
-        [wanted.low_m_s, wanted.high_m_s], rel=1e-5
+        [wanted.low_m_s, wanted.high_m_s], abs=0.013
     )
     browser.runs("change({ct: 0.1})")
     assert browser.text("#fit") == ""  # it is another friction now
