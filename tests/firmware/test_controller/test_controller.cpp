@@ -486,6 +486,23 @@ TEST_CASE("a held pose is steered by its offset, gently") {
     CHECK(b.starts(b.type("pose -65 55 15 -25 95"), "err: #- range j5=95 low=-90 high=90 - "));
 }
 
+TEST_CASE("joints that a slow servo holds back are counted, on their way up and down") {
+    Bench b;
+    b.type("set silence off");
+    b.type("gait 60 0 3", 8);
+    CHECK(b.type("set servo_speed 100") == "ok: #-");
+    int ways[2] = {};  // frames with all joints held back, by the way they go
+    double before = b.angle_deg(0);
+    for (int frame = 0; frame < 210; ++frame) {  // two periods
+        b.run(0.02);
+        const int clipped = b.board.controller().motion().clipped();
+        ways[b.angle_deg(0) > before] += clipped == kJoints;
+        before = b.angle_deg(0);
+    }
+    CHECK(ways[0] > 20);
+    CHECK(ways[1] > 20);
+}
+
 TEST_CASE("an idle robot is limp and comes back where it was, one servo after the other") {
     Bench b;
     b.type("pose 20 -20 20 -20 20", 4);

@@ -8,11 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, rolled_out
-from scipy.stats import multivariate_t
 from serpenoid import BadInput
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
-from serpenoid.calibration.crawls.posterior import Before, Posterior, _Mixture, draw
+from serpenoid.calibration.crawls.posterior import Before, Posterior, draw
 from serpenoid.calibration.crawls.result import _with_pushes, fit_crawls
 from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
@@ -63,20 +62,6 @@ def test_draws_are_the_normal_answer_where_there_is_one() -> None:
     np.testing.assert_allclose(u.std(axis=0), sd, rtol=0.12)
     np.testing.assert_allclose(np.log(found.best_whole / TRUTH) / 0.3, mean[:4], atol=2e-3)
     assert found.effective > 300
-
-
-def test_what_is_drawn_from_has_the_density_of_student() -> None:
-    """Against SciPy's own: a wrong constant weighs the first, normal draws wrongly."""
-    root = np.linalg.cholesky(np.eye(5) + 0.3)
-    mixture = _Mixture(
-        np.array([np.zeros(5), np.ones(5)]), np.array([root.tolist(), (2 * root).tolist()]), 4.0
-    )
-    at = RNG.normal(size=(20, 5))
-    each = [
-        multivariate_t(centre, k * root @ root.T, df=4).pdf(at)
-        for centre, k in zip(mixture.centres, (1.0, 4.0), strict=True)
-    ]
-    np.testing.assert_allclose(np.exp(mixture.log_density(at)), np.mean(each, axis=0), rtol=1e-9)
 
 
 def test_two_minima_are_both_drawn_by_their_weight() -> None:
