@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ...model.errors import BadInput
 from .bend import bend_in_words
 from .declaration import DERIVED, PLANNED, Field, Kind, Word, check_fields
-from .station import BENDS, MAX_LAMBDA_DEG
+from .station import BENDS, MAX_LAMBDA_DEG, STEERING
 from .tracks import Track
 
 WAYS = ("there", "back")
@@ -86,15 +86,7 @@ FIELDS = (
         source=DERIVED,
         optional=True,
     ),
-    Field(
-        "offset_deg",
-        "steering, on every joint",
-        "angle",
-        -45.0,
-        45.0,
-        source=PLANNED,
-        optional=True,
-    ),
+    STEERING,
     Word("way", WAYS),
     Word("facing", FACINGS),
     Word("by", SOURCES, source=DERIVED),

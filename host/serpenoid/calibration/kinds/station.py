@@ -20,6 +20,9 @@ MAX_LAMBDA_DEG, MAX_INCLINE_DEG = 60.0, 45.0
 # Slower than this a robot that is steered goes by jerks: every touch of the steering shakes wheels
 # loose that would rest, so that dry friction across is less than that of wheels which slide.
 LEAST_SLIP_M_S = 0.12
+STEERING = Field(
+    "offset_deg", "steering, on every joint", "angle", -45.0, 45.0, source=PLANNED, optional=True
+)
 FIELDS = (
     Field("lambda_deg", "the bend", "angle", 0.0, MAX_LAMBDA_DEG, source=PLANNED),
     Field("incline_deg", "the inclinometer shows", "incline", 0.0, MAX_INCLINE_DEG, open_low=True),
@@ -51,15 +54,7 @@ FIELDS = (
         likely=(-0.06, 0.06),
         usual=0.0,
     ),
-    Field(
-        "offset_deg",
-        "steering, on every joint",
-        "angle",
-        -45.0,
-        45.0,
-        source=PLANNED,
-        optional=True,
-    ),
+    STEERING,
     Field(
         "waited_s", "time since the belt was set", "time", 0.0, 1e5, source=PLANNED, optional=True
     ),
