@@ -18,6 +18,7 @@ ROOMS = [
     "simulation",
     "servos",
     "gaits",
+    "paper",
     "exchange",
     "robot",
     "lab",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -18,25 +20,16 @@ from ..model.errors import NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
-from ..periodic.steady import Steady, check_ground, steady_gait
+from ..periodic.steady import Steady, check_ground, state_near, steady_gait
 from ..simulation.steady_springs import steady_springs
 from .limits import LIMIT_NAMES, GaitLimits, peak_torque_nm
-from .shapes import COSTS, Array, Point, angles_of, better, near_root, rate_at_speed
+from .shapes import COSTS, FINE, STATES, Array, Point, angles_of, better, near_root, rate_at_speed
 from .table import GaitTable
 
 ANY = GaitLimits()
-_MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense
-_ROUNDING = 5e-5  # e-folds beyond a limit, at most, that count as on it
-_FIRST, _CLOSER = 0.15, 0.08  # e-folds of shape: first simplex of a table's start, and closer
-_SIMPLEX = np.array([[0, 0], [1, 0], [0, 1]])
-_SIDES = np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])
-_TURN = np.array([[1, 1], [-1, 1]]) / math.sqrt(2)
-ROUGH = 0.02  # e-folds of shape: where the first descents end
-_ROUNDS, _GAINED = 3, 1e-3  # closer descents repeat while they gain more, e-folds of cost
-_NEAR_LIMIT = 0.03  # e-folds: so near to a limit its own curve is searched
-_BESIDE = 1e-3  # e-folds of shape, for slopes of a margin
-_SAME_VALLEY = 0.1  # e-folds of shape between ends
-_HOPELESS = 1e3  # price of a shape without a gait
+FIRST = 0.15  # e-folds of shape: the first simplex, half a step of the table; later ones are half
+ROUGH = 0.02  # e-folds of shape: where the first descents end, and what lies on a limit for them
+ROUNDS = 3  # closer searches at most: each gains less than a third of the one before
 _NEAR_MISS = 10  # times the accuracy asked for: a state this good still ranks shapes
 
 
@@ -112,43 +105,41 @@ class Finder:
         springs: tuple[float, float] | None = None,
     ) -> None:
         check_parts(robot, ground)
-        most = _MOST_LENGTHS_A_SECOND * robot.links * robot.link_length_m
         for speed in speeds:
-            check_number("speed_m_s", speed, 0.0, most, open_low=True)
+            check_number("speed_m_s", speed, 0.0, open_low=True)
         check_choice("cost", cost, COSTS)
         smooth = ground.smooth and springs is None
         # of the searched states, of their speeds, and of places where a descent ends
-        self.state_rtol, self.miss, self.ends = (1e-8, 1e-7, 1e-4) if smooth else (1e-3, 1e-4, 2e-3)
-        self.rounding = min(3 * self.state_rtol, _ROUNDING)
+        precise = (1e-8, 1e-7, 1e-4) if smooth else (STATES, STATES / 10, ROUGH / 10)
+        self.state_rtol, self.miss, self.ends = precise
+        self.rounding = self.miss / 2  # e-folds beyond a limit that count as on it
         self.rtol = rtol or (
-            1e-4 if springs else 1e-5 if not ground.smooth else 1e-10 if cost == "power" else 1e-8
+            1e-4 if springs else FINE if not ground.smooth else 1e-10 if cost == "power" else 1e-8
         )
         check_ground(ground, self.rtol)
         self.robot, self.ground, self.cost, self.limits = robot, ground, cost, limits
-        self.springs, self.evaluations = springs, 0
+        self.springs, self.solved = springs, Counter[str]()
         self.speed: Callable[[Gait, Any], float] = lambda _, state: state.speed_m_s
         self.table = GaitTable(robot, ground, cost, limits, speeds)
 
-    def solve(self, gait: Gait, rtol: float) -> Any:
-        """Return a gait's state, also one that is a near miss, or None."""
-        self.evaluations += 1
-        try:
-            if self.springs is not None:
-                k, c = self.springs
-                return steady_springs(
-                    self.robot,
-                    self.ground,
-                    gait,
-                    rtol=rtol,
-                    joint_stiffness_n_m=k,
-                    joint_damping_n_s_m=c,
-                )
-            return steady_gait(
-                self.robot, self.ground, gait, rtol=rtol, powers=self.cost != "power"
+    def solve(self, gait: Gait, rtol: float, start: Any = None) -> Any:
+        """Return a gait's state, also one that is a near miss, or None. start: a state near it."""
+        self.solved["states"] += 1
+        if self.springs is None:
+            powers = self.cost != "power"
+            state = state_near(self.robot, self.ground, gait, rtol=rtol, powers=powers, start=start)
+            return state if state.error_estimate <= _NEAR_MISS * rtol else None
+        k, c = self.springs
+        with suppress(SerpenoidError):
+            return steady_springs(
+                self.robot,
+                self.ground,
+                gait,
+                rtol=rtol,
+                joint_stiffness_n_m=k,
+                joint_damping_n_s_m=c,
             )
-        except SerpenoidError as error:
-            best = getattr(error, "best", None)
-            return best if best is not None and best.error_estimate <= _NEAR_MISS * rtol else None
+        return None
 
     def watts(self, state: Any) -> float:
         """Return the cost of a state, W."""
@@ -164,35 +155,41 @@ class Finder:
             return 0.0
         return peak_torque_nm(self.robot, self.ground, gait)
 
-    def point(self, shape: Array, speed: float, rate: float, rtol: float | None = None) -> Point:
-        """Return a shape at the rate near a guess that gives the speed."""
+    def point(self, shape: Array, speed: float, near: Point, rtol: float | None = None) -> Point:
+        """Return a shape at the rate near another's that gives the speed."""
         alpha, beta = angles_of(shape)
         most = self.limits.joint_angle_rad
-        alpha = most if most < alpha <= most * (1 + _ROUNDING) else alpha
+        alpha = most if most < alpha <= most * (1 + self.rounding) else alpha
         if not 0 < alpha <= math.pi:
             return Point(shape)
 
+        last = near.state
+
         def state(x: float) -> tuple[float, float]:
+            nonlocal last
             gait = Gait(alpha, beta, math.exp(x))
-            solved = self.solve(gait, rtol or self.state_rtol)
+            solved = self.solve(gait, rtol or self.state_rtol, None if rtol else last)
             if solved is None:
                 return math.nan, math.nan
+            last = solved
             ratio, watts = self.speed(gait, solved) / speed, self.watts(solved)
             return math.log(max(ratio, 1e-300)), math.log(max(watts, 1e-300))
 
-        end = rate_at_speed(state, math.log(rate), rtol or self.miss)
+        end = rate_at_speed(state, math.log(near.rate), rtol or self.miss)
         if end is None:
             return Point(shape)
         if end[2] > 0:
             return Point(shape, None, end[1], -end[2])
         gait = Gait(alpha, beta, math.exp(end[0]))
         margin = min(self.margins(gait).values(), default=math.inf)
-        return Point(shape, gait, end[1], margin + self.rounding)
+        return Point(shape, gait, end[1], margin + self.rounding, last)
 
     def bounds(self) -> tuple[Array, Array]:
         """Return the least and greatest coordinates that are searched."""
         least_lag = min(0.08, 0.8 / self.robot.links)
-        return np.log([math.radians(1.0), least_lag]), np.log([math.radians(150.0), math.pi])
+        # a standing wave, of 180 degrees, goes nowhere without a ratchet
+        most_lag = math.pi if self.ground.ratchet else math.radians(175.0)
+        return np.log([math.radians(1.0), least_lag]), np.log([math.radians(150.0), most_lag])
 
     def descend(self, speed: float, start: Point, size: float, ends: float) -> Point:
         """Return the lowest point of a valley, also along the limits that it reaches.
@@ -201,16 +198,18 @@ class Finder:
         """
         valley = Valley(self, speed, start)
         how = {
-            "initial_simplex": start.shape + size * _SIMPLEX,
+            "initial_simplex": start.shape + size * np.eye(3, 2, -1),
             "xatol": ends,
             "fatol": ends**2,
             "maxfev": 90,
         }
-        minimize(valley.price, start.shape, method="Nelder-Mead", options=how)
+        minimize(
+            lambda shape: valley.point(shape).price, start.shape, method="Nelder-Mead", options=how
+        )
         end = min(valley.points, key=lambda point: point.price)
         if end.gait is not None:
             for name, margin in self.margins(end.gait).items():
-                if margin < _NEAR_LIMIT:
+                if margin < ROUGH:
                     valley.along(name, end, abs(size), ends)
         return min(valley.points, key=better)
 
@@ -220,8 +219,7 @@ class Finder:
         Each is searched from the table, then from the gaits of the slower and the faster speed.
         """
         ends = [
-            [self.descend(v, start, _FIRST, ROUGH) for start in self.table.starts(v)]
-            for v in speeds
+            [self.descend(v, start, FIRST, ROUGH) for start in self.table.starts(v)] for v in speeds
         ]
         upwards = list(pairwise(range(len(speeds))))
         for known, k in [*upwards, *((k, known) for known, k in reversed(upwards))]:
@@ -229,7 +227,7 @@ class Finder:
             if best.gait is not None:
                 rate = best.rate * speeds[k] / speeds[known]
                 start = replace(best, gait=replace(best.gait, omega_rad_s=rate))
-                ends[k].append(self.descend(speeds[k], start, _CLOSER, ROUGH))
+                ends[k].append(self.descend(speeds[k], start, FIRST / 2, ROUGH))
         return [
             self.closest(v, sorted(valleys, key=better))
             for v, valleys in zip(speeds, ends, strict=True)
@@ -243,31 +241,57 @@ class Finder:
         """
         if not ends or ends[0].margin < 0:
             return self.unreachable(speed, ends)
-        best, radius, gap, sides = ends[0], _CLOSER, math.inf, _SIDES
-        for _ in range(_ROUNDS):
-            if gap < _GAINED:
+        best, radius, gap = self.in_order(speed, ends[0]), FIRST / 2, math.inf
+        for turn in range(ROUNDS):
+            if gap < STATES:
                 break
-            around = [replace(best, shape=best.shape + radius * side) for side in sides]
+            angles = math.pi / 4 * (turn + np.array([0, 4, 2, 6]))
+            sides = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+            around = [replace(best, shape=best.shape + side) for side in sides]
             lows = sorted(
                 [self.descend(speed, start, -radius / 2, self.ends) for start in around], key=better
             )
             gap = abs(best.value - lows[0].value) + lows[1].value - lows[0].value
-            best, sides, radius = min([best, lows[0]], key=better), sides @ _TURN, radius / 2
+            best, radius = min([best, lows[0]], key=better), radius / 2
         return self.finish(speed, best, gap + self.miss, ends[1:])
+
+    def in_order(self, speed: float, best: Point) -> Point:
+        """Return the best gait, or a cheaper one that a search shows which must not beat it.
+
+        Such are the searches for another kind of power, and within narrower limits where the best
+        has reached one of a joint or a servo. If one of their gaits is cheaper, the search has
+        missed a valley; it goes on from there.
+        """
+        other = copy(self)
+        other.cost = "positive_power" if self.cost == "abs_power" else "abs_power"
+        end = other.descend(speed, best, FIRST, ROUGH)
+        rivals = [self.point(end.shape, speed, end)] if end.gait is not None else []
+        assert best.gait is not None
+        reached = {
+            name: getattr(self.limits, name) * math.exp(-FIRST)
+            for name, margin in self.margins(best.gait).items()
+            if margin < ROUGH and not name.startswith("omega")
+        }
+        if reached:
+            narrow, table = copy(self), copy(self.table)
+            narrow.limits = table.limits = replace(self.limits, **reached)
+            rivals += [narrow.descend(speed, start, FIRST, ROUGH) for start in table.starts(speed)]
+        return min([best, *rivals], key=better)
 
     def finish(self, speed: float, best: Point, gap: float, others: list[Point]) -> LeastPower:
         """Solve the best once more, to the accuracy that was asked for."""
-        gait = self.point(best.shape, speed, best.rate, self.rtol).gait
-        if gait is None:  # beyond a fold of the speed, which rougher states did not show
+        end = self.point(best.shape, speed, best, self.rtol)
+        if end.gait is None or abs(end.value - best.value) > STATES:
+            # beyond a fold of the speed, or a jump of the power, which rougher states did not show
             finer = copy(self)
             finer.state_rtol = finer.miss = self.rtol
-            gait = finer.descend(speed, best, self.ends, self.ends / 10).gait or best.gait
+            end = min([end, finer.descend(speed, best, self.ends, self.ends / 10)], key=better)
+        gait = end.gait or best.gait
         assert gait is not None
+        gap += abs(end.value - best.value)
         state = self.solve(gait, self.rtol)
         watts = self.watts(state)
-        others = [
-            p for p in others if p.margin >= 0 and math.dist(p.shape, best.shape) > _SAME_VALLEY
-        ]
+        others = [p for p in others if p.margin >= 0 and math.dist(p.shape, best.shape) > FIRST]
         numerical = getattr(state, f"{self.cost}_error_w") + 2 * state.error_estimate * watts
         # power goes as speed squared or cubed
         gap += 3 * abs(state.speed_m_s / speed - 1)
@@ -293,7 +317,7 @@ class Finder:
             power_error_w=numerical + watts * min(gap, 1.0),
             solved_error_w=numerical,
             basins=1 + len(others),
-            evaluations=self.evaluations,
+            evaluations=self.solved["states"],
             runner_up_w=watts * math.exp(others[0].value - best.value) if others else math.inf,
         )
 
@@ -345,12 +369,8 @@ class Valley:
         shape = np.clip(shape, *self.finder.bounds())
         known = [p for p in self.points if p.gait is not None]
         near = min(known, key=lambda p: math.dist(p.shape, shape), default=self.first)
-        self.points.append(self.finder.point(shape, self.speed, near.rate))
+        self.points.append(self.finder.point(shape, self.speed, near))
         return self.points[-1]
-
-    def price(self, shape: Array) -> float:
-        """Return the price of a shape, which a search makes least."""
-        return min(self.point(shape).price, _HOPELESS)
 
     def along(self, name: str, start: Point, radius: float, ends: float) -> None:
         """Look along the curve of shapes where a limit is just reached, near a start.
@@ -364,8 +384,8 @@ class Valley:
 
         start_margin = margin(start.shape)
         slopes = (
-            np.array([margin(start.shape + _BESIDE * axis) - start_margin for axis in np.eye(2)])
-            / _BESIDE
+            np.array([margin(start.shape + ends * axis) - start_margin for axis in np.eye(2)])
+            / ends
         )
         steep = float(np.hypot(*slopes))
         if not 0 < steep < math.inf:
@@ -376,7 +396,7 @@ class Valley:
         def onto(t: float) -> float:
             base, miss = start.shape + t * tangent, self.finder.rounding
             places = near_root(lambda u: margin(base + u * normal), 0.0, miss, steep)
-            return self.price(base + places[0] * normal) if places else _HOPELESS
+            return (self.point(base + places[0] * normal) if places else Point(base)).price
 
         minimize_scalar(
             onto, bracket=(0.0, radius), method="brent", options={"xtol": ends, "maxiter": 20}

@@ -173,7 +173,7 @@ def cheaper(
     changes: dict[str, Any] = {
         "basins": sum(one.basins for one, _ in gaits),
         "runner_up_w": min(best.runner_up_w, *(one.power_w for one, _ in others), np.inf),
-        "evaluations": sum(one.evaluations for one in finders),
+        "evaluations": sum(one.solved["states"] for one in finders),
     }
     if turned:
         gait = replace(best.gait, beta_rad=-best.gait.beta_rad)

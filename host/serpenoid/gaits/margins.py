@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,19 +17,15 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import speed_floor_m_s, steady_gait
-from .shapes import on_threads
+from .sampled_speeds import KEEP
+from .shapes import FINE, STATES, on_threads
 from .uncertainty import FRICTION, Uncertainty
 
 Array = NDArray[np.float64]
-LOSS = 0.1  # of the speed, that a margin allows
 LESS_AMPLITUDE, LESS_GRIP = 0.10, 0.13  # servos under load; one sigma of a 7.5 deg session
 BELOW = 1.0, 3.0  # gaining more than this by 10 % or 60 % of amplitude it lies below one
 CLIFF = 0.25  # a gait that loses more than this of its speed to either stands at a cliff
-_MOST = 0.6
-_FIRST, _OUTWARDS = 0.02, 1.2  # steps of the loss: a speed may fall and rise again between
-_RTOL = 1e-5  # of speeds; where speed hardly falls their errors are most of a margin's
-_EXACT = 1e-4  # of the margin
-_CLIFF_RTOL = 3e-3
+_LOSSES = np.linspace(0, 0.6, 31)  # looked at outwards: a speed may fall and rise again between
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,18 +114,13 @@ def _fall(speed_at: Callable[[float], float], full: float) -> float:
     """Return the least loss at which the speed has fallen by a tenth: outwards, then Brent."""
     from scipy.optimize import brentq
 
-    low, high = 0.0, _FIRST
-    while speed_at(high) > (1 - LOSS) * full:
-        if high == _MOST:
-            return math.inf
-        low, high = high, min(max(_OUTWARDS * high, high + _FIRST), _MOST)
-    left = partial(_left, speed_at, full)
-    found = brentq(left, low, high, rtol=np.float64(_EXACT))
-    return float(found)  # pyright: ignore[reportArgumentType]
+    def spare(loss: float) -> float:
+        return speed_at(loss) / full - KEEP
 
-
-def _left(speed_at: Callable[[float], float], full: float, loss: float) -> float:
-    return speed_at(loss) / full - (1 - LOSS)
+    for low, high in pairwise(_LOSSES.tolist()):
+        if spare(high) <= 0:
+            return float(brentq(spare, low, high, rtol=np.float64(FINE)))  # pyright: ignore
+    return math.inf
 
 
 def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
@@ -164,7 +155,7 @@ def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
 
     def speed(ground: Ground, gait: Gait) -> float:
         try:
-            return steady_gait(robot, ground, gait, rtol=_RTOL, powers=False).speed_m_s
+            return steady_gait(robot, ground, gait, rtol=FINE, powers=False).speed_m_s
         except NotConverged as error:
             if error.best is None or not error.best.error_estimate < 0.03:
                 raise
@@ -188,7 +179,7 @@ def gait_margins(robot: Robot, ground: Ground, gait: Gait) -> Margins:
         1 - looser(LESS_GRIP) / full if grip else math.nan,
         *(
             weaker(-min(gain, math.pi / gait.alpha_rad - 1)) / full - 1
-            for gain in (LESS_AMPLITUDE, _MOST)
+            for gain in (LESS_AMPLITUDE, _LOSSES[-1])
         ),
     )
 
@@ -226,7 +217,7 @@ def cliff_around(
         other = replace(ground, **{grip: f * getattr(ground, grip)})
         weak = replace(gait, alpha_rad=a * gait.alpha_rad)
         try:
-            return steady_gait(robot, other, weak, rtol=_CLIFF_RTOL, powers=False).speed_m_s
+            return steady_gait(robot, other, weak, rtol=STATES, powers=False).speed_m_s
         except NotConverged as error:
             return error.best.speed_m_s if error.best is not None else math.nan
 

@@ -17,21 +17,16 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.steady import Steady, steady_gait
-from .finder import ANY, ROUGH, Finder, LeastPower
+from .finder import ANY, FIRST, ROUGH, ROUNDS, Finder, LeastPower
 from .least_power import cheaper, directions
 from .limits import GaitLimits
 from .sampled_speeds import KEEP, Samples, low_speed, low_speed_error
-from .shapes import Array, Point, better
+from .shapes import FINE, STATES, Array, Point, better
 from .uncertainty import Sample, Uncertainty
 
-SAMPLES = 2048
-_FOR_RANK, _FOR_SHAPE = 32, 256  # samples that rank the table's shapes, and choose the shape
+_FOR_SHAPE = 256  # samples that choose the shape; an eighth of them rank the table's shapes
 _RANKED = 0.1, 30  # e-folds of shape between those that are ranked, and how many they are
 _DRIVEN = 512  # samples at most with servos, which cost ten times as much
-_SIZES = 0.1, 0.05  # e-folds of shape: first simplex, from the table's shape and closer
-_ROUNDS = 3  # searches at most, each with what the one before has shown of the rate
-_STATE_RTOL, _SETTLED = 1e-5, 1e-3  # accuracy of states, and of the last rate's speed
-_STATES = 1e-3  # relative accuracy of sampled speeds
 _SURE = 2.0  # standard errors between two sets of samples: more is no chance
 
 
@@ -103,7 +98,7 @@ class RobustGait:
     def confirmed(self) -> bool:
         """Tell whether both sets of samples agree, to two standard errors of their difference."""
         apart = abs(self.checked_low_m_s - self.low_speed_m_s)
-        return apart <= _SURE * math.sqrt(2) * self.low_error_m_s + _STATES * self.low_speed_m_s
+        return apart <= _SURE * math.sqrt(2) * self.low_error_m_s + STATES * self.low_speed_m_s
 
 
 def robust_gait(
@@ -114,7 +109,7 @@ def robust_gait(
     uncertainty: Uncertainty | None = None,
     cost: str = "power",
     limits: GaitLimits = ANY,
-    samples: int = SAMPLES,
+    samples: int = 2048,
     seed: int = 2005,
 ) -> RobustGait:
     """Find the least power at which 95 % of the sampled robots keep 90 % of the speed.
@@ -179,7 +174,7 @@ def robust_gait(
             f"limits ({limits.in_words()}); ask for less speed, or know friction and servos better"
         )
     speeds, checked = (Samples(robot, drawn).speeds(best.gait) for drawn in (rate_by, fresh))
-    steady = steady_gait(robot, ground, best.gait, rtol=_STATE_RTOL)
+    steady = steady_gait(robot, ground, best.gait, rtol=FINE)
     return RobustGait(
         best.gait,
         finders[0].watts(steady),
@@ -194,7 +189,7 @@ def robust_gait(
         fragile,
         low_speed(Samples(robot, rate_by[:_DRIVEN]).speeds(fragile.gait)),
         limits.active(best.gait, finders[0].torque_nm(best.gait)),
-        sum(finder.evaluations for finder in finders),
+        sum(finder.solved["states"] for finder in finders),
     )
 
 
@@ -209,7 +204,7 @@ def _cheapest(
     if turned:
         few, many = ([sample.turned_round() for sample in part] for part in (few, many))
     choosing, setting = Samples(nominal.robot, few), Samples(nominal.robot, many)
-    followed, optimism = [Samples(nominal.robot, few[:_FOR_RANK])], 1.0
+    followed, optimism = [Samples(nominal.robot, few[: len(few) // 8])], 1.0
 
     def chosen_by(gait: Gait, state: Any) -> float:
         return min(state.speed_m_s, followed[-1].low(gait) / optimism / KEEP)
@@ -219,22 +214,23 @@ def _cheapest(
 
     search, settle = copy(nominal), copy(nominal)
     search.speed, settle.speed = chosen_by, set_by
+    search.miss = STATES
     starts = nominal.table.starts(wanted, *_RANKED)
-    best = min((search.point(p.shape, wanted, p.rate) for p in starts), key=better)
-    for _ in range(_ROUNDS):
-        for size in _SIZES:
+    best = min((search.point(p.shape, wanted, p) for p in starts), key=better)
+    for _ in range(ROUNDS):
+        for size in (FIRST, FIRST / 2):
             if best.gait is None:
                 return None
             followed.append(choosing.slowest(best.gait))
             best = search.descend(wanted, best, size, ROUGH)
         if best.gait is None:
             return None
-        best = settle.point(best.shape, wanted, best.rate, _SETTLED)
+        best = settle.point(best.shape, wanted, best, STATES)
         if best.gait is not None and best.margin < 0:
             optimism *= choosing.low(best.gait) / low_speed(setting.speeds(best.gait))
             continue
-        solved = sum(samples.solved for samples in (choosing, setting, *followed))
-        nominal.evaluations = search.evaluations + settle.evaluations + solved
+        sampled = sum(samples.solved for samples in (choosing, setting, *followed))
+        nominal.solved["states"] += sampled
         if best.gait is not None and turned:
             gait = replace(best.gait, beta_rad=-best.gait.beta_rad)
             return replace(best, gait=gait)

@@ -15,13 +15,12 @@ from ..model.robot import Robot
 from ..periodic.grid import threads_to_use
 from ..periodic.servo_steady import servo_speeds
 from ..periodic.steady import from_core
+from .shapes import STATES
 from .uncertainty import Sample
 
 Array = NDArray[np.float64]
 QUANTILE, KEEP = 0.05, 0.9  # so many robots may make less than this share of the wanted speed
-_RTOL = 1e-3  # of speeds; a percentile of 2048 samples scatters by ten times as much
-_FOLLOWED = 2.0  # times as many as make the percentile: their order changes with the gait
-_FINE = 3.0  # times the percentile's rank: the slowest, whose speeds with servos are solved finely
+_SLOWEST = 2.5  # times as many as make the percentile: their order changes with gait and accuracy
 
 
 class Samples:
@@ -37,8 +36,13 @@ class Samples:
     def slowest(self, gait: Gait) -> Samples:
         """Return those that are slowest under a gait, more than make its 5th percentile."""
         order = np.argsort(self.speeds(gait, rough=True))
-        most = round(_FOLLOWED * QUANTILE * self.count) + 8
-        return Samples(self.robot, [self.samples[k] for k in order[:most]], self.count)
+        slowest = [self.samples[k] for k in order[: self.slow_count]]
+        return Samples(self.robot, slowest, self.count)
+
+    @property
+    def slow_count(self) -> int:
+        """Return how many of the slowest may be those of the 5th percentile."""
+        return round(_SLOWEST * QUANTILE * self.count) + 3
 
     def low(self, gait: Gait) -> float:
         """Return the smoothed 5th percentile of their speeds, good to a thousandth, m/s."""
@@ -49,35 +53,32 @@ class Samples:
 
         rough: all by few steps; else those near the 5th percentile, at least, are accurate.
         """
-        gaits = [sample.gait(gait) for sample in self.samples]
-        models = [
-            core_model(self.robot, sample.ground, one)
-            for sample, one in zip(self.samples, gaits, strict=True)
-        ]
-        threads = min(threads_to_use(None), len(models))
-        states = _core.neighbours(models[0], models, _RTOL, False, threads, rough=rough)
-        self.solved += len(states)
-        speeds = np.array([s.speed if s.converged else 0.0 for s in states])
-        driven = [k for k, s in enumerate(self.samples) if s.servo is not None and speeds[k] > 0]
-        ideal = {
-            k: from_core(self.robot, self.samples[k].ground, gaits[k], states[k]) for k in driven
-        }
-
-        def solve(which: Sequence[int], rough: bool) -> None:
-            pairs = [(ideal[k], self.samples[k].servo) for k in which]
-            speeds[list(which)] = np.nan_to_num(servo_speeds(pairs, rough))  # pyright: ignore
-
-        if driven:
-            solve(driven, True)
-            slow = np.argsort(speeds)[: round(_FINE * percentile_rank(self.count)) + 3].tolist()
-            if not rough:
-                solve([k for k in slow if k in ideal], False)
+        speeds = self._solve(range(len(self.samples)), gait, True)
+        if not rough:
+            slow = np.argsort(speeds)[: self.slow_count].tolist()
+            speeds[slow] = self._solve(slow, gait, False)
         return speeds
 
-
-def percentile_rank(count: int) -> float:
-    """Return the rank of the 5th percentile among `count` speeds in order, from 0."""
-    return QUANTILE * (count - 1)
+    def _solve(self, which: Sequence[int], gait: Gait, rough: bool) -> Array:
+        """Return the speeds of some of them."""
+        samples = [self.samples[k] for k in which]
+        gaits = [sample.gait(gait) for sample in samples]
+        models = [
+            core_model(self.robot, sample.ground, one)
+            for sample, one in zip(samples, gaits, strict=True)
+        ]
+        threads = min(threads_to_use(None), len(models))
+        states = _core.neighbours(models[0], models, STATES, False, threads, rough=rough)
+        self.solved += len(states)
+        speeds = np.array([s.speed if s.converged else 0.0 for s in states])
+        driven = [k for k, s in enumerate(samples) if s.servo is not None and speeds[k] > 0]
+        if driven:
+            pairs = [
+                (from_core(self.robot, samples[k].ground, gaits[k], states[k]), samples[k].servo)
+                for k in driven
+            ]
+            speeds[driven] = np.nan_to_num(servo_speeds(pairs, rough))  # pyright: ignore
+        return speeds
 
 
 def low_speed(speeds: Array) -> float:

@@ -19,8 +19,8 @@ from ..model.gait import Gait
 Array = NDArray[np.float64]
 COSTS = ("power", "abs_power", "positive_power")  # mean powers that a search makes least
 _DEARER = 60.0  # e-folds of cost for an e-fold beyond a limit: cost never falls so fast beyond one
-_FARTHEST = 0.5  # e-folds of rate: no guess is so far off
-_FOLD = 0.1  # e-folds of cost: a rate that costs so much more than those nearer lies behind a fold
+RATE_STEP = 1.6  # from rate to rate of a table: lines between them err by a few per cent
+STATES, FINE = 1e-3, 1e-5  # accuracy of dry states while a search goes on, and of its answer
 _LEAST_STEP = 3e-3  # e-folds of rate: shorter ones drown in the errors of states
 
 
@@ -45,13 +45,14 @@ class Point:
     """Hold a shape's gait at the wanted speed, ln of its cost, and its least margin to a limit.
 
     gait: None where no rate gives the speed. margin: e-folds, below 0 beyond a limit, or by how
-    much the speed is missed.
+    much the speed is missed. state: the state there, where it may begin those near it.
     """
 
     shape: Array
     gait: Gait | None = None
-    value: float = math.inf
+    value: float = _DEARER
     margin: float = -1.0
+    state: Any = None
 
     @property
     def rate(self) -> float:
@@ -87,7 +88,7 @@ def near_root(
 
     first = miss(guess)
     step = math.copysign(max(1.5 * abs(first / slope), _LEAST_STEP), -first)
-    while abs(step) < _FARTHEST and not miss(guess + step) * first <= 0:
+    while abs(step) < math.log(RATE_STEP) and not miss(guess + step) * first <= 0:
         step *= -2
     with suppress(ValueError):  # no root between, or no value
         brentq(miss, guess, guess + step, xtol=most_miss / 10)
@@ -108,13 +109,13 @@ def rate_at_speed(
     if len(places) < 2:
         return None
 
-    def short(x: float) -> tuple[float, float]:
+    def short(x: float) -> float:
         miss, cost = state(x)
-        return cost + _DEARER * abs(miss), x
+        return cost + _DEARER * abs(miss)
 
     (y, cost), (y0, cost0) = state(places[0]), state(places[1])
-    dearer, x = min(short(x) for x in places)
-    if abs(y) > most_miss or cost > dearer + _FOLD:
+    x = min(places, key=short)
+    if abs(y) > most_miss or x != places[0]:
         return x, state(x)[1], abs(state(x)[0])
     part = y / (y - y0)
     return places[0] + part * (places[1] - places[0]), cost + part * (cost0 - cost), 0.0

@@ -16,16 +16,14 @@ from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
 from ..periodic.grid import threads_to_use
+from ..periodic.steady import speed_floor_m_s
 from .limits import GaitLimits
-from .shapes import COSTS, Array, Point, shape_of
+from .shapes import COSTS, RATE_STEP, STATES, Array, Point, shape_of
 
 _SWINGS = np.radians(np.geomspace(4.0, 90.0, 14))  # of headings: gaits outside hardly travel
 _LAGS = 14, 20  # up to 8 links and for more: long robots have several narrow valleys
-_RTOL = 3e-3  # of speeds; a table ranks shapes, and lines between its rates err by more
-_RATE_STEP = 1.6  # from rate to rate: log-log lines between them err by a few per cent
 _SLOWEST = 2.0  # rate times body length over speed: a wave of the body hardly moves it faster
 _MOST_RATES = 30  # a factor of a million
-_STILL = 1e-6  # of body length times rate: a lower speed is noise of the solver
 _PENALTY = 8.0  # e-folds of cost for an e-fold beyond a limit: a start may lie beyond it
 _WITHIN = 1.6  # times the cheapest: what the table's coarseness may hide
 _VALLEY = 0.35  # e-folds of shape: starts nearer than that lie in one valley
@@ -69,15 +67,15 @@ class GaitTable:
         limits, useful = self.limits, np.ones(self.alpha_rad.size, bool)
         lowest = min(
             _SLOWEST * min(speeds) / self.robot.body_length_m,
-            limits.omega_high_rad_s / _RATE_STEP,
+            limits.omega_high_rad_s / RATE_STEP,
             limits.servo_speed_rad_s / (4 * float(self.alpha_rad.max())),
         )
         while useful.any() and self.omega_rad_s.size < _MOST_RATES:
-            rates = lowest * _RATE_STEP ** (self.omega_rad_s.size + np.arange(3.0))
+            rates = lowest * RATE_STEP ** (self.omega_rad_s.size + np.arange(3.0))
             self._add(rates, useful)
             best = max(np.nanmin(self._roots(v)[1], initial=math.inf) for v in speeds)
             useful &= ~(self.cost_w[:, -1] > best)
-            useful &= self.alpha_rad * rates[-1] < _RATE_STEP * limits.servo_speed_rad_s
+            useful &= self.alpha_rad * rates[-1] < RATE_STEP * limits.servo_speed_rad_s
             useful &= rates[-1] < limits.omega_high_rad_s
 
     def _add(self, rates: NDArray[Any], useful: NDArray[np.bool_]) -> None:
@@ -89,9 +87,9 @@ class GaitTable:
             )
         ]
         powers, threads = self.cost != "power", min(threads_to_use(None), len(models))
-        rows = _core.sweep(models, rates.tolist(), _RTOL, powers, threads, None, rough=True)
+        rows = _core.sweep(models, rates.tolist(), STATES, powers, threads, None, rough=True)
         v, solved = rows[..., 0], rows[..., 10] > 0.5
-        v = np.where(v > _STILL * rates * self.robot.body_length_m, v, 1e-300)
+        v = np.where(v > STATES * rates * speed_floor_m_s(self.robot, 1.0), v, 1e-300)  # or noise
         more = np.full((2, useful.size, rates.size), np.nan)
         more[:, useful] = np.where(solved, [v, rows[..., 1 + COSTS.index(self.cost)]], np.nan)
         self.omega_rad_s = np.append(self.omega_rad_s, rates)

@@ -265,6 +265,11 @@ class ServoKind:
     drawn: tuple[Servo, ...] = ()
 
     def __post_init__(self) -> None:
+        for servo in (self.servo, *self.drawn):
+            if not isinstance(servo, Servo):
+                raise BadInput(
+                    f"servo is {servo!r}; it must be an sn.Servo, such as sn.servo('hobby').servo"
+                )
         for name, value in self.sigma.items():
             check_choice("sigma", name, UNCERTAIN)
             check_number(f"sigma of {name}", value, 0.0, 3.0)

@@ -238,6 +238,19 @@ def steady_gait(
     )
 
 
+def state_near(
+    robot: Robot, ground: Ground, gait: Gait, *, rtol: float, powers: bool, start: Steady | None
+) -> Steady:
+    """Return the best state found of a gait, whatever its error, sooner from a state like it."""
+    model = core_model(robot, ground, gait)
+    if start is None:
+        return from_core(robot, ground, gait, _core.steady(model, rtol, powers))
+    faster = gait.omega_rad_s / start.gait.omega_rad_s
+    velocity = [faster * value for value in start.body_velocity.tolist()]
+    (state,) = _core.neighbours(model, [model], rtol, powers, 1, starts=[velocity])
+    return from_core(robot, ground, gait, state)
+
+
 def from_core(robot: Robot, ground: Ground, gait: Gait, s: _core.SteadyState) -> Steady:
     """Return the core's answer for a gait as users see it."""
     error = relative_error(s.speed_error, s.speed, robot, gait)

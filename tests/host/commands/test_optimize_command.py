@@ -19,7 +19,7 @@ from click.testing import CliRunner
 from serpenoid.calibration.friction_result import Estimate, FitDraws, FittedServos
 from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
-from serpenoid.gaits import paper_study
+from serpenoid.paper import study as paper_study
 from serpenoid.show import report
 from serpenoid.show.gaits import crawl
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import pytest
 import serpenoid as sn
@@ -47,18 +46,3 @@ def test_a_ratchet_names_the_cheaper_of_both_waves_as_best_and_the_other_as_runn
     assert best.power_w <= best.runner_up_w < math.inf
     assert best.power_w == pytest.approx(other.power_w, rel=1e-3)
     assert best.runner_up_w == pytest.approx(other.runner_up_w, rel=0.02)
-
-
-def test_at_its_margin_a_gait_has_lost_a_tenth() -> None:
-    """Speeds at 1e-6, where the amplitude or the grip is less by the margin."""
-    robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
-    gait = sn.Gait(1.1, 1.1, 2.5)
-
-    def speed(ground: sn.Ground, gait: sn.Gait) -> float:
-        return sn.steady_gait(robot, ground, gait, rtol=1e-6, powers=False).speed_m_s
-
-    found, full = sn.gait_margins(robot, ground, gait), speed(ground, gait)
-    weak = replace(gait, alpha_rad=(1 - found.amplitude) * gait.alpha_rad)
-    loose = replace(ground, fn0=(1 - found.grip) * ground.fn0)
-    for left in (speed(ground, weak), speed(loose, gait)):
-        assert left / full == pytest.approx(0.9, abs=2e-4)

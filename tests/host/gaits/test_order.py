@@ -32,6 +32,14 @@ def test_a_wider_joint_limit_in_a_steep_valley_costs_less() -> None:
     assert wide < 1.523
 
 
+def test_a_wider_joint_limit_of_slow_dry_gaits_costs_no_more() -> None:
+    robot, ground = sn.Robot(6, 0.0756, 0.076), sn.Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
+    limits = [sn.GaitLimits(joint_angle_rad=math.radians(deg)) for deg in (45, 50, 110)]
+    found = [sn.least_power_gait(robot, ground, speed_m_s=0.005, limits=one) for one in limits]
+    for narrow, wide in pairwise(found):
+        assert wide.power_w <= narrow.power_w + wide.power_error_w
+
+
 @pytest.mark.parametrize(
     "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 24))]
 )

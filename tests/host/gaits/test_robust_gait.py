@@ -60,15 +60,6 @@ def test_the_gait_beside_the_cliff_is_told_from_the_one_that_survives() -> None:
     assert sturdy.warning == ""
 
 
-def test_a_margin_is_where_runs_in_time_have_lost_a_tenth() -> None:
-    margins = sn.gait_margins(OF_2005, BINGHAM, FRAGILE)
-    full = run_speed(OF_2005, BINGHAM, FRAGILE)
-    weak = replace(FRAGILE, alpha_rad=(1 - margins.amplitude) * FRAGILE.alpha_rad)
-    assert run_speed(OF_2005, BINGHAM, weak) == pytest.approx(0.9 * full, rel=0.02)
-    loose = replace(BINGHAM, fn0=(1 - margins.grip) * BINGHAM.fn0)
-    assert run_speed(OF_2005, loose, FRAGILE) == pytest.approx(0.9 * full, rel=0.02)
-
-
 def test_viscous_ground_has_no_cliff() -> None:
     margins = sn.gait_margins(PAPER, VISCOUS, sn.Gait(30 * D, 80 * D, 5.0))
     assert not margins.near_cliff

@@ -256,6 +256,12 @@ def test_an_unknown_name_is_told_the_known_ones() -> None:
         sn.servo("SG91")
 
 
+def test_a_kind_is_made_of_servos() -> None:
+    for one in ({"servo": math.inf}, {"servo": sn.Servo(), "drawn": (math.nan,)}):
+        with pytest.raises(sn.BadInput, match=r"servo is (inf|nan); it must be an sn\.Servo"):
+            sn.ServoKind("x", **one)
+
+
 def test_doubt_about_what_is_no_field_is_refused() -> None:
     with pytest.raises(sn.BadInput, match="sigma is 'frame_s'"):
         sn.ServoKind("x", sn.Servo(), {"frame_s": 0.1})

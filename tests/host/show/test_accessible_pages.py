@@ -14,7 +14,8 @@ from serpenoid.calibration.taking.procedure import next_step
 from serpenoid.calibration.taking.simulated import SimulatedTreadmill, Truth
 from serpenoid.calibration.taking.treadmill import Posture, take_step
 from serpenoid.commands.main import cli
-from serpenoid.gaits.paper_study import Claim, Reading, as_dict
+from serpenoid.paper.claims import Claim, as_dict
+from serpenoid.paper.study import Reading
 from serpenoid.show.gaits.paper_page import write_page
 from serpenoid.show.pages.server import Page
 from serpenoid.show.session.state import state_of

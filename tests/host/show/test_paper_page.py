@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from serpenoid.gaits.paper_study import Claim, Reading, as_dict
+from serpenoid.paper.claims import Claim, as_dict
+from serpenoid.paper.study import Reading
 from serpenoid.show.gaits.paper_page import turned_deg, write_page
 
 CLAIMS = [

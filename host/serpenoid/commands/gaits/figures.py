@@ -18,8 +18,9 @@ from ..paths import directory
 if TYPE_CHECKING:
     from ...calibration.prediction import SpeedPoint
     from ...gaits.finder import LeastPower
-    from ...gaits.paper_study import Claim, Comparison, Reading
     from ...gaits.robust import RobustGait
+    from ...paper.claims import Claim
+    from ...paper.study import Comparison, Reading
     from ...periodic.sweep import Sweep
 
 Shown = list[tuple[str, str]]  # pictures with their captions
@@ -64,7 +65,8 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
     claims.json and index.html. Some ten seconds. Joints follow the gait exactly, as the paper's
     do, so there is no --servo; the speeds of Fig. 17 have the band of any hobby servo beside them.
     """
-    from ...gaits.paper_study import Reading, as_dict
+    from ...paper.claims import as_dict
+    from ...paper.study import Reading
     from ...show.gaits.paper_page import claim_table, write_page
     from ...show.progress import progress
 
@@ -84,7 +86,8 @@ def figures(out: Path, power: str, angles: str, speed_along: str, as_json: bool)
 
 def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[list[Claim], Shown]:
     """Compute and draw; return the claims, and the pictures with their captions."""
-    from ...gaits import paper_study as study
+    from ...paper import study
+    from ...paper.claims import claims as set_beside
 
     closed = study.compare_formulations("zero")
     opened = study.compare_formulations("slow_manifold")
@@ -103,13 +106,13 @@ def _draw(out: Path, reading: Reading, advance: Callable[[int], None]) -> tuple[
     shown += _of_cliffs(out, robust)
     advance(1)
     bands = [(p.frequency_hz, p.low_ideal_m_s, p.high_ideal_m_s) for p in points]
-    claims = study.claims(closed, opened, front, reading, bands)
+    claims = set_beside(closed, opened, front, reading, bands)
     advance(1)
     return claims, shown
 
 
 def _crawling(out: Path) -> Shown:
-    from ...gaits import paper_study as study
+    from ...paper import study
     from ...show.gaits import crawl
 
     found = crawl.crawl(study.OF_2005, study.BINGHAM, study.EXPERIMENT)
@@ -119,7 +122,7 @@ def _crawling(out: Path) -> Shown:
 
 
 def _of_time(out: Path, closed: Comparison, opened: Comparison) -> Shown:
-    from ...gaits import paper_study as study
+    from ...paper import study
     from ...show import plot
     from ...show.gaits.paper_figures import errors_in_time, path_data
 
@@ -135,7 +138,7 @@ def _of_time(out: Path, closed: Comparison, opened: Comparison) -> Shown:
 
 
 def _of_optima(out: Path, cloud: Sweep, front: list[LeastPower], reading: Reading) -> Shown:
-    from ...gaits import paper_study as study
+    from ...paper import study
     from ...show.gaits import gait_figures
     from ...show.gaits.paper_figures import power_of
     from ...show.plot import robot_words
@@ -193,8 +196,8 @@ def _of_experiment(out: Path) -> tuple[list[SpeedPoint], Shown]:
 
 def _of_robustness(out: Path, cost: str) -> tuple[RobustGait, Shown]:
     """Draw both fronts of the 2005 robot; return the robust gait for CLIFF_M_S, too."""
-    from ...gaits import paper_study as study
     from ...gaits.least_power import power_front
+    from ...paper import study
     from ...show.gaits.paper_figures import power_of
     from ...show.plot import robot_words
 
@@ -210,8 +213,8 @@ def _of_robustness(out: Path, cost: str) -> tuple[RobustGait, Shown]:
 
 
 def _of_cliffs(out: Path, robust: RobustGait) -> Shown:
-    from ...gaits import paper_study as study
     from ...gaits.uncertainty import Uncertainty
+    from ...paper import study
     from ...show.gaits.gait_figures import cliff_figure
 
     for name, gait in (("fragile", robust.fragile.gait), ("robust", robust.gait)):

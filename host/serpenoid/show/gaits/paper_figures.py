@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from ...calibration.prediction import SpeedPoint
     from ...calibration.session import Session
     from ...gaits.finder import LeastPower
-    from ...gaits.paper_study import Comparison
     from ...gaits.robust import RobustGait
+    from ...paper.study import Comparison
     from ...simulation.run import Run
 
 

@@ -21,7 +21,7 @@ from ...model.robot import Robot
 from ..report import console
 
 if TYPE_CHECKING:
-    from ...gaits.paper_study import Claim
+    from ...paper.claims import Claim
 
 _STYLE = """
 :root { color-scheme: light dark; --ink: #1b1f24; --paper: #fff; --link: #0a58ca; --line: #d0d7de }

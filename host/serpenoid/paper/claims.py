@@ -1,60 +1,40 @@
-"""The study of 2005 remade: its runs, its sweep, its optima, and its claims one by one."""
+"""The claims of the 2005 paper, one by one, beside what is found here."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..model.drives import TorqueTable
+from ..gaits.finder import LeastPower
 from ..model.gait import Gait
-from ..model.ground import Ground
-from ..model.robot import Robot
 from ..periodic.steady import steady_gait
-from ..periodic.sweep import Sweep, sweep
-from ..simulation.run import Run
-from ..simulation.scene import Scene
-from ..simulation.simulate import simulate
 from ..simulation.steady_springs import steady_springs
-from .finder import LeastPower
-from .least_power import power_front
-from .robust import RobustGait, robust_gait
-from .shapes import shape_of
+from .study import (
+    BINGHAM,
+    COSTS,
+    EXPERIMENT,
+    GRID_ALPHA,
+    GRID_BETA,
+    GROUND,
+    OF_2005,
+    PATH_GAIT,
+    ROBOT,
+    Comparison,
+    Reading,
+    compare_torque_driven,
+    dearer,
+    finer_step,
+    shown_amplitude_deg,
+    without_dry_friction_along,
+)
 
-Array = NDArray[np.float64]
-D = math.pi / 180
-ROBOT, GROUND = Robot(6, 1.0, 0.12), Ground(0.1, 10.0)
-THREE = Robot(3, 1.0, 0.12)
-THREE_GAIT = Gait(30 * D, 90 * D, 3.0)
-OF_2005, BINGHAM = Robot(6, 0.0756, 0.076), Ground.whole_body(6, 0.084, 1.2, 0.14, 0.27)
-PATH_GAIT, EXPERIMENT = Gait(30 * D, 80 * D, 5.0), Gait(70 * D, 75 * D, math.pi)
-PAPERS_OPTIMUM = (30 * D, 80 * D)
-FRONT_M_S = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7)
-ROBUST_M_S = (0.05, 0.2, 0.4, 0.7)
-FRONT_2005_M_S = (0.03, 0.05, 0.1, 0.15, 0.2)
-GRID_ALPHA, GRID_BETA = (5 * D, 75 * D), (20 * D, 90 * D)
 _NEAR_DEG = 4.0  # an angle of the paper, read to a step of its grid or so
 _NEAR_WAVES = 0.05 + 6 * _NEAR_DEG / 360  # 1.3 may be rounded, and so read
 _FLAT = 0.05  # of the power
-COSTS = {"net": "power", "abs": "abs_power", "positive": "positive_power"}
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """Say how the paper is read where its words leave it open.
-
-    power: "net" (mean of P), "abs" (of |P|) or "positive" (of P+). angles: what Eq. 57 drives,
-    "joint" angles or "absolute" ones of the links. speed_along: "mean" direction of travel, or
-    the global "x" of a start with link 1 along x and at rest.
-    """
-
-    power: str = "net"
-    angles: str = "joint"
-    speed_along: str = "mean"
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,152 +51,6 @@ class Claim:
     command: str
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """Hold the error of the implicit against the exact model in time, tail link of three.
-
-    t_s (T,), theta_error_rad (T,), velocity_error_m_s (T, 2). gap: how the joints start, "zero"
-    (closed, so that their springs ring; the paper's) or "slow_manifold" (open by their load).
-    """
-
-    gap: str
-
-    t_s: Array
-    theta_error_rad: Array
-    velocity_error_m_s: Array
-
-
-def compare_formulations(gap: str = "zero") -> Comparison:
-    """Run both formulations side by side (Figs. 6 and 7): RK4, 1 ms, link 1 at rest at first."""
-    scene = Scene(
-        THREE,
-        GROUND,
-        THREE_GAIT,
-        method="rk4",
-        dt_s=1e-3,
-        duration_s=10.0,
-        record_every=1,
-        start="link1_at_rest",
-        gap=gap,
-    )
-    exact, soft = simulate(scene), simulate(replace(scene, formulation="implicit"))
-    error = np.stack([soft.vx_m_s - exact.vx_m_s, soft.vy_m_s - exact.vy_m_s], axis=2)[:, 0]
-    return Comparison(gap, exact.t_s, (soft.theta_rad - exact.theta_rad)[:, 0], error)
-
-
-def compare_torque_driven() -> float:
-    """Return the largest error of the tail's angle when both are driven by one list of torques."""
-    scene = Scene(
-        THREE,
-        GROUND,
-        THREE_GAIT,
-        method="rk4",
-        dt_s=1e-3,
-        duration_s=10.0,
-        record_every=1,
-        record=("joints",),
-    )
-    run = simulate(scene)
-    table = TorqueTable(run.t_s, run.joint_torque_nm)
-    driven = replace(scene, drive="torque", torque=table, record=(), start=run.state(0))
-    exact, soft = simulate(driven), simulate(replace(driven, formulation="implicit"))
-    return float(np.abs(soft.theta_rad - exact.theta_rad).max())
-
-
-def papers_sweep(powers: bool) -> Sweep:
-    """Solve the paper's 4500 gaits."""
-    return sweep(
-        ROBOT,
-        GROUND,
-        alpha_rad=np.arange(5, 76, 5) * D,
-        beta_rad=np.arange(20, 91, 5) * D,
-        omega_rad_s=np.arange(1.0, 21.0),
-        powers=powers,
-    )
-
-
-def papers_front(reading: Reading) -> list[LeastPower]:
-    """Find the least-power gaits of the paper's robot over its speeds."""
-    found = power_front(ROBOT, GROUND, speeds_m_s=np.array(FRONT_M_S), cost=COSTS[reading.power])
-    return [best for best in found if best is not None]
-
-
-def shown_amplitude_deg(gait: Gait, reading: Reading) -> float:
-    """Return the amplitude as the reading counts it, of joints or of links."""
-    if reading.angles == "joint":
-        return math.degrees(gait.alpha_rad)
-    return math.degrees(math.exp(shape_of(gait.alpha_rad, gait.beta_rad)[0]))
-
-
-def along_x(gait: Gait) -> float:
-    """Return speed along global x over speed along the way, from link 1 along x and at rest."""
-    settled, cycles = steady_gait(ROBOT, GROUND, gait, powers=False), 15
-    start = math.ceil(8 * settled.settling_time_s / gait.period_s)
-    run = simulate(
-        Scene(
-            ROBOT,
-            GROUND,
-            gait,
-            method="rk4",
-            dt_s=gait.period_s / 400,
-            record_every=400,
-            duration_s=(start + cycles) * gait.period_s,
-        )
-    )
-    x, y = run.x_m.mean(axis=1)[[start, -1]], run.y_m.mean(axis=1)[[start, -1]]
-    return abs(x[1] - x[0]) / math.hypot(x[1] - x[0], y[1] - y[0])
-
-
-def robust_front(
-    robot: Robot, ground: Ground, speeds: Sequence[float], cost: str, samples: int
-) -> list[RobustGait]:
-    """Find the robust gaits over some speeds, by fewer samples than one alone would get."""
-    return [
-        robust_gait(robot, ground, speed_m_s=speed, cost=cost, samples=samples) for speed in speeds
-    ]
-
-
-def cloud_2005(powers: bool) -> Sweep:
-    """Solve a grid of gaits of the 2005 robot on its measured, dry ground."""
-    return sweep(
-        OF_2005,
-        BINGHAM,
-        alpha_rad=np.arange(30, 106, 5) * D,
-        beta_rad=np.arange(40, 111, 5) * D,
-        omega_rad_s=np.geomspace(0.7, 12, 12),
-        rtol=1e-3,
-        powers=powers,
-    )
-
-
-def path_run(gait: Gait, cycles: int) -> Run:
-    """Return a run of the periodic state (Figs. 12 and 13)."""
-    return simulate(
-        Scene(
-            ROBOT,
-            GROUND,
-            gait,
-            start="steady",
-            method="rk4",
-            dt_s=gait.period_s / 600,
-            record_every=5,
-            duration_s=cycles * gait.period_s,
-        )
-    )
-
-
-def dearer(front: Sequence[LeastPower], speed_m_s: float, cost: str) -> float:
-    """Return by what fraction the paper's (30, 80) deg costs more than the optimum at a speed."""
-    best = min(front, key=lambda b: abs(b.speed_m_s - speed_m_s))
-    low, high = 0.2 * best.gait.omega_rad_s, 5 * best.gait.omega_rad_s
-    for _ in range(50):
-        rate = math.sqrt(low * high)
-        slow = steady_gait(ROBOT, GROUND, Gait(*PAPERS_OPTIMUM, rate)).speed_m_s < best.speed_m_s
-        low, high = (rate, high) if slow else (low, rate)
-    state = steady_gait(ROBOT, GROUND, Gait(*PAPERS_OPTIMUM, high))
-    return float(getattr(state, f"{cost}_w")) / best.power_w - 1
-
-
 def claims(
     closed: Comparison,
     opened: Comparison,
@@ -230,48 +64,6 @@ def claims(
     m/s that the readings leave open, of the 2005 robot.
     """
     return [*_formulations(closed, opened), *_optima(front, reading), *_experiment(bands)]
-
-
-def finer_step(dt_s: float = 2.5e-4) -> float:
-    """Return by what part of the largest value a shorter step than 1 ms changes places and speeds.
-
-    Of the paper's three links, by both formulations.
-    """
-    worst = 0.0
-    for formulation in ("explicit", "implicit"):
-        scene = Scene(
-            THREE,
-            GROUND,
-            THREE_GAIT,
-            formulation=formulation,
-            method="rk4",
-            dt_s=1e-3,
-            duration_s=10.0,
-            record_every=10,
-            start="link1_at_rest",
-        )
-        run = simulate(scene)
-        fine = simulate(replace(scene, dt_s=dt_s, record_every=round(1e-2 / dt_s)))
-        for x, y in (("x_m", "y_m"), ("vx_m_s", "vy_m_s")):
-            full = np.hypot(getattr(run, x), getattr(run, y)).max()
-            off = np.hypot(getattr(run, x) - getattr(fine, x), getattr(run, y) - getattr(fine, y))
-            worst = max(worst, float(off.max() / full))
-    return worst
-
-
-def without_dry_friction_along() -> list[tuple[float, float, float]]:
-    """Return frequency in Hz, and by what part speed and power change without ft0 (2005 robot)."""
-    found = []
-    for frequency in (0.2, 0.5, 1.0, 1.5, 2.0):
-        gait = replace(EXPERIMENT, omega_rad_s=2 * math.pi * frequency)
-        full, free = (
-            steady_gait(OF_2005, ground, gait, rtol=1e-4)
-            for ground in (BINGHAM, replace(BINGHAM, ft0=0.0))
-        )
-        found.append(
-            (frequency, free.speed_m_s / full.speed_m_s - 1, free.power_w / full.power_w - 1)
-        )
-    return found
 
 
 def _formulations(c: Comparison, opened: Comparison) -> list[Claim]:
@@ -452,6 +244,6 @@ def _experiment(bands: Sequence[tuple[float, float, float]]) -> list[Claim]:
 def as_dict(found: Sequence[Claim], reading: Reading) -> dict[str, Any]:
     """Return claims and reading as plain values."""
     return {
-        "reading": {name: getattr(reading, name) for name in reading.__slots__},
-        "claims": [{name: getattr(c, name) for name in c.__slots__} for c in found],
+        "reading": asdict(reading),
+        "claims": [asdict(claim) for claim in found],
     }

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from serpenoid.gaits import paper_study as study
+from serpenoid.paper import claims, study
 from serpenoid.simulation.scene import Scene
 from serpenoid.simulation.simulate import simulate
 
@@ -25,7 +25,7 @@ def test_claims_of_optima_follow_from_the_front() -> None:
             replace(b, gait=replace(b.gait, alpha_rad=a * study.D, beta_rad=c * study.D))
             for b, a, c in zip(front, alpha_deg * 5, beta_deg * 5, strict=False)
         ]
-        return {c.paper: c.verdict for c in study._optima(moved, reading)}
+        return {c.paper: c.verdict for c in claims._optima(moved, reading)}
 
     same, apart, off = (verdicts(*x) for x in (([30], [80]), ([30, 60], [80, 60]), ([80], [50])))
     for name in (
@@ -37,12 +37,12 @@ def test_claims_of_optima_follow_from_the_front() -> None:
     assert same["for each speed one gait costs least"] == "agrees"
     assert off["for each speed one gait costs least"] == "differs"  # 80 deg is beyond the grid
     twins = [replace(b, runner_up_w=b.power_w) for b in front[:3]] + front[3:]
-    first, line, *_ = study._optima(twins, reading)
+    first, line, *_ = claims._optima(twins, reading)
     assert first.verdict == "in part"
     assert first.here.startswith("so it does at 6 of 9 speeds")
     assert line.verdict == "agrees"
     bent = [replace(b, gait=replace(b.gait, omega_rad_s=3.0)) for b in front]
-    assert study._optima(bent, reading)[1].verdict == "differs"
+    assert claims._optima(bent, reading)[1].verdict == "differs"
 
 
 def test_dry_friction_along_the_links_is_no_small_matter():
@@ -69,11 +69,11 @@ def test_a_claim_follows_from_its_numbers(monkeypatch) -> None:
         ((2.0, 0.2, 0.21), "differs", "low"),
         ((2.0, 0.02, 0.3), "agrees", "high"),
     ):
-        said = {c.paper: c for c in study._experiment([slow, fast])}
+        said = {c.paper: c for c in claims._experiment([slow, fast])}
         assert said[doubt].verdict == verdict
         assert f"{most} frequencies suffer most" in said[doubt].here
         assert said[little].verdict == "differs"
     for power, verdict in ((-0.01, "agrees"), (-0.2, "in part")):
         found = [(0.2, 0.01, -0.01), (1.0, 0.01, power)]
-        monkeypatch.setattr(study, "without_dry_friction_along", lambda found=found: found)
-        assert {c.paper: c.verdict for c in study._experiment([slow, slow])}[little] == verdict
+        monkeypatch.setattr(claims, "without_dry_friction_along", lambda found=found: found)
+        assert {c.paper: c.verdict for c in claims._experiment([slow, slow])}[little] == verdict

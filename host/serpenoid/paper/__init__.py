@@ -1,0 +1,1 @@
+"""The study of 2005, remade with this package."""
