@@ -1,15 +1,15 @@
 """What measured speeds say: they agree, or friction, the joints' amplitude or neither is to blame.
 
-Whether they agree is told by draws of what fit, amplitude and servos allow as stated. If not, each
-cause is let loose alone and solved for; a cause is able if its best speeds then fit, and two able
-ones are told apart by their evidence (Laplace's approximation: a cause that could have explained
-anything is worth less than one that had to).
+Draws of what fit, amplitude and servos allow as stated show whether they agree. If not, the crawls
+are a reading that was not fitted, beside a fit in which one cause is freed. A cause is able if its
+likeliest speeds fit. Two able causes are told apart by evidence: a cause that could have explained
+anything is worth less than one that had to.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,30 +18,27 @@ from numpy.typing import NDArray
 
 from ..model.drives import ServoKind
 from ..model.gait import Gait
-from ..periodic.drawn_states import drawn_speeds
-from ..periodic.servo_steady import drawn_ripple_shares, drawn_servo_speeds
-from ..periodic.steady import steady_gait
 from ..servos.catalogue import servo
-from .friction_result import FrictionFit, ground_of
-from .speed_samples import SpeedSamples, scaled
+from .crawls.data import CrawlData
+from .crawls.posterior import Before, Posterior, about_minimum
+from .crawls.servos import ServoEffects
+from .crawls.speeds import Speeds
+from .friction_result import FrictionFit
+from .speed_samples import MODEL_SIGMA, SpeedSamples
 
 Array = NDArray[np.float64]
 DOUBTFUL = 0.05  # a verdict's p-value
 # What may have happened between treadmill and ground: standard deviation of the logarithm of each
 # friction, and of the joints' amplitude, in those stated (who has measured it states a small one).
 FREED_FRICTION, FREED_AMPLITUDE = 0.4, 5.0
-MODEL_SIGMA = 0.01  # of the predicted speed: what the model itself may be off by
 EITHER = "friction or amplitude"
 # What servos may be, where those stated do not explain the speeds: any hobby servo, and such as
 # lose so many times as much.
-FREED_SERVOS, STRANGER, _SERVO_DRAWS = "hobby", 2.0, 48
-_LESS, _LEAST_SHARE = 0.85, 1e-3  # amplitude at which shares are looked at once more; a share
-_GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
+FREED_SERVOS, STRANGER = "hobby", 2.0
 TOLD_APART = math.log(10.0)  # of evidence
-_NOISE_DRAWS = 32
-_STEP = 0.05  # of an unknown, in its sigmas, for slopes
-_STARTS, _SHARES = 256, 15  # frictions to begin at; shares of the amplitude
-_MOST_STEPS = 10
+_NOISE_DRAWS, _POINTS, _ROUNDS, _SERVO_DRAWS = 32, 256, 5, 48
+_AMPLITUDES = 0.85, 1.0  # shares of the joints' amplitude, at which servos are looked at
+_GRAIN = 0.01  # of the speed: how far servos are apart of which some are drawn
 
 
 @dataclass(frozen=True)
@@ -115,66 +112,82 @@ class Judge:
         stated = _chance(self._drawn, measured, np.random.default_rng(self._seed))
         if stated >= DOUBTFUL:
             return Verdict("agrees", stated)
-        loose = self._loose
-        friction, amplitude = (loose[name].cause(measured) for name in ("friction", "amplitude"))
-        servos = loose["servos"].cause(measured) if "servos" in loose else None
-        word = _word(friction, amplitude, loose["nothing"].cause(measured), servos)
+        sigma, as_stated = self._amplitude_sigma, self._effects
+        nothing = self._cause(measured, 0.0, sigma, as_stated)
+        friction = self._cause(measured, FREED_FRICTION, sigma, as_stated)
+        amplitude = self._cause(measured, 0.0, FREED_AMPLITUDE * sigma, as_stated)
+        servos = self._servo and self._cause(measured, 0.0, sigma, self._freed_effects)
+        word = _word(friction, amplitude, nothing, servos)
         return Verdict(word, stated, friction, amplitude, servos)
 
-    @cached_property
-    def _loose(self) -> dict[str, _Loose]:
-        """Return what is solved for where one thing is let loose."""
-        fit, sigma = self._fit, self._amplitude_sigma
-        gaits, seen = self._drawn.gaits, self._drawn.seen
-        stated = self._left_by(self._servo)
-        found = {
-            "nothing": _Loose(fit, gaits, 0.0, sigma, stated, seen),
-            "amplitude": _Loose(fit, gaits, 0.0, FREED_AMPLITUDE * sigma, stated, seen),
-            "friction": _Loose(fit, gaits, FREED_FRICTION, sigma, stated, seen),
-        }
-        if self._servo is not None:
-            any_kind = servo(FREED_SERVOS)
-            freed = stated if self._servo == any_kind else self._left_by(any_kind)
-            found["servos"] = _Loose(fit, gaits, 0.0, sigma, freed.and_stranger(), seen)
-        return found
+    def _cause(
+        self, measured: Measured, freed: float, amplitude_sigma: float, effects: ServoEffects
+    ) -> Cause:
+        """Return the best that frictions, freed or not, amplitude and servos can do."""
+        from scipy.special import chdtrc
 
-    def _left_by(self, kind: ServoKind | None) -> _Left:
-        """Return what servos of a kind leave of the speeds, on the fitted ground."""
-        gaits, fit = self._drawn.gaits, self._fit
-        if kind is None:
-            return _Left(np.ones((1, len(gaits))), np.zeros((1, len(gaits))))
-        servos = [kind.servo] if kind.exact else kind.draws(_SERVO_DRAWS)
-        shares = [np.empty((len(servos), len(gaits))) for _ in range(2)]
-        for j, gait in enumerate(gaits):
-            if (command := self._drawn.seen.get(gait)) is not None:
-                state = steady_gait(fit.robot, fit.ground, command, rtol=1e-3, powers=False)
-                left = drawn_ripple_shares([state] * len(servos), servos)
-                shares[0][:, j] = shares[1][:, j] = np.maximum(left, _LEAST_SHARE)
-                continue
-            for found, amplitude in zip(shares, (1.0, _LESS), strict=True):
-                made = scaled(gait, amplitude)
-                state = steady_gait(fit.robot, fit.ground, made, rtol=1e-3, powers=False)
-                speeds = drawn_servo_speeds([state] * len(servos), servos)
-                found[:, j] = np.maximum(speeds / max(state.speed_m_s, 1e-9), _LEAST_SHARE)
-        return _Left(shares[0], np.log(shares[1] / shares[0]) / (_LESS - 1.0))
-
-
-@dataclass(frozen=True)
-class _Left:
-    """What each of some servos leaves of ideal speeds: shares (K, gaits), and how the logarithm
-    of each changes with the joints' amplitude, a share of the commanded one."""
-
-    shares: Array
-    by_amplitude: Array
-
-    def at(self, amplitude: float) -> Array:
-        return self.shares * np.exp(self.by_amplitude * (amplitude - 1.0))
-
-    def and_stranger(self) -> _Left:
-        return _Left(
-            np.vstack([self.shares, self.shares**STRANGER]),
-            np.vstack([self.by_amplitude, STRANGER * self.by_amplitude]),
+        whole = np.maximum(list(self._fit.whole_snake.values()), 1e-9)
+        relative = self._fit.covariance / np.outer(whole, whole)
+        root = np.linalg.cholesky(relative + freed**2 * np.eye(len(whole)))
+        before = Before(np.log(whole), np.asarray(root, dtype=np.float64), amplitude_sigma)
+        best_m_s = self._ideal_m_s * np.median(effects.share, axis=0)
+        sigma = np.hypot(measured.sigma_m_s, math.hypot(MODEL_SIGMA, effects.sigma) * best_m_s)
+        data = replace(self._data, speed_m_s=measured.speed_m_s, sigma_m_s=sigma)
+        posterior = Posterior(data, before, self._speeds, replace(effects, sigma=0.0))
+        drawn = about_minimum(posterior, self._seed, _POINTS, _ROUNDS)
+        best = drawn.best[None]
+        shares = (before.whole(best)[0] / whole).tolist()
+        return Cause(
+            float(chdtrc(len(data), posterior.chi2(best)[0])),
+            drawn.evidence,
+            dict(zip(self._fit.names, shares, strict=True)),
+            float(before.amplitude(best)[0]),
         )
+
+    @cached_property
+    def _data(self) -> CrawlData:
+        """Return the gaits as crawls that were not measured yet."""
+        gaits, seen = self._drawn.gaits, self._drawn.seen
+        nothing = np.zeros(len(gaits))
+        filmed = np.array([gait in seen for gait in gaits], dtype=bool)
+        asked = tuple(seen.get(gait, gait) for gait in gaits)
+        return CrawlData(gaits, nothing, nothing, filmed, ((),) * len(gaits), asked)
+
+    @cached_property
+    def _speeds(self) -> Speeds:
+        whole = np.array(list(self._fit.whole_snake.values()))
+        return self._data.of_robot(self._fit.robot, whole)
+
+    @cached_property
+    def _ideal_m_s(self) -> Array:
+        """Return the speeds of joints that follow the gait, on the fitted ground."""
+        whole = np.array(list(self._fit.whole_snake.values()))
+        return self._speeds(whole[None], np.ones(1))[0]
+
+    @cached_property
+    def _effects(self) -> ServoEffects:
+        """Return what servos as stated do to the speeds, on the fitted ground."""
+        return self._effects_of(self._servo)
+
+    @cached_property
+    def _freed_effects(self) -> ServoEffects:
+        """Return what any hobby servo does to them, and one that loses more."""
+        any_kind = servo(FREED_SERVOS)
+        kinds = self._effects if self._servo == any_kind else self._effects_of(any_kind)
+        power = np.asarray(kinds.share_power)
+        return replace(
+            kinds,
+            share=np.vstack([kinds.share, kinds.share**STRANGER]),
+            amplitude=np.vstack([kinds.amplitude] * 2),
+            share_power=np.vstack([power, STRANGER * power]),
+        )
+
+    def _effects_of(self, kind: ServoKind | None) -> ServoEffects:
+        effects = self._data.effects(
+            self._fit.robot, self._fit.ground, kind, _AMPLITUDES, count=_SERVO_DRAWS
+        )
+        # A film's joints count in the gait itself, not once more.
+        return replace(effects, amplitude=effects.amplitude[:, :0], amplitude_power=0.0)
 
 
 def _word(friction: Cause, amplitude: Cause, as_stated: Cause, servos: Cause | None = None) -> str:
@@ -223,145 +236,3 @@ def _chance(drawn: SpeedSamples, measured: Measured, rng: np.random.Generator) -
 
 def _grain(shares: Array) -> float:
     return _GRAIN if len(shares) > 1 else 0.0
-
-
-class _Loose:
-    """Speeds over whitened unknowns, the logarithms of all frictions and the amplitude last.
-
-    servos: what each of some leaves of them; one of these servos it is.
-    """
-
-    def __init__(
-        self,
-        fit: FrictionFit,
-        gaits: tuple[Gait, ...],
-        freed: float,
-        amplitude_sigma: float,
-        servos: _Left,
-        seen: Collection[Gait] = (),
-    ):
-        self._fit, self._gaits, self._freed, self._seen = fit, gaits, freed, seen
-        self._servos = servos
-        self._amplitude_sigma = amplitude_sigma
-        self._whole = np.maximum(list(fit.whole_snake.values()), 1e-9)
-        relative = fit.covariance / np.outer(self._whole, self._whole)
-        self._root = np.linalg.cholesky(relative + freed**2 * np.eye(len(relative)))
-
-    @cached_property
-    def _starts(self) -> tuple[Array, Array]:
-        """Return unknowns all over, and the ideal speeds there; the nearest one is begun at.
-
-        Speeds end in a cliff, from whose foot nothing leads back.
-        """
-        from scipy.special import ndtri
-        from scipy.stats import qmc
-
-        if self._freed:
-            sobol = qmc.Sobol(len(self._whole) + 1, seed=7)  # pyright: ignore[reportCallIssue]
-            units = ndtri(sobol.random(_STARTS))
-        else:
-            units = np.zeros((_SHARES, len(self._whole) + 1))
-            units[:, -1] = np.linspace(-2.5, 2.0, _SHARES)
-        return units, self._ideals(units, rough=True)
-
-    @cached_property
-    def _best_m_s(self) -> Array:
-        ideal = self._ideal(np.zeros(len(self._whole) + 1))
-        return ideal * np.median(self._servos.shares, axis=0)
-
-    def cause(self, measured: Measured) -> Cause:
-        """Return the best that these unknowns can do."""
-        from scipy.special import chdtrc
-
-        error = math.hypot(MODEL_SIGMA, _grain(self._servos.shares))
-        noise = np.hypot(measured.sigma_m_s, error * self._best_m_s)
-        units, speeds = self._starts
-        left = np.array([self._servos.at(self._amplitude(x)) for x in units]).swapaxes(0, 1)
-        off = (left * speeds - measured.speed_m_s) / noise
-        far = np.sum(off**2, axis=2) + np.sum(units**2, axis=1)
-        one, begin = np.unravel_index(int(np.argmin(far)), far.shape)
-        found, chi2, at = self._closest(measured, noise, int(one), units[begin])
-        likely = self._likely(measured, noise, found, at)
-        if (other := int(np.argmax(likely))) != one:
-            again = self._closest(measured, noise, other, found)
-            if again[1] < chi2:
-                found, chi2, at = again
-                likely = self._likely(measured, noise, found, at)
-        shares = np.exp(self._root @ found[:-1]).tolist()
-        return Cause(
-            float(chdtrc(len(self._gaits), chi2)),
-            _mean_of_logs(likely),
-            dict(zip(self._fit.names, shares, strict=True)),
-            self._amplitude(found),
-        )
-
-    def _closest(
-        self, measured: Measured, noise: Array, one: int, begin: Array
-    ) -> tuple[Array, float, Array]:
-        """Return the best unknowns with one of the servos, chi2, and the ideal speeds' slopes."""
-        from scipy.optimize import least_squares
-
-        def all_left(units: Array) -> Array:
-            shares = np.array([self._servos.at(self._amplitude(x))[one] for x in units])
-            off = (shares * self._ideals(units) - measured.speed_m_s) / noise
-            return np.hstack([off, units])
-
-        def left(x: Array) -> Array:
-            return all_left(x[None])[0]
-
-        def slopes(x: Array) -> Array:
-            here, *moved = all_left(x + _STEP * np.eye(len(x) + 1, len(x), -1))
-            return (np.array(moved) - here).T / _STEP
-
-        found = least_squares(
-            left,
-            begin,
-            ftol=1e-2,
-            xtol=1e-2,
-            max_nfev=_MOST_STEPS,
-            jac=slopes,  # pyright: ignore[reportArgumentType]
-        )
-        x = found.x
-        share, bends = self._servos.at(self._amplitude(x))[one], self._servos.by_amplitude[one]
-        at = found.jac[: len(noise)] * (noise / share)[:, None]  # of the ideal speeds
-        at[:, -1] -= self._ideal(x) * bends * self._amplitude_sigma
-        return x, 2.0 * float(found.cost), at
-
-    def _likely(self, measured: Measured, noise: Array, x: Array, slopes: Array) -> Array:
-        """Return the logarithm of each servo's likelihood, all unknowns integrated out.
-
-        Speeds are linear about x; likelihoods are over that of no residual without unknowns.
-        """
-        here, share = self._ideal(x), self._servos.at(self._amplitude(x))
-        own = np.repeat(slopes[None], len(share), axis=0)
-        own[:, :, -1] += here * self._servos.by_amplitude * self._amplitude_sigma
-        own *= share[:, :, None]
-        each = own @ own.swapaxes(1, 2) + np.diag(noise**2)
-        off = measured.speed_m_s - share * here + own @ x
-        out = np.einsum("ki,kij,kj->k", off, np.linalg.inv(each), off)
-        return -0.5 * (out + np.linalg.slogdet(each)[1] - np.log(noise**2).sum())
-
-    def _amplitude(self, x: Array) -> float:
-        return float(np.clip(1.0 + self._amplitude_sigma * x[-1], 0.05, 1.5))
-
-    def _ideal(self, x: Array) -> Array:
-        return self._ideals(x[None])[0]
-
-    def _ideals(self, units: Array, rough: bool = False) -> Array:
-        """Return the speeds of all gaits at some unknowns, (K, gaits), m/s."""
-        whole = self._whole * np.exp(np.clip(units[:, :-1] @ self._root.T, -3.0, 3.0))
-        robot, shares = self._fit.robot, [self._amplitude(x) for x in units]
-        grounds = [ground_of(robot.links, row) for row in whole.tolist()]
-
-        def of(gait: Gait) -> Array:
-            made = [gait if gait in self._seen else scaled(gait, share) for share in shares]
-            draws = list(zip(grounds, made, strict=True))
-            return drawn_speeds(robot, draws[0], draws, rough)
-
-        return np.array([of(gait) for gait in self._gaits]).T
-
-
-def _mean_of_logs(likely: Array) -> float:
-    from scipy.special import logsumexp
-
-    return float(np.asarray(logsumexp(likely))) - math.log(len(likely))

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ..model.drives import ServoKind
 from .friction_result import FrictionFit
-from .speed_samples import speed
-from .verdict import MODEL_SIGMA, Cause, Measured, Verdict
+from .speed_samples import MODEL_SIGMA, speed
+from .verdict import Cause, Measured, Verdict
 
 Array = NDArray[np.float64]
 _LEAST_PULL = 2e-3  # of the weight: a tenth of a degree

@@ -139,10 +139,8 @@ def servo_runs(made, servo):
     return replace(made, gait_runs=tuple(runs))
 
 
-def test_servos_that_nobody_told_are_in_the_band_or_named(fitted, monkeypatch):
+def test_servos_that_nobody_told_are_in_the_band_or_named(fitted):
     """A robot at five sixths of its ideal speed: any hobby servo may do that, a smooth one not."""
-    monkeypatch.setattr(verdict, "_SERVO_DRAWS", 48)
-    monkeypatch.setattr(verdict, "_STARTS", 64)
     made, fit = fitted
     hidden = next(
         s

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, rolled_out
+from scipy.stats import multivariate_t
 from serpenoid import BadInput
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
@@ -15,6 +16,7 @@ from serpenoid.calibration.crawls.posterior import Before, Posterior, draw
 from serpenoid.calibration.crawls.result import _with_pushes, fit_crawls
 from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
+from serpenoid.calibration.fitting.particles import FREEDOM, Student
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, Estimate, WholeSnake, weak_notes
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -62,6 +64,15 @@ def test_draws_are_the_normal_answer_where_there_is_one() -> None:
     np.testing.assert_allclose(u.std(axis=0), sd, rtol=0.12)
     np.testing.assert_allclose(np.log(found.best_whole / TRUTH) / 0.3, mean[:4], atol=2e-3)
     assert found.effective > 300
+
+
+def test_what_is_drawn_from_has_the_density_of_student() -> None:
+    """Against SciPy's own: a wrong constant makes evidence wrong."""
+    root = np.linalg.cholesky(np.eye(5) + 0.3)
+    at = RNG.normal(size=(20, 5))
+    law = multivariate_t(np.ones(5), 4.0 * root @ root.T, df=int(FREEDOM))
+    density = Student(np.ones(5), root, 2.0).log_density(at)
+    np.testing.assert_allclose(density, law.logpdf(at), rtol=1e-9)
 
 
 def test_two_minima_are_both_drawn_by_their_weight() -> None:
@@ -244,7 +255,7 @@ def test_tape_and_watch_tell_frictions_with_crawls_and_not_without() -> None:
     for name, true in zip(NAMES, TRUTH, strict=True):
         low, high = fit.intervals[name]
         assert low < true < high
-        assert fit.parameters[name].sigma < 1.02 * crawled.parameters[name].sigma
+        assert fit.parameters[name].sigma < 1.15 * crawled.parameters[name].sigma  # by 1024 draws
     assert fit.chi2 < 0.5 * fit.dof  # nothing errs
 
 

@@ -18,7 +18,7 @@ from ..kinds.video import FilmReading
 from ..session import Session
 from ..speed_samples import MODEL_SIGMA, scaled
 from .runs import runs_by_gait, same_gait
-from .servos import SERVO_DRAWS, ServoEffects, effects_of
+from .servos import ENDS, SERVO_DRAWS, ServoEffects, effects_of
 from .slope import sloped_speed
 from .speeds import Array, Speeds, SpeedSolver
 
@@ -86,14 +86,20 @@ class CrawlData:
         return SpeedSolver(robot, self.gaits, self.seen.tolist(), asked, at, near)
 
     def effects(
-        self, robot: Robot, ground: Ground, kind: ServoKind | None, seed: int = 0
+        self,
+        robot: Robot,
+        ground: Ground,
+        kind: ServoKind | None,
+        ends: tuple[float, float] = ENDS,
+        seed: int = 0,
+        count: int = SERVO_DRAWS,
     ) -> ServoEffects:
-        """Return what servos of a kind do to these gaits on some ground."""
+        """Return what some servos of a kind do to these gaits; ends: see `effects_of`."""
         films = int(self.seen.sum())
         if kind is None:
             return ServoEffects.none(len(self), films)
-        servos = (kind.servo,) if kind.exact else tuple(kind.draws(SERVO_DRAWS, seed))
-        return effects_of(robot, ground, self.asked or self.gaits, self.seen.tolist(), servos)
+        servos = (kind.servo,) if kind.exact else tuple(kind.draws(count, seed))
+        return effects_of(robot, ground, self.asked or self.gaits, self.seen.tolist(), servos, ends)
 
     def on_slope(
         self,

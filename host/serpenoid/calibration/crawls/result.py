@@ -30,7 +30,7 @@ from ..session_posterior import posterior_of
 from ..speed_samples import AMPLITUDE_SIGMA
 from .data import CrawlData
 from .level import floor_slope
-from .posterior import UNKNOWNS, Before, Drawn, Posterior, draw
+from .posterior import Before, Drawn, Posterior, draw
 from .servos import ServoEffects, effects_of, with_near_ones
 from .speeds import Array, Speeds
 
@@ -74,7 +74,7 @@ def fit_crawls(
         ground = ground_of(robot.links, at.tolist())
         data = _on_level(taken, robot, ground, slope, drawn if leads else None, found)
         if effects is None and (found is None or not before.narrow):
-            found = data.effects(robot, ground, servo, seed)
+            found = data.effects(robot, ground, servo, seed=seed)
         assert found is not None
         if last and near:
             assert servo is not None
@@ -135,7 +135,7 @@ def _near_servos(
 
     def left(found: ServoEffects) -> Array:
         posterior = Posterior(data, before, speeds, found)
-        return posterior.left(posterior.minima(np.zeros((1, UNKNOWNS)))[0])
+        return posterior.left(posterior.minimum())
 
     def solve(servos: tuple[Servo, ...]) -> ServoEffects:
         return effects_of(robot, ground, asked, seen, servos)
@@ -293,10 +293,5 @@ def _notes(fit: FrictionFit, data: CrawlData, drawn: Drawn, other: FrictionFit |
                 f"Speeds only: the crawls do not tell {named} apart from the rest. Speeds of gaits "
                 "like those that were run are known better than any friction; pushes tell each one."
             ),
-        )
-    if drawn.starts_lost > 0.0 and other is None:
-        notes.append(
-            f"{drawn.starts_lost:.0%} of the starts ended in a minimum that is not the best one; "
-            "the intervals rest on draws all over."
         )
     return notes

@@ -29,7 +29,7 @@ SERVO_DRAWS = 128
 SERVO_SIGMA = 0.005  # relative, of what a servo is predicted to do
 GRAIN = 0.01  # the same, where few servos are drawn of many; a rough state is off by 0.003
 ENOUGH_SERVOS = 10.0  # alike ones: no more are drawn
-_ENDS = 1 / 1.04, 1.04  # of the common amplitude, for powers
+ENDS = 1 / 1.04, 1.04  # of the common amplitude, where it is known within some per cent
 _ROUNDS, _FRESH = 4, 64
 _FREEDOM, _WIDE = 5.0, 1.2  # of Student's distribution
 _PER_UNKNOWN = 3  # servos that count, for each slope's unknown
@@ -90,13 +90,17 @@ def effects_of(
     gaits: Sequence[Gait],
     seen: Sequence[bool],
     servos: tuple[Servo, ...],
+    ends: tuple[float, float] = ENDS,
 ) -> ServoEffects:
-    """Return what some servos do to commanded gaits; seen: those whose joints a film showed."""
+    """Return what some servos do to commanded gaits; seen: those whose joints a film showed.
+
+    ends: common amplitudes at which that is solved for.
+    """
     own = list(dict.fromkeys(zip(gaits, seen, strict=True)))  # films of a gait have it alike
     many = len(servos) > 1
     jobs = [
         (steady_gait(robot, ground, scaled(g, end), rtol=1e-3, powers=False), film)
-        for end in _ENDS
+        for end in ends
         for g, film in own
     ]
     each = [(state, one, film, many) for state, film in jobs for one in servos]
@@ -105,7 +109,8 @@ def effects_of(
     rows = [own.index(pair) for pair in zip(gaits, seen, strict=True)]
     found = found.reshape(2, len(own), len(servos), 2)[:, rows].swapaxes(1, 2)
     logs = np.log(np.maximum(found, 1e-3))
-    middle, power = np.exp(logs.mean(axis=0)), (logs[1] - logs[0]) / np.log(_ENDS[1] / _ENDS[0])
+    power = (logs[1] - logs[0]) / np.log(ends[1] / ends[0])
+    middle = np.exp(logs[1] - power * np.log(ends[1]))
     films = np.asarray(seen, dtype=bool)
     return ServoEffects(
         servos,
@@ -174,7 +179,7 @@ class _Near:
         """Return what linear fits of what is left make of the posterior, near the best servos."""
         units = np.array([kind.units_of(one) for one in servos])
         free = np.flatnonzero(np.ptp(units, axis=0) > 0.0).tolist()
-        weight = _tempered(log, _PER_UNKNOWN * (len(free) + 1))
+        weight = softened(log, _PER_UNKNOWN * (len(free) + 1))
         known = np.column_stack([np.ones(len(units)), units[:, free]])
         root = np.sqrt(weight)[:, None]
         fitted = np.linalg.lstsq(root * known, root * off, rcond=None)[0]
@@ -211,7 +216,7 @@ class _Near:
         return np.log([self.rates[r] for r in rates]) + law.logpdf(units[:, self.free])
 
 
-def _tempered(log: Array, least: float) -> Array:
+def softened(log: Array, least: float) -> Array:
     """Return weights, sum 1, by the highest power of exp(log) that leaves so many alike."""
     power = 1.0
     while alike(power * log) < least:

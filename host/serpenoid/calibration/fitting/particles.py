@@ -7,7 +7,9 @@ two others (differential evolution, ter Braak 2006), which follows the shape tha
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,26 +17,62 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 LogDensity = Callable[[Floats], Floats]
 
+FREEDOM, WIDER = 6.0, 1.15  # of Student's distribution about a mode: tails, and width
 MOVES = 6  # of every particle after a step, and twice as many after the last
 _LENGTHS = (0.2, 0.4, 0.6, 1.0)  # of the difference of two particles
 _JITTER = 0.02  # standard deviations of the particles
 
 
-def tempered(x: Floats, first: LogDensity, last: LogDensity, rng: np.random.Generator) -> Floats:
-    """Return particles (N, D) of the last density from such of the first."""
-    count, power = len(x), 0.0
+@dataclass(frozen=True)
+class Student:
+    """Student's distribution about a centre (D,), its root (D, D) made wider."""
+
+    centre: Floats
+    root: Floats
+    wider: float = WIDER
+
+    def points(self, count: int, seed: int) -> Floats:
+        """Return (count, D) scrambled Sobol points of it."""
+        from scipy.special import chdtri, ndtri
+        from scipy.stats import qmc
+
+        size = len(self.centre)
+        even = qmc.Sobol(size + 1, seed=seed).random(count)  # pyright: ignore[reportCallIssue] (older SciPy)
+        tail = chdtri(FREEDOM, even[:, -1:]) / FREEDOM
+        return self.centre + self.wider * (ndtri(even[:, :-1]) / np.sqrt(tail)) @ self.root.T
+
+    def log_density(self, x: Floats) -> Floats:
+        """Return its logarithm at points (K, D)."""
+        from scipy.special import gammaln
+
+        root, size = self.wider * self.root, len(self.centre)
+        unit = np.linalg.solve(root, (x - self.centre).T)
+        head = gammaln((FREEDOM + size) / 2) - gammaln(FREEDOM / 2) - np.linalg.slogdet(root)[1]
+        far = (FREEDOM + size) * np.log1p(np.sum(unit**2, axis=0) / FREEDOM)
+        return np.asarray(head - 0.5 * (size * math.log(FREEDOM * math.pi) + far))
+
+
+def tempered(
+    x: Floats, first: LogDensity, last: LogDensity, rng: np.random.Generator, moves: int = MOVES
+) -> tuple[Floats, float]:
+    """Return particles (N, D) of the last density from such of the first.
+
+    And the logarithm of the last density's integral over the first one's.
+    """
+    count, power, log_ratio = len(x), 0.0, 0.0
     log_first, log_last = first(x), last(x)
     while power < 1.0:
         rise = np.where(np.isfinite(log_last), log_last - log_first, -np.inf)
         step = _step(rise, 1.0 - power)
         power = min(power + step, 1.0)
         weight = np.exp(step * (rise - rise.max()))
+        log_ratio += step * float(rise.max()) + math.log(weight.mean())
         rows = np.searchsorted(
             np.cumsum(weight / weight.sum()), (np.arange(count) + rng.random()) / count
         )
         rows = np.minimum(rows, count - 1)
         x, log_first, log_last = x[rows], log_first[rows], log_last[rows]
-        for _ in range(MOVES if power < 1.0 else 2 * MOVES):
+        for _ in range(moves if power < 1.0 else 2 * moves):
             pair = x[rng.permutation(count)] - x[rng.permutation(count)]
             jitter = _JITTER * x.std(axis=0) * rng.normal(size=x.shape)
             tried = x + rng.choice(_LENGTHS, size=(count, 1)) * pair + jitter
@@ -44,7 +82,7 @@ def tempered(x: Floats, first: LogDensity, last: LogDensity, rng: np.random.Gene
             x = np.where(taken[:, None], tried, x)
             log_first = np.where(taken, new_first, log_first)
             log_last = np.where(taken, new_last, log_last)
-    return x
+    return x, log_ratio
 
 
 def _step(rise: Floats, most: float) -> float:

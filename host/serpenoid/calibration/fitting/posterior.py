@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...model.errors import NotConverged
 from .bends import Bends
-from .particles import tempered
+from .particles import Student, tempered
 from .unknowns import Floats, Unknown, Values, Whole
 
 BAD_CHANCE, BAD_WIDTH = 0.05, 12.0  # of a misreading: its chance, and its width in sigmas
@@ -28,7 +28,6 @@ PROPOSED = 8192  # points drawn about the mode, a power of two
 PARTICLES = 2048
 _MANY = 256  # residuals: with so many an eighth of the points is enough
 ENOUGH = 300.0  # independent draws
-_FREEDOM, _WIDER = 6.0, 1.15  # of Student's distribution about the mode: tails, and width
 _STEP = 1e-5  # of an unknown, for slopes
 _SCALE = 0.1  # of a friction: its step is of that, at least
 _ROUNDS = 15  # of blocks that are linear about a point
@@ -295,9 +294,8 @@ class Posterior:
 
     def draws(self, mode: Mode, seed: int = 2005) -> Draws:
         """Return weighted draws: about the mode, or tempered particles where those are too few."""
-        about = _Student(
-            mode.x, np.asarray(np.linalg.cholesky(mode.covariance), dtype=np.float64), _WIDER
-        )
+        root = np.linalg.cholesky(mode.covariance)
+        about = Student(mode.x, np.asarray(root, dtype=np.float64))
         if not self.misread:
             x = about.points(PROPOSED if len(self.numbers) < _MANY else PROPOSED // 8, seed)
             log = self.log_density(x) - about.log_density(x)
@@ -331,7 +329,7 @@ class Posterior:
             x = x + (picked - normal) @ gain.T
         return x
 
-    def _tempered(self, about: _Student, seed: int) -> Draws:
+    def _tempered(self, about: Student, seed: int) -> Draws:
         """Return draws by particles that begin where every reading may be misread."""
         first = replace(about, wider=BAD_WIDTH)
         x = first.points(16 * PARTICLES, seed)
@@ -343,14 +341,18 @@ class Posterior:
             inside = (x >= self.low).all(axis=1)
             return np.where(inside, self.log_density(np.maximum(x, self.low)), -np.inf)
 
-        x = tempered(x, first.log_density, last, np.random.default_rng(seed))
+        x, _ = tempered(x, first.log_density, last, np.random.default_rng(seed))
         even = np.full(len(x), 1.0 / len(x))
         return Draws(self, x, even, even)
 
     def log_density(self, x: Floats) -> Floats:
-        """Return its logarithm at points (K, D), but for a constant and limits."""
+        """Return its logarithm at points (K, D), but for a constant and limits.
+
+        It is no number where a law has no value, beyond the limits.
+        """
         pieces = max(len(x) * len(self.numbers) // _AT_ONCE, 1)
-        return np.concatenate([self._log_density(x) for x in np.array_split(x, pieces)])
+        with np.errstate(invalid="ignore", over="ignore"):
+            return np.concatenate([self._log_density(x) for x in np.array_split(x, pieces)])
 
     def _log_density(self, x: Floats) -> Floats:
         rows = self.residuals(x)
@@ -376,31 +378,6 @@ class Posterior:
         at = np.zeros(len(self.numbers), dtype=np.intp)
         at[self.numbers >= 0] = which
         return fine, wide - 0.5 * squares / BAD_WIDTH**2, at
-
-
-@dataclass(frozen=True)
-class _Student:
-    """Student's distribution about a centre (D,), its root (D, D) made wider."""
-
-    centre: Floats
-    root: Floats
-    wider: float
-
-    def points(self, count: int, seed: int) -> Floats:
-        """Return (count, D) scrambled Sobol points of it."""
-        from scipy.special import chdtri, ndtri
-        from scipy.stats import qmc
-
-        size = len(self.centre)
-        even = qmc.Sobol(size + 1, seed=seed).random(count)  # pyright: ignore[reportCallIssue] (older SciPy)
-        tail = chdtri(_FREEDOM, even[:, -1:]) / _FREEDOM
-        return self.centre + self.wider * (ndtri(even[:, :-1]) / np.sqrt(tail)) @ self.root.T
-
-    def log_density(self, x: Floats) -> Floats:
-        """Return its logarithm at points (K, D), but for a constant."""
-        unit = np.linalg.solve(self.wider * self.root, (x - self.centre).T)
-        size = len(self.centre)
-        return np.asarray(-0.5 * (_FREEDOM + size) * np.log1p(np.sum(unit**2, axis=0) / _FREEDOM))
 
 
 def _shares(log: Floats) -> Floats:

@@ -30,6 +30,7 @@ from .unknowns import Floats, Unknown, Values, Whole
 # Taken where a set-up claims a zero without error: an undeclared 0.1 degrees would leave ft0's 95 %
 # interval with 17 % coverage, so that the prior is never absent.
 ZERO_SIGMA_RAD = math.radians(0.1)
+_LEAST_N = 1e-12  # of a reading's standard deviation, where frictions are 0 and nothing else errs
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +187,8 @@ class Stations:
         drag_n = self.tracks.drag(viscous, slip)
         excess_n = weight_n * np.sin(incline) - drag_n - (ft0 * by_ft0 + fn0 * by_fn0)
         alone_n = np.hypot(per_incline_n * self.incline_sigma_rad, self.inertia_sigma_n)
-        return excess_n, np.hypot(alone_n, belt * viscous * self.speed_sigma_m_s), per_incline_n
+        spread_n = np.hypot(alone_n, belt * viscous * self.speed_sigma_m_s)
+        return excess_n, np.maximum(spread_n, _LEAST_N), per_incline_n
 
     def _rounding_rad(self, values: Values) -> Floats | float:
         """Return each reading's shared rounding error, (K, N)."""
