@@ -48,7 +48,7 @@ MOST_TOKENS = {
     "host/serpenoid/simulation": 13279,
     "host/serpenoid/video": 27393,
     "studies": 33048,
-    "tests": 4945,
+    "tests": 3171,
     "tests/arm": 1428,
     "tests/avr": 29288,
     "tests/docs": 8881,
