@@ -40,7 +40,7 @@ MOST_TOKENS = {
     "host/serpenoid/gaits": 10980,
     "host/serpenoid/lab": 7937,
     "host/serpenoid/model": 8565,
-    "host/serpenoid/paper": 2931,
+    "host/serpenoid/paper": 2937,
     "host/serpenoid/periodic": 10563,
     "host/serpenoid/robot": 21989,
     "host/serpenoid/servos": 4668,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -198,7 +199,7 @@ def dearer(front: Sequence[LeastPower], speed_m_s: float, cost: str) -> float:
         return steady_gait(ROBOT, GROUND, Gait(*PAPERS_OPTIMUM, rate))
 
     around = 0.2 * best.gait.omega_rad_s, 5 * best.gait.omega_rad_s
-    rate = brentq(lambda rate: papers(rate).speed_m_s - best.speed_m_s, *around)
+    rate: Any = brentq(lambda rate: papers(rate).speed_m_s - best.speed_m_s, *around)
     return float(getattr(papers(rate), f"{cost}_w")) / best.power_w - 1
 
 
