@@ -16,7 +16,7 @@ from ..model.ground import Ground
 from ..model.robot import Robot
 from .fitting.shared import FRICTIONS
 from .fitting.suspects import Influence
-from .session import Session
+from .session import Session, belt_checks
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")
@@ -27,6 +27,7 @@ LEVEL = 0.95
 WHOLE = "_whole"
 NOT_WEIGHED = "The robot was not weighed"
 NO_ZERO = "The inclinometer's zero was not measured"
+NO_BELT = "The belt's speed was not checked"
 AMPLITUDE = "amplitude"  # of the joints, over the commanded one
 SURELY = 2.0  # errors of its difference, beyond which a zero that drifted is told
 _FEW = 4  # of the draws, one in so many or less
@@ -229,7 +230,7 @@ class FrictionFit:
     @property
     def unmeasured(self) -> list[str]:
         """Return the notes on what nobody measured: every prediction rests on its prior."""
-        return [note for note in self.notes if note.startswith((NOT_WEIGHED, NO_ZERO))]
+        return [note for note in self.notes if note.startswith((NOT_WEIGHED, NO_ZERO, NO_BELT))]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -484,10 +485,11 @@ def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
             f"Reading(s) {named} held for misread: they count next to nothing. Look them up, and "
             "void or correct them."
         )
-    if session.belt_scale[1] == 0.0 and session.setup.kind == "measured":
+    if session.kept and not belt_checks(session) and session.setup.kind != "regenerated":
         notes.append(
-            "The belt is taken to run exactly as it shows: time a mark on it (a reading of kind "
-            "belt), or state belt_scale_sigma_percent."
+            f"{NO_BELT}: it is taken to run as it shows, within {session.belt_scale[1]:.0%}, and "
+            "ct and cn are as unsure. Time ten turns of a mark on it: `serpenoid calibrate add DIR "
+            "belt belt_speed_m_s=0.5 distance_m=28 duration_s=56`."
         )
     return (*weak_notes(fit), *notes)
 

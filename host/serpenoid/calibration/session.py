@@ -35,6 +35,7 @@ PROVENANCE = ("measured", "regenerated", "simulated")
 FOLLOWED = 1.5  # errors of the zero's difference, beyond which it is taken to have drifted
 MAX_GRAVITY_M_S2 = 30.0
 NOT_WEIGHED = 0.05  # relative standard deviation of a mass that is an assumption
+ANY_BELT = 0.07  # of a belt's true speed over the one shown, before a mark on it was timed
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +84,7 @@ class Setup:
     readings come from, in words. surface, place, people: of the laboratory, in words. treadmill:
     what it can be set to. stopwatch: how gait runs are timed. weighed: the mass is no assumption.
     floor: what pushes are measured with. supply_v: voltage at the servos' plug, frame_s: time
-    between the board's setpoints; None where nobody said it.
+    between the board's setpoints, tag_side_m: of its printed tags; None where nobody said it.
     """
 
     name: str
@@ -102,6 +103,7 @@ class Setup:
     floor: FloorTools = field(default_factory=FloorTools)
     supply_v: float | None = None
     frame_s: float | None = None
+    tag_side_m: float | None = None
 
     def driving(self, kind: ServoKind) -> ServoKind:
         """Return a kind of servo at the session's voltage and frames, where it states none."""
@@ -239,17 +241,14 @@ class Session:
     def belt_scale(self) -> tuple[float, float]:
         """Return the belt's true speed over the one shown, and its standard deviation.
 
-        The mean of the checks by mark and stopwatch and of the 1 that the instruments state; where
-        they state no error, of the checks alone. Where instruments were amended, the largest error
-        that was stated of a kept reading's counts.
+        The mean of the checks by mark and stopwatch and of what any belt may be: 1 within ANY_BELT,
+        or within what the instruments state where that is more. Readings that were regenerated from
+        published fits, whose belt nobody can check, are taken as their instruments state.
         """
         stated = self._most("belt_scale_sigma")
-        known = [(1.0, stated)] if stated else []
-        known += [
-            (b.scale, b.scale_sigma(b.watch or self.setup.stopwatch))
-            for b in self.of("belt")
-            if not b.voided
-        ]
+        if self.setup.kind != "regenerated":
+            stated = max(stated, ANY_BELT)
+        known = [*([(1.0, stated)] if stated else []), *belt_checks(self)]
         if not known:
             return 1.0, 0.0
         weights = [max(sigma, 1e-6) ** -2 for _, sigma in known]
@@ -383,3 +382,9 @@ class Session:
 def placed(made: Any, after_stations: bool) -> Any:
     """Return a reading that knows whether it was taken after the first station (a zero does)."""
     return replace(made, before=not after_stations) if isinstance(made, ZeroReading) else made
+
+
+def belt_checks(session: Session) -> list[tuple[float, float]]:
+    """Return the belt's true speed over the one shown, and its sigma, of each timed mark."""
+    checks = (b for b in session.of("belt") if not b.voided)
+    return [(b.scale, b.scale_sigma(b.watch or session.setup.stopwatch)) for b in checks]

@@ -61,6 +61,7 @@ _FLOOR = {  # optional, of pushes and slides: key -> field of FloorTools, its un
 _PLUG = {  # optional, of the robot: key -> field of Setup, its unit in SI, limits
     "supply_v": ("supply_v", 1.0, 1.0, 60.0),
     "frame_ms": ("frame_s", 1e-3, 1.0, 100.0),
+    "tag_mm": ("tag_side_m", 1e-3, 3.0, 1000.0),
 }
 _WORDS = ("surface", "place", "people")
 _PLAN_TOO = ("gaits", "gait_runs", "ratchet", "bend", "on", "pushes", "push_lambda_deg")

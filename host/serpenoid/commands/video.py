@@ -52,7 +52,7 @@ _ROBOT = (
     click.option(
         "--tag-mm",
         type=float,
-        help="Side of a tag's black square; by the link's length unless given.",
+        help="Side of a tag's black square; the session's, or of the sheet for such links.",
     ),
 )
 
@@ -64,15 +64,28 @@ def _robot_options(command: Any) -> Any:
 
 
 def _robot(given: dict[str, Any]) -> tuple[Robot, float | None]:
-    """Take the robot and the tag's side (m) from the options."""
-    from ..calibration.session_file import load_setup
+    """Take the robot and the tag's side (m) from the options, or as the session remembers it."""
+    from ..calibration.session_file import read_session
     from ..model.robot import Robot
 
     session, tag_mm = given.pop("session"), given.pop("tag_mm")
-    base = load_setup(session).robot if session else preset_robot("2005")[0]
+    setup = read_session(session).setup if session else None
+    base = setup.robot if setup else preset_robot("2005")[0]
     links, length = given.pop("links"), given.pop("length_m")
     robot = Robot(links or base.links, base.link_mass_kg, length or base.link_length_m)
-    return robot, None if tag_mm is None else tag_mm / 1e3
+    side_m = None if tag_mm is None else tag_mm / 1e3
+    return robot, setup.tag_side_m if setup and side_m is None else side_m
+
+
+def _remember(session: Path | None, side_m: float | None) -> None:
+    """Keep the side of the printed tags in a session, if it is another one."""
+    from ..calibration.taking.journal import Journal
+
+    if session is None or side_m is None:
+        return
+    with Journal(session) as journal:
+        if journal.session.setup.tag_side_m != side_m:
+            journal.event("amend", detail=f"robot.tag_mm = {1e3 * side_m:g}")
 
 
 @VIDEO_GROUP.command()
@@ -98,8 +111,10 @@ def tags(paper: str, out: Path, **given: Any) -> None:
     from ..video.seeing.tags import tag_cells, tag_side_m
 
     need_extra()
+    session = given["session"]
     robot, side = _robot(given)
     side = tag_side_m(robot.link_length_m) if side is None else side
+    _remember(session, side)
     pages = tag_sheet(tag_cells(robot.links), side, robot.link_length_m, paper, out)
     say(
         f"wrote {out}: {robot.links} tags of {1e3 * side:g} mm on {pages} page"
@@ -168,6 +183,7 @@ def film(
 
         show_film(found)
     if session is not None:
+        _remember(session, side)
         _record(found, session, file.name, way)
 
 

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 # Below these no phone was ever held against a rule: the lens is not the two terms of the model.
 STEP = 0.3  # of a standard deviation: the differences by which the camera's doubt is carried on
 FLOOR_SPEED, FLOOR_ANGLE_RAD, FLOOR_TURN_RAD_S = 1.5e-4, np.radians(0.03), np.radians(0.003)
+LATE = 0.02  # share of the readout's phase that rows along the travel leave (rendered films)
 FLOOR_OFFSET_RAD = np.radians(0.01)  # a centre is a mean: it has no share of what moves
 # A codec draws each picture on the one before, and takes a little of the motion: amplitudes come
 # out low (rendered films coded at crf 20; not coded at crf 1). By .07 % for tags of 28 px, .14 % of
@@ -55,6 +56,20 @@ def number_sigmas(
     lag = coded * np.hypot(FLOOR_AMPLITUDE_RAD, FLOOR_AMPLITUDE * amplitude)
     floor[1 : 1 + len(amplitude)] = lag
     return np.sqrt(pixels**2 + camera**2 + floor**2)
+
+
+def widen(sigmas: Array, amplitude: Array, late_rad: Array, held: Array) -> None:
+    """Widen, in place, what a slow readout and missing tags leave of `Motion.numbers`.
+
+    late_rad: each joint's part of the readout, as a phase; to first order it is allowed for. held:
+    share of the frames that tell a joint.
+    """
+    count = len(amplitude)
+    own, apart = slice(1, count + 1), slice(count + 1, 2 * count)
+    sigmas[own] = np.hypot(sigmas[own], 0.5 * late_rad**2 * amplitude)
+    sigmas[apart] = np.hypot(sigmas[apart], LATE * (late_rad[1:] - late_rad[0]))
+    sigmas[own] /= np.maximum(held, 0.1)
+    sigmas[apart] /= np.maximum(np.minimum(held[1:], held[0]), 0.1)
 
 
 def _of_pixels(t_s: Array, fitted: Fitted) -> Array:

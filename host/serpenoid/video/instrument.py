@@ -96,7 +96,12 @@ def measure(sightings: Sightings, side_m: float, starts: list[Camera]) -> Measur
     rate_sigma = None if rate is None else rate[1]
     side_px = float(np.nanmedian(seen.side_px))
     sigmas = errors.number_sigmas(fit, track.t_s, fitted, sensitive, some, side_px, rate_sigma)
-    return Measured(fit, track, fitted, sigmas, _weights(track)[0] > 0, assumed)
+    held = _weights(track)[0] > 0
+    rows = np.ma.masked_invalid(seen.corners_px[..., 1]).mean(axis=(0, 2)) / seen.image_px[1] - 0.5
+    sweep = fitted.motion.omega_rad_s * fit.camera.shared[bundles.READOUT]
+    late = np.ma.filled(sweep * 0.5 * (rows[1:] + rows[:-1]), 0.0)
+    errors.widen(sigmas, fitted.motion.amplitude_rad, late, held.mean(axis=0))
+    return Measured(fit, track, fitted, sigmas, held, assumed)
 
 
 def _too_few(track: frames.Track) -> bool:

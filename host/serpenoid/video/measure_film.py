@@ -12,8 +12,7 @@ import numpy as np
 from ..model.checks import check_number, sha256_of
 from ..model.errors import BadInput
 from ..model.gait import Gait
-from .broken_film import bent_remarks, bent_tags, refuse_cut
-from .faults import blurred, camera_moved, refuse_unseen, remarks_of
+from .faults import BENT_TAGS, MOTION, ORDER, SEEN, bent_tags, blurred, judged, view_remarks
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
@@ -22,7 +21,6 @@ from .seeing.film import Film
 from .seeing.sightings import Sightings
 from .seeing.tags import MOST_LINKS, tag_side_m
 from .seeing.watch import Watched, watch
-from .tag_order import refuse_mixed_tags
 from .wiring import judge
 
 T = TypeVar("T")
@@ -94,10 +92,9 @@ def seen_film(
     watched = watch(Film.open(path), links, progress)
     seen = SeenFilm(watched, side, [])
     try:
-        refuse_unseen(watched, str(path))
-        camera_moved(watched)
+        judged(SEEN, watched, str(path))
         starts = first_cameras(watched.sightings, link_m, side)
-        refuse_mixed_tags(tag_poses(starts[0], watched.sightings), str(path))
+        judged(ORDER, tag_poses(starts[0], watched.sightings)[0], str(path))
     except BadInput as error:
         raise seen.damaged(error) from error
     return replace(seen, starts=starts)
@@ -118,9 +115,9 @@ def _measurement(film: SeenFilm, name: str, gait: Gait | None, board_rate: bool)
         there = _rescaled(sightings, scale)
         measured = solved(lambda: measure(there, side, starts), name)
     measured = replace(measured, sigmas=blurred(watched) * measured.sigmas)
-    remarks = remarks_of(watched, measured, side, name)
-    refuse_cut(measured, name)
-    remarks += bent_remarks(bent)
+    remarks = judged(MOTION, measured, name)
+    remarks += view_remarks(watched, measured.bundle.camera, side, name)
+    remarks += judged(BENT_TAGS, bent)
     run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)

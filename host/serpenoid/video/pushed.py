@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.errors import BadInput
-from .faults import remarks_of_view
+from .faults import view_remarks
 from .fitting import frames, start
 from .fitting.bundle import Bundle
 from .fitting.camera import LENS, Camera
@@ -84,7 +84,7 @@ def _followed(film: SeenFilm, name: str) -> PushedRobot:
     rows = _rows(track)
     if len(rows) < 2:
         raise BadInput(f"{name}: no frame shows where the robot is; are the tags hidden?")
-    remarks = remarks_of_view(film.watched, fit, film.side_m, name)
+    remarks = view_remarks(film.watched, fit.camera, film.side_m, name)
     return PushedRobot(rows, _scale_sigma(fit), tuple(remarks))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.files import write_csv
+from .fitting.camera import LENS
 from .fitting.chain import joint_angles, mean_heading
 from .instrument import HELD_SHARE, Measured
 from .seeing.watch import Watched
@@ -147,6 +148,7 @@ def _camera(measured: Measured) -> dict[str, Any]:
         "distance_m": float(np.exp(lens[7])),
         "readout_s": float(lens[9]),
         "tag_side_m": camera.side_m,
+        "printed_side_m": float(np.exp(measured.bundle.prior[LENS.index("log_side")])),
         "noise_px": measured.bundle.noise_px,
     }
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.gait import Gait
+from .faults import Check, judged
 from .result import FilmedRun, Remark
 
 Array = NDArray[np.float64]
@@ -59,15 +60,45 @@ def _swapped(order: list[int], a: int, b: int) -> list[int]:
 
 def judge(run: FilmedRun, gait: Gait | None) -> list[Remark]:
     """Return what the joints say of the servos: order, sense, centres, rate, amplitude."""
-    told = _plugs(run, gait) + _centres(run, gait)
-    if gait is not None:
-        off = run.omega_rad_s / gait.omega_rad_s - 1
-        if abs(off) > max(RATE_FLAG, 4 * run.omega_sigma_rad_s / gait.omega_rad_s):
-            told.append(Remark("rate", _rate_words(run, gait)))
-    return told
+    return judged(RUN, (run, gait))
 
 
-def _rate_words(run: FilmedRun, gait: Gait) -> str:
+Ran = tuple[FilmedRun, Gait | None]
+
+
+def _explained(ran: Ran) -> tuple[list[int], list[int], float]:
+    """Return the joints that stand in each other's place, the reversed ones, and the rest, rad."""
+    run, gait = ran
+    phase = np.array([j.phase_rad for j in run.joints])
+    if len(phase) < 3 or not np.isfinite(phase).all():
+        return [], [], 0.0
+    swap, turned, _, rest = plugs(phase, gait.beta_rad if gait else None)
+    return [k + 1 for k, other in enumerate(swap) if k != other], turned, rest
+
+
+def _off_centre(ran: Ran) -> list[str]:
+    """Return the words on each joint that does not swing about its centre."""
+    return [
+        f"joint {joint.joint} swings about {math.degrees(off):+.1f}° ± "
+        f"{math.degrees(joint.offset_sigma_rad):.1f}° off its centre: move its trim by "
+        f"{math.degrees(-off):+.1f}°"
+        for joint, off in zip(ran[0].joints, centre_errors(*ran), strict=True)
+        if abs(off) > max(CENTRE_RAD, 2 * joint.offset_sigma_rad)
+    ]
+
+
+def _rate_off(ran: Ran) -> float:
+    """Return how far the rate is off the commanded one, over what is allowed."""
+    run, gait = ran
+    if gait is None:
+        return 0.0
+    off = run.omega_rad_s / gait.omega_rad_s - 1
+    return abs(off) / max(RATE_FLAG, 4 * run.omega_sigma_rad_s / gait.omega_rad_s)
+
+
+def _rate_words(ran: Ran, _: float) -> str:
+    run, gait = ran
+    assert gait is not None
     ratio = gait.omega_rad_s / run.omega_rad_s
     hertz = [omega / (2 * math.pi) for omega in (run.omega_rad_s, gait.omega_rad_s)]
     text = f"the film shows {hertz[0]:.4g} Hz, commanded were {hertz[1]:.4g} Hz"
@@ -79,52 +110,39 @@ def _rate_words(run: FilmedRun, gait: Gait) -> str:
     return f"{text}: the robot did not run that gait, or the file's times are wrong"
 
 
-def _plugs(run: FilmedRun, gait: Gait | None) -> list[Remark]:
-    phase = np.array([j.phase_rad for j in run.joints])
-    if len(phase) < 3 or not np.isfinite(phase).all():
-        return []
-    swap, turned, _, rest = plugs(phase, gait.beta_rad if gait else None)
-    told = []
-    if rest > EXPLAINED_RAD:
-        told.append(
-            Remark(
-                "phases",
-                f"the joints' phases are no even steps ({math.degrees(rest):.0f}° "
-                "off): plugs of several servos may be swapped",
-            )
-        )
-    swapped = [k + 1 for k, other in enumerate(swap) if k != other]
-    if swapped:
-        told.append(
-            Remark(
-                "plugs",
-                f"joints {swapped[0]} and {swapped[1]} move as if their plugs "
-                "were swapped: swap them back",
-            )
-        )
-    told += [
-        Remark(
-            "sense",
-            f"joint {k + 1} moves the wrong way round: set its trim's sense to the other sign",
-        )
-        for k in turned
-    ]
-    return told
-
-
-def _centres(run: FilmedRun, gait: Gait | None) -> list[Remark]:
-    told = []
-    for joint, off in zip(run.joints, centre_errors(run, gait), strict=True):
-        if abs(off) > max(CENTRE_RAD, 2 * joint.offset_sigma_rad):
-            told.append(
-                Remark(
-                    "centre",
-                    f"joint {joint.joint} swings about {math.degrees(off):+.1f}° ± "
-                    f"{math.degrees(joint.offset_sigma_rad):.1f}° off its centre: move its trim by "
-                    f"{math.degrees(-off):+.1f}°",
-                )
-            )
-    return told
+RUN: tuple[Check[Ran], ...] = (
+    Check(
+        "phases",
+        lambda ran: _explained(ran)[2],
+        lambda ran, rest: (
+            f"the joints' phases are no even steps ({math.degrees(rest):.0f}° off): plugs of "
+            "several servos may be swapped"
+        ),
+        EXPLAINED_RAD,
+    ),
+    Check(
+        "plugs",
+        lambda ran: len(_explained(ran)[0]),
+        lambda ran, _: (
+            f"joints {' and '.join(map(str, _explained(ran)[0]))} move as if their plugs were "
+            "swapped: swap them back"
+        ),
+        0.0,
+    ),
+    Check(
+        "sense",
+        lambda ran: len(_explained(ran)[1]),
+        lambda ran, _: "; ".join(
+            f"joint {k + 1} moves the wrong way round: set its trim's sense to the other sign"
+            for k in _explained(ran)[1]
+        ),
+        0.0,
+    ),
+    Check(
+        "centre", lambda ran: len(_off_centre(ran)), lambda ran, _: "; ".join(_off_centre(ran)), 0.0
+    ),
+    Check("rate", _rate_off, _rate_words, 1.0),
+)
 
 
 def centre_errors(run: FilmedRun, gait: Gait | None) -> list[float]:

@@ -14,6 +14,7 @@ from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, set
 from command_runner import separate_runner
 from serpenoid.calibration.fitting.shared import straightness_factors
 from serpenoid.calibration.fitting.stations import Stations
+from serpenoid.calibration.friction_result import NO_BELT
 from serpenoid.calibration.kinds.belt import BeltCheck
 from serpenoid.calibration.taking.journal import Journal
 from serpenoid.calibration.taking.new_session import create_session, default_setup
@@ -57,8 +58,13 @@ def test_a_bend_with_two_straight_links_knows_no_straightness():
     assert data.astray_sigma_rad[~data.bent] == pytest.approx(0.01 * sigma)
 
 
+def belt_as_stated(made):
+    """Return a session whose belt is taken to run as its instruments say."""
+    return replace(made, setup=replace(made.setup, kind="regenerated"))
+
+
 def test_scales_add_in_quadrature_and_a_mark_on_the_belt_tells():
-    made = session(setup(15.0, 30.0), WHOLE_BODY_2005)
+    made = belt_as_stated(session(setup(15.0, 30.0), WHOLE_BODY_2005))
     plain = sn.fit_friction(made)
     shared = sn.fit_friction(stating(made, belt_scale_sigma=0.1, mass_sigma=0.05))
     for name, belt in zip(NAMES, (0.1, 0.1, 0.0, 0.0), strict=True):
@@ -80,6 +86,17 @@ def test_scales_add_in_quadrature_and_a_mark_on_the_belt_tells():
     assert fit.parameters["ft0"].value == pytest.approx(plain.parameters["ft0"].value, rel=1e-6)
 
 
+def test_a_belt_that_nobody_checked_is_as_unsure_as_any_belt():
+    made = session(setup(15.0, 30.0), WHOLE_BODY_2005)
+    fit = sn.fit_friction(made)
+    ct, ft0 = fit.parameters["ct"], fit.parameters["ft0"]
+    assert ct.sigma / ct.value > 0.07 > ft0.sigma / ft0.value
+    assert NO_BELT in " ".join(fit.unmeasured)
+    checked = replace(made, further=(BeltCheck(90, 0.5, 28.0, 56.0),))
+    assert checked.belt_scale[1] < 0.01
+    assert NO_BELT not in " ".join(sn.fit_friction(checked).unmeasured)
+
+
 def test_wrong_scales_are_held_by_the_intervals():
     """Belts 10 % and masses 5 % off, stated so; without it cn and ft0 are held far too seldom."""
     rng, held = np.random.default_rng(4), {True: [], False: []}
@@ -93,6 +110,7 @@ def test_wrong_scales_are_held_by_the_intervals():
         )
         robot = replace(made.setup.robot, link_mass_kg=made.setup.robot.link_mass_kg / mass)
         made = replace(made, readings=readings, setup=replace(made.setup, robot=robot))
+        made = belt_as_stated(made)
         for stated, kept in held.items():
             told = stating(made, belt_scale_sigma=0.1, mass_sigma=0.05) if stated else made
             ends = np.array(list(sn.fit_friction(told).intervals.values()))
@@ -183,9 +201,10 @@ def test_every_prediction_notes_what_was_not_measured(tmp_path):
         ("optimize", ["--speed-m-s", "0.05"]),
     ):
         done = separate_runner().invoke(cli, [command, "--session", str(folder), *typed, "--json"])
-        weight, zero = json.loads(done.stdout)["fit_notes"]
+        weight, zero, belt = json.loads(done.stdout)["fit_notes"]
         assert weight.startswith("The robot was not weighed")
         assert "0.1 degrees are 0.0078 N of ft0" in zero
+        assert belt.startswith(NO_BELT)
         assert f"note: {zero}" in done.stderr
 
 

@@ -127,10 +127,10 @@ def test_a_session_tells_light_rotors_by_a_quick_film(runs) -> None:
         track=Track.of(names, rows),
     )
     both = sn.ServoKind("both", HEAVY, drawn=(HEAVY, LIGHT))
-    found = servo_of_session(session.with_reading(VIDEO, film), both, fit, draws=16)
+    found = servo_of_session(session.with_reading(VIDEO, film), both, fit)
     assert set(found.kind.drawn) == {LIGHT}
     unseen = session.with_reading(VIDEO, replace(film, track=None))
-    assert set(servo_of_session(unseen, both, fit, draws=16).kind.drawn) == {HEAVY, LIGHT}
+    assert set(servo_of_session(unseen, both, fit).kind.drawn) == {HEAVY, LIGHT}
 
 
 @pytest.mark.slow

@@ -16,7 +16,6 @@ from serpenoid import _core
 from serpenoid.calibration import session_file
 from serpenoid.calibration.kinds.gait import GaitRun
 from serpenoid.calibration.kinds.video import VIDEO, FilmReading
-from serpenoid.calibration.servos import from_runs
 from serpenoid.calibration.servos.from_runs import servo_of_session
 from serpenoid.calibration.session_file import load_session
 from serpenoid.commands.demo import session_folder
@@ -96,7 +95,7 @@ def crawls():
 
 def test_crawls_narrow_what_servos_leave_of_the_speed(crawls) -> None:
     session, fit, true = crawls
-    found = servo_of_session(session, sn.servo(), fit, draws=48)
+    found = servo_of_session(session, sn.servo(), fit)
     crawls = crawled(fit, GAIT, true)
     known = sn.steady_gait(fit.robot, fit.ground, GAIT, rtol=1e-3, servo=found.kind)
     before = sn.steady_gait(fit.robot, fit.ground, GAIT, rtol=1e-3, servo=sn.servo())
@@ -106,31 +105,17 @@ def test_crawls_narrow_what_servos_leave_of_the_speed(crawls) -> None:
     assert found.untold  # speeds do not tell each number
 
 
-def test_servos_far_off_need_no_fine_state(crawls, monkeypatch) -> None:
-    """The same servos as if every one had been solved finely."""
-    session, fit, _ = crawls
-    session = replace(session, gait_runs=session.gait_runs[1:])
-    found = servo_of_session(session, sn.servo(), fit, draws=24)
-    monkeypatch.setattr(from_runs, "_FAR", math.inf)
-    every = servo_of_session(session, sn.servo(), fit, draws=24)
-    assert found.kind.servo == every.kind.servo
-    assert found.chi2 == pytest.approx(every.chi2, abs=0.1)
-    there, here = ([s.speed_limit_rad_s for s in m.kind.drawn] for m in (every, found))
-    assert np.mean(here) == pytest.approx(np.mean(there), rel=0.02)
-
-
 def test_speeds_that_no_servo_makes_are_refused(crawls) -> None:
     session, fit, _ = crawls
     quick = tuple(replace(r, speed_m_s=3 * r.speed_m_s) for r in session.gait_runs[1:])
     with pytest.raises(sn.BadInput, match=r"too few to tell a servo by"):
-        servo_of_session(replace(session, gait_runs=quick), sn.servo(), fit, draws=24)
+        servo_of_session(replace(session, gait_runs=quick), sn.servo(), fit)
     with pytest.raises(sn.BadInput, match="no gait run and no film"):
-        servo_of_session(replace(session, gait_runs=()), sn.servo(), fit, draws=24)
+        servo_of_session(replace(session, gait_runs=()), sn.servo(), fit)
 
 
 def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeypatch) -> None:
     """A slow servo, filmed by the lab; its speed alone leaves the amplitude open to 0.07."""
-    monkeypatch.setitem(servo_of_session.__kwdefaults__, "draws", 64)
     typical = sn.servo().servo
     slow = replace(typical, speed_limit_rad_s=5.8, damping_nms_rad=typical.damping_nms_rad * 1.2)
     fit = sn.fit_friction(load_session(session_folder()))

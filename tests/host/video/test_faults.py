@@ -19,7 +19,7 @@ from serpenoid.robot import Robot
 from serpenoid.robot.recording.run_gait import recorded_gait
 from serpenoid.video import wiring
 from serpenoid.video.annotate import annotate_film
-from serpenoid.video.faults import camera_moved
+from serpenoid.video.faults import SEEN, judged
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import measure
 from serpenoid.video.measure_film import measure_film
@@ -31,6 +31,7 @@ from video.filming import Body, Film, Lens, write
 from video.worlds import LINK_M, SIDE_M, crawling
 
 QUICK = crawling(seed=2, omega_rad_s=8.0, alpha_deg=40, speed_m_s=0.08, start_m=-0.06)
+CAMERA = [check for check in SEEN if check.name == "camera"]
 TIMES = np.arange(0, 1.7, 1 / 30)
 GAIT = sn.Gait(math.radians(40), math.radians(80), 8.0)
 
@@ -74,9 +75,9 @@ def test_a_knock_is_told_with_its_time_and_a_push_is_refused(frames, tmp_path) -
     def knocked(x: float, y: float):
         moved = [shifted(f, x * (k > 8), y * (k > 8)) for k, f in enumerate(frames[::3])]
         path = write(tmp_path / "film.mp4", moved, TIMES[::3])
-        return camera_moved(watch(File.open(path), 6))
+        return {r.name: r.text for r in judged(CAMERA, watch(File.open(path), 6))}
 
-    assert "moved by 0.9 px at 1." in knocked(0.9, 0).text
+    assert "moved by 0.9 px at 1." in knocked(0.9, 0)["camera"]
     with pytest.raises(BadInput, match=r"moved by 7\.\d px at 1\.\d s. Put the phone on a tripod"):
         knocked(7.0, 2)
 
@@ -99,7 +100,7 @@ def test_a_picture_that_moves_all_the_time_is_refused(frames, tmp_path, moved) -
     some = [moved(f, 3 * k) for k, f in enumerate(frames[::3])]
     path = write(tmp_path / "film.mp4", some, TIMES[::3])
     with pytest.raises(BadInput, match=r"moves all the time, .* held by hand, or stabilised"):
-        camera_moved(watch(File.open(path), 6))
+        judged(CAMERA, watch(File.open(path), 6))
 
 
 def test_too_short_a_film_is_refused(frames, told) -> None:

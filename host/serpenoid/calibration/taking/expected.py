@@ -5,7 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..kinds.station import Reading
+import numpy as np
+
+from ..fitting.bends import projections
+from ..fitting.paper_fit import parts, two_lines
+from ..fitting.stations import Stations
+from ..kinds.station import Reading, bent_share
 from ..session import Procedure, Session
 
 SIGMAS = 3.5  # beyond which a reading is asked about: once in 2000 honest ones
@@ -124,6 +129,21 @@ def line_of(session: Session, lambda_rad: float, facing: str = "down") -> Line |
     unsure = session.setup.uncertainty
     noise = math.hypot(unsure.belt_speed_sigma_m_s, slope * unsure.incline_sigma_rad)
     return Line(slope, x, y, noise, spread, len(stations))
+
+
+def law_sine(session: Session, lambda_rad: float, speed_m_s: float) -> float:
+    """Return the sine of the incline at which a bend should hold at a speed past the snake.
+
+    By the frictions of all stations so far; 0 where they do not tell them.
+    """
+    data = Stations.of(session) if session.kept else None
+    if data is None or min(parts(data)[::2]) < 2:
+        return 0.0
+    ct, cn, ft0, fn0 = np.maximum(two_lines(data)[0][:4], 0.0)
+    share = bent_share(session.setup.procedure.bend, session.setup.robot.links)
+    by_ct, by_cn, by_ft0, by_fn0 = projections(share, lambda_rad)
+    viscous = ct * by_ct + cn * by_cn
+    return float(viscous * speed_m_s + ft0 * by_ft0 + fn0 * by_fn0) / session.setup.weight_n
 
 
 def expected_speed(

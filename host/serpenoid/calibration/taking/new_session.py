@@ -280,6 +280,11 @@ def setup_text(setup: Setup) -> str:
             for name, value, words in (
                 ("supply_v", setup.supply_v, "              # at the servos' plug, as they move"),
                 ("frame_ms", setup.frame_s and 1e3 * setup.frame_s, "              # of the board"),
+                (
+                    "tag_mm",
+                    setup.tag_side_m and 1e3 * setup.tag_side_m,
+                    "    # of its printed tags",
+                ),
             )
             if value is not None
         ),

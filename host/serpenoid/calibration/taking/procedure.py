@@ -17,10 +17,10 @@ from ..kinds.gait import GAIT, RUN_WAYS
 from ..kinds.places import drifts
 from ..kinds.station import LEAST_SLIP_M_S, STATION
 from ..kinds.zero import ZERO
-from ..session import Procedure, Session, Setup
+from ..session import Procedure, Session, Setup, belt_checks
 from ..session_rows import Event
 from .bends import bend_step
-from .expected import Series, expected_speed, line_of, of_bend, series_of, shown_bend
+from .expected import Series, expected_speed, law_sine, line_of, of_bend, series_of, shown_bend
 from .floor.procedure import next_push, push_progress
 from .steps import Step
 
@@ -98,7 +98,7 @@ def _treadmill_step(
             return _station(session, series, incline_deg, shown_rad)
     if session.kept and not (_zero_read(session, False) or ZERO_AFTER in skipped):
         return _zero(ZERO_AFTER)
-    if session.kept and not (_belt_read(session) or BELT_CHECK in skipped):
+    if session.kept and not (belt_checks(session) or BELT_CHECK in skipped):
         return Step(BELT_CHECK, "belt", _BELT_SAY, BELT.numbers)
     return None
 
@@ -117,13 +117,9 @@ def progress(session: Session, skipped: frozenset[str] = frozenset()) -> list[tu
         name = f"{series.key} deg" if series.lambda_rad else series.name
         rows.append((name, f"{count} stations{', more to come' if open_ else ', done'}"))
     rows.append(("zero after", _done(_zero_read(session, False))))
-    rows.append((BELT_CHECK, _done(_belt_read(session))))
+    rows.append((BELT_CHECK, _done(bool(belt_checks(session)))))
     rows.append(runs)
     return rows
-
-
-def _belt_read(session: Session) -> bool:
-    return any(not b.voided for b in session.of("belt"))
 
 
 def _zero_read(session: Session, before: bool) -> bool:
@@ -172,12 +168,17 @@ def _station_key(bend_deg: float, facing: str) -> str:
 
 
 def _first_incline_deg(session: Session, lambda_rad: float, facing: str) -> float:
-    """Return where a bend's series begins: the plan's start, or where lesser bends first held."""
+    """Return where a bend's series begins.
+
+    The steepest of: the plan's start, where lesser bends first held, and where the frictions so far
+    let this one hold at a sixth of the top speed.
+    """
     plan = session.setup.procedure
     less = 0.0 if facing == "down" else 1e-9  # wheels that roll back hold where they roll ahead
     lesser = [of_bend(session, x) for x in plan.lambda_rad if x < lambda_rad + less]
     held = [min(r.incline_rad for r in stations) for stations in lesser if stations]
-    return math.degrees(max([plan.incline_start_rad, *held]))
+    law = law_sine(session, lambda_rad, plan.belt_speed_max_m_s / SERIES)
+    return math.degrees(max([plan.incline_start_rad, math.asin(min(law, 1.0)), *held]))
 
 
 def doubts(
@@ -293,10 +294,10 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
         f"Incline to about {incline_deg:.1f} deg ({grade:.1f} %). Raise the belt until the robot "
         f"holds its place{hint}; wait {wait_s:.0f} s."
     )
-    steeper = facing == "up" and not of_bend(session, lambda_rad, facing)
-    if steeper:
-        say += " If the belt carries it off at any speed: steeper, until it holds."
-    near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steeper else incline_deg + 2 * step_deg)
+    first = not of_bend(session, lambda_rad, facing)
+    if first:
+        say += " Steeper, if the belt carries it off at any speed."
+    near_deg = (incline_deg - 2 * step_deg, MOST_DEG if first else incline_deg + 2 * step_deg)
     shown = replace(STATION["incline_deg"], likely=near_deg)
     belt = replace(STATION["belt_speed_m_s"], likely=likely)
     cells: dict[str, float | str] = {

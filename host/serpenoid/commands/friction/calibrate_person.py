@@ -74,8 +74,8 @@ def with_a_person(
             _each(told),
             patience_s,
             clock_s,
-            film_reader(),
-            crawl_reader(),
+            film_reader(side_m := journal.session.setup.tag_side_m),
+            crawl_reader(side_m),
         )
         try:
             well = held_dialogue(dialogue, console)

@@ -45,9 +45,7 @@ if TYPE_CHECKING:
 )
 @click.option("--place", default="", help="Of the floor's line, where there is more than one.")
 @click.option("--marks", is_flag=True, help="Times taken by hand at marks, from the first mark on.")
-@click.option(
-    "--tag-mm", type=float, help="Side of a film's tags; by the link's length unless given."
-)
+@click.option("--tag-mm", type=float, help="Side of a film's tags; the session's unless given.")
 def push(
     folder: Path,
     files: tuple[Path, ...],
@@ -71,8 +69,8 @@ def push(
     from ...calibration.taking.person.push_prompt import take_track
     from .film_of_pushes import film_reader
 
-    film = film_reader(None if tag_mm is None else tag_mm / 1e3)
     with Journal(folder) as journal:
+        film = film_reader(tag_mm / 1e3 if tag_mm else journal.session.setup.tag_side_m)
         for path in files:
             plan = journal.session.setup.procedure
             cells: dict[str, float | str] = {"lambda_deg": lambda_deg, "way": way}

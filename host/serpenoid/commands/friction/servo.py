@@ -88,7 +88,7 @@ def servo(
         from ...calibration.servos.from_runs import servo_of_session
         from ...calibration.session_file import load_session
 
-        fit = session_fit(session)  # tells its alarms
+        fit = session_fit(session, with_crawls=False)  # tells its alarms
         found = servo_of_session(load_session(session), kind, fit, name=name)
     if out is not None:
         save_servo(found.kind, out)

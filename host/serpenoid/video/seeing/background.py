@@ -18,10 +18,16 @@ REACH_PX = 1.0  # a point that is so far off the floor's common motion is somebo
 
 @dataclass
 class Background:
-    """Follow the floor's points. shifts: (time s, how far the floor at the robot moved, x y px)."""
+    """Follow the floor's points from the first frame to a later one, and back again.
+
+    A point counts where it comes back to its place, and where it goes with most others: noise does
+    neither. shifts: (time s, how far the floor at the robot moved, x y px, and the standard
+    deviation of that), of the looks in which enough points count. looks: all of them.
+    """
 
     window: tuple[int, int, int, int]
-    shifts: list[tuple[float, float, float]] = field(default_factory=list)
+    shifts: list[tuple[float, float, float, float]] = field(default_factory=list)
+    looks: int = 0
     _first: NDArray[np.uint8] | None = None
     _points: Any = None  # (points, 1, 2) float32
     _next_s: float = 0.0
@@ -38,7 +44,7 @@ class Background:
     @property
     def plain(self) -> bool:
         """Tell whether the floor shows too little to follow."""
-        return self._points is None or len(self._points) < LEAST_POINTS
+        return len(self.shifts) <= self.looks / 2
 
     def _start(self, picture: NDArray[np.uint8]) -> None:
         import cv2
@@ -55,39 +61,59 @@ class Background:
     def _compare(self, time_s: float, picture: NDArray[np.uint8]) -> None:
         import cv2
 
-        if self.plain:
+        self.looks += 1
+        if self._points is None:
             return
         assert self._first is not None
-        assert self._points is not None
-        found, status, _ = cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload]
-            self._first,
-            _even(np.ascontiguousarray(picture)),
-            self._points,
-            self._points.copy(),
-            winSize=(PATCH_PX, PATCH_PX),
-            maxLevel=4,
-        )
-        good = status.ravel() == 1
-        if good.sum() < LEAST_POINTS:
-            self.shifts.append((time_s, np.inf, np.inf))
+        now = _even(np.ascontiguousarray(picture))
+        there, status = self._follow(self._first, now, self._points)
+        back, again = self._follow(now, self._first, there)
+        off = np.linalg.norm(back - self._points, axis=2).ravel()
+        good = (status & again).ravel() == 1
+        good &= off < REACH_PX
+        if good.sum() < max(LEAST_POINTS, len(good) / 3):
             return
-        way, _ = cv2.estimateAffinePartial2D(
-            self._points[good], found[good], ransacReprojThreshold=REACH_PX
-        )
-        self.shifts.append((time_s, *self._farthest(way)))
+        start, end = self._points[good, 0], there[good, 0]
+        _, common = cv2.estimateAffinePartial2D(start, end, ransacReprojThreshold=REACH_PX)
+        same = common.ravel() == 1
+        if same.sum() >= max(LEAST_POINTS, good.sum() / 2):
+            self.shifts.append((time_s, *self._farthest(start[same], (end - start)[same])))
 
-    def _farthest(self, way: Any) -> tuple[float, float]:
+    @staticmethod
+    def _follow(first: Any, other: Any, points: Any) -> tuple[Any, Any]:
+        import cv2
+
+        size = (PATCH_PX, PATCH_PX)
+        found, status, _ = cv2.calcOpticalFlowPyrLK(
+            first, other, points, points.copy(), winSize=size, maxLevel=4
+        )
+        return found, status
+
+    def _farthest(self, points: Array, moved: Array) -> tuple[float, float, float]:
         """Return by how much the corner of the robot's window moved that moved most, px.
 
-        So a picture that turns or grows about its middle has moved, too.
+        The picture moves, turns and grows, as points (N, 2) say that moved by (N, 2). So a picture
+        that turns or grows about its middle has moved, too. The last is the standard deviation.
         """
-        if way is None:
-            return np.inf, np.inf
         left, top, right, bottom = self.window
-        corners = np.array([[x, y, 1.0] for x in (left, right) for y in (top, bottom)])
-        moved = corners @ way.T - corners[:, :2]
-        x, y = moved[np.argmax(np.linalg.norm(moved, axis=1))]
-        return float(x), float(y)
+        corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)], float)
+        a = _similar(points)
+        far = _similar(corners)
+        inverse = np.linalg.inv(a.T @ a)
+        way = inverse @ a.T @ moved.ravel()
+        spread = np.sum((moved.ravel() - a @ way) ** 2) / (a.shape[0] - 4)
+        shift = (far @ way).reshape(-1, 2)
+        worst = int(np.argmax(np.linalg.norm(shift, axis=1)))
+        rows = far[2 * worst : 2 * worst + 2]
+        sigma = np.sqrt(spread * np.trace(rows @ inverse @ rows.T) / 2)
+        return float(shift[worst, 0]), float(shift[worst, 1]), float(sigma)
+
+
+def _similar(points: Array) -> Array:
+    """Return what a shift in x and y, a turn and a growth move of points (N, 2), (2 N, 4)."""
+    x, y = np.asarray(points, float).T
+    one, none = np.ones_like(x), np.zeros_like(x)
+    return np.stack([[one, none, -y, x], [none, one, x, y]]).transpose(2, 0, 1).reshape(-1, 4)
 
 
 def _even(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -27,8 +27,8 @@ class Watched:
     could not be read; rotation_deg: by which players turn the pictures to the left, 0, 90, 180 or
     270; strangers: tags of numbers that are on no link, with the number of frames; doubles: tags
     that are seen at two places at once, and left out there, in the same way; shifts: of the
-    floor, (time, x px, y px); plain_floor: nothing on it can be followed; picture: the first frame
-    with a tag, grey; mirrored: tags are seen in a mirror only.
+    floor, (time, x px, y px, sigma px); plain_floor: too little on it can be followed; picture:
+    the first frame with a tag, grey; mirrored: tags are seen in a mirror only.
     """
 
     film: Film
@@ -37,7 +37,7 @@ class Watched:
     damage: Damage
     strangers: dict[int, int]
     doubles: dict[int, int]
-    shifts: tuple[tuple[float, float, float], ...]
+    shifts: tuple[tuple[float, float, float, float], ...]
     plain_floor: bool
     picture: NDArray[np.uint8]
     mirrored: bool
