@@ -64,23 +64,22 @@ def test_the_table_is_the_model(table):
     assert table(WHOLE[None])[0] == pytest.approx(exact, rel=0.03)
 
 
-@pytest.mark.parametrize("case", [Case((7.5,), 0.005), Case((30.0,), None)])
-def test_intervals_cover_sessions_of_the_real_procedure(table, driven, case):
-    found = judged(case, [one(case, 1, k, (table, driven)) for k in range(100)])
-    # 100 shares scatter by 2.2 %, five of them are looked at. Were joints that stand half a degree
-    # off unknown to the fit, fn0's interval would hold the truth in 82 % of the second case.
-    assert min(getattr(found, name) for name in (*NAMES, "speed", "driven")) > 0.86
+def test_intervals_cover_sessions_of_the_real_procedure(table, driven):
+    case = Case((30.0,), None)
+    found = judged(case, [one(case, 1, k, (table, driven)) for k in range(60)])
+    # 60 shares scatter by 2.8 %, six of them are looked at. Were joints that stand half a degree
+    # off unknown to the fit, fn0's interval would hold the truth in 82 % of these sessions.
+    assert min(getattr(found, name) for name in (*NAMES, "driven")) > 0.86
     assert found.refused <= 2
 
 
 @pytest.mark.slow
-def test_intervals_cover_93_to_97_percent():
+def test_intervals_cover_95_percent_of_600_sessions(table, driven):
+    """Of such samples, 1 in 150 fails where 95 % is true, and 98 in 100 where 90 % is."""
     cases = tuple(c for c in CASES if len(c.lambdas_deg) == 1)
-    for found in replace(STUDY, cases=cases).run(1000, 1, print):
-        shares = np.array([getattr(found, name) for name in NAMES])
-        # 1000 shares scatter by 0.7 %
-        assert shares.min() > 0.923, found
-        assert shares.max() < 0.98, found
+    found = replace(STUDY, cases=cases, world=lambda _: (table, driven)).run(150, 1, print)
+    shares = np.array([[getattr(case, name) for name in NAMES] for case in found])
+    assert ((0.925 < shares.mean(axis=0)) & (shares.mean(axis=0) < 0.975)).all(), shares
 
 
 def test_advice_needs_fewer_readings_than_the_plan(table):

@@ -22,6 +22,7 @@ from .steady import Steady, relative_error, steady_gait
 Array = NDArray[np.float64]
 DRAWS = 512
 CANNOT = 0.9  # of the free speed: what most servos cannot follow, and no band is given for
+_LEAST_AMPLITUDE = 0.2  # of the gait's: below it the typical servo is too weak for the robot
 _STEP_S, _LONG_STEP_S, _ROUGH_STEP_S, _LONG_PERIOD_S = 1e-3, 2e-3, 4e-3, 2.0
 _LEVEL = 0.95
 _LEAST_TAIL = 1e-6  # of few draws: then the outermost one is the end
@@ -140,8 +141,13 @@ class ServoSteady:
 
     @property
     def follows(self) -> bool:
-        """Tell whether the typical servo can follow the gait, with a tenth to spare."""
-        return self.asked_over_free_speed <= CANNOT
+        """Tell whether the typical servo has the speed for the gait, and moves the robot."""
+        return self.asked_over_free_speed <= CANNOT and self.moves
+
+    @property
+    def moves(self) -> bool:
+        """Tell whether the typical servo moves the joints through a fifth of the gait's amplitude."""
+        return self.amplitude_ratio >= _LEAST_AMPLITUDE
 
     @property
     def managed_hz(self) -> float:
@@ -311,7 +317,8 @@ def with_servo(ideal: Steady, servo: Servo | ServoKind, draws: int = DRAWS) -> S
             "give it a rotor (armature_kg_m2), which real ones have"
         )
     drawn: tuple[float, ...] = ()
-    if isinstance(servo, ServoKind) and not servo.exact and draws > 0:
+    moves = s.amplitude >= _LEAST_AMPLITUDE
+    if isinstance(servo, ServoKind) and not servo.exact and draws > 0 and moves:
         drawn = tuple(drawn_servo_speeds([ideal] * draws, servo.draws(draws)).tolist())
     error = relative_error(s.error, s.speed, ideal.robot, ideal.gait)
     found = ServoSteady(

@@ -112,6 +112,11 @@ def speed_words(ideal: Steady, s: ServoSteady | None) -> str:
     """Return what a builder may expect: a speed with its band, or that servos cannot run it."""
     if s is None:
         return f"About {ideal.speed_m_s:#.2g} m/s with ideal joints; servos may be slower."
+    if not s.moves:
+        return (
+            f"Typical {s.name} servos cannot move this robot: its joints reach "
+            f"{s.amplitude_ratio:.0%} of the gait's amplitude. So it has no band."
+        )
     if not s.follows:
         return (
             f"Most {s.name} servos cannot run this gait: it asks {s.asked_rad_s:.2g} rad/s of "

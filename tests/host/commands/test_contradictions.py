@@ -89,7 +89,8 @@ def test_a_scheduler_without_port(tmp_path: Path) -> None:
     ],
 )
 def test_another_unit_is_doubted(typed: list[str], meant: str) -> None:
-    assert meant in warned("steady", "--ft0", "0", "--fn0", "0", *typed)
+    plain = ["--ft0", "0", "--fn0", "0", "--servo", "ideal"]
+    assert meant in warned("steady", *plain, *typed)
 
 
 def test_nothing_is_doubted_of_the_presets() -> None:

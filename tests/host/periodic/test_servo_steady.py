@@ -173,6 +173,15 @@ def test_a_gait_that_asks_more_than_the_free_speed_is_told() -> None:
     assert not more.follows
 
 
+def test_servos_too_weak_for_the_robot_have_no_band() -> None:
+    """Millimetres typed for metres: a millionth of the torque that its links ask for."""
+    long = sn.Robot(6, ROBOT.link_mass_kg, 1000 * ROBOT.link_length_m)
+    found = with_servo(sn.steady_gait(long, VISCOUS, GAIT), sn.servo("hobby"))
+    assert found.amplitude_ratio < 0.2
+    assert not found.follows
+    assert not found.samples_m_s
+
+
 def servo_speeds_of(name: str, hz: float, volts: float | None, seed: int = 0) -> np.ndarray:
     """Return speeds of 512 servos of a kind, 70 degrees and 75 between joints, rough states."""
     kind = sn.servo(name) if volts is None else sn.servo(name).at_volts(volts)
