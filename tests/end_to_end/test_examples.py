@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import serpenoid
 
 FOLDER = Path(__file__).resolve().parents[2] / "host" / "examples"
 EXAMPLES, SCENES = sorted(FOLDER.glob("*.py")), sorted(FOLDER.glob("*.toml"))
@@ -24,11 +25,5 @@ def test_example(path: Path, tmp_path) -> None:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
 def test_scene(path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "serpenoid", "simulate", "--scene", str(path), "--json"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    done = serpenoid("simulate", "--scene", path, "--json", check=True)
     assert json.loads(done.stdout)["displacement_m"] > 0.1

@@ -146,7 +146,7 @@ class ServoSteady:
 
     @property
     def moves(self) -> bool:
-        """Tell whether the typical servo moves the joints through a fifth of the gait's amplitude."""
+        """Tell whether the typical servo reaches a fifth of the gait's amplitude."""
         return self.amplitude_ratio >= _LEAST_AMPLITUDE
 
     @property

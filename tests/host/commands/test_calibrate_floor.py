@@ -2,14 +2,12 @@
 
 import json
 import math
-import os
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from calibration.floor_sessions import TRUTH, push_track
+from command_line import serpenoid
 from serpenoid.calibration.session_file import load_session
 
 NEW = (
@@ -29,15 +27,7 @@ NEW = (
 
 def run(*words, typed="", fails=False):
     """Return what a command says, on lines of any width."""
-    done = subprocess.run(
-        [sys.executable, "-m", "serpenoid", *map(str, words)],
-        check=False,
-        input=typed,
-        capture_output=True,
-        text=True,
-        timeout=300,
-        env=os.environ | {"COLUMNS": "200"},
-    )
+    done = serpenoid(*words, typed=typed)
     assert (done.returncode != 0) == fails, done.stdout + done.stderr
     return " ".join((done.stdout + done.stderr).split())
 
@@ -81,11 +71,11 @@ def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     assert "bend of 42 degrees" in told
 
 
-def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path, serpenoid):
+def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path):
     folder, page, typed = tmp_path / "s", tmp_path / "sheet.html", tmp_path / "typed.csv"
-    assert serpenoid(*NEW[:2], str(folder), *NEW[2:])[0] == 0
+    serpenoid(*NEW[:2], folder, *NEW[2:], check=True)
     for out in (page, typed):
-        assert serpenoid("calibrate", "sheet", str(folder), "--out", str(out))[0] == 0
+        serpenoid("calibrate", "sheet", folder, "--out", out, check=True)
     text = page.read_text()
     assert "Pushes, bend 42°" in text
     assert "at either end shows 140°" in text
@@ -100,7 +90,7 @@ def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path, serpenoid)
         for name, value in read[line[0]].items():
             line[head.index(name)] = value
     typed.write_text("".join(",".join(line) + "\n" for line in (head, *lines)))
-    status, out, err = serpenoid("calibrate", "add", str(folder), "--sheet", str(typed))
+    status, out, err = serpenoid("calibrate", "add", folder, "--sheet", typed)
     assert status == 0, err
     assert out.startswith("12 reading(s) added; 10 pushes")
     pushes = load_session(folder).kept_pushes

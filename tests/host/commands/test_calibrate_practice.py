@@ -9,6 +9,7 @@ import urllib.error
 import urllib.request
 
 import pytest
+from command_line import serpenoid
 from serpenoid.calibration.session_file import read_session
 
 TYPED = """inclinometer
@@ -33,15 +34,7 @@ quit
 
 
 def practise(folder, *more, typed=TYPED):
-    command = [sys.executable, "-m", "serpenoid", "calibrate", "practice", str(folder), *more]
-    return subprocess.run(
-        [*command, "--pace", "20"],
-        check=False,
-        input=typed,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    return serpenoid("calibrate", "practice", folder, *more, "--pace", "20", typed=typed)
 
 
 def test_a_station_is_held_at_the_desk_and_the_session_resumed(tmp_path):
@@ -65,25 +58,8 @@ def test_a_station_is_held_at_the_desk_and_the_session_resumed(tmp_path):
 
 def test_a_session_of_a_real_robot_is_not_practised_on(tmp_path):
     folder = tmp_path / "real"
-    made = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "serpenoid",
-            "calibrate",
-            "new",
-            str(folder),
-            "--defaults",
-            "--surface",
-            "belt",
-            "--mass-kg",
-            "480g",
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert made.returncode == 0, made.stderr
+    asked = ["--defaults", "--surface", "belt", "--mass-kg", "480g"]
+    serpenoid("calibrate", "new", folder, *asked, check=True)
     done = practise(folder, "--no-page")
     assert done.returncode == 2
     assert "no session of practice" in done.stderr

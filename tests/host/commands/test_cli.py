@@ -16,17 +16,11 @@ from pathlib import Path
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
+from command_line import serpenoid
 from robot.patience import LONG_S
 from serpenoid.commands.main import cli
 
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
-
-
-def serpenoid(*args: str) -> subprocess.CompletedProcess[str]:
-    """Run the command in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "serpenoid", *args], capture_output=True, text=True, check=False
-    )
 
 
 def answer(*args: str) -> dict:

@@ -6,21 +6,19 @@ import shutil
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 import serpenoid as sn
+from command_line import serpenoid
 from serpenoid.calibration.friction_result import FitDraws
 from serpenoid.commands.given import session_fit
 
 FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
+run = partial(serpenoid, check=True)
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
-
-
-def run(*args, check=True):
-    command = [sys.executable, "-m", "serpenoid", *map(str, args)]
-    return subprocess.run(command, check=check, capture_output=True, text=True)
 
 
 @pytest.fixture
@@ -131,7 +129,7 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
 def test_friction_from_two_places_or_none_is_refused(folder, extra, said):
     run("fit", folder)
     extra = [str(folder / x) if x == "fit.json" else x for x in extra]
-    failed = run("steady", *GAIT, *extra, check=False)
+    failed = serpenoid("steady", *GAIT, *extra)
     assert failed.returncode == 2
     assert said in " ".join(failed.stderr.split())
 
@@ -145,7 +143,7 @@ def test_compare_predicts_and_draws(folder, tmp_path):
     assert told["verdict"] == "not measured"
     assert told["gaits"][0]["exact_m_s"] == pytest.approx(0.152, rel=0.01)
     assert "<svg" in picture.read_text()
-    assert run("compare", folder, check=False).returncode == 2
+    assert serpenoid("compare", folder).returncode == 2
 
 
 def test_advise_names_the_next_reading(folder):
@@ -178,14 +176,14 @@ def test_drive_tells_the_speed_that_the_friction_predicts(folder):
     assert shown.startswith("predicted: 0.0")
     assert "predicted speed" in shown
     assert "predicted" not in run(*driven).stdout
-    refused = run(*driven, "--session", folder, "--ground", folder, check=False)
+    refused = serpenoid(*driven, "--session", folder, "--ground", folder)
     assert "one of --session and --ground" in refused.stderr
 
 
 def test_friction_of_a_robot_with_other_links_drives_nothing(folder):
     text = (folder / "session.toml").read_text()
     (folder / "session.toml").write_text(text.replace("links = 6", "links = 9"))
-    driven = run("drive", *GAIT, "--port", "virtual:fast", "--session", folder, check=False)
+    driven = serpenoid("drive", *GAIT, "--port", "virtual:fast", "--session", folder)
     assert driven.returncode == 2
     assert "a robot of 9 links, but this board moves 6 links" in driven.stderr
     assert "--port virtual:joints=8" in driven.stderr
@@ -193,6 +191,6 @@ def test_friction_of_a_robot_with_other_links_drives_nothing(folder):
 
 def test_robust_takes_the_fits_friction_or_none(folder):
     asked = ["optimize", "--speed", "0.05", "--robust", "--session", folder, "--fn0", "0.1"]
-    refused = run(*asked, check=False)
+    refused = serpenoid(*asked)
     assert refused.returncode == 2
     assert "draws the friction from the fit" in refused.stderr

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import command_line
 import pytest
 from avr.board import Board
-from serpenoid.commands.main import main
 from serpenoid.model.errors import RobotLost
 from serpenoid.robot.wire.virtual import LEAST_S, STEP_S
 
@@ -75,17 +75,6 @@ def hardware_port(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
-def serpenoid(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., tuple[int, str, str]]:
+def serpenoid() -> Callable[..., tuple[int, str, str]]:
     """Return the command line in this process: (exit status, standard output, standard error)."""
-
-    def run(*args: str) -> tuple[int, str, str]:
-        monkeypatch.setattr("sys.argv", ["serpenoid", *args])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as left:
-            main()
-        said = capsys.readouterr()
-        return int(left.value.code or 0), said.out, said.err
-
-    return run
+    return command_line.serpenoid
