@@ -41,11 +41,10 @@ from .friction_result import (
     Estimate,
     FitDraws,
     FrictionFit,
-    WholeSnake,
-    ground_of,
     narrowest,
     normal_draws,
     notes_on,
+    with_values,
 )
 from .session import Session
 from .session_posterior import posterior_of, scale_sigmas, start_of
@@ -185,7 +184,7 @@ def _naive(session: Session, data: Stations) -> FrictionFit:
     posterior = Posterior((data.alone,))
     ends = np.maximum(np.column_stack([values - widths, values + widths]), 0.0)
     residuals = posterior.residuals(posterior.start(values)[None])[0, : len(data)]
-    fit = _with_values(session, values, covariance, ends)
+    fit = with_values(session, values, covariance, ends)
     draws = normal_draws(values, covariance, ends)
     fit = replace(
         fit,
@@ -229,7 +228,7 @@ def _of_draws(session: Session, mode: Mode, draws: Draws, good: Floats) -> Frict
     ends = [narrowest(x[:, k], draws.weight_for(k), mode.x[k]) for k in range(count)]
     covariance = np.cov(x.T, aweights=draws.boundless, ddof=0)
     covariance = _beside_limits(covariance, mode.x[:count], np.array(ends))
-    fit = _with_values(session, mode.x[:count], covariance, np.array(ends))
+    fit = with_values(session, mode.x[:count], covariance, np.array(ends))
     nuisances, drawn = posterior.nuisances(mode.values), posterior.nuisances(draws.values)
     spread = {n: float(np.sqrt(np.cov(part, aweights=weight, ddof=0))) for n, part in drawn.items()}
     alike = draws.alike(DRAWS)
@@ -281,33 +280,6 @@ def _shown(mode: Mode, rows: Floats, readings: list[int]) -> tuple[Floats, Float
         ease = float(mode.slopes[mine][:, dry].sum(axis=1) @ rows[mine])
         shown[k] = np.copysign(np.sqrt(np.mean(rows[mine] ** 2)), ease)
     return shown, np.copysign(1.0, shown), alone
-
-
-def _with_values(session: Session, values: Floats, covariance: Floats, ends: Floats) -> FrictionFit:
-    """Return a fit that has values, covariance and intervals, and nothing else yet."""
-    covariance = covariance.copy()
-    covariance.flags.writeable = False
-    names, robot = FRICTIONS[: len(values)], session.setup.robot
-    pairs = zip(values.tolist(), np.sqrt(np.diag(covariance)).tolist(), strict=True)
-    return FrictionFit(
-        method="joint",
-        sigma="absolute",
-        parameters=WholeSnake(dict(zip(names, (Estimate(*p) for p in pairs), strict=True))),
-        intervals=WholeSnake(dict(zip(names, map(tuple, ends.tolist()), strict=True))),
-        covariance=covariance,
-        robot=robot,
-        ground=ground_of(robot.links, values.tolist()),
-        chi2=0.0,
-        dof=0,
-        nuisances=MappingProxyType({}),
-        residuals=(),
-        outliers=(),
-        influence=(),
-        notes=(),
-        draws=FitDraws(names, np.empty((0, len(names)))),
-        session_name=session.setup.name,
-        session_sha256=session.sha256,
-    )
 
 
 def _check_signs(session: Session, values: Floats) -> None:

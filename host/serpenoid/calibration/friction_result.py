@@ -438,6 +438,33 @@ def normal_draws(
     return drawn[:count]
 
 
+def with_values(session: Session, values: Floats, covariance: Floats, ends: Floats) -> FrictionFit:
+    """Return a fit that has values, covariance and intervals, and nothing else yet."""
+    covariance = covariance.copy()
+    covariance.flags.writeable = False
+    names, robot = FRICTIONS[: len(values)], session.setup.robot
+    pairs = zip(values.tolist(), np.sqrt(np.diag(covariance)).tolist(), strict=True)
+    return FrictionFit(
+        method="joint",
+        sigma="absolute",
+        parameters=WholeSnake(dict(zip(names, (Estimate(*p) for p in pairs), strict=True))),
+        intervals=WholeSnake(dict(zip(names, map(tuple, ends.tolist()), strict=True))),
+        covariance=covariance,
+        robot=robot,
+        ground=ground_of(robot.links, values.tolist()),
+        chi2=0.0,
+        dof=0,
+        nuisances=MappingProxyType({}),
+        residuals=(),
+        outliers=(),
+        influence=(),
+        notes=(),
+        draws=FitDraws(names, np.empty((0, len(names)))),
+        session_name=session.setup.name,
+        session_sha256=session.sha256,
+    )
+
+
 def notes_on(fit: FrictionFit, session: Session) -> tuple[str, ...]:
     """Return what a reader of the numbers should know, in words."""
     notes = []

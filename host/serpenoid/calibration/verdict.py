@@ -106,6 +106,7 @@ class Judge:
         self._drawn, self._seed, self._fit = drawn, seed, fit
         self._amplitude_sigma = max(amplitude_sigma, 1e-6)
         self._servo = servo
+        self._whole = np.maximum(list(fit.whole_snake.values()), 1e-9)
 
     def __call__(self, measured: Measured) -> Verdict:
         """Return the verdict on speeds of the gaits drawn."""
@@ -126,7 +127,7 @@ class Judge:
         """Return the best that frictions, freed or not, amplitude and servos can do."""
         from scipy.special import chdtrc
 
-        whole = np.maximum(list(self._fit.whole_snake.values()), 1e-9)
+        whole = self._whole
         relative = self._fit.covariance / np.outer(whole, whole)
         root = np.linalg.cholesky(relative + freed**2 * np.eye(len(whole)))
         before = Before(np.log(whole), np.asarray(root, dtype=np.float64), amplitude_sigma)
@@ -155,14 +156,12 @@ class Judge:
 
     @cached_property
     def _speeds(self) -> Speeds:
-        whole = np.array(list(self._fit.whole_snake.values()))
-        return self._data.of_robot(self._fit.robot, whole)
+        return self._data.of_robot(self._fit.robot, self._whole)
 
     @cached_property
     def _ideal_m_s(self) -> Array:
         """Return the speeds of joints that follow the gait, on the fitted ground."""
-        whole = np.array(list(self._fit.whole_snake.values()))
-        return self._speeds(whole[None], np.ones(1))[0]
+        return self._speeds(self._whole[None], np.ones(1))[0]
 
     @cached_property
     def _effects(self) -> ServoEffects:

@@ -9,7 +9,9 @@ import pytest
 from calibration.floor_sessions import TRUTH, floor_session, floor_setup, push_track
 from serpenoid import BadInput, Ground
 from serpenoid.calibration.friction_fit import fit_friction
+from serpenoid.calibration.friction_result import ground_of
 from serpenoid.calibration.kinds.gait import GaitRun
+from serpenoid.calibration.speed_samples import speed
 from serpenoid.calibration.taking.floor.procedure import of_push_bend, series_of_pushes
 from serpenoid.calibration.taking.floor.simulated import FloorTruth, SimulatedFloor
 from serpenoid.calibration.taking.memory import MemoryRecord
@@ -18,8 +20,18 @@ from serpenoid.calibration.taking.sheet import sheet_text
 from serpenoid.calibration.taking.treadmill import take_all
 from serpenoid.lab.floor import Floor, Push
 from serpenoid.lab.robot import LabRobot
+from serpenoid.model.gait import Gait
 
 CT_BACK, FT0_BACK = 0.3, 0.4
+ALL = (*TRUTH, CT_BACK, FT0_BACK)
+
+
+def check_holds(fit):
+    assert fit.names == ("ct", "cn", "ft0", "fn0", "ct_back", "ft0_back")
+    for name, true in zip(fit.names, ALL, strict=True):
+        low, high = fit.intervals[name]
+        assert low < true < high
+        assert high - low < 0.35 * true
 
 
 def with_backward(session, ways=("there", "back"), speeds=(0.7, 0.8, 0.9, 1.0)):
@@ -44,17 +56,21 @@ def with_backward(session, ways=("there", "back"), speeds=(0.7, 0.8, 0.9, 1.0)):
 def test_pushes_tail_first_tell_the_backward_frictions_and_no_other() -> None:
     session = floor_session()
     before, fit = fit_friction(session), fit_friction(with_backward(session))
-    assert fit.names == ("ct", "cn", "ft0", "fn0", "ct_back", "ft0_back")
-    for name, true in zip(fit.names, (*TRUTH, CT_BACK, FT0_BACK), strict=True):
-        low, high = fit.intervals[name]
-        assert low < true < high
-        assert high - low < 0.35 * true
+    check_holds(fit)
     for name in before.names:
         assert abs(fit.whole_snake[name] - before.whole_snake[name]) < before.parameters[name].sigma
     assert fit.ground.ct != before.ground.ct
-    crawled = replace(with_backward(session), gait_runs=(GaitRun(99, 1.2, 1.0, 5.0, 0.1, 0.01),))
-    with pytest.raises(BadInput, match="differ forwards and backwards"):
-        fit_friction(crawled, crawls=True)
+
+
+def test_crawls_are_fitted_with_the_backward_frictions() -> None:
+    session = with_backward(floor_session(bends_deg=(0.0, 45.0)))
+    robot, gait = session.setup.robot, Gait(1.2, 1.0, 5.0)
+    crawled = speed(robot, ground_of(robot.links, ALL), gait)
+    run = GaitRun(90, gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, crawled, 1e-3)
+    fit = fit_friction(replace(session, gait_runs=(run,)), crawls=True)
+    check_holds(fit)
+    pushed = np.linalg.det(fit_friction(session).covariance)
+    assert np.linalg.det(fit.covariance) < 0.7 * pushed
 
 
 def test_few_pushes_tail_first_are_not_enough_and_it_is_said() -> None:

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import floor_session
+from calibration.test_ratchet_pushes import with_backward
 from serpenoid import BadInput
 from serpenoid.calibration.advising.two_fits import two_fits, two_sessions
 from serpenoid.calibration.friction_fit import fit_friction
-from serpenoid.calibration.friction_result import NAMES, Estimate, WholeSnake
+from serpenoid.calibration.friction_result import Estimate, WholeSnake
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +20,7 @@ def fit():
 
 
 def moved(fit, values):
-    pairs = zip(NAMES, values, np.sqrt(np.diag(fit.covariance)), strict=True)
+    pairs = zip(fit.names, values, np.sqrt(np.diag(fit.covariance)), strict=True)
     return replace(fit, parameters=WholeSnake({n: Estimate(float(v), s) for n, v, s in pairs}))
 
 
@@ -50,6 +51,13 @@ def test_what_was_changed_is_named(fit, cause, factors) -> None:
     found = two_fits(fit, moved(fit, values_of(fit) * factors))
     assert cause in found.causes
     assert found.p_value < 0.05
+
+
+def test_frictions_backwards_are_compared_where_both_have_them(fit) -> None:
+    ratchet = fit_friction(with_backward(floor_session(bends_deg=(0.0, 45.0), speeds=(0.7, 0.9))))
+    held = two_fits(ratchet, moved(ratchet, values_of(ratchet) * [1, 1, 1, 1, 1, 1.6]))
+    assert held.causes == ("ft0_back",)
+    assert len(two_fits(fit, ratchet).rows) == 4
 
 
 def test_a_mass_weighed_once_explains_no_difference(fit) -> None:

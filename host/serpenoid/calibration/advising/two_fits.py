@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from ...model.errors import BadInput
-from ..fitting.shared import shared_covariance
+from ..fitting.shared import FRICTIONS, shared_covariance
 from ..friction_fit import fit_friction
-from ..friction_result import NAMES, UNITS, Floats, FrictionFit
+from ..friction_result import UNITS, Floats, FrictionFit
 from ..session import Session
 
 DOUBTFUL = 0.05
@@ -35,6 +35,8 @@ WORDS = {
     "ft0": "ft0 alone differs: wheels roll harder on one surface (a carpet is no belt), or one of "
     "the inclines is off",
     "fn0": "fn0 alone differs: wheels grip one surface better (a carpet is no belt)",
+    "ct_back": "ct backwards alone differs: ratchets that turn in other grease, or dust",
+    "ft0_back": "ft0 backwards alone differs: ratchets that hold less, or another surface",
 }
 AGREE = "The two agree within their intervals."
 OTHER = (
@@ -84,7 +86,7 @@ def two_sessions(first: Session, second: Session) -> TwoFits:
 def two_fits(first: FrictionFit, second: FrictionFit, mass_sigma: float = 0.0) -> TwoFits:
     """Compare two fits of one robot; mass_sigma: relative error of the mass that both rest on.
 
-    Raises BadInput where the robots differ, or are ratchets.
+    Frictions backwards are compared where both fits have them. Raises BadInput where robots differ.
     """
     for name in ("links", "link_length_m"):
         values = [getattr(fit.robot, name) for fit in (first, second)]
@@ -93,20 +95,20 @@ def two_fits(first: FrictionFit, second: FrictionFit, mass_sigma: float = 0.0) -
                 f"{name} is {values[0]:g} in {first.session_name!r} and {values[1]:g} in "
                 f"{second.session_name!r}; give two sessions of one robot"
             )
-    if len(first.names) > 4 or len(second.names) > 4:
-        raise BadInput("frictions that differ forwards and backwards are not compared")
     from scipy.special import chdtrc
 
-    values = [np.array(list(fit.whole_snake.values())) for fit in (first, second)]
+    common = min(len(first.names), len(second.names))
+    values = [np.array(list(fit.whole_snake.values()))[:common] for fit in (first, second)]
     off = values[1] - values[0]
-    covariance = _covariance(first.covariance + second.covariance, values[0], values[1], mass_sigma)
+    covariance = first.covariance[:common, :common] + second.covariance[:common, :common]
+    covariance = _covariance(covariance, values[0], values[1], mass_sigma)
     inverse = np.asarray(np.linalg.inv(covariance), dtype=np.float64)
     p_value = float(chdtrc(len(off), off @ inverse @ off))
     causes = () if p_value >= DOUBTFUL else _causes(off, inverse, (values[0] + values[1]) / 2)
     sigmas = off / np.sqrt(np.diag(covariance))
     rows = [
         Difference(name, UNITS[name], *map(float, row))
-        for name, *row in zip(NAMES, *values, sigmas, strict=True)
+        for name, *row in zip(FRICTIONS[:common], *values, sigmas, strict=True)
     ]
     return TwoFits(
         first.session_name,
@@ -138,20 +140,21 @@ def _causes(off: Floats, inverse: Floats, values: Floats) -> tuple[str, ...]:
     """Return the causes that leave the least, those that then agree."""
     from scipy.special import chdtrc
 
-    ct, cn, _, fn0 = values
+    names = FRICTIONS[: len(values)]
+    dry = {"ft0": 1.0, "fn0": math.tan(_BEND_RAD / 2), "ft0_back": 1.0}
     ways = {
         "mass": values,
-        "speed": np.array([ct, cn, 0.0, 0.0]),
-        "incline": np.array([0.0, 0.0, 1.0, math.tan(_BEND_RAD / 2)]),
-        "bend": np.array([0.0, cn, 0.0, fn0]),
-        **dict(zip(NAMES, np.eye(4), strict=True)),
+        "speed": values * [name.startswith("c") for name in names],
+        "incline": np.array([dry.get(name, 0.0) for name in names]),
+        "bend": values * [name in ("cn", "fn0") for name in names],
+        **dict(zip(names, np.eye(len(names)), strict=True)),
     }
     whole = float(off @ inverse @ off)
     left = {
         name: max(whole - float(way @ inverse @ off) ** 2 / float(way @ inverse @ way), 0.0)
         for name, way in ways.items()
     }
-    able = [n for n, chi2 in left.items() if chdtrc(3, chi2) >= DOUBTFUL]
+    able = [n for n, chi2 in left.items() if chdtrc(len(off) - 1, chi2) >= DOUBTFUL]
     able = [n for n in able if left[n] <= min(left.values()) + _AS_GOOD]
     return tuple(sorted(able, key=left.__getitem__)[:_MOST_CAUSES])
 

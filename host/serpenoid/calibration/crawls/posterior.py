@@ -1,9 +1,9 @@
 """Draws of the frictions and the joints' amplitude that speeds of crawls leave, whatever its shape.
 
-Unknown are u, standard normal before the crawls: the logarithms of four frictions and the joints'
-amplitude; and which of some servos moves the joints. Where pushes measured the frictions there is
-one minimum, and points about it are weighed by their posterior. Else speeds leave a curved valley
-beside a cliff, with several minima: tempered particles reach all of it.
+Unknown are u, standard normal before the crawls: the logarithms of P frictions and the joints'
+amplitude, D = P + 1; and which of some servos moves the joints. Where pushes measured the frictions
+there is one minimum, and points about it are weighed by their posterior. Else speeds leave a curved
+valley beside a cliff, with several minima: tempered particles reach all of it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _NARROW = 0.2  # of a logarithm: frictions that are known so well leave one mini
 
 @dataclass(frozen=True)
 class Before:
-    """What was known before the crawls: log frictions' mean (4,), root of their covariance.
+    """What was known before the crawls: log frictions' mean (P,), root of their covariance.
 
     amplitude_sigma: of the joints' amplitude over the commanded one. rows, values: further
     readings that leave frictions open; their chi2 is |rows f + values|^2 over frictions f.
@@ -42,7 +42,7 @@ class Before:
     mean: Array
     root: Array
     amplitude_sigma: float
-    rows: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
     values: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
@@ -52,7 +52,7 @@ class Before:
         return not len(self.rows) and float(known.max()) < _NARROW
 
     def whole(self, u: Array) -> Array:
-        """Return the frictions of unknowns (K, 5)."""
+        """Return the frictions of unknowns (K, D)."""
         return np.exp(self.mean + u[:, :-1] @ self.root.T)
 
     def amplitude(self, u: Array) -> Array:
@@ -62,7 +62,7 @@ class Before:
 
 @dataclass(frozen=True)
 class Drawn:
-    """What is left: draws of frictions (N, 4) and amplitude (N,), all alike; the likeliest of them.
+    """What is left: draws of frictions (N, P) and amplitude (N,), all alike; the likeliest of them.
 
     servo: of each draw, its index among those given. best_whole, best_amplitude, best_servo: the
     likeliest. chi2: there, priors in it. effective: how many
@@ -105,7 +105,7 @@ class Posterior:
         crawled = (predicted - np.log(measured)) * (measured / sigma)
         swung = effects.gains(amplitude) - data.gain
         swung = swung / np.hypot(data.gain_sigma, effects.sigma)
-        further = whole @ before.rows.T + before.values
+        further = whole[:, : before.rows.shape[1]] @ before.rows.T + before.values
         shape = (*crawled.shape[:2], further.shape[1])
         beside = np.broadcast_to(further[:, None], shape)
         return np.concatenate([crawled, swung, beside], axis=2)
@@ -116,7 +116,7 @@ class Posterior:
         return np.asarray(own - 0.5 * np.sum(u**2, axis=1)[:, None])
 
     def log_density(self, u: Array) -> Array:
-        """Return the logarithm of the posterior of unknowns (K, 5).
+        """Return the logarithm of the posterior of unknowns (K, D).
 
         No residual's likelihood is 1, and the constant of the normal density is left out.
         """
@@ -125,31 +125,38 @@ class Posterior:
         return np.asarray(logsumexp(self.by_servo(u), axis=1))
 
     def chi2(self, u: Array) -> Array:
-        """Return the sum of squares (K,) at unknowns (K, 5) with the best servo, priors in it."""
+        """Return the sum of squares (K,) at unknowns (K, D) with the best servo, priors in it."""
         squares = np.sum(self.residuals(u) ** 2, axis=2).min(axis=1)
         return np.asarray(squares + np.sum(u**2, axis=1))
 
     def _slopes(self, u: Array) -> tuple[Array, Array]:
-        """Return residuals, (K, servos, R), and their slopes, (K, servos, R, 5)."""
+        """Return residuals, (K, servos, R), and their slopes, (K, servos, R, D)."""
         ends = np.concatenate([u, *(u + _STEP * e for e in np.eye(self.size))])
         every = self.residuals(ends)
         every = every.reshape(self.size + 1, len(u), *every.shape[1:])
         return every[0], np.moveaxis(every[1:] - every[0], 0, -1) / _STEP
 
-    def left(self, u: Array) -> Array:
-        """Return what each servo leaves, in sigmas, once the unknowns at a point (5,) follow."""
+    def _about(self, u: Array) -> tuple[Array, Array, Array, Array]:
+        """Return of each servo, linear about a point (D,): its residuals at its minimum, the step
+        there, J'J + 1, and half chi2 there.
+        """
         off, slopes = (part[0] for part in self._slopes(u[None]))
-        normal, gradient, _ = _expanded(off, slopes, np.broadcast_to(u, (len(off), self.size)))
+        normal = np.einsum("kgi,kgj->kij", slopes, slopes) + np.eye(self.size)
+        gradient = np.einsum("kgi,kg->ki", slopes, off) + u
         step = -np.linalg.solve(normal, gradient[..., None])[..., 0]
-        return np.column_stack([off + np.einsum("kgi,ki->kg", slopes, step), u + step])
+        off = off + np.einsum("kgi,ki->kg", slopes, step)
+        half = 0.5 * (np.sum(off**2, axis=1) + np.sum((u + step) ** 2, axis=1))
+        return off, step, normal, half
+
+    def left(self, u: Array) -> Array:
+        """Return what each servo leaves, in sigmas, once the unknowns at a point (D,) follow."""
+        off, step, *_ = self._about(u)
+        return np.column_stack([off, u + step])
 
     def about(self, u: Array) -> Student:
-        """Return a distribution with the moments of all servos' normal ones about a point (5,)."""
-        off, slopes = (part[0] for part in self._slopes(u[None]))
-        normal, gradient, cost = _expanded(off, slopes, np.broadcast_to(u, (len(off), self.size)))
-        step = -np.linalg.solve(normal, gradient[..., None])[..., 0]
-        log = self._log_weight - cost - 0.5 * np.sum(step * gradient, axis=1)
-        log = log - 0.5 * np.linalg.slogdet(normal)[1]
+        """Return a distribution with the moments of all servos' normal ones about a point (D,)."""
+        _, step, normal, half = self._about(u)
+        log = self._log_weight - half - 0.5 * np.linalg.slogdet(normal)[1]
         weight = np.exp(log - log.max())
         weight /= weight.sum()
         centre = weight @ step
@@ -158,7 +165,7 @@ class Posterior:
         return Student(u + centre, np.asarray(root, dtype=np.float64))
 
     def minimum(self) -> Array:
-        """Return the likeliest unknowns (5,), from the best of many starts.
+        """Return the likeliest unknowns (D,), from the best of many starts.
 
         Speeds have several minima, and nothing leads back from the foot of their cliff.
         """
@@ -173,7 +180,7 @@ class Posterior:
         return ends[np.argmin(self.chi2(ends))]
 
     def minimum_near(self, start: Array) -> Array:
-        """Return the likeliest unknowns (5,) near a start (5,)."""
+        """Return the likeliest unknowns (D,) near a start (D,)."""
         from scipy.optimize import least_squares
 
         best = start
@@ -194,13 +201,6 @@ class Posterior:
                 break
             best = u
         return best
-
-
-def _expanded(off: Array, slopes: Array, u: Array) -> tuple[Array, Array, Array]:
-    """Return J'J + 1 (K, 5, 5), the gradient (K, 5) and half chi2 (K,) of residuals (K, R)."""
-    normal = np.einsum("kgi,kgj->kij", slopes, slopes) + np.eye(u.shape[1])
-    gradient = np.einsum("kgi,kg->ki", slopes, off) + u
-    return normal, gradient, 0.5 * (np.sum(off**2, axis=1) + np.sum(u**2, axis=1))
 
 
 def draw(posterior: Posterior, before: Before, count: int, seed: int) -> Drawn:
@@ -230,10 +230,10 @@ def draw(posterior: Posterior, before: Before, count: int, seed: int) -> Drawn:
 
 @dataclass(frozen=True)
 class Weighted:
-    """Points u (N, 5) of a posterior and their weights, which sum to 1.
+    """Points u (N, D) of a posterior and their weights, which sum to 1.
 
     evidence: the logarithm of the crawls' likelihood, its mean over what was known before and all
-    servos; that of no residual is 0. best: the likeliest point (5,).
+    servos; that of no residual is 0. best: the likeliest point (D,).
     """
 
     u: Array

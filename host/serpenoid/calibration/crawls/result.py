@@ -11,19 +11,18 @@ from ...model.drives import Servo, ServoKind
 from ...model.errors import BadInput, Diverged, NotConverged
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ..fitting.shared import shared_covariance
+from ..fitting.shared import FRICTIONS, shared_covariance
 from ..friction_result import (
     AMPLITUDE,
     DOUBTFUL,
     LEVEL,
-    NAMES,
     Estimate,
     FitDraws,
     FittedServos,
     FrictionFit,
-    WholeSnake,
     ground_of,
     weak_notes,
+    with_values,
 )
 from ..session import Session
 from ..session_posterior import posterior_of
@@ -36,7 +35,7 @@ from .speeds import Array, Speeds
 
 # Where nothing else is known: the 2005 robot's frictions, scaled by the weight, within a factor of
 # e or so, and no two of them alike.
-USUAL, USUAL_N, USUAL_SIGMA = (0.084, 1.2, 0.14, 0.27), 4.4484, 1.0
+USUAL, USUAL_N, USUAL_SIGMA = (0.084, 1.2, 0.14, 0.27, 0.084, 0.14), 4.4484, 1.0
 LEAST_GAITS = 4  # alone
 COUNT = 1024
 _FOLLOWING = 6  # steps of what follows given frictions
@@ -151,26 +150,21 @@ def _check(session: Session, data: CrawlData, other: FrictionFit | None) -> None
             f"{session.where}: {len(data)} crawl(s) cannot be fitted{least}; take crawls of other "
             "gaits, or pushes, which tell each friction"
         )
-    back = any(push.facing == "back" for push in session.kept_pushes)
-    if back or (other is not None and len(other.names) > 4):
-        raise BadInput(
-            f"{session.where}: crawls are not fitted with frictions that differ forwards and "
-            "backwards; fit without them"
-        )
 
 
 def _before(session: Session, other: FrictionFit | None) -> Before:
     """Return what is known of friction for the mass as stated, its own error left out."""
     if other is None:
-        usual = np.array(USUAL) * session.setup.weight_n / USUAL_N
-        return Before(np.log(usual), USUAL_SIGMA * np.eye(4), AMPLITUDE_SIGMA)
+        back = any(push.facing == "back" for push in session.kept_pushes)
+        usual = np.array(USUAL if back else USUAL[:4]) * session.setup.weight_n / USUAL_N
+        return Before(np.log(usual), USUAL_SIGMA * np.eye(len(usual)), AMPLITUDE_SIGMA)
     values = np.array(list(other.whole_snake.values()))
     sigma = np.sqrt(np.diag(other.covariance))
     centre = np.maximum(values, 0.3 * sigma)  # one at its limit of 0 is somewhere below its sigma
     alone = other.covariance - shared_covariance(values, 0.0, session.mass_sigma)
     own = np.sqrt(np.diag(alone))
     wide = np.sqrt(np.log1p((own / centre) ** 2)) / own  # of a logarithm, with the same variance
-    root = np.linalg.cholesky(alone * np.outer(wide, wide) + 1e-12 * np.eye(4))
+    root = np.linalg.cholesky(alone * np.outer(wide, wide) + 1e-12 * np.eye(len(own)))
     return Before(np.log(centre), np.asarray(root, dtype=np.float64), AMPLITUDE_SIGMA)
 
 
@@ -210,15 +204,15 @@ def _result(
     ends = np.quantile(whole, [tail, 1.0 - tail], axis=0)
     values = drawn.best_whole
     ends = np.stack([np.minimum(ends[0], values), np.maximum(ends[1], values)], axis=1)
-    sigma, robot = whole.std(axis=0).tolist(), session.setup.robot
-    common = other or _nothing(session)
+    bare = with_values(session, values, np.cov(whole.T), ends)
+    common = other or bare
     fit = replace(
         common,
         method="crawls" if other is None else "joint, with crawls",
-        parameters=_named(map(Estimate, values.tolist(), sigma)),
-        intervals=_named(map(tuple, ends.tolist())),
-        covariance=np.cov(whole.T),
-        ground=ground_of(robot.links, values.tolist()),
+        parameters=bare.parameters,
+        intervals=bare.intervals,
+        covariance=bare.covariance,
+        ground=bare.ground,
         chi2=common.chi2 + drawn.chi2,
         dof=common.dof + len(data) + len(data.gain) + _open_readings(session, other),
         nuisances=MappingProxyType(
@@ -226,7 +220,9 @@ def _result(
             | {"joint_amplitude": Estimate(drawn.best_amplitude, float(drawn.amplitude.std()))}
         ),
         session_sha256=session.sha256_with_crawls,
-        draws=FitDraws((*NAMES, AMPLITUDE), np.column_stack([whole, drawn.amplitude])),
+        draws=FitDraws(
+            (*FRICTIONS[: len(values)], AMPLITUDE), np.column_stack([whole, drawn.amplitude])
+        ),
     )
     alarms = (*_contradicts(fit), *common.alarms)
     kept = [note for note in common.notes if note not in weak_notes(common)]
@@ -250,32 +246,6 @@ def _open_readings(session: Session, other: FrictionFit | None) -> int:
         return 0
     posterior = posterior_of(session)
     return int(np.sum(posterior.numbers >= 0)) - posterior.eliminated
-
-
-def _named(values) -> WholeSnake:
-    return WholeSnake(dict(zip(NAMES, values, strict=True)))
-
-
-def _nothing(session: Session) -> FrictionFit:
-    """Return a fit of no reading, to be filled."""
-    robot = session.setup.robot
-    return FrictionFit(
-        "crawls",
-        "absolute",
-        _named([Estimate(1.0, 1.0)] * 4),
-        _named([(0.0, 1.0)] * 4),
-        np.eye(4),
-        robot,
-        ground_of(robot.links, [1.0] * 4),
-        0.0,
-        0,
-        MappingProxyType({}),
-        (),
-        (),
-        (),
-        (),
-        session_name=session.setup.name,
-    )
 
 
 def _notes(fit: FrictionFit, data: CrawlData, drawn: Drawn, other: FrictionFit | None) -> list[str]:
