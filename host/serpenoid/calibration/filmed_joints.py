@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..model.drives import Servo, ServoKind
 from ..model.gait import Gait
+from ..model.plugs import plugs
 from ..periodic.servo_steady import servo_state
 from ..periodic.steady import steady_gait
 from .friction_result import FrictionFit
@@ -86,7 +87,23 @@ def seen_on_film(
         explained = abs(film.speed_m_s - made) < AGREES * sigma
         if explained and abs(film.speed_m_s - commanded) > AGREES * sigma:
             word = "amplitude"
-    return word, text
+    return word, " ".join([*swapped_plugs(session), text])
+
+
+def swapped_plugs(session: Session) -> list[str]:
+    """Return which joints each film shows in each other's place, in words: the first to mend."""
+    words = []
+    for film in session.kept_films:
+        gait = film.gait
+        shift = np.array(gait.joint_shift_rad, dtype=np.float64)
+        phase = shift + gait.beta_rad * np.arange(len(shift), dtype=np.float64)
+        order = plugs(phase, gait.beta_rad)[0]
+        if swapped := [str(k + 1) for k, other in enumerate(order) if k != other]:
+            words.append(
+                f"First: film {film.number} shows joints {' and '.join(swapped)} as if their plugs "
+                "were swapped. Swap them back and film again."
+            )
+    return words
 
 
 def _words(film: FilmReading, made: float, commanded: float) -> str:

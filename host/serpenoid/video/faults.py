@@ -494,14 +494,13 @@ def bent_tags(track: Track) -> NDArray[np.bool_]:
     return bent if seen.sum() >= 4 and bent.sum() <= seen.sum() - 3 else np.zeros_like(bent)
 
 
-BENT_TAGS: tuple[Check[NDArray[np.bool_]], ...] = (
-    Check(
-        "bent tag",
-        lambda bent: float(bent.sum()),
-        lambda bent, _: (
-            f"tag {_numbers(np.flatnonzero(bent))} is no flat square: half peeled off, wet or "
-            "bent? It is left out; stick it flat and film again"
-        ),
-        0.5,
-    ),
-)
+def bent_remarks(bent: NDArray[np.bool_]) -> list[Remark]:
+    """Return what to tell of tags that were left out."""
+    return [
+        Remark(
+            "bent tag",
+            f"tag {link + 1} is no flat square: half peeled off, wet or bent? It is left out; "
+            "stick it flat and film again",
+        )
+        for link in np.flatnonzero(bent)
+    ]

@@ -12,7 +12,7 @@ import numpy as np
 from ..model.checks import check_number, sha256_of
 from ..model.errors import BadInput
 from ..model.gait import Gait
-from .faults import BENT_TAGS, MOTION, ORDER, SEEN, bent_tags, blurred, judged, view_remarks
+from .faults import MOTION, ORDER, SEEN, bent_remarks, bent_tags, blurred, judged, view_remarks
 from .fitting.camera import Camera
 from .fitting.start import first_cameras, tag_poses
 from .instrument import Measured, measure
@@ -117,7 +117,7 @@ def _measurement(film: SeenFilm, name: str, gait: Gait | None, board_rate: bool)
     measured = replace(measured, sigmas=blurred(watched) * measured.sigmas)
     remarks = judged(MOTION, measured, name)
     remarks += view_remarks(watched, measured.bundle.camera, side, name)
-    remarks += judged(BENT_TAGS, bent)
+    remarks += bent_remarks(bent)
     run = filmed_run(watched, measured, sha256_of(watched.film.path), scale, remarks)
     run = replace(run, remarks=(*run.remarks, *judge(run, gait)))
     return FilmMeasurement(run, watched, measured, gait)

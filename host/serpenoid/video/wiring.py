@@ -3,59 +3,16 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.gait import Gait
+from ..model.plugs import EXPLAINED_RAD, even_steps, plugs
 from .faults import Check, judged
 from .result import FilmedRun, Remark
 
-Array = NDArray[np.float64]
-EXPLAINED_RAD = math.radians(12.0)  # phases this near to even steps are a gait's
 CENTRE_RAD = math.radians(1.0)  # a centre further off is worth a trim
 RATE_FLAG = 0.02
-
-
-def even_steps(phase: Array, step: float | None) -> tuple[float, float]:
-    """Return the step that explains phases best, and what is left (rms), rad."""
-    order = np.arange(len(phase))
-    tried = np.radians(np.arange(-180.0, 180.0, 0.5)) if step is None else np.array([step])
-    left = np.exp(1j * (phase[None] - tried[:, None] * order))
-    middle = np.angle(left.mean(axis=1))[:, None]
-    rms = np.sqrt(np.mean(np.angle(left * np.exp(-1j * middle)) ** 2, axis=1))
-    best = int(rms.argmin())
-    return float(tried[best]), float(rms[best])
-
-
-def plugs(phase: Array, step: float | None) -> tuple[list[int], list[int], float, float]:
-    """Return the order of plugs, the reversed joints, step and rest that explain the phases.
-
-    The fewest faults count: none, one or two reversed joints, one pair of swapped plugs, one of
-    both. step: of the commanded gait, None if it is not known.
-    """
-    n = len(phase)
-    straight = list(range(n))
-    swaps = [straight] + [_swapped(straight, a, b) for a, b in combinations(range(n), 2)]
-    turns: list[tuple[int, ...]] = [(), *combinations(range(n), 1), *combinations(range(n), 2)]
-    tried = [(len(t) + 2 * (s != straight), s, t) for s in swaps for t in turns]
-    for cost, swap, turn in sorted(tried, key=lambda fault: fault[0]):
-        if cost > max(1, n // 2):
-            break
-        seen = phase.copy()
-        seen[list(turn)] += math.pi
-        found, rest = even_steps(seen[swap], step)
-        if rest < EXPLAINED_RAD:
-            return swap, list(turn), found, rest
-    found, rest = even_steps(phase, step)
-    return straight, [], found, rest
-
-
-def _swapped(order: list[int], a: int, b: int) -> list[int]:
-    out = list(order)
-    out[a], out[b] = out[b], out[a]
-    return out
 
 
 def judge(run: FilmedRun, gait: Gait | None) -> list[Remark]:
@@ -72,7 +29,7 @@ def _explained(ran: Ran) -> tuple[list[int], list[int], float]:
     phase = np.array([j.phase_rad for j in run.joints])
     if len(phase) < 3 or not np.isfinite(phase).all():
         return [], [], 0.0
-    swap, turned, _, rest = plugs(phase, gait.beta_rad if gait else None)
+    swap, turned, rest = plugs(phase, gait.beta_rad if gait else None)
     return [k + 1 for k, other in enumerate(swap) if k != other], turned, rest
 
 

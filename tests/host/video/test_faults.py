@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from click.testing import CliRunner
+from serpenoid.calibration.filmed_joints import swapped_plugs
+from serpenoid.calibration.kinds.video import VIDEO, FilmReading
 from serpenoid.commands.main import cli
 from serpenoid.model.errors import BadInput
 from serpenoid.robot import Robot
@@ -30,6 +32,7 @@ from serpenoid.video.seeing.watch import watch
 from video.filming import Body, Film, Lens, write
 from video.worlds import LINK_M, SIDE_M, crawling
 
+FOLDER_2005 = Path(__file__).parents[3] / "calibration_data" / "nirakh-2005"
 QUICK = crawling(seed=2, omega_rad_s=8.0, alpha_deg=40, speed_m_s=0.08, start_m=-0.06)
 CAMERA = [check for check in SEEN if check.name == "camera"]
 TIMES = np.arange(0, 1.7, 1 / 30)
@@ -159,14 +162,6 @@ def test_lost_frames_leave_the_numbers_right(frames, told) -> None:
 def test_a_phone_held_upright_measures_the_same(frames, told) -> None:
     run, _ = told([np.ascontiguousarray(np.rot90(f)) for f in frames])
     assert run.speed_m_s == pytest.approx(QUICK.speed_m_s, rel=0.005)
-
-
-@pytest.mark.parametrize("turn_deg", [90, 180, 270])
-def test_a_film_that_players_turn_is_told(frames, tmp_path, turn_deg) -> None:
-    path = write(tmp_path / "film.mp4", frames[:4], TIMES[:4], rotation_deg=turn_deg)
-    seen = watch(File.open(path), 6)
-    assert seen.rotation_deg == turn_deg
-    assert seen.picture.shape == frames[0].shape  # as it was taken: rows are read in that order
 
 
 @pytest.mark.slow
@@ -341,6 +336,17 @@ def test_swapped_plugs_and_reversed_servos_are_found(gait) -> None:
     (remark,) = wiring.judge(run_of(swapped), gait)
     assert remark.name == "plugs"
     assert gait is None or "joints 3 and 4" in remark.text  # without a gait, 2 and 5 do as well
+
+
+def test_a_comparison_begins_with_swapped_plugs() -> None:
+    shifts = "0,80,-80,0,0"  # of joints 2 and 3, whose phases differ by 80 deg
+    film = FilmReading(
+        7, GAIT.alpha_rad, GAIT.beta_rad, 8.0, 0.05, 1e-4, 0.0, 0.01, "1,1,1,1,1", shifts, "ab" * 32
+    )
+    session = sn.load_session(FOLDER_2005).with_reading(VIDEO, film)
+    (words,) = swapped_plugs(session)
+    assert words.startswith("First: film 7 shows joints 2 and 3 as if their plugs were swapped")
+    assert not swapped_plugs(sn.load_session(FOLDER_2005))
 
 
 def test_a_centre_that_is_off_asks_for_a_trim() -> None:

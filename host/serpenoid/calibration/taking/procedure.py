@@ -292,7 +292,8 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
     grade = 100 * math.tan(math.radians(incline_deg))
     say = (
         f"Incline to about {incline_deg:.1f} deg ({grade:.1f} %). Raise the belt until the robot "
-        f"holds its place{hint}; wait {wait_s:.0f} s."
+        f"holds its place{hint}, or nearly. Film it for some 4 s and type its places; or wait "
+        f"{wait_s:.0f} s, and read its drift by eye."
     )
     first = not of_bend(session, lambda_rad, facing)
     if first:

@@ -10,6 +10,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 from ....model.errors import BadInput, CommandRefused, RecordingFailed, RobotError
 from ...kinds.declaration import Field
@@ -174,7 +175,9 @@ class Dialogue:
 
     def _steer(self, robot: SessionRobot, step: Step) -> None:
         """Have the offset found that runs straight, before the first reading; it is kept."""
-        if step.lambda_deg or steered_rad(self.journal.session) is not None:
+        steering = replace(step, key="steering")
+        left_out = "steering" in skipped_keys(self.journal.events)
+        if step.lambda_deg or left_out or steered_rad(self.journal.session) is not None:
             return
         if self._on_floor:
             return self.say(
@@ -182,10 +185,11 @@ class Dialogue:
                 "turns the robot, steer against it before the next; each push keeps the offset."
             )
         self.say(
-            "  Let the belt run slowly. Left and right keys bend every joint a little: steer until "
-            "the robot runs straight by itself."
+            "  Incline as for the first station, and raise the belt until the robot nearly holds "
+            "its place: on a level belt it is carried off. Left and right keys bend every joint a "
+            "little: steer until the robot runs straight by itself."
         )
-        self.ask("  Enter keeps it: ", step)
+        self.ask("  Enter keeps it; skip leaves the steering out alone: ", steering)
         self.say(f"  every joint has {math.degrees(robot.offset_rad):+.2f} deg from now on")
 
     def _start(self, step: Step) -> None:
@@ -329,7 +333,7 @@ class Dialogue:
 
     def _drift(self, field: Field, likely: tuple[float, float] | None, step: Step) -> Values:
         """Ask for the drift that is left; or for places over time, of a robot that still drifts."""
-        question = f"  {field.words} ({field.unit}); or places as s:m, {EXAMPLE}: "
+        question = f"  places in a film as s:m, {EXAMPLE}; or {field.words} ({field.unit}): "
         while True:
             text = self.ask(question, step)
             if not is_places(text):

@@ -17,6 +17,7 @@ from ....lab.robot import LabRobot, pose_of
 from ....model.bends import balanced_signs
 from ....model.files import write_text
 from ....model.ground import Ground
+from ....servos.catalogue import servo
 from ...session import Session, Setup
 from ..floor.simulated import CROOKED_RAD, SPEED, SPIN_RAD_S, crawled_slopes
 from ..simulated import timed_crawl
@@ -83,7 +84,8 @@ class FloorTerminal:
         truth = self.truth = PracticeFloorTruth.drawn(seed)
         there = len(list(films.glob("*.csv"))) if films.is_dir() else 0
         self._rng = np.random.default_rng([seed, 21, there])
-        whole = LabRobot.whole(setup.robot, truth.ground, rolling_kg=truth.rolling_kg)
+        hidden = servo("hobby").draws(1, seed)[0]
+        whole = LabRobot.whole(setup.robot, truth.ground, rolling_kg=truth.rolling_kg, servo=hidden)
         self._robot = whole.drawn(np.random.default_rng([seed, 22]), JOINT_RAD)
         self._floor = Floor(self._robot, truth.slope_rad, 0.0, truth.across_rad)
         self._step: Step | None = None
