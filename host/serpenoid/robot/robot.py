@@ -33,6 +33,7 @@ from .wire.inbox import Losses
 from .wire.link import Link, open_link
 from .wire.protocol import Data, Hello, Telemetry, Verdict, refused
 from .wire.reports import Status, Trim, settings_of, status_of, trims_of
+from .wire.state_tracker import RESTING
 
 if TYPE_CHECKING:
     from ..model.gait import Gait
@@ -84,6 +85,7 @@ class RobotBoard:
             self._halt, (RobotBoard.__exit__, RobotBoard._leave), self._resumed
         )
         self._process = os.getpid()
+        self._cut_short = False  # the robot moved when a signal stopped it
 
     def __enter__(self) -> RobotBoard:
         if self._talk is not None:
@@ -298,11 +300,12 @@ class RobotBoard:
 
     def _halt(self) -> None:
         if self._talk is not None and os.getpid() == self._process:
+            self._cut_short = self._talk.inbox.states.last not in RESTING
             with suppress(RobotError):
                 self._talk.halt()
 
     def _resumed(self) -> None:
-        if self._talk is not None:
+        if self._talk is not None and self._cut_short:
             self._talk.inbox.notice = RobotUnattended(
                 "the program was suspended (Ctrl-Z), so the robot was stopped first; start again"
             )

@@ -19,7 +19,7 @@ class SignalGuard:
     """Call `stop` at once on a signal, then let it do what it did before.
 
     SIGTERM and SIGHUP, which would kill, raise SystemExit instead, so that `with` blocks are
-    left in order. Ctrl-Z (SIGTSTP) suspends as ever; `resumed` is called when that is over. A
+    left in order. Ctrl-Z (SIGTSTP) suspends; `resumed` is called when that is over. A
     signal that is ignored stays ignored. While `held` is set, and at the start of
     the functions `leaving`, which set it, signals are kept for restore(): an impatient second
     Ctrl-C cannot cut the stopping short. Outside the main thread Python allows no handlers, and
@@ -72,9 +72,7 @@ class SignalGuard:
         if callable(before):
             before(number, frame)
         elif number == getattr(signal, "SIGTSTP", None):
-            signal.signal(number, signal.SIG_DFL)
-            os.kill(os.getpid(), number)
-            signal.signal(number, self._on_signal)
+            os.kill(os.getpid(), signal.SIGSTOP)  # SIGTSTP does nothing without a shell above
             self._resumed()
         else:
             raise SystemExit(128 + number)

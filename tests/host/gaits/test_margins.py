@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.gaits.margins import _fall
 
 
 def between(rng: np.random.Generator, low: float, high: float) -> float:
@@ -80,14 +79,3 @@ def test_margins_at_a_cliff_and_away_from_one_are_true() -> None:
 def test_margins_of_random_robots_are_true(seed: int) -> None:
     """Beside a cliff a run may need a hundred cycles to forget that it began at rest."""
     assert_margins_are_true(seed, cycles=150)
-
-
-def test_a_fall_before_sixty_percent_is_found_wherever_it_is() -> None:
-    """Falls from 54 % on were once told as none; so was one that the speed recovers from."""
-    for edge in (0.011, 0.033, 0.15, 0.3, 0.55, 0.598):
-        assert _fall(lambda loss, at=edge: 0.5 if loss > at else 1.0, 1.0) == pytest.approx(
-            edge, rel=0.02
-        )
-    assert math.isinf(_fall(lambda loss: 1 - loss / 6.1, 1.0))
-    dip = _fall(lambda loss: 0.8 if 0.3 < loss < 0.37 else 1.0, 1.0)
-    assert dip == pytest.approx(0.3, rel=0.02)

@@ -63,9 +63,10 @@ except SystemExit:
 HEAR_HANGUPS = "import signal; signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
 
 
-def drive(port: str, program: str = DRIVER) -> subprocess.Popen[str]:
+def drive(port: str, program: str = DRIVER, shell: bool = True) -> subprocess.Popen[str]:
     child = subprocess.Popen(
         [sys.executable, "-c", HEAR_HANGUPS + program, port],
+        start_new_session=not shell,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -163,12 +164,23 @@ FOLLOWING = DRIVER.partition("    while True")[0] + "    list(robot.frames())\n"
 
 def test_ctrl_z_stops_the_robot_before_it_suspends():
     with FakeBoard() as fake:
-        child = drive(fake.port, FOLLOWING)
+        child = drive(fake.port, FOLLOWING, shell=False)
         assert fake.await_state("gait")
         child.send_signal(signal.SIGTSTP)
+        assert os.WIFSTOPPED(os.waitpid(child.pid, os.WUNTRACED)[1])
         assert fake.await_state("hold")
-        assert until(lambda: child.send_signal(signal.SIGCONT) or child.poll() is not None)
+        child.send_signal(signal.SIGCONT)
         assert "RobotUnattended: the program was suspended" in child.communicate()[1]
+
+
+def test_a_program_whose_robot_rested_at_ctrl_z_goes_on():
+    waiting = DRIVER.partition("    robot.gait")[0] + "    input(); robot.status(); print(1)"
+    with FakeBoard() as fake:
+        child = drive(fake.port, waiting, shell=False)
+        child.send_signal(signal.SIGTSTP)
+        assert os.WIFSTOPPED(os.waitpid(child.pid, os.WUNTRACED)[1])
+        child.send_signal(signal.SIGCONT)
+        assert child.communicate("\n")[0] == "1\n"
 
 
 def test_handlers_are_given_back():
