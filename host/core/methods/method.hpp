@@ -1,7 +1,6 @@
 // A way to step a system in time; one file a method.
 #pragma once
 
-#include <functional>
 #include <limits>
 
 #include "scene/system.hpp"
@@ -19,9 +18,6 @@ class Method {
 
     // Begin at t, and again behind every jump of the system.
     virtual void restart(double t, const double* y) = 0;
-
-    // Called now and then by methods whose steps may take long; an exception ends the run.
-    virtual void let_through(std::function<void()>) {}
 
     // One step, never beyond the limit.
     virtual StepOutcome step(double t_limit) = 0;

@@ -7,7 +7,7 @@
 
 namespace serpenoid {
 
-void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k, Joints& joints) {
+void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k) {
     TailSums sums{k.fx[0], k.fy[0]};
     Along at{};
     HalfLink before = HalfLink::of(robot.l, k.c[0], k.s[0], k.omega[0]);
@@ -21,12 +21,16 @@ void explicit_angle(const Robot& robot, const double* joint_accel, Chain& k, Joi
         sums.add(robot.m, at, k.fx[i], k.fy[i]);
     }
     const TailMotion tail = sums.solve(robot);
-    JointSums behind;
     for (int i = 0; i < k.n(); ++i) {
         const double rx = k.x[i] - k.x[0], ry = k.y[i] - k.y[0];
         k.ax[i] += tail.ax - tail.alpha * ry, k.ay[i] += tail.ay + tail.alpha * rx;
         k.alpha[i] += tail.alpha;
-        if (i + 1 == k.n()) break;
+    }
+}
+
+void joint_forces(const Robot& robot, const Chain& k, Joints& joints) {
+    JointSums behind;
+    for (int i = 0; i + 1 < k.n(); ++i) {
         behind.add(robot, -k.s[i], k.c[i], k.ax[i], k.ay[i], k.alpha[i], k.fx[i], k.fy[i]);
         joints.Fx[i] = behind.Fx, joints.Fy[i] = behind.Fy, joints.T[i] = behind.T;
     }

@@ -6,11 +6,14 @@
 namespace serpenoid {
 
 // These take a chain whose angles, rates, positions, velocities, directions and friction are
-// filled, and fill its accelerations and the forces and torques of the joints.
+// filled, and fill its accelerations or the forces and torques of the joints.
 
-// Joint angles imposed: `joint_accel[j]` = phi_j'' for j = 0..n-2. Torques are recovered. The
-// equations are those of tail_acceleration.hpp.
-void explicit_angle(const Robot& robot, const double* joint_accel, Chain& chain, Joints& joints);
+// Joint angles imposed: `joint_accel[j]` = phi_j'' for j = 0..n-2. The equations are those of
+// tail_acceleration.hpp.
+void explicit_angle(const Robot& robot, const double* joint_accel, Chain& chain);
+
+// The forces and torques behind the accelerations that the chain has.
+void joint_forces(const Robot& robot, const Chain& chain, Joints& joints);
 
 // Some joints imposed (imposed[j]: joint_accel[j] = phi_j'' is input, its torque is found), the
 // others free (joints.T[j] is input). Equal accelerations of both sides of each joint and, for an

@@ -35,17 +35,11 @@ class WheelLaw {
         return direction > 0 ? c_ : direction < 0 ? c_back_ : mean_viscous();
     }
     double mean_viscous() const { return c_ == c_back_ ? c_ : 0.5 * (c_ + c_back_); }
-    double most_viscous() const { return std::max(c_, c_back_); }
     bool one_viscous() const { return c_ == c_back_; }  // the same both ways
 
     // F0 by the direction in which the wheel goes or would go, N.
     double dry(double direction) const { return direction < 0 ? f0_back_ : f0_; }
     double most_dry() const { return std::max(f0_, f0_back_); }
-
-    // N, at the speed v with the multiplier s.
-    double force(double v, double s) const { return -viscous(s) * v - (bound * s - thrust); }
-    // The dissipation at the speed v, W.
-    double dissipation(double v) const { return viscous(v) * v * v + dry(v) * std::fabs(v); }
 
     // Whether something changes when the wheel stops.
     bool has_modes() const { return bound > 0 || !one_viscous(); }
@@ -72,12 +66,6 @@ class WheelLaw {
 inline double least_dry(const Ground& g) {
     const double t = WheelLaw::along(g).least(), n = WheelLaw::across(g).least();
     return t == 0 || n == 0 ? std::max(t, n) : std::min(t, n);
-}
-
-// The largest friction on a link that slides along and across at the speed v, N.
-inline double most_friction(const Ground& g, double v) {
-    const WheelLaw t = WheelLaw::along(g), n = WheelLaw::across(g);
-    return t.most_dry() + n.most_dry() + (t.most_viscous() + n.most_viscous()) * v;
 }
 
 // No friction at all, for which momentum is conserved.

@@ -14,27 +14,31 @@ namespace {
 
 using Vector = std::vector<double>;
 constexpr double kInside = 1 - 1e-15;  // what is not at its bound
+constexpr double kRounding = 1e-13;    // of the largest number
 
 }  // namespace
 
-// Solve matrix_ x_ = right_ with a small diagonal added, and refine three times by the residual.
-// From zero this converges to the smallest solution, exact to rounding where one exists.
+// Solve matrix_ x_ = right_ with a diagonal that is a little larger, and refine three times by the
+// residual. From zero this converges to the smallest solution, exact to rounding where one exists;
+// rest_ is the residual.
 void BoxQuadratic::solve() {
     const std::size_t size = right_.size();
-    double most = 0;
-    for (std::size_t i = 0; i < size; ++i) most = std::max(most, matrix_[i * size + i]);
     factor_ = matrix_;
-    for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] += 1e-9 * most;
+    for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] *= 1 + 1e-9;
     const int rows = static_cast<int>(size);
     cholesky(factor_.data(), rows);
     x_.assign(size, 0.0);
-    for (int again = 0; again < 3; ++again) {
+    const auto residual = [&] {
         rest_ = right_;
         for (std::size_t i = 0; i < size; ++i)
             for (std::size_t j = 0; j < size; ++j) rest_[i] -= matrix_[i * size + j] * x_[j];
+    };
+    for (int again = 0; again < 3; ++again) {
+        residual();
         forward(factor_.data(), rows, rest_.data()), backward(factor_.data(), rows, rest_.data());
         for (std::size_t i = 0; i < size; ++i) x_[i] += rest_[i];
     }
+    residual();
 }
 
 void BoxQuadratic::minimise_free(const Vector& A, const Vector& b, Vector& z) {
@@ -51,6 +55,10 @@ bool BoxQuadratic::minimise(const Vector& A, const Vector& b, Vector& z) {
     const auto slope = [&](std::size_t i) {
         return std::inner_product(z.begin(), z.end(), A.begin() + static_cast<long>(i * n), b[i]);
     };
+    const auto rounding = [&](std::size_t i) {
+        return kRounding * std::sqrt(scale * A[i * n + i]);
+    };
+    const auto larger = [](double a, double b) { return std::fabs(a) < std::fabs(b); };
     free_.clear();
     for (std::size_t i = 0; i < n; ++i) {
         z[i] = std::clamp(z[i], -1.0, 1.0);
@@ -67,6 +75,15 @@ bool BoxQuadratic::minimise(const Vector& A, const Vector& b, Vector& z) {
                 matrix_[i * size + j] = A[free_[i] * n + free_[j]];
         }
         solve();
+        double out = 0;  // where no solution exists, the value falls along the residual for ever
+        for (std::size_t i = 0; i < size; ++i) {
+            out = std::max(out, std::fabs(rest_[i]) / rounding(free_[i]));
+            rest_[i] /= matrix_[i * size + i];
+        }
+        if (out > 1) {
+            const double far = 4 / std::fabs(*std::max_element(rest_.begin(), rest_.end(), larger));
+            for (std::size_t i = 0; i < size; ++i) x_[i] = z[free_[i]] + far * rest_[i];
+        }
         double part = 1;
         int stop = -1;
         for (std::size_t i = 0; i < size; ++i) {
@@ -85,10 +102,10 @@ bool BoxQuadratic::minimise(const Vector& A, const Vector& b, Vector& z) {
             continue;
         }
         int worst = -1;
-        double most = 1e-11 * scale;
+        double most = 1;
         for (std::size_t i = 0; i < n; ++i) {
             if (std::fabs(z[i]) != 1) continue;
-            const double pull = z[i] * slope(i);
+            const double pull = z[i] * slope(i) / rounding(i);
             if (pull > most) most = pull, worst = static_cast<int>(i);
         }
         if (worst < 0) return true;

@@ -1,10 +1,12 @@
 // Dense linear algebra for the few small systems of the solvers: LU with partial pivoting.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 namespace serpenoid {
 
@@ -41,6 +43,50 @@ bool solve_dense(double* A, double* b) {
     }
     return true;
 }
+
+// The same for a size that is known when it runs, factored once for any number of right sides.
+class DenseFactors {
+  public:
+    // The matrix to fill, by rows.
+    std::vector<double>& begin(int size) {
+        n_ = size, rows_.assign(size * size, 0.0), swapped_.resize(size);
+        return rows_;
+    }
+    bool factor() {
+        for (int k = 0; k < n_; ++k) {
+            int pivot = k;
+            for (int i = k + 1; i < n_; ++i)
+                if (std::fabs(at(i, k)) > std::fabs(at(pivot, k))) pivot = i;
+            swapped_[k] = pivot;
+            if (!(std::fabs(at(pivot, k)) > 0)) return false;
+            if (pivot != k) std::swap_ranges(&at(k, 0), &at(k, 0) + n_, &at(pivot, 0));
+            for (int i = k + 1; i < n_; ++i) {
+                const double f = at(i, k) /= at(k, k);
+                if (f == 0) continue;
+                double* __restrict row = &at(i, 0);
+                const double* __restrict above = &at(k, 0);
+                for (int j = k + 1; j < n_; ++j) row[j] -= f * above[j];
+            }
+        }
+        return true;
+    }
+    void solve(std::vector<double>& b) const {
+        for (int k = 0; k < n_; ++k) {
+            std::swap(b[k], b[swapped_[k]]);
+            for (int j = 0; j < k; ++j) b[k] -= rows_[k * n_ + j] * b[j];
+        }
+        for (int k = n_ - 1; k >= 0; --k) {
+            for (int j = k + 1; j < n_; ++j) b[k] -= rows_[k * n_ + j] * b[j];
+            b[k] /= rows_[k * n_ + k];
+        }
+    }
+
+  private:
+    double& at(int i, int j) { return rows_[i * n_ + j]; }
+    int n_ = 0;
+    std::vector<double> rows_;
+    std::vector<int> swapped_;
+};
 
 using Vec3 = std::array<double, 3>;
 using Mat3 = std::array<double, 9>;  // row major

@@ -156,10 +156,4 @@ bool Convex3::solve(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks
     return done;
 }
 
-bool Convex3::solve_fixed(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks) {
-    if (!factor(H) || !target(b, kinks, w_)) return false;
-    for (int a = 0; a < count_; ++a) sign_[held_[a]] = multiplier_[a] / kinks[held_[a]].mu;
-    return true;
-}
-
 }  // namespace serpenoid

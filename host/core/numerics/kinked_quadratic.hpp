@@ -30,18 +30,12 @@ class Convex3 {
   public:
     // Solve from the sets of the last call. Returns false only when rounding makes it cycle.
     bool solve(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks);
-    // Solve with the sets of the last call as they are, right or wrong: a linear system. sign() of
-    // a held kink may then leave [-1, 1]. Returns false when the held rows are dependent.
-    bool solve_fixed(const Mat3& H, const Vec3& b, const std::vector<Kink>& kinks);
 
     const Vec3& minimum() const { return w_; }
     // Multiplier over mu, in [-1, 1]: minus the dry force in units of its bound; sign where
     // sliding.
     double sign(int c) const { return sign_[c]; }
-    void set_sign(int c, double value) { sign_[c] = value; }
     bool held(int c) const { return std::find(held_, held_ + count_, c) != held_ + count_; }
-    int held_count() const { return count_; }
-    int held_kink(int a) const { return held_[a]; }
     void forget() { sign_.clear(), count_ = 0; }
 
   private:

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "numerics/dense.hpp"
 #include "numerics/gauss_rule.hpp"
 
 namespace serpenoid {
@@ -18,10 +19,11 @@ namespace serpenoid {
 template <int s>
 struct RadauRule {
     std::array<double, s> c;
-    std::array<double, s * s> a;   // a[j*s + k] = integral of the k-th Lagrange polynomial, 0..c_j
-    std::array<double, s> at0;     // those polynomials at 0
-    std::array<double, s> slope0;  // u'(0) = sum slope0_k (Y_k - y_0)
-    double bump_height;            // largest |bump|
+    std::array<double, s * s> a;  // a[j*s + k] = integral of the k-th Lagrange polynomial, 0..c_j
+    std::array<double, s * s> rate;     // u'(c_j) = sum rate_jk (Y_k - y_0): the inverse of a
+    std::array<double, s> at0;          // those polynomials at 0
+    std::array<double, s> slope0;       // u'(0) = sum slope0_k (Y_k - y_0)
+    double bump_height;                 // largest |bump|
     std::array<double, s> dense_scale;  // 1 / (c_k prod_j (c_k - c_j))
 
     static const RadauRule& get() {
@@ -66,6 +68,9 @@ struct RadauRule {
                     a[j * s + k] += c[j] * gauss.b[q] * lagrange(k, c[j] * gauss.c[q]);
             }
         }
+        auto of_rates = a;
+        for (int k = 0; k < s * s; ++k) rate[k] = k % (s + 1) == 0;
+        solve_dense<s, s>(of_rates.data(), rate.data());
         bump_height = 0;
         for (int i = 1; i < 200; ++i)
             bump_height = std::fmax(bump_height, std::fabs(bump(i / 200.0)));

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "periodic/general_cycle.hpp"
 #include "periodic/pieces/sliding_cycle.hpp"
-#include "periodic/pieces/stepped_cycle.hpp"
 #include "periodic/refinement.hpp"
 
 namespace serpenoid {
@@ -102,11 +102,11 @@ void SteadyByPieces::from_rest(CycleMap& map, FixedPoint& point, const Acceptanc
     }
 }
 
-// Steps cost much at a tight tolerance: the state is found at a wide one first.
-SteadyState SteadyByPieces::by_steps(const Acceptance& accepted,
-                                     const SteadyOptions& options) const {
+// Runs cost much at a tight tolerance: the state is found at a wide one first.
+SteadyState SteadyByPieces::by_runs(const Acceptance& accepted,
+                                    const SteadyOptions& options) const {
     constexpr Levels kLevels{1e-4, 0.03, 1e-11, 3, 0};
-    SteppedCycle map(robot_, ground_, gait_, 3'000'000 / robot_.n);  // half a second
+    GeneralCycle map(robot_, ground_, gait_, 150'000 / robot_.n);  // half a second
     FixedPoint point(map, false);
     point.z = {0, 0, map.momentum_at_rest() / map.scale()[2]};
     if (!point.follow_cycles(200, kSettled, 1e-3)) return SteadyState::unknown();
@@ -130,7 +130,7 @@ SteadyState SteadyByPieces::solve(double omega, const SteadyOptions& options) {
     promising_ = point.promising();
     remember(omega, point.z, out.converged);
     if (!out.converged) {
-        const SteadyState slow = by_steps(accepted, options);
+        const SteadyState slow = by_runs(accepted, options);
         if (slow.converged || accepted.excess(slow) <= accepted.excess(out)) out = slow;
     }
     return within_rounding(out);

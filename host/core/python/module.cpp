@@ -190,11 +190,7 @@ nb::dict run_scene(RunRequest& q, Vector start, nb::object progress) {
     return out;
 }
 
-void set_method(RunRequest& q, const std::string& name) {
-    for (const MethodKind& kind : kMethods)
-        if (kind.is(name)) return void(q.method = kind);
-    throw nb::value_error("no such method");
-}
+void set_method(RunRequest& q, const std::string& name) { q.method = method_kind(name); }
 
 nb::list method_table() {
     nb::list rows;

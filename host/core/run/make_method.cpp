@@ -10,7 +10,6 @@
 #include "methods/adaptive/mode_steps.hpp"
 #include "methods/paper_scheme.hpp"
 #include "methods/rk4.hpp"
-#include "methods/set_valued_motion.hpp"
 #include "methods/stick_slip.hpp"
 #include "methods/stiff/radau.hpp"
 
@@ -29,11 +28,8 @@ std::unique_ptr<Method> smooth(const RunRequest& q, System& system) {
 std::unique_ptr<Method> nonsmooth(const RunRequest& q, System& system) {
     if (q.formulation == Formulation::implicit)
         return std::make_unique<StickSlip>(system, q.robot, q.ground, q.dt);
-    if (in_body_frame(q)) return std::make_unique<SetValuedMotion>(q);
-    Modes* modes = system.modes();
-    if (!modes) return smooth(q, system);
-    return std::make_unique<ModeSteps>(system, *modes, error_scale(q, system), mode_tolerance(q),
-                                       1e-12 / rate_unit(q));
+    return std::make_unique<ModeSteps>(system, *system.modes(), error_scale(q, system),
+                                       mode_tolerance(q), 1e-12 / rate_unit(q));
 }
 
 }  // namespace

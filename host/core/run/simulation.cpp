@@ -44,9 +44,7 @@ class Run {
           dense_(method.dense_order() > 0),
           steps_unchecked_(std::clamp(512L / q.robot.n, 1L, 64L)),
           unchecked_(steps_unchecked_),
-          due_(recorded(1)) {
-        method_.let_through([this] { ask(method_.time()); });
-    }
+          due_(recorded(1)) {}
 
     RunResult go() {
         system_.set(start_chain(q_), y_.data());

@@ -34,7 +34,8 @@ class ExplicitAngle : public PairedSystem {
         chain.follow(robot.l);
     }
     void load(double t, const double* y) override { fill(t, y), (*chain_force)(chain); }
-    void accelerate() override { explicit_angle(robot, drive.joint_accel(), chain, joints); }
+    void accelerate() override { explicit_angle(robot, drive.joint_accel(), chain); }
+    void recover() override { joint_forces(robot, chain, joints); }
     void derivative(const double* y, double* dy) const override {
         std::copy_n(y + 3, 3, dy);
         dy[3] = chain.ax[0], dy[4] = chain.ay[0], dy[5] = chain.alpha[0];

@@ -33,8 +33,7 @@ std::unique_ptr<TorqueSource> make_torques(const RunRequest& q) {
 
 std::unique_ptr<System> make_system(const RunRequest& q) {
     const bool pinned = q.formulation == Formulation::explicit_;
-    const bool smooth = q.ground.smooth() && gear_friction(q) == 0;
-    if (pinned && q.method.makes_friction && !smooth && !in_body_frame(q)) return make_sticking(q);
+    if (pinned && q.method.makes_friction) return make_sticking(q);
     if (pinned) return make_explicit(q);
     if (!q.method.makes_friction) return make_implicit(q);
     RunRequest bare = q;  // the method itself applies the friction

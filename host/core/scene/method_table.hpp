@@ -4,6 +4,7 @@
 // not run; run/make_method.cpp has how each is made.
 #pragma once
 
+#include <stdexcept>
 #include <string_view>
 
 namespace serpenoid {
@@ -49,5 +50,11 @@ inline constexpr MethodKind kMethods[] = {
      .laws = "viscous dry",
      .makes_friction = true},
 };
+
+inline const MethodKind& method_kind(std::string_view name) {
+    for (const MethodKind& kind : kMethods)
+        if (kind.is(name)) return kind;
+    throw std::invalid_argument("no such method");
+}
 
 }  // namespace serpenoid

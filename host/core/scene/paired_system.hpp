@@ -16,14 +16,16 @@ class PairedSystem : public System {
     PairedSystem(System& around, int links) : System(around), driven(links - 1), half(0) {}
     int dim() const override { return 2 * half; }
 
-    // forces() in two parts. load: fill the chain, the ground's forces and the driving torques.
-    // accelerate: accelerations and joint forces from the forces in the chain.
+    // forces() in three parts. load: fill the chain, the ground's forces and the driving torques.
+    // accelerate: accelerations from the forces in the chain. recover: the joint forces, where
+    // these accelerations did not take them.
     virtual void load(double t, const double* y) = 0;
     virtual void accelerate() = 0;
+    virtual void recover() {}
     std::vector<double> driven;  // driving torques of the free joints, by load()
     std::vector<double> rotor_rate,
         rotor_accel;  // with play, else empty; they have gears' friction
-    void forces(double t, const double* y) final { load(t, y), accelerate(); }
+    void forces(double t, const double* y) final { load(t, y), accelerate(), recover(); }
     // dy/dt by the accelerations that stand in the chain.
     virtual void derivative(const double* y, double* dy) const = 0;
 

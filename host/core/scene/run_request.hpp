@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -62,13 +63,7 @@ inline double mode_tolerance(const RunRequest& q) {
     if (q.drive != Drive::angle) return q.tolerance;
     const double n = q.robot.n;
     const double rounding = 1e-13 * std::max(1.0, n * n * n / 27);
-    return std::max(q.tolerance / 300, std::min(q.tolerance, rounding));
-}
-
-// Whether sticking can be followed in the body frame, three unknowns (body/sticking_motion.hpp).
-inline bool in_body_frame(const RunRequest& q) {
-    const bool straight = q.gait.alpha == 0 && q.gait.offset == 0;
-    return q.drive == Drive::angle && q.faults.empty() && !q.record_energy && !straight;
+    return std::max(q.tolerance / 300, std::min(q.tolerance, std::sqrt(q.tolerance * rounding)));
 }
 
 // The fields that a Scene of Python has as plain numbers, under its names: handed over as they are.

@@ -12,7 +12,8 @@ namespace {
 constexpr double kOverBound =
     1e-6;  // of its bound: by how much the force exceeds it at the end of rest
 constexpr double kBackwards = 0.1;  // of at_rest: backward speed of a wheel at the end of its slide
-constexpr double kCreep = 100;      // times at_rest: largest speed of a wheel that rests
+constexpr double kRounding = 1e-12;  // of its bound, in the sum of all forces on a contact
+constexpr double kCreep = 100;       // times at_rest: largest speed of a wheel that rests
 constexpr double kOvershot = 1e3;  // times at_rest: largest speed of a wheel just after it reversed
 }  // namespace
 
@@ -120,12 +121,18 @@ void StickingSystem::hold(const std::vector<int>& which) {
     inner_->accelerate();
 }
 
-void StickingSystem::forces(double t, const double* y) {
+// What the forces on all that rests are, as parts of their bounds.
+void StickingSystem::find_shares(double t, const double* y) {
     slide(t, y);
     if (resting_.empty()) return;
     respond(resting_);
     box_.minimise_free(response_, pull_, share_);
-    hold(resting_);
+}
+
+void StickingSystem::forces(double t, const double* y) {
+    find_shares(t, y);
+    if (!resting_.empty()) hold(resting_);
+    inner_->recover();
 }
 
 // Impulses that leave no speed: the response to a force for a second is that to its impulse.
@@ -153,6 +160,7 @@ void StickingSystem::find(double t, double* y) {
     inner_->fill(t, y);
     std::vector<int> slow;
     std::vector<double> share;
+    std::vector<int> went;  // which way before
     for (std::size_t w = 0; w < contacts_.size(); ++w) {
         const double v = speed(contacts_[w]);
         const bool rested = contacts_[w].sign == 0 && known_;
@@ -162,6 +170,7 @@ void StickingSystem::find(double t, double* y) {
         if (contacts_[w].dry > 0 && (rested || std::fabs(v) <= slowly)) {
             slow.push_back(static_cast<int>(w));
             share.push_back(rested ? contacts_[w].share : -contacts_[w].sign);
+            went.push_back(known_ ? contacts_[w].sign : 0);
             contacts_[w].sign = 0;
         } else {
             contacts_[w].sign = v > 0 || (v == 0 && contacts_[w].sign >= 0) ? 1 : -1;
@@ -180,7 +189,8 @@ void StickingSystem::find(double t, double* y) {
     for (std::size_t i = 0; i < slow.size(); ++i) {
         Contact& w = contacts_[slow[i]];
         w.share = share[i];
-        if (std::fabs(share[i]) == 1) {
+        const bool stopped = share[i] == -went[i];  // errors would let it go on for a moment
+        if (std::fabs(share[i]) == 1 && !(stopped && excess(share, i) <= 1e-10)) {
             w.sign = share[i] > 0 ? -1 : 1;
             // impulses cannot take the speed of more contacts than there are freedoms
             w.wrong = std::max(0.0, -w.sign * speed(w));
@@ -190,18 +200,44 @@ void StickingSystem::find(double t, double* y) {
     }
 }
 
+// By how much of its bound the force on a contact would have to be larger for the contact to rest;
+// respond() has been called.
+double StickingSystem::excess(const std::vector<double>& share, std::size_t i) const {
+    const std::size_t k = share.size();
+    double pull = pull_[i];
+    for (std::size_t j = 0; j < k; ++j) pull += response_[i * k + j] * share[j];
+    return std::fabs(pull) / response_[i * k + i];
+}
+
 void StickingSystem::margins(double t, const double* y, std::vector<double>& margin) {
-    forces(t, y);
+    resting_.empty() ? inner_->fill(t, y) : find_shares(t, y);
     margin.assign(contacts_.size(), 0.0);
     for (std::size_t w = 0; w < contacts_.size(); ++w)
         if (contacts_[w].sign != 0)
             margin[w] = 1 + (contacts_[w].sign * speed(contacts_[w]) + contacts_[w].wrong) /
                                 (kBackwards * at_rest_);
-    for (std::size_t i = 0; i < resting_.size(); ++i) {
-        contacts_[resting_[i]].share = share_[i];
-        margin[resting_[i]] =
-            1 + contacts_[resting_[i]].grip * (1 - std::fabs(share_[i])) / kOverBound;
+    const std::vector<int>& rest = resting_;
+    if (rest.empty()) return;
+    const bool held = others_hold();
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        Contact& w = contacts_[rest[i]];
+        w.share = share_[i];
+        margin[rest[i]] = 1 + (held ? 0 : w.grip * (1 - std::fabs(share_[i])) / kOverBound);
     }
+}
+
+// Whether forces within the bounds hold all that rests, though the smallest ones do not: where more
+// hold than are needed, others take what one of them cannot.
+bool StickingSystem::others_hold() {
+    const auto beyond = [](double z) { return std::fabs(z) > 1; };
+    const std::size_t k = resting_.size();
+    if (std::none_of(share_.begin(), share_.begin() + static_cast<long>(k), beyond)) return false;
+    std::vector<double> within = share_;
+    box_.minimise(response_, pull_, within);
+    for (std::size_t i = 0; i < k; ++i)
+        if (excess(within, i) > kRounding) return false;
+    share_ = within;
+    return true;
 }
 
 bool StickingSystem::creeps(double t, const double* y) {

@@ -68,10 +68,13 @@ class StickingSystem final : public System, public Modes {
     double acceleration(const Contact& w) const;
     void push(const Contact& w, double part);
     void release();
+    void find_shares(double t, const double* y);
     void slide(double t, const double* y);
     void add_ratchet(const Contact& w);
     void respond(const std::vector<int>& which);
     void hold(const std::vector<int>& which);
+    bool others_hold();
+    double excess(const std::vector<double>& share, std::size_t i) const;
     void put_to_rest(const std::vector<int>& which, double* y);
 
     std::unique_ptr<PairedSystem> inner_;

@@ -61,9 +61,7 @@ std::vector<double> periodic_start(const SweepShape& s, const Vec3& u) {
 RunRequest one_period(const SweepShape& s, int frames) {
     RunRequest q;
     q.robot = s.robot, q.ground = s.ground, q.gait = s.gait;
-    const char* name = s.ground.smooth() ? "dop853" : "nonsmooth";
-    for (const MethodKind& kind : kMethods)
-        if (kind.is(name)) q.method = kind;
+    q.method = method_kind(s.ground.smooth() ? "dop853" : "nonsmooth");
     q.duration = 2 * std::numbers::pi / s.gait.omega;
     q.dt = q.duration / frames, q.steps = frames, q.most_steps = 100000;
     q.tolerance = kMotionTolerance;

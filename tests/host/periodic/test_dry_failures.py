@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -106,21 +105,14 @@ def test_three_wheels_stuck_at_once(case: tuple, rtol: float) -> None:
     assert s.error_estimate <= rtol
 
 
-def test_the_best_answer_is_a_state_with_the_errors_of_its_own_level() -> None:
-    """Ten times 1e-7 of the powers is beyond these chattering wheels; speed and loss are known."""
+def test_chattering_wheels_are_known_to_1e_7() -> None:
+    """Smooth pieces break off at them: runs in time find the state, and keep their claims."""
     robot = sn.Robot(5, 0.7749911850922024, 0.040554207359343626)
     ground = sn.Ground(1.8010825256861138, 68.02709323785253, 4.3835170410651525, 11.40519629403444)
     gait = sn.Gait(1.2017761281416313, 1.6731097946154556, 14.705229722525305)
-    with pytest.raises(sn.NotConverged) as error:
-        sn.steady_gait(robot, ground, gait, rtol=1e-7)
-    best = error.value.best
-    assert isinstance(best, sn.Steady)
-    assert best.speed_m_s == pytest.approx(0.184637541, rel=best.error_estimate + 3e-9)
-    assert 0 < best.error_estimate < 1e-6
-    assert best.positive_power_w == pytest.approx(8.61887095, abs=best.positive_power_error_w)
-    assert 1e-5 < best.positive_power_error_w < 1e-3
-    unknown = r", its powers one of (0\.000[1-9]|[1-9]e-05) W \("  # not its speed
-    assert re.search(unknown, str(error.value))
+    s = sn.steady_gait(robot, ground, gait, rtol=1e-7)
+    assert s.speed_m_s == pytest.approx(0.184637541, rel=s.error_estimate + 3e-9)
+    assert s.positive_power_w == pytest.approx(8.61887095, abs=s.positive_power_error_w)
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.3])

@@ -102,8 +102,8 @@ bool Dop853::stiff(double h) {
         const double dk = k(kStages)[i] - k(kStages - 1)[i], dy = y_[i] - z_[i];
         rates += dk * dk * weight_[i] * weight_[i], states += dy * dy * weight_[i] * weight_[i];
     }
-    const bool edge = states > 0 && h * std::sqrt(rates / states) > 6.1;
-    stiff_steps_ = edge ? stiff_steps_ + 1 : 0;
+    decay_ = states > 0 ? h * std::sqrt(rates / states) : 0;
+    stiff_steps_ = decay_ > 6.1 ? stiff_steps_ + 1 : 0;
     return stiff_steps_ >= 15;
 }
 

@@ -34,6 +34,8 @@ class Dop853 final : public Method {
     int dense_order() const override { return 7; }
     void dense(double t, double* y) const override;
     double local_error() const override { return error_ * tolerance_; }
+    double next_step() const { return h_next_; }
+    double decay() const { return decay_; }  // h |lambda| of the last step
 
   private:
     static constexpr double kMostStiff = 2e6;
@@ -53,7 +55,7 @@ class Dop853 final : public Method {
     int dim_;
     double tolerance_;
     std::vector<double> weight_;  // 1 / (scale tolerance)
-    double t_ = 0, t_old_ = 0, h_ = 0, h_next_ = 0, error_ = 0, error_old_ = 1;
+    double t_ = 0, t_old_ = 0, h_ = 0, h_next_ = 0, error_ = 0, error_old_ = 1, decay_ = 0;
     int stiff_steps_ = 0;
     std::vector<double> y_, y_old_;
     // dense output completes the stages of a step that is otherwise over

@@ -10,7 +10,9 @@ namespace serpenoid {
 ModeSteps::ModeSteps(System& system, Modes& modes, const std::vector<double>& scale,
                      double tolerance, double shortest)
     : modes_(modes),
-      smooth_(system, scale, tolerance),
+      explicit_(system, scale, tolerance),
+      stiff_(system, scale, tolerance),
+      pays_(std::min(6.0, 0.07 * stiff_.unknowns() * stiff_.unknowns())),
       shortest_(shortest),
       y_(system.dim()),
       look_(system.dim()) {}
@@ -18,12 +20,12 @@ ModeSteps::ModeSteps(System& system, Modes& modes, const std::vector<double>& sc
 void ModeSteps::restart(double t, const double* y) {
     std::copy_n(y, y_.size(), y_.begin());
     modes_.find(t, y_.data());
-    smooth_.restart(t, y_.data());
-    t_ = t, ends_ = false;
+    smooth_->restart(t, y_.data());
+    t_ = t, ends_ = margins_known_ = false;
 }
 
 const std::vector<double>& ModeSteps::margins(double t) {
-    smooth_.dense(t, look_.data());
+    smooth_->dense(t, look_.data());
     modes_.margins(t, look_.data(), margin_);
     return margin_;
 }
@@ -57,7 +59,8 @@ double ModeSteps::end_of_mode(double from, double to) {
 
 // Look at a step for the first end of a mode; if there is one, t_ is set to it.
 bool ModeSteps::ends_between(double from, double to) {
-    before_ = margins(from);
+    if (!margins_known_) before_ = margins(from);
+    margins_known_ = true;
     for (int k = 1; k <= kLooks; ++k) {
         const double at = k == kLooks ? to : from + (to - from) * k / kLooks;
         after_ = margins(at);
@@ -70,31 +73,50 @@ bool ModeSteps::ends_between(double from, double to) {
     return false;
 }
 
+// From the start of the next mode, in steps as long as the last ones would have been.
+void ModeSteps::go_on() {
+    if (smooth_ == &stiff_)
+        stiff_.begin(t_, y_.data(), stiff_.next_step());
+    else
+        explicit_.go_on(t_, y_.data());
+}
+
+// After explicit steps that had to follow fast decays more often than not, the run goes on in
+// implicit ones.
+void ModeSteps::look_for_stiffness() {
+    if (smooth_ == &stiff_) return;
+    stiff_steps_ = std::max(0, stiff_steps_ + (explicit_.decay() > pays_ ? 1 : -1));
+    if (stiff_steps_ < kStiffSteps) return;
+    stiff_.begin(t_, y_.data(), explicit_.next_step());
+    smooth_ = &stiff_;
+}
+
 StepOutcome ModeSteps::step(double t_limit) {
-    if (let_through_) let_through_();
+    look_for_stiffness();
     if (ends_) {
         at_once_ = t_ - ended_ > kNothing * shortest_ ? 0 : at_once_ + 1;
         if (at_once_ > kMostAtOnce)
             return {false, "the wheels stick and slip too often to be followed"};
         ended_ = t_;
         modes_.find(t_, y_.data());
-        smooth_.go_on(t_, y_.data());
+        margins_known_ = false;
+        go_on();
     }
     const double from = t_;
-    const StepOutcome out = smooth_.step(t_limit);
+    const StepOutcome out = smooth_->step(t_limit);
     if (!out.ok) return out;
-    ends_ = ends_between(from, smooth_.time());
-    if (!ends_) t_ = smooth_.time();
+    ends_ = ends_between(from, smooth_->time());
+    if (!ends_) t_ = smooth_->time();
     dense(t_, y_.data());
     if (!ends_) ends_ = modes_.creeps(t_, y_.data());
     return out;
 }
 
 void ModeSteps::dense(double t, double* y) const {
-    if (t >= smooth_.time())
-        std::copy_n(smooth_.state(), y_.size(), y);
+    if (t >= smooth_->time())
+        std::copy_n(smooth_->state(), y_.size(), y);
     else
-        smooth_.dense(t, y);
+        smooth_->dense(t, y);
 }
 
 }  // namespace serpenoid

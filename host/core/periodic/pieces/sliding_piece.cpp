@@ -12,18 +12,6 @@ constexpr int s = SlidingPiece::kStages;
 constexpr double kBend = 10;       // times the curvature that Newton's last two steps show
 constexpr double kBetween = 0.73;  // fraction of a piece that is farthest from its stages
 
-// Rate of the polynomial at stage j, times h: sum_k of this times (Y_k - p0). Inverse of a.
-const std::array<double, s * s>& differentiation() {
-    static const std::array<double, s * s> D = [] {
-        auto A = SlidingPiece::Rule::get().a;
-        std::array<double, s * s> I{};
-        for (int k = 0; k < s; ++k) I[k * s + k] = 1;
-        solve_dense<s, s>(A.data(), I.data());
-        return I;
-    }();
-    return D;
-}
-
 double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 Vec3 cross(const Vec3& a, const Vec3& b) {
@@ -118,7 +106,7 @@ std::array<Vec3, 3> SlidingPiece::split(int j, int& constraints) const {
 
 // h times the rate of the polynomial at stage j.
 Vec3 SlidingPiece::stage_rate(int j) const {
-    const auto& D = differentiation();
+    const auto& D = SlidingPiece::Rule::get().rate;
     Vec3 r{};
     for (int k = 0; k < s; ++k)
         for (int i = 0; i < 3; ++i) r[i] += D[j * s + k] * (Y_[k][i] - p0_[i]);
@@ -127,7 +115,7 @@ Vec3 SlidingPiece::stage_rate(int j) const {
 
 // One step of Newton's method, and the derivative by p0.
 bool SlidingPiece::step() {
-    const auto& diff = differentiation();
+    const auto& diff = SlidingPiece::Rule::get().rate;
     std::array<double, N * N> matrix{};
     std::array<double, N * 4> change;
     for (int j = 0; j < s; ++j) {
