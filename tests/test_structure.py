@@ -52,7 +52,7 @@ NARROW = {
 # Libraries that are slow or optional: name -> the rooms that may import them.
 LIBRARIES = {
     "matplotlib": ("show", "bench", "commands"),
-    "rich": ("show", "bench", "commands"),
+    "rich": ("model", "show", "bench", "commands"),
     "cv2": ("video",),
     "av": ("video",),
 }

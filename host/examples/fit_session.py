@@ -8,7 +8,6 @@ here = Path(__file__).resolve().parent
 places = [here / "calibration_data", here.parents[1] / "calibration_data"]
 session = sn.load_session(next(p for p in places if p.exists()) / "nirakh-2005")
 fit = sn.fit_friction(session)
-for row in fit.rows():
-    print(f"{row.name}: {row.value:.4g} {row.unit} ({row.low:.3g} to {row.high:.3g})")
+print(fit)
 s = sn.steady_gait(session.setup.robot, fit.ground, sn.Gait(1.22, 1.31, 5.0))
 print(f"predicted speed: {s.speed_m_s:.4f} m/s")

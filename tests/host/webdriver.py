@@ -1,24 +1,18 @@
-"""A real browser that stays open: headless Chromium through chromedriver, spoken to over HTTP."""
+"""A real browser that stays open: headless Chromium, by Selenium."""
 
 from __future__ import annotations
 
-import base64
-import json
 import os
-import re
 import shutil
-import subprocess
-import time
-import urllib.error
-import urllib.request
-from contextlib import suppress
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
 from robot.patience import LONG_S
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.wait import WebDriverWait
 
-ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # W3C WebDriver, section 11
 FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
 
 
@@ -42,86 +36,49 @@ class Browser:
         paper: bool = False,
         still: bool = False,
     ):
-        self._chromium, self._driver = programs()
-        self._size = width, height
-        self._dark, self._paper, self._still = dark, paper, still
-
-    def __enter__(self) -> Browser:
-        port = next(filter(None, (self._start() for _ in range(5))), None)
-        assert port, "chromedriver does not start"
-        self._base = f"http://127.0.0.1:{port}/session"
-        flags = [*FLAGS, "--window-size={},{}".format(*self._size)]
-        if self._dark:
-            flags.append("--force-dark-mode")
-        options = {"binary": self._chromium, "args": flags}
-        wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
-        self._base += "/" + self._begin(wanted)
+        chromium, driver = programs()
+        options = webdriver.ChromeOptions()
+        options.binary_location = chromium
+        for flag in [*FLAGS, f"--window-size={width},{height}"]:
+            options.add_argument(flag)
+        self._window = webdriver.Chrome(options, webdriver.ChromeService(driver))
         metrics = {
-            "width": self._size[0],
-            "height": self._size[1],
+            "width": width,
+            "height": height,
             "deviceScaleFactor": 1,
-            "mobile": self._size[0] < 500 or self._paper,
+            "mobile": width < 500 or paper,
         }
         self._devtools("Emulation.setDeviceMetricsOverride", metrics)
-        features = [{"name": "prefers-color-scheme", "value": "dark" if self._dark else "light"}]
-        if self._still:
+        features = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
+        if still:
             features.append({"name": "prefers-reduced-motion", "value": "reduce"})
-        media = {"media": "print" if self._paper else "screen", "features": features}
+        media = {"media": "print" if paper else "screen", "features": features}
         self._devtools("Emulation.setEmulatedMedia", media)
+
+    def __enter__(self) -> Browser:
         return self
 
-    def _start(self) -> int | None:
-        """Start chromedriver; return its port, None where it ended: another took its port."""
-        self._process = subprocess.Popen(
-            [self._driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-        )
-        for line in self._process.stdout:
-            if found := re.search(r"started successfully on port (\d+)", line):
-                return int(found[1])
-        self._process.wait(LONG_S)
-        self._process.stdout.close()
-        return None
-
     def __exit__(self, *_: object) -> None:
-        try:
-            self._ask("", method="DELETE")
-        finally:
-            self._process.terminate()
-            self._process.wait(LONG_S)
-            self._process.stdout.close()
-
-    def _begin(self, wanted: dict) -> str:
-        """Return a session's name; a busy machine may be too slow for chromedriver at first."""
-        for _ in range(2):
-            with suppress(urllib.error.HTTPError):
-                return self._ask("", wanted)["sessionId"]
-        return self._ask("", wanted)["sessionId"]
+        self._window.quit()
 
     def opens(self, url: str) -> None:
-        self._ask("/url", {"url": url})
+        self._window.get(url)
 
     def runs(self, script: str):
         """Return what a script's `return` gives."""
-        return self._ask("/execute/sync", {"script": script, "args": []})
+        return self._window.execute_script(script)
 
     def text(self, selector: str) -> str:
         return self.runs(f"return document.querySelector({selector!r}).textContent")
 
     def sees(self, selector: str, text: str) -> None:
-        end = time.monotonic() + LONG_S
-        while text not in (found := self.text(selector)):
-            assert time.monotonic() < end, f"{selector} shows {found!r}, not {text!r}"
-            time.sleep(0.02)
+        self._waits(lambda _: text in self.text(selector), f"{selector} never shows {text!r}")
 
     def waits_for(self, condition: str) -> None:
-        end = time.monotonic() + LONG_S
-        while not self.runs(f"return {condition}"):
-            assert time.monotonic() < end, f"never: {condition}"
-            time.sleep(0.02)
+        self._waits(lambda _: self.runs(f"return {condition}"), f"never: {condition}")
 
     def clicks(self, selector: str) -> None:
-        found = self._ask("/element", {"using": "css selector", "value": selector})
-        self._ask(f"/element/{found[ELEMENT]}/click", {})
+        self._window.find_element(By.CSS_SELECTOR, selector).click()
 
     def presses(self, key: str, code: int) -> None:
         """Press and release one key, by its name and its virtual key code."""
@@ -148,13 +105,10 @@ class Browser:
         )
 
     def picture(self, path: Path) -> None:
-        path.write_bytes(base64.b64decode(self._ask("/screenshot")))
+        self._window.save_screenshot(path)
+
+    def _waits(self, seen, never: str) -> None:
+        WebDriverWait(self._window, LONG_S, 0.02).until(seen, never)
 
     def _devtools(self, command: str, parameters: dict) -> None:
-        self._ask("/goog/cdp/execute", {"cmd": command, "params": parameters})
-
-    def _ask(self, path: str, body: dict | None = None, method: str | None = None):
-        data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self._base + path, data, method=method)
-        with urllib.request.urlopen(request, timeout=5 * LONG_S) as answer:
-            return json.loads(answer.read())["value"]
+        self._window.execute_cdp_cmd(command, parameters)

@@ -13,6 +13,7 @@ from ..model.checks import check_kind, check_number
 from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
+from ..model.rows import Result, Row, detail
 from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
@@ -63,7 +64,7 @@ class ComparedGait:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Comparison(Result):
     """Hold the predicted and the measured speeds of a session, and the verdict.
 
     Attributes
@@ -115,6 +116,28 @@ class Comparison:
     servo: str | None = None
     p_servos: float | None = None
     fit_alarms: tuple[str, ...] = ()
+
+    def in_words(self) -> str:
+        """Return the verdict."""
+        return self.verdict_text
+
+    def rows(self) -> list[Row]:
+        """Return the speeds of each gait: ideal joints, with joints and servos, measured."""
+        servos = "" if self.servo is None else f" and servos ({self.servo})"
+        rows = []
+        for p in self.gaits:
+            alpha, beta = math.degrees(p.alpha_rad), math.degrees(p.beta_rad)
+            gait = f"{alpha:.3g}°/{beta:.3g}°, {p.frequency_hz:.3g} Hz: "
+            implicit = math.nan if p.implicit_m_s is None else p.implicit_m_s
+            band = p.low_all_m_s, p.high_all_m_s
+            rows += [
+                Row(f"{gait}ideal joints", "m/s", p.exact_m_s, p.low_m_s, p.high_m_s),
+                detail(f"{gait}implicit model", "m/s", implicit),
+                Row(f"{gait}with joints{servos}", "m/s", math.nan, *band),
+            ]
+            if p.measured_m_s is not None and p.sigma_m_s is not None:
+                rows.append(Row(f"{gait}measured", "m/s", p.measured_m_s, sigma=p.sigma_m_s))
+        return rows
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""

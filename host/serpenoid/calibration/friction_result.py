@@ -14,6 +14,7 @@ from ..model.checks import check_number
 from ..model.drives import Servo, ServoKind
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result, Row, ranged
 from .fitting.shared import FRICTIONS
 from .fitting.suspects import Influence
 from .session import Session, belt_checks
@@ -93,22 +94,6 @@ def narrowest(drawn: Floats, weight: Floats, value: float) -> tuple[float, float
     return max(min(low, value), 0.0), max(float(last[best]), value)
 
 
-class TableRow(NamedTuple):
-    """One line of a table of results; low and high bound the 95 % interval."""
-
-    name: str
-    unit: str
-    value: float
-    sigma: float
-    low: float
-    high: float
-
-    @property
-    def interval(self) -> str:
-        """Return the interval in words; one that begins at 0 has only an upper end."""
-        return f"{self.low:.3g} to {self.high:.3g}" if self.low else f"below {self.high:.3g}"
-
-
 @dataclass(frozen=True, eq=False)
 class FitDraws:
     """Draws of what a fit tells, each as likely as any other.
@@ -158,7 +143,7 @@ class FittedServos:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FrictionFit:
+class FrictionFit(Result):
     """Hold the friction fitted to one session; print() gives a report of it.
 
     Attributes
@@ -342,13 +327,23 @@ class FrictionFit:
         values = ", ".join(f"{r.name} {r.value:.4g} ± {r.sigma:.2g} {r.unit}" for r in self.rows())
         return f"<FrictionFit {self.session_name!r}, {self.method}: {values}>"
 
+    def in_words(self) -> str:
+        """Return along and across the snake what resists, each with its 95 % interval."""
+        ct, cn, ft0, fn0 = (ranged(r.value, r.unit, r.low, r.high) for r in self.rows()[:4])
+        return f"Along, the snake resists with {ft0} and {ct}; across, with {fn0} and {cn}."
+
+    @property
+    def remarks(self) -> list[str]:
+        """Return friction of one link, whether the readings agree, and the notes."""
+        links = self.robot.links
+        parts = [f"{r.name} {r.value / links:.4g} {r.unit}" for r in self.rows()]
+        each = ", ".join(parts).replace(WHOLE, "")
+        notes = [f"note: {note}" for note in self.notes]
+        agree = f"{self.session_name}, {self.method} fit: {self.chi2_in_words}"
+        return [f"each of {links} links: {each}", agree, *notes]
+
     def __str__(self) -> str:
-        rows = [
-            f"  {r.name:14} {r.value:8.4g} ± {r.sigma:<7.2g} {r.unit:6} {r.interval} ({LEVEL:.0%})"
-            for r in self.rows()
-        ]
-        head = f"friction of {self.session_name!r}, {self.method} fit, {self.robot.links} links"
-        return "\n".join([head, *rows, self.chi2_in_words, *(f"note: {n}" for n in self.notes)])
+        return "\n".join([super().__str__(), *self.remarks])
 
     @property
     def chi2_in_words(self) -> str:
@@ -363,11 +358,13 @@ class FrictionFit:
 
         return float(chdtrc(self.dof, self.chi2)) if self.dof > 0 else None
 
-    def rows(self) -> list[TableRow]:
+    def rows(self) -> list[Row]:
         """Return a table's lines, one a parameter of the whole snake."""
+        ends = self.intervals
         return [
-            TableRow(name + WHOLE, UNITS[name], *self.parameters[name], *self.intervals[name])
+            Row(name + WHOLE, UNITS[name], part.value, *ends[name], part.sigma)
             for name in self.names
+            for part in (self.parameters[name],)
         ]
 
     def to_dict(self) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from ..model.checks import check_number
+from ..model.checks import FORMULATIONS, check_number
 from ..show.screen import say
 from .given import ALARMS, take_fit
 
@@ -28,6 +28,36 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON.")
 
+
+def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
+    """Return one decorator that adds options to a command in the order given."""
+
+    def add(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return add
+
+
+def _kept(context: click.Context, option: click.Parameter, value: Any) -> None:
+    """Keep an option for what asks for it much later, so that no command has to hand it on."""
+    context.meta[f"serpenoid.{option.name}"] = value
+
+
+# Of a command that answers with tables.
+AS_TABLES = stacked(
+    [
+        click.option(
+            "--verbose",
+            is_flag=True,
+            callback=_kept,
+            expose_value=False,
+            help="Print errors, margins and other powers, too.",
+        ),
+        AS_JSON,
+    ]
+)
 
 # Per link: mass kg, full length m, then friction ct, cn (N s/m), ft0, fn0 (N).
 PRESETS = {
@@ -55,17 +85,22 @@ BOTH_WAYS = click.types.FuncParamType(both_ways)
 BOTH_WAYS.name = "N[,N]"  # as help has it
 
 
-def stacked(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
-    """Return one decorator that adds options to a command in the order given."""
-
-    def add(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return add
-
-
+listed_gaits = click.option(
+    "--gait",
+    "gaits",
+    nargs=3,
+    type=float,
+    multiple=True,
+    metavar="ALPHA_DEG BETA_DEG HZ",
+    help="A gait to predict, beside the session's.",
+)
+formulation_option = click.option(
+    "--formulation",
+    type=click.Choice(FORMULATIONS),
+    default="explicit",
+    show_default=True,
+    help="Exact model, or the paper's springs.",
+)
 fit_options = stacked(
     [
         click.option(
@@ -128,11 +163,6 @@ gait_options = stacked(
 )
 
 
-def _kept(context: click.Context, option: click.Parameter, value: float | None) -> None:
-    """Keep what take_servo asks for, so that no command has to hand it on."""
-    context.meta[f"serpenoid.{option.name}"] = value
-
-
 plug_options = stacked(
     [
         click.option(
@@ -181,10 +211,21 @@ def take_servo(name: str | None, default: str = IDEAL) -> ServoKind | None:
     return kind if frame_ms is None else kind.at_frames(frame_ms / 1e3)
 
 
-def _take(given: dict[str, Any], options: Sequence[str]) -> dict[str, Any]:
+def take(given: dict[str, Any], options: Sequence[str]) -> dict[str, Any]:
     """Take the options that were given out of `given`."""
     taken = {option: given.pop(option) for option in options}
     return {option: value for option, value in taken.items() if value is not None}
+
+
+def as_radians(most_deg: float, open_low: bool = True) -> Callable[..., float | None]:
+    """Return a callback that takes an option's degrees, above 0, as radians; inf: no limit."""
+
+    def callback(_ctx: click.Context, option: click.Parameter, degrees: float | None) -> Any:
+        if degrees is None or degrees == most_deg == math.inf:
+            return degrees
+        return math.radians(check_number(option.opts[0], degrees, 0.0, most_deg, open_low=open_low))
+
+    return callback
 
 
 def preset_robot(name: str) -> tuple[Robot, Ground]:
@@ -218,10 +259,10 @@ def robot_with_fit(
     if preset is not None or base is None:
         base = preset_robot(preset or "2005")
     robot, ground = base
-    changes = _take(given, ROBOT)
+    changes = take(given, ROBOT)
     if robot == Robot(robot.links, robot.link_mass_kg, robot.link_length_m):
         changes.setdefault("link_inertia_kg_m2", None)  # a uniform rod stays one
-    return replace(robot, **changes), replace(ground, **_take(given, GROUND))
+    return replace(robot, **changes), replace(ground, **take(given, GROUND))
 
 
 def radians(name: str, degrees: float) -> float:
@@ -234,10 +275,10 @@ def make_gait(given: dict[str, Any], base: Gait | None = None) -> Gait:
     from ..model.gait import Gait
 
     _doubt_gait(given)
-    degrees = _take(given, [f"{name}_deg" for name in _DEGREES])
+    degrees = take(given, [f"{name}_deg" for name in _DEGREES])
     names = [option.removesuffix("_deg") for option in degrees]
     changes: dict[str, Any] = {f"{n}_rad": radians(n, degrees[f"{n}_deg"]) for n in names}
-    rates = _take(given, ("omega_rad_s", "frequency_hz"))
+    rates = take(given, ("omega_rad_s", "frequency_hz"))
     if len(rates) > 1 or not (rates or base):
         raise click.UsageError("give one of --omega-rad-s and --frequency-hz")
     if "frequency_hz" in rates:
@@ -322,6 +363,16 @@ def describe(gait: Gait) -> dict[str, Any]:
     } | ({"joint_gain": list(gait.joint_gain)} if gait.joint_gain else {})
 
 
+def tell(found: Any, as_json: bool) -> None:
+    """Print a result: as JSON, or what a builder asks and then its table."""
+    from ..show import report
+
+    if as_json:
+        return show_json(found.to_dict())
+    report.answer(found.in_words())
+    return report.show(found)
+
+
 def finite(values: Any) -> Any:
     """Return plain values with everything that is not finite as None, for strict JSON."""
     if isinstance(values, dict):
@@ -344,8 +395,7 @@ _TYPED = {
     "speed_m_s": "--speed-m-s",
     "joint_stiffness_n_m": "--stiffness-n-m",
     "joint_damping_n_s_m": "--damping-n-s-m",
-    "amplitude": "--amplitude-sigma",
-    "common_amplitude": "--common-amplitude-sigma",
+    "amplitude_sigma": "--amplitude-sigma",
 }
 
 

@@ -14,7 +14,7 @@ from ..model.checks import DRIVES, FORMULATIONS, GAPS, STARTS, check_number
 from ..show.screen import say
 from ..simulation.methods import METHODS
 from .options import (
-    AS_JSON,
+    AS_TABLES,
     describe,
     gait_options,
     interruptible,
@@ -162,7 +162,7 @@ _ANGLES = {"incline_deg": (0.0, 90.0), "incline_direction_deg": (-360.0, 360.0)}
     type=out_file(*FIGURES),
     help="PNG, PDF or SVG of path, speed and energy if recorded.",
 )
-@AS_JSON
+@AS_TABLES
 def simulate(
     scene_path: Path | None,
     saved_path: Path | None,
@@ -175,6 +175,7 @@ def simulate(
 ) -> None:
     """Follow one scene in time: a scene file, options, or a file with options over it."""
     from ..show import report, run_report
+    from ..show.progress import working
     from ..simulation.scene_file import load_scene, save_scene
 
     names = options_of(click.get_current_context().command)
@@ -187,13 +188,14 @@ def simulate(
         report.wrote(saved_path)
     run = _watched(scene, accuracy, keep)
     if out is not None:
-        run_report.write_run(run, out)
+        run.to_csv(out)
+        report.wrote(out)
     if figure is not None:
         from ..show.run_figure import draw_run
 
         draw_run(run, figure)
         report.wrote(figure)
-    with report.busy("estimating the error"):
+    with working("estimating the error"):
         summary = interruptible(lambda: run_report.run_summary(run, not no_error))
     if as_json:
         show_json({"gait": describe(scene.gait)} | summary)
@@ -269,10 +271,10 @@ def _servo(fields: dict[str, float], base: Servo | None) -> Servo:
 
 def _watched(scene: Scene, accuracy: float | None, keep: list[str]) -> Run:
     """Run a scene, telling on a terminal how far it is."""
-    from ..show import report
+    from ..show.progress import progress
     from ..simulation.simulate import simulate as run_scene
 
-    with report.simulated_time(scene.duration_s, "simulating") as tell:
+    with progress(scene.duration_s, "s simulated", so_far=True) as tell:
         try:
             return interruptible(lambda: run_scene(scene, tell, accuracy=accuracy, keep=keep))
         except KeyboardInterrupt:

@@ -20,6 +20,7 @@ from ..model.errors import NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result, Row, detail, two_digits
 from ..periodic.steady import Steady, check_ground, state_near, steady_gait
 from ..simulation.steady_springs import steady_springs
 from .limits import LIMIT_NAMES, GaitLimits, peak_torque_nm
@@ -34,7 +35,7 @@ _NEAR_MISS = 10  # times the accuracy asked for: a state this good still ranks s
 
 
 @dataclass(frozen=True, slots=True)
-class LeastPower:
+class LeastPower(Result):
     """Hold the gait with the least power for a speed.
 
     Attributes
@@ -86,6 +87,27 @@ class LeastPower:
     basins: int = 1
     runner_up_w: float = math.inf
     evaluations: int = 0
+
+    def in_words(self) -> str:
+        """Return the gait and its power in the words of a builder."""
+        return cheapest(self.gait, self.power_w)
+
+    def rows(self) -> list[Row]:
+        """Return power, speed, limits reached, and what the search may have missed."""
+        return [
+            Row(f"least {self.cost}", "W", self.power_w),
+            *self.steady.rows(),
+            Row("limits reached", "", words=", ".join(self.active) or "none"),
+            detail("some gait may need less, by", "W", self.power_error_w),
+        ]
+
+
+def cheapest(gait: Gait, power_w: float) -> str:
+    """Return a gait and its power in the words of a builder."""
+    alpha, beta = math.degrees(gait.alpha_rad), math.degrees(gait.beta_rad)
+    frequency_hz = two_digits(gait.omega_rad_s / math.tau)
+    power = two_digits(power_w)
+    return f"The gait of least power: {alpha:.0f}°/{beta:.0f}° at {frequency_hz} Hz, {power} W."
 
 
 class Finder:

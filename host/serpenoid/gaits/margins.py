@@ -16,6 +16,7 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result, Row, detail
 from ..periodic.steady import speed_floor_m_s, steady_gait
 from .sampled_speeds import KEEP
 from .shapes import FINE, STATES, on_threads
@@ -29,7 +30,7 @@ _LOSSES = np.linspace(0, 0.6, 31)  # looked at outwards: a speed may fall and ri
 
 
 @dataclass(frozen=True, slots=True)
-class Margins:
+class Margins(Result):
     """Hold how much a gait can bear; all are NaN for a gait that does not travel.
 
     Attributes
@@ -91,6 +92,23 @@ class Margins:
         if self.grip_loss == self.grip_loss:
             told.append(f"13 % less dry friction across (fn0) costs {100 * self.grip_loss:.0f} %")
         return f"this gait stands at a cliff: {', '.join(told)}; see `optimize --robust`"
+
+    def rows(self) -> list[Row]:
+        """Return how far the cliff is, and what is lost near by; none for a gait at rest."""
+        falls = "may fall by, for a tenth of the speed"
+        parts = {
+            f"amplitude {falls}": self.amplitude,
+            f"dry friction across (fn0) {falls}": self.grip,
+            "speed lost with 10 % less amplitude": self.amplitude_loss,
+            "speed lost with 13 % less fn0 (1 sigma of a session bent by 7.5°)": self.grip_loss,
+        }
+        if not self.travels:
+            return []
+        return [
+            detail(name, "%", 100 * part, "more than 60" if math.isinf(part) else "")
+            for name, part in parts.items()
+            if not math.isnan(part)
+        ]
 
     def in_sigmas(self, amplitude_sigma: float, grip_sigma: float) -> dict[str, float]:
         """Return both margins in standard deviations, by name.

@@ -16,8 +16,9 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result, Row, detail, two_digits
 from ..periodic.steady import Steady, steady_gait
-from .finder import ANY, FIRST, ROUGH, ROUNDS, Finder, LeastPower
+from .finder import ANY, FIRST, ROUGH, ROUNDS, Finder, LeastPower, cheapest
 from .least_power import cheaper, directions
 from .limits import GaitLimits
 from .sampled_speeds import KEEP, Samples, low_speed, low_speed_error
@@ -31,7 +32,7 @@ _SURE = 2.0  # standard errors between two sets of samples: more is no chance
 
 
 @dataclass(frozen=True, slots=True)
-class RobustGait:
+class RobustGait(Result):
     """Hold the cheapest gait whose slow cases are fast enough.
 
     Attributes
@@ -78,6 +79,28 @@ class RobustGait:
     fragile_low_m_s: float
     active: tuple[str, ...]
     evaluations: int
+
+    def in_words(self) -> str:
+        """Return the gait, its power, and the speed that most robots reach."""
+        low = two_digits(self.low_speed_m_s)
+        return f"{cheapest(self.gait, self.power_w)} 95 % of the robots make {low} m/s or more."
+
+    def rows(self) -> list[Row]:
+        """Return what robustness gives, and what it costs."""
+        more, per_metre = 100 * self.premium, 100 * self.premium_per_metre
+        reached = ", ".join(self.active) or "none"
+        return [
+            Row("wanted speed", "m/s", self.wanted_m_s),
+            Row("95 % of the sampled robots are faster than", "m/s", self.low_speed_m_s),
+            Row("the same, of other samples", "m/s", self.checked_low_m_s),
+            *self.steady.rows(),
+            Row(self.cost, "W", self.power_w, detail=self.cost == "power"),
+            Row("more power than the least-power gait", "%", more),
+            detail("more energy for each metre", "%", per_metre),
+            detail("95 % of the robots with that gait make", "m/s", self.fragile_low_m_s),
+            Row("limits reached", "", words=reached),
+            Row("taken as uncertain", "", words=self.uncertainty.in_words()),
+        ]
 
     @property
     def premium(self) -> float:

@@ -290,6 +290,14 @@ class ServoKind:
         doubt = any(self.sigma.values()) or len(self.updates_hz) > 1
         return not doubt and len(self.drawn) < 2
 
+    @property
+    def volts_in_words(self) -> str:
+        """Return the voltages at the plug that are drawn, and whether anybody measured them."""
+        spread = math.exp(math.sqrt(3) * self.sigma.get("supply_v", 0.0))
+        low, high = self.servo.supply_v / spread, self.servo.supply_v * spread
+        drawn = f"{low:.3g} to {high:.3g}: not measured" if spread > 1 else f"{low:.3g}"
+        return drawn if low else "not stated"
+
     def at_volts(self, supply_v: float) -> ServoKind:
         """Return the kind with a voltage at the plug that is known.
 

@@ -17,6 +17,7 @@ from .ground import Ground
 from .kinematics import joint_motion
 from .link_state import LinkState
 from .robot import Robot
+from .rows import Result
 from .vectors import finite_vector
 
 Array = NDArray[np.float64]
@@ -72,7 +73,7 @@ class AngleDrive:
 
 
 @dataclass(frozen=True, slots=True)
-class Acceleration:
+class Acceleration(Result):
     """Hold what one evaluation of a model gives, in the ground's frame, from the tail.
 
     Attributes

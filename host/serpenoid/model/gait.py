@@ -91,3 +91,10 @@ class Gait:
         gain = np.array(self.joint_gain) if self.joint_gain else np.ones(joints)
         shift = np.array(self.joint_shift_rad) if self.joint_shift_rad else np.zeros(joints)
         return gain, shift
+
+
+def gait_words(gait: Gait) -> str:
+    """Return amplitude, lag and rate, and the bend of a gait that steers."""
+    alpha, beta, offset = map(math.degrees, (gait.alpha_rad, gait.beta_rad, gait.offset_rad))
+    bend = f", bend {offset:.5g}°" if offset else ""
+    return f"{alpha:.5g}°/{beta:.5g}°, {gait.omega_rad_s:.5g} rad/s{bend}"

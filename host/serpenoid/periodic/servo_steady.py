@@ -17,6 +17,7 @@ from ..model.core_model import core_model
 from ..model.drives import Servo, ServoKind, core_servo
 from ..model.errors import NotConverged
 from ..model.gait import Gait
+from ..model.rows import Result, Row, detail, two_digits
 from .steady import Steady, relative_error, steady_gait
 
 Array = NDArray[np.float64]
@@ -59,7 +60,7 @@ def managed_hz(gait: Gait, free_rad_s: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class ServoSteady:
+class ServoSteady(Result):
     """Hold the speed of a gait with ideal joints and with servos.
 
     Attributes
@@ -166,6 +167,41 @@ class ServoSteady:
         if self.samples_m_s:
             return band(self.samples_m_s)
         return max(self.speed_m_s - self.spread_m_s, 0.0), self.speed_m_s + self.spread_m_s
+
+    def in_words(self) -> str:
+        """Return what a builder may expect: a speed with its band, or that servos cannot run it."""
+        if not self.moves:
+            return (
+                f"Typical {self.name} servos cannot move this robot: its joints reach "
+                f"{self.amplitude_ratio:.0%} of the gait's amplitude. So it has no band."
+            )
+        if not self.follows:
+            return (
+                f"Most {self.name} servos cannot run this gait: it asks {self.asked_rad_s:.2g} "
+                f"rad/s of their {self.free_rad_s:.2g}; they manage {self.managed_hz:.2g} Hz. So "
+                "it has no band."
+            )
+        speed, low, high = map(two_digits, (self.speed_m_s, self.low_m_s, self.high_m_s))
+        ideal = two_digits(self.ideal.speed_m_s)
+        return f"About {speed} m/s with typical servos ({low} to {high}); ideal joints {ideal}."
+
+    def rows(self) -> list[Row]:
+        """Return speed with its band, what becomes of the joints, voltage, source and error."""
+        low, high = (self.low_m_s, self.high_m_s) if self.follows else (math.nan, math.nan)
+        asked, slower = 100 * self.asked_over_free_speed, 100 * self.slower_servos
+        rows = [
+            Row("servos", "", words=self.name),
+            Row("speed, typical servo", "m/s", self.speed_m_s, low, high),
+            Row("amplitude that joints reach", "%", 100 * self.amplitude_ratio),
+            Row("lag of the joints", "deg", math.degrees(self.lag_rad)),
+            Row("fastest rate asked, of the free speed", "%", asked),
+            Row("such servos that are slower", "%", slower, detail=slower < 1),
+            detail("error of the speed, relative", "", self.error_estimate),
+        ]
+        if isinstance(self.servo, ServoKind):
+            volts = Row("voltage at the plug", "V", words=self.servo.volts_in_words)
+            return [*rows, volts, detail("source", "", words=self.servo.source)]
+        return rows
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON; no band where servos cannot follow."""

@@ -13,16 +13,17 @@ from .. import _core
 from ..model.checks import check_number
 from ..model.core_model import check_parts, core_model
 from ..model.errors import BadInput, NotConverged
-from ..model.gait import Gait
+from ..model.gait import Gait, gait_words
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result, Row, detail, two_digits
 
 if TYPE_CHECKING:
     from .sensitivities import Sensitivities
 
 
 @dataclass(frozen=True, slots=True)
-class Steady:
+class Steady(Result):
     """Hold the periodic state of a gait (explicit model), when the start is forgotten.
 
     Attributes
@@ -147,6 +148,36 @@ class Steady:
     def stable(self) -> bool:
         """Tell whether small disturbances die out."""
         return math.isfinite(self.settling_time_s)
+
+    def in_words(self) -> str:
+        """Return the speed as a builder asks for it."""
+        return f"About {two_digits(self.speed_m_s)} m/s with ideal joints; servos may be slower."
+
+    def rows(self) -> list[Row]:
+        """Return speed, powers, turn, settling time and error."""
+        straight = math.isinf(self.radius_m)
+        settling = self.settling_time_s
+        # wheels that stick forget all at once
+        sudden = self.settling_error >= 1 and settling < 0.1 * self.gait.period_s
+        forgets = "under a cycle" if sudden else ""
+        turn = math.degrees(self.turn_rad_per_cycle)
+        return [
+            Row("gait", "", words=gait_words(self.gait)),
+            Row("speed, ideal joints", "m/s", self.speed_m_s),
+            Row("net power", "W", self.power_w),
+            detail("power, each joint's absolute value", "W", self.abs_power_w),
+            detail("power, no regeneration", "W", self.positive_power_w),
+            Row("turn per cycle", "deg", turn, detail=straight),
+            Row(
+                "radius of the path",
+                "m",
+                self.radius_m,
+                detail=straight,
+                words="straight" if straight else "",
+            ),
+            detail("settling time (to 1/e)", "s", settling, words=forgets),
+            detail("error of the speed, relative", "", self.error_estimate),
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON."""

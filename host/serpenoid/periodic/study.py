@@ -20,6 +20,7 @@ from ..model.errors import BadInput
 from ..model.files import read_arrays, read_json, whole_file, write_text
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result
 from .cluster import Stretch, solve_on_cluster, stretch_length
 from .grid import AXES, FIELDS, Array, Grid, stretches, threads_to_use
 
@@ -28,7 +29,7 @@ HEAD = "study.json"
 
 
 @dataclass(frozen=True)
-class Study:
+class Study(Result):
     """Hold a sweep whose figures lie in a folder; iterate over it for one chunk after another.
 
     Each chunk is a dict of arrays: robot, ground (S,), indices into grid.robots and grid.grounds;

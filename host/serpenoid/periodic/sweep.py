@@ -13,12 +13,13 @@ from ..model.drives import Servo, ServoKind
 from ..model.errors import BadInput
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result, two_digits
 from .grid import FIELDS, Array, Grid, threads_to_use
 from .servo_sweep import servo_grid
 
 
 @dataclass(frozen=True, slots=True)
-class Sweep:
+class Sweep(Result):
     """Hold periodic states over a grid; all arrays but the axes are indexed [alpha, beta, omega].
 
     With several robots or grounds, [robot, ground, alpha, beta, omega]; a single one has no axis.
@@ -66,6 +67,11 @@ class Sweep:
     servo_speed_m_s: NDArray[np.float64] | None = None
     servo_low_m_s: NDArray[np.float64] | None = None
     servo_high_m_s: NDArray[np.float64] | None = None
+
+    def in_words(self) -> str:
+        """Return the speed of the fastest gait."""
+        fastest = two_digits(float(np.nanmax(self.speed_m_s)))
+        return f"The fastest of {self.speed_m_s.size} gaits makes {fastest} m/s."
 
 
 def sweep(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..calibration.comparison import ComparedGait, Comparison
 from .figure_data import write_comparison
-from .plot import BLUE, GREY, HUGS, ORANGE, RED, figure, save
+from .plot import BLUE, GREY, HUGS, ORANGE, RED, columns, figure, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,12 +44,8 @@ def draw_comparison(fig: Figure, found: Comparison) -> None:
     fig.supxlabel(HUGS, fontsize=8, color=GREY)
 
 
-def _columns(points: tuple[ComparedGait, ...], *names: str) -> list[np.ndarray]:
-    return [np.array([getattr(p, name) for p in points], dtype=float) for name in names]
-
-
 def _predicted(ax: Axes, found: Comparison) -> None:
-    f, exact, low, high, implicit = _columns(
+    f, exact, low, high, implicit = columns(
         found.curve, "frequency_hz", "exact_m_s", "low_m_s", "high_m_s", "implicit_m_s"
     )
     ax.fill_between(
@@ -63,7 +59,7 @@ def _predicted(ax: Axes, found: Comparison) -> None:
     )
     ax.plot(f, exact, color=BLUE, label="exact model")
     ax.plot(f, implicit, ".", color=ORANGE, ms=6, label="implicit model, k = 1000 N/m")
-    f, low, high = _columns(found.gaits, "frequency_hz", "low_all_m_s", "high_all_m_s")
+    f, low, high = columns(found.gaits, "frequency_hz", "low_all_m_s", "high_all_m_s")
     servos = "" if found.servo is None else f", servos: {found.servo}"
     ax.vlines(
         f,
@@ -80,7 +76,7 @@ def _measured(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
     ran = tuple(p for p in gaits if p.measured_m_s is not None)
     if not ran:
         return
-    f, measured, sigma = _columns(ran, "frequency_hz", "measured_m_s", "sigma_m_s")
+    f, measured, sigma = columns(ran, "frequency_hz", "measured_m_s", "sigma_m_s")
     ax.errorbar(
         f, measured, 1.96 * sigma, fmt="o", color=RED, capsize=3, ms=5, label="measured, 95 %"
     )
@@ -103,7 +99,7 @@ def _residuals(ax: Axes, gaits: tuple[ComparedGait, ...]) -> None:
         )
         return
     names = ("frequency_hz", "residual_m_s", "sigma_m_s", "exact_m_s", "low_all_m_s")
-    f, residual, sigma, exact, low = _columns(ran, *names)
-    (high,) = _columns(ran, "high_all_m_s")
+    f, residual, sigma, exact, low = columns(ran, *names)
+    (high,) = columns(ran, "high_all_m_s")
     ax.vlines(f, 100 * (low / exact - 1), 100 * (high / exact - 1), color=GREY, lw=6, alpha=0.35)
     ax.errorbar(f, 100 * residual / exact, 196 * sigma / exact, fmt="o", color=RED, capsize=3, ms=5)

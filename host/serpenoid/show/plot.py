@@ -62,6 +62,11 @@ def figure(width_in: float, height_in: float, columns: int = 1) -> Iterator[tupl
         yield made, made.subplots(1, columns)
 
 
+def columns(points: Sequence[Any], *names: str) -> list[np.ndarray]:
+    """Return an array for each attribute of some points."""
+    return [np.array([getattr(p, name) for p in points], dtype=float) for name in names]
+
+
 def save(fig: Figure, path: Path) -> None:
     """Write a figure into a file, whole or not at all."""
     with whole_file(path) as part:
@@ -168,16 +173,8 @@ def draw_friction(
 
 def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path) -> None:
     """Draw predicted speed against gait frequency by both formulations (Fig. 17)."""
-    f, exact, low_ideal, high_ideal, implicit = (
-        np.array([getattr(p, name) for p in points])
-        for name in (
-            "frequency_hz",
-            "explicit_m_s",
-            "low_ideal_m_s",
-            "high_ideal_m_s",
-            "implicit_m_s",
-        )
-    )
+    names = "frequency_hz", "explicit_m_s", "low_ideal_m_s", "high_ideal_m_s", "implicit_m_s"
+    f, exact, low_ideal, high_ideal, implicit = columns(points, *names)
     with figure(7.2, 5.8) as (fig, _unused):
         fig.clear()
         top, bottom = fig.subplots(2, 1, sharex=True, height_ratios=[3, 1])
@@ -216,8 +213,8 @@ def speed_against_frequency(points: Sequence[SpeedPoint], title: str, path: Path
 
 def _servos(ax: Axes, points: Sequence[SpeedPoint]) -> None:
     """Draw typical servos with their band, and hatch the frequencies that they cannot follow."""
-    followed = [(p.frequency_hz, p.servo_m_s, p.low_m_s, p.high_m_s) for p in points if p.follows]
-    f, typical, low, high = np.array(followed).reshape(-1, 4).T
+    names = "frequency_hz", "servo_m_s", "low_m_s", "high_m_s"
+    f, typical, low, high = columns([p for p in points if p.follows], *names)
     ax.fill_between(f, low, high, color=RED, alpha=0.25, lw=0, label="95 %, with servos besides")
     ax.plot(f, typical, color=RED, lw=2.2, label="typical hobby servos")
     last, managed = 1.02 * points[-1].frequency_hz, points[-1].managed_hz

@@ -11,8 +11,8 @@ from contextlib import contextmanager
 _FORCED = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE")
 
 
-def _nothing(done: int) -> None:
-    """Take the number just done, and show nothing."""
+def _nothing(done: float) -> None:
+    """Take what was done, and show nothing."""
 
 
 def _seen() -> bool:
@@ -33,8 +33,11 @@ def working(what: str) -> Iterator[None]:
 
 
 @contextmanager
-def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
-    """Show a bar on standard error; gives a function that takes the number just done."""
+def progress(total: float, what: str, so_far: bool = False) -> Iterator[Callable[[float], None]]:
+    """Show a bar on standard error; gives a function that takes what was just done.
+
+    so_far: it takes all that is done by then.
+    """
     if not _seen():
         yield _nothing
         return
@@ -53,4 +56,7 @@ def progress(total: int, what: str) -> Iterator[Callable[[int], None]]:
         *columns, console=errors, transient=True, disable=not errors.is_terminal
     ) as bar:
         task = bar.add_task(what, total=total)
-        yield lambda done: bar.advance(task, done)
+        if so_far:
+            yield lambda done: bar.update(task, completed=done)
+        else:
+            yield lambda done: bar.advance(task, done)

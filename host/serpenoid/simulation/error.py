@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Any
+
+from ..model.rows import Result, Row, detail
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,13 +44,22 @@ class Difference:
             self.energy_j and {k: size + doubt.get(k, 0.0) for k, size in self.energy_j.items()},
         )
 
+    def in_words(self) -> str:
+        """Return places, angles and mean speed in one line."""
+        speed = f"{self.mean_speed:+.2g}"
+        if math.isinf(self.mean_speed):
+            speed = "of what should rest"
+        elif math.isnan(self.mean_speed):
+            speed = "of nothing: at rest"
+        return f"{self.position_m:.2g} m, {self.angle_rad:.2g} rad, mean speed {speed}"
+
     def size(self, body_m: float) -> float:
         """Return the larger of position in body lengths and angle in radians."""
         return max(self.position_m / body_m, self.angle_rad)
 
 
 @dataclass(frozen=True, slots=True)
-class RunError:
+class RunError(Result):
     """Split what is known of a run's error.
 
     integration: of the method, from two runs that are finer than it (judge.py). modelling: of the
@@ -64,6 +76,15 @@ class RunError:
     settled: bool = True
     believed_s: float = 0.0
     chaotic: bool = False
+
+    def rows(self) -> list[Row]:
+        """Return the errors of time steps and springs."""
+        parts = {"integration": self.integration, "modelling (springs)": self.modelling}
+        return [
+            detail(f"error by {name}", "", words=part.in_words())
+            for name, part in parts.items()
+            if part is not None
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Return it for a JSON answer."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..model.files import write_csv
 from ..model.link_state import LinkState
+from ..model.rows import Result, Row, two_digits
 from .error import RunError
 from .scene import Scene
 
@@ -49,7 +50,7 @@ class Judge(Protocol):
 
 
 @dataclass(frozen=True)
-class Run:
+class Run(Result):
     """Hold a run: T recorded times and arrays over n links, counted from the tail.
 
     Attributes
@@ -151,6 +152,43 @@ class Run:
             for v in self.centre_m.T
         ]
         return np.hypot(*ways) / period_s
+
+    @property
+    def last_speed_m_s(self) -> float:
+        """Return the mean speed over the last period, m/s; NaN where the records do not say."""
+        period, t = self.scene.gait.period_s, self.t_s
+        near = np.abs(t - (t[-1] - period)).min()
+        rare = t.size > 1 and near > 1e-6 * period and np.diff(t).max() > period / 8
+        speeds = [] if rare else self.mean_speed_m_s(period)
+        return float(speeds[-1]) if len(speeds) else np.nan
+
+    def in_words(self) -> str:
+        """Return how far the robot moves, and how fast."""
+        speed = self.last_speed_m_s
+        pace = "" if np.isnan(speed) else f", at {two_digits(speed)} m/s in the last period"
+        return f"In {self.t_s[-1]:g} s the robot moves {two_digits(self.travel_m)} m{pace}."
+
+    def rows(self) -> list[Row]:
+        """Return displacement, speed, and extremes of what was recorded."""
+        speed, words = self.last_speed_m_s, ""
+        if np.isnan(speed):
+            short = self.t_s[-1] < self.scene.gait.period_s
+            words = "the run is shorter" if short else "recorded too rarely"
+        scene = self.scene
+        step = f"tolerance {scene.tolerance:g}" if scene.adaptive else f"{scene.dt_s:g} s"
+        how = f"{scene.formulation} model, {scene.method}, {step}"
+        rows = [
+            Row("method", "", words=f"{how}; {self.picked}" if self.picked else how),
+            Row("displacement of the centre of mass", "m", self.travel_m),
+            Row("speed over the last period", "m/s", speed, words=words),
+        ]
+        if self.joint_torque_nm.size:
+            most = float(np.abs(self.joint_torque_nm).max())
+            rows.append(Row("largest torque of a joint", "N m", most))
+        ends = self.energy_j[-1].tolist() if self.energy_j.size else []
+        names = [name.removesuffix("_j").replace("_", " ") for name in ENERGY_COLUMNS]
+        pairs = zip(names, ends, strict=False)
+        return rows + [Row(f"{name} at the end", "J", value) for name, value in pairs]
 
     def picked_because(self, picked: str) -> Run:
         """Return the same run, its estimate kept, that says what chose its method and why."""

@@ -14,6 +14,7 @@ from ..model.errors import NotConverged
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
+from ..model.rows import Result, two_digits
 from ..periodic.steady import speed_floor_m_s, steady_gait
 from .run import Run
 from .scene import Scene
@@ -25,7 +26,7 @@ _STEPS_A_CYCLE = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class SteadySprings:
+class SteadySprings(Result):
     """Hold the periodic state of a gait by the implicit model (Eqs. 51-56).
 
     Attributes
@@ -67,6 +68,11 @@ class SteadySprings:
     def abs_power_error_w(self) -> float:
         """Return the estimated error of abs_power_w = 2 positive_power_w - power_w, W."""
         return 2 * self.positive_power_error_w + self.power_error_w
+
+    def in_words(self) -> str:
+        """Return the speed as a builder asks for it."""
+        speed = two_digits(self.speed_m_s)
+        return f"About {speed} m/s with the implicit model's springs for joints."
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain numbers, for JSON."""

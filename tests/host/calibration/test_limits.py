@@ -70,12 +70,13 @@ def test_a_fit_at_its_limit_predicts_and_is_printed(fits, capsys):
     gait = sn.Gait(math.radians(70), math.radians(75), math.pi)
     assert sn.steady_gait(fit.robot, fit.ground, gait).speed_m_s > 0.05
     text = str(fit)
-    assert text.startswith("friction of 'made up', joint fit, 6 links")
+    assert text.startswith("Along, the snake resists with")
+    assert "made up, joint fit: " in text
     assert "below 0.0" in text
     assert fit.chi2_in_words in text
     assert "Influence" not in text + repr(fit)
     assert len(repr(fit)) < 250
-    report.fit(fit)
+    report.show(fit)
     assert "below 0.0" in capsys.readouterr().out
 
 

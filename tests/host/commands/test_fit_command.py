@@ -33,7 +33,7 @@ def folder(tmp_path):
 def test_fit_shows_whole_and_per_link_values_and_keeps_them(folder):
     shown = run("fit", folder, "--influence").stdout
     assert "ct_whole" in shown
-    assert "per link (of 6)" in shown
+    assert "each of 6 links" in shown
     assert "0.084" in shown
     assert "0.014" in shown
     assert "chi2 without" in shown

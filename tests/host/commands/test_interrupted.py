@@ -13,8 +13,8 @@ import pytest
 import serpenoid as sn
 from robot.patience import LONG_S
 from serpenoid import _core
-from serpenoid.show.run_report import _share
 from serpenoid.simulation.core_run import core_request
+from serpenoid.simulation.error import Difference
 
 # Python's own start, before any of this package runs, prints what it likes.
 STARTED = """
@@ -80,5 +80,5 @@ def test_the_core_refuses_a_start_of_another_size(size):
 
 
 def test_the_mean_speed_of_a_snake_at_rest_is_no_nan():
-    assert _share(float("nan")) == "of nothing: at rest"
-    assert _share(0.01) == "+0.01"
+    assert Difference(0.0, 0.0, float("nan")).in_words().endswith("of nothing: at rest")
+    assert Difference(0.0, 0.0, 0.01).in_words().endswith("speed +0.01")

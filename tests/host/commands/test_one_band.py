@@ -66,9 +66,9 @@ def test_one_gait_has_one_band_whoever_shows_it(tmp_path):
     assert advised["band"] == pytest.approx((high - low) / 2 / speed, rel=1e-6)
     page = tmp_path / "report.html"
     told("report", session, *IDEAL, "--out", page)
-    assert f"<td>{low:.4f} to {high:.4f}</td>" in page.read_text()
+    assert f"<td>{low:.3g} to {high:.3g}</td>" in page.read_text()
     planned = told("advise", session, *IDEAL)[0]["band"]
-    assert f"The speeds are known to {planned:.1%} " in page.read_text()
+    assert f"It is known to {100 * planned:.2g} % now" in page.read_text()
     best = told("optimize", *of, *IDEAL, "--speed-m-s", "0.05")[0]
     gait = [f"--{name.replace('_', '-')}={value}" for name, value in best["gait"].items()]
     again, band = told("steady", *of, *gait, *IDEAL)[0]["band"], best["band"]

@@ -20,7 +20,7 @@ from serpenoid.calibration.friction_result import Estimate, FitDraws, FittedServ
 from serpenoid.commands.demo import session_folder
 from serpenoid.commands.main import cli
 from serpenoid.paper import study as paper_study
-from serpenoid.show import report
+from serpenoid.show import progress
 from serpenoid.show.gaits import crawl
 
 
@@ -69,7 +69,7 @@ def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch)
         shown.append(what)
         yield
 
-    monkeypatch.setattr(report, "busy", busy)
+    monkeypatch.setattr(progress, "working", busy)
     words = ("optimize", "--robot", "paper", "--speed")
     run(*words, "0.1")
     run(*words, "0.1,0.2")

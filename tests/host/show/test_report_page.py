@@ -55,7 +55,7 @@ def test_the_page_says_what_it_must(made):
     page = session_page(made, sn.fit_friction(made), compared(), None)
     assert "lab &lt;one&gt; &amp; two" in page
     assert "ct_whole" in page
-    assert "per link" in page
+    assert "each of 6 links" in page
     assert "Agrees: as it should." in page
     row = re.search(r'<tr class="void">.*?</tr><tr class="said">.*?</tr>', page)
     assert row
@@ -72,7 +72,7 @@ def test_the_summary_and_the_counts_say_what_the_session_is(made):
     page = session_page(replace(made, further=(push,)), fit, None, None)
     assert "2 voided" in page
     for row in fit.rows():
-        assert f"<td>{row.value / made.setup.robot.links:.4g}</td></tr>" in page
+        assert f"{row.value / made.setup.robot.links:.4g} {row.unit}" in page
 
 
 def test_another_reading_changes_the_page(made):

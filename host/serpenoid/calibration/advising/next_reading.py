@@ -9,8 +9,12 @@ from typing import Any
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
+from ...model.rows import Result, Row
 from ..crawls.runs import as_run
 from ..session import Session
+
+_SHOWN = 5  # readings of a table
+WORTH = 0.02  # of the band: a reading that saves less is not to be taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +64,7 @@ class NextReading:
 
 
 @dataclass(frozen=True)
-class Advice:
+class Advice(Result):
     """Hold the present speed band and the readings that would shrink it.
 
     Attributes
@@ -112,6 +116,27 @@ class Advice:
         """Tell whether measuring a servo shrinks the band more than the best reading."""
         measured = self.band_servo_measured
         return measured is not None and measured < self.band_after_best
+
+    def in_words(self) -> str:
+        """Return how well the speed is known, and which reading to take, if any."""
+        if self.measure_servo and self.band - self.band_after_best < WORTH * self.band:
+            what = "No further push, slide or station is worth its time now."
+        else:
+            first = "Of the readings take" if self.measure_servo else "Take next:"
+            after = f"then the speed is known to {100 * self.band_after_best:.2g} %"
+            what = f"{first} {self.best.in_words()}; {after}."
+        return f"{self.note} {what} It is known to {100 * self.band:.2g} % now (95 %).".strip()
+
+    def rows(self) -> list[Row]:
+        """Return the readings that are worth most, and how well the speed is known afterwards."""
+        return [
+            Row(
+                r.in_words() + ("" if r.minutes is None else f", {r.minutes:.1f} minutes"),
+                "",
+                words=f"{r.band_after_times:.1%} afterwards",
+            )
+            for r in self.readings[:_SHOWN]
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""

@@ -71,6 +71,14 @@ class TwoFits:
     causes: tuple[str, ...]
     verdict: str
 
+    def table(self) -> tuple[list[str], list[list[str]]]:
+        """Return heads and cells of a table of both sessions' frictions."""
+        cells = [
+            [r.name, r.unit, f"{r.first:.4g}", f"{r.second:.4g}", f"{r.sigmas:+.1f}"]
+            for r in self.rows
+        ]
+        return ["whole snake", "unit", self.first, self.second, "differs by (sigmas)"], cells
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain values."""
         return asdict(self)

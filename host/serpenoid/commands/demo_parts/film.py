@@ -10,7 +10,7 @@ from typing import Any
 from ... import _core
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from ...show import report
+from ...show.progress import working
 from .words import step
 
 
@@ -33,7 +33,7 @@ def measure_demo_film(out: Path) -> dict[str, Any] | None:
     from ...video.measure_film import measure_film
 
     gait = Gait(truth["alpha_rad"], truth["beta_rad"], truth["omega_rad_s"])
-    with report.busy("watching the film"):
+    with working("watching the film"):
         film = measure_film(folder / "film.mp4", truth["links"], truth["link_length_m"], gait=gait)
     film_figure(film, out / "film.png")
     run = film.run

@@ -17,7 +17,7 @@ from ...calibration.taking.journal import Journal
 from ...calibration.taking.new_session import default_setup, on_place
 from ...calibration.taking.treadmill import take_all
 from ...model.errors import BadInput
-from ...show import report
+from ...show.progress import working
 from ...show.session.floor_figure import push_figure
 from .loop import begin_anew
 from .words import beside_truth, step
@@ -75,7 +75,7 @@ def _pushed(folder: Path, setup: Setup, ground: Ground) -> tuple[Session, float]
     begin_anew(folder, setup)
     truth = drawn_floor(setup, ground, np.random.default_rng(SEED))
     person = SimulatedFloor(setup, truth, SEED)
-    with Journal(folder) as journal, report.busy("pushes"):
+    with Journal(folder) as journal, working("pushes"):
         return take_all(journal, person), person.t_s / 60
 
 

@@ -33,9 +33,8 @@ from ...model.ground import Ground
 from ...model.robot import Robot as Body
 from ...robot.robot import RobotBoard
 from ...servos.catalogue import servo
-from ...show import report
 from ...show.comparison_figure import comparison_figure
-from ...show.progress import progress
+from ...show.progress import progress, working
 from ...show.session.report_page import session_page
 from ..options import finite
 from .words import beside_truth, step, true_frictions
@@ -107,7 +106,7 @@ def take_session(folder: Path, truth: Truth = TRUTH, body: Body | None = None) -
             setup, truth, SEED, run_gait=lambda gait: board_gait(robot, gait)
         )
         journal.event("start", detail="demo")
-        with report.busy("stations, bends and gait runs"):
+        with working("stations, bends and gait runs"):
             session = take_all(journal, treadmill)
         journal.event("end")
         return session
@@ -159,7 +158,7 @@ def _compare(session: Session, fit: FrictionFit, out: Path) -> Comparison:
 
 
 def _advise(session: Session) -> Advice:
-    with report.busy("looking at each reading that could be next"):
+    with working("looking at each reading that could be next"):
         advice = advise(session)
     step(4, advice.note or f"What to read next: {advice.best.in_words()}.")
     return advice
@@ -168,13 +167,13 @@ def _advise(session: Session) -> Advice:
 def _drive_wanted(
     session: Session, fit: FrictionFit, speed_m_s: float, truth: Truth
 ) -> dict[str, float]:
-    with report.busy("searching"):
+    with working("searching"):
         best = least_power_gait(session.setup.robot, fit.ground, speed_m_s=speed_m_s)
     gait = best.gait
     with RobotBoard("virtual:fast") as robot:
         driven = board_gait(robot, Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s))
     band = speed_band(fit, driven, servo=SERVOS)
-    with report.busy("the lab's robot crawls"):
+    with working("the lab's robot crawls"):
         crawls = crawl_speed(truth.robot(session.setup.robot, np.random.default_rng(SEED)), driven)
     alpha, beta = math.degrees(driven.alpha_rad), math.degrees(driven.beta_rad)
     frequency_hz = driven.omega_rad_s / (2 * math.pi)

@@ -17,7 +17,7 @@ FRICTIONS = ("ct", "cn", "ft0", "fn0")
 
 def say(text: str) -> None:
     """Print a text as it stands."""
-    report.console.print(text, highlight=False, markup=False)
+    report.console.print(text)
 
 
 def step(number: int, *sentences: str) -> None:

@@ -7,21 +7,13 @@ from pathlib import Path
 import click
 
 from ..given import session_fit
-from ..options import AS_JSON, listed_gait, servo_option, show_json, take_servo
+from ..options import AS_TABLES, listed_gait, listed_gaits, servo_option, take_servo, tell
 from ..paths import FOLDER
 
 
 @click.command()
 @click.argument("session", type=FOLDER)
-@click.option(
-    "--gait",
-    "gaits",
-    nargs=3,
-    type=float,
-    multiple=True,
-    metavar="ALPHA_DEG BETA_DEG HZ",
-    help="A gait that matters.",
-)
+@listed_gaits
 @click.option(
     "--samples",
     type=click.IntRange(16, 4096),
@@ -31,7 +23,7 @@ from ..paths import FOLDER
 )
 @click.option("--runs", is_flag=True, help="Count gait runs, too, which no friction fit uses.")
 @servo_option
-@AS_JSON
+@AS_TABLES
 def advise(
     session: Path,
     gaits: tuple[tuple[float, float, float], ...],
@@ -46,7 +38,6 @@ def advise(
     """
     from ...calibration.advice import advise as ask
     from ...calibration.session_file import load_session
-    from ...show.friction_report import show_advice
     from ...show.progress import progress
 
     wanted = [listed_gait(*gait) for gait in gaits]
@@ -55,4 +46,4 @@ def advise(
     with progress(len(wanted) or len(loaded.setup.procedure.gaits), "gaits") as advance:
         servo = take_servo(servo_name, "hobby")
         found = ask(loaded, wanted, samples=samples, runs=runs, servo=servo, progress=advance)
-    show_json(found.to_dict()) if as_json else show_advice(found)
+    tell(found, as_json)

@@ -7,21 +7,21 @@ from pathlib import Path
 import click
 
 from ..given import session_fit
-from ..options import AS_JSON, listed_gait, servo_option, show_json, take_servo
+from ..options import (
+    AS_TABLES,
+    listed_gait,
+    listed_gaits,
+    servo_option,
+    show_json,
+    take_servo,
+    tell,
+)
 from ..paths import FIGURES, FOLDER, out_file
 
 
 @click.command()
 @click.argument("session", type=FOLDER)
-@click.option(
-    "--gait",
-    "gaits",
-    nargs=3,
-    type=float,
-    multiple=True,
-    metavar="ALPHA_DEG BETA_DEG HZ",
-    help="One more gait to predict.",
-)
+@listed_gaits
 @click.option(
     "--amplitude-sigma",
     type=float,
@@ -44,7 +44,7 @@ from ..paths import FIGURES, FOLDER, out_file
     help="Another session of this robot: do both tell the same friction?",
 )
 @click.option("--plot", "figure", type=out_file(*FIGURES), help="Draw it into this file.")
-@AS_JSON
+@AS_TABLES
 def compare(
     session: Path,
     gaits: tuple[tuple[float, float, float], ...],
@@ -67,7 +67,7 @@ def compare(
         return _sessions(session, other, as_json)
     from ...calibration import comparison
     from ...calibration.session_file import load_session
-    from ...show.friction_report import show_comparison
+    from ...show import report
     from ...show.progress import progress
 
     more = [listed_gait(*gait) for gait in gaits]
@@ -86,17 +86,19 @@ def compare(
     if figure is not None:
         from ...show.comparison_figure import comparison_figure
         from ...show.figure_data import beside
-        from ...show.report import wrote
 
         comparison_figure(found, figure)
-        wrote(figure, beside(figure))
-    show_json(found.to_dict()) if as_json else show_comparison(found)
+        report.wrote(figure, beside(figure))
+    return tell(found, as_json)
 
 
 def _sessions(first: Path, second: Path, as_json: bool) -> None:
     from ...calibration.advising.two_fits import two_sessions
     from ...calibration.session_file import load_session
-    from ...show.friction_report import show_two_fits
+    from ...show import report
 
     found = two_sessions(load_session(first), load_session(second))
-    show_json(found.to_dict()) if as_json else show_two_fits(found)
+    if as_json:
+        return show_json(found.to_dict())
+    report.answer(f"p = {found.p_value:.2g}. {found.verdict}")
+    return report.table("friction in two sessions, whole snake", *found.table())

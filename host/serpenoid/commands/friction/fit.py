@@ -10,7 +10,7 @@ import click
 
 from ...model.errors import SerpenoidError
 from ...show.screen import say
-from ..options import AS_JSON, servo_option, show_json, take_servo
+from ..options import AS_TABLES, servo_option, show_json, take_servo
 from ..paths import FIGURES, FOLDER, out_file
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ MANY = 300  # readings, whose fit may take a second or more
     show_default=True,
     help="Keep it as fit.json beside the readings (not if naive).",
 )
-@AS_JSON
+@AS_TABLES
 def fit(
     session: Path,
     method: str,
@@ -81,9 +81,10 @@ def fit(
     if as_json:
         show_json(found.to_dict())
     else:
-        report.fit(found)
-        for note in break_away_notes(found, loaded):
-            say(f"note: {note}")
+        report.answer(found.in_words())
+        report.show(found)
+        notes = [f"note: {note}" for note in break_away_notes(found, loaded)]
+        say("\n".join([*found.remarks, *notes]))
         if influence:
             report.influence(found)
     if not_kept is not None:

@@ -143,4 +143,4 @@ def show(found: MeasuredServo, out: Path | None) -> None:
     if out is not None:
         lines.append(f"Written: {out}; give it to other commands with --servo {out}.")
     for line in lines:
-        report.console.print(line, highlight=False, markup=False)
+        report.console.print(line)

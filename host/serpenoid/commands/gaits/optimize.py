@@ -11,17 +11,19 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from ...model.checks import FORMULATIONS, check_number
+from ...model.checks import check_number
 from ...model.errors import NotConverged
 from ...show.screen import say
 from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, latest_film
 from ..options import (
-    AS_JSON,
+    AS_TABLES,
     GROUND,
     IDEAL,
     ROBOT,
+    as_radians,
     describe,
+    formulation_option,
     interruptible,
     options_of,
     robot_options,
@@ -29,32 +31,50 @@ from ..options import (
     servo_option,
     show_json,
     stacked,
+    take,
     take_servo,
 )
 from ..paths import FIGURES, out_file
-from .steady import beside_servo, no_band
+from .steady import beside_servo, few_links, no_band
 
 if TYPE_CHECKING:
     from ...calibration.friction_result import FrictionFit
     from ...gaits.finder import LeastPower
     from ...gaits.limits import GaitLimits
+    from ...gaits.margins import Margins
     from ...gaits.robust import RobustGait
     from ...gaits.uncertainty import Uncertainty
     from ...model.ground import Ground
     from ...model.robot import Robot
+    from ...periodic.servo_steady import ServoSteady
 
 _Found = TypeVar("_Found")
 _GROUNDS = 4096  # frictions drawn from a fit: half choose the gait, half check it
 _BOARD_ANGLE_DEG, _BOARD_SPEED_DEG_S = 90.0, 500.0  # a new board's own limits
 
+# Options are stored under the names of the fields that they fill.
+LIMITS = (
+    "joint_angle_rad",
+    "servo_speed_rad_s",
+    "servo_torque_nm",
+    "omega_low_rad_s",
+    "omega_high_rad_s",
+)
+DOUBTS = ("amplitude", "common_amplitude", "lag_rad")  # of Uncertainty
 limit_options = stacked(
     [
         click.option(
-            "--joint-angle-deg", type=float, help="Most a joint may bend; 110 unless given."
+            "--joint-angle-deg",
+            "joint_angle_rad",
+            type=float,
+            callback=as_radians(180.0),
+            help="Most a joint may bend; 110 unless given.",
         ),
         click.option(
             "--servo-speed-deg-s",
+            "servo_speed_rad_s",
             type=float,
+            callback=as_radians(math.inf),
             help="Most a servo turns; 500, a new board's limit, unless given; inf: no limit.",
         ),
         click.option("--servo-torque-nm", type=float, help="Most a servo holds."),
@@ -69,9 +89,22 @@ doubt_options = stacked(
             is_flag=True,
             help="Keep 90 % of the speed for 95 % of the robots that may be the real one.",
         ),
-        click.option("--amplitude-sigma", type=float, help="Of each joint, relative; 0.02."),
-        click.option("--common-amplitude-sigma", type=float, help="Of all joints, relative; 0.03."),
-        click.option("--lag-sigma-deg", type=float, help="Of each joint's phase; 1."),
+        click.option(
+            "--amplitude-sigma", "amplitude", type=float, help="Of each joint, relative; 0.02."
+        ),
+        click.option(
+            "--common-amplitude-sigma",
+            "common_amplitude",
+            type=float,
+            help="Of all joints, relative; 0.03.",
+        ),
+        click.option(
+            "--lag-sigma-deg",
+            "lag_rad",
+            type=float,
+            callback=as_radians(57.0, open_low=False),
+            help="Of each joint's phase; 1.",
+        ),
         joints_option,
     ]
 )
@@ -108,13 +141,7 @@ send_options = stacked(
     show_default=True,
     help="Mean power to make least.",
 )
-@click.option(
-    "--formulation",
-    type=click.Choice(FORMULATIONS),
-    default="explicit",
-    show_default=True,
-    help="Exact model, or the paper's springs.",
-)
+@formulation_option
 @limit_options
 @doubt_options
 @servo_option
@@ -124,12 +151,13 @@ send_options = stacked(
     help="Draw speed against amplitude and fn0 around the gait: the cliff.",
 )
 @send_options
-@AS_JSON
+@AS_TABLES
 def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given: Any) -> None:
     """Find the gait that costs least power at a speed, and say how near to a cliff it stands.
 
-    Gaits are searched with ideal joints; --servo tells what servos leave of the speed found. With
-    --robust the sampled robots have servos, too: with a fit any hobby servo unless --servo says.
+    Gaits are searched with ideal joints. Beside the speed stands what servos leave of it: any hobby
+    servo unless --servo says which, or `ideal`. With --robust and a fit the sampled robots have
+    such servos, too.
 
     With --session DIR or --ground FILE the friction is a fit's, and --robust takes its samples.
     """
@@ -158,16 +186,14 @@ def optimize(speeds: str, as_json: bool, send: bool, plot: Path | None, **given:
             lambda: cliff_figure(ask.robot, ask.ground, found.gait, ask.uncertainty, plot)
         )
         report.wrote(plot, plot.with_suffix(".csv"))
-    moved = beside_servo(found.steady, servo)
+    moved = beside_servo(found.steady, ask.shown_servo)
     told = report_as(found) | {"margins": margins.to_dict()}
     told |= {"servo": moved.to_dict()} if moved else {}
     fit = None if send else ask.fit  # what is sent is predicted when it is driven
     band = interruptible(lambda: predicted_band(fit, ask.robot, ask.ground, found.gait, servo))
     told |= {"band": band.to_dict() | no_band(moved)} if band else {}
     if not as_json:
-        _print(found, margins, report.speed_words(found.steady, moved))
-        if moved is not None:
-            report.with_servo(moved)
+        _print(found, margins, moved)
         if band is not None and not no_band(moved):
             say(f"predicted: {band.in_words()}")
     if send:
@@ -200,11 +226,10 @@ def _refuse_idle(given: dict[str, Any], send: bool, plot: bool) -> None:
     for name in ("port", "duration_s", "record"):
         if not send and given[name] is not None:
             raise click.UsageError(f"--{name.replace('_', '-')} is for --send, which is not there")
-    for name in ("amplitude_sigma", "common_amplitude_sigma", "lag_sigma_deg", "joints"):
+    typed = options_of(click.get_current_context().command)
+    for name in (*DOUBTS, "joints"):
         if not (given["robust"] or plot) and given[name] is not None:
-            raise click.UsageError(
-                f"--{name.replace('_', '-')} is for --robust or --plot; neither is there"
-            )
+            raise click.UsageError(f"{typed[name]} is for --robust or --plot; neither is there")
 
 
 def _speeds(text: str) -> list[float]:
@@ -239,6 +264,8 @@ class _Asked:
         self.ground: Ground
         self.robot, self.ground = robot_with_fit(given, fit)
         self.uncertainty = _as_filmed(uncertainty, joints, self.robot)
+        shown = servo_name is None and joints is None and few_links(self.robot)
+        self.shown_servo = take_servo("hobby") if shown and self.servo is None else self.servo
 
     def find(self, speed: float) -> LeastPower | RobustGait:
         """Search for one speed."""
@@ -292,36 +319,20 @@ class _Asked:
 
 def _searched(work: Callable[[], _Found], which: str = "") -> _Found:
     """Return work() and show that it goes on; Ctrl-C ends both, so this thread shows it."""
-    from ...show import report
+    from ...show.progress import working
 
-    with report.busy(f"searching{which}"):
+    with working(f"searching{which}"):
         return interruptible(work)
 
 
 def _limits(given: dict[str, Any], send: bool) -> GaitLimits:
-    """Take the limits, a new board's speed unless told, and if the gait is sent its angle."""
+    """Take the limits: a new board's speed unless given, and its angle if the gait is sent."""
     from ...gaits.limits import GaitLimits
 
-    if given["servo_speed_deg_s"] is None:
-        given["servo_speed_deg_s"] = _BOARD_SPEED_DEG_S
-    elif given["servo_speed_deg_s"] == math.inf:
-        given["servo_speed_deg_s"] = None
-    if send and given["joint_angle_deg"] is None:
-        given["joint_angle_deg"] = _BOARD_ANGLE_DEG
-    taken = {
-        "joint_angle_rad": given.pop("joint_angle_deg"),
-        "servo_speed_rad_s": given.pop("servo_speed_deg_s"),
-        "servo_torque_nm": given.pop("servo_torque_nm"),
-        "omega_low_rad_s": given.pop("omega_low_rad_s"),
-        "omega_high_rad_s": given.pop("omega_high_rad_s"),
-    }
-    for name, option, most in (
-        ("joint_angle_rad", "--joint-angle-deg", 180.0),
-        ("servo_speed_rad_s", "--servo-speed-deg-s", math.inf),
-    ):
-        if taken[name] is not None:
-            taken[name] = math.radians(check_number(option, taken[name], 0.0, most, open_low=True))
-    return GaitLimits(**{name: value for name, value in taken.items() if value is not None})
+    board = {"servo_speed_rad_s": math.radians(_BOARD_SPEED_DEG_S)}
+    if send:
+        board["joint_angle_rad"] = math.radians(_BOARD_ANGLE_DEG)
+    return GaitLimits(**board | take(given, LIMITS))
 
 
 def _as_measured(
@@ -347,15 +358,7 @@ def _uncertainty(given: dict[str, Any], fit: FrictionFit | None, filmed: bool) -
     """
     from ...gaits.uncertainty import Uncertainty
 
-    lag = given.pop("lag_sigma_deg")
-    taken = {
-        "amplitude": given.pop("amplitude_sigma"),
-        "common_amplitude": given.pop("common_amplitude_sigma"),
-        "lag_rad": None
-        if lag is None
-        else math.radians(check_number("--lag-sigma-deg", lag, 0.0, 57.0)),
-    }
-    changes: dict[str, Any] = {k: v for k, v in taken.items() if v is not None}
+    changes: dict[str, Any] = take(given, DOUBTS)
     if fit is not None:
         changes["grounds"] = fit.sample(_GROUNDS)
         if fit.with_crawls and not filmed:
@@ -403,19 +406,14 @@ def _robust_dict(found: Any) -> dict[str, Any]:
     } | found.steady.to_dict()
 
 
-def _print(found: Any, margins: Any, speed: str) -> None:
-    from ...gaits.robust import RobustGait
+def _print(found: LeastPower | RobustGait, margins: Margins, moved: ServoSteady | None) -> None:
     from ...show import report
     from ...show.gaits import gait_report
 
-    report.answer(f"{gait_report.cheapest(found)} {speed}")
-    report.steady(found.steady)
-    if isinstance(found, RobustGait):
-        gait_report.robust(found)
-    else:
-        gait_report.optimum(found)
-    gait_report.margins(margins)
-    gait_report.no_servo(found.gait)
+    report.answer(f"{found.in_words()} {(moved or found.steady).in_words()}")
+    report.show(found, *([moved] if moved else []), margins)
+    gait_report.warn(found)
+    gait_report.warn_of_cliff(margins)
 
 
 def _show_front(ask: _Asked, speeds: list[float], as_json: bool) -> None:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...model.checks import FORMULATIONS
 from ..given import predicted_band, servo_as_filmed, take_fit
 from ..joints import joints_option, was_filmed, with_joints
 from ..options import (
-    AS_JSON,
+    AS_TABLES,
     IDEAL,
     describe,
+    formulation_option,
     gait_options,
     interruptible,
     make_gait,
@@ -38,20 +38,14 @@ if TYPE_CHECKING:
     from ...periodic.steady import Steady
 
 
-_FEW_LINKS = 20  # to ask servos about without being asked: the work grows as their cube
+_FEW_LINKS = 20
 
 
 @click.command()
 @robot_options
 @gait_options
 @click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative accuracy.")
-@click.option(
-    "--formulation",
-    type=click.Choice(FORMULATIONS),
-    default="explicit",
-    show_default=True,
-    help="Exact model, or the paper's springs.",
-)
+@formulation_option
 @click.option("--stiffness-n-m", type=float, help="Implicit: k; 1000 unless given.")
 @click.option("--damping-n-s-m", type=float, help="Implicit: c; 1 unless given.")
 @servo_option
@@ -62,7 +56,7 @@ _FEW_LINKS = 20  # to ask servos about without being asked: the work grows as th
     is_flag=True,
     help="What 1 % of each parameter changes (ideal joints); with a fit, what each doubt leaves.",
 )
-@AS_JSON
+@AS_TABLES
 def steady(
     as_json: bool,
     differentiated: bool,
@@ -101,8 +95,8 @@ def steady(
                 "--sensitivities are those of the exact model; leave --formulation implicit out"
             )
         return _on_springs(robot, ground, gait, as_json, rtol=rtol, **springs)
-    few = robot.links <= _FEW_LINKS
-    servo = servo_as_filmed(take_servo(servo_name, "hobby" if few else IDEAL), session, fit)
+    usual = "hobby" if few_links(robot) else IDEAL
+    servo = servo_as_filmed(take_servo(servo_name, usual), session, fit)
     commanded = told if joints and was_filmed(told, joints, robot.links) else None
     return _pinned(robot, ground, gait, as_json, rtol, servo, fit, differentiated, commanded)
 
@@ -112,9 +106,10 @@ def _on_springs(
 ) -> None:
     """Tell the periodic state of the implicit model."""
     from ...show import report
+    from ...show.progress import working
     from ...simulation.steady_springs import steady_springs
 
-    with report.busy("solving"):
+    with working("solving"):
         soft = interruptible(lambda: steady_springs(robot, ground, gait, rtol=rtol, **springs))
     if soft.error_estimate > rtol:
         warnings.warn(
@@ -124,7 +119,8 @@ def _on_springs(
         )
     if as_json:
         return show_json({"gait": describe(gait)} | soft.to_dict())
-    return report.steady_springs(soft, gait)
+    report.answer(soft.in_words())
+    return report.show(soft)
 
 
 def _pinned(
@@ -147,8 +143,9 @@ def _pinned(
     from ...periodic.steady_gait import steady_gait
     from ...show import report
     from ...show.gaits import gait_report
+    from ...show.progress import working
 
-    with report.busy("solving"):
+    with working("solving"):
         s = interruptible(
             lambda: steady_gait(robot, ground, gait, rtol=rtol, sensitivities=differentiated)
         )
@@ -162,18 +159,16 @@ def _pinned(
         values |= {"band": band.to_dict() | no_band(moved)} if band else {}
         values |= {"doubts": doubts.to_dict()} if doubts else {}
         return show_json(values | ({"servo": moved.to_dict()} if moved else {}))
-    report.answer(report.speed_words(s, moved))
-    report.steady(s)
-    if moved is not None:
-        report.with_servo(moved)
+    report.answer((moved or s).in_words())
+    report.show(s, *([moved] if moved else []), margins)
     if s.sensitivities is not None:
         floor_m_s = speed_floor_m_s(robot, gait.omega_rad_s)
         gait_report.sensitivities(s.sensitivities, floor_m_s)
     if band is not None and not no_band(moved):
-        report.console.print(f"predicted: {band.in_words()}", highlight=False)
+        report.console.print(f"predicted: {band.in_words()}")
     if doubts is not None:
         gait_report.doubts(doubts)
-    return gait_report.margins(margins, sigmas)
+    return gait_report.warn_of_cliff(margins, sigmas)
 
 
 def _margins_in_sigmas(
@@ -194,6 +189,11 @@ def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> Speed
     from ...calibration.advising.speed_doubts import speed_doubts
 
     return speed_doubts(fit, s.gait, s.sensitivities, band)
+
+
+def few_links(robot: Robot) -> bool:
+    """Tell whether servos are asked about unasked: the work grows as the cube of the links."""
+    return robot.links <= _FEW_LINKS
 
 
 def no_band(moved: ServoSteady | None) -> dict[str, None]:

@@ -10,15 +10,13 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-
 from ...lab.belt import Belt
 from ...lab.robot import LabRobot, pose_of
 from ...model.bends import balanced_signs
 from ...model.files import write_text
 from ...model.ground import Ground
 from ...model.robot import Robot
-from ..report import console
+from ..report import table
 
 if TYPE_CHECKING:
     from ...paper.claims import Claim
@@ -56,12 +54,8 @@ _VERDICTS = {
 
 def claim_table(claims: Sequence[Claim]) -> None:
     """Print the claims, what is found here, and the verdicts."""
-    made = Table(title="the paper's claims", title_justify="left", title_style="bold")
-    for column in ("where", "the paper", "here", "verdict"):
-        made.add_column(column)
-    for claim in claims:
-        made.add_row(claim.where, claim.paper, claim.here, claim.verdict)
-    console.print(made)
+    cells = [[c.where, c.paper, c.here, c.verdict] for c in claims]
+    table("the paper's claims", ["where", "the paper", "here", "verdict"], cells, 4)
 
 
 def write_page(

@@ -17,15 +17,8 @@ from ...calibration.friction_result import FrictionFit
 from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ...calibration.taking.procedure import step_in_words
+from ...model.rows import columns
 from ..comparison_figure import draw_comparison
-from ..friction_report import (
-    MEASURED,
-    advice_table,
-    measured_row,
-    predicted_columns,
-    predicted_row,
-    two_fits_table,
-)
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
 
@@ -77,16 +70,16 @@ def session_page(
         _summary(fit, compared),
         "<h2>Friction</h2>",
         *_drawings(session, fit),
-        _friction_table(fit),
+        _table(*columns(fit.rows())),
         *_notes(fit, session),
     ]
     if compared is not None:
         drawn = _svg(
             "speeds predicted and measured", 7.2, 6.0, 1, lambda f, _a: draw_comparison(f, compared)
         )
-        parts += ["<h2>Speed</h2>", drawn, _speed_table(compared)]
+        parts += ["<h2>Speed</h2>", drawn, _table(*columns(compared.rows()))]
     if other is not None:
-        head, rows = two_fits_table(other)
+        head, rows = other.table()
         said = f'<p class="verdict">{_prose(other.verdict)}</p>'
         parts += ["<h2>Another session beside it</h2>", said, _table(head, rows)]
     if advice is not None:
@@ -219,39 +212,13 @@ def _prose(text: str) -> str:
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
 
 
-def _friction_table(fit: FrictionFit) -> str:
-    rows = [
-        [
-            f"{r.name}, {r.unit}",
-            f"{r.value:.4g}",
-            f"{r.sigma:.2g}",
-            r.interval,
-            f"{r.value / fit.robot.links:.4g}",
-        ]
-        for r in fit.rows()
-    ]
-    head = ["whole snake", "value", "sigma", "95 % interval", "per link"]
-    return _table(head, rows)
-
-
 def _notes(fit: FrictionFit, session: Session) -> list[str]:
-    notes = [*fit.notes, *break_away_notes(fit, session), *session.notes]
-    return ["<ul>" + "".join(f"<li>{_prose(n)}</li>" for n in notes) + "</ul>"] if notes else []
-
-
-def _speed_table(compared: Comparison) -> str:
-    predicted = _table(
-        predicted_columns(compared, " (m/s)"), list(map(predicted_row, compared.gaits))
-    )
-    ran = [p for p in compared.gaits if p.measured_m_s is not None]
-    return predicted + (_table(MEASURED, list(map(measured_row, ran))) if ran else "")
+    notes = [fit.remarks[0], *fit.notes, *break_away_notes(fit, session), *session.notes]
+    return ["<ul>" + "".join(f"<li>{_prose(n)}</li>" for n in notes) + "</ul>"]
 
 
 def _advice(advice: Advice) -> str:
-    servos = "" if advice.servo is None else f", servos: {advice.servo}"
-    now = f"<p>The speeds are known to {advice.band:.1%} (95 %, friction and joints{servos}).</p>"
-    note = f"<p>{_prose(advice.note)}</p>" if advice.note else ""
-    return now + _table(*advice_table(advice, 4), words=True) + note
+    return f"<p>{_prose(advice.in_words())}</p>" + _table(*columns(advice.rows()), words=True)
 
 
 def _readings(session: Session, fit: FrictionFit) -> list[str]:

@@ -37,7 +37,7 @@ def state_of(
         "asks": [f"{f.words} ({f.unit})" for f in step.fields],
         "progress": [list(row) for row in progress(session, skipped)],
         "last": _last(session),
-        "fit": [] if fit is None else _rows(fit),
+        "fit": [] if fit is None else [row._asdict() for row in fit.rows()],
         "agreement": "" if fit is None else agreement(fit),
         "offset": offset,
         "bends": []
@@ -93,13 +93,6 @@ def _fit(session: Session) -> FrictionFit | None:
         return fit_friction(session)
     except SerpenoidError:  # too few readings yet
         return None
-
-
-def _rows(fit: FrictionFit) -> list[dict[str, Any]]:
-    return [
-        {"name": r.name, "unit": r.unit, "value": r.value, "low": r.low, "high": r.high}
-        for r in fit.rows()
-    ]
 
 
 def agreement(fit: FrictionFit) -> str:

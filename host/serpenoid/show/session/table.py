@@ -34,9 +34,9 @@ def show(session: Session, parts: list[tuple[str, str]]) -> None:
     cells = [[row[k] for k in shown] for row in told]
     report.table(session.setup.name, [columns[k] for k in shown], cells, len(shown))
     for name, state in parts:
-        report.console.print(f"{name:14} {state}", highlight=False)
+        report.console.print(f"{name:14} {state}")
     for note in session.notes:
-        report.console.print(f"note: {note}", highlight=False, soft_wrap=True)
+        report.console.print(f"note: {note}", soft_wrap=True)
 
 
 def as_dict(session: Session, parts: list[tuple[str, str]], say: str) -> dict[str, Any]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-
+from ...model.rows import table
 from ..screen import screen
 
 if TYPE_CHECKING:
@@ -18,7 +17,7 @@ def show_film(found: FilmMeasurement) -> None:
     """Print speed, turn, rate, the joints and the remarks."""
     run, out = found.run, screen()
     out.print(_summary(run), highlight=False, soft_wrap=True)
-    out.print(_joints(found))
+    out.print(table("joints", *_joints(found)))
     film, camera = run.film, run.camera
     out.print(
         f"{film['frames']} frames of {film['width_px']} x {film['height_px']} px, "
@@ -49,13 +48,10 @@ def _summary(run: FilmedRun) -> str:
     return "\n".join(lines)
 
 
-def _joints(found: FilmMeasurement) -> Table:
-    """Return the joints' table, with what was commanded where that is known."""
-    table = Table(box=None, pad_edge=False)
-    gait = found.gait
+def _joints(found: FilmMeasurement) -> tuple[list[str], list[list[str]]]:
+    """Return heads and cells of the joints' table, with what was commanded where it is known."""
+    gait, cells = found.gait, []
     commanded = ["gain", "late (°)"] if gait else []
-    for name in ("joint", "amplitude (°)", "centre (°)", "phase (°)", *commanded, "seen"):
-        table.add_column(name, justify="right", no_wrap=True)
     for joint in found.run.joints:
         row = [
             str(joint.joint),
@@ -68,8 +64,8 @@ def _joints(found: FilmMeasurement) -> Table:
             late = math.remainder(late, math.tau) if math.isfinite(late) else late
             share = joint.amplitude_rad / gait.alpha_rad if gait.alpha_rad else math.nan
             row += [f"{100 * share:.2f} %", f"{math.degrees(late):+.2f}"]
-        table.add_row(*row, f"{100 * joint.seen:.1f} %")
-    return table
+        cells.append([*row, f"{100 * joint.seen:.1f} %"])
+    return ["joint", "amplitude (°)", "centre (°)", "phase (°)", *commanded, "seen"], cells
 
 
 def _pair(value_rad: float, sigma_rad: float) -> str:

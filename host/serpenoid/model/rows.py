@@ -1,0 +1,112 @@
+"""What a result says: a sentence, then rows of name, unit, value and interval; the one printer."""
+
+from __future__ import annotations
+
+import io
+import math
+import textwrap
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+_WIDTH = 100  # characters of a printed result
+
+
+class Row(NamedTuple):
+    """One line of a result; NaN stands for what it has not.
+
+    low, high: the 95 % interval. sigma: standard deviation. detail: a numerical error, a margin or
+    another power, which commands print with --verbose. words: printed in place of the value.
+    """
+
+    name: str
+    unit: str
+    value: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    sigma: float = math.nan
+    detail: bool = False
+    words: str = ""
+
+    @property
+    def interval(self) -> str:
+        """Return the interval in words; one that begins at 0 has only an upper end."""
+        if math.isnan(self.high):
+            return ""
+        return f"{self.low:.3g} to {self.high:.3g}" if self.low else f"below {self.high:.3g}"
+
+    @property
+    def cells(self) -> list[str]:
+        """Return name with unit, value with its standard deviation, and interval."""
+        value = "–" if math.isnan(self.value) else f"{self.value:.4g}"
+        sigma = "" if math.isnan(self.sigma) else f" ± {self.sigma:.2g}"
+        name = f"{self.name}, {self.unit}" if self.unit else self.name
+        return [name, self.words or value + sigma, self.interval]
+
+
+def detail(name: str, unit: str, value: float = math.nan, words: str = "") -> Row:
+    """Return a row of what commands print with --verbose."""
+    return Row(name, unit, value, detail=True, words=words)
+
+
+class Result:
+    """What can be printed: a sentence, and the table of its rows."""
+
+    __slots__ = ()
+
+    def in_words(self) -> str:
+        """Return what a builder asks, in two digits; "" where the table says it."""
+        return ""
+
+    def rows(self) -> list[Row]:
+        """Return the numbers, most wanted first; unless a result says which, all of its fields."""
+        names: tuple[str, ...] = getattr(self, "__match_args__", ())
+        return [Row(name, "", words=_shown(getattr(self, name))) for name in names]
+
+    def __str__(self) -> str:
+        from rich.console import Console
+
+        text = Console(width=_WIDTH, file=io.StringIO(), markup=False, emoji=False, highlight=False)
+        text.print(self.in_words(), table("", *columns(self.rows())), sep="\n")
+        return text.file.getvalue().strip()  # type: ignore[attr-defined]
+
+
+def _shown(value: object) -> str:
+    """Return a number or an array in four digits, a long one without its middle."""
+    text = np.array2string(np.asarray(value), precision=4, threshold=12)
+    return textwrap.shorten(text, _WIDTH // 2)
+
+
+def columns(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+    """Return heads and cells of rows; intervals have a column where there is one."""
+    count = 3 if any(row.interval for row in rows) else 2
+    return ["", "value", "95 % interval"][:count], [row.cells[:count] for row in rows]
+
+
+def table(
+    title: str, heads: Sequence[str], cells: Sequence[Sequence[str]], text_columns: int = 1
+) -> Table:
+    """Return a table to print; its first columns are text, the others numbers, none cut off."""
+    from rich.table import Table
+
+    made = Table(title=title, title_justify="left", title_style="bold", header_style="")
+    for i, head in enumerate(heads):
+        made.add_column(head, justify="left" if i < text_columns else "right", overflow="fold")
+    for row in cells:
+        made.add_row(*row)
+    return made
+
+
+def two_digits(value: float) -> str:
+    """Return a number as one says it: 0.10, 2.1, 12."""
+    return f"{value:#.2g}".removesuffix(".")
+
+
+def ranged(value: float, unit: str, low: float, high: float) -> str:
+    """Return a value and its range in two digits."""
+    ends = f"{two_digits(low)} to {two_digits(high)}" if low else f"below {two_digits(high)}"
+    return f"{two_digits(value)} {unit} ({ends})"
