@@ -1,8 +1,8 @@
 """Measure rendered films of known robots: errors, and how many of the stated intervals hold them.
 
-python studies/films.py plain --films 200       some 3 s of processor time a film
+python studies/films.py plain --films 216 --seed 3   some 3 s of processor time a film
 python studies/films.py worlds --films 8        the hard worlds, 8 films each
-python studies/films.py plain --films 200 --out films.jsonl      each film's errors, as they come
+python studies/films.py plain --films 216 --out films.jsonl      each film's errors, as they come
 """
 
 from __future__ import annotations

@@ -109,7 +109,7 @@ def _recording(what: str, given: dict[str, Any]) -> tuple[Gait, str, str, dict[s
     title = "the virtual robot" if what == "virtual" else Path(what).name
     about = (
         f"{_gait_words(gait)}; the path is predicted for the {whose} "
-        "from the set-points that the firmware told"
+        "from the set-points that the firmware reported"
     )
     return gait, title, about, shown
 

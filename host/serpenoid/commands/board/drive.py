@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     "--page",
     is_flag=True,
     help="Show the robot live on a page of this machine's browser: where the model goes "
-    "with the joints as told, for the 2005 robot and ground without a fit.",
+    "with the joints as reported, for the 2005 robot and ground without a fit.",
 )
 @AS_JSON
 def drive(

@@ -54,7 +54,7 @@ _FEW_LINKS = 20
     "--sensitivities",
     "differentiated",
     is_flag=True,
-    help="What 1 % of each parameter changes (ideal joints); with a fit, what each doubt leaves.",
+    help="What 1 % of each parameter changes (ideal joints); with a fit, what each unknown leaves.",
 )
 @AS_TABLES
 def steady(
@@ -183,7 +183,7 @@ def _margins_in_sigmas(
 
 
 def _doubts(s: Steady, fit: FrictionFit | None, band: SpeedBand | None) -> SpeedDoubts | None:
-    """Return what each doubt leaves of the speed, where a fit and derivatives are there."""
+    """Return what each uncertainty leaves of the speed, where a fit and derivatives are there."""
     if fit is None or band is None or s.sensitivities is None or not s.sensitivities.at[0] > 0:
         return None
     from ...calibration.advising.speed_doubts import speed_doubts

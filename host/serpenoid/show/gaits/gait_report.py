@@ -56,7 +56,7 @@ def sensitivities(found: Sensitivities, floor_m_s: float) -> None:
 
 def doubts(found: SpeedDoubts) -> None:
     """Print what makes a predicted speed's interval wide."""
-    columns = ["in doubt", "by derivatives", "by draws"]
+    columns = ["uncertain", "by derivatives", "by draws"]
     table("what that leaves of the predicted speed, 1 sigma", columns, found.rows())
     console.print(found.in_words())
 

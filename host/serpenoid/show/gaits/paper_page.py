@@ -89,7 +89,7 @@ def _let_go() -> str:
         "Eq. 60 holds a snake whose every link is at λ, left and right in turn. Its forces "
         "balance, its moments do not: let go on the belt at λ = 7.5° in that very balance, the "
         f"2005 robot turns by {zigzag:.0f}° in one second. The paper tells of no guide; without "
-        "one, its bent readings are not of Eq. 60, and C<sub>n</sub> = 1.2 N s/m is in doubt. "
+        "one, its bent readings are not of Eq. 60, and C<sub>n</sub> = 1.2 N s/m is uncertain. "
         f"With links at + − 0 0 − + times λ it turns by {balanced:.1f}°: "
         "<code>serpenoid calibrate</code> bends it so."
     )
