@@ -298,7 +298,9 @@ def _station(session: Session, series: Series, incline_deg: float, shown_rad: fl
     first = not of_bend(session, lambda_rad, facing)
     if first:
         say += " Steeper, if the belt carries it off at any speed."
-    near_deg = (incline_deg - 2 * step_deg, MOST_DEG if first else incline_deg + 2 * step_deg)
+    # A misread first station leads its whole series astray: straight, a far one is asked about.
+    steep = first and (lambda_rad > 0 or facing == "up")
+    near_deg = (incline_deg - 2 * step_deg, MOST_DEG if steep else incline_deg + 2 * step_deg)
     shown = replace(STATION["incline_deg"], likely=near_deg)
     belt = replace(STATION["belt_speed_m_s"], likely=likely)
     cells: dict[str, float | str] = {
