@@ -20,6 +20,7 @@ from command_line import serpenoid
 from robot.patience import LONG_S
 from serpenoid.commands.main import cli
 
+PAPER = ["--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80"]
 GAIT = ["--alpha-deg", "70", "--beta-deg", "75", "--omega-rad-s", "5"]
 
 
@@ -37,9 +38,7 @@ def test_steady() -> None:
 
 
 def test_the_papers_robot_by_name() -> None:
-    got = answer(
-        "steady", "--robot", "paper", "--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "5"
-    )
+    got = answer("steady", *PAPER, "--omega-rad-s", "5")
     assert got["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
 
 
@@ -56,10 +55,8 @@ def test_simulate_settles_to_steady() -> None:
 
 
 def test_the_springs_error_is_told() -> None:
-    gait = ["--alpha-deg", "30", "--beta-deg", "80", "--omega-rad-s", "10"]
-    got = answer(
-        "simulate", "--robot", "paper", *gait, "--formulation", "implicit", "--duration-s", "60"
-    )
+    gait = [*PAPER, "--omega-rad-s", "10"]
+    got = answer("simulate", *gait, "--formulation", "implicit", "--duration-s", "60")
     # 8.04 % in the periodic state; over all of 60 s the start counts too
     assert got["error_estimate"]["modelling"]["mean_speed"] == pytest.approx(0.0804, abs=0.008)
     assert "change the mean speed by +" in got["warnings"][0]
@@ -117,12 +114,7 @@ def test_sweep_writes_every_gait(tmp_path) -> None:
 def test_sweep_answers_with_json() -> None:
     got = answer(
         "sweep",
-        "--robot",
-        "paper",
-        "--alpha-deg",
-        "30",
-        "--beta-deg",
-        "80",
+        *PAPER,
         "--omega-rad-s",
         "5:10:5",
     )
