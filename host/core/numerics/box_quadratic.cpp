@@ -23,10 +23,13 @@ constexpr double kRounding = 1e-13;    // of the largest number
 // rest_ is the residual.
 void BoxQuadratic::solve() {
     const std::size_t size = right_.size();
-    factor_ = matrix_;
-    for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] *= 1 + 1e-9;
     const int rows = static_cast<int>(size);
-    cholesky(factor_.data(), rows);
+    for (double more : {1e-9, 1e-6, 1e-3}) {  // where rounding makes the matrix indefinite
+        factor_ = matrix_;
+        for (std::size_t i = 0; i < size; ++i) factor_[i * size + i] *= 1 + more;
+        cholesky(factor_.data(), rows);
+        if (std::isfinite(factor_.back())) break;
+    }
     x_.assign(size, 0.0);
     const auto residual = [&] {
         rest_ = right_;

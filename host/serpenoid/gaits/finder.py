@@ -28,6 +28,7 @@ from .shapes import COSTS, FINE, STATES, Array, Point, angles_of, better, near_r
 from .table import GaitTable
 
 ANY = GaitLimits()
+MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense
 FIRST = 0.15  # e-folds of shape: the first simplex, half a step of the table; later ones are half
 ROUGH = 0.02  # e-folds of shape: where the first descents end, and what lies on a limit for them
 ROUNDS = 3  # closer searches at most: each gains less than a third of the one before
@@ -127,8 +128,9 @@ class Finder:
         springs: tuple[float, float] | None = None,
     ) -> None:
         check_parts(robot, ground)
+        most = MOST_LENGTHS_A_SECOND * robot.links * robot.link_length_m
         for speed in speeds:
-            check_number("speed_m_s", speed, 0.0, open_low=True)
+            check_number("speed_m_s", speed, 0.0, most, open_low=True)
         check_choice("cost", cost, COSTS)
         smooth = ground.smooth and springs is None
         # of the searched states, of their speeds, and of places where a descent ends

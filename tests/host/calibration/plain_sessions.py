@@ -131,7 +131,7 @@ def _session(world, rows, checks, zeros):
     )
     setup = Setup(
         "plain",
-        "simulated",
+        "regenerated",  # its belt runs as its instruments state
         "a test",
         "none",
         Robot(6, world.mass_kg / 6, 0.076),

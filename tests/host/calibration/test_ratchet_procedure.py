@@ -58,7 +58,7 @@ def test_the_dialogue_turns_it_round_after_the_straight_series(tmp_path):
         folder, *ZERO, "", *stations, "", *station("6.5", "0.3"), "undo", "", *station("6.6", "0.3")
     )
     assert "head UPHILL" in heard
-    assert "If the belt carries it off at any speed: steeper" in heard
+    assert "Steeper, if the belt carries it off at any speed" in heard
     assert [r.facing for r in session.kept] == ["down"] * 3 + ["up"]
     assert session.kept[-1].incline_rad == pytest.approx(math.radians(6.6))
     # it is left out on demand, and the bends come next, head downhill again

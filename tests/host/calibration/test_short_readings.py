@@ -176,7 +176,7 @@ def test_bad_places_are_refused_and_nothing_is_written(folder):
 def test_the_dialogue_takes_places_for_the_drift(folder):
     bad = ("", "2.0", "0.3", "", "0:0 2:0.1", "0:0 1.5:0.01 3:0.04")  # no settling is asked about
     heard, session = dialogue.talk(folder, *dialogue.ZERO, "", *bad)
-    assert "or places as s:m" in heard
+    assert "places in a film as s:m" in heard
     assert "three places" in heard
     assert "since the belt was set" not in heard
     (reading,) = session.kept

@@ -95,6 +95,7 @@ def test_a_fit_with_crawls_serves_predictions_but_not_their_test(tmp_path, capsy
     run("calibrate", "new", folder, "--defaults", "--simulated")
     run("calibrate", "add", folder, "--sheet", sheet)
     run("calibrate", "add", folder, "zero", "incline_deg=0.1", "reversed_deg=0")
+    run("calibrate", "add", folder, "belt", "belt_speed_m_s=0.5", "distance_m=28", "duration_s=56")
     run("calibrate", "add", folder, *CRAWL, "omega_rad_s=5")
     session = sn.load_session(folder)
     plain = sn.fit_friction(session)
