@@ -48,7 +48,7 @@ def tracks(tmp_path):
 def test_a_session_is_begun_pushed_and_gone_on_with(tmp_path, tracks):
     folder = tmp_path / "s"
     run(*NEW[:2], folder, *NEW[2:])
-    plan = load_session_text(folder)
+    plan = (folder / "session.toml").read_text()
     assert 'on = "floor"' in plan
     assert "wheels_kg = 0.0" in plan
     assert "align its links" in run("calibrate", folder, "--dry-run")
@@ -99,10 +99,6 @@ def test_the_sheet_of_a_floor_is_printed_typed_and_taken_in(tmp_path):
     assert [round(math.degrees(p.lambda_rad), 3) for p in pushes] == [0] * 8 + [19, 19]
     assert {p.bend for p in pushes[8:]} == {"balanced"}
     assert len(load_session(folder).kept_slides) == 1
-
-
-def load_session_text(folder):
-    return (folder / "session.toml").read_text()
 
 
 def test_a_session_of_a_treadmill_goes_on_on_the_floor(tmp_path):

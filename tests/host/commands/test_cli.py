@@ -84,14 +84,6 @@ def test_fit_and_its_figure(tmp_path) -> None:
     assert (tmp_path / "f.png").read_bytes()[:4] == b"\x89PNG"
 
 
-def test_optimize() -> None:
-    got = answer("optimize", "--robot", "paper", "--speed-m-s", "0.1")
-    assert got["power_w"] == pytest.approx(7.63769e-3, rel=1e-5)
-    assert got["gait"]["alpha_deg"] == pytest.approx(31.77, abs=0.01)
-    assert got["speed_m_s"] == pytest.approx(0.1, rel=1e-6)
-    assert got["abs_power_w"] > got["positive_power_w"] > got["power_w"]
-
-
 def test_sweep_writes_every_gait(tmp_path) -> None:
     out = tmp_path / "sweep.csv"
     done = serpenoid(
