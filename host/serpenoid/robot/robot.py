@@ -33,7 +33,6 @@ from .wire.inbox import Losses
 from .wire.link import Link, open_link
 from .wire.protocol import Data, Hello, Telemetry, Verdict, refused
 from .wire.reports import Status, Trim, settings_of, status_of, trims_of
-from .wire.state_tracker import RESTING
 
 if TYPE_CHECKING:
     from ..model.gait import Gait
@@ -300,7 +299,7 @@ class RobotBoard:
 
     def _halt(self) -> None:
         if self._talk is not None and os.getpid() == self._process:
-            self._cut_short = self._talk.inbox.states.last not in RESTING
+            self._cut_short = self._talk.inbox.states.moves
             with suppress(RobotError):
                 self._talk.halt()
 

@@ -170,7 +170,7 @@ def test_ctrl_z_stops_the_robot_before_it_suspends():
         assert os.WIFSTOPPED(os.waitpid(child.pid, os.WUNTRACED)[1])
         assert fake.await_state("hold")
         child.send_signal(signal.SIGCONT)
-        assert "RobotUnattended: the program was suspended" in child.communicate()[1]
+        assert "RobotUnattended: the program was suspended" in child.communicate(timeout=LONG_S)[1]
 
 
 def test_a_program_whose_robot_rested_at_ctrl_z_goes_on():
@@ -180,7 +180,7 @@ def test_a_program_whose_robot_rested_at_ctrl_z_goes_on():
         child.send_signal(signal.SIGTSTP)
         assert os.WIFSTOPPED(os.waitpid(child.pid, os.WUNTRACED)[1])
         child.send_signal(signal.SIGCONT)
-        assert child.communicate("\n")[0] == "1\n"
+        assert child.communicate("\n", timeout=LONG_S)[0] == "1\n"
 
 
 def test_handlers_are_given_back():

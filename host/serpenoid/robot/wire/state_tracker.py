@@ -22,12 +22,13 @@ class StateTracker:
         self._states: frozenset[str] | None = None
         self._before: frozenset[str] | None = None
         self._halted = False
+        self._asked: frozenset[str] = frozenset()
         self.last = "unknown"
         self.rested = True  # the board said so since the last stop
 
     def asking(self, text: str) -> None:
         """Note a command that goes out now."""
-        self._before, self._halted = self._states, False
+        self._before, self._halted, self._asked = self._states, False, self._after(text)
         if self._states is not None:
             self._states |= self._after(text)
 
@@ -45,6 +46,11 @@ class StateTracker:
             self._states = after
         if self._halted and self._states is not None:
             self._states |= STOPPED
+
+    @property
+    def moves(self) -> bool:
+        """Tell whether the robot may move, by what it said or by what it was asked for."""
+        return not RESTING >= {self.last, *(self._states or self._asked)}
 
     def hear(self, state: str) -> None:
         """Note a state that the board is in."""
