@@ -37,11 +37,6 @@ def test_steady() -> None:
     assert serpenoid("steady", *GAIT).stdout.count("m/s") >= 1
 
 
-def test_the_papers_robot_by_name() -> None:
-    got = answer("steady", *PAPER, "--omega-rad-s", "5")
-    assert got["speed_m_s"] == pytest.approx(0.292060796024, rel=1e-6)
-
-
 def test_frequency_is_rate() -> None:
     rate = answer("steady", *GAIT)
     same = answer("steady", *GAIT[:4], "--frequency-hz", str(5 / (2 * math.pi)))
@@ -104,12 +99,7 @@ def test_sweep_writes_every_gait(tmp_path) -> None:
 
 
 def test_sweep_answers_with_json() -> None:
-    got = answer(
-        "sweep",
-        *PAPER,
-        "--omega-rad-s",
-        "5:10:5",
-    )
+    got = answer("sweep", *PAPER, "--omega-rad-s", "5:10:5")
     assert got["alpha_deg"] == pytest.approx([30.0])
     assert got["speed_m_s"][0][0][0] == pytest.approx(0.292060796024, rel=1e-6)
     assert got["converged"] == [[[True, True]]]
