@@ -6,6 +6,7 @@ import csv
 import dataclasses
 import json
 import math
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -64,12 +65,6 @@ def answer(*args: object) -> dict:
     return json.loads(done.stdout)
 
 
-def field(scene: sn.Scene, name: str) -> object:
-    for part in name.split("."):
-        scene = getattr(scene, part)
-    return scene
-
-
 def test_every_field_has_its_option(tmp_path: Path) -> None:
     fields = {name.split(".")[-1] for _, name, _ in OPTIONS.values()} | {"drive", "torque"}
     fields |= {"joint_gain", "joint_shift_rad"}  # of a gait that is wrong: for studies in Python
@@ -82,7 +77,7 @@ def test_every_field_has_its_option(tmp_path: Path) -> None:
     answer(*given, "--save-scene", path)
     scene = sn.load_scene(path)
     for option, (_, name, wanted) in OPTIONS.items():
-        assert field(scene, name) == wanted, option
+        assert attrgetter(name)(scene) == wanted, option
     assert scene.drive == "servo"
 
 
@@ -96,7 +91,7 @@ def test_an_option_overrides_its_field_of_the_file_alone(option: str, tmp_path: 
     for other in ("scene_path", "saved_path", "out", "figure", "accuracy", "no_error", "as_json"):
         given.pop(other)
     scene = make_scene(given, base)
-    assert field(scene, name) == wanted
+    assert attrgetter(name)(scene) == wanted
     goes_along = {"link_inertia_kg_m2"} if option in ("--mass-kg", "--length-m") else set()
     goes_along |= {"drive"} if option == "--servo-fields" else set()
     goes_along |= (
