@@ -58,7 +58,7 @@ MOST_TOKENS = {
     "tests/host": 819,
     "tests/host/bench": 2316,
     "tests/host/calibration": 62514,
-    "tests/host/commands": 19461,
+    "tests/host/commands": 19431,
     "tests/host/exchange": 1699,
     "tests/host/gaits": 14041,
     "tests/host/lab": 11575,

@@ -50,7 +50,7 @@ class StateTracker:
     @property
     def moves(self) -> bool:
         """Tell whether the robot may move, by what it said or by what it was asked for."""
-        return not RESTING >= {self.last, *(self._states or self._asked)}
+        return bool({self.last, *(self._states or self._asked)} - RESTING)
 
     def hear(self, state: str) -> None:
         """Note a state that the board is in."""
