@@ -17,7 +17,7 @@ def setup(*lambdas_deg: float) -> Setup:
     """Return a set-up that is straight first, then bent by these angles."""
     return Setup(
         name="made up",
-        kind="regenerated",  # its belt runs as its instruments state
+        kind="simulated",
         source="a test",
         note="a test",
         robot=Robot(6, 0.0756, 0.076),

@@ -204,15 +204,14 @@ def test_chi2_is_distributed_as_it_should_be(many):
     ("lambda_deg", "cn_percent", "fn0_percent"),
     [
         (7.5, 34.7, 12.9),
-        (10.0, 20.4, 9.7),
         (15.0, 10.2, 6.6),
-        (20.0, 6.4, 4.6),
         (30.0, 3.6, 3.3),
         (45.0, 2.1, 2.8),
     ],
 )
 def test_a_larger_bend_measures_normal_friction_better(lambda_deg, cn_percent, fn0_percent):
-    fit = fit_friction(session(setup(lambda_deg), WHOLE_BODY_2005))
+    setting = replace(setup(lambda_deg), kind="regenerated")  # the belt is as stated
+    fit = fit_friction(session(setting, WHOLE_BODY_2005))
     percent = dict(zip(NAMES, 100 * sigmas(fit) / TRUTH, strict=True))
     # Against the scatter of 2000 simulated fits, which is known to 1.6 % and printed to 2.4 %, and
     # varies with which stations a session happens to reach.
