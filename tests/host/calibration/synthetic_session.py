@@ -13,11 +13,11 @@ WHOLE_BODY_2005 = Ground(ct=0.084, cn=1.2, ft0=0.14, fn0=0.27)  # Eqs. 59 and 62
 STEP_RAD = math.radians(0.1)  # the inclinometer's
 
 
-def setup(*lambdas_deg: float) -> Setup:
+def setup(*lambdas_deg: float, kind="simulated") -> Setup:
     """Return a set-up that is straight first, then bent by these angles."""
     return Setup(
         name="made up",
-        kind="simulated",
+        kind=kind,
         source="a test",
         note="a test",
         robot=Robot(6, 0.0756, 0.076),

@@ -150,14 +150,14 @@ def many():
     Of the whole procedure, 100 sessions a kind are fitted in tests/host/bench at every run.
     """
     rng = np.random.default_rng(2005)
-    made = [session(setup(7.5), WHOLE_BODY_2005, rng) for _ in range(1000)]
+    made = [session(setup(7.5, kind="regenerated"), WHOLE_BODY_2005, rng) for _ in range(1000)]
     naive = []
     for one in made:
         # cn scatters by 35 %, so that one naive line in 500 slopes down; that is refused.
         with suppress(BadInput):
             naive.append(fit_friction(one, method="naive"))
     assert len(naive) > 985
-    return {"joint": [fit_friction(one) for one in made], "naive": naive}
+    return {"joint": list(map(fit_friction, made)), "naive": naive}
 
 
 def coverage(fits):
@@ -170,8 +170,8 @@ def coverage(fits):
 
 @pytest.mark.slow
 def test_joint_intervals_hold_the_truth_as_often_as_they_say(many):
-    # The share found in 1000 sessions scatters by sqrt(0.95 * 0.05 / 1000) = 0.7 %; 3 of these.
-    np.testing.assert_allclose(coverage(many["joint"]), 0.95, atol=0.021)
+    # The share of 1000 sessions scatters by sqrt(0.95 * 0.05 / 1000) = 0.7 %; three times this.
+    assert coverage(many["joint"]) == pytest.approx(0.95, abs=0.021)
 
 
 @pytest.mark.slow
@@ -210,8 +210,7 @@ def test_chi2_is_distributed_as_it_should_be(many):
     ],
 )
 def test_a_larger_bend_measures_normal_friction_better(lambda_deg, cn_percent, fn0_percent):
-    setting = replace(setup(lambda_deg), kind="regenerated")  # the belt is as stated
-    fit = fit_friction(session(setting, WHOLE_BODY_2005))
+    fit = fit_friction(session(setup(lambda_deg, kind="regenerated"), WHOLE_BODY_2005))
     percent = dict(zip(NAMES, 100 * sigmas(fit) / TRUTH, strict=True))
     # Against the scatter of 2000 simulated fits, which is known to 1.6 % and printed to 2.4 %, and
     # varies with which stations a session happens to reach.
