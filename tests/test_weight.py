@@ -57,7 +57,7 @@ MOST_TOKENS = {
     "tests/golden": 3893,
     "tests/host": 819,
     "tests/host/bench": 2316,
-    "tests/host/calibration": 62510,
+    "tests/host/calibration": 62508,
     "tests/host/commands": 19433,
     "tests/host/exchange": 1699,
     "tests/host/gaits": 14041,
