@@ -133,9 +133,9 @@ Refusal Controller::change_setting(const Command& command) {
     if (store_.busy()) return Refusal(Error::Saving);
     const int32_t value_u = command.value_u[0];
     Field field = setting(command.field);
-    if (command.field == kEvery) field.low_u = least_every() * 1000000L;
-    if (value_u != 0 && !in_range(field, value_u)) {
-        return Refusal(Error::Range, "value", value_u, field.low_u, field.high_u);
+    if (command.field == kEvery && value_u != 0) field.low_u = least_every() * 1000000L;
+    if (!in_range(field, value_u)) {
+        return Refusal(Error::Range, field.name, value_u, field.low_u, field.high_u);
     }
     settings_.value_u[command.field] = value_u;
     if (command.field == kEvery) telemetry_wait_ = 0;

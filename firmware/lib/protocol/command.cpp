@@ -128,10 +128,14 @@ bool read_micro(const Word& word, int32_t& value_u) {
     return true;
 }
 
+Error read_value(const Word& word, const Field& field, int32_t& value_u) {
+    if (!read_micro(word, value_u)) return Error::Number;
+    return field.whole && value_u % 1000000 != 0 ? Error::Number : Error::None;
+}
+
 Refusal read_field(const Word& word, const Field& field, int32_t& value_u) {
-    if (!read_micro(word, value_u)) return Refusal(Error::Number);
-    if (field.whole && value_u % 1000000 != 0) return Refusal(Error::Number);
-    if (in_range(field, value_u)) return Refusal();
+    const Error error = read_value(word, field, value_u);
+    if (error != Error::None || in_range(field, value_u)) return Refusal(error);
     return Refusal(Error::Range, field.name, value_u, field.low_u, field.high_u);
 }
 
@@ -180,6 +184,7 @@ Refusal parse_save(const Words& words, Command& command) {
     return Refusal();
 }
 
+// The controller looks at the limits, which depend on the board.
 Refusal parse_set(const Words& words, Command& command) {
     command.lists = words.count == 1;
     if (command.lists) return Refusal();
@@ -190,7 +195,7 @@ Refusal parse_set(const Words& words, Command& command) {
         command.field = i;
         command.value_u[0] = 0;
         if (may_be_off(i) && words.word[2].is_flash(kOff)) return Refusal();
-        return read_field(words.word[2], field, command.value_u[0]);
+        return Refusal(read_value(words.word[2], field, command.value_u[0]));
     }
     return Refusal(Error::Name);
 }

@@ -143,8 +143,7 @@ class RobotBoard:
         Sent again, under the same number, until the verdict comes; raises RobotLost if none
         does, BadInput if the board could not read such a line. A refusal is a verdict too.
         """
-        answer = self._ask(text)
-        return answer.verdict, answer.data
+        return self._ask(text)
 
     def gait(self, gait: Gait) -> None:
         """Ramp into a gait (Eq. 57); raise CommandRefused beyond joint limits or servo speed.
@@ -179,7 +178,7 @@ class RobotBoard:
         """
         links = self.hello.joints + 1
         if links < FEWEST_LINKS:
-            raise refused("bent", Verdict(False, None, "-", "unbalanced", "", False))
+            raise refused("bent", "unbalanced")
         self._bend("balanced", lambda_rad, offset_rad)
 
     def zigzag(self, lambda_rad: float, offset_rad: float = 0.0) -> None:
@@ -215,7 +214,7 @@ class RobotBoard:
     def settings(self) -> dict[str, float]:
         """Return the board's settings by name, in the units of PROTOCOL.md."""
         found = self._asked("set", settings_of)
-        self._dialogue.inbox.every = int(found["every"])
+        self._dialogue.inbox.expect(int(found["every"]))
         self._dialogue.feed(found["silence"])
         return found
 
@@ -260,14 +259,10 @@ class RobotBoard:
         """
         if duration_s is not None:
             check_number("duration_s", duration_s, 0.0)
-        self._dialogue.forget_frames()
-        return self._frames(math.inf if duration_s is None else duration_s)
-
-    def _frames(self, duration_s: float) -> Iterator[Telemetry]:
         dialogue = self._dialogue
-        end_s = dialogue.link.now_s() + duration_s
-        while (frame := dialogue.next_frame(end_s)) is not None:
-            yield frame
+        dialogue.forget_frames()
+        end_s = dialogue.link.now_s() + (math.inf if duration_s is None else duration_s)
+        return iter(lambda: dialogue.next_frame(end_s), None)
 
     @property
     def _dialogue(self) -> Dialogue:
@@ -324,7 +319,7 @@ class RobotBoard:
         try:
             self.settings()
         except (DamagedLine, CommandRefused):  # missed frames are counted by the default then
-            self._talk.inbox.every = 1
+            self._talk.inbox.expect(1)
 
     def _leave(self, error: BaseException | None) -> None:
         self._signals.held = True
@@ -382,7 +377,7 @@ def _described(error: BaseException) -> str:
 
 def _obey(text: str, answer: Answer) -> None:
     if not answer.verdict.accepted:
-        raise refused(text, answer.verdict)
+        raise refused(text, answer.verdict.error, answer.verdict.detail)
 
 
 Robot = RobotBoard  # the name in earlier scripts

@@ -387,17 +387,38 @@ TEST_CASE(
         CHECK(b.counters().clipped == 0);
         b.type("!", frame_us * 1e-6 + 0.001);
         CHECK(b.state() == State::Hold);
-        CHECK(b.starts(b.type("set frame_ms 2.9"), "err: #- range frame_ms=2.9 low=3 high=32.5"));
-        CHECK(b.starts(b.type("set frame_ms 21"), "err: #- range value=21 low=3 high=20"));
+        CHECK(b.starts(b.type("set frame_ms 2.9"), "err: #- range frame_ms=2.9 low=3 high=20"));
+        CHECK(b.starts(b.type("set frame_ms 21"), "err: #- range frame_ms=21 low=3 high=20"));
     }
     Bench b;  // more frames than the wire has room for their lines
     b.type("set frame_ms 3");
     b.type("save", 1);
     b.board.boot(Reset::External);
     b.run(0.1);
-    CHECK(b.starts(b.type("set every 5"), "err: #- range value=5 low=6 high=1000"));
+    CHECK(b.starts(b.type("set every 5"), "err: #- range every=5 low=6 high=1000"));
     CHECK(b.type("set every 6") == "ok: #-");
     CHECK(b.type("set every 0") == "ok: #-");
+}
+
+TEST_CASE("a setting is taken within its limits, and a refusal names them") {
+    Bench b;
+    const char* rows[][2] = {
+        {"angle_ramp 0", "angle_ramp=0 low=1 high=360"},
+        {"servo_speed 1000.1", "servo_speed=1000.1 low=10 high=1000"},
+        {"silence 0.05", "silence=0.05 low=0.1 high=600"},
+        {"limp 0.9", "limp=0.9 low=1 high=2000"},
+        {"every 1001", "every=1001 low=1 high=1000"},
+        {"frame_ms 0", "frame_ms=0 low=3 high=20"},
+        {"released 3", "released=3 low=0 high=2"},
+    };
+    for (const auto& [sent, refused] : rows) {
+        CHECK(
+            b.starts(b.type(std::string("set ") + sent), std::string("err: #- range ") + refused));
+    }
+    for (const char* sent :
+         {"angle_ramp 1", "servo_speed 1000", "silence 0", "limp 0", "every 0"}) {
+        CHECK(b.type(std::string("set ") + sent) == "ok: #-");
+    }
 }
 
 TEST_CASE("telemetry is thinned") {

@@ -79,6 +79,14 @@ def test_keys_move_the_chosen_servo(trimming):
     assert [t.centre_us for t in trimming.trims] == centres(trimming.robot)
 
 
+def test_digits_choose_the_joints_that_there_are():
+    with Robot("virtual:fast:joints=7") as robot:
+        work = Trimming(robot, lambda _: None)
+        for key in ("7", "up", "8", "0", "up"):
+            assert work.press(key)
+        assert centres(robot) == [1500] * 6 + [1502]
+
+
 def test_saved_outlives_the_power(trimming):
     trimming.press("page up")
     assert trimming.unsaved

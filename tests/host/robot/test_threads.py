@@ -109,7 +109,7 @@ def test_eight_threads_share_the_frames():
 
     def watch(robot: Robot) -> None:
         try:
-            seen.extend(frame.frame for frame in robot._frames(0.6))
+            seen.extend(frame.frame for frame in robot.frames(0.6))
         except BaseException as error:
             wrong.append(error)
 

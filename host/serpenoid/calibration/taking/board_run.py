@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from ...robot.recording.run_gait import LEAST_FRAMES, settled_sine
+from ...robot.recording.run_gait import LEAST_FRAMES
 from ...robot.robot import RobotBoard
 
 RAMP_S = 4.0  # in which a board ramps into a gait
@@ -26,5 +28,9 @@ def board_gait(robot: RobotBoard, gait: Gait) -> Gait:
     if len(running) < LEAST_FRAMES:
         raise BadInput("the board did not go into the gait; see `serpenoid doctor`")
     phase = np.unwrap([frame.phase_rad for frame in running])
-    (alpha, beta, _), _ = settled_sine(phase, np.array([f.setpoint_rad for f in running]))
-    return Gait(alpha, beta, robot.true_rate_rad_s(gait.omega_rad_s)[0])
+    design = np.column_stack([np.sin(phase), np.cos(phase), np.ones_like(phase)])
+    setpoints = np.array([frame.setpoint_rad for frame in running])
+    sine, cosine, _ = np.linalg.lstsq(design, setpoints, rcond=None)[0]
+    beta = float(np.diff(np.unwrap(np.arctan2(cosine, sine))).mean())
+    rate = robot.true_rate_rad_s(gait.omega_rad_s)[0]
+    return Gait(float(np.hypot(sine, cosine).mean()), math.remainder(beta, math.tau), rate)

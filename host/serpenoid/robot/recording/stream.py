@@ -7,7 +7,7 @@ from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...model.errors import BadInput, ClockWrong, DamagedLine, RecordingFailed
 from ...model.files import check_file
@@ -21,8 +21,19 @@ if TYPE_CHECKING:
 
 MOST_BYTES = 1 << 31  # a fortnight of telemetry
 LONGEST_ROW = 4096  # bytes; a whole line takes a tenth of it, and what is longer is damaged
-_COUNTS = ("frame", "exec_us", "late_us", "clipped")  # whole numbers of a frame
-_SINGLE = 4 + len(_COUNTS)  # numbers of a frame that are not of a joint
+_COLUMNS = {  # what is kept of each frame, with the type codes of array.array
+    "host_s": "d",
+    "board_us": "q",
+    "state": "B",
+    "frame": "q",
+    "phase_rad": "d",
+    "exec_us": "q",
+    "late_us": "q",
+    "clipped": "q",
+    "setpoint_rad": "d",
+    "pulse_us": "q",
+}
+_ROW = re.compile(rb"(\d{1,12}(?:\.\d{1,9})?) ([<>]) (.*)", re.DOTALL)
 BACKWARDS_S = 0.01  # between lines that threads wrote a moment apart, as versions before 0.2 did
 
 
@@ -102,12 +113,7 @@ class _Reading:
     def _begin_frames(self, joints: int) -> None:
         """Expect frames of so many joints, as greeted; 0 for as many as the first one has."""
         self._joints, self._clock = joints, BoardClock(frame_us(joints))
-        self._numbers = array("d")  # a row a frame: a run of days has millions
-
-    @property
-    def _width(self) -> int:
-        """Return how many numbers a frame has."""
-        return _SINGLE + 2 * self._joints
+        self._columns = {name: array(code) for name, code in _COLUMNS.items()}
 
     def take(self, number: int, row: bytes) -> None:
         """Take one row; raise BadInput, with its number, if it is not as Recorder writes it."""
@@ -116,26 +122,21 @@ class _Reading:
                 self._note(row.decode("utf-8", "replace"))
             else:
                 self._line(*self._parts(row))
-        except ValueError as error:  # no number, no direction, time runs backwards
+        except ValueError as error:  # no row of a recording, or time runs backwards
             raise BadInput(f"{self._path}:{number}: {row[:60]!r} ({error})") from None
 
     def stream(self, begun: str) -> Stream:
         """Return all that was taken."""
         import numpy as np
 
-        rows = np.asarray(self._numbers).reshape(-1, self._width)
-        host_s, board_us, phase_rad, state, *counts = rows[:, :_SINGLE].T
-        setpoint_rad, pulse_us = np.hsplit(rows[:, _SINGLE:], 2)
-        whole = {name: column.astype(int) for name, column in zip(_COUNTS, counts, strict=True)}
+        columns: dict[str, Any] = {n: np.asarray(column) for n, column in self._columns.items()}
+        for name in ("setpoint_rad", "pulse_us"):
+            columns[name] = columns[name].reshape(len(columns["frame"]), self._joints)
+        columns["state"] = np.array([*self._states, ""], dtype=str)[columns["state"]]
         return Stream(
             begun=begun,
-            host_s=host_s,
-            board_s=board_us * 1e-6,
-            phase_rad=phase_rad,
-            setpoint_rad=setpoint_rad,
-            pulse_us=pulse_us.astype(int),
-            state=np.array([*self._states, ""], dtype=str)[state.astype(int)],
-            **whole,
+            board_s=columns.pop("board_us") * 1e-6,
+            **columns,
             sent=tuple(self._sent),
             said=tuple(self._said),
             damaged=self._damaged,
@@ -150,18 +151,16 @@ class _Reading:
             self._lost += int(text.split()[2])
 
     def _parts(self, row: bytes) -> tuple[float, str, bytes]:
-        seconds, _, rest = row.partition(b" ")
-        direction, _, text = rest.partition(b" ")
-        if not re.fullmatch(rb"\d{1,12}(\.\d{1,9})?", seconds):
-            raise ValueError(f"{seconds.decode('ascii', 'replace')} is no time in seconds")
-        host_s = float(seconds)
-        if direction not in (b"<", b">"):
+        parts = _ROW.fullmatch(row)
+        if not parts:
             raise ValueError("it is not `SECONDS < LINE` or `SECONDS > LINE`")
+        seconds, direction, text = parts.groups()
+        host_s = float(seconds)
         if host_s < self._last_s - BACKWARDS_S:
             raise ValueError(f"time is {seconds.decode()} after {self._last_s}: it runs backwards")
         self._last_s = max(self._last_s, host_s)
         if len(row) == LONGEST_ROW:  # cut, perhaps amid an escaped byte
-            return host_s, direction.decode(), b""
+            text = b""
         return host_s, direction.decode(), text.decode("unicode_escape").encode("latin-1")
 
     def _line(self, host_s: float, direction: str, text: bytes) -> None:
@@ -180,7 +179,7 @@ class _Reading:
         if isinstance(message, Hello) and not self._greeted:
             self._greeted = True
             if self._joints != message.joints:  # frames before this greeting were noise
-                self._damaged += len(self._numbers) // self._width
+                self._damaged += len(self._columns["frame"])
                 self._begin_frames(message.joints)
             self._clock.frame_us = message.frame_us
 
@@ -192,6 +191,7 @@ class _Reading:
             raise DamagedLine(f"a frame has another number of joints than {self._joints}")
         board_us = self._clock.unwrap(frame.frame, frame.board_us)
         state = self._states.setdefault(frame.state, len(self._states))
-        self._numbers.extend((host_s, board_us, frame.phase_rad, state))
-        self._numbers.extend(getattr(frame, name) for name in _COUNTS)
-        self._numbers.extend((*frame.setpoint_rad, *frame.pulse_us))
+        values = vars(frame) | {"host_s": host_s, "board_us": board_us, "state": state}
+        for name, column in self._columns.items():
+            value = values[name]
+            column.extend(value if isinstance(value, tuple) else (value,))

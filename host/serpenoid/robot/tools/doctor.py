@@ -12,17 +12,22 @@ from ...model.errors import NoAnswer, ProtocolMismatch, RobotError
 from ..robot import RobotBoard
 from ..wire import link, port_diagnosis
 from ..wire.inbox import Losses
-from ..wire.ports import allowed, users
+from ..wire.ports import allowed
 from ..wire.protocol import PROTOCOL, Hello
 from ..wire.reports import Status
 from .first_day import RELEASED
 
 Mark = Literal["ok", "note", "fix"]
-SETTINGS = {
-    "ok": "whole",
-    "new": "nothing saved yet: the firmware's defaults are in use",
-    "older": "the newest copy was damaged, the one before it is in use",
-    "damaged": "both copies are damaged: the firmware's defaults are in use",
+SAVE_ANEW = "check each servo and save: serpenoid trim"
+SETTINGS: dict[str, tuple[Mark, str, str]] = {
+    "ok": ("ok", "whole", ""),
+    "new": (
+        "note",
+        "nothing saved yet: the firmware's defaults are in use",
+        "centre the servos: serpenoid trim",
+    ),
+    "older": ("fix", "the newest copy was damaged, the one before it is in use", SAVE_ANEW),
+    "damaged": ("fix", "both copies are damaged: the firmware's defaults are in use", SAVE_ANEW),
 }
 RESETS = {
     "brownout": "give the servos a supply of their own and join the grounds",
@@ -82,24 +87,18 @@ def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Findi
     yield from _board(port, listen_s, timeout_s)
 
 
-def _exists(port: str) -> Finding:
-    if os.path.exists(port):
-        return Finding("port", "ok", port)
-    here = f"serial ports here: {link.port_names()}"
-    return Finding("port", "fix", f"there is no {port}", here)
-
-
 def _access(port: str) -> Iterator[Finding]:
-    """Look whether the port is there, who may open it, and who has done so."""
-    yield _exists(port)
+    """Look whether the port is there, who may open it, and who has done so, up to what to fix."""
+    if not os.path.exists(port):
+        here = f"serial ports here: {link.port_names()}"
+        yield Finding("port", "fix", f"there is no {port}", here)
+    yield Finding("port", "ok", port)
     if not allowed(port):
         yield Finding("permission", "fix", "refused", port_diagnosis.why_forbidden(port))
-    else:
-        yield Finding("permission", "ok", f"this user may open {port}")
-    if holders := users(port):
+    yield Finding("permission", "ok", f"this user may open {port}")
+    if holders := port_diagnosis.users(port):
         yield Finding("other programs", "fix", "in use", port_diagnosis.why_held(port, holders))
-    else:
-        yield Finding("other programs", "ok", f"none has {port} open")
+    yield Finding("other programs", "ok", f"none has {port} open")
     for name, cure in port_diagnosis.MEDDLERS.items():
         if port_diagnosis.running(name):
             yield Finding(name, "note", "runs here and may take the port", cure)
@@ -119,12 +118,7 @@ def _board(port: str, listen_s: float, timeout_s: float) -> Iterator[Finding]:
 
 
 def _settings(hello: Hello, settings: dict[str, float]) -> Iterator[Finding]:
-    found = SETTINGS.get(hello.settings, hello.settings)
-    if hello.settings in ("ok", "new"):
-        fix = "" if hello.settings == "ok" else "centre the servos: serpenoid trim"
-        yield Finding("settings", "ok" if hello.settings == "ok" else "note", found, fix)
-    else:
-        yield Finding("settings", "fix", found, "check each servo and save: serpenoid trim")
+    yield Finding("settings", *SETTINGS.get(hello.settings, ("fix", hello.settings, SAVE_ANEW)))
     if not settings["silence"]:
         fix = "send `set silence 2` and `save`: serpenoid monitor"
         yield Finding("silence", "note", "off: nothing stops the robot if the host dies", fix)

@@ -52,23 +52,27 @@ class Monitor:
         self._link, self._show, self._every = link, show, every
         self._keys, self._redraw = keys, redraw
         self._talk = self._new_dialogue()
-        self._queue: queue.Queue[str | None] = queue.Queue()  # None: no more
-        self._sender: threading.Thread | None = None
+        self._queue: queue.Queue[str | None] = queue.Queue()  # "": only greet; None: no more
+        self._worker = threading.Thread(target=self._work_on, daemon=True)
         self._failure: BaseException | None = None
         self._frames = 0
         self.typed = ""
 
-    def open(self, timeout_s: float = GREETING_S) -> None:
-        """Wait for the board's greeting and open a session; raise NoAnswer, ProtocolMismatch."""
-        self._talk.start()
-        self._greet(timeout_s)
+    def open(self) -> None:
+        """Wait for the board's greeting and open a session; raise NoAnswer, ProtocolMismatch.
+
+        Keys are heard meanwhile: a stop does not wait for the greeting.
+        """
+        self._begin()
         if not self._link.lockstep:
-            self._sender = threading.Thread(target=self._send_on, daemon=True)
-            self._sender.start()
+            self._worker.start()
+        while not self._talk.inbox.in_session:
+            self.step()
+            self._hear()
 
     def go(self) -> None:
         """Talk until the input ends. Raises what ended the conversation."""
-        while self._hear(0.0 if self._link.lockstep else HEAR_S):
+        while self._hear():
             self.step()
         if self.typed:
             self._show(f"not sent, for want of a line end: {self.typed}")
@@ -93,8 +97,8 @@ class Monitor:
     def step(self) -> None:
         """Let a moment pass; raise what ended the conversation, but a reset: then begin anew."""
         try:
-            if self._link.lockstep and not self._queue.empty() and (text := self._queue.get()):
-                self._sent(text)
+            if self._link.lockstep and not self._queue.empty():
+                self._work(self._queue.get() or "")
             if self._failure:
                 raise self._failure
             self._talk.pass_time(HEAR_S)
@@ -102,8 +106,7 @@ class Monitor:
             self._show(str(error))
             self._talk.fall_silent()
             self._talk, self._failure = self._new_dialogue(), None
-            self._talk.start()
-            self._greet(GREETING_S)
+            self._begin()
 
     def halt(self) -> None:
         """Stop the robot at once and forget what was still to be sent."""
@@ -112,60 +115,49 @@ class Monitor:
             while True:
                 text = self._queue.get_nowait()
                 self._queue.task_done()
-                self._show(f"not sent, for the stop came before it: {text}")
+                if text:
+                    self._show(f"not sent, for the stop came before it: {text}")
+        if not self._talk.inbox.in_session:  # the greeting is waited for all the same
+            self._queue.put("")
 
     def leave(self) -> None:
         """Stop the robot, close the session and the port; raise if the stop is not sure."""
         result = self._talk.leave()
         self._link.close()
         self._queue.put(None)
-        if self._sender:
-            self._sender.join(GREETING_S)
+        if self._worker.is_alive():
+            self._worker.join(GREETING_S)
         told = None if result.unseen is self._failure else result.unseen
         if problem := told or result.unstopped:
             raise problem
 
-    def _hear(self, most_s: float) -> bool:
+    def _hear(self) -> bool:
         """Take the next key, if one comes in time; return False at the end of the input."""
-        if self._keys and not self.press(self._keys(most_s)):
+        if self._keys and not self.press(self._keys(0.0 if self._link.lockstep else HEAR_S)):
             self._keys = None
         self._redraw(self.typed)
         return self._keys is not None
 
-    def _greet(self, timeout_s: float) -> None:
-        """Wait for the board's greeting with an ear for the keys: a stop does not wait for it."""
-        if self._link.lockstep:
-            greet(self._talk, timeout_s)
-            return
-        failures: list[RobotError] = []
-
-        def wait() -> None:
-            try:
-                greet(self._talk, timeout_s)
-            except RobotError as error:
-                failures.append(error)
-
-        waiting = threading.Thread(target=wait, daemon=True)
-        waiting.start()
-        while waiting.is_alive():
-            if not self._hear(HEAR_S):
-                waiting.join(HEAR_S)
-        if failures:
-            raise failures[0]
+    def _begin(self) -> None:
+        self._talk.start()
+        self._queue.put("")
 
     def _new_dialogue(self) -> Dialogue:
         return Dialogue(self._link, None, math.inf, self._heard)
 
-    def _send_on(self) -> None:
-        while text := self._queue.get():
-            try:
-                self._sent(text)
-            except RobotError as error:
-                self._failure = error
+    def _work_on(self) -> None:
+        while (text := self._queue.get()) is not None:
+            self._work(text)
 
-    def _sent(self, text: str) -> None:
+    def _work(self, text: str) -> None:
+        """Open a session if there is none, then send a command, if there is one."""
         try:
-            self._send(text)
+            if not self._talk.inbox.in_session:
+                greet(self._talk, GREETING_S)
+            if text:
+                self._send(text)
+        except (RobotError, OSError) as error:  # the latter from a screen that is gone
+            self._failure = error
         finally:
             self._queue.task_done()
 
@@ -260,8 +252,7 @@ class _Screen:
         """Print a line for good."""
         clear = self.CLEAR if self._live else ""
         with self._lock:
-            below = self._below if self._live else ""
-            print(f"{clear}{visible(line)}\n{below}", end="", flush=True)
+            print(f"{clear}{visible(line)}\n{self._below}", end="", flush=True)
 
     def tell(self, typed: str) -> None:
         """Show, on a terminal only, what is being typed."""

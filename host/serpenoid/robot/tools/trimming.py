@@ -11,7 +11,7 @@ from ..robot import RobotBoard
 from .keys import Keyboard
 
 HELP = """\
-left, right or 1 to 5: joint (1 at the tail)   up, down or +, -: 1 us   page up, page down: 10 us
+left, right or a digit: joint (1 at the tail)   up, down or +, -: 1 us   page up, page down: 10 us
 s: save on the board   q: leave"""
 MOVES = {"up": 1, "+": 1, "down": -1, "-": -1, "page up": 10, "page down": -10}
 TURNS = {"left": -1, "right": 1}
@@ -45,7 +45,7 @@ class Trimming:
             self._move(MOVES[key])
         elif key in TURNS:
             self._choose((self.chosen + TURNS[key]) % len(self.trims))
-        elif key in tuple("12345"):
+        elif key in map(str, range(1, len(self.trims) + 1)):
             self._choose(int(key) - 1)
         elif key == "s":
             self.robot.save()

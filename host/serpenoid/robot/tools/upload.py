@@ -19,9 +19,8 @@ from ..robot import RobotBoard
 from ..signals import SignalGuard
 from ..wire.link import find_port, serial_ports
 from ..wire.ports import check_free
-from ..wire.protocol import Hello
+from ..wire.protocol import FEWEST_JOINTS, Hello
 
-BOARDS = ("uno", "nano", "nano_old", "mega")  # the environments of platformio.ini
 # USB vendor and product ids of boards that say what they are; copies have their chip's ids.
 KNOWN = {
     "uno": {(0x2A03, 0x43)} | {(0x2341, p) for p in (0x1, 0x43, 0x6A, 0x243)},
@@ -30,7 +29,7 @@ KNOWN = {
 OUTPUTS = {"servo": "", "pca9685": "-D SERPENOID_PCA9685"}  # build flags
 # The Servo library makes 12 pulses with one timer, and the memory of an Uno or Nano holds 8 joints.
 MOST_JOINTS = {"uno": 8, "nano": 8, "nano_old": 8, "mega": 12}
-FEWEST_JOINTS = 2
+BOARDS = tuple(MOST_JOINTS)  # the environments of platformio.ini
 GREETING_S = 10.0
 GRACE_S = 5.0
 HALF_DONE = "\nthe board may hold half a program: flash it again before use\n"
@@ -166,13 +165,11 @@ def installed_project() -> Path | None:
 
 def board_at(port: str) -> str:
     """Identify the board by its USB id. Raises BadInput."""
-    for found in serial_ports():
-        for board, ids in KNOWN.items():
-            if (
-                os.path.realpath(found.device) == os.path.realpath(port)
-                and (found.vendor_id, found.product_id) in ids
-            ):
-                return board
+    place = os.path.realpath(port)
+    ids = {(p.vid, p.pid) for p in serial_ports() if os.path.realpath(p.device) == place}
+    for board, known in KNOWN.items():
+        if ids & known:
+            return board
     raise BadInput(f"the USB id of {port} does not tell the board; give --board {'|'.join(BOARDS)}")
 
 

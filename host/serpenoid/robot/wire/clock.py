@@ -92,20 +92,20 @@ class BoardClock:
         bridged; a frame's lateness is far below half the 71.6 minutes of a wrap. Raises ClockWrong
         if the time hops against the frames, and goes on from there by the frames.
         """
+        before, passed_us = self._frame, board_us - self._us
+        self._frame, self._us = frame, board_us
         if self._board_us is None:
             self._board_us = board_us
-        else:
-            expected = (frame - self._frame) * self.frame_us
-            rest = (board_us - self._us - expected + 2**31) % 2**32 - 2**31
-            hops = abs(rest) > MOST_HOP_US
-            self._board_us += expected + (0 if hops else rest)
-            before, self._frame, self._us = self._frame, frame, board_us
-            if hops:
-                raise ClockWrong(
-                    f"the board's clock hops by {rest / 1e6:.0f} s from frame {before} to "
-                    f"{frame}; is the firmware built for this board?"
-                )
-        self._frame, self._us = frame, board_us
+            return board_us
+        expected = (frame - before) * self.frame_us
+        rest = (passed_us - expected + 2**31) % 2**32 - 2**31
+        if abs(rest) > MOST_HOP_US:
+            self._board_us += expected
+            raise ClockWrong(
+                f"the board's clock hops by {rest / 1e6:.0f} s from frame {before} to "
+                f"{frame}; is the firmware built for this board?"
+            )
+        self._board_us += expected + rest
         return self._board_us
 
     def add(self, host_s: float, frame: int, board_us: int) -> None:

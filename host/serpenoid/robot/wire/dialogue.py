@@ -13,8 +13,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple
 
 from ...model.errors import (
     FramesMissing,
@@ -41,23 +40,14 @@ MOTIONS = ("gait", "pose")
 MOST_STOPS = 10  # that other threads may send while one asks for something that moves nothing
 
 
-class Record(Protocol):
-    """What keeps the lines of a run, such as `Recorder.line`."""
-
-    def __call__(self, host_s: float, direction: str, line: bytes, *, wait: bool) -> None:
-        """Keep one line: host time in s, `<` from or `>` to the board, its bytes."""
-
-
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """A verdict with the data lines before it, less those that were lost on the way."""
 
     verdict: Verdict
     data: list[Data]
 
 
-@dataclass(frozen=True)
-class CloseResult:
+class CloseResult(NamedTuple):
     """How a run ended: why the stop is uncertain, if it is; an error that no call has raised."""
 
     unstopped: StopUnconfirmed | None
@@ -65,12 +55,15 @@ class CloseResult:
 
 
 class Dialogue:
-    """Talk to one board over one link. Every call may raise the error that ended the run."""
+    """Talk to one board over one link. Every call may raise the error that ended the run.
+
+    record: keeps the lines of the run, as `Recorder.line` does.
+    """
 
     def __init__(
         self,
         link: Link,
-        record: Record | None,
+        record: Callable[..., None] | None,
         unattended_s: float,
         listen: Callable[[bytes], None] = lambda _: None,
     ):
@@ -156,7 +149,7 @@ class Dialogue:
 
     def feed(self, silence_s: float) -> None:
         """Ping often enough for a board whose silence time is this; 0 is none."""
-        self._ping_s = min(PING_S, max(silence_s, 0.0) / PINGS_A_SILENCE or PING_S)
+        self._ping_s = min(PING_S, silence_s / PINGS_A_SILENCE or PING_S)
 
     def wait(self, done: Callable[[], bool], until_s: float) -> bool:
         """Wait until done() or the host's time until_s; return done(). Raises what ended the run.
@@ -247,7 +240,8 @@ class Dialogue:
             verdict = self.stop().verdict
             if verdict.accepted:
                 return None
-            why = f"{refused('stop', verdict)}; if the robot moves, cut its power"
+            refusal = refused("stop", verdict.error, verdict.detail)
+            why = f"{refusal}; if the robot moves, cut its power"
         except RobotError as error:
             why = str(error)
         return StopUnconfirmed(f"the robot's stop was not confirmed: {why}")
@@ -289,16 +283,13 @@ class Dialogue:
             )
         return answer
 
-    def _sealed(self, text: str) -> bytes:
-        hello = self.inbox.hello
-        return seal(text, self._number, hello.joints if hello else 5)
-
     def _exchange(self, text: str, patience_s: float) -> Answer | None:
         """Send until a verdict comes: again after 100 ms, or when the line came damaged.
 
         patience_s: of listening; a process that slept meanwhile did not listen.
         """
-        line, left_s = self._sealed(text), patience_s
+        hello, left_s = self.inbox.hello, patience_s
+        line = seal(text, self._number, hello.joints if hello else 5)
         with self._changed:
             pending = self.inbox.ask(self._number, text)
         while True:

@@ -12,6 +12,7 @@ NUMBER = re.compile(r"-?\d{1,10}(\.\d{1,6})?", re.ASCII)
 CAN_BE_OFF = ("silence", "limp")
 MOST_SENT = 1e9  # the board's own limits are lower, and told by it
 FARTHEST_DEG = 180.0  # beyond any joint's limits
+MOST_COUNT = 2**32 - 1
 PULSES_US = range(500, 2501)
 
 
@@ -48,6 +49,11 @@ def said(name: str, text: str, low: float, high: float) -> float:
             f"{name} is {text[:40]!r}; a board says a number from {low:g} to {high:g}"
         )
     return float(text)
+
+
+def said_count(name: str, text: str, low: int = 0, high: int = MOST_COUNT) -> int:
+    """Return a whole number that a board said, of 32 bits unless it has other limits."""
+    return int(said(name, text, low, high))
 
 
 def said_field(fields: dict[str, tuple[str, float, float, float]], name: str, text: str) -> float:

@@ -67,17 +67,12 @@ class Inbox:
         self.in_session = False
         self._session_s = 0.0
         self._counted: int | None = None  # the frame from which to count
-        self._every: int | None = None
+        self.every: int | None = None
 
-    @property
-    def every(self) -> int | None:
-        """Return after how many frames telemetry comes, None while unknown."""
-        return self._every
-
-    @every.setter
-    def every(self, frames: int | None) -> None:
-        if frames != self._every:
-            self._every, self._counted, self.quiet_s = frames, None, 0.0
+    def expect(self, every: int | None) -> None:
+        """Count missed frames from now on by one telemetry line in so many frames."""
+        if every != self.every:
+            self.every, self._counted, self.quiet_s = every, None, 0.0
 
     @property
     def frame_us(self) -> int:
@@ -87,7 +82,7 @@ class Inbox:
     @property
     def telemetry_s(self) -> float:
         """Return the time from one telemetry line to the next, 0 if there are none or unknown."""
-        return (self._every or 0) * self.frame_us * 1e-6
+        return (self.every or 0) * self.frame_us * 1e-6
 
     def ask(self, number: int, text: str) -> Pending:
         """Note the command that goes out now; what comes for it is put into what is returned."""
@@ -157,7 +152,7 @@ class Inbox:
             pending.verdict = verdict
             self.states.answered(pending.text, verdict.accepted)
             if verdict.accepted and " ".join(pending.text.split()).startswith(CHANGES_CADENCE):
-                self.every = None
+                self.expect(None)
         elif verdict.mark == "?":
             pending.damaged = True
 
@@ -203,9 +198,9 @@ class Inbox:
         self.unread.append(frame)
 
     def _count_missed(self, frame: int) -> None:
-        if self._every and self._counted is not None:
+        if self.every and self._counted is not None:
             gap = (frame - self._counted) & 0xFFFFFFFF
-            self.lose(missed_frames=max(gap // self._every - 1, 0))
+            self.lose(missed_frames=max(gap // self.every - 1, 0))
         self._counted = frame
 
 

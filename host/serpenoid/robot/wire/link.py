@@ -6,7 +6,6 @@ import errno
 import threading
 import time
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from ...model.errors import PortBusy, PortMissing, RobotLost
@@ -14,6 +13,7 @@ from . import port_diagnosis
 
 if TYPE_CHECKING:
     import serial
+    from serial.tools.list_ports_common import ListPortInfo
 
 BAUD = 250_000
 WRITE_TIMEOUT_S = 1.0
@@ -44,38 +44,25 @@ class Link(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class SerialPort:
-    """One serial port of this computer; USB numbers are None for a port that is not USB."""
-
-    device: str
-    description: str
-    vendor_id: int | None
-    product_id: int | None
-
-    @property
-    def chip(self) -> str:
-        """Name the maker of a likely board's USB chip; empty if it is none."""
-        return BOARD_VENDORS.get(self.vendor_id or 0, "")
-
-
-def serial_ports() -> list[SerialPort]:
-    """List the serial ports of this computer, by name."""
+def serial_ports() -> list[ListPortInfo]:
+    """List the serial ports of this computer, by name; vid and pid are None unless it is USB."""
     from serial.tools.list_ports import comports
 
-    return sorted(
-        (SerialPort(p.device, p.description or "", p.vid, p.pid) for p in comports()),
-        key=lambda p: p.device,
-    )
+    return sorted(comports(), key=lambda port: port.device)
+
+
+def board_chip(port: ListPortInfo) -> str | None:
+    """Name the maker of a likely board's USB chip."""
+    return BOARD_VENDORS.get(port.vid)
 
 
 def find_port() -> str:
     """Return the one port with a likely board on it; raise PortMissing naming what is there."""
-    boards = [p for p in serial_ports() if p.chip]
+    boards = [p for p in serial_ports() if board_chip(p)]
     if len(boards) == 1:
         return boards[0].device
     if boards:
-        names = ", ".join(f"{p.device} ({p.chip}, {p.description})" for p in boards)
+        names = ", ".join(f"{p.device} ({board_chip(p)}, {p.description})" for p in boards)
         raise PortMissing(f"{len(boards)} ports may be the robot: {names}; name one of them")
     raise PortMissing(
         f"no board found by its USB id; serial ports here: {port_names('none at all')}. "
@@ -157,8 +144,7 @@ def _open(port: str) -> serial.Serial:
     import serial
 
     # Asked first because the opening itself would reset a robot that another program is driving.
-    holders = port_diagnosis.who_holds(port)
-    if holders and not port_diagnosis.is_pseudo_terminal(port):
+    if holders := port_diagnosis.users(port):
         raise PortBusy(port_diagnosis.why_held(port, holders))
     try:
         opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=WRITE_TIMEOUT_S)

@@ -33,23 +33,18 @@ class Holder:
 
 def who_holds(port: str) -> list[Holder]:
     """List the programs that have a port open; of other users' programs only root sees that."""
-    try:
-        device = os.stat(port)
-    except OSError:
-        return []
-    if not device.st_rdev:
-        return []
-    return [
-        Holder(pid, _name(pid)) for pid in _pids() if any(n == device.st_rdev for n in _open(pid))
-    ]
+    device = _device(port)
+    return [Holder(pid, _name(pid)) for pid in _pids() if device and device in _open(pid)]
+
+
+def users(port: str) -> list[Holder]:
+    """List the programs that have a port open, but not those that simulate a board at it."""
+    return [] if is_pseudo_terminal(port) else who_holds(port)
 
 
 def is_pseudo_terminal(port: str) -> bool:
     """Tell whether a program plays the board at this port, and may well hold it open itself."""
-    try:
-        return os.major(os.stat(port).st_rdev) in PSEUDO_TERMINALS
-    except OSError:
-        return False
+    return os.major(_device(port)) in PSEUDO_TERMINALS
 
 
 def running(name: str) -> bool:
@@ -108,23 +103,29 @@ def _pids() -> list[int]:
 
 
 def _name(pid: int) -> str:
-    with suppress(OSError):
-        return (PROC / str(pid) / "comm").read_text().strip()
-    return "a program"
+    return _word(PROC / str(pid) / "comm") or "a program"
 
 
 def _open(pid: int) -> list[int]:
-    folder, found = PROC / str(pid) / "fd", []
+    folder = PROC / str(pid) / "fd"
     with suppress(OSError):
-        for fd in os.listdir(folder):
-            with suppress(OSError):
-                found.append(os.stat(folder / fd).st_rdev)
-    return found
+        return [_device(folder / fd) for fd in os.listdir(folder)]
+    return []
 
 
 def _ch340_plugged_in() -> bool:
-    for vendor in USB.glob("*/idVendor"):
-        with suppress(OSError):
-            if vendor.read_text().strip() == "1a86":
-                return True
-    return False
+    return any(_word(vendor) == "1a86" for vendor in USB.glob("*/idVendor"))
+
+
+def _device(path: str | Path) -> int:
+    """Return a device's number; 0 for what is no device or is gone."""
+    with suppress(OSError):
+        return os.stat(path).st_rdev
+    return 0
+
+
+def _word(path: Path) -> str:
+    """Return what the system tells in a file of one word; nothing if it is gone."""
+    with suppress(OSError):
+        return path.read_text().strip()
+    return ""

@@ -9,7 +9,7 @@ from typing import Any
 
 from ...model.errors import PortBusy
 from . import port_diagnosis
-from .link import missing, serial_ports
+from .link import board_chip, missing, serial_ports
 
 
 def port_states() -> list[dict[str, Any]]:
@@ -17,10 +17,10 @@ def port_states() -> list[dict[str, Any]]:
     return [
         {
             "device": port.device,
-            "description": port.description,
-            "usb": f"{port.vendor_id:04x}:{port.product_id:04x}" if port.vendor_id else None,
-            "likely_board": bool(port.chip),
-            "chip": port.chip or None,
+            "description": port.description or "",
+            "usb": f"{port.vid:04x}:{port.pid:04x}" if port.vid else None,
+            "likely_board": board_chip(port) is not None,
+            "chip": board_chip(port),
             "allowed": allowed(port.device),
             "held_by": [asdict(holder) for holder in port_diagnosis.who_holds(port.device)],
         }
@@ -33,14 +33,9 @@ def allowed(device: str) -> bool:
     return os.access(device, os.R_OK | os.W_OK)
 
 
-def users(device: str) -> list[port_diagnosis.Holder]:
-    """List the programs that have a port open, but not those that simulate a board at it."""
-    return [] if port_diagnosis.is_pseudo_terminal(device) else port_diagnosis.who_holds(device)
-
-
 def check_free(device: str) -> None:
     """Raise PortMissing if there is no such port, PortBusy, naming who, if it is used."""
     if os.name == "posix" and not Path(device).is_char_device():
         raise missing(device)
-    if holders := users(device):
+    if holders := port_diagnosis.users(device):
         raise PortBusy(port_diagnosis.why_held(device, holders))

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 
 from ..._core import firmware
 from ...model.errors import BadInput, CommandRefused, DamagedLine
-from .encoding import check_frame
+from .encoding import check_frame, said_count
 
 PROTOCOL: int = firmware.PROTOCOL
 ERRORS = {word: tuple(row) for word, *row in firmware.ERRORS}  # number, what happened, what to do
 FEWEST_JOINTS, MOST_JOINTS = 2, 12
-FRAMES_US = range(3_000, 32_501)  # from frame to frame
+LEAST_FRAME_US, MOST_FRAME_US = 3_000, 32_500  # from frame to frame
 LONGEST_LINE = 400  # bytes, from a board of twelve joints and some to spare
 STATES = ("idle", "pose", "gait", "hold", "safing", "safe")
 _COUNT = r"(\d{1,10})"
@@ -166,10 +166,6 @@ def _telemetry(body: str) -> Telemetry:
     )
     if state not in STATES:
         raise DamagedLine(f"state is {state!r}; protocol {PROTOCOL} has {', '.join(STATES)}")
-    counts = {"t": frame, "board_us": board_us, "exec_us": exec_us, "late_us": late_us}
-    for name, value in counts.items():
-        if int(value) >= 1 << 32:
-            raise DamagedLine(f"{name} is {value}; the board counts it in 32 bits")
     labels, angles = zip(*(joint.split(":") for joint in joints.split()), strict=True)
     widths = tuple(int(x) for x in pulses.split(","))
     if labels != tuple(f"j{j}" for j in range(1, len(widths) + 1)) or int(clipped) > len(widths):
@@ -178,13 +174,13 @@ def _telemetry(body: str) -> Telemetry:
     phase_rad = math.radians(float(phase))
     check_frame(setpoints, widths, phase_rad)
     return Telemetry(
-        int(frame),
+        said_count("t", frame),
         setpoints,
-        int(board_us),
+        said_count("board_us", board_us),
         phase_rad,
         widths,
-        int(exec_us),
-        int(late_us),
+        said_count("exec_us", exec_us),
+        said_count("late_us", late_us),
         int(clipped),
         state,
     )
@@ -201,29 +197,24 @@ def _verdict(body: str) -> Verdict:
     return Verdict(kind == "ok", number, mark, error, " ".join(words[again:]), again)
 
 
-def refused(text: str, verdict: Verdict) -> CommandRefused:
+def refused(text: str, error: str, detail: str = "") -> CommandRefused:
     """Return the error that the board refused a command: its own detail, or else the table's."""
-    detail = verdict.detail
-    if not detail and verdict.error in ERRORS:
-        detail = "- {1}; {2}".format(*ERRORS[verdict.error])
-    return CommandRefused(f"the board refuses {text!r}: {verdict.error} {detail}", verdict.error)
+    if not detail and error in ERRORS:
+        detail = "- {1}; {2}".format(*ERRORS[error])
+    return CommandRefused(f"the board refuses {text!r}: {error} {detail}", error)
 
 
 def _hello(body: str) -> Hello:
     version, protocol, board, joints, frame_us, boot, reset, settings, silence = _matched(
         _HELLO, body
     )
-    if not FEWEST_JOINTS <= int(joints) <= MOST_JOINTS:
-        raise DamagedLine(f"joints is {joints}; a board has {FEWEST_JOINTS} to {MOST_JOINTS}")
-    if int(frame_us) not in FRAMES_US:
-        raise DamagedLine(f"frame_us is {frame_us}; a board has {FRAMES_US[0]} to {FRAMES_US[-1]}")
     silence_s = 0.0 if silence == "off" else float(silence)
     return Hello(
         version,
         int(protocol),
         board,
-        int(joints),
-        int(frame_us),
+        said_count("joints", joints, FEWEST_JOINTS, MOST_JOINTS),
+        said_count("frame_us", frame_us, LEAST_FRAME_US, MOST_FRAME_US),
         int(boot),
         reset,
         settings,

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 
 from ..._core import firmware
 from ...model.errors import DamagedLine
-from .encoding import said, said_field
+from .encoding import said_count, said_field
 from .protocol import Data
-
-MOST_COUNT = 2**32 - 1
 
 SETTINGS = tuple(firmware.SETTINGS)
 
@@ -75,8 +73,8 @@ def status_of(data: list[Data]) -> Status:
         return Status(
             state=told["state"],
             moving=told["moving"] == "1",
-            stack_bytes=int(said("stack", told["stack"], 0, MOST_COUNT)),
-            **{n: int(said(n, told[n], 0, MOST_COUNT)) for n in _COUNTS},
+            stack_bytes=said_count("stack", told["stack"]),
+            **{n: said_count(n, told[n]) for n in _COUNTS},
         )
 
 
@@ -103,7 +101,7 @@ def _trim(text: str) -> Trim:
     told = _values(text)
     value = {name: said_field(firmware.TRIM, name, told[name]) for name in firmware.TRIM}
     return Trim(
-        int(said("joint", text.split(maxsplit=1)[0].removeprefix("#"), 1, 99)),
+        said_count("joint", text.split(maxsplit=1)[0].removeprefix("#"), 1, 99),
         value["centre"],
         value["scale"],
         int(value["dir"]),

@@ -15,15 +15,14 @@ NAP_S = 0.005
 
 def virtual_link(port: str) -> VirtualLink:
     """Open `virtual`, with any of `:fast` and `:joints=N` behind it; raise BadInput."""
-    words = port.split(":")[1:]
-    numbers = [found[1] for word in words if (found := re.fullmatch(r"joints=(\d{1,2})", word))]
-    joints = int(numbers[-1]) if numbers else 5
-    if len(words) != len(numbers) + words.count("fast") or not 2 <= joints <= 12:
+    named = re.fullmatch(r"virtual(?::fast|:joints=(\d{1,2}))*", port, re.ASCII)
+    joints = int((named and named[1]) or 5)
+    if not named or not 2 <= joints <= 12:
         raise BadInput(
             f"port is {port!r}; a virtual board is `virtual`, `virtual:fast`, `virtual:joints=9` "
             "or `virtual:fast:joints=9`, with 2 to 12 joints"
         )
-    return VirtualLink(fast="fast" in words, joints=joints)
+    return VirtualLink(fast=":fast" in port, joints=joints)
 
 
 class VirtualLink:

@@ -16,6 +16,7 @@ from ...model.files import write_text
 from ...model.gait import Gait
 from ...model.ground import Ground
 from ...model.robot import Robot
+from ...robot.recording.run_gait import longest_gait
 from .twin import Motion, Twin, gait_joints
 
 if TYPE_CHECKING:
@@ -60,10 +61,8 @@ def of_recording(stream: Stream, robot: Robot, ground: Ground) -> tuple[Gait, di
     Where frames did not arrive the joints go straight to the next set-points.
     Raises BadInput for a recording without a gait, or of a robot of other links.
     """
-    gait = recorded_gait(stream)
+    gait = longest_gait(stream)
     kept = np.flatnonzero(stream.state == "gait")
-    if kept.size < 2:
-        raise BadInput("the recording holds no frames of a gait; drive one with --record")
     check_links(robot, stream.setpoint_rad.shape[1] + 1)
     kept = np.arange(kept[0], kept[-1] + 1)
     told, board_s = stream.setpoint_rad[kept], stream.board_s[kept]
@@ -83,17 +82,6 @@ def check_links(robot: Robot, links: int) -> None:
     """Refuse a twin of other links than the robot that is driven."""
     if robot.links != links:
         raise BadInput(f"links is {robot.links}; what is shown is of a robot of {links}")
-
-
-def recorded_gait(stream: Stream) -> Gait:
-    """Return the last gait that was sent to the board; raise BadInput if none was."""
-    for _, line in reversed(stream.sent):
-        words = line.partition("*")[0].split()
-        if "gait" in words:
-            numbers = [float(word) for word in words[words.index("gait") + 1 :]]
-            alpha, beta, omega, offset = [*numbers, 0.0][:4]
-            return Gait(math.radians(alpha), math.radians(beta), omega, math.radians(offset))
-    raise BadInput("no gait was sent in this recording; drive one with --record")
 
 
 def constants(robot: Robot, ground: Ground, gait: Gait, motion: Motion) -> dict[str, Any]:
