@@ -17,7 +17,7 @@ from ..kinds.declaration import DERIVED, UNITS, Field
 from ..kinds.rows import cells_of, kind_of
 from ..kinds.table import KINDS
 from ..session import Setup
-from .new_session import quoted
+from ..settings import quoted
 
 # Other names of columns, by which people type another unit: name -> column, unit.
 OTHER_UNITS = {

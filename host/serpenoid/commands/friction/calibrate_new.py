@@ -14,10 +14,8 @@ from ...show.screen import say
 from ..paths import FOLDER
 
 if TYPE_CHECKING:
-    from ...calibration.kinds.declaration import Field
     from ...calibration.session import Setup
-
-LATER = "later"
+    from ...calibration.taking.new_session import Question
 
 
 def quantity_of(name: str) -> Callable[[Any], float | str]:
@@ -30,15 +28,16 @@ def quantity_of(name: str) -> Callable[[Any], float | str]:
     def quantity(value: Any) -> float | str:
         import sys
 
+        from ...calibration.taking.new_session import LATER
         from ...calibration.taking.parse_number import parse_number
 
         if isinstance(value, float):
             return value
-        later = name in ("mass_kg", "wheels_kg", "supply_v")
-        if later and str(value).strip().lower() == LATER:
+        question = question_of(name)
+        if question.may_wait and str(value).strip().lower() == LATER:
             return LATER
         try:
-            typed = parse_number(str(value), field_of(name))
+            typed = parse_number(str(value), question.field)
         except BadInput as error:
             raise click.BadParameter(str(error)) from None
         if not typed.question or typed.meant is None:
@@ -50,11 +49,11 @@ def quantity_of(name: str) -> Callable[[Any], float | str]:
     return quantity
 
 
-def field_of(name: str) -> Field:
-    """Return what is known of one of the numbers that are asked for."""
-    from ...calibration.taking.new_session import NUMBERS, WHEELS
+def question_of(name: str) -> Question:
+    """Return one of the numbers that are asked for."""
+    from ...calibration.taking.new_session import QUESTIONS
 
-    return next(field for field in (*NUMBERS, WHEELS) if field.column == name)
+    return next(question for question in QUESTIONS if question.field.column == name)
 
 
 @click.command()
@@ -109,6 +108,7 @@ def new(
     import sys
 
     from ...calibration.taking.new_session import (
+        LATER,
         answered,
         create_session,
         on_place,
@@ -139,7 +139,7 @@ def new(
 
 def _asked(setup: Setup, answers: dict[str, Any], on: str) -> dict[str, Any]:
     """Ask what is not answered yet; Enter takes what stands in brackets."""
-    from ...calibration.taking.new_session import NUMBERS, ROBOT, WHEELS, WORDS
+    from ...calibration.taking.new_session import QUESTIONS, WORDS
 
     say("Enter takes what stands in brackets; numbers may be typed with their units.")
     found = dict(answers)
@@ -148,27 +148,11 @@ def _asked(setup: Setup, answers: dict[str, Any], on: str) -> dict[str, Any]:
             found[name] = click.prompt(words, default=getattr(setup, name))
     links = click.IntRange(2, 100)
     found["links"] = click.prompt("number of links", default=setup.robot.links, type=links)
-    usual = _usual(setup)
-    for field in NUMBERS if on == "treadmill" else (*NUMBERS[:ROBOT], WHEELS):
-        if found.get(field.column) is None:
+    for question in QUESTIONS:
+        field = question.field
+        if found.get(field.column) is None and question.on in ("", on):
             kind = click.types.FuncParamType(quantity_of(field.column))
-            found[field.column] = click.prompt(field.words, default=usual[field.column], type=kind)
+            found[field.column] = click.prompt(
+                field.words, default=question.usual(setup), type=kind
+            )
     return found
-
-
-def _usual(setup: Setup) -> dict[str, str]:
-    """Return what Enter takes for each number."""
-    import math
-
-    robot, steps = setup.robot, setup.treadmill
-    shown_deg = math.degrees(setup.uncertainty.incline_sigma_rad) * math.sqrt(12)
-    return {
-        "mass_kg": LATER,
-        "link_length_m": f"{1000 * robot.link_length_m:.6g} mm",
-        "wheels_kg": LATER,
-        "supply_v": LATER,
-        "incline_step_deg_shown": f"{shown_deg:.2g}",
-        "incline_step_percent": f"{100 * steps.incline_step_rad:.3g} %",
-        "belt_speed_step_km_h": f"{3.6 * steps.belt_step_m_s:.3g} km/h",
-        "belt_speed_least_km_h": f"{3.6 * steps.belt_least_m_s:.3g} km/h",
-    }

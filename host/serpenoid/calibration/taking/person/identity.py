@@ -9,13 +9,13 @@ from ....model.errors import BadInput
 from ....model.robot import Robot
 from ...kinds.declaration import Field
 from ...session import Setup
+from ...settings import quoted
 from ..journal import Journal
-from ..new_session import NUMBERS, WORDS, identity_differences, quoted
+from ..new_session import LENGTH, MASS, WORDS, identity_differences
 from ..parse_number import parse_number
 from .prompt_commands import Left
 from .terminal import Terminal
 
-_FIELDS = {field.column: field for field in NUMBERS}
 LINKS = Field("links", "number of links", "count", 2.0, 100.0)
 
 
@@ -80,15 +80,15 @@ def _here(setup: Setup, terminal: Terminal) -> Setup:
     robot = setup.robot
     terminal.say("What lies here, then? Enter where it is as the session has it.")
     links = round(_number(LINKS, robot.links, terminal))
-    mass_kg = _number(_FIELDS["mass_kg"], robot.links * robot.link_mass_kg, terminal)
-    length_m = _number(_FIELDS["link_length_m"], robot.link_length_m, terminal)
+    mass_kg = _number(MASS.field, robot.links * robot.link_mass_kg, terminal)
+    length_m = _number(LENGTH.field, robot.link_length_m, terminal)
     surface = _ask(terminal, f"  {WORDS['surface']} [{setup.surface}]: ") or setup.surface
     return replace(setup, robot=Robot(links, mass_kg / links, length_m), surface=surface)
 
 
 def _weigh(journal: Journal, terminal: Terminal) -> None:
     """Ask for a mass that nobody has weighed yet; Enter leaves it open."""
-    mass_kg = _number(_FIELDS["mass_kg"], math.nan, terminal)
+    mass_kg = _number(MASS.field, math.nan, terminal)
     if math.isfinite(mass_kg):
         journal.event("amend", detail=f"robot.mass_kg = {mass_kg!r}")
 
