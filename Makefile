@@ -7,7 +7,7 @@ SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*')
 # What takes long beside what it finds before a commit; `make test` has it all.
 LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden) \
 	$(addprefix tests/host/,bench commands gaits model/test_stubs.py periodic robot show simulation/test_stability.py \
-	simulation/test_adaptive.py simulation/test_nonsmooth.py simulation/test_gaits.py) \
+	simulation/test_adaptive.py simulation/test_nonsmooth.py) \
 	$(addprefix tests/host/calibration/test_,friction.py prediction.py page.py honest_fit.py \
 	dialogue.py comparison.py rounding.py ratchet_fit.py)
 

@@ -241,13 +241,3 @@ def test_the_package_knows_no_study() -> None:
     """`studies/` is for developers: it imports the package, never the other way round."""
     for path in PACKAGE.rglob("*.py"):
         assert not re.search(r"^ *(from|import) studies\b", path.read_text(), re.MULTILINE), path
-
-
-def test_the_checks_see_what_they_look_for() -> None:
-    """A circle, an arrow that runs up, and a file in no room are found."""
-    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}}) == [["a", "b", "c"]]
-    assert uphill({"model.x": {"show.y"}}, ROOMS, ".") == ["model.x -> show.y"]
-    assert uphill({"attic.x": {"model.y"}}, ROOMS, ".") == ["attic.x -> model.y"]
-    inner = {"robot.a.x": {"robot.b.x"}, "robot.b.y": {"robot.a.y"}}
-    assert circles(inner) == []
-    assert circles(by_folder(inner, 2)) == [["robot.a", "robot.b"]]

@@ -82,9 +82,7 @@ def _library() -> ctypes.CDLL:
         ("board_take_edges", size, board, ctypes.c_void_p, size),
         ("board_take_sent", size, board, ctypes.c_void_p, size),
         ("board_wire", None, board, u64, u32, u8, size),
-        ("board_baud", ctypes.c_double, board),
         ("board_read_ram", None, board, ctypes.c_uint16, u8, size),
-        ("board_write_ram", None, board, ctypes.c_uint16, u8, size),
         ("board_eeprom_size", size, board),
         ("board_read_eeprom", None, board, u8),
         ("board_write_eeprom", None, board, u8),
@@ -164,11 +162,6 @@ class Board:
         """What the simulated hardware has counted so far."""
         return self._lib.board_counts(self._board)
 
-    @property
-    def actual_baud(self) -> float:
-        """Bits per second to which the program has set its UART."""
-        return self._lib.board_baud(self._board)
-
     def run(self, seconds: float) -> str:
         """Let simulated time pass; return the state (running, power cut, crashed)."""
         until = self.cycle + round(seconds * F_CPU_HZ)
@@ -202,10 +195,6 @@ class Board:
         """Make the main program loop for ever at its present instruction, until a reset."""
         self._lib.board_hang(self._board)
 
-    def write_ram(self, symbol: str, value: bytes) -> None:
-        """Overwrite a variable of the running program."""
-        self.write_at(self._address(symbol), value)
-
     @property
     def static_ram(self) -> int:
         """Bytes of RAM that the program's variables take."""
@@ -223,10 +212,6 @@ class Board:
         out = ctypes.create_string_buffer(RAM_END[self.mcu] + 1)
         self._lib.board_read_ram(self._board, 0, out, len(out))
         return out.raw
-
-    def write_at(self, address: int, value: bytes) -> None:
-        """Overwrite data memory."""
-        self._lib.board_write_ram(self._board, address, value, len(value))
 
     def _address(self, symbol: str) -> int:
         known = symbols(self.elf)

@@ -45,7 +45,7 @@ def wave_of(
     )
 
 
-@pytest.mark.parametrize("name", ["uno", "nano", "mega"])
+@pytest.mark.parametrize("name", ["uno", pytest.param("nano", marks=pytest.mark.slow), "mega"])
 def test_pulses_and_lines_follow_the_formula_for_ten_seconds(start, name):
     talk = settled_gait(start(name))
     seen = observe(talk, 10.0)
@@ -58,19 +58,6 @@ def test_pulses_and_lines_follow_the_formula_for_ten_seconds(start, name):
     lines = line_errors_us(talk.board, seen)
     assert np.percentile(np.abs(lines), 99) <= P99_US
     assert np.max(np.abs(lines)) <= EXTREME_US
-
-
-def test_the_check_sees_a_gait_that_is_slightly_off(start):
-    """The tolerance has teeth: a degree, or half a percent of the rate, is seen."""
-    talk = settled_gait(start())
-    seen = observe(talk, 4.0)
-    for wrong in (
-        wave_of(seen, alpha_deg=31.0),
-        wave_of(seen, beta_deg=81.0),
-        wave_of(seen, omega_rad_s=OMEGA_RAD_S * 1.005),
-        wave_of(seen, steering_deg=0.5),
-    ):
-        assert np.percentile(np.abs(pulse_errors_us(talk.board, seen, wrong)), 99) > P99_US
 
 
 def test_every_frame_has_its_line_and_its_time(start):

@@ -60,13 +60,6 @@ def test_paths_that_a_page_names_are_there(page) -> None:
     assert [name for name in named if not (ROOT / name).exists()] == []
 
 
-def test_the_checks_see_what_they_look_for() -> None:
-    assert "no command 'crawl'" in unknown("serpenoid crawl --fast")
-    assert "no option '--sped'" in unknown("serpenoid optimize --sped 3")
-    assert unknown("serpenoid optimize --robot paper --speed-m-s 0.1") is None
-    assert mentioned("say `serpenoid doctor` now") == ["serpenoid doctor"]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_commands_of_a_page_work(page, folder) -> None:

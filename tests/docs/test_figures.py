@@ -44,12 +44,3 @@ def test_every_picture_of_a_page_is_in_the_repository() -> None:
     for page in (*(ROOT / "docs").glob("*.md"), ROOT / "README.md"):
         for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text()):
             assert (page.parent / name).exists(), f"{page.name}: {name}"
-
-
-def test_another_picture_is_told() -> None:
-    one = np.ones((40, 40, 3))
-    other = one.copy()
-    other[10:14, :] = 0.0
-    assert apart(one, one) == 0
-    assert apart(one, other) > MOST
-    assert apart(one, one[:30]) == 1

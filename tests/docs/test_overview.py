@@ -59,10 +59,3 @@ def test_every_name_exists(page) -> None:
     files = {path.stem for folder in SOURCES for path in (ROOT / folder).rglob("*.?pp")}
     assert [name for name in told(page) if name not in defined() | files] == []
     assert len(told(page)) > 10
-
-
-def test_the_check_sees_a_name_that_is_gone() -> None:
-    assert {"Controller::poll", "Run.to_csv", "steady_gait", "kinked_quadratic"} <= defined() | {
-        path.stem for path in (ROOT / "host" / "core").rglob("*.hpp")
-    }
-    assert not {"Controller::crawl", "Run.to_excel", "steady_state_gait"} & defined()

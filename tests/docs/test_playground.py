@@ -19,7 +19,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.calibration import fit_file
 from serpenoid.calibration.speed_samples import speed_band
 from serpenoid.periodic.servo_steady import CANNOT
 from webdriver import Browser
@@ -178,19 +177,6 @@ def test_a_fit_is_drawn_from_as_the_package_does(page, fitted, tmp_path) -> None
     spread = kept.std(axis=0)
     assert np.all(np.abs(found.mean(axis=0) - kept.mean(axis=0)) < 0.5 * spread)  # of 64
     assert found.std(axis=0) == pytest.approx(spread, rel=0.35)
-
-
-def test_a_fit_of_format_1_is_drawn_from_as_the_package_does(page, fitted, tmp_path) -> None:
-    """It has no draws: values, intervals and covariance tell them."""
-    given = json.loads((fitted / "fit.json").read_text())
-    del given["draws"], given["sha256"]
-    old = tmp_path / "fit.json"
-    old.write_text(json.dumps(given := given | {"format": 1}))
-    old.write_text(json.dumps(given | {"sha256": fit_file._hash(given)}))
-    drawn = asked(DRAWS, old.read_text(), tmp_path)
-    found = np.array([[d[name] for name in ("ct", "cn", "ft0", "fn0")] for d in drawn])
-    fit = sn.load_fit(old)
-    assert found == pytest.approx(fit.draws.rows[:64], rel=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -141,21 +141,3 @@ def test_docstrings_explain_every_field_and_argument(public) -> None:
         assert str(returns) == "None" or entries(text, "Returns")
         assert entries(text, "Raises")
     assert not set(wanted) - set(told), public
-
-
-def test_entries_of_a_section() -> None:
-    text = (
-        "A.\n\nParameters\n----\na, b : float\n    Words.\nc\n    d\n\nReturns\n-------\nint\n    e"
-    )
-    assert entries(text, "Parameters") == ["a", "b", "c"]
-    assert entries(text, "Returns") == ["int"]
-    assert entries(text, "Raises") == []
-
-
-def test_what_is_missing_is_found() -> None:
-    assert missing("speed_m_s", "the speed in m/s") == ""
-    assert missing("speed_m_s", "the speed_m_s") == "m/s"
-    assert missing("speed_m_s", "m/s^2") == "m/s"
-    assert missing("ct", "ct, cn in N s/m") == ""
-    assert missing("ct", "cn in N s/m") == "its name"
-    assert missing("ct", "ct: friction") == "a unit, or that it has none"

@@ -49,10 +49,6 @@ def test_the_devcontainer_runs_what_exists() -> None:
     assert not unknown(found["postCreateCommand"])
 
 
-def test_what_does_not_exist_is_found() -> None:
-    assert unknown(".ci/absent && make nothing && make build") == [".ci/absent", "nothing"]
-
-
 def test_actionlint_finds_nothing() -> None:
     program = shutil.which("actionlint")
     if program is None:

@@ -175,30 +175,6 @@ def whole_state(link1: Array, joints: Array) -> Array:
     return np.concatenate([link1[:2], link1[2] + np.concatenate([[0.0], np.cumsum(joints)])])
 
 
-def kinetic_energy(p: Params, q: Array, qdot: Array) -> float:
-    """Return the kinetic energy, J."""
-    velocity = centre_velocities(p, q, qdot)
-    return 0.5 * p.mass_kg * np.sum(velocity**2) + 0.5 * p.inertia * np.sum(qdot[2:] ** 2)
-
-
-def power_balance(p: Params, qdot: Array, motion: Motion) -> tuple[float, float]:
-    """Return d(KE)/dt - P - P_friction - P_gravity, W, and the sum of the terms' magnitudes.
-
-    P = -sum T_i phi_i' is the joints' mechanical power.
-    """
-    velocity = motion.velocity_m_s
-    terms = np.concatenate(
-        [
-            p.mass_kg * np.sum(velocity * motion.accel_m_s2, -1),
-            p.inertia * qdot[2:] * motion.theta_ddot,
-            motion.torque_n_m * np.diff(qdot[2:]),
-            -np.sum(velocity * motion.friction_n, -1),
-            -p.mass_kg * velocity @ np.asarray(p.gravity_m_s2),
-        ]
-    )
-    return float(np.sum(terms)), float(np.sum(np.abs(terms)))
-
-
 def trajectory(p: Params, gait: Gait, start: Array, t_s: Array, rtol: float = 1e-12) -> Array:
     """Return link 1's (x, y, theta, x', y', theta') at the times t_s, shape (len(t_s), 6).
 

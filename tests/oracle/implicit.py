@@ -17,8 +17,6 @@ from . import explicit
 from .explicit import Motion, angle_rows, axes
 from .params import Array, Gait, Params
 
-Drive = Callable[[complex, Array, Array], Motion]
-
 
 @dataclass(frozen=True)
 class Spring:
@@ -110,73 +108,10 @@ def angle_driven(p: Params, spring: Spring, pose: Array, rates: Array, phi_ddot:
     )
 
 
-def power_balance(
-    p: Params, spring: Spring, pose: Array, rates: Array, motion: Motion
-) -> tuple[float, float]:
-    """Return d(KE + spring energy)/dt - P - P_friction - P_gravity + damper loss, W, and its scale.
-
-    The damper's loss is c |gap'|**2; pose, rates (n, 3).
-    """
-    gap, gap_rate = joint_gaps(p, pose, rates)
-    pair = np.sum(gap * gap_rate, -1), np.sum(gap_rate**2, -1)
-    velocity = rates[:, :2]
-    terms = np.concatenate(
-        [
-            p.mass_kg * np.sum(velocity * motion.accel_m_s2, -1),
-            p.inertia * rates[:, 2] * motion.theta_ddot,
-            spring.stiffness_n_m * pair[0],
-            spring.damping_n_s_m * pair[1],
-            motion.torque_n_m * np.diff(rates[:, 2]),
-            -np.sum(velocity * motion.friction_n, -1),
-            -p.mass_kg * velocity @ np.asarray(p.gravity_m_s2),
-        ]
-    )
-    return float(np.sum(terms)), float(np.sum(np.abs(terms)))
-
-
 def closed_links(p: Params, q: Array, qdot: Array) -> tuple[Array, Array]:
     """Return pose and rates (n, 3) of links whose joints are closed; q, qdot (n+2,)."""
     pose = np.column_stack([explicit.centres(p, q), q[2:]])
     return pose, np.column_stack([explicit.centre_velocities(p, q, qdot), qdot[2:]])
-
-
-def force_and_rate(drive: Drive, t_s: float, q: Array, qdot: Array) -> tuple[Array, Array]:
-    """Return the exact model's joint forces and their rate (n-1, 2), by a complex step in time.
-
-    `drive(t, q, qdot)` evaluates the exact model; its imaginary part, a step of 1e-30 along the
-    motion, is the derivative to the last digit.
-    """
-    step = 1e-30
-    qddot = drive(t_s, q, qdot).qddot
-    ahead = drive(t_s + 1j * step, q + 1j * step * qdot, qdot + 1j * step * qddot)
-    return ahead.force_n.real, ahead.force_n.imag / step
-
-
-def on_slow_manifold(
-    p: Params, spring: Spring, drive: Drive, t_s: float, state: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Return pose and rates (n, 3) whose gaps carry the exact model's forces without ringing.
-
-    gap = (F - c F'/k)/k, gap' = F'/k, from k gap + c gap' = F and gap'' negligible; link 1 keeps
-    its state (x, y, theta) of `state` = (q, qdot), each (n+2,), and the others are moved.
-    First order in 1/k.
-    """
-    force, force_rate = force_and_rate(drive, t_s, *state)
-    stiffness, damping = spring.columns(p.links)
-    gap = (force - damping * force_rate / stiffness) / stiffness
-    pose, rates = closed_links(p, *state)
-    pose[1:, :2] += np.cumsum(gap, axis=0)
-    rates[1:, :2] += np.cumsum(force_rate / stiffness, axis=0)
-    return pose, rates
-
-
-def gait_drive(p: Params, gait: Gait) -> Drive:
-    """Return the exact model's evaluation under a gait, as force_and_rate wants it."""
-
-    def drive(t_s: complex, q: Array, qdot: Array) -> Motion:
-        return explicit.angle_driven(p, q[:3], qdot[:3], gait.angles(t_s, p.links - 1))
-
-    return drive
 
 
 def gait_rate(p: Params, spring: Spring, gait: Gait) -> Callable[[float, Array], Array]:
@@ -219,18 +154,6 @@ def torque_rate(
         return np.concatenate([rates.ravel(), accel.ravel()])
 
     return rate
-
-
-def rk4(rate: Callable[[float, Array], Array], y: Array, dt_s: float, steps: int) -> Array:
-    """Return the state after a number of classical Runge-Kutta steps from t = 0."""
-    for i in range(steps):
-        t = i * dt_s
-        k1 = rate(t, y)
-        k2 = rate(t + dt_s / 2, y + dt_s / 2 * k1)
-        k3 = rate(t + dt_s / 2, y + dt_s / 2 * k2)
-        k4 = rate(t + dt_s, y + dt_s * k3)
-        y = y + dt_s / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return y
 
 
 def integrate(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,8 +67,3 @@ class Gait:
         phi = self.offset_rad + self.alpha_rad * np.sin(phase)
         phi_dot = self.alpha_rad * self.omega_rad_s * np.cos(phase)
         return phi, phi_dot, -self.alpha_rad * self.omega_rad_s**2 * np.sin(phase)
-
-
-def gait_deg(alpha: float, beta: float, omega: float, offset: float = 0.0) -> Gait:
-    """Return the gait of an amplitude, phase lag and offset in degrees, omega in rad/s."""
-    return Gait(radians(alpha), radians(beta), omega, radians(offset))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import serpenoid as sn
@@ -105,10 +103,3 @@ def test_the_reflected_rotor_is_the_limit_of_a_high_gear_ratio(core: np.ndarray)
 def test_at_a_hobby_servos_ratio_the_rest_is_a_per_cent(core: np.ndarray) -> None:
     off = np.abs(accelerations(270.0) - core).max() / np.abs(core).max()
     assert 1e-3 < off < 0.03
-
-
-@pytest.mark.parametrize("field", ["armature_kg_m2", "gear_friction_nm", "gear_damping_nms_rad"])
-def test_each_term_of_the_gear_counts(core: np.ndarray, field: str) -> None:
-    """Or the agreement could not tell it."""
-    without = by_the_core(replace(SERVO, **{field: 0.0}))
-    assert np.abs(without - core).max() > 0.01 * np.abs(core).max()

@@ -66,11 +66,11 @@ def test_the_table_is_the_model(table):
 
 def test_intervals_cover_sessions_of_the_real_procedure(table, driven):
     case = Case((30.0,), None)
-    found = judged(case, [one(case, 1, k, (table, driven)) for k in range(60)])
-    # 60 shares scatter by 2.8 %, six of them are looked at. Were joints that stand half a degree
-    # off unknown to the fit, fn0's interval would hold the truth in 82 % of these sessions.
-    assert min(getattr(found, name) for name in (*NAMES, "driven")) > 0.86
-    assert found.refused <= 2
+    found = judged(case, [one(case, 1, k, (table, driven)) for k in range(20)])
+    # 15 of 20 at the least, which intervals of 95 % miss once in 3000: a gross error alone shows
+    # here, and the 600 sessions below tell 95 % from 90 %.
+    assert min(getattr(found, name) for name in (*NAMES, "driven")) >= 0.75
+    assert found.refused <= 1
 
 
 @pytest.mark.slow
@@ -118,6 +118,7 @@ def verdicts():
     return [dataclasses.asdict(counted(f, found)) for f in faults]
 
 
+@pytest.mark.slow
 def test_verdicts_on_gross_faults_are_right(verdicts):
     counts = {row["fault"]: row["counts"] for row in verdicts}
     assert counts["nothing"]["agrees"] == 1
@@ -128,6 +129,7 @@ def test_verdicts_on_gross_faults_are_right(verdicts):
     assert sum(counts["nothing"].values()) == 1
 
 
+@pytest.mark.slow
 def test_the_table_of_verdicts_goes_into_a_page(tmp_path, verdicts):
     page = tmp_path / "page.md"
     begin, end = "<!-- verdicts: begin -->", "<!-- verdicts: end -->"

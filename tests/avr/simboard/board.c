@@ -151,7 +151,3 @@ size_t board_take_sent(struct board* b, struct sent_byte* out, size_t room) {
 void board_read_ram(const struct board* b, uint16_t address, uint8_t* out, size_t n) {
     memcpy(out, b->avr->data + address, n);
 }
-
-void board_write_ram(struct board* b, uint16_t address, const uint8_t* bytes, size_t n) {
-    memcpy(b->avr->data + address, bytes, n);
-}

@@ -74,7 +74,6 @@ void board_fault_pca9685(struct board* b, enum pca9685_fault fault, uint32_t aft
 uint32_t board_read_pca9685(const struct board* b, uint8_t* out);
 
 void board_read_ram(const struct board* b, uint16_t address, uint8_t* out, size_t n);
-void board_write_ram(struct board* b, uint16_t address, const uint8_t* bytes, size_t n);
 size_t board_eeprom_size(const struct board* b);
 void board_read_eeprom(const struct board* b, uint8_t* out);
 void board_write_eeprom(struct board* b, const uint8_t* bytes);

@@ -46,18 +46,6 @@ def test_a_child_that_sleeps_is_stopped() -> None:
             child(0.01, time.sleep, 60)
 
 
-def test_time_at_equal_error_is_exact_on_a_power_law() -> None:
-    """Order four: an error of 1e-6 lies on the line through errors 1e-5 and 1e-7."""
-    points = [(e, 2e-3 * e**-0.25) for e in (1e-3, 1e-5, 1e-7, 1e-9)]
-    assert equal_error.time_at(1e-6, points) == pytest.approx(2e-3 * 1e-6**-0.25, rel=1e-12)
-    assert equal_error.time_at(1e-2, points) == points[0][1]
-    assert equal_error.time_at(1e-10, points) is None
-    assert equal_error.time_at(1e-6, []) is None
-    # a line that turns back: what is tighter but cheaper counts
-    assert equal_error.time_at(1e-6, [(1e-5, 1.0), (1e-7, 2.0), (1e-8, 0.5)]) == 0.5
-    assert equal_error.time_at(1e-6, [(1e-5, 1.0), (0.0, 2.0)]) == 2.0
-
-
 def test_ratios_are_of_the_best_on_either_side() -> None:
     def row(method: str, time_s: float) -> Row:
         return Row("paper6", method, "", "dt_s", 1.0, 1e-7, time_s, simulated_s=10.0)
@@ -97,6 +85,7 @@ def test_a_reference_of_another_problem_is_refused() -> None:
         reference(changed)
 
 
+@pytest.mark.slow
 def test_a_measured_scene_to_files_and_back(tmp_path: Path) -> None:
     effort = Effort(("paper3",), rounds=1, limit_s=0.05, budget_s=0.1)
     rows = accuracy.run(effort, lambda _: None)

@@ -1,4 +1,4 @@
-"""The benchmark's hand-written equations agree with plain NumPy, and its solvers with the core."""
+"""The benchmark's hand-written equations agree with the dense ones, its solvers with the core."""
 
 import numpy as np
 import pytest
@@ -6,20 +6,20 @@ import pytest
 pytest.importorskip("numba", reason="an optional peer: pip install 'serpenoid[bench]'")
 
 import serpenoid as sn
-from oracle.numpy_equations import rate_of
 from serpenoid.bench.peers import numba_equations
 from serpenoid.bench.problems import problems
+from simulation.truth_cases import rate_of
 
 
 @pytest.mark.parametrize("problem", problems(), ids=lambda p: p.name)
-def test_numba_and_numpy_rates_agree(problem):
+def test_numba_and_dense_rates_agree(problem):
     y = problem.first + 0.01
     compiled = numba_equations.rate_array(
         problem.implicit, 0.37, y, numba_equations.parameters(problem)
     )
     plain = rate_of(problem)(0.37, y)
-    # sums of at most 50 terms in another order: a few hundred roundings of the largest
-    assert np.abs(compiled - plain).max() < 1e-13 * np.abs(plain).max()
+    # the dense system of 50 links loses some digits
+    assert np.abs(compiled - plain).max() < 1e-10 * np.abs(plain).max()
 
 
 def test_dop853_and_the_core_reach_the_same_end():

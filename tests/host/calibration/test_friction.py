@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from calibration.synthetic_session import WHOLE_BODY_2005, changed, session, setup
 from odrpack import odr_fit
-from scipy.optimize import least_squares
 from serpenoid import BadInput, Ground
 from serpenoid.calibration.friction_fit import (
     fit_friction,
@@ -77,26 +76,6 @@ def whole_problem(made):
     return unit, shown, speed, incline, np.linalg.inv(np.linalg.cholesky(correlation))
 
 
-def scipy_fit(made):
-    """Solve for the parameters and every true speed at once; return values, covariance, chi2."""
-    unit, shown, speed, incline, whiten = whole_problem(made)
-    first = 5 + len(whiten)
-
-    def residuals(x):
-        return np.concatenate(
-            [
-                (speed - x[first:]) / unit.belt_speed_sigma_m_s,
-                (shown - incline(x[first:], x[:first])) / unit.incline_sigma_rad,
-                [x[4] / unit.incline_zero_sigma_rad],
-                whiten @ x[5:first],
-            ]
-        )
-
-    start = np.concatenate([TRUTH, np.zeros(first - 4), speed])
-    found = least_squares(residuals, start, "3-point", x_scale="jac", xtol=1e-13, ftol=1e-13)
-    return found.x[:4], np.linalg.inv(found.jac.T @ found.jac)[:4, :4], 2 * found.cost
-
-
 def odrpack_fit(made):
     """Solve the same problem by ODRPACK, the priors as one more observation each."""
     unit, shown, speed, incline, whiten = whole_problem(made)
@@ -126,12 +105,10 @@ def odrpack_fit(made):
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("lambdas_deg", [(7.5,), (7.5, 15.0, 30.0)])
-# ODRPACK differentiates numerically, and its covariance differs by up to 1 % from either of the
-# other two, which differ by 2e-5 from each other; its values are exact.
-@pytest.mark.parametrize(("solve", "cov_atol"), [(scipy_fit, 2e-4), (odrpack_fit, 0.02)])
-def test_joint_fit_solves_the_whole_problem(seed, lambdas_deg, solve, cov_atol):
+def test_joint_fit_solves_the_whole_problem(seed, lambdas_deg):
+    """ODRPACK differentiates numerically: its covariance is right to 1 %, its values are exact."""
     made = session(setup(*lambdas_deg), WHOLE_BODY_2005, np.random.default_rng(seed))
-    fit, (found, covariance, chi2) = fit_friction(made), solve(made)
+    fit, (found, covariance, chi2) = fit_friction(made), odrpack_fit(made)
     # Ours takes the incline as linear in the force over its error of 0.03 degrees, which moves a
     # residual by 1e-5 of itself.
     np.testing.assert_array_less(np.abs(values(fit) - found), 1e-4 * sigmas(fit))
@@ -140,7 +117,7 @@ def test_joint_fit_solves_the_whole_problem(seed, lambdas_deg, solve, cov_atol):
     linear = mode_of(made).covariance[:4, :4]
     sigma = np.sqrt(np.diag(linear))
     unit = np.outer(sigma, sigma)
-    np.testing.assert_allclose(linear / unit, covariance / unit, rtol=0, atol=cov_atol)
+    np.testing.assert_allclose(linear / unit, covariance / unit, rtol=0, atol=0.02)
 
 
 @pytest.fixture(scope="module")
@@ -233,18 +210,18 @@ def test_bends_check_each_other():
 def test_three_bends_let_chi2_see_a_wrong_bend():
     def seen(*lambdas_deg):
         rng, found = np.random.default_rng(11), 0
-        for _ in range(100):
+        for _ in range(30):
             made = session(setup(*lambdas_deg), WHOLE_BODY_2005, rng)
             for k, reading in enumerate(made.readings):
                 error = math.radians(3.0) if reading.lambda_rad else 0.0
                 made = changed(made, k, lambda_rad=reading.lambda_rad + error)
             found += fit_friction(made).p_value < 0.05
-        return found / 100
+        return found / 30
 
     # The study: 62 % against 3 %, for an error it does not state; 3 degrees is six of the prior's
-    # standard deviations. Each share scatters by at most 5 %.
-    assert seen(7.5, 15.0, 30.0) > 0.5
-    assert seen(7.5) < 0.15
+    # standard deviations. Each share scatters by at most 9 %.
+    assert seen(7.5, 15.0, 30.0) > 0.4
+    assert seen(7.5) < 0.2
 
 
 def test_zero_of_the_inclinometer_moves_ft0_by_its_share():

@@ -33,10 +33,13 @@ def spoiled(made, rng, off_m_s):
 
 
 @pytest.mark.parametrize("together", [False, True])
-def test_bends_may_err_one_by_one_or_all_the_same(together):
+@pytest.mark.parametrize(
+    ("count", "least"), [(40, 0.8), pytest.param(200, 0.905, marks=pytest.mark.slow)]
+)
+def test_bends_may_err_one_by_one_or_all_the_same(together, count, least):
     rng, bends = np.random.default_rng(21), (7.5, 15.0, 30.0)
     fits = []
-    for _ in range(200):
+    for _ in range(count):
         if together:  # one offset for all: bends that are truly off, each reading called nominal
             off = 0.5 * rng.normal()
             made = session(setup(*(b + off for b in bends)), WHOLE_BODY_2005, rng, offset_sigma=0)
@@ -50,8 +53,9 @@ def test_bends_may_err_one_by_one_or_all_the_same(together):
         else:
             made = session(setup(*bends), WHOLE_BODY_2005, rng)
         fits.append(fit_friction(made))
-    # 200 shares scatter by 1.5 %; one offset for all bends covers cn in 48 % of the first kind.
-    assert min(covered(fits).values()) > 0.905
+    # 200 shares scatter by 1.5 %, 40 by 3.4 %: either is missed by intervals of 95 % once in a
+    # thousand; one offset for all bends covers cn in 48 % of the first kind.
+    assert min(covered(fits).values()) >= least
 
 
 def test_a_zero_that_is_claimed_exact_is_not_believed():
@@ -66,7 +70,7 @@ def test_a_zero_that_is_claimed_exact_is_not_believed():
     assert fits[0].nuisances["incline_zero_rad"].sigma == pytest.approx(math.radians(0.1), rel=0.01)
 
 
-@pytest.mark.parametrize("off_m_s", [0.2, 0.4])
+@pytest.mark.parametrize("off_m_s", [0.2, pytest.param(0.4, marks=pytest.mark.slow)])
 def test_a_robust_fit_stays_honest_with_a_misreading_in_it(off_m_s):
     rng = np.random.default_rng(1)
     robust, joint, named = [], [], 0

@@ -7,63 +7,9 @@ import pytest
 from calibration.plain_sessions import World, plain_session
 from odrpack import odr_fit
 from serpenoid.calibration.fitting.posterior import Posterior, Unknown
-from serpenoid.calibration.fitting.rounding import (
-    DRAWS,
-    STEP_SIGMA,
-    Drift,
-    drifting_rounding,
-    nearest_shown,
-    sawteeth,
-    set_points,
-    shared_rounding,
-    shown_step_rad,
-)
 from serpenoid.calibration.fitting.stations import Stations
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, narrowest
-from serpenoid.periodic.servo_steady import band
-
-STEP = np.radians(0.1)
-SIGMA = STEP / np.sqrt(12)
-
-
-def shown(points, deck=0.001, grade=0.005):
-    return np.round((np.arctan(grade * np.asarray(points)) + deck) / STEP) * STEP
-
-
-def test_steps_are_told_from_the_readings():
-    seen = shown([6, 7, 9, 12, 7])
-    assert shown_step_rad(seen, SIGMA) == pytest.approx(STEP)
-    assert shown_step_rad(seen, np.radians(0.03)) == pytest.approx(STEP)  # 0.0289, rounded
-    assert shown_step_rad(seen + 0.3 * STEP * np.arange(5), SIGMA) is None
-    points = set_points(seen, STEP, 0.005)
-    np.testing.assert_array_equal(points - points[0], [0, 1, 3, 6, 1])
-    assert set_points(seen, STEP, 0.0037) is None
-    assert set_points(seen, STEP, 0.001) is None
-    index, draws = shared_rounding(seen, SIGMA, 0.005)
-    assert index[1] == index[4]
-    assert draws.shape == (DRAWS, 4)
-
-
-def test_sawteeth_have_the_correlation_of_bernoullis_polynomial():
-    points = np.arange(6, 14)
-    draws = sawteeth(points, STEP, 0.005)
-    true = np.arctan(0.005 * points)
-    phase = 2 * np.pi * (true[:, None] - true[None, :]) / STEP
-    waves = np.arange(1, 4000)[:, None, None]
-    damped = np.exp(-0.5 * (STEP_SIGMA * waves * phase) ** 2)
-    expected = 6 / np.pi**2 * np.sum(np.cos(waves * phase) * damped / waves**2, axis=0)
-    # 1024 draws, evenly spread
-    np.testing.assert_allclose(draws.T @ draws / DRAWS, expected, atol=0.06)
-    assert np.abs(draws).max() <= np.sqrt(3) + 1e-9
-
-
-def test_advice_stays_on_the_treadmills_steps():
-    seen = shown([6, 7, 9])
-    told = nearest_shown(float(np.arctan(0.005 * 11)) + 0.0015, seen, SIGMA, 0.005)
-    assert told == pytest.approx(float(shown([11])[0]), abs=1.01 * STEP)
-    assert nearest_shown(float(seen[1]) + 0.0004, seen, SIGMA, 0.005) == seen[1]
-    assert nearest_shown(0.0321, seen + 0.3 * STEP * np.arange(3), SIGMA, 0.005) == 0.0321
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -118,52 +64,33 @@ WORLDS = {
 
 
 @pytest.mark.parametrize("world", WORLDS.values(), ids=WORLDS)
-def test_intervals_hold_the_truth_of_other_worlds(world):
+@pytest.mark.parametrize(
+    ("count", "of_all", "least"),
+    [(12, 0.85, 0.66), pytest.param(60, 0.92, 0.86, marks=pytest.mark.slow)],
+)
+def test_intervals_hold_the_truth_of_other_worlds(world, count, of_all, least):
     rng = np.random.default_rng(6)
     held = []
-    for _ in range(60):
+    for _ in range(count):
         ends = np.array(list(fit_friction(plain_session(world, rng)).intervals.values()))
         held.append((ends[:, 0] <= world.truth) & (world.truth <= ends[:, 1]))
-    # 240 intervals; 60 of a parameter scatter by 2.8 %
-    assert np.mean(held) > 0.92
-    assert np.mean(held, axis=0).min() > 0.86
-
-
-def test_rounding_follows_a_zero_that_drifts():
-    points = np.tile(np.arange(6, 12), 2)
-    zero = np.repeat([0.0, 0.43 * STEP], 6)
-    grade = np.arctan(0.005 * points) + 0.001
-    seen = np.round((grade + zero) / STEP) * STEP
-    index, errors = drifting_rounding(seen, SIGMA, 0.005, Drift(zero, 0.1 * STEP))
-    assert len(set(index[:6]) & set(index[6:])) == 0  # another zero, another rounding
-    # of all draws there are some whose errors are those of these very readings
-    off = np.abs(errors[:, index] - (seen - grade - zero)).max(axis=1)
-    assert off.min() < 0.1 * STEP
-    # the drift's own error bends the ends of the session apart
-    still = drifting_rounding(seen, SIGMA, 0.005, Drift(zero, 1e-9))[1]
-    assert errors.std() > still.std()
-    assert drifting_rounding(seen, SIGMA, 0.005, Drift(np.zeros(12), 0.1 * STEP)) is None
+    # 60 of a parameter scatter by 2.8 %, 12 by 6.3 %: those of 12 tell a gross error alone
+    assert np.mean(held) > of_all
+    assert np.mean(held, axis=0).min() > least
 
 
 def test_a_misreading_is_named_and_an_outlier_left_out():
     rng = np.random.default_rng(7)
     named, held = 0, []
-    for _ in range(12):
+    for _ in range(6):
         world = World(misread_deg=1.0, bends_deg=(15.0, 30.0))
         made = plain_session(world, rng)
         fit = fit_friction(made, method="robust")
         named += len(fit.outliers) == 1
         ends = np.array(list(fit.intervals.values()))
         held.append((ends[:, 0] <= world.truth) & (world.truth <= ends[:, 1]))
-    assert named >= 10
-    assert np.mean(held) > 0.85
-
-
-def test_a_band_of_few_draws_holds_its_share():
-    rng = np.random.default_rng(8)
-    low, high = np.array([band(rng.uniform(size=64)) for _ in range(4000)]).T
-    # 4000 widths scatter by 0.03 / sqrt(4000); quantiles from the least draw on hold 0.92
-    assert np.mean(high - low) == pytest.approx(0.95, abs=0.003)
+    assert named >= 5
+    assert np.mean(held) > 0.8
 
 
 class Mean:

@@ -23,6 +23,9 @@ from serpenoid.paper import study as paper_study
 from serpenoid.show import progress
 from serpenoid.show.gaits import crawl
 
+IDEAL = ("--servo", "ideal")
+FRONT = ("optimize", "--robot", "paper", "--speed", "0.1,99", "--omega-high-rad-s", "20")
+
 
 def run(*words: str, code: int = 0):
     result = CliRunner().invoke(cli, words)
@@ -31,7 +34,8 @@ def run(*words: str, code: int = 0):
 
 
 def test_optimum_with_its_error_and_margins() -> None:
-    found = json.loads(run("optimize", "--robot", "paper", "--speed", "0.1", "--json").output)
+    wish = ("optimize", "--robot", "paper", "--speed", "0.1", *IDEAL)
+    found = json.loads(run(*wish, "--json").output)
     assert found["gait"]["alpha_deg"] == pytest.approx(31.77, abs=0.05)
     assert found["cost_w"] == pytest.approx(7.63769e-3, rel=2e-5)
     assert 0 < found["cost_error_w"] < 1e-6
@@ -71,7 +75,7 @@ def test_what_shows_a_search_belongs_to_the_thread_that_ctrl_c_ends(monkeypatch)
 
     monkeypatch.setattr(progress, "working", busy)
     words = ("optimize", "--robot", "paper", "--speed")
-    run(*words, "0.1")
+    run(*words, "0.1", *IDEAL)
     run(*words, "0.1,0.2")
     monkeypatch.setattr("serpenoid.gaits.robust.robust_gait", unreachable)
     run(*words, "0.1,0.2", "--robust", code=1)
@@ -82,13 +86,17 @@ def unreachable(*_: object, **__: object) -> None:
     raise sn.NotConverged("no gait reaches it")
 
 
-def test_a_front_by_springs_and_one_of_robust_gaits() -> None:
-    words = ["optimize", "--robot", "paper", "--speed", "0.1,99", "--omega-high-rad-s", "20"]
-    front = json.loads(run(*words, "--formulation", "implicit", "--json").stdout)["front"]
+def test_a_front_by_springs() -> None:
+    words = [*FRONT, "--formulation", "implicit", "--json"]
+    front = json.loads(run(*words).stdout)["front"]
     assert front[0]["formulation"] == "implicit"
     assert 7.637e-3 < front[0]["cost_w"] < 7.66e-3  # springs cost a little here
     assert front[1] is None
-    robust = " ".join(run(*words, "--robust").stdout.split())
+
+
+@pytest.mark.slow
+def test_a_front_of_robust_gaits() -> None:
+    robust = " ".join(run(*FRONT, "--robust").stdout.split())
     assert "95 % make" in robust
     assert "out of" in robust
 
@@ -104,6 +112,7 @@ def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
             "--robust",
             "--amplitude-sigma",
             "0.05",
+            *IDEAL,
             "--json",
         ).output
     )
@@ -115,13 +124,13 @@ def test_robust_says_what_it_costs_and_what_it_keeps() -> None:
 
 def test_steady_warns_at_a_cliff() -> None:
     words = ["steady", "--alpha-deg", "66.7", "--beta-deg", "78.8", "--omega-rad-s", "1.6"]
-    assert "stands at a cliff" in run(*words).stderr
-    assert json.loads(run(*words, "--json").stdout)["margins"]["near_cliff"] is True
+    assert "stands at a cliff" in run(*words, *IDEAL).stderr
+    assert json.loads(run(*words, *IDEAL, "--json").stdout)["margins"]["near_cliff"] is True
 
 
 def test_the_cliff_is_drawn_with_its_data(tmp_path: Path) -> None:
     picture = tmp_path / "cliff.png"
-    run("optimize", "--robot", "paper", "--speed", "0.1", "--plot", str(picture))
+    run("optimize", "--robot", "paper", "--speed", "0.1", *IDEAL, "--plot", str(picture))
     assert picture.read_bytes()[:4] == b"\x89PNG"
     rows = picture.with_suffix(".csv").read_text().splitlines()
     assert rows[0] == "amplitude_factor,cn_factor,speed_m_s"
@@ -135,6 +144,7 @@ def test_a_gait_goes_to_the_board() -> None:
         "paper",
         "--speed",
         "0.1",
+        *IDEAL,
         "--send",
         "--port",
         "virtual",

@@ -132,6 +132,7 @@ def by_springs(
     return best, cheapest(Wish(table, robot, ground, speed), swings, lags, rates, **grid)
 
 
+@pytest.mark.slow
 def test_brute_force_over_springs_finds_none_cheaper() -> None:
     """Springs so soft that the exact model's optimum is far from theirs."""
     robot, ground, springs = sn.Robot(3, 0.4, 0.11), sn.Ground(0.06, 1.1), (60.0, 4.0)

@@ -224,7 +224,7 @@ def test_a_robust_gait_survives_a_servo_that_shakes() -> None:
             OF_2005,
             BINGHAM,
             speed_m_s=0.05,
-            samples=32,
+            samples=20,
             uncertainty=sn.Uncertainty(**known, servo=servo),
         )
         for servo in (None, shaking)

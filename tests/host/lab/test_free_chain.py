@@ -1,4 +1,4 @@
-"""The lab's chain against forces summed wheel by wheel, the simulator, and conservation laws."""
+"""The lab's chain against the simulator, closed forms, and conservation laws."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 import serpenoid as sn
-from lab.rigid_chain import G, RigidChain
 from serpenoid import _core
 from serpenoid.lab.belt import STEP_S
 
-N, MASS, LENGTH = 6, 0.0756, 0.076
+G, N, MASS, LENGTH = 9.81, 6, 0.0756, 0.076
 WHOLE = (0.084, 1.2, 0.14, 0.27)
 ZIGZAG, BALANCED = (1, -1, 1, -1, 1, -1), (1, -1, 0, 0, -1, 1)
 # Signs that read the same from both ends and add up to nothing.
@@ -70,22 +69,13 @@ def balance_speed(theta, gamma, whole=WHOLE):
 @pytest.mark.parametrize(
     ("bend", "gamma", "turned"), [(7.5, 2.8, (11, 25, 30)), (30, 6, (32, 43, 43))]
 )
-def test_a_zigzag_let_go_turns_as_others_found_and_as_forces_say(bend, gamma, turned):
+def test_a_zigzag_let_go_turns_as_others_found(bend, gamma, turned):
     theta, gamma = np.array(ZIGZAG) * math.radians(bend), math.radians(gamma)
-    v = balance_speed(theta, gamma)
-    width = np.array([[4e-4], [2e-4]])
-    ground = [x / N for x in WHOLE]
-    slow = RigidChain(np.stack([theta, theta]) - theta[0], MASS, LENGTH, ground, width)
-    y, fast, before = slow.at_rest(), placed(chain(), theta, v, gamma), 0.0
+    c, before = placed(chain(), theta, balance_speed(theta, gamma), gamma), 0.0
     for at, degrees in zip((1, 3, 6), turned, strict=True):
-        y = slow.run(y, at - before, 1e-3, v, gamma)
-        fast.advance(at - before, 0.001)
+        c.advance(at - before, 0.001)
         before = at
-        x, across, heading = (2 * y[:, 1] - y[:, 0])[:3]
-        heading = math.degrees(heading + slow.angle[0].mean())
-        assert abs(heading) == pytest.approx(degrees, abs=0.7)
-        assert math.degrees(angles(fast).mean()) == pytest.approx(heading, abs=0.06)
-        assert fast.state[:2] == pytest.approx((x, across), abs=2e-3)
+        assert abs(math.degrees(angles(c).mean())) == pytest.approx(degrees, abs=0.7)
 
 
 @pytest.mark.parametrize("n", HELD)
@@ -111,41 +101,6 @@ def test_three_links_have_no_balanced_bend():
         c = placed(chain(3, whole=whole), theta, balance_speed(theta, gamma, whole), gamma)
         c.advance(6.0, 0.004)
         assert abs(math.degrees(angles(c).mean())) > 5.0 or abs(c.state[1]) > 0.1
-
-
-@pytest.mark.parametrize(
-    ("signs", "bend", "gamma", "joint_deg", "turned", "sideways"),
-    [
-        ((0,) * 6, 0, 2.4, 0.3, (0.7, 3, 7), 0.08),
-        ((0,) * 6, 0, 2.4, 1.0, (2, 10, 21), 0.2),
-        (BALANCED, 7.5, 2.8, 0.3, (1.4, 7, 13), 0.2),
-        (BALANCED, 7.5, 2.8, 1.0, (3, 13, 20), 0.3),
-    ],
-)
-def test_joints_that_stand_off_turn_the_robot(signs, bend, gamma, joint_deg, turned, sideways):
-    """rms over robots; others had 12, of one draw: 21 % of scatter, twice that is allowed.
-
-    Their joints stood off evenly, it seems, up to so much: normal errors turn 1.5 times as far.
-    """
-    theta, gamma = np.array(signs) * math.radians(bend), math.radians(gamma)
-    v = balance_speed(theta, gamma)
-    rng = np.random.default_rng(12)
-    off = rng.uniform(-1.0, 1.0, size=(60, N - 1)) * math.radians(joint_deg)
-    each = np.concatenate([np.zeros((60, 1)), np.cumsum(np.diff(theta) + off, axis=1)], axis=1)
-    found, at_5 = [], []
-    for k in range(60):
-        c = placed(chain(), each[k], v, gamma)
-        row = []
-        for duration in (1.0, 4.0, 5.0):
-            c.advance(duration, 0.004)
-            row.append(math.degrees(angles(c).mean()))
-            if len(row) == 2:
-                at_5.append((c.state[0], c.state[1]))
-        found.append(row)
-    rms = np.sqrt(np.mean(np.square(found), axis=0))
-    across = np.sqrt(np.mean(np.square(at_5), axis=0))[1]
-    assert turned == pytest.approx(rms, rel=0.4)
-    assert sideways == pytest.approx(across, rel=0.5)
 
 
 @pytest.mark.parametrize("signs", [ZIGZAG, BALANCED, (0,) * N])
@@ -197,24 +152,6 @@ def test_only_motion_over_the_ground_counts():
     assert moving.state == pytest.approx(wanted, abs=1e-9)
 
 
-def test_no_direction_in_the_room_is_another():
-    """Belt, slope and robot turned together: all that happens is turned with them."""
-    theta, turn = np.array([2, -1, 0, 1, 2, -2]) * 0.05, 1.1
-    c, s = math.cos(turn), math.sin(turn)
-    one = placed(chain(rolling=0.003), theta, 0.5, 0.05, heading=0.1)
-    other = chain(rolling=0.003)
-    other.set_joints(list(np.diff(theta)))
-    other.set_ground_velocity(-0.5 * c, -0.5 * s)
-    pull = G * math.sin(0.05)
-    other.set_slope(pull * c, pull * s)
-    other.place(0.0, 0.0, theta[0] - theta.mean() + 0.1 + turn, 0.0, 0.0, 0.0)
-    for each in (one, other):
-        each.advance(2.0, 0.002)
-    x, y, angle, vx, vy, *rest = one.state
-    wanted = c * x - s * y, s * x + c * y, angle + turn, c * vx - s * vy, s * vx + c * vy, *rest
-    assert other.state == pytest.approx(wanted, abs=1e-7)
-
-
 def test_the_belts_step_is_short_enough():
     """The sharpest motion of a session, a zigzag that turns: ten times shorter steps say alike."""
     theta, gamma = np.array(ZIGZAG) * math.radians(7.5), math.radians(2.8)
@@ -224,19 +161,6 @@ def test_the_belts_step_is_short_enough():
         c.advance(6.0, step_s)
         turned.append(math.degrees(angles(c).mean()))
     assert turned[0] == pytest.approx(turned[1], abs=0.01)
-
-
-def test_left_and_right_are_alike():
-    theta = np.array([2, -1, 0, 1, 2, -2]) * 0.05
-    one, other = (
-        placed(chain(), theta, 0.5, 0.05, heading=0.1),
-        placed(chain(), -theta, 0.5, 0.05, heading=-0.1),
-    )
-    for c, way in ((one, 1), (other, -1)):
-        c.aim([way * x for x in np.diff(theta) + 0.02], 0.5)
-        c.advance(3.0, 0.004)
-    assert other.state[0] == pytest.approx(one.state[0], abs=1e-7)
-    assert other.state[1:3] == pytest.approx([-x for x in one.state[1:3]], abs=1e-7)
 
 
 @pytest.mark.parametrize("rolling", [0.0, 0.004])

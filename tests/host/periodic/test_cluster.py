@@ -138,27 +138,6 @@ def test_a_worker_of_another_version_is_refused(local: Any, monkeypatch) -> None
         sn.sweep(PAPER, VISCOUS, **AXES, scheduler=local.scheduler_address)
 
 
-@pytest.mark.slow
-def test_a_stretch_that_kills_every_worker_is_told(monkeypatch) -> None:
-    """Dask gives such work up after some workers; whoever asked is told which shapes they were."""
-    dask = pytest.importorskip("dask")
-
-    def deadly(grid: Any, first: int, last: int) -> Any:
-        if first == 0:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return grid.solve(first, last, threads=1)
-
-    monkeypatch.setattr(cluster_module, "solve_stretch", deadly)
-    with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 1}),
-        distributed.LocalCluster(
-            n_workers=1, threads_per_worker=1, processes=True, dashboard_address=":0"
-        ) as made,
-        pytest.raises(ClusterFailed, match=r"lost the work on shapes \(\d+, \d+\) .*KilledWorker"),
-    ):
-        sn.sweep(PAPER, VISCOUS, **AXES, scheduler=made.scheduler_address)
-
-
 @contextmanager
 def _processes() -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Give a scheduler of its own process and its address; a worker is at it."""
@@ -216,26 +195,6 @@ def test_a_scheduler_that_disappears_is_told_and_the_study_goes_on(tmp_path: Pat
     whole = sn.sweep(PAPER, VISCOUS, **AXES, rtol=1e-4)
     speeds = np.concatenate([chunk["speed_m_s"] for chunk in study])
     assert np.array_equal(speeds, whole.speed_m_s.reshape(18, 3))
-
-
-@pytest.mark.slow
-def test_a_worker_of_another_version_that_joins_late_is_refused(monkeypatch) -> None:
-    monkeypatch.setattr(cluster_module, "stretch_length", lambda grid: 1)
-    there = cluster_module.worker_version()
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=":0"
-    ) as made:
-        before = {w.worker_address for w in made.workers.values()}
-
-        def join(_done: int) -> None:
-            if len(made.workers) == 1:
-                monkeypatch.setattr("importlib.metadata.version", lambda name: "9.9")
-                made.scale(2)
-                made.wait_for_workers(2)
-
-        with pytest.raises(ClusterFailed, match=f"has {there}, here is serpenoid 9.9") as refused:
-            sn.sweep(PAPER, VISCOUS, **AXES, scheduler=made.scheduler_address, progress=join)
-        assert not any(address in str(refused.value) for address in before)
 
 
 @pytest.mark.parametrize("scheme", ["tls", "wss"])

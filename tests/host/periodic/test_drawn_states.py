@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.periodic import drawn_states, servo_steady
+from serpenoid.periodic import drawn_states
 from serpenoid.periodic.servo_steady import drawn_servo_speeds, servo_speed, servo_speeds
 
 # robot, ground, gait and kind of servo: dry, at the cliff (some draws stick, some run), viscous
@@ -73,35 +71,6 @@ def test_the_band_of_rough_draws_is_that_of_fine_ones(name) -> None:
     assert np.corrcoef(true, found)[0, 1] > 0.99  # each draw, too: verdicts hang on them
 
 
-checked: Any = servo_steady._checked  # states and servos are numbers here
-
-
-def fake(noise: float, factor: float, solved: list):
-    """Servos whose fine speed is known and whose rough one is off by a factor and as by noise."""
-
-    def value(state: float, servo: float, rough: bool) -> float:
-        solved.append(rough)
-        off = factor * math.exp(noise * math.sin(1e5 * state)) if rough else 1.0
-        return state * servo * off
-
-    return value
-
-
-def test_few_are_solved_finely_and_put_the_others_right() -> None:
-    solved: list[bool] = []
-    speeds = np.exp(0.2 * np.random.default_rng(2).normal(size=64))
-    found = checked(fake(0.01, 0.8, solved), speeds, [0.1] * 64)
-    assert (solved.count(True), solved.count(False)) == (64, 8)
-    assert found == pytest.approx(0.1 * speeds, rel=0.05)
-
-
-@pytest.mark.parametrize(("noise", "count"), [(0.3, 64), (0.0, 12)])
-def test_all_are_solved_finely_where_rough_ones_are_no_good_or_few_are_drawn(noise, count) -> None:
-    speeds = np.exp(0.2 * np.random.default_rng(2).normal(size=count))
-    found = checked(fake(noise, 1.0, []), speeds, [0.1] * count)
-    assert found == pytest.approx(0.1 * speeds, rel=1e-12)
-
-
 def test_servos_that_differ_by_less_than_rough_states_err_are_told_apart() -> None:
     """A servo known to half a per cent: its band is no artefact of rough states."""
     robot, near, draws, servos = drawn("dry", 1)
@@ -114,18 +83,3 @@ def test_ground_without_friction_is_refused() -> None:
     robot, near, draws, _ = drawn("viscous", 2)
     with pytest.raises(sn.BadInput, match="no friction"):
         drawn_states.drawn_states(robot, near, [*draws, (sn.Ground(0.0, 0.0), near[1])])
-
-
-def test_a_state_not_found_is_solved_for_alone_unless_a_speed_stands_for_it(monkeypatch) -> None:
-    robot, near, draws, _ = drawn("dry", 3)
-    whole = drawn_states._solved
-
-    def without_the_second(*given: Any) -> list[Any]:
-        first, _, third = whole(*given)
-        return [first, SimpleNamespace(converged=False, speed=math.nan), third]
-
-    every = drawn_states.drawn_speeds(robot, near, draws)
-    monkeypatch.setattr(drawn_states, "_solved", without_the_second)
-    assert drawn_states.drawn_speeds(robot, near, draws) == pytest.approx(every, rel=2e-3)
-    some = drawn_states.drawn_speeds(robot, near, draws, unfound_m_s=0.0)
-    assert some.tolist() == [every[0], 0.0, every[2]]

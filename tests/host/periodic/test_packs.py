@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid import _core
-from serpenoid.model.core_model import core_model
 
 PAPER, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 
@@ -104,36 +101,6 @@ def test_positive_power_claims_what_its_last_modes_may_hide() -> None:
     assert hidden > 1
 
 
-def cost_s(gait_offset_rad: float, runs: int) -> float:
-    """Return the processor time of six shapes at 20 rates, s, the least of some runs."""
-    model = core_model(PAPER, VISCOUS, sn.Gait(0.5, 1.4, 1.0, offset_rad=gait_offset_rad))
-    models = [model.bent(a, b) for a in (0.3, 0.7, 1.1) for b in (0.7, 1.4)]
-    taken = []
-    for _ in range(runs):
-        start = time.process_time()
-        table = _core.sweep(models, [1.0 + k for k in range(20)], 1e-6, True, 1, None)
-        taken.append(time.process_time() - start)
-    assert (table[..., 10] == 1).all()
-    return min(taken)
-
-
-def test_packs_are_used_and_cheap() -> None:
-    """Packs cost a few hundredths of pieces over the whole cycle.
-
-    The pieces' least of three runs is an upper bound that load only raises, the packs' least of
-    fifteen, 0.5 ms each, a quiet moment's.
-    """
-    assert cost_s(1e-13, 3) > 10 * cost_s(0.0, 15)
-
-
-def test_one_gait_alone_is_solved_by_a_pack() -> None:
-    """A pack's mesh has 12, 24, 48 or 96 nodes; the other solver has none."""
-    for omega in (0.5, 5.0, 20.0):
-        alone = _core.steady(core_model(PAPER, VISCOUS, sn.Gait(0.6, 1.4, omega)), 1e-6, True)
-        assert alone.elements in {24, 48}
-        assert alone.iterations <= 12
-
-
 def test_a_torque_that_touches_zero_between_two_nodes() -> None:
     """Two links at a crawl: the torque's two roots lie in one cell, one of them at its end."""
     robot = sn.Robot(2, 0.13074918359595453, 0.2847517775223594)
@@ -164,15 +131,3 @@ def test_the_slowest_multiplier_where_hardly_anything_decays() -> None:
         largest = abs(s.floquet_multipliers[0])
         period = 2 * math.pi / rate
         assert s.settling_time_s == pytest.approx(-period / math.log(largest), rel=2e-3)
-
-
-@pytest.mark.slow
-def test_the_papers_whole_grid_against_pieces() -> None:
-    alpha, beta = np.radians(np.arange(5, 76, 14)), np.radians(np.arange(20, 91, 14))
-    m = sn.sweep(
-        PAPER, VISCOUS, alpha_rad=alpha, beta_rad=beta, omega_rad_s=np.arange(1.0, 21.0, 3)
-    )
-    for at in np.ndindex(m.speed_m_s.shape):
-        s = by_pieces(PAPER, VISCOUS, alpha[at[0]], beta[at[1]], float(m.omega_rad_s[at[2]]))
-        assert m.speed_m_s[at] == pytest.approx(s.speed_m_s, rel=1e-8)
-        assert m.positive_power_w[at] == pytest.approx(s.positive_power_w, rel=1e-6)

@@ -261,12 +261,6 @@ def test_the_bands_ends_leave_as_many_servos_as_they_say() -> None:
     assert band(np.full((3, 1), 3.0)) == pytest.approx((3.0, 3.0))
 
 
-def test_one_draw_decides_no_end_of_a_band() -> None:
-    drawn = np.random.default_rng(3).normal(size=512)
-    worst = np.where(drawn == np.sort(drawn)[12], -3.0, drawn)
-    assert abs(band(worst)[0] - band(drawn)[0]) < 0.1
-
-
 def test_what_is_no_servo_is_refused() -> None:
     with pytest.raises(sn.BadInput, match=r"servo is a str; it must be a serpenoid\.Servo or"):
         sn.steady_gait(ROBOT, GROUND, GAIT, servo="SG90")  # type: ignore[call-overload]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.model.drives import UNCERTAIN, loop_radius
+from serpenoid.model.drives import loop_radius
 from serpenoid.servos.catalogue import SERVOS
 
 
@@ -94,33 +94,6 @@ def test_an_unknown_voltage_is_drawn_and_a_known_one_is_not() -> None:
     assert {s.supply_v for s in known.draws(20)} == {5.0} == {known.servo.supply_v}
     again = known.at_volts(6.0).servo
     assert again.no_load_rad_s == pytest.approx(kind.at_volts(6.0).servo.no_load_rad_s)
-
-
-def test_units_are_what_a_drawn_servo_is_made_of() -> None:
-    for name in ("hobby", "XL-330"):
-        kind = SERVOS[name]
-        units = [kind.units_of(one) for one in kind.draws(64)]
-        for one, x in zip(kind.draws(64), units, strict=True):
-            again = kind.at(x, one.update_hz)
-            assert again is not None
-            for field in UNCERTAIN:
-                assert getattr(again, field) == pytest.approx(getattr(one, field), rel=1e-9)
-
-
-def test_names_of_sheets_change_two_numbers_of_one_prior() -> None:
-    """What a sheet does not say is the same for all: drawn alike, as ratios."""
-    hobby = SERVOS["hobby"]
-    for name in ("SG90", "MG90S", "MG996R", "HS-422", "S3003", "DS3218"):
-        kind = SERVOS[name]
-        assert kind.updates_hz == hobby.updates_hz
-        for field in set(UNCERTAIN) - {"torque_limit_nm", "speed_limit_rad_s"}:
-            assert kind.sigma.get(field) == hobby.sigma.get(field)
-        servo, any_one = kind.servo.at_volts(4.8 if name == "SG90" else 6.0), hobby.servo
-        any_one = any_one.at_volts(6.0)
-        ratio = servo.torque_limit_nm / any_one.torque_limit_nm
-        assert servo.gear_friction_nm == pytest.approx(ratio * any_one.gear_friction_nm)
-        assert servo.stiffness_nm_rad == pytest.approx(ratio * any_one.stiffness_nm_rad)
-        assert servo.dead_band_rad == any_one.dead_band_rad
 
 
 def test_every_kind_is_a_servo_that_does_not_hunt() -> None:

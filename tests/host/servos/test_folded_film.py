@@ -67,17 +67,6 @@ def test_a_quick_film_shows_the_ripples_that_the_state_has(runs, name, servo) ->
         assert ripple.harmonics == true.harmonics
 
 
-def test_the_whole_ripple_is_the_rate_beside_the_first_harmonic(runs) -> None:
-    """Of the lab's joints at each 1/1200 s: their rates less sine and cosine of the gait."""
-    run, ideal = runs["heavy"], sn.steady_gait(ROBOT, GROUND, GAIT, rtol=1e-3, powers=False)
-    two = run.t_s <= 2 * GAIT.period_s
-    rates = np.gradient(run.joints_rad, run.t_s, axis=0)[two]
-    wave = np.exp(-1j * GAIT.omega_rad_s * run.t_s[two])
-    first = 2 * np.mean(rates * wave[:, None], axis=0)
-    rest = np.mean(rates**2, axis=0) - 0.5 * np.abs(first) ** 2
-    assert servo_state(ideal, HEAVY).ripple == pytest.approx(math.sqrt(rest.mean()), rel=0.055)
-
-
 def test_a_slow_film_shows_the_gaits_own_harmonics_alone(runs) -> None:
     t, joints = filmed(runs["heavy"], every=40)
     joints[3, 1] = math.nan  # a tag that was not seen

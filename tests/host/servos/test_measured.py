@@ -93,6 +93,7 @@ def crawls():
     return replace(session, gait_runs=tuple(runs)), fit, true
 
 
+@pytest.mark.slow
 def test_crawls_narrow_what_servos_leave_of_the_speed(crawls) -> None:
     session, fit, true = crawls
     found = servo_of_session(session, sn.servo(), fit)
@@ -105,13 +106,18 @@ def test_crawls_narrow_what_servos_leave_of_the_speed(crawls) -> None:
     assert found.untold  # speeds do not tell each number
 
 
+@pytest.mark.slow
 def test_speeds_that_no_servo_makes_are_refused(crawls) -> None:
     session, fit, _ = crawls
     quick = tuple(replace(r, speed_m_s=3 * r.speed_m_s) for r in session.gait_runs[1:])
     with pytest.raises(sn.BadInput, match=r"too few to tell a servo by"):
         servo_of_session(replace(session, gait_runs=quick), sn.servo(), fit)
+
+
+def test_a_session_without_runs_tells_no_servo() -> None:
+    session = load_session(session_folder())
     with pytest.raises(sn.BadInput, match="no gait run and no film"):
-        servo_of_session(replace(session, gait_runs=()), sn.servo(), fit)
+        servo_of_session(session, sn.servo(), sn.fit_friction(session))
 
 
 def test_a_film_of_a_session_tells_how_far_the_joints_go(tmp_path: Path, monkeypatch) -> None:

@@ -15,6 +15,8 @@ from serpenoid.model.errors import Diverged
 from serpenoid.model.link_state import LinkState
 from serpenoid.simulation.starts import start_state
 
+from . import truth_cases as tc
+
 BOTH = ("dop853", "collocation")
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
@@ -36,16 +38,7 @@ def error(run: sn.Run, exact: Array) -> float:
 
 def truth(scene: sn.Scene) -> Array:
     """Return link 1 of a scene by the dense reference and SciPy, at the recorded times."""
-    robot, ground, gait = scene.robot, scene.ground, scene.gait
-    p = Params(
-        robot.links,
-        robot.link_mass_kg,
-        robot.link_length_m / 2,
-        robot.inertia_kg_m2,
-        ground.ct,
-        ground.cn,
-    )
-    g = Gait(gait.alpha_rad, gait.beta_rad, gait.omega_rad_s, gait.offset_rad)
+    p, g = tc.params(scene), tc.gait_of(scene.gait)
     times = np.append(np.arange(scene.steps) * scene.dt_s, scene.duration_s)
     return explicit.trajectory(p, g, np.zeros(6), times[:: scene.every], rtol=1e-13)
 
@@ -75,24 +68,6 @@ def test_steps_grow_as_the_order_says(method: str, order: int) -> None:
         for t in (1e-5, 1e-12)
     ]
     assert math.log(1e7) / math.log(taken[1] / taken[0]) == pytest.approx(order, abs=0.8)
-
-
-@pytest.mark.parametrize("method", BOTH)
-def test_between_the_steps_it_is_as_smooth_as_at_them(method: str) -> None:
-    """Dense output against runs that end at the time: steps differ, motion does not."""
-    scene = replace(PAPER, method=method, tolerance=1e-9, dt_s=0.0137, duration_s=0.411)
-    run = sn.simulate(scene)
-    assert run.steps < run.t_s.size // 2
-    for index in (1, 7, 16, 29):
-        short = sn.simulate(replace(scene, duration_s=run.t_s[index], dt_s=1.0))
-        assert error(short, link1(run)[[0, index]]) < 1e-9
-
-
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
-def test_collocation_takes_its_own_estimate_off(tolerance: float, paper_truth: Array) -> None:
-    """What the estimate sees is corrected: left in, the error would be several times its mean."""
-    run = sn.simulate(replace(PAPER, method="collocation", tolerance=tolerance))
-    assert error(run, paper_truth) < run.local_error / run.steps
 
 
 EXTREMES = [  # alpha (deg), omega, ct, cn, mass, cycles
@@ -196,13 +171,6 @@ def test_without_friction_momentum_stays(method: str) -> None:
     assert np.ptp(spin) < lost * spin[0]
 
 
-def test_collocation_of_half_a_cycle_is_that_of_the_whole() -> None:
-    """A gait that steers has no mirror image half a cycle later; in the limit both must agree."""
-    scene = replace(PAPER, method="collocation", tolerance=1e-11, duration_s=10.0)
-    steered = replace(scene, gait=replace(GAIT, offset_rad=1e-13))
-    assert error(sn.simulate(scene), link1(sn.simulate(steered))) < 1e-10
-
-
 def test_collocation_of_a_steering_gait() -> None:
     scene = replace(PAPER, gait=replace(GAIT, offset_rad=0.2), method="collocation", tolerance=1e-9)
     assert error(sn.simulate(scene), truth(scene)) < 1e-8
@@ -226,22 +194,6 @@ def test_a_day_of_crawling_costs_nothing_and_goes_at_the_steady_speed() -> None:
     assert speed == pytest.approx(
         sn.steady_gait(SIX, VISCOUS, GAIT, rtol=1e-10).speed_m_s, rel=1e-8
     )
-
-
-def test_joint_forces_are_those_of_the_equations() -> None:
-    rough, fine = (
-        sn.simulate(replace(PAPER, method=method, record=("joints",), tolerance=1e-10, dt_s=1e-3))
-        for method in ("collocation", "rk4")
-    )
-    for name in ("joint_force_x_n", "joint_force_y_n", "joint_torque_nm"):
-        assert getattr(rough, name) == pytest.approx(getattr(fine, name), abs=1e-8), name
-
-
-def test_the_energy_ledger_is_controlled_too() -> None:
-    scene = replace(PAPER, record=("energy",))
-    rough = sn.simulate(replace(scene, method="dop853", tolerance=1e-7))
-    fine = sn.simulate(replace(scene, method="rk4", dt_s=1e-4, record_every=100))
-    assert rough.energy_j == pytest.approx(fine.energy_j, abs=1e-7)
 
 
 @pytest.mark.parametrize("drive", ["angle", "torque"])

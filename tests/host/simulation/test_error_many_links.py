@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 import serpenoid as sn
 from serpenoid.simulation.judge import difference
-from serpenoid.simulation.related_scenes import finer_scenes
 
 GROUND = sn.Ground(0.014, 0.2, 0.02, 0.045)
 
@@ -36,15 +35,6 @@ def test_the_estimate_is_a_bound(links: int, tolerance: float) -> None:
     rounding = 1e-11
     assert off.position_m <= said.integration.position_m + rounding
     assert off.angle_rad <= said.integration.angle_rad + rounding
-
-
-@pytest.mark.parametrize("links", [40, 99])
-@pytest.mark.parametrize("tolerance", [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11])
-def test_no_run_is_asked_for_beyond_rounding(links: int, tolerance: float) -> None:
-    """From some 5e-12 (40 links) and 5e-10 (99) on, steps shrink and tell no more."""
-    for pair in finer_scenes(scene(links, tolerance)):
-        assert pair.finest.tolerance >= {40: 2e-10, 99: 3e-9}[links]
-        assert pair.finer.tolerance >= 9.99 * pair.finest.tolerance
 
 
 def test_ninety_nine_links_have_an_error_that_is_finite() -> None:

@@ -9,8 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import serpenoid as sn
-from oracle import contact_modes, explicit
-from oracle.scenes import SlowScene
+from oracle import contact_modes
 
 from . import truth_cases as tc
 
@@ -103,39 +102,6 @@ def test_order_two_through_sticking_and_slipping(omega: float, incline: float) -
     assert math.log2(errors[0] / errors[1]) / 5 > 1.75
 
 
-def test_implicit_steps_agree_with_small_convex_ones() -> None:
-    """Moreau's scheme on the dense model: kick without friction, then shrink, in 0.1 ms steps."""
-    scene = replace(SOFT, duration_s=0.3, gait=replace(GAIT, omega_rad_s=1.5), dt_s=1e-3)
-    start = sn.simulate(replace(scene, duration_s=0.0)).state(0)
-    rough, fine = (shrunk(scene, start, steps) for steps in (750, 1500))
-    wanted, doubt = 2 * fine - rough, np.abs(fine - rough).max()
-    run = sn.simulate(scene)
-    found = np.stack([run.x_m[-1], run.y_m[-1], run.theta_rad[-1]], axis=1)
-    assert np.abs(found - wanted).max() < 0.1 * doubt
-    assert doubt < 1e-3
-
-
-def shrunk(scene: sn.Scene, start: sn.LinkState, steps: int) -> np.ndarray:
-    """Return the pose (n, 3) at the end."""
-    h, m = scene.duration_s / steps, scene.robot.link_mass_kg
-    slow = SlowScene(replace(scene, ground=sn.Ground(0.0, 0.0), method="rk4"))
-    y, n = slow.pack(start), scene.robot.links
-    half = 2 * n + 1
-    viscous = 1 + h / m * np.array([scene.ground.ct, scene.ground.cn])
-    dry = h / m * np.array([scene.ground.ft0, scene.ground.fn0])
-    for k in range(steps):
-        rate = slow.rate(k * h, y)
-        y[half : 2 * half] += h * rate[half : 2 * half]
-        y[half - 1] += h * y[2 * half - 1]
-        pose, rates, _ = slow.links((k + 1) * h, y)
-        axes = np.stack(explicit.axes(pose[:, 2]), 1)  # (n, 2, 2)
-        slip = np.einsum("nad,nd->na", axes, rates[:, :2])
-        slip = np.sign(slip) * np.maximum(np.abs(slip) - dry, 0) / viscous
-        y[half : 2 * half - 1] = np.einsum("nad,na->dn", axes, slip).ravel()
-        y[: half - 1] += h * y[half : 2 * half - 1]
-    return slow.links(scene.duration_s, y)[0]
-
-
 def test_a_wheel_at_rest_is_at_rest() -> None:
     """No creep: what the ground holds has no speed beyond rounding, and its force obeys the law."""
     scene = replace(SOFT, gait=replace(GAIT, omega_rad_s=1.0), duration_s=3.0)
@@ -221,29 +187,6 @@ def test_explicit_on_a_slope() -> None:
     exact, soft = sn.simulate(dry), sn.simulate(stiff)
     assert np.abs(soft.theta_rad - exact.theta_rad).max() < 3e-3
     assert np.abs(soft.x_m - exact.x_m).max() < 1e-3
-
-
-def test_explicit_motion_turns_with_the_slope() -> None:
-    scene = sn.Scene(
-        OF_2005,
-        BINGHAM,
-        GAIT,
-        method="nonsmooth",
-        incline_rad=0.2,
-        incline_direction_rad=0.3,
-        duration_s=1.0,
-        dt_s=0.5,
-        tolerance=1e-9,
-        start="link1_at_rest",
-    )
-    start = sn.LinkState.in_gait(OF_2005, GAIT, 0.0, [0, 0, 0], [0, 0, 0])
-    ahead = sn.LinkState.in_gait(OF_2005, GAIT, 0.0, [0, 0, 2.0], [0, 0, 0])
-    here = sn.simulate(replace(scene, start=start)).state()
-    there = sn.simulate(replace(scene, start=ahead, incline_direction_rad=2.3)).state()
-    c, s = math.cos(2.0), math.sin(2.0)
-    assert there.theta_rad == pytest.approx(here.theta_rad + 2.0, abs=1e-7)
-    assert there.x_m == pytest.approx(c * here.x_m - s * here.y_m, abs=1e-7)
-    assert there.y_m == pytest.approx(s * here.x_m + c * here.y_m, abs=1e-7)
 
 
 def test_what_other_methods_make_of_sticking() -> None:

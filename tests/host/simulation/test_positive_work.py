@@ -99,22 +99,6 @@ def test_the_periodic_state_has_the_same_positive_power(dry: bool) -> None:
     assert power == pytest.approx(steady.positive_power_w, rel=1e-8 if dry else 1e-9)
 
 
-def test_convergence_is_that_of_smooth_work() -> None:
-    """Seven, as the dense output has; steps that shrink at kinks got to four."""
-    truth = positive(PAPER, 1e-13).energy_j[-1, POSITIVE]
-    runs = [positive(PAPER, tolerance) for tolerance in (1e-6, 1e-8, 1e-10, 1e-12)]
-    errors = [abs(run.energy_j[-1, POSITIVE] / truth - 1) for run in runs]
-    order = np.polyfit(np.log([run.steps for run in runs]), np.log(errors), 1)[0]
-    assert order < -6
-    assert errors[-1] < 1e-9
-
-
-def test_kinks_do_not_shorten_steps() -> None:
-    with_ledger = positive(PAPER, 1e-12)
-    without = sn.simulate(replace(PAPER, tolerance=1e-12, record=()))
-    assert with_ledger.steps <= 1.2 * without.steps
-
-
 def test_joints_that_hardly_move_and_joints_at_rest() -> None:
     straight = replace(PAPER, gait=sn.Gait(0.0, 1.0, 3.0))
     assert positive(straight, 1e-9).energy_j[-1, POSITIVE] == 0.0

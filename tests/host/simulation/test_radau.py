@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 import serpenoid as sn
 from oracle import implicit
-from oracle.numpy_equations import rate_of
 from oracle.params import Params
 from scipy.integrate import solve_ivp
-from serpenoid import _core
 from serpenoid.bench.problems import PAPER_GROUND, Problem
-from serpenoid.simulation.core_run import core_request
 from serpenoid.simulation.starts import start_state
+
+from .truth_cases import rate_of
 
 THREE, SIX = sn.Robot(3, 1.0, 0.12), sn.Robot(6, 1.0, 0.12)
 THREE_GAIT = sn.Gait(math.radians(30), math.radians(90), 3.0)
@@ -63,27 +62,6 @@ def test_it_meets_its_tolerance(
     ).y[:, -1]
     for tolerance in (1e-3, 1e-5, 1e-7):
         assert problem.error(radau_end(problem, tolerance), exact) < tolerance
-
-
-@pytest.mark.parametrize("drive", ["angle", "torque"])
-@pytest.mark.parametrize(("k", "c"), [(1e3, 1.0), (1e7, 1.0), (1e7, 1e3)])
-def test_order_is_five_however_stiff(drive: str, k: float, c: float) -> None:
-    """In gaps and angles stiffness takes nothing from the order; in centres it would be 3."""
-    turning = {"drive": "torque", "torque": lambda t: [0.02 * math.sin(3 * t), 0.01]}
-    scene = three(0.4, k, c).scene(method="radau", **(turning if drive == "torque" else {}))
-    start = start_state(scene)
-
-    def end(steps: int) -> np.ndarray:
-        q = core_request(scene)
-        q.tolerance, q.dt_s, q.steps, q.every = 0, 0.4 / steps, steps, steps
-        out = _core.run(q, start.packed(), None)
-        return np.concatenate([out[name][-1] for name in ("x_m", "theta_rad", "omega_rad_s")])
-
-    fewest = 128 if k == 1e3 else 16  # soft joints move with 100 rad/s
-    ends = [end(steps) for steps in (fewest, 2 * fewest, 8 * fewest)]
-    errors = [np.abs(e - ends[-1]).max() for e in ends[:-1]]
-    assert 1e-12 < errors[1] < 1e-6
-    assert math.log2(errors[0] / errors[1]) == pytest.approx(5, abs=0.5)
 
 
 def test_torques_that_vary_in_time() -> None:
@@ -282,17 +260,6 @@ def test_a_torque_beyond_numbers_ends_with_its_cause() -> None:
     )
     with pytest.raises(sn.Diverged, match="however short"):
         sn.simulate(scene)
-
-
-@pytest.mark.parametrize(
-    "change",
-    [{"formulation": "explicit"}, {"ground": sn.Ground(0.1, 1.0, 0.1, 0.1)}, {"limp": (1,)}],
-    ids=lambda change: next(iter(change)),
-)
-def test_what_it_does_not_run_is_refused(change: dict) -> None:
-    fields = {"ground": PAPER_GROUND, "formulation": "implicit", **change}
-    with pytest.raises(sn.BadInput, match="radau"):
-        sn.Scene(SIX, gait=SIX_GAIT, method="radau", **fields)
 
 
 def test_same_bits_twice() -> None:

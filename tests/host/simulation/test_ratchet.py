@@ -178,23 +178,6 @@ def test_implicit_friction_is_the_same_under_three_methods() -> None:
         assert max(off.position_m, off.angle_rad) < within, method
 
 
-def test_smoothed_methods_agree_to_their_tolerance() -> None:
-    """The smoothed law is smooth, zero to backwards to forwards: high orders keep their order."""
-    soft = sn.Scene(
-        OF_2005,
-        RATCHET,
-        GAIT,
-        formulation="implicit",
-        joint_stiffness_n_m=300.0,
-        method="radau",
-        duration_s=0.3,
-        smoothing_m_s=2e-3,
-        tolerance=1e-8,
-    )
-    off = difference(sn.simulate(soft), sn.simulate(replace(soft, method="dop853")))
-    assert max(off.position_m, off.angle_rad) < 1e-6
-
-
 def test_a_pair_next_to_equal_is_next_to_the_single_value() -> None:
     plain = sn.Ground(0.014, 0.2, 0.0233, 0.045)
     hair = 1 + 1e-9

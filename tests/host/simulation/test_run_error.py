@@ -6,11 +6,9 @@ import math
 import re
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid.simulation.error import Difference, RunError
-from serpenoid.simulation.judge import _believed_s, difference, estimate, warnings_of
+from serpenoid.simulation.judge import difference
 
 SIX, VISCOUS = sn.Robot(6, 1.0, 0.12), sn.Ground(0.1, 10.0)
 GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
@@ -124,51 +122,6 @@ def test_chaos_is_named() -> None:
     assert any("the motion is chaotic" in w and "believe it up to" in w for w in run.warnings)
 
 
-def test_runs_that_stay_near_are_not_called_chaotic() -> None:
-    run = sn.simulate(
-        sn.Scene(
-            sn.Robot(3, 0.1, 0.1),
-            sn.Ground(0.1, 1.0),
-            sn.Gait(0.5, 1.0, 3.0),
-            method="dop853",
-            duration_s=1.0,
-            dt_s=0.1,
-        )
-    )
-    for apart_rad, chaotic in ((0.003, False), (0.3, True)):
-        others = [replace(run, theta_rad=run.theta_rad + k * apart_rad) for k in (1, 2, 1)]
-        found = estimate(run, lambda _, left=others: left.pop())
-        assert not found.settled
-        assert found.chaotic == chaotic
-
-
-def test_where_finer_runs_disagree_a_closer_one_is_asked() -> None:
-    """The run at 1e-8 was off by more than this one; those at 1e-10 and 1e-11 agree."""
-    run = sn.simulate(
-        sn.Scene(
-            sn.Robot(3, 0.1, 0.1),
-            sn.Ground(0.1, 1.0),
-            sn.Gait(0.5, 1.0, 3.0),
-            method="dop853",
-            duration_s=1.0,
-            dt_s=0.1,
-        )
-    )
-    off = {1e-8: 0.009, 1e-10: 0.001, 1e-11: 0.0011}
-    asked: list[float] = []
-
-    def other(scene: sn.Scene) -> sn.Run:
-        asked.append(scene.tolerance)
-        if scene.method == "collocation":
-            return replace(run, theta_rad=run.theta_rad + off[float(f"{scene.tolerance:.3g}")])
-        raise AssertionError(scene.method)
-
-    found = estimate(run, other)
-    assert asked == pytest.approx([1e-8, 1e-10, 1e-11])
-    assert found.settled
-    assert found.integration.angle_rad == pytest.approx(0.0012)
-
-
 @pytest.mark.parametrize("method", ["collocation", "nonsmooth"])
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-7])
 def test_methods_in_the_body_frame_know_their_error(method: str, tolerance: float) -> None:
@@ -224,11 +177,6 @@ def test_an_accuracy_out_of_reach_is_refused() -> None:
         sn.simulate(SCENES["plain"], accuracy=1e-20)
 
 
-def test_runs_that_agree_have_no_difference() -> None:
-    run = sn.simulate(SCENES["plain"])
-    assert difference(run, run) == Difference(0.0, 0.0, 0.0)
-
-
 @pytest.mark.parametrize("asked", [{"incline_rad": 0.017}, {"method": "rk4"}])
 def test_a_robot_at_rest_has_no_share_of_its_speed_to_be_off(asked):
     still = sn.Gait(0.0, 1.4, 5.0)
@@ -239,47 +187,6 @@ def test_a_robot_at_rest_has_no_share_of_its_speed_to_be_off(asked):
     assert math.isnan(run.error_estimate.integration.mean_speed)
     assert math.isnan(run.error_estimate.modelling.mean_speed)
     assert not [warning for warning in run.warnings if "mean speed" in warning]
-
-
-def test_what_moves_a_robot_that_should_rest_is_named():
-    going = sn.simulate(SCENES["dry"])
-    resting = sn.simulate(replace(SCENES["dry"], gait=sn.Gait(0.0, 1.4, 5.0)))
-    off = difference(going, resting)
-    assert off.mean_speed == math.inf
-    assert difference(resting, going).mean_speed == pytest.approx(-1)
-    said = warnings_of(going, RunError(off, off, ""))
-    assert "the springs (k = 1000 N/m) move a robot that rests in the exact model" in said[0]
-    assert said[1].startswith("the time steps move a robot that rests")
-
-
-def moved(run: sn.Run, way_m) -> sn.Run:
-    """Return a run with all links shifted along x by so much at each recorded time."""
-    return replace(run, x_m=run.x_m + np.asarray(way_m)[:, None])
-
-
-def test_a_run_is_believed_up_to_the_last_time_before_it_parts() -> None:
-    run = sn.simulate(SCENES["plain"])
-    body_m, jump = run.scene.robot.body_length_m, np.zeros(run.t_s.size)
-    jump[700:] = 0.02 * body_m
-    assert _believed_s(run, moved(run, jump)) == run.t_s[699]
-    assert _believed_s(run, moved(run, jump / 4)) == run.t_s[-1]
-
-
-def test_a_robot_rests_by_what_it_goes_in_a_period() -> None:
-    """2e-4 body lengths in five periods are rest; in one period they are not."""
-    still = sn.Gait(0.0, 1.4, 5.0)
-    for periods, share in ((5, math.nan), (1, -0.5)):
-        scene = replace(SCENES["plain"], gait=still, duration_s=periods * still.period_s)
-        run = sn.simulate(scene)
-        way_m = 2e-4 * run.scene.robot.body_length_m * run.t_s / run.t_s[-1]
-        found = difference(moved(run, way_m), moved(run, 2 * way_m)).mean_speed
-        assert found == pytest.approx(share, nan_ok=True)
-
-
-def test_errors_of_steps_and_of_springs_add_up() -> None:
-    steps, springs = Difference(0.02, 0.005, 0.0), Difference(0.01, 0.03, 0.0)
-    assert RunError(steps, springs, "").worst(body_m=2.0) == pytest.approx(0.01 + 0.03)
-    assert RunError(steps, None, "").worst(body_m=2.0) == pytest.approx(0.01)
 
 
 def test_the_stiffness_that_an_accuracy_asks_for_is_enough() -> None:

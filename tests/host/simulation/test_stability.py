@@ -82,6 +82,7 @@ def test_a_small_map_has_no_cell_that_runs_and_is_unstable() -> None:
     assert {cell.refused for cell in cells} == {0, 1}
 
 
+@pytest.mark.slow
 def test_no_extreme_scene_hangs_crashes_or_is_untrue() -> None:
     outcomes = list(extremes.run(True, lambda _: None))
     assert not [one for one in outcomes if one.outcome in DEFECTS]

@@ -10,37 +10,17 @@ from typing import Any
 import numpy as np
 import serpenoid as sn
 from numpy.random import Generator
-from oracle import composed, implicit
+from oracle import composed, explicit, implicit
 from oracle import contact_modes as cm
 from oracle import joint_work as jw
-from oracle import springs_collocation as sc
-from oracle.params import Gait, Params
+from oracle.params import Gait
+from oracle.scenes import params_of as params
 from serpenoid._core.firmware import gait_setpoints_rad
+from serpenoid.bench.problems import Problem
 from serpenoid.simulation.starts import start_state
 
-GRAVITY_M_S2 = 9.80665
 Array = np.ndarray
 PAPER_GAIT = sn.Gait(math.radians(30), math.radians(80), 5.0)
-
-
-def params(scene: sn.Scene) -> Params:
-    """Return a scene's robot and ground as the references take them."""
-    robot, ground = scene.robot, scene.ground
-    down = -GRAVITY_M_S2 * math.sin(scene.incline_rad)
-    way = scene.incline_direction_rad
-    return Params(
-        robot.links,
-        robot.link_mass_kg,
-        robot.link_length_m / 2,
-        robot.inertia_kg_m2,
-        ground.ct_forward,
-        ground.cn,
-        ground.ft0_forward,
-        ground.fn0,
-        (down * math.cos(way), down * math.sin(way)),
-        ground.ct_backward,
-        ground.ft0_backward,
-    )
 
 
 def gait_of(gait: sn.Gait) -> Gait:
@@ -61,14 +41,38 @@ def hard_scene(links: int, k: float, incline_rad: float = 0.0, **more: Any) -> s
     )
 
 
-def end_on_springs(scene: sn.Scene, start: sn.LinkState, steps: int = 20) -> Array:
-    """Return the links' places (x, y, theta), (n, 3), at the end of a scene on springs."""
-    springs = sc.Springs(
-        params(scene), scene.joint_stiffness_n_m, scene.joint_damping_n_s_m, gait_of(scene.gait)
-    )
-    q = np.concatenate([start.x_m, start.y_m, start.theta_rad])
-    v = np.concatenate([start.vx_m_s, start.vy_m_s, start.omega_rad_s])
-    return sc.run(springs, q, v, scene.duration_s, steps)[0].astype(float).reshape(3, -1).T
+def end_on_springs(scene: sn.Scene, start: sn.LinkState, rtol: float = 1e-8) -> Array:
+    """Return the links' places (x, y, theta), (n, 3), at the end of a scene on springs.
+
+    SciPy's stiff method solves the dense equations of oracle/implicit.py.
+    """
+    p, gait = params(scene), gait_of(scene.gait)
+    spring = implicit.Spring(scene.joint_stiffness_n_m, scene.joint_damping_n_s_m)
+    first = implicit.pack(*packed(start).reshape(2, -1, 3))
+    rate, end_s = implicit.gait_rate(p, spring, gait), scene.duration_s
+    (end,) = implicit.integrate(rate, first, np.array([end_s]), "Radau", rtol)
+    return implicit.unpack(p, gait, end_s, end)[0]
+
+
+def rate_of(problem: Problem) -> Callable[[float, Array], Array]:
+    """Return y' = f(t, y) of a benchmark's problem by the dense equations, y as its peers have."""
+    scene = problem.scene()
+    p, gait, n = params(scene), gait_of(scene.gait), scene.robot.links
+    spring = implicit.Spring(problem.stiffness_n_m, problem.damping_n_s_m)
+
+    def pinned(t: float, y: Array) -> Array:
+        m = explicit.angle_driven(p, y[:3], y[3:], gait.angles(t, n - 1))
+        return np.concatenate([y[3:], m.accel_m_s2[0], m.theta_ddot[:1]])
+
+    def on_springs(t: float, y: Array) -> Array:
+        x, y_, vx, vy = y[: 4 * n].reshape(4, n)
+        shape, turning, phi_ddot = (np.append(0.0, part) for part in gait.angles(t, n - 1))
+        pose = np.column_stack([x, y_, y[-2] + np.cumsum(shape)])
+        rates = np.column_stack([vx, vy, y[-1] + np.cumsum(turning)])
+        m = implicit.angle_driven(p, spring, pose, rates, phi_ddot[1:])
+        return np.concatenate([vx, vy, *m.accel_m_s2.T, y[-1:], m.theta_ddot[:1]])
+
+    return on_springs if problem.implicit else pinned
 
 
 def places(run: sn.Run) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from serpenoid.commands.main import cli
 from serpenoid.video.fitting.start import first_cameras
 from serpenoid.video.instrument import measure
 from serpenoid.video.measure_film import measure_film
-from serpenoid.video.motion import Motion
 from serpenoid.video.seeing.film import Damage
 from serpenoid.video.seeing.film import Film as File
 from video.filming import Body, Lens, write
@@ -145,10 +143,3 @@ def test_a_rate_that_varies_is_measured_by_the_files_own_times(tmp_path) -> None
     assert m.speed_m_s == pytest.approx(world.speed_m_s, rel=0.003)  # 36 % off at 30 frames/s
     assert m.omega_rad_s == pytest.approx(world.omega_rad_s, rel=5e-4)
     assert m.amplitude_rad == pytest.approx(world.amplitude_rad, abs=math.radians(0.2))
-
-
-def test_numbers_do_not_depend_on_which_way_the_camera_looks() -> None:
-    """Turn the world about the plane's normal and shift it: speed and direction stay."""
-    motion = Motion(1.0, np.ones(2), np.zeros(2), np.zeros(2), np.array([0.03, 0.04]), 0.1, 0.2)
-    turned = replace(motion, velocity_m_s=np.array([-0.04, 0.03]), heading_rad=0.2 + math.pi / 2)
-    assert turned.numbers() == pytest.approx(motion.numbers())

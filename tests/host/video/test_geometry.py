@@ -8,10 +8,9 @@ import cv2
 import numpy as np
 import pytest
 from serpenoid.video.fitting.camera import LENS, MOUNTING, Camera
-from serpenoid.video.fitting.chain import joint_angles, link_centres, mean_heading
-from serpenoid.video.motion import correlation_factor, fit_joints
+from serpenoid.video.fitting.chain import mean_heading
+from serpenoid.video.motion import fit_joints
 from serpenoid.video.seeing.edges import refine
-from serpenoid.video.unseen import expected_headings
 
 LINK_M = 0.076
 
@@ -28,15 +27,6 @@ def states(links: int = 4, frames: int = 3) -> np.ndarray:
     return np.concatenate(
         [0.1 * rng.normal(size=(frames, 2)), 0.5 * rng.normal(size=(frames, links))], axis=1
     )
-
-
-def test_neighbouring_links_meet_at_their_joint() -> None:
-    state = states(6)
-    centres = link_centres(state, LINK_M)
-    half = LINK_M / 2 * np.stack([np.cos(state[:, 2:]), np.sin(state[:, 2:])], axis=-1)
-    assert (centres + half)[:, :-1] == pytest.approx((centres - half)[:, 1:])
-    assert centres.mean(axis=1) == pytest.approx(state[:, :2])
-    assert joint_angles(state) == pytest.approx(np.diff(state[:, 2:], axis=1))
 
 
 def test_a_link_that_is_off_by_a_whole_turn_turns_no_robot() -> None:
@@ -63,13 +53,6 @@ def test_derivatives_are_those_of_small_steps() -> None:
     for k, unit in enumerate(np.eye(s.shape[1]) * step):
         slope = (image(c.shared, s + unit) - image(c.shared, s - unit)) / (2 * step)
         assert by_state[..., k] == pytest.approx(slope, abs=2e-3)
-
-
-def test_the_plane_is_found_again_from_pixels() -> None:
-    c = camera()
-    flat = states()[:, :2]
-    pixels = c.image(np.column_stack([flat, np.zeros(len(flat))]))
-    assert c.on_plane(pixels) == pytest.approx(flat, abs=1e-9)
 
 
 def drawn_square(quad: np.ndarray, blur_px: float, fine: int = 16) -> np.ndarray:
@@ -102,33 +85,6 @@ def test_a_tag_that_moves_keeps_its_size(off_px: float) -> None:
     start = square + off_px * np.sign(square - square.mean(axis=0)) * [1, 0]
     found, _ = refine(picture, start[None])
     assert found[0, 1, 0] - found[0, 0, 0] == pytest.approx(34, abs=0.15)
-
-
-def test_edges_that_cannot_be_read_leave_the_corners_alone() -> None:
-    square = np.array([[20.0, 20], [50, 20], [50, 50], [20, 50]])
-    found, width = refine(np.full((80, 80), 128, np.uint8), square[None])
-    assert found[0] == pytest.approx(square)
-    assert np.isnan(width[0])
-
-
-def test_slow_residuals_count_for_more() -> None:
-    rng = np.random.default_rng(3)
-    white = rng.normal(size=4000)
-    assert correlation_factor(white) == pytest.approx(1.0, abs=0.2)
-    slow = np.zeros(4000)
-    for k in range(1, 4000):
-        slow[k] = 0.8 * slow[k - 1] + white[k]
-    assert correlation_factor(slow) == pytest.approx(9.0, rel=0.4)  # (1 + .8) / (1 - .8)
-
-
-def test_an_unseen_link_points_between_its_neighbours() -> None:
-    """Straight joints: the nearer neighbour counts for more, by one over how many joints it is."""
-    states = np.zeros((1, 6))
-    states[0, 2:] = [0.0, 9.0, 9.0, 0.3]  # links 2 and 3 are not seen
-    seen = np.array([[True, False, False, True]])
-    found = expected_headings(states, seen, np.zeros((1, 3)))[0, 2:]
-    turns = 2 * np.pi * np.round(9.0 / (2 * np.pi))  # on the branch where it was
-    assert found - [0, turns, turns, 0] == pytest.approx([0.0, 0.1, 0.2, 0.3])
 
 
 def test_overtones_stay_small_where_part_of_a_cycle_is_never_seen() -> None:
