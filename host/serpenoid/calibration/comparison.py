@@ -13,7 +13,7 @@ from ..model.checks import check_kind, check_number
 from ..model.drives import ServoKind
 from ..model.errors import BadInput, NotConverged
 from ..model.gait import Gait
-from ..model.rows import Result, Row, detail
+from ..model.rows import Result
 from ..periodic.servo_steady import band
 from ..servos.catalogue import HOBBY
 from ..simulation.steady_springs import steady_springs
@@ -61,6 +61,19 @@ class ComparedGait:
     measured_m_s: float | None = None
     sigma_m_s: float | None = None
     residual_m_s: float | None = None
+
+    def cells(self) -> list[str]:
+        """Return the gait and its speeds, m/s, as in the heads of a comparison."""
+        degrees = f"{math.degrees(self.alpha_rad):.3g}°/{math.degrees(self.beta_rad):.3g}°"
+        measured = f"{self.measured_m_s:.4f} ± {self.sigma_m_s:.4f}" if self.runs else "–"
+        return [
+            f"{degrees}, {self.frequency_hz:.3g} Hz",
+            measured,
+            f"{self.low_all_m_s:.3g} to {self.high_all_m_s:.3g}",
+            f"{self.exact_m_s:.4f}",
+            f"{self.low_m_s:.3g} to {self.high_m_s:.3g}",
+            "–" if self.implicit_m_s is None else f"{self.implicit_m_s:.4f}",
+        ]
 
 
 @dataclass(frozen=True)
@@ -121,23 +134,22 @@ class Comparison(Result):
         """Return the verdict."""
         return self.verdict_text
 
-    def rows(self) -> list[Row]:
-        """Return the speeds of each gait: ideal joints, with joints and servos, measured."""
+    def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
+        """Return one line for each gait, m/s: measured, with joints and servos, ideal, implicit."""
         servos = "" if self.servo is None else f" and servos ({self.servo})"
-        rows = []
-        for p in self.gaits:
-            alpha, beta = math.degrees(p.alpha_rad), math.degrees(p.beta_rad)
-            gait = f"{alpha:.3g}°/{beta:.3g}°, {p.frequency_hz:.3g} Hz: "
-            implicit = math.nan if p.implicit_m_s is None else p.implicit_m_s
-            band = p.low_all_m_s, p.high_all_m_s
-            rows += [
-                Row(f"{gait}ideal joints", "m/s", p.exact_m_s, p.low_m_s, p.high_m_s),
-                detail(f"{gait}implicit model", "m/s", implicit),
-                Row(f"{gait}with joints{servos}", "m/s", math.nan, *band),
-            ]
-            if p.measured_m_s is not None and p.sigma_m_s is not None:
-                rows.append(Row(f"{gait}measured", "m/s", p.measured_m_s, sigma=p.sigma_m_s))
-        return rows
+        heads = [
+            "gait",
+            "measured, m/s",
+            f"95 % with joints{servos}, m/s",
+            "ideal\njoints",
+            "95 % friction",
+            "implicit",
+        ]
+        first = 1 if any(p.runs for p in self.gaits) else 2
+        last = None if verbose else 4
+        lines = [heads, *(p.cells() for p in self.gaits)]
+        lines = [[line[0], *line[first:last]] for line in lines]
+        return lines[0], lines[1:]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""

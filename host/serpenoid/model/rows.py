@@ -67,11 +67,15 @@ class Result:
         names: tuple[str, ...] = getattr(self, "__match_args__", ())
         return [Row(name, "", words=_shown(getattr(self, name))) for name in names]
 
+    def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
+        """Return heads and cells of the rows, those of details only if verbose."""
+        return columns([row for row in self.rows() if verbose or not row.detail])
+
     def __str__(self) -> str:
         from rich.console import Console
 
         text = Console(width=_WIDTH, file=io.StringIO(), markup=False, emoji=False, highlight=False)
-        text.print(self.in_words(), table("", *columns(self.rows())), sep="\n")
+        text.print(self.in_words(), table("", *self.table()), sep="\n")
         return text.file.getvalue().strip()  # type: ignore[attr-defined]
 
 

@@ -36,10 +36,10 @@ def show(*results: Result) -> None:
     """Print the rows of results as one table; errors, margins and other powers with --verbose."""
     context = click.get_current_context(silent=True)
     verbose = context is None or context.meta.get(VERBOSE, False)
-    every = [row for result in results for row in result.rows()]
-    shown = [row for row in every if verbose or not row.detail]
-    table("", *rows.columns(shown))
-    if len(shown) < len(every):
+    heads, cells = zip(*(result.table(verbose) for result in results), strict=True)
+    if any(cells):
+        table("", max(heads, key=len), [row for part in cells for row in part])
+    if any(result.table() != result.table(verbose) for result in results):
         console.print("errors, margins and other powers: --verbose")
 
 

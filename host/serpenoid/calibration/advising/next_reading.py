@@ -9,12 +9,12 @@ from typing import Any
 
 from ...model.errors import BadInput
 from ...model.gait import Gait
-from ...model.rows import Result, Row
+from ...model.rows import Result
 from ..crawls.runs import as_run
 from ..session import Session
 
 _SHOWN = 5  # readings of a table
-WORTH = 0.02  # of the band: a reading that saves less is not to be taken
+WORTH = 0.1  # of the band: a reading that saves less is not worth a table
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,9 +117,13 @@ class Advice(Result):
         measured = self.band_servo_measured
         return measured is not None and measured < self.band_after_best
 
+    @property
+    def _worth(self) -> bool:
+        return self.band - self.band_after_best >= WORTH * self.band
+
     def in_words(self) -> str:
         """Return how well the speed is known, and which reading to take, if any."""
-        if self.measure_servo and self.band - self.band_after_best < WORTH * self.band:
+        if self.measure_servo and not self._worth:
             what = "No further push, slide or station is worth its time now."
         else:
             first = "Of the readings take" if self.measure_servo else "Take next:"
@@ -127,16 +131,16 @@ class Advice(Result):
             what = f"{first} {self.best.in_words()}; {after}."
         return f"{self.note} {what} It is known to {100 * self.band:.2g} % now (95 %).".strip()
 
-    def rows(self) -> list[Row]:
-        """Return the readings that are worth most, and how well the speed is known afterwards."""
-        return [
-            Row(
-                r.in_words() + ("" if r.minutes is None else f", {r.minutes:.1f} minutes"),
-                "",
-                words=f"{r.band_after_times:.1%} afterwards",
-            )
+    def table(self, verbose: bool = True) -> tuple[list[str], list[list[str]]]:
+        """Return the best readings and the speed's band after each; none where words do."""
+        if not self._worth:
+            return [], []  # in words, nothing more
+        timed = ["minutes"] if self.best.minutes is not None else []
+        cells = [
+            [r.in_words(), *(f"{r.minutes:.1f}" for _ in timed), f"{r.band_after_times:.1%}"]
             for r in self.readings[:_SHOWN]
         ]
+        return ["reading", *timed, "speed known to"], cells
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures by name; fit_alarms only where there are any."""

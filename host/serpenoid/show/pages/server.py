@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from typing import Any
 
 from ...model.errors import BadInput, SerpenoidError
@@ -33,7 +34,7 @@ State = dict[str, Any]
 class Page:
     """Serve one page while `with Page(...) as page:` lasts; publish() sends it a new state.
 
-    html: the page, with @NONCE@ in its script's tag. stop: stops the robot now, from any thread;
+    html: the page, with @NONCE@ in its script's tag and @LIVE@ where live.js belongs. stop: stops the robot now, from any thread;
     None where there is no robot. lan: reachable from other machines, too. buttons: what other
     buttons do, by their names; each returns what to show.
     """
@@ -49,7 +50,8 @@ class Page:
     ):
         self.buttons = dict(buttons or {})
         self.token = secrets.token_urlsafe(18)
-        self.html, self.stop = html, stop
+        script = Path(__file__).with_name("live.js").read_text(encoding="utf-8")
+        self.html, self.stop = html.replace("@LIVE@", script), stop
         self.nonce = secrets.token_urlsafe(12)
         self.streams = threading.BoundedSemaphore(MOST_STREAMS)
         self._changed = threading.Condition()

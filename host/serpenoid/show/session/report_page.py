@@ -17,7 +17,6 @@ from ...calibration.friction_result import FrictionFit
 from ...calibration.session import Session
 from ...calibration.session_rows import Event
 from ...calibration.taking.procedure import step_in_words
-from ...model.rows import columns
 from ..comparison_figure import draw_comparison
 from ..plot import draw_friction, figure
 from .floor_figure import draw_pushes
@@ -70,14 +69,14 @@ def session_page(
         _summary(fit, compared),
         "<h2>Friction</h2>",
         *_drawings(session, fit),
-        _table(*columns(fit.rows())),
+        _table(*fit.table()),
         *_notes(fit, session),
     ]
     if compared is not None:
         drawn = _svg(
             "speeds predicted and measured", 7.2, 6.0, 1, lambda f, _a: draw_comparison(f, compared)
         )
-        parts += ["<h2>Speed</h2>", drawn, _table(*columns(compared.rows()))]
+        parts += ["<h2>Speed</h2>", drawn, _table(*compared.table(verbose=False))]
     if other is not None:
         head, rows = other.table()
         said = f'<p class="verdict">{_prose(other.verdict)}</p>'
@@ -218,7 +217,9 @@ def _notes(fit: FrictionFit, session: Session) -> list[str]:
 
 
 def _advice(advice: Advice) -> str:
-    return f"<p>{_prose(advice.in_words())}</p>" + _table(*columns(advice.rows()), words=True)
+    heads, cells = advice.table()
+    listed = _table(heads, cells, words=True) if cells else ""
+    return f"<p>{_prose(advice.in_words())}</p>" + listed
 
 
 def _readings(session: Session, fit: FrictionFit) -> list[str]:

@@ -1,0 +1,17 @@
+// What pages beside a robot share: the stream of states, its loss, and buttons.
+const at = id => document.getElementById(id);
+let heard = 0;
+function link(text, lost) { at("link").textContent = text; at("link").className = lost ? "lost" : ""; }
+function live(show) {
+  const stream = new EventSource("states");
+  const alive = () => { heard = Date.now(); link("live", false); };
+  stream.onmessage = event => { alive(); show(JSON.parse(event.data)); };
+  stream.addEventListener("beat", alive);
+  stream.onerror = () => { if (stream.readyState === 2) { stream.close(); setTimeout(live, 1000, show); } };
+}
+setInterval(() => {
+  if (heard && Date.now() - heard > 3000) link("connection lost: what is shown may be old", true); }, 500);
+async function press(name) { // the answer of a button
+  try { return await (await fetch(name, { method: "POST" })).json(); }
+  catch { return { error: "no connection." }; }
+}
