@@ -34,9 +34,9 @@ State = dict[str, Any]
 class Page:
     """Serve one page while `with Page(...) as page:` lasts; publish() sends it a new state.
 
-    html: the page, with @NONCE@ in its script's tag and @LIVE@ where live.js belongs. stop: stops the robot now, from any thread;
-    None where there is no robot. lan: reachable from other machines, too. buttons: what other
-    buttons do, by their names; each returns what to show.
+    html: the page, with @NONCE@ in its script's tag and @LIVE@ where live.js belongs. stop: stops
+    the robot now, from any thread; None where there is no robot. lan: reachable from other
+    machines, too. buttons: what other buttons do, by their names; each returns what to show.
     """
 
     def __init__(
