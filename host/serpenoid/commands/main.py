@@ -14,6 +14,7 @@ from typing import Any
 
 import click
 
+from ..model import system
 from ..model.errors import BadInput, SerpenoidError
 from ..show.screen import say
 from .bench import BENCH_GROUP
@@ -121,13 +122,14 @@ def main() -> None:
 
     SIGTERM and SIGHUP end it in order, so that no half-written file stays: exit 128 + signal.
     """
-    for number in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
+    for number in system.ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, _end)
     warnings.showwarning = _show_warning
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a terminal without degrees and minus signs gets `?`
-            stream.reconfigure(errors="replace")
+            encoding = "utf-8" if system.WINDOWS else None
+            stream.reconfigure(encoding=encoding, errors="replace")
     try:
         status = cli.main(standalone_mode=False)
     except click.ClickException as error:

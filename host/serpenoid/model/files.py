@@ -158,7 +158,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     part = target.with_name(f".{os.getpid()}.part.{target.name}")
     try:
         yield part
-        with part.open("rb") as file:
+        with part.open("r+b") as file:  # Windows puts on the disk what may be written to alone
             os.fsync(file.fileno())
         part.replace(target)
     finally:

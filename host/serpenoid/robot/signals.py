@@ -1,18 +1,15 @@
-"""Ctrl-C, Ctrl-Z, SIGTERM and SIGHUP while a robot is in use: it is stopped before all else."""
+"""Ctrl-C, Ctrl-Z and signals that end a program: a robot in use is stopped before all else."""
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
 from collections.abc import Callable
 from types import FrameType, FunctionType
 
-_WATCHED = tuple(
-    getattr(signal, name)
-    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGTSTP")
-    if hasattr(signal, name)
-)
+from ..model import system
+
+_WATCHED = (signal.SIGINT, *system.ENDING, *system.SUSPENDING)
 
 
 class SignalGuard:
@@ -61,7 +58,7 @@ class SignalGuard:
             raise
         kept, self._kept = self._kept, None
         if kept is not None and not forget:
-            os.kill(os.getpid(), kept)
+            signal.raise_signal(kept)
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
         self._stop()
@@ -71,8 +68,8 @@ class SignalGuard:
         before = self._before.get(number)
         if callable(before):
             before(number, frame)
-        elif number == getattr(signal, "SIGTSTP", None):
-            os.kill(os.getpid(), signal.SIGSTOP)  # SIGTSTP does nothing without a shell above
+        elif number in system.SUSPENDING:
+            system.suspend()
             self._resumed()
         else:
             raise SystemExit(128 + number)

@@ -244,7 +244,7 @@ def test_interrupted_before_the_upload_the_board_is_whole(pio):
 
 
 def test_a_port_in_use_is_not_flashed(pio, serpenoid, monkeypatch):
-    monkeypatch.setattr("serpenoid.robot.wire.port_diagnosis.is_pseudo_terminal", lambda _: False)
+    monkeypatch.setattr("serpenoid.model.system.is_pseudo_terminal", lambda _: False)
     arguments = pio("exit 0")
     with FakeBoard() as board, open(board.port, "rb"):
         status, _, errors = serpenoid("flash", "--board", "uno", "--port", board.port)

@@ -13,9 +13,10 @@ import pytest
 from robot.fake_board import FakeBoard
 from robot.patience import LONG_S
 from serial.tools import list_ports
+from serpenoid.model import system
 from serpenoid.model.errors import PortBusy, PortMissing, RobotClosed
 from serpenoid.robot import Robot
-from serpenoid.robot.wire import link, port_diagnosis
+from serpenoid.robot.wire import link
 
 PACKAGE = Path(link.__file__).parents[1]
 OPENING = "import sys; from serpenoid.robot import Robot\nwith Robot(sys.argv[1]): pass"
@@ -36,7 +37,7 @@ def plugged_in(monkeypatch):
 @pytest.fixture
 def processes(monkeypatch, tmp_path):
     """Replace /proc by one in which the programs named run and hold the files given."""
-    monkeypatch.setattr(port_diagnosis, "PROC", tmp_path)
+    monkeypatch.setattr(system, "PROC", tmp_path)
 
     def run(**holding: str) -> None:
         for pid, (name, held) in enumerate(holding.items(), 100):
@@ -87,7 +88,7 @@ def test_who_plays_the_board_behind_a_pseudo_terminal_may_keep_it_open():
     ("name", "cure"), [("brltty", "apt remove brltty"), ("ModemManager", "systemctl stop")]
 )
 def test_the_usual_culprits_are_named_with_their_cure(processes, monkeypatch, name, cure):
-    monkeypatch.setattr(port_diagnosis, "PSEUDO_TERMINALS", ())
+    monkeypatch.setattr(system, "PSEUDO_TERMINALS", ())
     with FakeBoard() as fake:
         processes(**{name: fake.port})
         with pytest.raises(PortBusy, match=rf"in use by {name} \(process 100\); .*{cure}"):

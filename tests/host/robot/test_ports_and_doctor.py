@@ -138,7 +138,7 @@ def test_a_port_that_may_not_be_opened(monkeypatch):
 
 
 def test_a_port_in_use_names_who(monkeypatch):
-    monkeypatch.setattr(ports.port_diagnosis, "is_pseudo_terminal", lambda _: False)
+    monkeypatch.setattr(ports.system, "is_pseudo_terminal", lambda _: False)
     hold = "import sys; f = open(sys.argv[1], 'rb'); print('up', flush=True); sys.stdin.read()"
     with FakeBoard() as board:
         other = subprocess.Popen(

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import csv
 import errno
-import fcntl
 import hashlib
 import io
 import os
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
+from io import FileIO
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from ...model import system
 from ...model.errors import BadInput, RecordingFailed
 from ..kinds.declaration import Cells
 from ..kinds.rows import (
@@ -54,7 +55,7 @@ class Journal:
 
     def __init__(self, folder: str | Path):
         self.folder = Path(folder)
-        self._lock = -1
+        self._lock: FileIO | None = None
         self.session: Session
         self.events: list[Event]
         self.numbers: list[int]
@@ -180,21 +181,20 @@ class Journal:
     def _take_lock(self) -> None:
         path = self.folder / LOCK
         try:
-            self._lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            self._lock = path.open("a+b", buffering=0)
         except OSError as error:
             raise RecordingFailed(f"{path}: {error.strerror}; is the folder yours?") from error
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            holder = os.pread(self._lock, 20, 0).decode("ascii", "replace").strip() or "unknown"
+        if not system.lock(self._lock.fileno()):
+            self._lock.seek(0)
+            holder = self._lock.read(20).decode("ascii", "replace").strip() or "unknown"
             self._release()
             raise BadInput(
                 f"{self.folder}: process {holder} is writing to this session already; leave it "
                 "there, or end that one first"
-            ) from None
+            )
         try:
-            os.ftruncate(self._lock, 0)
-            os.pwrite(self._lock, f"{os.getpid()}\n".encode(), 0)
+            self._lock.truncate(0)
+            self._lock.write(f"{os.getpid()}\n".encode())
         except OSError as error:
             self._release()
             raise RecordingFailed(
@@ -202,14 +202,14 @@ class Journal:
             ) from error
 
     def _release(self) -> None:
-        if self._lock >= 0:
-            os.close(self._lock)
-            self._lock = -1
+        if self._lock:
+            self._lock.close()
+            self._lock = None
 
     def _append(
         self, name: str, columns: tuple[str, ...], rows: Sequence[Mapping[str, str]]
     ) -> None:
-        if self._lock < 0:
+        if not self._lock:
             raise BadInput("the session is not open; use it inside `with Journal(folder)`")
         lines = (csv_line([row.get(column, "") for column in columns]) for row in rows)
         append_line(self.folder / name, "".join(lines))
@@ -229,22 +229,20 @@ def append_line(path: Path, line: str) -> None:
     Raises RecordingFailed.
     """
     try:
-        fd = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)
+        file = path.open("r+b", buffering=0)
     except OSError as error:
         raise RecordingFailed(f"{path}: {error.strerror}; nothing was written") from error
-    try:
-        size = os.fstat(fd).st_size
-        torn = size > 0 and os.pread(fd, 1, size - 1) != b"\n"
-        data = (f"{TORN}\n" if torn else "").encode() + line.encode()
+    with file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(size - 1, 0))
+        data = (f"{TORN}\n" if file.read(1) not in (b"", b"\n") else "").encode() + line.encode()
         try:
-            if os.write(fd, data) < len(data):
+            if file.write(data) < len(data):
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-            os.fsync(fd)
+            os.fsync(file.fileno())
         except OSError as error:
-            os.ftruncate(fd, size)
+            file.truncate(size)
             raise _full(path, error) from error
-    finally:
-        os.close(fd)
 
 
 def _full(path: Path, error: OSError) -> RecordingFailed:

@@ -168,7 +168,8 @@ def check_free(path: Path) -> None:
 def _open(path: Path) -> int:
     check_free(path)
     try:
-        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        binary = getattr(os, "O_BINARY", 0)  # of Windows, where line ends would change else
+        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | binary, 0o666)
     except OSError as error:
         raise RecordingFailed(f"cannot record to {path}: {error}; choose another") from error
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -89,7 +88,7 @@ def _port(port: str | None, listen_s: float, timeout_s: float) -> Iterator[Findi
 
 def _access(port: str) -> Iterator[Finding]:
     """Look whether the port is there, who may open it, and who has done so, up to what to fix."""
-    if not os.path.exists(port):
+    if not link.is_there(port):
         here = f"serial ports here: {link.port_names()}"
         yield Finding("port", "fix", f"there is no {port}", here)
     yield Finding("port", "ok", port)

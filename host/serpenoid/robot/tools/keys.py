@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import codecs
-import os
 import re
-import select
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
+from ...model import system
 from ...model.errors import BadInput
 
 ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
@@ -46,28 +45,14 @@ def keyboard(reader: KeyReader | None = None) -> Iterator[Keyboard]:
     if sys.stdin is None:
         yield lambda _: "end"
         return
-    if not sys.stdin.isatty():
-        yield reader or KeyReader(sys.stdin.fileno())
-        return
-    import termios
-
-    fd = sys.stdin.fileno()
-    before = termios.tcgetattr(fd)
-    raw = termios.tcgetattr(fd)
-    raw[3] &= ~(termios.ICANON | termios.ECHO)
-    raw[6][termios.VSUSP] = b"\0"
-    termios.tcsetattr(fd, termios.TCSADRAIN, raw)
-    try:
-        yield reader or KeyReader(fd)
-    finally:
-        termios.tcsetattr(fd, termios.TCSADRAIN, before)
+    with system.single_keys() if sys.stdin.isatty() else nullcontext():
+        yield reader or KeyReader()
 
 
 class KeyReader:
-    """Bytes of a file to keys; several may come at once, one may come in pieces."""
+    """Bytes of standard input to keys; several may come at once, one may come in pieces."""
 
-    def __init__(self, fd: int):
-        self._fd = fd
+    def __init__(self) -> None:
         self._text = ""
         self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
 
@@ -88,8 +73,7 @@ class KeyReader:
         return NAMES.get(found[0], found[0])
 
     def _fill(self, timeout_s: float) -> bool:
-        if not select.select([self._fd], [], [], timeout_s)[0]:
-            return False
-        data = os.read(self._fd, 1024)
-        self._text += self._decoder.decode(data) if data else "\x04"
+        data = system.read_input(timeout_s)
+        if data is not None:
+            self._text += self._decoder.decode(data) if data else "\x04"
         return bool(data)

@@ -5,15 +5,14 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import signal
 import subprocess
 import sys
 from collections.abc import Callable
-from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
 from ... import _core
+from ...model import system
 from ...model.errors import BadInput, FlashFailed
 from ..robot import RobotBoard
 from ..signals import SignalGuard
@@ -190,7 +189,7 @@ def _run(command: list[str], show: Callable[[str], None], flags: str) -> tuple[i
             return process.wait(), said.decode("utf-8", "replace")
         except BaseException:
             guard.held = True
-            _end(process)
+            system.end_group(process, GRACE_S)
             if UPLOADING.encode() in said:
                 show(HALF_DONE)
             raise
@@ -200,27 +199,11 @@ def _run(command: list[str], show: Callable[[str], None], flags: str) -> tuple[i
 
 def _started(command: list[str], flags: str) -> subprocess.Popen[bytes]:
     try:
-        return subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-            env={**os.environ, "PLATFORMIO_BUILD_FLAGS": flags},
-        )
+        return system.start_group(command, {**os.environ, "PLATFORMIO_BUILD_FLAGS": flags})
     except OSError as error:
         raise FlashFailed(
             f"PlatformIO cannot be started ({error}): `pip install --force-reinstall platformio`"
         ) from error
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a program and all that it has started, in order first and then by force."""
-    with suppress(ProcessLookupError, subprocess.TimeoutExpired):
-        os.killpg(process.pid, signal.SIGINT)
-        process.wait(GRACE_S)
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
 
 
 def _why(said: str, status: int) -> str:

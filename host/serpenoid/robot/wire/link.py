@@ -5,9 +5,10 @@ from __future__ import annotations
 import errno
 import threading
 import time
-from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from ...model import system
 from ...model.errors import PortBusy, PortMissing, RobotLost
 from . import port_diagnosis
 
@@ -75,6 +76,11 @@ def port_names(none: str = "none") -> str:
     return ", ".join(p.device for p in serial_ports()) or none
 
 
+def is_there(port: str) -> bool:
+    """Tell whether there is such a port."""
+    return any(p.device == port for p in serial_ports()) or Path(port).is_char_device()
+
+
 def missing(port: str) -> PortMissing:
     """Return the error that there is no such port, naming those that there are."""
     return PortMissing(f"there is no port {port}; serial ports here: {port_names()}")
@@ -130,7 +136,7 @@ class SerialLink:
     def close(self) -> None:
         """Give the port back."""
         if self._port.is_open:
-            _exclude_others(self._port, False)
+            system.exclude_others(self._port, False)
         self._port.close()
 
     def _lost(self, error: OSError) -> RobotLost:
@@ -150,28 +156,17 @@ def _open(port: str) -> serial.Serial:
         opened = serial.Serial(port, BAUD, exclusive=True, write_timeout=WRITE_TIMEOUT_S)
     except OSError as error:
         raise _refused(port, error) from error
-    _exclude_others(opened, True)
+    system.exclude_others(opened, True)  # pyserial's lock is heeded only by programs that lock too
     return opened
 
 
-def _exclude_others(port: serial.Serial, exclude: bool) -> None:
-    # pyserial's lock is heeded by programs that lock too; the terminal's own keeps out the rest.
-    # It belongs to the terminal and would outlive this program where another has it open as well.
-    try:
-        import fcntl
-        import termios
-    except ImportError:  # a system whose ports are exclusive anyway
-        return
-    with suppress(OSError):  # unplugged already
-        fcntl.ioctl(port.fileno(), termios.TIOCEXCL if exclude else termios.TIOCNXCL)
-
-
 def _refused(port: str, error: OSError) -> PortBusy | PortMissing:
-    if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK):
+    said = str(error) if system.WINDOWS else ""  # there pyserial keeps no number
+    if error.errno in (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK) or "PermissionError" in said:
         return PortBusy(port_diagnosis.why_held(port, port_diagnosis.who_holds(port)))
     if error.errno in (errno.EACCES, errno.EPERM):
         return PortBusy(port_diagnosis.why_forbidden(port))
-    if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO):
+    if error.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO) or "FileNotFoundError" in said:
         return missing(port)
     return PortMissing(
         f"{port} cannot be used as a serial port ({error}); those here: {port_names()}"

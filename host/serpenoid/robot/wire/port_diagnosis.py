@@ -1,17 +1,15 @@
-"""Find what keeps a serial port from being opened, as far as Linux shows it, and the cure."""
+"""Find what keeps a serial port from being opened, as far as the system shows it, and the cure."""
 
 from __future__ import annotations
 
 import os
-from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 
-PROC = Path("/proc")
-PSEUDO_TERMINALS = range(136, 144)  # Linux's device numbers
+from ...model import system
+
 MOST_NAMED = 3
 PRIVILEGED = ("root", "wheel", "admin", "sudo", "shadow", "disk")
-USB = Path("/sys/bus/usb/devices")
+CH340 = "1a86"  # its USB vendor
 BRLTTY = (
     "brltty, the driver for Braille displays, takes boards with a CH340 for one of them: "
     "remove it with `sudo apt remove brltty` unless you need it, then plug the board in again"
@@ -33,23 +31,17 @@ class Holder:
 
 def who_holds(port: str) -> list[Holder]:
     """List the programs that have a port open; of other users' programs only root sees that."""
-    device = _device(port)
-    return [Holder(pid, _name(pid)) for pid in _pids() if device and device in _open(pid)]
+    return [Holder(pid, name) for pid, name in system.holders(port).items()]
 
 
 def users(port: str) -> list[Holder]:
     """List the programs that have a port open, but not those that simulate a board at it."""
-    return [] if is_pseudo_terminal(port) else who_holds(port)
-
-
-def is_pseudo_terminal(port: str) -> bool:
-    """Tell whether a program plays the board at this port, and may well hold it open itself."""
-    return os.major(_device(port)) in PSEUDO_TERMINALS
+    return [] if system.is_pseudo_terminal(port) else who_holds(port)
 
 
 def running(name: str) -> bool:
     """Tell whether a program of that name runs here."""
-    return any(_name(pid) == name for pid in _pids())
+    return name in system.programs().values()
 
 
 def why_held(port: str, holders: list[Holder]) -> str:
@@ -68,11 +60,7 @@ def why_held(port: str, holders: list[Holder]) -> str:
 
 def why_forbidden(port: str) -> str:
     """Say which group may open the port and how to join it."""
-    group = "dialout"
-    with suppress(ImportError, OSError, KeyError):
-        import grp
-
-        group = grp.getgrgid(os.stat(port).st_gid).gr_name
+    group = system.group_of(port) or "dialout"
     if group in PRIVILEGED:  # to join these would give away the whole computer
         return (
             f"this user may not open {port}, which belongs to {group} alone: give the port to "
@@ -89,43 +77,9 @@ def why_no_port() -> str:
     """Say why a board that is plugged in may have no port."""
     if running("brltty"):
         return BRLTTY[0].upper() + BRLTTY[1:]
-    if _ch340_plugged_in():
+    if CH340 in system.usb_vendors():
         return (
             "A CH340 is plugged in but has no port: its driver ch341 is missing, or brltty took it"
         )
-    return "Plug the board in (with a cable that carries data), or name its port"
-
-
-def _pids() -> list[int]:
-    with suppress(OSError):
-        return sorted(int(p) for p in os.listdir(PROC) if p.isdigit())
-    return []
-
-
-def _name(pid: int) -> str:
-    return _word(PROC / str(pid) / "comm") or "a program"
-
-
-def _open(pid: int) -> list[int]:
-    folder = PROC / str(pid) / "fd"
-    with suppress(OSError):
-        return [_device(folder / fd) for fd in os.listdir(folder)]
-    return []
-
-
-def _ch340_plugged_in() -> bool:
-    return any(_word(vendor) == "1a86" for vendor in USB.glob("*/idVendor"))
-
-
-def _device(path: str | Path) -> int:
-    """Return a device's number; 0 for what is no device or is gone."""
-    with suppress(OSError):
-        return os.stat(path).st_rdev
-    return 0
-
-
-def _word(path: Path) -> str:
-    """Return what the system tells in a file of one word; nothing if it is gone."""
-    with suppress(OSError):
-        return path.read_text().strip()
-    return ""
+    driver = "; a copy with a CH340 needs its maker's driver" if system.WINDOWS else ""
+    return f"Plug the board in (with a cable that carries data), or name its port{driver}"

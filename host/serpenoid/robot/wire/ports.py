@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
+from ...model import system
 from ...model.errors import PortBusy
 from . import port_diagnosis
-from .link import board_chip, missing, serial_ports
+from .link import board_chip, is_there, missing, serial_ports
 
 
 def port_states() -> list[dict[str, Any]]:
@@ -30,12 +30,12 @@ def port_states() -> list[dict[str, Any]]:
 
 def allowed(device: str) -> bool:
     """Tell whether this user may open a port."""
-    return os.access(device, os.R_OK | os.W_OK)
+    return system.WINDOWS or os.access(device, os.R_OK | os.W_OK)
 
 
 def check_free(device: str) -> None:
     """Raise PortMissing if there is no such port, PortBusy, naming who, if it is used."""
-    if os.name == "posix" and not Path(device).is_char_device():
+    if not is_there(device):
         raise missing(device)
     if holders := port_diagnosis.users(device):
         raise PortBusy(port_diagnosis.why_held(device, holders))

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
-import select
 import shutil
 import sys
-import termios
 import textwrap
 import time
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
+from ....model import system
 from ....model.files import visible
 from ....robot.tools.keys import KeyReader, keyboard
 
@@ -59,18 +57,17 @@ class Console:
     def ask(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
         """Print the prompt and wait for a line."""
         print(visible(prompt), end="", flush=True)
-        if self.keys and sys.stdin.isatty():
+        if sys.stdin.isatty() and (self.keys or system.WINDOWS):  # whose lines cannot be waited for
             return self._ask_by_keys(prompt, patience_s, tick)
         end_s = time.monotonic() + patience_s
         while b"\n" not in self._pending and not self._ended:
             if time.monotonic() > end_s:
                 print(flush=True)
                 return None
-            if select.select([sys.stdin], [], [], min(TICK_S, patience_s))[0]:
-                data = _read()
-                self._pending += data
-                self._ended = not data
-            else:
+            data = system.read_input(min(TICK_S, patience_s))
+            self._ended = data == b""
+            self._pending += data or b""
+            if data is None:
                 tick()
         if self._ended and not self._pending:
             print(flush=True)
@@ -82,7 +79,7 @@ class Console:
 
     def _ask_by_keys(self, prompt: str, patience_s: float, tick: Callable[[], None]) -> str | None:
         """Return a line as ask does, each key heard at once: some do something by themselves."""
-        self._reader = self._reader or KeyReader(sys.stdin.fileno())
+        self._reader = self._reader or KeyReader()
         line, end_s = "", time.monotonic() + patience_s
         with keyboard(self._reader) as next_key:
             while True:
@@ -123,12 +120,4 @@ class Console:
             self._reader.forget()
         if sys.stdin.isatty():
             self._pending = b""
-            termios.tcflush(sys.stdin.fileno(), termios.TCIFLUSH)
-
-
-def _read() -> bytes:
-    """Return what came, nothing at the input's end: a terminal that was closed has ended too."""
-    try:
-        return os.read(sys.stdin.fileno(), 4096)
-    except OSError:
-        return b""
+            system.forget_input()
