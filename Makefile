@@ -5,11 +5,14 @@ PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 SOURCES := $(shell find host/core firmware/lib firmware/virtual -name '*.[ch]*') \
 	pyproject.toml host/CMakeLists.txt
 # What takes long beside what it finds before a commit; `make test` has it all.
-LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden) \
-	$(addprefix tests/host/,bench commands gaits model/test_stubs.py periodic robot show simulation/test_stability.py \
-	simulation/test_adaptive.py simulation/test_nonsmooth.py) \
-	$(addprefix tests/host/calibration/test_,friction.py prediction.py page.py honest_fit.py \
-	dialogue.py comparison.py rounding.py ratchet_fit.py)
+LONG := $(addprefix tests/,avr docs end_to_end firmware oracle golden studies) \
+	$(addprefix tests/host/,bench commands gaits model/test_stubs.py periodic robot show video) \
+	$(addprefix tests/host/simulation/test_,stability.py adaptive.py nonsmooth.py play.py) \
+	$(addprefix tests/host/servos/test_,measured.py folded_film.py) \
+	$(addprefix tests/host/calibration/test_,advice.py balanced_bends.py comparison.py \
+	crawls_fit.py dialogue.py dialogue_fuzz.py filmed_crawls.py floor_fit.py floor_tracks.py \
+	friction.py honest_fit.py page.py prediction.py procedure.py ratchet_fit.py \
+	ratchet_procedure.py rounding.py shared_errors.py short_readings.py speed_doubts.py)
 
 help:
 	@echo "make demo       from the 2005 treadmill to a predicted speed; no robot needed"

@@ -106,25 +106,6 @@ def test_a_stop_is_obeyed_within_two_frames_under(start, load_name):
     assert [trial(start, "uno", load_name, seed) for seed in range(2)] == [True] * 2
 
 
-@pytest.mark.parametrize("key", [b"!", b"!\n", b"stop\n", b"x!y\n"])
-@pytest.mark.parametrize("before", [b"#9 pin", b"\xff", b"sto", b"\x00\x80"])
-def test_nothing_swallows_a_stop(start, before, key):
-    """A partial line or noise, a pause, and then a stop inside a session."""
-    talk = Dialogue(start())
-    talk.hello()
-    assert talk.ask("gait 30 80 5").startswith("ok:")
-    talk.keep_alive(1.0)
-    board = talk.board
-    board.send(before)
-    board.run(0.15)
-    key_s = board.time_s + len(key) * 40e-6
-    board.send(key)
-    board.run(0.4)
-    assert telemetry(board.lines[-12:]).state[-1] == "hold"
-    assert stopped_within(board, key_s)
-    board.close()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["uno", "mega"])
 @pytest.mark.parametrize("load_name", LOADS)

@@ -267,36 +267,6 @@ TEST_CASE("a stop is seen though the queue is full, and marks what came before i
     CHECK(in.pop() == int{Input::kNothing});
 }
 
-TEST_CASE("a ! does not enter the queue; where it stood is told once") {
-    Input in;
-    CHECK(stops(in, "ab!cd") == "!");
-    std::string popped;
-    for (int16_t byte; (byte = in.pop()) != Input::kNothing;) {
-        popped += byte == Input::kStopHere ? '|' : static_cast<char>(byte);
-        CHECK(in.before_stop() == (popped.find('|') == std::string::npos));
-    }
-    CHECK(popped == "ab|cd");
-}
-
-namespace {
-
-uint8_t next(uint8_t byte) { return static_cast<uint8_t>(byte + 1 == '!' ? '!' + 1 : byte + 1); }
-
-}  // namespace
-
-TEST_CASE("bytes come out as they went in, over many turns of the queue") {
-    Input in;
-    uint8_t to = 0, from = 0;
-    std::mt19937 random(9);
-    for (int k = 0; k < 2000; ++k) {
-        for (unsigned long n = random() % 60; n > 0; --n) in.push(to = next(to));
-        for (int16_t byte; (byte = in.pop()) >= 0;) CHECK(byte == (from = next(from)));
-    }
-    CHECK(in.full() == 0);
-    in.lose();
-    CHECK(in.pop() == int{Input::kHole});
-}
-
 TEST_CASE("numbers are written as they are read") {
     std::mt19937 random(5);
     for (int k = 0; k < 20000; ++k) {
@@ -315,20 +285,6 @@ TEST_CASE("numbers are written as they are read") {
     CHECK(written(out) == "-3.25 0.005 0.00");
     out.begin().put_micro(0);
     CHECK(written(out) == "0");
-}
-
-TEST_CASE("a line that does not fit is dropped whole, and the next one is whole again") {
-    Output out;
-    const std::string body(100, 'x');
-    CHECK(out.begin().put(body.c_str()).finish());
-    CHECK(out.begin().put(body.c_str()).finish());
-    CHECK_FALSE(out.begin().put(body.c_str()).finish());
-    CHECK(out.room() == int{Output::kSize} - 1 - 2 * 107);
-    CHECK(taken(out) == sealed(body) + sealed(body));
-    for (int k = 0; k < 1000; ++k) {
-        REQUIRE(out.begin().put_unsigned(static_cast<uint32_t>(k)).finish());
-        REQUIRE(taken(out) == sealed(std::to_string(k)));
-    }
 }
 
 TEST_CASE("the longest telemetry line fits, and is as long as PROTOCOL.md says") {

@@ -8,15 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from calibration.floor_sessions import MASS, TRUTH, floor_session, floor_setup, rolled_out
-from scipy.stats import multivariate_t
 from serpenoid import BadInput
 from serpenoid.calibration import speed_samples
 from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.posterior import Before, Posterior, draw
-from serpenoid.calibration.crawls.result import _with_pushes, fit_crawls
+from serpenoid.calibration.crawls.result import fit_crawls
 from serpenoid.calibration.crawls.servos import ServoEffects
 from serpenoid.calibration.fit_file import load_fit, save_fit
-from serpenoid.calibration.fitting.particles import FREEDOM, Student
 from serpenoid.calibration.friction_fit import fit_friction
 from serpenoid.calibration.friction_result import NAMES, Estimate, WholeSnake, weak_notes
 from serpenoid.calibration.kinds.gait import GaitRun
@@ -64,15 +62,6 @@ def test_draws_are_the_normal_answer_where_there_is_one() -> None:
     np.testing.assert_allclose(u.std(axis=0), sd, rtol=0.12)
     np.testing.assert_allclose(np.log(found.best_whole / TRUTH) / 0.3, mean[:4], atol=2e-3)
     assert found.effective > 300
-
-
-def test_what_is_drawn_from_has_the_density_of_student() -> None:
-    """Against SciPy's own: a wrong constant makes evidence wrong."""
-    root = np.linalg.cholesky(np.eye(5) + 0.3)
-    at = RNG.normal(size=(20, 5))
-    law = multivariate_t(np.ones(5), 4.0 * root @ root.T, df=int(FREEDOM))
-    density = Student(np.ones(5), root, 2.0).log_density(at)
-    np.testing.assert_allclose(density, law.logpdf(at), rtol=1e-9)
 
 
 def test_two_minima_are_both_drawn_by_their_weight() -> None:
@@ -269,21 +258,3 @@ def test_open_pushes_tell_crawls_the_floors_slope() -> None:
     assert slope.sigma < 0.5 * session.setup.floor.slope_sigma_rad
     level = fit_crawls(with_runs(by_hand(), speeds), None, None, speeds=small_powers)
     assert abs(level.nuisances["floor_slope_rad"].value) < 0.2 * true
-
-
-def test_open_pushes_are_linear_near_any_frictions() -> None:
-    """Their chi2 along the frictions is that of a fit with all else let follow."""
-    session = by_hand()
-
-    def rows_at(whole):
-        before = Before(np.zeros(4), np.eye(4), 0.03)
-        found, _ = _with_pushes(session, before, np.array(whole))
-        return found.rows, found.values
-
-    rows, values = rows_at(TRUTH)
-    assert np.abs(rows @ TRUTH + values).max() < 0.02  # the truth is exact
-    other = np.array(TRUTH) * [1.0, 1.0, 1.1, 1.0]
-    near, there = rows_at(other)
-    chi2 = [float(np.sum((a @ other + b) ** 2)) for a, b in ((rows, values), (near, there))]
-    assert chi2[0] == pytest.approx(chi2[1], rel=0.2)
-    assert chi2[0] > 1.0

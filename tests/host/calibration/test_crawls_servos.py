@@ -12,9 +12,7 @@ from serpenoid.calibration.crawls.data import CrawlData
 from serpenoid.calibration.crawls.servos import (
     GRAIN,
     ServoEffects,
-    alike,
     effects_of,
-    with_near_ones,
 )
 from serpenoid.calibration.crawls.slope import sloped_speed
 from serpenoid.calibration.friction_result import Estimate, ground_of
@@ -42,38 +40,6 @@ def moved(servos):
 
 def off(effects):
     return (effects.amplitude - SEEN) / 0.01
-
-
-def test_servos_near_the_best_leave_the_answer_of_many_plain_draws() -> None:
-    many = moved(HOBBY.draws(12000, 5))
-    weight = np.exp(-0.5 * np.sum(off(many) ** 2, axis=1))
-    assert weight.sum() ** 2 / np.sum(weight**2) > 15
-    first = moved(HOBBY.draws(128, 0))
-    assert alike(-0.5 * np.sum(off(first) ** 2, axis=1)) < 4
-
-    found = with_near_ones(first, HOBBY, off, moved, 3)
-    assert found.servos[:128] == first.servos
-    assert found.log_weight is not None
-    log = found.log_weight - 0.5 * np.sum(off(found) ** 2, axis=1)
-    assert alike(log) > 10
-    near = np.exp(log - log.max())
-    kinds = np.exp(found.log_weight)  # by these alone, they are such servos as are sold
-    units = np.array([HOBBY.units_of(one) for one in found.servos])[:, :2]
-    plain = np.array([HOBBY.units_of(one) for one in many.servos])[:, :2]
-    assert kinds.mean() == pytest.approx(1.0, abs=0.3)
-    assert abs(units.mean(axis=0) - plain.mean(axis=0)).max() > 0.35
-    assert np.average(units, axis=0, weights=kinds) == pytest.approx(plain.mean(axis=0), abs=0.25)
-    for name, worst in (
-        ("speed_limit_rad_s", 0.5),
-        ("torque_limit_nm", 0.5),
-        ("stiffness_nm_rad", 0.6),
-    ):
-        want, told = (np.log([getattr(s, name) for s in e.servos]) for e in (many, found))
-        mean = np.average(want, weights=weight)
-        sd = math.sqrt(np.average((want - mean) ** 2, weights=weight))
-        assert np.average(told, weights=near) == pytest.approx(mean, abs=worst * sd), name
-        own = np.average(told, weights=near)
-        assert math.sqrt(np.average((told - own) ** 2, weights=near)) > 0.6 * sd, name
 
 
 def test_a_weak_servo_does_not_follow_a_larger_amplitude() -> None:

@@ -25,7 +25,7 @@ from calibration.synthetic_session import setup as stations_setup
 from scipy.optimize import least_squares, minimize
 from serpenoid import BadInput
 from serpenoid.calibration.fitting.rolling_law import slide_s, stop_s, way_m
-from serpenoid.calibration.floor.arc import along, turn_rad
+from serpenoid.calibration.floor.arc import along
 from serpenoid.calibration.floor.block import Pushes, Slides, _film
 from serpenoid.calibration.floor.tracks import PushTrack
 from serpenoid.calibration.friction_fit import fit_friction
@@ -54,16 +54,6 @@ def test_a_slope_beyond_friction_never_stops_it():
     assert np.isinf(stop).all()
     assert (slopes == 0.0).all()
     assert way_m(*one(50.0, 0.5, 0.2, -0.1))[0][0] > 20.0
-
-
-@pytest.mark.filterwarnings("error")
-def test_a_speed_below_0_that_a_fit_tries_rests_at_once() -> None:
-    stop, slopes = stop_s(*one(-0.5, 2.0, 0.1))
-    assert stop == 0.0
-    assert np.isfinite(slopes).all()
-    way, slopes, speed = way_m(*one(3.0, -0.5, 2.0, 0.1))
-    assert (way, speed) == (0.0, 0.0)
-    assert np.isfinite(slopes).all()
 
 
 def test_a_slide_takes_the_time_of_the_integration():
@@ -312,17 +302,6 @@ def test_what_is_left_open_is_said_with_the_push_that_closes_it():
         fit_friction(floor_session(bends_deg=(0.0,)))
     with pytest.raises(BadInput, match="'naive' is the paper's, of stations alone"):
         fit_friction(floor_session(), method="naive")
-
-
-def test_the_way_follows_a_curve():
-    radius, turn = 4.0, math.radians(8.0)
-    angle = np.linspace(0.0, turn, 60)
-    x, y = radius * np.sin(angle), radius * (1 - np.cos(angle))
-    rng = np.random.default_rng(0)
-    way = along(x + 0.001 * rng.normal(size=60), y + 0.001 * rng.normal(size=60), 0.001)
-    assert way[-1] - way[0] == pytest.approx(radius * turn, abs=0.004)
-    assert turn_rad(x, y) == pytest.approx(turn, rel=0.02)
-    assert turn_rad(x, -y) == pytest.approx(-turn, rel=0.02)
 
 
 def across_session(seed, across_rad):

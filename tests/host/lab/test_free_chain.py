@@ -138,20 +138,6 @@ def test_the_simulator_moves_the_same_robot_the_same_way(signs):
     assert errors[2] < 0.01
 
 
-def test_only_motion_over_the_ground_counts():
-    """Galileo: a belt that moves, or a robot that moves; for any steady velocity."""
-    theta = np.array([2, -1, 0, 1, 2, -2]) * 0.05
-    still = placed(chain(rolling=0.003), theta, 0.0, 0.03, v=(0.4, 0.1), w=0.3)
-    moving = placed(chain(rolling=0.003), theta, 0.7, 0.03)
-    moving.set_ground_velocity(-0.7, 0.2)
-    moving.place(0.0, 0.0, theta[0] - theta.mean(), 0.4 - 0.7, 0.1 + 0.2, 0.3)
-    for c in (still, moving):
-        c.advance(2.0, 0.002)
-    x, y, turn, vx, vy, *rest = still.state
-    wanted = x - 1.4, y + 0.4, turn, vx - 0.7, vy + 0.2, *rest
-    assert moving.state == pytest.approx(wanted, abs=1e-9)
-
-
 def test_the_belts_step_is_short_enough():
     """The sharpest motion of a session, a zigzag that turns: ten times shorter steps say alike."""
     theta, gamma = np.array(ZIGZAG) * math.radians(7.5), math.radians(2.8)
@@ -176,35 +162,6 @@ def test_energy_of_a_push_becomes_heat(rolling):
         assert c.state[3:6] == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
     assert abs(left[0]) < 0.005
     assert left[1] == pytest.approx(left[0] / 2, rel=0.1)
-
-
-def test_a_straight_robot_comes_to_its_terminal_speed_and_coasts_as_the_closed_form():
-    ct, _, ft0, _ = WHOLE
-    whole, gamma = N * MASS, math.radians(2.4)
-    c = placed(chain(), [0.0] * N, 0.0, gamma, v=(0.1, 0.0))
-    c.advance(60.0, 0.004)
-    assert c.state[3] == pytest.approx((whole * G * math.sin(gamma) - ft0) / ct, rel=1e-4)
-    # to rest: x(t_s) of v' = -(A v + B)/m_e, the wheels' turning in m_e
-    for rolling in (0.0, 0.02 / N):
-        inert = whole + N * rolling
-        rate, drag, v0 = ct / inert, ft0 / inert, 0.9
-        stop = math.log(1 + rate * v0 / drag) / rate
-        way = (v0 + drag / rate) * (1 - math.exp(-rate * stop)) / rate - drag * stop / rate
-        c = placed(chain(rolling=rolling), [0.0] * N, v=(v0, 0.0))
-        c.advance(stop + 1.0, 0.0005)
-        assert c.state[0] == pytest.approx(way, rel=5e-4)
-        assert c.state[3] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_wheels_at_rest_hold_more_where_they_break_away():
-    gamma = math.asin(1.2 * WHOLE[2] / (N * MASS * G))  # a fifth beyond the dry force in motion
-    for breakaway, moves in ((1.0, True), (1.1, True), (1.3, False)):
-        c = placed(chain(breakaway=breakaway), [0.0] * N, 0.0, gamma)
-        c.advance(1.0, 0.002)
-        assert (c.state[0] > 0.01) is moves
-    c = placed(chain(breakaway=1.3), [0.0] * N, 0.0, gamma, v=(0.05, 0.0))
-    c.advance(5.0, 0.002)
-    assert c.state[3] > 0.05  # once it rolls, it rolls on
 
 
 def test_a_ratchet_rolls_harder_backwards():
@@ -249,16 +206,3 @@ def test_between_rails_a_robot_rolls_as_one_mass_even_where_it_was_pushed_askew(
     end = (mass * G * math.sin(math.radians(3)) - ft0) / ct
     slip = end + (0.4 + push[0] - end) * math.exp(-ct / mass * 2.0)
     assert c.state[3] + 0.4 == pytest.approx(slip, rel=2e-3)
-
-
-def test_a_led_robot_crawls_at_the_periodic_states_speed():
-    body, ground = sn.Robot(N, MASS, LENGTH), sn.Ground.whole_body(N, *WHOLE)
-    gait = sn.Gait(math.radians(60), math.radians(70), 2 * math.pi * 0.5)
-    exact = sn.steady_gait(body, ground, gait).speed_m_s
-    c, frame = chain(), 0.002
-    t = frame * np.arange(7001)[:, None]
-    joints = gait.alpha_rad * np.sin(gait.omega_rad_s * t + np.arange(N - 1) * gait.beta_rad)
-    c.set_joints(list(joints[0]))
-    c.place(0, 0, 0, 0, 0, 0)
-    rows = c.follow(np.ascontiguousarray(joints[1:]), frame, 0.001)
-    assert np.hypot(*(rows[6999] - rows[5999])[:2]) / 2.0 == pytest.approx(exact, rel=0.01)

@@ -12,7 +12,6 @@ import serpenoid as sn
 from oracle import explicit, implicit
 from oracle.params import Array, Gait, Params
 from serpenoid.model.errors import Diverged
-from serpenoid.model.link_state import LinkState
 from serpenoid.simulation.starts import start_state
 
 from . import truth_cases as tc
@@ -102,34 +101,6 @@ def test_extremes(
         assert error(sn.simulate(replace(scene, method=method)), exact) < 3e-7, method
 
 
-@pytest.mark.parametrize("mass", [1e-6, 1e3])
-@pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e6])
-@pytest.mark.parametrize("alpha", [1.0, 170.0])
-@pytest.mark.parametrize("omega", [0.01, 100.0])
-def test_the_two_methods_agree_or_the_explicit_one_refuses(
-    mass: float, ratio: float, alpha: float, omega: float
-) -> None:
-    """Two codes, two state spaces. Where friction over mass is 1e9 times omega no explicit method
-    gets anywhere and it must say so at once.
-    """
-    gait = sn.Gait(math.radians(alpha), math.radians(80), omega)
-    scene = sn.Scene(
-        SIX,
-        sn.Ground(0.01, 0.01 * ratio),
-        gait,
-        tolerance=1e-9,
-        duration_s=3.3 * gait.period_s,
-        dt_s=gait.period_s / 16,
-        start="link1_at_rest",
-    )
-    scene = replace(scene, robot=sn.Robot(6, mass, 0.12))
-    fast = sn.simulate(replace(scene, method="collocation"))
-    fine = sn.simulate(replace(scene, method="collocation", tolerance=1e-11))
-    assert error(fast, link1(fine)) < 1e-7
-    if 0.01 * max(ratio, 1) / mass < 1e4 * omega:
-        assert error(fast, link1(sn.simulate(replace(scene, method="dop853")))) < 1e-7
-
-
 def test_a_stiff_scene_is_refused_by_the_explicit_method() -> None:
     scene = sn.Scene(
         sn.Robot(6, 1e-6, 0.12),
@@ -143,32 +114,6 @@ def test_a_stiff_scene_is_refused_by_the_explicit_method() -> None:
     with pytest.raises(Diverged, match="stiff"):
         sn.simulate(scene)
     assert time.process_time() - began < 20  # the run itself would take hours
-
-
-@pytest.mark.parametrize("method", BOTH)
-def test_without_friction_momentum_stays(method: str) -> None:
-    """A sliding, turning start on ice: velocity of the centre of mass and spin over 300 cycles."""
-    gait = sn.Gait(math.radians(50), math.radians(80), 5.0)
-    start = LinkState.in_gait(SIX, gait, 0.0, [0, 0, 0.3], [0.2, -0.1, 0.7])
-    run = sn.simulate(
-        sn.Scene(
-            SIX,
-            sn.Ground(0.0, 0.0),
-            gait,
-            method=method,
-            tolerance=1e-11,
-            start=start,
-            dt_s=gait.period_s / 2,
-            duration_s=300 * gait.period_s,
-        )
-    )
-    x, y = (v - v.mean(axis=1, keepdims=True) for v in (run.x_m, run.y_m))
-    inertia = SIX.inertia_kg_m2 * run.omega_rad_s.sum(axis=1)
-    spin = (x * run.vy_m_s - y * run.vx_m_s).sum(axis=1) * SIX.link_mass_kg + inertia
-    lost = 1e-12 if method == "collocation" else 1e-8
-    assert np.ptp(np.hypot(run.vx_m_s.mean(axis=1), run.vy_m_s.mean(axis=1))) < lost
-    assert np.ptp(run.vx_m_s.mean(axis=1)) + np.ptp(run.vy_m_s.mean(axis=1)) < 1e-8
-    assert np.ptp(spin) < lost * spin[0]
 
 
 def test_collocation_of_a_steering_gait() -> None:

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 import serpenoid as sn
-from serpenoid import _core
-from serpenoid.simulation import stability
-from serpenoid.simulation.core_run import core_request
 from serpenoid.simulation.methods import METHODS
 
 ROBOT, GROUND = sn.Robot(4, 0.08, 0.09, 2.5e-4), sn.Ground(0.3, 3.0)
@@ -64,90 +59,6 @@ def test_a_method_has_the_order_it_declares(method: str, formulation: str, drive
     errors = [np.abs(end_of(scene, steps) - exact).max() for steps in counts]
     assert errors[0] < 0.1
     assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.25)
-
-
-@pytest.mark.parametrize("c", [1.0, 300.0])
-@pytest.mark.parametrize(
-    "method", sorted({m for m, formulation, _ in FIXED if formulation == "implicit"})
-)
-def test_a_step_is_refused_from_where_runs_begin_to_grow(method: str, c: float) -> None:
-    """Just inside the limit a disturbance of the gaps decays; a tenth outside it explodes."""
-    still = sn.Scene(
-        ROBOT,
-        sn.Ground(0, 0),
-        sn.Gait(0.0, 0.0, 1.0),
-        formulation="implicit",
-        method=method,
-        joint_stiffness_n_m=1e4,
-        joint_damping_n_s_m=c,
-        start="link1_at_rest",
-    )
-    limit = stability.largest_stable_step_s(still)
-    ajar = 1e-9 * np.random.default_rng(3).normal(size=(2, 4))
-    start = sn.LinkState.joined(ROBOT, np.zeros(6), np.zeros(6))
-    start = replace(start, x_m=start.x_m + ajar[0], y_m=start.y_m + ajar[1]).packed()
-    opened = []
-    for factor in (0.98, 1.1):
-        dt = factor * limit
-        scene = replace(still, dt_s=dt, duration_s=80_000 * dt, record_every=80_000)
-        out = _core.run(core_request(scene), start, None)  # without the refusal
-        gaps = np.abs(np.diff(out["x_m"][-1]) - ROBOT.link_length_m).max()
-        opened.append(gaps if out["failed_at"] < 0 else math.inf)
-    assert opened[0] < 1e-6
-    assert opened[1] > 1e-3
-
-
-WAY_OUT = r"(method|formulation|record without) ('\w+'(?: or '\w+')*)"
-
-
-def scenes_of_every_kind() -> list[dict[str, Any]]:
-    """Return what a scene may ask for, in all combinations that make a difference to a method."""
-    drives: list[dict[str, Any]] = [
-        {},
-        {"drive": "torque", "torque": [0.0, 0.0]},
-        {"drive": "servo", "servo": sn.Servo()},
-        {"limp": (1,)},
-        {"incline_rad": 0.1},
-    ]
-    grounds: list[dict[str, Any]] = [
-        {"ground": sn.Ground(0.1, 1.0)},
-        {"ground": sn.Ground(0.1, 1.0, 0.01, 0.02)},
-        {"ground": sn.Ground(0.1, 1.0, 0.01, 0.02), "smoothing_m_s": 1e-2},
-    ]
-    records: list[dict[str, Any]] = [{}, {"record": ("energy",)}, {"record": ("joints",)}]
-    return [
-        {"formulation": formulation, **drive, **ground, **record}
-        for formulation in ("explicit", "implicit")
-        for drive in drives
-        for ground in grounds
-        for record in records
-    ]
-
-
-@pytest.mark.parametrize("asked", scenes_of_every_kind())
-def test_every_way_out_that_an_error_names_runs(asked: dict[str, Any]) -> None:
-    """Follow the advice for every method: it leads to a scene, never to the next error."""
-    robot, gait = sn.Robot(3, 1.0, 0.12), sn.Gait(0.3, 0.5, 3.0)
-    fields = {"robot": robot, "gait": gait, "duration_s": 2e-3, "dt_s": 1e-3, **asked}
-    sn.simulate(sn.Scene(**fields))  # by the method that it takes itself
-    for method in METHODS:
-        try:
-            sn.Scene(**fields, method=method)
-        except sn.BadInput as error:
-            advice = str(error).split("; take ")[1]
-            for way in re.findall(
-                r"(method|formulation|record without) ('\w+'(?: or '\w+')*)", advice
-            ):
-                for word in re.findall(r"\w+", way[1].replace(" or ", " ")):
-                    sn.simulate(
-                        sn.Scene(**(fields | {"method": method} | change(way[0], word, asked)))
-                    )
-
-
-def change(what: str, word: str, asked: dict[str, Any]) -> dict[str, Any]:
-    if what == "record without":
-        return {"record": tuple(r for r in asked["record"] if r != word)}
-    return {what: word}
 
 
 def test_a_scene_that_names_no_method_chooses_anew_when_changed() -> None:

@@ -149,46 +149,6 @@ def test_explicit_forces_are_those_of_the_reference() -> None:
     assert checked > 30
 
 
-def test_explicit_on_a_slope() -> None:
-    """Without dry friction it is rk4's motion and forces; with it, that of very stiff springs."""
-    scene = sn.Scene(
-        OF_2005,
-        sn.Ground(0.1, 1.0),
-        GAIT,
-        method="nonsmooth",
-        incline_rad=0.2,
-        tolerance=1e-9,
-        incline_direction_rad=1.0,
-        dt_s=1e-2,
-        duration_s=1.0,
-        record=("joints", "friction"),
-        start="link1_at_rest",
-    )
-    found = sn.simulate(scene)
-    wanted = sn.simulate(replace(scene, method="rk4", dt_s=1e-3, record_every=10))
-    for name in (
-        "x_m",
-        "theta_rad",
-        "omega_rad_s",
-        "friction_x_n",
-        "joint_force_y_n",
-        "joint_torque_nm",
-    ):
-        assert getattr(found, name) == pytest.approx(getattr(wanted, name), abs=2e-9), name
-    dry = replace(scene, ground=BINGHAM)
-    stiff = replace(
-        dry,
-        formulation="implicit",
-        joint_stiffness_n_m=1e5,
-        joint_damping_n_s_m=10.0,
-        dt_s=5e-5,
-        record_every=200,
-    )
-    exact, soft = sn.simulate(dry), sn.simulate(stiff)
-    assert np.abs(soft.theta_rad - exact.theta_rad).max() < 3e-3
-    assert np.abs(soft.x_m - exact.x_m).max() < 1e-3
-
-
 def test_what_other_methods_make_of_sticking() -> None:
     """sgn 0 = 0 chatters: speeds of order 1, torques that no step mends (Scene quotes them)."""
     gait = replace(GAIT, omega_rad_s=1.0)

@@ -60,7 +60,8 @@ def test_a_torque_table_outlives_its_request() -> None:
 @pytest.mark.parametrize("method", stability_map.fixed_step_methods())
 def test_what_runs_does_not_grow_and_what_grows_is_refused(method: str) -> None:
     """Around the limit by the modes: a disturbance grows half above and not just below."""
-    for links, damping, stiffness in ((2, 1e3, 1e5), (6, 300.0, 1e6), (6, 30.0, 1e4)):
+    # from 60 links on the limit is by a bound of the modes
+    for links, damping, stiffness in ((2, 1e3, 1e5), (6, 300, 1e6), (6, 30, 1e4), (80, 30, 1e5)):
         limit = stability_map.limit_s(method, links, damping, stiffness)
         at = (method, links, damping, stiffness)
         below, above = stability_map.line_of_growth(*at, (0.98 * limit, 1.5 * limit), 3000)
