@@ -16,7 +16,7 @@ from scipy.optimize import minimize, minimize_scalar
 
 from ..model.checks import check_choice, check_number
 from ..model.core_model import check_parts
-from ..model.errors import NotConverged, SerpenoidError
+from ..model.errors import BadInput, NotConverged, SerpenoidError
 from ..model.gait import Gait
 from ..model.ground import Ground
 from ..model.robot import Robot
@@ -28,9 +28,12 @@ from .shapes import COSTS, FINE, STATES, Array, Point, angles_of, better, near_r
 from .table import GaitTable
 
 ANY = GaitLimits()
-MOST_LENGTHS_A_SECOND = 1e4  # a faster wish makes no sense
+# no snake robot comes near; without a limit of servos or rate (the first) it takes minutes beyond
+MOST_LENGTHS_A_SECOND = 100.0, 1e4
 FIRST = 0.15  # e-folds of shape: the first simplex, half a step of the table; later ones are half
 ROUGH = 0.02  # e-folds of shape: where the first descents end, and what lies on a limit for them
+AROUND = 12  # shapes of a ring around the best, half a radius from each to the next
+AS_LOW = 0.1  # e-folds of cost: a ring's shape this much above the best may lead to a lower one
 ROUNDS = 3  # closer searches at most: each gains less than a third of the one before
 _NEAR_MISS = 10  # times the accuracy asked for: a state this good still ranks shapes
 
@@ -128,9 +131,16 @@ class Finder:
         springs: tuple[float, float] | None = None,
     ) -> None:
         check_parts(robot, ground)
-        most = MOST_LENGTHS_A_SECOND * robot.links * robot.link_length_m
+        limited = min(limits.servo_speed_rad_s, limits.omega_high_rad_s) < math.inf
+        lengths = MOST_LENGTHS_A_SECOND[limited]
         for speed in speeds:
-            check_number("speed_m_s", speed, 0.0, most, open_low=True)
+            most = lengths * robot.body_length_m
+            if check_number("speed_m_s", speed, 0.0, open_low=True) > most:
+                raise BadInput(
+                    f"speed_m_s is {speed:g}; it must be at most {most:.4g}, {lengths:g} lengths "
+                    "of the body a second, and no snake robot comes near. Ask for less speed"
+                    f"{'' if limited else ', or limit the speed of the servos'}"
+                )
         check_choice("cost", cost, COSTS)
         smooth = ground.smooth and springs is None
         # of the searched states, of their speeds, and of places where a descent ends
@@ -212,8 +222,9 @@ class Finder:
         """Return the least and greatest coordinates that are searched."""
         least_lag = min(0.08, 0.8 / self.robot.links)
         # a standing wave, of 180 degrees, goes nowhere without a ratchet
-        most_lag = math.pi if self.ground.ratchet else math.radians(175.0)
-        return np.log([math.radians(1.0), least_lag]), np.log([math.radians(150.0), most_lag])
+        most_lag = math.radians(180.0 - 1e-3 if self.ground.ratchet else 175.0)
+        low, high = np.tan(np.array([least_lag, most_lag]) / 2)
+        return np.log([math.radians(1.0), low]), np.log([math.radians(150.0), high])
 
     def descend(self, speed: float, start: Point, size: float, ends: float) -> Point:
         """Return the lowest point of a valley, also along the limits that it reaches.
@@ -265,19 +276,33 @@ class Finder:
         """
         if not ends or ends[0].margin < 0:
             return self.unreachable(speed, ends)
+        ends = sorted([*ends, *self.around(speed, ends[0])], key=better)
         best, radius, gap = self.in_order(speed, ends[0]), FIRST / 2, math.inf
         for turn in range(ROUNDS):
             if gap < STATES:
                 break
-            angles = math.pi / 4 * (turn + np.array([0, 4, 2, 6]))
-            sides = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-            around = [replace(best, shape=best.shape + side) for side in sides]
+            starts = [replace(best, shape=side) for side in ring(best.shape, radius, 4, turn / 2)]
             lows = sorted(
-                [self.descend(speed, start, -radius / 2, self.ends) for start in around], key=better
+                [self.descend(speed, start, -radius / 2, self.ends) for start in starts], key=better
             )
             gap = abs(best.value - lows[0].value) + lows[1].value - lows[0].value
             best, radius = min([best, lows[0]], key=better), radius / 2
         return self.finish(speed, best, gap + self.miss, ends[1:])
+
+    def around(self, speed: float, best: Point) -> list[Point]:
+        """Return where descents end that start from the low shapes of a ring around the best.
+
+        A flat valley may have low places that are closer to each other than the table's starts.
+        """
+        shapes = ring(best.shape, 2 * FIRST, AROUND)
+        points = [self.point(np.clip(shape, *self.bounds()), speed, best) for shape in shapes]
+        low = [
+            point
+            for k, point in enumerate(points)
+            if point.price <= min(points[k - 1].price, points[(k + 1) % AROUND].price)
+            and point.price < best.price + AS_LOW
+        ]
+        return [self.descend(speed, point, FIRST / 2, ROUGH) for point in low]
 
     def in_order(self, speed: float, best: Point) -> Point:
         """Return the best gait, or a cheaper one that a search shows which must not beat it.
@@ -380,6 +405,12 @@ class Finder:
         way = "lower" if name == "omega_low_rad_s" else "higher"
         more = 100 * math.expm1(-short)
         return f"; the nearest of {len(gaits)} needs a {LIMIT_NAMES[name]} {more:.3g} % {way}"
+
+
+def ring(centre: Array, radius: float, count: int, turn: float = 0.0) -> Array:
+    """Return shapes on a circle around one; turn: by so many parts of it the first is moved on."""
+    angles = math.tau / count * (turn + np.arange(count))
+    return centre + radius * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 class Valley:

@@ -25,7 +25,8 @@ from .sampled_speeds import KEEP, Samples, low_speed, low_speed_error
 from .shapes import FINE, STATES, Array, Point, better
 from .uncertainty import Sample, Uncertainty
 
-_FOR_SHAPE = 256  # samples that choose the shape; an eighth of them rank the table's shapes
+# samples that choose the shape, half as many with servos; an eighth rank the table's shapes
+_FOR_SHAPE = 256
 _RANKED = 0.1, 30  # e-folds of shape between those that are ranked, and how many they are
 _DRIVEN = 512  # samples at most with servos, which cost ten times as much
 _SURE = 2.0  # standard errors between two sets of samples: more is no chance
@@ -176,7 +177,8 @@ def robust_gait(
     """
     check_number("samples", samples, 20, 65536)
     uncertainty, wanted = uncertainty or Uncertainty(), float(speed_m_s)
-    count = samples if uncertainty.servo is None else min(samples, _DRIVEN)
+    driven = uncertainty.servo is not None
+    count, for_shape = (min(samples, _DRIVEN), _FOR_SHAPE // 2) if driven else (samples, _FOR_SHAPE)
     finders = [Finder(robot, on, [wanted], cost, limits) for on in directions(ground)]
     fragile = cheaper(finders, [finder.front([wanted])[0] for finder in finders])
     if isinstance(fragile, NotConverged):
@@ -185,7 +187,7 @@ def robust_gait(
     def draw(part: int) -> list[Sample]:
         return uncertainty.samples(robot, ground, count, seed + part, skip=part * count)
 
-    rate_by, fresh, choose_by = draw(0), draw(1), draw(2)[:_FOR_SHAPE]
+    rate_by, fresh, choose_by = draw(0), draw(1), draw(2)[:for_shape]
     ends = [
         _cheapest(finder, wanted, choose_by, rate_by, turned)
         for finder, turned in zip(finders, (False, True), strict=False)
@@ -233,7 +235,7 @@ def _cheapest(
         return min(state.speed_m_s, followed[-1].low(gait) / optimism / KEEP)
 
     def set_by(gait: Gait, state: Any) -> float:
-        return min(state.speed_m_s, low_speed(setting.speeds(gait, rough=True)) / KEEP)
+        return min(state.speed_m_s, slowest.low(gait, smooth=False) / KEEP)
 
     search, settle = copy(nominal), copy(nominal)
     search.speed, settle.speed = chosen_by, set_by
@@ -248,9 +250,11 @@ def _cheapest(
             best = search.descend(wanted, best, size, ROUGH)
         if best.gait is None:
             return None
+        slowest = setting.slowest(best.gait)
+        followed.append(slowest)
         best = settle.point(best.shape, wanted, best, STATES)
         if best.gait is not None and best.margin < 0:
-            optimism *= choosing.low(best.gait) / low_speed(setting.speeds(best.gait))
+            optimism *= choosing.low(best.gait) / slowest.low(best.gait)
             continue
         sampled = sum(samples.solved for samples in (choosing, setting, *followed))
         nominal.solved["states"] += sampled

@@ -44,9 +44,10 @@ class Samples:
         """Return how many of the slowest may be those of the 5th percentile."""
         return round(_SLOWEST * QUANTILE * self.count) + 3
 
-    def low(self, gait: Gait) -> float:
-        """Return the smoothed 5th percentile of their speeds, good to a thousandth, m/s."""
-        return smooth_low_speed(self.speeds(gait, rough=True), self.count)
+    def low(self, gait: Gait, smooth: bool = True) -> float:
+        """Return the 5th percentile of their speeds, smoothed or plain, good to a thousandth."""
+        speeds = self.speeds(gait, rough=True)
+        return smooth_low_speed(speeds, self.count) if smooth else low_speed(speeds, self.count)
 
     def speeds(self, gait: Gait, rough: bool = False) -> Array:
         """Return the speed of each, m/s, with its servo; 0 where none was found.
@@ -81,9 +82,10 @@ class Samples:
         return speeds
 
 
-def low_speed(speeds: Array) -> float:
-    """Return the 5th percentile of speeds."""
-    return float(np.quantile(speeds, QUANTILE))
+def low_speed(speeds: Array, count: int | None = None) -> float:
+    """Return the 5th percentile of speeds, or of `count` of which these are the slowest."""
+    rank = QUANTILE * ((count or speeds.size) - 1)
+    return float(np.interp(rank, np.arange(speeds.size), np.sort(speeds)))
 
 
 def smooth_low_speed(speeds: Array, count: int) -> float:

@@ -25,18 +25,18 @@ _LEAST_STEP = 3e-3  # e-folds of rate: shorter ones drown in the errors of state
 
 
 def shape_of(alpha_rad: float, beta_rad: float) -> Array:
-    """Return the coordinates of the search: ln of the links' amplitude, and ln beta.
+    """Return the coordinates of the search: ln of the links' amplitude, and ln tan(beta / 2).
 
     The amplitude of the links' headings, alpha / (2 sin(beta / 2)), matters more than that of the
-    joints.
+    joints. Near a standing wave, what pushes is how far beta is from 180 degrees.
     """
-    return np.log([alpha_rad / (2 * math.sin(beta_rad / 2)), beta_rad])
+    return np.log([alpha_rad / (2 * math.sin(beta_rad / 2)), math.tan(beta_rad / 2)])
 
 
 def angles_of(shape: Array) -> tuple[float, float]:
     """Return amplitude and lag of the joints, rad."""
-    swing, lag = np.exp(shape).tolist()
-    beta = min(lag, math.pi)
+    swing, tangent = np.exp(shape).tolist()
+    beta = 2 * math.atan(tangent)
     return 2 * swing * math.sin(beta / 2), beta
 
 

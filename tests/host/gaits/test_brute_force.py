@@ -162,23 +162,6 @@ def test_brute_force_over_springs_finds_none_cheaper() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("ground", "speed", "cost"),
-    [
-        (VISCOUS_2005, 0.05, "power"),
-        (VISCOUS_2005, 0.3, "abs_power"),
-        (VISCOUS_2005, 0.1, "positive_power"),
-        (BINGHAM, 0.1, "power"),
-    ],
-)
-def test_brute_force_over_springs_of_the_2005_robot(
-    ground: sn.Ground, speed: float, cost: str
-) -> None:
-    best, found = by_springs(OF_2005, ground, speed, cost, (1e3, 1.0), starts=1, levels=2, near=3)
-    assert_none_cheaper(best, found)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 def test_brute_force_over_random_springs_finds_none_cheaper(seed: int) -> None:
     """Resonances of the joints from well below the gaits' rates to well above them."""
